@@ -1,0 +1,47 @@
+"""haptisym: evaluate haptic displays symbolically. What is felt instead, when it is noticed, and as what.
+
+>>> import haptisym as hs
+>>> m, b, k = hs.symbols("m b k")
+>>> d = hs.distort(hs.environments.mass_spring_damper(m, b, k), hs.effects.first_order_lag(hs.symbols("omega_c")))
+>>> d.relative_real
+-omega**2/(omega**2 + omega_c**2)
+"""
+
+from . import effects, environments
+from .catalogue import Effect, Environment
+from .crossings import Crossing, CrossingKind
+from .distortion import Distortion, distort
+from .errors import ExpressionError, HaptisymError, SceneError, UndecidedError
+from .evaluation import Evaluation, evaluate
+from .jnd import Part, Threshold
+from .percepts import Change, Percept, Property
+from .scene import Scene
+from .symbols import omega, s, symbols
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Change",
+    "Crossing",
+    "CrossingKind",
+    "Distortion",
+    "Effect",
+    "Environment",
+    "Evaluation",
+    "ExpressionError",
+    "HaptisymError",
+    "Part",
+    "Percept",
+    "Property",
+    "Scene",
+    "SceneError",
+    "Threshold",
+    "UndecidedError",
+    "distort",
+    "effects",
+    "environments",
+    "evaluate",
+    "omega",
+    "s",
+    "symbols",
+]

@@ -1,0 +1,316 @@
+"""How a model is written down once: its signature says the parameters, their units and rules; its body is the equation.
+
+A model function is written with symbols in mind and decorated with ``@environment`` or ``@effect``. What a user calls
+is the checked version: numbers, strings with units or symbols go in, an ``Environment`` or an ``Effect`` comes out.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from functools import wraps
+from typing import Annotated, Any, TypeAlias, get_args, get_type_hints
+
+from sympy import Expr, Integer, Symbol
+
+from . import expressions
+from .errors import SceneError
+from .quantities import Dimension, Motion, Number, decimal, quantity
+from .roots import sign_of_number
+from .symbols import s
+
+Matrix: TypeAlias = tuple[Expr, Expr, Expr, Expr]
+
+
+class Rule(Enum):
+    """What values a parameter may have."""
+
+    POSITIVE = "must be > 0"
+    NONNEGATIVE = "must be >= 0"
+    ANY = "may have any value"
+    FRACTION = "must lie between 0 and 1"
+    ORDER = "must be a whole number from 1 to 10"
+
+    def allows(self, value: Expr) -> bool:
+        """Whether an exact number keeps the rule; symbols are taken at their word."""
+        if value.free_symbols:
+            return self is not Rule.ORDER
+        sign = sign_of_number(value)
+        if self is Rule.POSITIVE:
+            return sign > 0
+        if self is Rule.NONNEGATIVE:
+            return sign >= 0
+        if self is Rule.FRACTION:
+            return sign > 0 and sign_of_number(value - 1) < 0
+        if self is Rule.ORDER:
+            return bool(value.is_Integer) and 1 <= int(value) <= 10
+        return True
+
+
+@dataclass(frozen=True)
+class Slot:
+    """A place for a parameter in a model: what it measures, what it may be, whether it may be absent or a list."""
+
+    dimension: Dimension
+    rule: Rule = Rule.POSITIVE
+    required: bool = True
+    several: bool = False
+    formula: bool = False
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A named number of a scene: its symbol in formulas and its exact value (SI; or a symbol that the user chose)."""
+
+    symbol: Symbol
+    value: Expr
+    dimension: Dimension
+    motion: Motion | None = None
+    key: str = ""
+    """Its name in the model, as a scene file writes it."""
+
+
+@dataclass(frozen=True)
+class Model:
+    """One row of the catalogue: its name in scene files, its parameters and the function that builds it."""
+
+    name: str
+    slots: Mapping[str, Slot]
+    build: Callable[..., Any]
+    summary: str
+
+
+@dataclass(frozen=True)
+class Environment:
+    """What should be felt: H_env(s), force per position.
+
+    ``dynamics`` is written in the parameters' symbols, ``H`` with their values in place.
+    """
+
+    model: str
+    parameters: tuple[Parameter, ...]
+    dynamics: Expr
+
+    @property
+    def H(self) -> Expr:
+        return self.dynamics.xreplace(values(self.parameters))
+
+    def renamed(self, names: Mapping[Symbol, Symbol]) -> Environment:
+        """The same environment with other symbols for its parameters."""
+        return replace(self, parameters=_renamed(self.parameters, names), dynamics=self.dynamics.xreplace(names))
+
+
+@dataclass(frozen=True)
+class Effect:
+    """What stands between environment and hand: a chain matrix, ``[F_h; X_h] = [[A, B], [C, D]] [F_e; X_e]``."""
+
+    model: str
+    parameters: tuple[Parameter, ...]
+    dynamics: Matrix = field(repr=False)
+    name: str = ""
+
+    @property
+    def matrix(self) -> Matrix:
+        a, b, c, d = (entry.xreplace(values(self.parameters)) for entry in self.dynamics)
+        return a, b, c, d
+
+    def renamed(self, names: Mapping[Symbol, Symbol]) -> Effect:
+        """The same effect with other symbols for its parameters."""
+        a, b, c, d = (entry.xreplace(names) for entry in self.dynamics)
+        return replace(self, parameters=_renamed(self.parameters, names), dynamics=(a, b, c, d))
+
+
+def values(parameters: Sequence[Parameter]) -> dict[Symbol, Expr]:
+    """From each parameter's symbol to its value."""
+    return {p.symbol: p.value for p in parameters}
+
+
+def _renamed(parameters: Sequence[Parameter], names: Mapping[Symbol, Symbol]) -> tuple[Parameter, ...]:
+    return tuple(replace(p, symbol=names.get(p.symbol, p.symbol)) for p in parameters)
+
+
+ENVIRONMENTS: dict[str, Model] = {}
+EFFECTS: dict[str, Model] = {}
+
+
+def environment(name: str) -> Callable[[Callable[..., Expr]], Callable[..., Environment]]:
+    """Enter a model function, parameters to H(s), in the catalogue under its name in scene files."""
+
+    def decorate(equation: Callable[..., Expr]) -> Callable[..., Environment]:
+        slots = _slots(equation)
+
+        @wraps(equation)
+        def build(*args: Any, **kwargs: Any) -> Environment:
+            parameters, arguments = _bind(equation, slots, args, kwargs)
+            return Environment(name, parameters, _expression(equation(**arguments)))
+
+        ENVIRONMENTS[name] = Model(name, slots, build, _summary(equation))
+        return build
+
+    return decorate
+
+
+def effect(model: str) -> Callable[[Callable[..., Matrix]], Callable[..., Effect]]:
+    """Enter a model function, parameters to chain matrix (A, B, C, D), in the catalogue under its name in scene files."""
+
+    def decorate(equation: Callable[..., Matrix]) -> Callable[..., Effect]:
+        slots = _slots(equation)
+
+        @wraps(equation)
+        def build(*args: Any, name: str = "", **kwargs: Any) -> Effect:
+            parameters, arguments = _bind(equation, slots, args, kwargs)
+            a, b, c, d = map(_expression, equation(**arguments))
+            return Effect(model, parameters, (a, b, c, d), name or model)
+
+        EFFECTS[model] = Model(model, slots, build, _summary(equation))
+        return build
+
+    return decorate
+
+
+def _expression(entry: Expr | int) -> Expr:
+    """A matrix entry written as the plain number 0 or 1, as a SymPy number."""
+    return Integer(entry) if isinstance(entry, int) else entry
+
+
+def _summary(equation: Callable[..., Any]) -> str:
+    return (inspect.getdoc(equation) or "").split("\n")[0]
+
+
+def _slots(equation: Callable[..., Any]) -> dict[str, Slot]:
+    """The parameters of a model, read off its signature: an argument with a default may be absent."""
+    hints = get_type_hints(equation, include_extras=True)
+    found = {}
+    for name, argument in inspect.signature(equation).parameters.items():
+        slot = next(x for x in get_args(hints[name]) if isinstance(x, Slot))
+        found[name] = replace(slot, required=argument.default is inspect.Parameter.empty)
+    return found
+
+
+def _bind(
+    equation: Callable[..., Any], slots: Mapping[str, Slot], args: tuple[Any, ...], kwargs: dict[str, Any]
+) -> tuple[tuple[Parameter, ...], dict[str, Any]]:
+    """The parameters of a call, checked, and the symbols (or formulas) to call the equation with."""
+    formulas = any(slot.formula for slot in slots.values())
+    named = kwargs.pop("parameters", {}) if formulas else {}
+    given = _given(slots, args, kwargs, formulas=formulas)
+    free = tuple(_parameter(key, value, _NAMED, key) for key, value in dict(named).items())
+    parameters: list[Parameter] = list(free)
+    arguments: dict[str, Any] = {}
+    for key, value in given.items():
+        slot = slots[key]
+        if slot.formula:
+            arguments[key] = _formula(key, value, free)
+        elif slot.rule is Rule.ORDER:
+            arguments[key] = int(_parameter(key, value, slot, key).value)
+        elif slot.several:
+            own = _parameters(key, value, slot)
+            parameters += own
+            arguments[key] = [p.symbol for p in own]
+        else:
+            own = [_parameter(key, value, slot, key)]
+            parameters += own
+            arguments[key] = own[0].symbol
+    return tuple(parameters), arguments
+
+
+def _given(
+    slots: Mapping[str, Slot], args: tuple[Any, ...], kwargs: dict[str, Any], *, formulas: bool
+) -> dict[str, Any]:
+    valid = [*slots, *(["parameters"] if formulas else [])]
+    if len(args) > len(slots):
+        raise SceneError(f"too many parameters: expected {', '.join(valid)}")
+    given = {**dict(zip(slots, args, strict=False)), **kwargs}
+    for key in given:
+        if key not in slots:
+            raise SceneError(f'unknown parameter "{key}": valid are {", ".join(valid)}')
+    missing = [key for key, slot in slots.items() if slot.required and key not in given]
+    if missing:
+        raise SceneError(
+            f"parameter {missing[0]} is missing: required are {', '.join(k for k, x in slots.items() if x.required)}"
+        )
+    return {key: given[key] for key in slots if key in given}
+
+
+def _parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
+    if not name.isidentifier() or name in ("s", "omega", "pi", "j"):
+        raise SceneError(f'"{name}" cannot name a parameter: use letters, digits and _, and not s, omega, pi or j')
+    try:
+        read = quantity(given, slot.dimension)
+    except SceneError as error:
+        raise error.within(key) from None
+    if not slot.rule.allows(read.value):
+        raise SceneError(f"{key}: {_shown(given)} {slot.rule.value}")
+    symbol = Symbol(name, real=True) if slot.rule is Rule.ANY else Symbol(name, positive=True)
+    return Parameter(symbol, read.value, slot.dimension, read.motion, key)
+
+
+def _parameters(key: str, given: Any, slot: Slot) -> list[Parameter]:
+    if not isinstance(given, Sequence) or isinstance(given, str) or not given:
+        raise SceneError(f"{key}: {_shown(given)} must be a list of at least one quantity")
+    if len(given) > MOST_BRANCHES:
+        raise SceneError(f"{key}: a list may have at most {MOST_BRANCHES} entries, this one has {len(given)}")
+    return [
+        replace(_parameter(f"{key}[{i}]", x, slot, f"{key}_{i}"), key=f"{key}[{i}]") for i, x in enumerate(given, 1)
+    ]
+
+
+MOST_BRANCHES = 20  # of a list parameter: as many Maxwell branches as any published tissue model has
+
+
+def _formula(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
+    """A formula as an expression in ``s`` and the parameters' symbols."""
+    if isinstance(given, Expr):
+        by_name = {p.symbol.name: p.symbol for p in parameters}
+        return given.xreplace({x: by_name[x.name] for x in given.free_symbols if x.name in by_name})
+    if isinstance(given, int | float):
+        given = str(given)
+    if not isinstance(given, str):
+        raise SceneError(f"{key}: {_shown(given)} is not a formula: write it as a string")
+    names: dict[str, Expr] = {"s": s, **{p.symbol.name: p.symbol for p in parameters}}
+    try:
+        return expressions.evaluate(given, number=_number, name=lambda name: _known(name, names))
+    except SceneError as error:
+        raise error.within(key) from None
+
+
+def _number(text: str) -> Expr:
+    return decimal(text)
+
+
+def _known(name: str, names: Mapping[str, Expr]) -> Expr:
+    if name not in names:
+        raise ValueError(f'unknown name "{name}" (known are {", ".join(names)}; add others under parameters)')
+    return names[name]
+
+
+def _shown(given: object) -> str:
+    text = str(given)
+    return f'"{text[:60]}..."' if len(text) > 60 else f'"{text}"'
+
+
+# What model signatures are made of. Environments are passive: their parameters cannot be negative.
+Mass: TypeAlias = Annotated[Any, Slot(Dimension.MASS, Rule.NONNEGATIVE)]
+Damping: TypeAlias = Annotated[Any, Slot(Dimension.DAMPING, Rule.NONNEGATIVE)]
+Stiffness: TypeAlias = Annotated[Any, Slot(Dimension.STIFFNESS, Rule.NONNEGATIVE)]
+PositiveMass: TypeAlias = Annotated[Any, Slot(Dimension.MASS)]
+PositiveDamping: TypeAlias = Annotated[Any, Slot(Dimension.DAMPING)]
+PositiveStiffness: TypeAlias = Annotated[Any, Slot(Dimension.STIFFNESS)]
+StiffnessList: TypeAlias = Annotated[Any, Slot(Dimension.STIFFNESS, several=True)]
+DampingList: TypeAlias = Annotated[Any, Slot(Dimension.DAMPING, several=True)]
+SignedMass: TypeAlias = Annotated[Any, Slot(Dimension.MASS, Rule.ANY)]
+SignedDamping: TypeAlias = Annotated[Any, Slot(Dimension.DAMPING, Rule.ANY)]
+SignedStiffness: TypeAlias = Annotated[Any, Slot(Dimension.STIFFNESS, Rule.ANY)]
+Frequency: TypeAlias = Annotated[Any, Slot(Dimension.FREQUENCY)]
+Time: TypeAlias = Annotated[Any, Slot(Dimension.TIME, Rule.NONNEGATIVE)]
+PositiveTime: TypeAlias = Annotated[Any, Slot(Dimension.TIME)]
+DampingRatio: TypeAlias = Annotated[Any, Slot(Dimension.RATIO, Rule.NONNEGATIVE)]
+Order: TypeAlias = Annotated[Any, Slot(Dimension.RATIO, Rule.ORDER)]
+FractionalOrder: TypeAlias = Annotated[Any, Slot(Dimension.RATIO, Rule.FRACTION)]
+FractionalStiffness: TypeAlias = Annotated[Any, Slot(Dimension.ANY)]
+Force: TypeAlias = Annotated[Any, Slot(Dimension.FORCE, Rule.NONNEGATIVE)]
+Amplitude: TypeAlias = Annotated[Any, Slot(Dimension.DISPLACEMENT)]
+Formula: TypeAlias = Annotated[Any, Slot(Dimension.ANY, Rule.ANY, formula=True)]
+_NAMED = Slot(Dimension.ANY, Rule.ANY)

@@ -1,0 +1,95 @@
+"""Step 1, when: the frequencies at which a distortion becomes, or stops being, noticeable."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from sympy import Expr
+
+from .distortion import Distortion, part_of
+from .jnd import Part, Threshold
+from .reals import RealNumber
+from .response import RationalFunction, RealFunction
+from .roots import Chart, Interval, Point
+
+
+class CrossingKind(Enum):
+    """How a ratio r meets its threshold c as omega grows."""
+
+    EXCEEDS = "exceeds"
+    RETURNS = "returns"
+    TOUCHES = "touches"
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """A frequency at which r_r or r_i equals its threshold; ``sign`` is that of Re dH or Im dH there."""
+
+    part: Part
+    omega: RealNumber
+    kind: CrossingKind
+    sign: int
+    multiplicity: int
+
+
+class Curve(Enum):
+    """The real functions whose signs answer the questions; each exists for both parts."""
+
+    EXCESS = "r^2 - c^2"
+    ENVIRONMENT = "Re or Im of H_env"
+    PERCEIVED = "Re or Im of H_perc"
+    DIFFERENCE = "Re or Im of dH"
+    SUM = "Re or Im of H_env + H_perc; its sign times that of dH compares the magnitudes"
+
+
+def curves(d: Distortion, threshold: Threshold) -> dict[tuple[Curve, Part], RealFunction]:
+    """All real functions that an evaluation asks about."""
+    both = RationalFunction(d.env.ring, d.env.numerator, d.env.denominator) + d.perc
+    total = both.reduced().on_axis()
+    found = {}
+    for part in Part:
+        found[Curve.EXCESS, part] = excess(d, threshold[part], part)
+        found[Curve.ENVIRONMENT, part] = part_of(d.env_response, part)
+        found[Curve.PERCEIVED, part] = part_of(d.perc_response, part)
+        found[Curve.DIFFERENCE, part] = part_of(d.difference_response, part)
+        found[Curve.SUM, part] = part_of(total, part)
+    return found
+
+
+def excess(d: Distortion, c: Expr, part: Part) -> RealFunction:
+    """r^2 - c^2 in lowest terms: positive exactly where r > c, zero exactly where r = c, a pole where r is unbounded.
+
+    As common factors are gone, a resonance at which H_env and dH vanish together invents no crossing.
+    """
+    square = d.squared_ratios[part].function
+    limit = square.ring.convert(c) ** 2
+    top = square.numerator * limit.denominator - limit.numerator * square.denominator
+    return RealFunction(RationalFunction(square.ring, top, square.denominator * limit.denominator))
+
+
+def find_crossings(chart: Chart) -> tuple[Crossing, ...]:
+    """All crossings on the band in ascending order; () means proved none."""
+    return tuple(
+        _crossing(point, part)
+        for point in chart.points
+        for part in Part
+        if point.orders.get((Curve.EXCESS, part), 0) > 0
+    )
+
+
+def _crossing(point: Point, part: Part) -> Crossing:
+    before, after = point.before[Curve.EXCESS, part], point.after[Curve.EXCESS, part]
+    kind = CrossingKind.TOUCHES if before == after else CrossingKind.EXCEEDS if after > 0 else CrossingKind.RETURNS
+    sign = point.after[Curve.DIFFERENCE, part]
+    return Crossing(part, point.omega, kind, sign, point.orders[Curve.EXCESS, part])
+
+
+def transparent_set(chart: Chart) -> tuple[Interval, ...]:
+    """All frequencies of the band with r_r <= c_real and r_i <= c_imag: closed intervals, perhaps none."""
+    return chart.where(lambda signs: all(signs[Curve.EXCESS, part] <= 0 for part in Part))
+
+
+def unbounded_points(chart: Chart) -> tuple[Point, ...]:
+    """Where a ratio has a pole: H_env = 0 while dH does not vanish with it, or dH itself is infinite."""
+    return tuple(p for p in chart.points if any(p.orders.get((Curve.EXCESS, part), 0) < 0 for part in Part))

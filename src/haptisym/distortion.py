@@ -1,0 +1,288 @@
+"""Closed forms: what is felt instead of the environment, and by how much it differs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+from sympy import Abs, Expr, I, S, Symbol, sqrt
+
+from .catalogue import Effect, Environment, Matrix
+from .errors import SceneError
+from .jnd import Part
+from .numeric import Values, compiled
+from .response import RationalFunction, RealFunction, Response, Ring
+from .symbols import X, omega, s
+
+
+def distort(environment: Environment, *effects: Effect, rendered: Environment | None = None) -> Distortion:
+    """The distortion of an environment by effects, nearest the environment first; none at all without effects.
+
+    ``rendered`` is what the controller renders where that is not the environment itself: H_perc is built on it, while
+    dH and the ratios compare with ``environment``. Parameters may be numbers or symbols. Raises SceneError where H_env is
+    zero everywhere or H_perc is not a dynamics.
+
+    >>> from . import effects, environments
+    >>> d = distort(environments.mass_spring_damper(k=100), effects.first_order_lag(20))
+    >>> d.perceived, d.real
+    (2000/(s + 20), -100*omega**2/(omega**2 + 400))
+    """
+    return chain_distortion(environment.H, rendered.H if rendered else environment.H, [e.matrix for e in effects])
+
+
+def chain_distortion(H_env: Expr, H_rendered: Expr, matrices: Sequence[Matrix]) -> Distortion:
+    """The distortion from the dynamics themselves: H_env, what is rendered for it, and the effects' chain matrices."""
+    ring = Ring.of([H_env, H_rendered, *(entry for matrix in matrices for entry in matrix)])
+    environment = ring.convert(H_env).reduced()
+    if environment.is_zero:
+        raise SceneError("the environment is zero at every frequency: there is nothing to feel")
+    perceived = ring.convert(H_rendered)
+    for matrix in matrices:
+        perceived = _through(perceived, [ring.convert(entry) for entry in matrix])
+    return Distortion(environment, perceived.reduced())
+
+
+def _through(H: RationalFunction, matrix: Sequence[RationalFunction]) -> RationalFunction:
+    """The Moebius map (A H + B)/(C H + D), without fractions inside."""
+    a, b, c, d = _cleared(matrix)
+    top = a * H.numerator + b * H.denominator
+    bottom = c * H.numerator + d * H.denominator
+    if bottom.is_zero():
+        raise SceneError("the effects make the perceived dynamics infinite at every frequency (C H + D = 0)")
+    return RationalFunction(H.ring, top, bottom)
+
+
+def _cleared(matrix: Sequence[RationalFunction]) -> list[Any]:
+    """The entries times their least common denominator, which a Moebius map does not see."""
+    common = matrix[0].denominator
+    for entry in matrix[1:]:
+        common = common * (entry.denominator / common.gcd(entry.denominator))
+    return [entry.numerator * (common / entry.denominator) for entry in matrix]
+
+
+@dataclass(frozen=True)
+class Properties:
+    """What a person makes of a dynamics at a frequency (section 2.3): closed forms in omega.
+
+    ``real``, ``imag``: Re H and Im H, N/m. ``stiffness`` = Re H, N/m; ``mass`` = -Re H/omega^2, kg; ``damping`` =
+    Im H/omega, N s/m. ``spring_inertia_force`` = X Re H (eq. 5) and ``damping_force`` = j X Im H (eq. 6): phasors of
+    the force, N, for a motion of complex amplitude X. For a rotation read N m/rad, kg m^2, N m s/rad and N m.
+    """
+
+    real: Expr
+    imag: Expr
+
+    @property
+    def stiffness(self) -> Expr:
+        return self.real
+
+    @property
+    def mass(self) -> Expr:
+        return -self.real / omega**2
+
+    @property
+    def damping(self) -> Expr:
+        return self.imag / omega
+
+    @property
+    def spring_inertia_force(self) -> Expr:
+        return X * self.real
+
+    @property
+    def damping_force(self) -> Expr:
+        return I * X * self.imag
+
+
+@dataclass(frozen=True)
+class ParameterJND:
+    """How much a single parameter must change to be noticed: dk = c|H|, db = c|H|/omega, dm = c|H|/omega^2.
+
+    N/m, N s/m and kg (for a rotation N m/rad, N m s/rad, kg m^2). Derived from eq. (4): a change of one parameter by p moves
+    Re H by dk or -omega^2 dm, or Im H by omega db.
+    """
+
+    stiffness: Expr
+    damping: Expr
+    mass: Expr
+
+
+@dataclass(frozen=True)
+class Distortion:
+    """The environment H_env, the perceived dynamics H_perc and their difference dH = H_perc - H_env (eq. 9), exact.
+
+    Closed forms are SymPy expressions in ``s`` or ``omega``, in lowest terms, with numerators and denominators in factors.
+    ``real``, ``imag``: Re dH and Im dH. ``ratio_real``, ``ratio_imag``: r_r and r_i (eq. 10), what the JND judges.
+    ``relative_real``, ``relative_imag``: Re(dH/H_env) and Im(dH/H_env), which are *not* the ratios.
+    """
+
+    env: RationalFunction = field(repr=False)
+    perc: RationalFunction = field(repr=False)
+
+    @cached_property
+    def difference(self) -> RationalFunction:
+        """dH in lowest terms: the one place where common factors are cancelled."""
+        return (self.perc - self.env).reduced()
+
+    @cached_property
+    def env_response(self) -> Response:
+        return self.env.on_axis()
+
+    @cached_property
+    def perc_response(self) -> Response:
+        return self.perc.on_axis()
+
+    @cached_property
+    def difference_response(self) -> Response:
+        return self.difference.on_axis()
+
+    @cached_property
+    def relative_response(self) -> Response:
+        return (self.difference / self.env).reduced().on_axis()
+
+    @cached_property
+    def squared_modulus(self) -> RealFunction:
+        """``|H_env(j omega)|^2``."""
+        return RealFunction(self.env.squared_modulus())
+
+    @cached_property
+    def squared_ratios(self) -> dict[Part, RealFunction]:
+        """r_r^2 and r_i^2 in lowest terms: limits at zeros of H_env are values, damping-free resonances cancel."""
+        parts = {part: part_of(self.difference_response, part) for part in Part}
+        return {part: value * value / self.squared_modulus for part, value in parts.items()}
+
+    @property
+    def free_symbols(self) -> frozenset[Symbol]:
+        """The parameters that are still symbols."""
+        return frozenset(self.env.expression().free_symbols | self.perc.expression().free_symbols) - {s}
+
+    # Closed forms for people.
+
+    @property
+    def environment(self) -> Expr:
+        """H_env(s)."""
+        return self.env.factored()
+
+    @property
+    def perceived(self) -> Expr:
+        """H_perc(s)."""
+        return self.perc.factored()
+
+    @property
+    def distortion(self) -> Expr:
+        """dH(s) = H_perc - H_env."""
+        return self.difference.factored()
+
+    @property
+    def real(self) -> Expr:
+        return self.difference_response.real.factored()
+
+    @property
+    def imag(self) -> Expr:
+        return self.difference_response.imag.factored()
+
+    @property
+    def ratio_real(self) -> Expr:
+        return Abs(self.real) / self.modulus
+
+    @property
+    def ratio_imag(self) -> Expr:
+        return Abs(self.imag) / self.modulus
+
+    @property
+    def relative_real(self) -> Expr:
+        return self.relative_response.real.factored()
+
+    @property
+    def relative_imag(self) -> Expr:
+        return self.relative_response.imag.factored()
+
+    @property
+    def modulus(self) -> Expr:
+        """``|H_env(j omega)|``."""
+        return sqrt(self.squared_modulus.factored())
+
+    @cached_property
+    def environment_properties(self) -> Properties:
+        """Stiffness, mass, damping and force phasors of the environment."""
+        return _properties(self.env_response)
+
+    @cached_property
+    def perceived_properties(self) -> Properties:
+        """Stiffness, mass, damping and force phasors of what is felt."""
+        return _properties(self.perc_response)
+
+    def compile(self) -> Callable[..., Values]:
+        """A NumPy function ``f(omega, m=..., ...)`` of frequencies (rad/s) and the parameters that are still symbols (SI).
+
+        It returns a named tuple of arrays (``real``, ``imag``, ``ratio_real``, ``ratio_imag``, ...) of the broadcast
+        shape of its arguments, constants included. At a zero of H_env the ratios are their limits.
+
+        >>> from .environments import kelvin_voigt
+        >>> from .effects import first_order_lag
+        >>> f = distort(kelvin_voigt(100, 2), first_order_lag(20)).compile()
+        >>> f([0.0, 20.0]).real.tolist()
+        [-0.0, -30.0]
+        """
+        squares = {part: square.factored() for part, square in self.squared_ratios.items()}
+        env, perc = self.environment_properties, self.perceived_properties
+        forms = Values(
+            self.real, self.imag, sqrt(squares[Part.REAL]), sqrt(squares[Part.IMAG]), self.relative_real,
+            self.relative_imag, env.real, env.imag, perc.real, perc.imag,
+        )  # fmt: skip
+        return compiled(forms._asdict(), list(self.free_symbols))
+
+    def parameter_jnd(self, c: Expr) -> ParameterJND:
+        """The JNDs of stiffness, damping and mass for a threshold c."""
+        least = c * self.modulus
+        return ParameterJND(least, least / omega, least / omega**2)
+
+    @property
+    def changeover_environment(self) -> Expr | None:
+        """The lowest frequency at which Re H_env changes sign, in square roots; None where it has no such form.
+
+        With symbols: while the root is real and positive (the numerator of Re H_env has degree 1 or 2 in omega^2).
+
+        >>> from .environments import mass_spring_damper
+        >>> from .symbols import symbols
+        >>> distort(mass_spring_damper(*symbols("m b k"))).changeover_environment
+        sqrt(k)/sqrt(m)
+        """
+        return _first_changeover(self.env_response.real)
+
+    @property
+    def changeover_perceived(self) -> Expr | None:
+        """The lowest frequency at which Re H_perc changes sign, in square roots; None where it has no such form."""
+        return _first_changeover(self.perc_response.real)
+
+
+def part_of(response: Response, part: Part) -> RealFunction:
+    """The real or the imaginary part of a response."""
+    return response.real if part is Part.REAL else response.imag
+
+
+def _properties(response: Response) -> Properties:
+    return Properties(response.real.factored(), response.imag.factored())
+
+
+def _first_changeover(f: RealFunction) -> Expr | None:
+    """The lowest positive root of the numerator in square roots, if it has just one factor of degree 1 or 2 in omega^2."""
+    ring = f.function.ring
+    coefficients = [ring.even_coefficients(factor) for factor, _ in f.function.numerator.factor()[1]]
+    in_square = [c for c in coefficients if c is not None and len(c) > 1]
+    if len(in_square) != 1 or len(in_square[0]) > 3:
+        return None
+    c, b, a = (*in_square[0], S.Zero)[:3]
+    square = -c / b if a == 0 else _lower_root(c, b, a)
+    return sqrt(square) if square is not None and square.is_positive is not False else None
+
+
+def _lower_root(c: Expr, b: Expr, a: Expr) -> Expr | None:
+    """Of a W^2 + b W + c, the lowest root that can be positive; None where the signs of a and c are not known."""
+    if a.is_positive is None or c.is_positive is None:
+        return None
+    if a.is_negative:
+        a, b, c = -a, -b, -c
+    root = sqrt(b**2 - 4 * a * c)
+    return (-b - root) / (2 * a) if c.is_positive else (-b + root) / (2 * a)

@@ -1,0 +1,256 @@
+"""The catalogue of effects: what stands between environment and hand, as chain matrices.
+
+``[F_h; X_h] = [[A, B], [C, D]] [F_e; X_e]``, so that ``H_perc = (A H + B)/(C H + D)``. A series effect multiplies
+the force by G, a shunt adds an impedance beside the environment, a compliance adds 1/K to 1/H.
+
+Parameters are numbers in SI, strings with units or SymPy symbols; each function also takes ``name``. It returns an
+``Effect`` and raises ``SceneError`` for a wrong unit, a forbidden value or a missing parameter.
+"""
+
+from __future__ import annotations
+
+from math import comb, factorial
+
+from sympy import Add, Expr, I, Rational, cosh, exp, pi, sinh
+
+from .catalogue import (
+    Amplitude,
+    Damping,
+    DampingRatio,
+    Force,
+    Formula,
+    Frequency,
+    Matrix,
+    Order,
+    PositiveDamping,
+    PositiveMass,
+    PositiveTime,
+    SignedDamping,
+    SignedMass,
+    SignedStiffness,
+    Stiffness,
+    Time,
+    effect,
+)
+from .errors import SceneError
+from .symbols import s
+
+
+def _series(G: Expr) -> Matrix:
+    return (G, 0, 0, 1)
+
+
+def _shunt(Z: Expr) -> Matrix:
+    return (1, Z, 0, 1)
+
+
+@effect("first-order-lag")
+def first_order_lag(omega_c: Frequency) -> Matrix:
+    """First-order lag (actuator, force sensor): G(s) = omega_c/(s + omega_c), in series.
+
+    omega_c : cut-off, rad/s, > 0.
+
+    >>> first_order_lag("20 Hz").matrix
+    (40*pi/(s + 40*pi), 0, 0, 1)
+    """
+    return _series(omega_c / (s + omega_c))
+
+
+@effect("second-order-lowpass")
+def second_order_lowpass(omega_n: Frequency, zeta: DampingRatio) -> Matrix:
+    """Second-order low-pass filter: G(s) = omega_n^2/(s^2 + 2 zeta omega_n s + omega_n^2), in series.
+
+    omega_n : undamped natural frequency, rad/s, > 0; zeta : damping ratio, >= 0.
+    Source: Fu, van Paassen and Mulder (2019), eq. (8).
+
+    >>> second_order_lowpass("80 rad/s", 0.5).matrix
+    (6400/(s**2 + 80*s + 6400), 0, 0, 1)
+    """
+    return _series(omega_n**2 / (s**2 + 2 * zeta * omega_n * s + omega_n**2))
+
+
+@effect("delay")
+def delay(tau: Time) -> Matrix:
+    """Pure time delay, exact: G(s) = exp(-s tau), in series.
+
+    tau : delay, s, >= 0. Delays on the force and on the motion side add up.
+
+    >>> delay("5 ms").matrix
+    (exp(-s/200), 0, 0, 1)
+    """
+    return _series(exp(-s * tau))
+
+
+@effect("pade-delay")
+def pade_delay(tau: Time, order: Order) -> Matrix:
+    """The diagonal Pade approximant of a delay, for comparison with the exact one: G(s) = p(-s tau)/p(s tau), in series.
+
+    tau : delay, s, >= 0; order : 1 to 10.
+    p(x) = sum over i of C(n, i) (2 n - i)!/(2 n)! x^i.
+
+    >>> pade_delay(2, 1).matrix
+    ((1 - s)/(s + 1), 0, 0, 1)
+    """
+
+    def p(x: Expr) -> Expr:
+        return Add(
+            *(
+                Rational(comb(order, i) * factorial(2 * order - i), factorial(2 * order)) * x**i
+                for i in range(order + 1)
+            )
+        )
+
+    return _series(p(-s * tau) / p(s * tau))
+
+
+@effect("zero-order-hold")
+def zero_order_hold(T: PositiveTime) -> Matrix:
+    """Sample and hold, exact at the base band: G(s) = (1 - exp(-s T))/(s T), in series.
+
+    T : sampling period, s, > 0.
+
+    >>> zero_order_hold("1 ms").matrix
+    (1000*(1 - exp(-s/1000))/s, 0, 0, 1)
+    """
+    return _series((1 - exp(-s * T)) / (s * T))
+
+
+@effect("series")
+def series(G: Formula) -> Matrix:
+    """Any series effect: the force is multiplied by G(s), which may be improper.
+
+    G : formula in ``s`` and the names of ``parameters``.
+
+    >>> series("1/(1 + s*T)", parameters={"T": "10 ms"}).matrix
+    (1/(s/100 + 1), 0, 0, 1)
+    """
+    return _series(G)
+
+
+@effect("shunt")
+def shunt(m: SignedMass = 0, b: SignedDamping = 0, k: SignedStiffness = 0, Z: Formula = 0) -> Matrix:
+    """An impedance beside the environment (the device's own mass, say): H_perc = H + Z, Z(s) = m s^2 + b s + k.
+
+    m : kg; b : N s/m; k : N/m; any sign (a negative mass is inertia compensation); each may be absent.
+    Z : a formula in ``s`` and the names of ``parameters`` instead of these.
+
+    >>> shunt(m="-45 g").matrix
+    (1, -9*s**2/200, 0, 1)
+    """
+    if Z and (m or b or k):
+        raise SceneError("a shunt takes either Z or some of m, b, k")
+    if not (Z or m or b or k):
+        raise SceneError("a shunt needs Z or at least one of m, b, k")
+    return _shunt(Z or m * s**2 + b * s + k)
+
+
+@effect("compliance")
+def compliance(k: Stiffness = 0, b: Damping = 0) -> Matrix:
+    """A spring and damper in the drive train (torsion bar, cable, virtual coupling): 1/H_perc = 1/H + 1/(k + b s).
+
+    k : stiffness, N/m; b : damping, N s/m; both >= 0; one of them may be absent.
+
+    >>> compliance(k="5000 N/m").matrix
+    (1, 0, 1/5000, 1)
+    """
+    if not (k or b):
+        raise SceneError("a compliance needs at least one of k, b")
+    return (1, 0, 1 / (k + b * s), 1)
+
+
+@effect("coulomb-friction")
+def coulomb_friction(force: Force, amplitude: Amplitude) -> Matrix:
+    """Dry friction as its describing function, a shunt Z = j 4 F/(pi A): exact for sinusoidal motion of that amplitude.
+
+    force : friction force F, N, >= 0; amplitude : of the hand's motion A, m, > 0.
+
+    >>> coulomb_friction("0.2 N", "5 cm").matrix
+    (1, 16*I/pi, 0, 1)
+    """
+    return _shunt(I * 4 * force / (pi * amplitude))
+
+
+@effect("admittance-display")
+def admittance_display(P: Formula) -> Matrix:
+    """An admittance display, X = P F/H_env: H_perc = H_env/P, with P(s) the closed position loop.
+
+    P : formula in ``s`` and the names of ``parameters``.
+
+    >>> admittance_display("1/(s/100 + 1)").matrix
+    (s/100 + 1, 0, 0, 1)
+    """
+    return (1 / P, 0, 0, 1)
+
+
+@effect("wave-variables")
+def wave_variables(b: PositiveDamping, tau: PositiveTime) -> Matrix:
+    """A wave-variable (lossless transmission line) link: [[cosh s tau, b s sinh s tau], [sinh s tau/(b s), cosh s tau]].
+
+    b : wave impedance, N s/m, > 0; tau : one-way delay, s, > 0. Source: Niemeyer and Slotine (1991).
+
+    >>> wave_variables(2, 3).matrix
+    (cosh(3*s), 2*s*sinh(3*s), sinh(3*s)/(2*s), cosh(3*s))
+    """
+    return (cosh(s * tau), b * s * sinh(s * tau), sinh(s * tau) / (b * s), cosh(s * tau))
+
+
+@effect("position-force-teleoperator")
+def position_force_teleoperator(
+    Mm: PositiveMass, Ms: PositiveMass, Bs: Damping, Ks: Stiffness, tau: Time = 0
+) -> Matrix:
+    """Position-force teleoperator: H_perc = Zm + E Cs H/(Zs + Cs + H).
+
+    Zm = Mm s^2 and Zs = Ms s^2 : the devices, kg; Cs = Bs s + Ks : the slave's controller, N s/m and N/m;
+    E = exp(-2 s tau), tau : one-way delay, s, >= 0, absent = no delay.
+
+    >>> position_force_teleoperator(1, 2, 3, 4).matrix[2:]
+    (1, 2*s**2 + 3*s + 4)
+    """
+    Zm, Zcs, Cs, E = Mm * s**2, Ms * s**2 + Bs * s + Ks, Bs * s + Ks, exp(-2 * s * tau)
+    return (Zm + E * Cs, Zm * Zcs, 1, Zcs)
+
+
+@effect("position-position-teleoperator")
+def position_position_teleoperator(
+    Mm: PositiveMass, Bm: Damping, Km: Stiffness, Ms: PositiveMass, Bs: Damping, Ks: Stiffness, tau: Time = 0
+) -> Matrix:
+    """Position-position teleoperator: H_perc = Zm + Cm - E Cm Cs/(Zs + Cs + H).
+
+    Zm = Mm s^2, Zs = Ms s^2 : the devices, kg; Cm = Bm s + Km, Cs = Bs s + Ks : the controllers, N s/m and N/m;
+    E = exp(-2 s tau), tau : one-way delay, s, >= 0, absent = no delay.
+
+    >>> position_position_teleoperator(1, 1, 1, 2, 3, 4).matrix[0]
+    s**2 + s + 1
+    """
+    Cm, Cs, E = Bm * s + Km, Bs * s + Ks, exp(-2 * s * tau)
+    Zcm, Zcs = Mm * s**2 + Cm, Ms * s**2 + Cs
+    return (Zcm, Zcm * Zcs - E * Cm * Cs, 1, Zcs)
+
+
+@effect("four-channel-teleoperator")
+def four_channel_teleoperator(
+    Mm: PositiveMass, Bm: Damping, Km: Stiffness, Ms: PositiveMass, Bs: Damping, Ks: Stiffness, tau: Time = 0
+) -> Matrix:
+    """Four-channel teleoperator: H_perc = Zcm + E (H - Zcm)(Zcm + Zcs)/(Zcs + H - E (H - Zcm)); H itself without delay.
+
+    Zcm = Mm s^2 + Bm s + Km, Zcs = Ms s^2 + Bs s + Ks : device plus controller, kg, N s/m, N/m;
+    E = exp(-2 s tau), tau : one-way delay, s, >= 0, absent = no delay.
+    Source: Lawrence (1993), transparency-optimised gains.
+
+    >>> four_channel_teleoperator(1, 1, 1, 2, 3, 4).matrix[1:3]
+    (0, 0)
+    """
+    Zcm, Zcs, E = Mm * s**2 + Bm * s + Km, Ms * s**2 + Bs * s + Ks, exp(-2 * s * tau)
+    return (Zcm + E * Zcs, Zcm * Zcs * (1 - E), 1 - E, Zcs + E * Zcm)
+
+
+@effect("two-port")
+def two_port(A: Formula, B: Formula, C: Formula, D: Formula) -> Matrix:
+    """Any linear two-port, by its chain matrix: F_h = A F_e + B X_e, X_h = C F_e + D X_e.
+
+    A, B, C, D : formulas in ``s`` and the names of ``parameters``.
+
+    >>> two_port("1", "2*s^2", "0", "1").matrix
+    (1, 2*s**2, 0, 1)
+    """
+    return (A, B, C, D)

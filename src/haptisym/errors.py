@@ -1,0 +1,23 @@
+"""What can go wrong, by name: every message says the thing, the value, the rule and the way out."""
+
+from __future__ import annotations
+
+
+class HaptisymError(ValueError):
+    """Base of all errors that haptisym raises on purpose; the command line prints its text and exits with status 2."""
+
+
+class SceneError(HaptisymError):
+    """A scene, a model or one of its parameters breaks a rule."""
+
+    def within(self, place: str) -> SceneError:
+        """The same error, saying where: ``place: message``."""
+        return type(self)(f"{place}: {self}")
+
+
+class ExpressionError(SceneError):
+    """A formula in a scene is not in the grammar; the message points at the place."""
+
+
+class UndecidedError(HaptisymError):
+    """A question stayed open at the precision limit; no guess is returned instead (exit status 3)."""

@@ -1,0 +1,51 @@
+"""The just-noticeable difference: how large a change of the dynamics must be for a person to notice it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from sympy import Expr, Rational
+
+from .errors import SceneError
+from .quantities import Dimension, Number, quantity
+from .roots import sign_of_number
+
+
+class Part(Enum):
+    """Real part (stiffness and mass) or imaginary part (damping) of a dynamics."""
+
+    REAL = "real"
+    IMAG = "imag"
+
+
+@dataclass(frozen=True, slots=True)
+class Threshold:
+    """The JND c of eq. (4): a change of Re H or Im H is noticed when it exceeds that fraction of ``|H|``.
+
+    Source: Fu, van Paassen and Mulder (2019), eq. (4); 10 % for the impedances of manual control.
+
+    >>> Threshold.of(0.1)
+    Threshold(real=1/10, imag=1/10)
+    """
+
+    real: Expr = Rational(1, 10)
+    imag: Expr = Rational(1, 10)
+
+    @classmethod
+    def of(cls, real: Number, imag: Number | None = None) -> Threshold:
+        """A threshold from numbers; the imaginary part's is the real part's unless given. SceneError unless > 0."""
+        return cls(_fraction("real", real), _fraction("imag", real if imag is None else imag))
+
+    def __getitem__(self, part: Part) -> Expr:
+        return self.real if part is Part.REAL else self.imag
+
+
+def _fraction(key: str, given: Number) -> Expr:
+    try:
+        value = quantity(given, Dimension.RATIO).value
+    except SceneError as error:
+        raise error.within(key) from None
+    if value.free_symbols or sign_of_number(value) <= 0:
+        raise SceneError(f'{key}: "{given}" must be a number > 0')
+    return value

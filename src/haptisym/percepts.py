@@ -1,0 +1,91 @@
+"""Step 2, how: as which mechanical property a noticeable distortion is felt, and as more or less of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+from itertools import pairwise
+
+from .crossings import Curve
+from .jnd import Part
+from .roots import Chart, Interval, Point, Signs
+
+
+class Property(Enum):
+    """What the distorted part of the dynamics feels like (section 2.3)."""
+
+    STIFFNESS = "stiffness"
+    MASS = "mass"
+    STIFFNESS_TO_MASS = "stiffness-to-mass"
+    MASS_TO_STIFFNESS = "mass-to-stiffness"
+    DAMPING = "damping"
+
+
+class Change(Enum):
+    """How the magnitude felt compares with the environment's."""
+
+    HIGHER = "higher"
+    LOWER = "lower"
+    EQUAL = "equal"
+
+
+@dataclass(frozen=True)
+class Percept:
+    """On this whole piece of the band the part's ratio exceeds its threshold, and this is how that is felt."""
+
+    part: Part
+    band: Interval
+    property: Property
+    change: Change
+
+
+def find_percepts(chart: Chart) -> tuple[Percept, ...]:
+    """The pieces of the band where a ratio exceeds its threshold, split where property or change changes.
+
+    Proven by signs on whole intervals, never sampled. No damping percept is claimed where Im H_perc < 0.
+    """
+    return tuple(percept for part in Part for percept in _percepts(chart, part))
+
+
+def _percepts(chart: Chart, part: Part) -> list[Percept]:
+    """Maximal runs of cells with one label, over points at which the ratio still exceeds its threshold."""
+    runs: list[Percept] = []
+    for low, high in pairwise(chart.points):
+        label = _label(low.after, part)
+        if label is None:
+            continue
+        last = runs[-1] if runs else None
+        if last and last.band.high is low and (last.property, last.change) == label and low.at[Curve.EXCESS, part] > 0:
+            runs[-1] = replace(last, band=Interval(last.band.low, high))
+        else:
+            runs.append(Percept(part, Interval(low, high), *label))
+    return runs
+
+
+def _label(signs: Signs, part: Part) -> tuple[Property, Change] | None:
+    if signs[Curve.EXCESS, part] <= 0:
+        return None
+    env, perc = signs[Curve.ENVIRONMENT, part], signs[Curve.PERCEIVED, part]
+    if part is Part.IMAG and perc < 0:
+        return None
+    change = {1: Change.HIGHER, -1: Change.LOWER, 0: Change.EQUAL}
+    compared = signs[Curve.DIFFERENCE, part] * signs[Curve.SUM, part]
+    return (Property.DAMPING if part is Part.IMAG else _real_property(env, perc)), change[compared]
+
+
+def _real_property(env: int, perc: int) -> Property:
+    """A part that is zero throughout takes the other's side: nothing becomes something of the same kind."""
+    env, perc = env or perc, perc or env
+    if env == perc:
+        return Property.STIFFNESS if env > 0 else Property.MASS
+    return Property.STIFFNESS_TO_MASS if env > 0 else Property.MASS_TO_STIFFNESS
+
+
+def changeovers(chart: Chart, curve: Curve) -> tuple[Point, ...]:
+    """Where Re H_env (or Re H_perc) changes its sign: a spring below, inertia above, or back."""
+    return chart.sign_changes((curve, Part.REAL))
+
+
+def outside_model(chart: Chart) -> tuple[Interval, ...]:
+    """Where Im H_perc < 0: the display is active there, which the paper's model excludes."""
+    return chart.where(lambda signs: signs[Curve.PERCEIVED, Part.IMAG] < 0)

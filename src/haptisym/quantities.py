@@ -1,0 +1,203 @@
+"""Quantities with units, read exactly: ``"1.8 kg"`` is 9/5, ``"15 Hz"`` is 30 pi rad/s."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from decimal import Decimal
+from enum import Enum
+from fractions import Fraction
+from functools import cache
+from importlib.resources import as_file, files
+from typing import TypeAlias
+
+import pint
+from sympy import Expr, Float, Integer, Rational, pi
+
+from .errors import ExpressionError, SceneError
+from .expressions import evaluate
+
+Number: TypeAlias = "str | int | float | Decimal | Fraction | Expr"
+
+_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?:\s*/\s*(\d+)(?![\w.]))?\s*(.*?)\s*", re.DOTALL)
+_JUXTAPOSED = re.compile(r"(?<=[\w)°%])\s+(?=[^\W\d]|[(°%])")  # "N s/m" is N*s/m
+_LONGEST = 200  # characters of a number; 200 digits are more than any measurement has
+_LARGEST_EXPONENT = 300  # of ten; beyond it a float could not show the result
+
+
+class Motion(Enum):
+    """Whether the hand moves along a line (m, N) or about an axis (rad, N m)."""
+
+    TRANSLATION = "translational"
+    ROTATION = "rotational"
+
+
+class Dimension(Enum):
+    """What a parameter measures: its unit for a translation and for a rotation."""
+
+    MASS = ("kg", "kg*m^2")
+    DAMPING = ("N*s/m", "N*m*s/rad")
+    STIFFNESS = ("N/m", "N*m/rad")
+    FORCE = ("N", "N*m")
+    DISPLACEMENT = ("m", "rad")
+    FREQUENCY = ("rad/s", "rad/s")
+    TIME = ("s", "s")
+    RATIO = ("1", "1")
+    ANY = ("", "")
+
+    def unit(self, motion: Motion | None) -> str:
+        """The unit's name, for a known kind of motion; both names where the motion is not known.
+
+        >>> Dimension.MASS.unit(Motion.ROTATION), Dimension.MASS.unit(None), Dimension.TIME.unit(None)
+        ('kg*m^2', 'kg or kg*m^2', 's')
+        """
+        translation, rotation = self.value
+        if motion is None and translation != rotation:
+            return f"{translation} or {rotation}"
+        return rotation if motion is Motion.ROTATION else translation
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """An exact SI value (rational times a power of pi, or a symbolic expression) and the motion its unit implies."""
+
+    value: Expr
+    motion: Motion | None = None
+
+
+def quantity(given: Number, dimension: Dimension) -> Quantity:
+    """Read a number, or a string of number and unit, exactly.
+
+    ``given``: an int, Decimal, Fraction, float (read as its shortest decimal text), SymPy expression, or a string
+    such as ``"1.8 kg"``, ``"9/5 kg"`` or ``"0.5"``. Bare numbers are SI and rad/s. Raises SceneError, naming the value
+    and the unit expected, for anything else: NaN, infinities, unknown units, wrong dimensions.
+
+    >>> quantity("1.8 kg", Dimension.MASS)
+    Quantity(value=9/5, motion=<Motion.TRANSLATION: 'translational'>)
+    >>> quantity("15 Hz", Dimension.FREQUENCY).value, quantity(0.1, Dimension.RATIO).value
+    (30*pi, 1/10)
+    >>> quantity("15 N", Dimension.STIFFNESS)
+    Traceback (most recent call last):
+      ...
+    haptisym.errors.SceneError: "15 N" is not a stiffness: expected N/m or N*m/rad
+    """
+    if isinstance(given, str):
+        return _from_text(given, dimension)
+    if isinstance(given, Expr):
+        return Quantity(_exact_expression(given))
+    if isinstance(given, Fraction):
+        return Quantity(Rational(given.numerator, given.denominator))
+    if isinstance(given, int | float | Decimal) and not isinstance(given, bool):
+        return Quantity(decimal(str(given)))
+    raise SceneError(f"{_shown(given)} is not a number, nor a string of a number and a unit")
+
+
+def decimal(text: str) -> Rational:
+    """The exact rational number that a decimal text means.
+
+    >>> decimal("1.8"), decimal("-2.5e-3")
+    (9/5, -1/400)
+    """
+    match = _NUMBER.fullmatch(text)
+    if match is None or match[3]:
+        raise SceneError(f"{_shown(text)} is not a finite decimal number")
+    return _rational(match, text)
+
+
+def _rational(match: re.Match[str], text: str) -> Rational:
+    number = match[1]
+    exponent = re.split("[eE]", number)[1:] or ["0"]
+    if len(number) > _LONGEST or len(match[2] or "") > _LONGEST:
+        raise SceneError(f"{_shown(text)}: a number may have at most {_LONGEST} characters")
+    if len(exponent[0]) > 4 or abs(int(exponent[0])) > _LARGEST_EXPONENT:
+        raise SceneError(f"{_shown(text)}: exponents of ten may go from -{_LARGEST_EXPONENT} to {_LARGEST_EXPONENT}")
+    below = int(match[2] or 1)
+    if below == 0:
+        raise SceneError(f"{_shown(text)} divides by zero")
+    exact = Fraction(number) / below
+    return Rational(exact.numerator, exact.denominator)
+
+
+def _from_text(text: str, dimension: Dimension) -> Quantity:
+    match = _NUMBER.fullmatch(text)
+    if match is None:
+        raise SceneError(f"{_shown(text)} does not start with a finite number{_expected(dimension)}")
+    value, unit = _rational(match, text), match[3]
+    if not unit:
+        return Quantity(value)
+    factor, exponents = _unit(unit, text, dimension)
+    return Quantity(value * factor, _motion(exponents, text, dimension))
+
+
+_PLAIN = str.maketrans({"·": "*", "×": "*", "⋅": "*", "²": "^2", "³": "^3"})
+
+
+def _unit(unit: str, text: str, dimension: Dimension) -> tuple[Expr, dict[str, Fraction]]:
+    plain = _JUXTAPOSED.sub("*", unit.translate(_PLAIN))
+    try:
+        measured = evaluate(plain, number=_unit_number, name=_named_unit)
+        base = measured.to_root_units()
+    except (ExpressionError, pint.PintError, ArithmeticError):
+        raise SceneError(f"{_shown(text)}: {_shown(unit)} is not a unit{_expected(dimension)}") from None
+    exponents = {name.strip("[]"): Fraction(power) for name, power in base.dimensionality.items()}
+    turns = exponents.pop("circle", Fraction(0))
+    exact = Fraction(base.magnitude)
+    return Rational(exact.numerator, exact.denominator) * pi ** Integer(int(turns)), exponents
+
+
+def _unit_number(text: str) -> pint.Quantity[Fraction]:
+    if text != "1":
+        raise ValueError("a unit holds no number but 1")
+    return _registry().Quantity(Fraction(1))
+
+
+def _named_unit(name: str) -> pint.Quantity[Fraction]:
+    try:
+        return _registry().Quantity(Fraction(1), name)
+    except (pint.PintError, ValueError):
+        raise KeyError(name) from None
+
+
+def _motion(exponents: dict[str, Fraction], text: str, dimension: Dimension) -> Motion | None:
+    translation, rotation = _dimension_exponents(dimension)
+    if dimension is Dimension.ANY:
+        return None
+    if exponents == translation:
+        return None if translation == rotation else Motion.TRANSLATION
+    if exponents == rotation:
+        return Motion.ROTATION
+    raise SceneError(f"{_shown(text)} is not a {dimension.name.lower()}{_expected(dimension)}")
+
+
+@cache
+def _dimension_exponents(dimension: Dimension) -> tuple[dict[str, Fraction], dict[str, Fraction]]:
+    translation, rotation = ({} if unit in ("", "1") else _unit(unit, unit, dimension)[1] for unit in dimension.value)
+    return translation, rotation
+
+
+def _exact_expression(given: Expr) -> Expr:
+    floats = given.atoms(Float)
+    if floats:
+        return given.xreplace({x: decimal(str(float(x))) for x in floats})
+    if (given.is_number and given.is_finite is False) or (given.is_number and given.is_real is False):
+        raise SceneError(f"{given} is not a finite real number")
+    return given
+
+
+def _expected(dimension: Dimension) -> str:
+    return (
+        ""
+        if dimension is Dimension.ANY
+        else f": expected {dimension.unit(None)}".replace("expected 1", "expected a plain number")
+    )
+
+
+def _shown(given: object) -> str:
+    text = str(given)
+    return f'"{text[:60]}..."' if len(text) > 60 else f'"{text}"'
+
+
+@cache
+def _registry() -> pint.UnitRegistry:
+    with as_file(files("haptisym") / "data" / "units.txt") as path:
+        return pint.UnitRegistry(str(path), non_int_type=Fraction, cache_folder=None)

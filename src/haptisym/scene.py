@@ -1,0 +1,135 @@
+"""A scene: the environment to be felt, the effects in between, the band of interest and the threshold."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from itertools import chain
+
+from sympy import Expr, Integer, Symbol
+
+from .catalogue import Effect, Environment, Parameter
+from .distortion import Distortion, chain_distortion, distort
+from .errors import SceneError
+from .jnd import Threshold
+from .quantities import Dimension, Motion, Number, quantity
+from .roots import sign_of_number
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What is to be evaluated. Valid by construction: SceneError names what is wrong.
+
+    ``effects`` : nearest the environment first. ``band`` : lowest and highest frequency, rad/s, exact.
+    ``rendered`` : what the controller really renders, where that is not the environment itself.
+
+    >>> from . import effects, environments
+    >>> scene = Scene(environments.mass_spring_damper(k=100), (effects.first_order_lag(20),), (Integer(0), Integer(15)))
+    >>> scene.distortion().perceived
+    2000/(s + 20)
+    """
+
+    environment: Environment
+    effects: tuple[Effect, ...] = ()
+    band: tuple[Expr, Expr] = (Integer(0), Integer(15))
+    threshold: Threshold = Threshold()
+    rendered: Environment | None = None
+    title: str = ""
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        low, high = self.band
+        if sign_of_number(low) < 0:
+            raise SceneError(f"band: the low end, {low} rad/s, must be >= 0")
+        if sign_of_number(high - low) <= 0:
+            raise SceneError(f"band: the high end, {high} rad/s, must be above the low end, {low} rad/s")
+        _one_motion(self.elements())
+        effects = _with_names(self.effects)
+        names = _symbol_names([("", self.environment), ("rendered", self.rendered), *((e.name, e) for e in effects)])
+        renamed = iter(names)
+        object.__setattr__(self, "environment", self.environment.renamed(next(renamed)))
+        rendered = next(renamed)
+        object.__setattr__(self, "rendered", self.rendered.renamed(rendered) if self.rendered else None)
+        object.__setattr__(self, "effects", tuple(effect.renamed(next(renamed)) for effect in effects))
+
+    def elements(self) -> Iterator[tuple[str, Environment | Effect]]:
+        """Everything in the scene that has parameters, with its place in a scene file."""
+        yield "environment", self.environment
+        if self.rendered is not None:
+            yield "rendered", self.rendered
+        for effect in self.effects:
+            yield f"effects.{effect.name}", effect
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Every parameter of the scene, with symbols that are unique in it."""
+        return tuple(chain.from_iterable(element.parameters for _, element in self.elements()))
+
+    @property
+    def motion(self) -> Motion | None:
+        """Whether the hand moves along a line or about an axis; None if no unit in the scene tells."""
+        return next((p.motion for p in self.parameters if p.motion is not None), None)
+
+    def distortion(self) -> Distortion:
+        """The closed forms with every parameter's value in place."""
+        return distort(self.environment, *self.effects, rendered=self.rendered)
+
+    def symbolic_distortion(self) -> Distortion:
+        """The closed forms with every parameter a symbol."""
+        rendered = self.rendered or self.environment
+        return chain_distortion(self.environment.dynamics, rendered.dynamics, [e.dynamics for e in self.effects])
+
+    def with_band(self, low: Number, high: Number) -> Scene:
+        """The same scene on another band, rad/s or with a unit."""
+        return replace(self, band=(frequency("band", low), frequency("band", high)))
+
+
+def frequency(key: str, given: Number) -> Expr:
+    """An exact frequency, rad/s."""
+    try:
+        value = quantity(given, Dimension.FREQUENCY).value
+    except SceneError as error:
+        raise error.within(key) from None
+    if value.free_symbols:
+        raise SceneError(f"{key}: {given} must be a number")
+    return value
+
+
+def _one_motion(elements: Iterable[tuple[str, Environment | Effect]]) -> None:
+    seen: dict[Motion, str] = {}
+    for place, element in elements:
+        for parameter in element.parameters:
+            if parameter.motion is not None:
+                seen.setdefault(parameter.motion, f"{place}.{parameter.key}")
+    if len(seen) > 1:
+        told = " but ".join(f"{where} is {motion.value}" for motion, where in seen.items())
+        raise SceneError(f"translation and rotation cannot be mixed: {told}")
+
+
+def _with_names(effects: Iterable[Effect]) -> list[Effect]:
+    """The effects under names of their own: the second "filter" becomes "filter-2"."""
+    seen: Counter[str] = Counter()
+    named = []
+    for effect in effects:
+        seen[effect.name] += 1
+        named.append(effect if seen[effect.name] == 1 else replace(effect, name=f"{effect.name}-{seen[effect.name]}"))
+    return named
+
+
+def _symbol_names(elements: Iterable[tuple[str, Environment | Effect | None]]) -> list[dict[Symbol, Symbol]]:
+    """For each element, new symbols for those that another element names alike: ``zeta`` becomes ``zeta_filter``."""
+    listed = list(elements)
+    uses = Counter(p.symbol.name for _, element in listed if element for p in element.parameters)
+    renamed = []
+    for label, element in listed:
+        suffix = "_" + label.replace("-", "_").replace(" ", "_") if label else ""
+        own = element.parameters if element else ()
+        renamed.append(
+            {p.symbol: _like(p.symbol, f"{p.symbol.name}{suffix}") for p in own if uses[p.symbol.name] > 1 and suffix}
+        )
+    return renamed
+
+
+def _like(symbol: Symbol, name: str) -> Symbol:
+    return Symbol(name, **symbol.assumptions0)

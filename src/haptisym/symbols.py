@@ -1,0 +1,40 @@
+"""The symbols that every formula shares, each born once with its assumptions."""
+
+from __future__ import annotations
+
+from sympy import Expr, Symbol
+
+s = Symbol("s")
+"""Laplace variable, rad/s; plain, so that an ordinary ``Symbol("s")`` of the user is the same one."""
+
+omega = Symbol("omega", positive=True)
+"""Angular frequency, rad/s."""
+
+X = Symbol("X")
+"""Complex amplitude of the hand's motion, m or rad (eqs. 5 and 6)."""
+
+
+def symbols(names: str) -> tuple[Symbol, ...] | Symbol:
+    """Positive SymPy symbols, for parameters; one symbol if ``names`` holds one name.
+
+    >>> m, b, k = symbols("m b k")
+    >>> m.is_positive
+    True
+    >>> symbols("omega_n")
+    omega_n
+    """
+    made = tuple(Symbol(name, positive=True) for name in names.replace(",", " ").split())
+    return made[0] if len(made) == 1 else made
+
+
+def conflicting(expressions: list[Expr]) -> Symbol | None:
+    """A symbol that shares its name, but not its assumptions, with another one; None if there is none.
+
+    >>> conflicting([Symbol("m") + Symbol("m", positive=True)]) is None
+    False
+    """
+    seen: dict[str, Symbol] = {}
+    for symbol in {x for e in expressions for x in e.free_symbols}:
+        if seen.setdefault(symbol.name, symbol) != symbol:
+            return symbol
+    return None
