@@ -16,6 +16,7 @@ from .evaluation import Evaluation, evaluate
 from .jnd import Part, Threshold
 from .percepts import Change, Percept, Property
 from .scene import Scene
+from .scenefile import load_scene, parse_scene, scene_names
 from .symbols import omega, s, symbols
 
 __version__ = "0.1.0"
@@ -41,7 +42,10 @@ __all__ = [
     "effects",
     "environments",
     "evaluate",
+    "load_scene",
     "omega",
+    "parse_scene",
     "s",
+    "scene_names",
     "symbols",
 ]

@@ -268,9 +268,8 @@ def _properties(response: Response) -> Properties:
 
 def _first_changeover(f: RealFunction) -> Expr | None:
     """The lowest positive root of the numerator in square roots, if it has just one factor of degree 1 or 2 in omega^2."""
-    ring = f.function.ring
-    coefficients = [ring.even_coefficients(factor) for factor, _ in f.function.numerator.factor()[1]]
-    in_square = [c for c in coefficients if c is not None and len(c) > 1]
+    rows = [f.function.ring.coefficients(factor) for factor, _ in f.function.numerator.factor()[1]]
+    in_square = [row[::2] for row in rows if len(row) > 2 and not any(row[1::2])]
     if len(in_square) != 1 or len(in_square[0]) > 3:
         return None
     c, b, a = (*in_square[0], S.Zero)[:3]

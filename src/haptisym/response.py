@@ -87,27 +87,45 @@ class Ring:
 
     def polynomial_expression(self, polynomial: Polynomial, variable: Symbol) -> Expr:
         """A polynomial as a SymPy sum over the powers of ``variable``, each with its coefficient collected."""
+        return Add(*(coefficient * variable**power for power, coefficient in self._powers(polynomial).items()))
+
+    def _powers(self, polynomial: Polynomial) -> dict[int, Expr]:
         powers: dict[int, list[Expr]] = {}
         for exponents, coefficient in polynomial.to_dict().items():
             power, of_pi, *rest = map(int, exponents)
             factors = [symbol**n for symbol, n in zip(self.symbols, rest, strict=True) if n]
             number = Rational(int(coefficient.p), int(coefficient.q))
             powers.setdefault(power, []).append(Mul(number, pi**of_pi, *factors))
-        return Add(*(Mul(Add(*terms), variable**power, evaluate=True) for power, terms in powers.items()))
+        return {power: Add(*terms) for power, terms in powers.items()}
 
-    def even_coefficients(self, polynomial: Polynomial) -> list[Expr] | None:
-        """The coefficients of a polynomial in the square of the variable, ascending; None if it has odd powers."""
-        powers = [int(exponents[0]) for exponents in polynomial.monoms()]
-        if any(power % 2 for power in powers):
-            return None
-        in_omega = self.polynomial_expression(polynomial, omega)
-        return [in_omega.coeff(omega, n) for n in range(0, max(powers) + 1, 2)]
+    def coefficients(self, polynomial: Polynomial) -> list[Expr]:
+        """The coefficients of a polynomial, ascending in powers of the variable."""
+        powers = self._powers(polynomial)
+        return [powers.get(n, Integer(0)) for n in range(max(powers, default=0) + 1)]
 
     def factored_expression(self, polynomial: Polynomial, variable: Symbol) -> Expr:
-        """A polynomial as the product of its irreducible factors over Q, a whole number of them kept together."""
-        unit, factors = polynomial.factor()
-        number = Rational(int(unit.p), int(unit.q))
-        return Mul(number, *(self.polynomial_expression(f, variable) ** int(n) for f, n in factors))
+        """A polynomial as the product of its factors."""
+        unit, factors = self.factors(polynomial)
+        return Mul(unit, *(self.polynomial_expression(f, variable) ** n for f, n in factors))
+
+    def factors(self, polynomial: Polynomial) -> tuple[Rational, list[tuple[Polynomial, int]]]:
+        """A number and the factors over Q; of an even polynomial, those in the square of the variable.
+
+        >>> ring = Ring()
+        >>> ring.factors(ring.variable**4 + 4)       # not (s^2 - 2 s + 2) (s^2 + 2 s + 2)
+        (1, [(s^4 + 4, 1)])
+        """
+        powers = [int(exponents[0]) for exponents in polynomial.monoms()]
+        lowest = min(powers, default=0)
+        step = 2 if powers and all((power - lowest) % 2 == 0 for power in powers) else 1
+        deflated = {((int(e[0]) - lowest) // step, *e[1:]): c for e, c in polynomial.to_dict().items()}
+        unit, factors = self.context.from_dict(deflated).factor()
+        inflated = [(self._inflated(factor, step), int(n)) for factor, n in factors]
+        own = [(self.variable, lowest)] if lowest else []
+        return Rational(int(unit.p), int(unit.q)), own + inflated
+
+    def _inflated(self, polynomial: Polynomial, step: int) -> Polynomial:
+        return self.context.from_dict({(step * int(e[0]), *e[1:]): c for e, c in polynomial.to_dict().items()})
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,0 +1,220 @@
+"""An evaluation as a page of text that reads like section 3 of the paper: the questions, the answers, what is certain."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from io import StringIO
+from math import pi
+from textwrap import fill
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from sympy import Expr, Symbol
+
+from .crossings import Crossing
+from .evaluation import Evaluation
+from .formula import plain, rounded
+from .jnd import Part
+from .percepts import Percept, Property
+from .quantities import Motion
+from .reals import RealNumber
+from .response import RationalFunction
+from .roots import Interval, Point
+from .symbols import omega, s
+
+WIDTH = 96
+_DIGITS = 5  # of frequencies in sentences; the table of crossings shows all that were asked for
+
+
+def report(e: Evaluation) -> str:
+    """The whole page."""
+    parts = [_heading(e), _dynamics(e), _step_1(e), _step_2(e), _certain(e)]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _heading(e: Evaluation) -> str:
+    lines = [e.scene.title or "Untitled scene", e.scene.source]
+    return "\n".join(fill(line, WIDTH) for line in lines if line)
+
+
+def _dynamics(e: Evaluation) -> str:
+    unit = "N m/rad" if e.scene.motion is Motion.ROTATION else "N/m"
+    c = e.scene.threshold
+    limits = _percent(c.real) if c.real == c.imag else f"{_percent(c.real)} (real) and {_percent(c.imag)} (imaginary)"
+    low, high = (e.chart.points[i].omega for i in (0, -1))
+    d = e.distortion
+    rendered = d.env.ring.convert(e.scene.rendered.H) if e.scene.rendered else None
+    rows = [
+        ("environment", f"{_equation('H_env', d.env, s)}  {unit}"),
+        *([("rendered", f"{_equation('H_rendered', rendered, s)}  {unit}")] if rendered else []),
+        ("effects", ", ".join(_effect(x.name, x.model) for x in e.scene.effects) or "none"),
+        ("perceived", f"{_equation('H_perc', d.perc, s)}  {unit}"),
+        ("distortion", _equation("Re dH", d.difference_response.real.function, omega)),
+        ("", _equation("Im dH", d.difference_response.imag.function, omega)),
+        ("band", f"{_both(low)} to {_both(high)}"),
+        ("threshold", f"{limits} of |H_env|"),
+    ]
+    return "\n".join(fill(text, WIDTH, initial_indent=f"  {key:<13}", subsequent_indent=" " * 19) for key, text in rows)
+
+
+def _equation(name: str, function: RationalFunction, variable: Symbol) -> str:
+    form, is_rounded = rounded(function, variable)
+    argument = "(s)" if variable == s else ""
+    return f"{name}{argument} {'~' if is_rounded else '='} {plain(form).replace('omega', 'ω')}"
+
+
+def _effect(name: str, model: str) -> str:
+    return name if name == model else f"{name} ({model})"
+
+
+def _step_1(e: Evaluation) -> str:
+    question = "Step 1. When does the hand begin to notice?"
+    return f"{question}\n\n{_indented(_transparency(e))}\n\n{_crossings(e)}"
+
+
+def _transparency(e: Evaluation) -> str:
+    if not e.transparent:
+        return "At every frequency of the band: the display is transparent nowhere."
+    pieces = _listed(_span(x) for x in e.transparent)
+    if len(e.transparent) == 1 and e.bandwidth is not None and e.transparent[0].high is e.chart.points[-1]:
+        return "Never on this band: the display is perceptually transparent on the whole of it."
+    if e.bandwidth is None:
+        return f"From the low end of the band on. The display is perceptually transparent only {pieces}."
+    if len(e.transparent) == 1:
+        return f"At {_both(e.bandwidth)}. Below that the display is perceptually transparent: this is its bandwidth."
+    return f"At {_both(e.bandwidth)}, its bandwidth. The display is perceptually transparent {pieces}."
+
+
+def _span(x: Interval) -> str:
+    if x.low is x.high:
+        return f"at {_both(x.low.omega)} alone"
+    return f"from {_short(x.low.omega)} to {_short(x.high.omega)} rad/s"
+
+
+_VERB = {"exceeds": "rises above", "returns": "falls below", "touches": "touches"}
+
+
+def _crossings(e: Evaluation) -> str:
+    if not e.crossings:
+        return "  No ratio meets its threshold on the band."
+    table = _table("part", "ω (rad/s)", "Hz", "what happens", "distortion")
+    for c in e.crossings:
+        table.add_row(c.part.value, c.omega.digits(e.digits), _hertz(c.omega), _event(e, c), _sense(c))
+    return _rendered(table)
+
+
+def _event(e: Evaluation, c: Crossing) -> str:
+    ratio = "r_r" if c.part is Part.REAL else "r_i"
+    times = f" ({c.multiplicity}-fold)" if c.multiplicity > 1 else ""
+    return f"{ratio} {_VERB[c.kind.value]} {_percent(e.scene.threshold[c.part])}{times}"
+
+
+def _sense(c: Crossing) -> str:
+    return f"{'Re' if c.part is Part.REAL else 'Im'} dH {'> 0' if c.sign > 0 else '< 0'}"
+
+
+def _step_2(e: Evaluation) -> str:
+    lines = ["Step 2. How is it felt?", ""]
+    if e.percepts:
+        table = _table("band (rad/s)", "part", "felt as")
+        for p in e.percepts:
+            table.add_row(f"{_short(p.band.low.omega)} to {_short(p.band.high.omega)}", p.part.value, _felt(p))
+        lines += [_rendered(table), ""]
+    else:
+        lines += ["  No percept of stiffness, mass or damping is changed on the band.", ""]
+    notes = [*_changeover_note(e), *_activity_note(e), *_unbounded_note(e), _stability_note(e)]
+    return "\n".join([*lines, *(_indented(note) for note in notes)])
+
+
+def _felt(p: Percept) -> str:
+    amount = {"higher": "more of it", "lower": "less of it", "equal": "as much of it"}[p.change.value]
+    if p.property is Property.STIFFNESS_TO_MASS:
+        return f"mass where the environment is a spring, the force {p.change.value}"
+    if p.property is Property.MASS_TO_STIFFNESS:
+        return f"stiffness where the environment is a mass, the force {p.change.value}"
+    return f"{p.property.value}, {amount} ({p.change.value})"
+
+
+def _changeover_note(e: Evaluation) -> Iterable[str]:
+    env, perc = (_places(x) for x in (e.changeovers_environment, e.changeovers_perceived))
+    if env or perc:
+        nowhere = "no frequency"
+        yield f"Spring and inertia change over at {env or nowhere} in the environment, at {perc or nowhere} as felt."
+
+
+def _activity_note(e: Evaluation) -> Iterable[str]:
+    if e.outside_model:
+        where = _listed(_span(x) for x in e.outside_model)
+        yield f"The display is active (Im H_perc < 0) {where}: outside the model, so no damping is named there."
+
+
+def _unbounded_note(e: Evaluation) -> Iterable[str]:
+    if e.unbounded:
+        yield f"A ratio is unbounded at {_places(e.unbounded)}: nothing to compare with there (H_env = 0, or dH infinite)."
+
+
+def _stability_note(e: Evaluation) -> str:
+    if e.stable is None:
+        return "Whether the perceived dynamics are stable was not decided."
+    return (
+        "The perceived dynamics are stable."
+        if e.stable
+        else "The perceived dynamics are NOT stable: some pole has Re s >= 0."
+    )
+
+
+def _certain(e: Evaluation) -> str:
+    return fill(
+        "Certain: these are all crossings on the band, none is missed and none invented; every digit, sign and interval "
+        "is proven by exact polynomials and ball arithmetic, not sampled.",
+        WIDTH,
+    )
+
+
+def _places(points: Iterable[Point]) -> str:
+    found = [_short(p.omega) for p in points]
+    return f"{_listed(found)} rad/s" if found else ""
+
+
+def _listed(items: Iterable[str]) -> str:
+    listed = list(items)
+    return listed[0] if len(listed) == 1 else f"{', '.join(listed[:-1])} and {listed[-1]}" if listed else ""
+
+
+def _both(x: RealNumber) -> str:
+    return f"{_short(x)} rad/s ({_hertz(x)} Hz)"
+
+
+def _short(x: RealNumber) -> str:
+    return _trimmed(x.digits(_DIGITS))
+
+
+def _hertz(x: RealNumber) -> str:
+    return f"{float(x) / (2 * pi):.5g}"
+
+
+def _trimmed(digits: str) -> str:
+    return digits.rstrip("0").rstrip(".") if "." in digits and "E" not in digits else digits
+
+
+def _percent(c: Expr) -> str:
+    return f"{float(100 * c):.6g} %"
+
+
+def _indented(text: str) -> str:
+    return fill(text, WIDTH, initial_indent="  ", subsequent_indent="  ")
+
+
+def _table(*headings: str) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 2, 0, 0))
+    for heading in headings:
+        table.add_column(heading, overflow="fold")
+    return table
+
+
+def _rendered(table: Table) -> str:
+    console = Console(file=StringIO(), width=WIDTH - 2, color_system=None, legacy_windows=False)
+    with console.capture() as captured:
+        console.print(table)
+    return "\n".join(f"  {line}".rstrip() for line in captured.get().rstrip("\n").splitlines())
