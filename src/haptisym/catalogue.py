@@ -241,6 +241,9 @@ def _parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
         read = quantity(given, slot.dimension)
     except SceneError as error:
         raise error.within(key) from None
+    reserved = {x.name for x in read.value.free_symbols} & {"s", "omega", "X"}
+    if reserved:
+        raise SceneError(f"{key}: {_shown(given)} contains {min(reserved)}, which has a meaning of its own here")
     if not slot.rule.allows(read.value):
         raise SceneError(f"{key}: {_shown(given)} {slot.rule.value}")
     symbol = Symbol(name, real=True) if slot.rule is Rule.ANY else Symbol(name, positive=True)

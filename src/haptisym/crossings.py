@@ -10,7 +10,8 @@ from sympy import Expr
 from .distortion import Distortion, part_of
 from .jnd import Part, Threshold
 from .reals import RealNumber
-from .response import RationalFunction, RealFunction
+from .response import RealFunction, on_axis
+from .rings import RationalFunction
 from .roots import Chart, Interval, Point
 
 
@@ -46,7 +47,7 @@ class Curve(Enum):
 def curves(d: Distortion, threshold: Threshold) -> dict[tuple[Curve, Part], RealFunction]:
     """All real functions that an evaluation asks about."""
     both = RationalFunction(d.env.ring, d.env.numerator, d.env.denominator) + d.perc
-    total = both.reduced().on_axis()
+    total = on_axis(both.reduced())
     found = {}
     for part in Part:
         found[Curve.EXCESS, part] = excess(d, threshold[part], part)
@@ -70,12 +71,11 @@ def excess(d: Distortion, c: Expr, part: Part) -> RealFunction:
 
 def find_crossings(chart: Chart) -> tuple[Crossing, ...]:
     """All crossings on the band in ascending order; () means proved none."""
-    return tuple(
-        _crossing(point, part)
-        for point in chart.points
-        for part in Part
-        if point.orders.get((Curve.EXCESS, part), 0) > 0
-    )
+    return tuple(_crossing(point, part) for point in chart.points for part in Part if _is_crossing(point, part))
+
+
+def _is_crossing(point: Point, part: Part) -> bool:
+    return point.orders.get((Curve.EXCESS, part), 0) > 0 and (Curve.EXCESS, part) not in point.undecided
 
 
 def _crossing(point: Point, part: Part) -> Crossing:

@@ -13,7 +13,8 @@ from .catalogue import Effect, Environment, Matrix
 from .errors import SceneError
 from .jnd import Part
 from .numeric import Values, compiled
-from .response import RationalFunction, RealFunction, Response, Ring
+from .response import RealFunction, Response, Ring, on_axis, squared_modulus
+from .rings import RationalFunction
 from .symbols import X, omega, s
 
 
@@ -127,24 +128,24 @@ class Distortion:
 
     @cached_property
     def env_response(self) -> Response:
-        return self.env.on_axis()
+        return on_axis(self.env)
 
     @cached_property
     def perc_response(self) -> Response:
-        return self.perc.on_axis()
+        return on_axis(self.perc)
 
     @cached_property
     def difference_response(self) -> Response:
-        return self.difference.on_axis()
+        return on_axis(self.difference)
 
     @cached_property
     def relative_response(self) -> Response:
-        return (self.difference / self.env).reduced().on_axis()
+        return on_axis((self.difference / self.env).reduced())
 
     @cached_property
     def squared_modulus(self) -> RealFunction:
         """``|H_env(j omega)|^2``."""
-        return RealFunction(self.env.squared_modulus())
+        return squared_modulus(self.env)
 
     @cached_property
     def squared_ratios(self) -> dict[Part, RealFunction]:
@@ -184,11 +185,11 @@ class Distortion:
 
     @property
     def ratio_real(self) -> Expr:
-        return Abs(self.real) / self.modulus
+        return _magnitude(self.difference_response.real) / self.modulus
 
     @property
     def ratio_imag(self) -> Expr:
-        return Abs(self.imag) / self.modulus
+        return _magnitude(self.difference_response.imag) / self.modulus
 
     @property
     def relative_real(self) -> Expr:
@@ -225,13 +226,11 @@ class Distortion:
         >>> f([0.0, 20.0]).real.tolist()
         [-0.0, -30.0]
         """
-        squares = {part: square.factored() for part, square in self.squared_ratios.items()}
-        env, perc = self.environment_properties, self.perceived_properties
-        forms = Values(
-            self.real, self.imag, sqrt(squares[Part.REAL]), sqrt(squares[Part.IMAG]), self.relative_real,
-            self.relative_imag, env.real, env.imag, perc.real, perc.imag,
-        )  # fmt: skip
-        return compiled(forms._asdict(), list(self.free_symbols))
+        ratios = [sqrt(self.squared_ratios[part].stable()) for part in Part]
+        shown = (self.difference_response, self.relative_response, self.env_response, self.perc_response)
+        real_imag, *others = ([part_of(response, part).stable() for part in Part] for response in shown)
+        forms = [*real_imag, *ratios, *(form for pair in others for form in pair)]
+        return compiled(dict(zip(Values._fields, forms, strict=True)), list(self.free_symbols))
 
     def parameter_jnd(self, c: Expr) -> ParameterJND:
         """The JNDs of stiffness, damping and mass for a threshold c."""
@@ -262,26 +261,44 @@ def part_of(response: Response, part: Part) -> RealFunction:
     return response.real if part is Part.REAL else response.imag
 
 
+def _magnitude(f: RealFunction) -> Expr:
+    """|f|; its denominator is a squared modulus and needs no bars."""
+    above, below = f.factored().as_numer_denom()
+    return Abs(above) / below
+
+
 def _properties(response: Response) -> Properties:
     return Properties(response.real.factored(), response.imag.factored())
 
 
 def _first_changeover(f: RealFunction) -> Expr | None:
-    """The lowest positive root of the numerator in square roots, if it has just one factor of degree 1 or 2 in omega^2."""
-    rows = [f.function.ring.coefficients(factor) for factor, _ in f.function.numerator.factor()[1]]
-    in_square = [row[::2] for row in rows if len(row) > 2 and not any(row[1::2])]
-    if len(in_square) != 1 or len(in_square[0]) > 3:
+    """The lowest positive zero of odd order of the numerator, if all its factors have degree 1 or 2 in omega^2."""
+    ring = f.function.ring
+    found: list[Expr] = []
+    for factor, exponent in ring.factors(f.function.numerator)[1]:
+        row = ring.coefficients(factor)
+        if exponent % 2 == 0 or factor == ring.variable or not factor.degrees()[0]:
+            continue
+        if any(row[1::2]) or len(row) > 5 or f.axis.angles:
+            return None
+        square = _lowest_root(*row[::2])
+        if square is None:
+            return None
+        found += [square] if square.is_positive is not False else []
+    if len(found) > 1 and any(x.free_symbols for x in found):
         return None
-    c, b, a = (*in_square[0], S.Zero)[:3]
-    square = -c / b if a == 0 else _lower_root(c, b, a)
-    return sqrt(square) if square is not None and square.is_positive is not False else None
+    return sqrt(min(found)) if found else None
 
 
-def _lower_root(c: Expr, b: Expr, a: Expr) -> Expr | None:
-    """Of a W^2 + b W + c, the lowest root that can be positive; None where the signs of a and c are not known."""
+def _lowest_root(c: Expr, b: Expr, a: Expr = S.Zero) -> Expr | None:
+    """Of a W^2 + b W + c, the lowest root that can be positive, or 0 if none can; None where that is not known."""
+    if a == 0:
+        return -c / b
     if a.is_positive is None or c.is_positive is None:
         return None
     if a.is_negative:
         a, b, c = -a, -b, -c
     root = sqrt(b**2 - 4 * a * c)
-    return (-b - root) / (2 * a) if c.is_positive else (-b + root) / (2 * a)
+    if c.is_negative:
+        return (-b + root) / (2 * a)
+    return (-b - root) / (2 * a) if root.is_real is not False and b.is_positive is not True else S.Zero

@@ -191,6 +191,8 @@ class _Reader(Generic[T]):
         if digits > MOST_DIGITS:
             self.fail(f"written out, this has more than {MOST_DIGITS} digits", sign.at)
         try:
+            if (operation is truediv and not right.value) or (operation is pow and right.value < 0 and not left.value):
+                raise ZeroDivisionError
             return _Value(operation(left.value, right.value), degree, digits)
         except ZeroDivisionError:
             self.fail("division by zero", sign.at)

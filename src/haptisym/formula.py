@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from sympy import Add, Expr, Float, Integer, Mul, Rational, Symbol
+from sympy import Add, Expr, Float, I, Integer, Mul, Pow, Rational, Symbol, cos, preorder_traversal, sin
+from sympy.core.numbers import ImaginaryUnit
 from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
 from .reals import ExactNumber
-from .response import RationalFunction
+from .rings import RationalFunction
 from .symbols import omega, s
 
 _DIGITS = 6  # significant digits of a number that is too long to write out
@@ -86,8 +87,8 @@ def plain(expression: Expr) -> str:
 def rounded(function: RationalFunction, variable: Symbol) -> tuple[Expr, bool]:
     """A quotient of numbers' polynomials for reading, denominators monic, and whether a number in it had to be rounded.
 
-    >>> from .response import Ring
-    >>> rounded(Ring().convert((3 * s + 9) / (4 * s**2 + 7)), s)
+    >>> from .rings import PolynomialRing
+    >>> rounded(PolynomialRing(s).convert((3 * s + 9) / (4 * s**2 + 7)), s)
     ((3*s/4 + 9/4)/(s**2 + 7/4), False)
     """
     ring = function.ring
@@ -96,22 +97,32 @@ def rounded(function: RationalFunction, variable: Symbol) -> tuple[Expr, bool]:
     below = []
     for factor, exponent in factors:
         coefficients = ring.coefficients(factor)
-        lead *= coefficients[-1] ** exponent
-        below.append(([c / coefficients[-1] for c in coefficients], exponent))
-    above = [c / lead for c in ring.coefficients(reduced.numerator)]
+        first = coefficients[-1] if coefficients[-1].is_number else Integer(1)
+        lead *= first**exponent
+        below.append(([c / first for c in coefficients], exponent))
+    outside, numerator = ring.without_common_functions(reduced.numerator)
+    above = [(c / lead).expand() for c in ring.coefficients(numerator)]
     exact = all(_is_short(c) for c in [*above, *(c for row, _ in below for c in row)])
     shown = _polynomial(above, variable, exact=exact)
-    return shown / Mul(*(_polynomial(row, variable, exact=exact) ** n for row, n in below)), not exact
+    return outside * shown / Mul(*(_polynomial(row, variable, exact=exact) ** n for row, n in below)), not exact
 
 
-def _is_short(number: Expr) -> bool:
-    return isinstance(number, Rational) and len(decimal_text(number)) <= _DIGITS + 4
+def _is_short(coefficient: Expr) -> bool:
+    """Whether all numbers in it are rational and short to write."""
+    rational = all(isinstance(x, Rational | ImaginaryUnit) or not x.is_number for x in preorder_traversal(coefficient))
+    return rational and all(len(decimal_text(x)) <= _DIGITS + 4 for x in coefficient.atoms(Rational))
 
 
-def _rounded(number: Expr) -> Expr:
-    if isinstance(number, Integer) and abs(number) < 10**_DIGITS:
-        return number
-    return Float(ExactNumber(number).digits(_DIGITS + 3))
+def _rounded(coefficient: Expr) -> Expr:
+    """A number to a few digits, unless it is a short whole one; in a larger expression, each of its numbers."""
+    if coefficient.free_symbols or coefficient.has(I):
+        parts = [term.as_independent(I, *term.free_symbols, as_Add=False) for term in Add.make_args(coefficient)]
+        return Add(*(_rounded(number) * rest for number, rest in parts))
+    if isinstance(coefficient, Integer) and abs(coefficient) < 10**_DIGITS:
+        return coefficient
+    if any(not x.exp.is_Integer for x in coefficient.atoms(Pow)) or coefficient.has(cos, sin):
+        return coefficient.evalf(_DIGITS + 3)  # the constant angle of a power of s
+    return Float(ExactNumber(coefficient).digits(_DIGITS + 3))
 
 
 def _polynomial(coefficients: list[Expr], variable: Symbol, *, exact: bool) -> Expr:

@@ -35,7 +35,11 @@ class Threshold:
     @classmethod
     def of(cls, real: Number, imag: Number | None = None) -> Threshold:
         """A threshold from numbers; the imaginary part's is the real part's unless given. SceneError unless > 0."""
-        return cls(_fraction("real", real), _fraction("imag", real if imag is None else imag))
+        return cls(real, real if imag is None else imag)  # type: ignore[arg-type]  # made exact on the way in
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "real", _fraction("real", self.real))
+        object.__setattr__(self, "imag", _fraction("imag", self.imag))
 
     def __getitem__(self, part: Part) -> Expr:
         return self.real if part is Part.REAL else self.imag

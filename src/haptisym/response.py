@@ -1,232 +1,270 @@
-"""Exact rational functions of ``s`` and the real functions that they become on ``s = j omega``.
+"""Dynamics in ``s`` and the real functions that they become on ``s = j omega``.
 
-A dynamics is a quotient of polynomials over the rational numbers in ``s``, ``pi`` and the parameters. On ``s = j omega``
-even powers of ``s`` are real and odd ones imaginary, so that real part, imaginary part and squared modulus are had by
-polynomial arithmetic alone: no complex numbers, no ``as_real_imag``, no ``simplify``. ``pi`` is transcendental, so it
-is one more variable, and every test for zero stays exact.
+On ``s = j omega`` even powers of ``s`` are real and odd ones imaginary, so that real part, imaginary part and squared
+modulus are had by polynomial arithmetic alone: no complex numbers, no ``as_real_imag``, no ``simplify``. A delay is an
+all-pass of the real variable t = tan(omega tau/2), exp(-j omega tau) = (1 - j t)/(1 + j t), and s^alpha is omega^alpha
+times a constant of the same kind: they too become quotients of polynomials, exact, with exact cancellation.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, reduce
-from operator import add, mul
-from typing import Any, TypeAlias
+from functools import cached_property, lru_cache, reduce
+from math import comb
+from typing import TypeAlias
 
-from flint import Ordering, fmpq, fmpq_mpoly_ctx
-from sympy import Add, Expr, Integer, Mul, Pow, Rational, Symbol, pi
+from flint import fmpq
+from sympy import Add, Expr, I, Integer, Pow, Rational, Symbol, cos, cosh, exp, gcd, pi, sin, sinh
 
 from .errors import SceneError
-from .symbols import conflicting, omega, s
+from .rings import Polynomial, PolynomialRing, RationalFunction, degree_in
+from .symbols import omega, s
 
-Polynomial: TypeAlias = Any  # flint.fmpq_mpoly, which ships no types
+Pair: TypeAlias = tuple[Polynomial, Polynomial]
+"""Real and imaginary part."""
+
+_MOST_MULTIPLE = 32  # of a common unit delay; beyond it commensurable delays are treated as independent of each other
 
 
-class Ring:
-    """Polynomials over Q in the frequency variable (``s``, or ``omega`` on the axis), ``pi`` and the given symbols.
+class Ring(PolynomialRing):
+    """Dynamics: polynomials in ``s``, pi, the parameters, and the delays ``exp(-s tau)`` and powers ``s^alpha`` of a scene.
 
     >>> m, k = Symbol("m"), Symbol("k")
-    >>> ring = Ring([m, k])
-    >>> H = ring.convert(m * s**2 + k)
-    >>> response = H.on_axis()
+    >>> ring = Ring.of([m * s**2 + k])
+    >>> response = on_axis(ring.convert(m * s**2 + k))
     >>> response.real.expression(), response.imag.expression()
     (k - m*omega**2, 0)
     """
 
-    def __init__(self, symbols: Iterable[Symbol] = ()) -> None:
-        self.symbols = tuple(sorted(set(symbols) - {s, omega}, key=str))
-        clash = conflicting([*self.symbols])
-        if clash is not None:
-            raise SceneError(f"two different symbols are both named {clash}: give one of them another name")
-        names = ("s", "pi", *(f"p_{symbol.name}" for symbol in self.symbols))
-        self.context = fmpq_mpoly_ctx.get(names, Ordering.lex)
-        self.variable, self.pi, *parameters = self.context.gens()
-        self._generators = {
-            s: self.variable,
-            omega: self.variable,
-            pi: self.pi,
-            **dict(zip(self.symbols, parameters, strict=True)),
-        }
+    def __init__(
+        self, symbols: Iterable[Symbol] = (), lags: Sequence[Expr] = (), orders: Sequence[Expr] = (), *, j: bool = False
+    ) -> None:
+        self.lags, self.orders = tuple(lags), tuple(orders)
+        functions = [*(exp(-s * lag) for lag in lags), *(s**order for order in orders), *([I] if j else [])]
+        super().__init__(s, symbols, functions)
 
     @classmethod
     def of(cls, expressions: Iterable[Expr]) -> Ring:
         """The smallest ring that holds the given expressions."""
-        return cls(symbol for e in expressions for symbol in e.free_symbols)
-
-    def constant(self, value: int | Rational) -> Polynomial:
-        """A rational number as a polynomial."""
-        exact = Rational(value)
-        return self.context.constant(fmpq(int(exact.p), int(exact.q)))
-
-    @property
-    def zero(self) -> RationalFunction:
-        return RationalFunction(self, self.constant(0), self.constant(1))
-
-    @property
-    def one(self) -> RationalFunction:
-        return RationalFunction(self, self.constant(1), self.constant(1))
+        listed = [_exponentials(e) for e in expressions]
+        symbols = {x for e in listed for x in e.free_symbols} - {s}
+        lags = {lag for e in listed for x in e.atoms(exp) for lag in _lags(x)}
+        orders = {_order(x)[1] for e in listed for x in e.atoms(Pow) if x.base == s and not x.exp.is_Integer}
+        return cls(symbols, _units(lags), sorted(orders, key=str), j=any(e.has(I) for e in listed))
 
     def convert(self, expression: Expr) -> RationalFunction:
-        """The rational function that a SymPy expression is; SceneError where it is not one.
+        if isinstance(expression, cosh | sinh):
+            return self.convert(_exponentials(expression))
+        if isinstance(expression, exp):
+            return reduce(lambda x, y: x * y, (self._delayed(lag, n) for lag, n in _lags(expression).items()))
+        if isinstance(expression, Pow) and expression.base == s and not expression.exp.is_Integer:
+            whole, order, sign = _order(expression)
+            return self.function(self.variable) ** whole * self.function(self.generators[s**order]) ** sign
+        return super().convert(expression)
 
-        >>> Ring().convert(1 / s + s / (s + 1)).expression()
-        (s**2 + s + 1)/(s*(s + 1))
-        """
-        if expression in self._generators:
-            return RationalFunction(self, self._generators[expression], self.constant(1))
-        if isinstance(expression, Rational):
-            return RationalFunction(self, self.constant(expression), self.constant(1))
-        if isinstance(expression, Add):
-            return reduce(add, map(self.convert, expression.args))
-        if isinstance(expression, Mul):
-            return reduce(mul, map(self.convert, expression.args))
-        if isinstance(expression, Pow) and isinstance(expression.exp, Integer):
-            return self.convert(expression.base) ** int(expression.exp)
-        raise SceneError(f"{expression} is not a rational function of s with exact coefficients")
+    def _delayed(self, lag: Expr, sign: int) -> RationalFunction:
+        """exp(-s lag) as a power of the unit delay that it is a multiple of."""
+        for unit in self.lags:
+            multiple = lag / unit
+            if multiple.is_Integer:
+                return self.function(self.generators[exp(-s * unit)]) ** (sign * int(multiple))
+        raise SceneError(f"the delay {lag} is not in this ring")
 
-    def polynomial_expression(self, polynomial: Polynomial, variable: Symbol) -> Expr:
-        """A polynomial as a SymPy sum over the powers of ``variable``, each with its coefficient collected."""
-        return Add(*(coefficient * variable**power for power, coefficient in self._powers(polynomial).items()))
-
-    def _powers(self, polynomial: Polynomial) -> dict[int, Expr]:
-        powers: dict[int, list[Expr]] = {}
-        for exponents, coefficient in polynomial.to_dict().items():
-            power, of_pi, *rest = map(int, exponents)
-            factors = [symbol**n for symbol, n in zip(self.symbols, rest, strict=True) if n]
-            number = Rational(int(coefficient.p), int(coefficient.q))
-            powers.setdefault(power, []).append(Mul(number, pi**of_pi, *factors))
-        return {power: Add(*terms) for power, terms in powers.items()}
-
-    def coefficients(self, polynomial: Polynomial) -> list[Expr]:
-        """The coefficients of a polynomial, ascending in powers of the variable."""
-        powers = self._powers(polynomial)
-        return [powers.get(n, Integer(0)) for n in range(max(powers, default=0) + 1)]
-
-    def factored_expression(self, polynomial: Polynomial, variable: Symbol) -> Expr:
-        """A polynomial as the product of its factors."""
-        unit, factors = self.factors(polynomial)
-        return Mul(unit, *(self.polynomial_expression(f, variable) ** n for f, n in factors))
-
-    def factors(self, polynomial: Polynomial) -> tuple[Rational, list[tuple[Polynomial, int]]]:
-        """A number and the factors over Q; of an even polynomial, those in the square of the variable.
-
-        >>> ring = Ring()
-        >>> ring.factors(ring.variable**4 + 4)       # not (s^2 - 2 s + 2) (s^2 + 2 s + 2)
-        (1, [(s^4 + 4, 1)])
-        """
-        powers = [int(exponents[0]) for exponents in polynomial.monoms()]
-        lowest = min(powers, default=0)
-        step = 2 if powers and all((power - lowest) % 2 == 0 for power in powers) else 1
-        deflated = {((int(e[0]) - lowest) // step, *e[1:]): c for e, c in polynomial.to_dict().items()}
-        unit, factors = self.context.from_dict(deflated).factor()
-        inflated = [(self._inflated(factor, step), int(n)) for factor, n in factors]
-        own = [(self.variable, lowest)] if lowest else []
-        return Rational(int(unit.p), int(unit.q)), own + inflated
-
-    def _inflated(self, polynomial: Polynomial, step: int) -> Polynomial:
-        return self.context.from_dict({(step * int(e[0]), *e[1:]): c for e, c in polynomial.to_dict().items()})
+    @cached_property
+    def axis(self) -> Axis:
+        """The ring of real functions of omega that these dynamics become."""
+        return Axis(self)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class RationalFunction:
-    """A quotient of two polynomials of one ring. Arithmetic does not cancel: ``reduced`` does, once, where it matters."""
+def _exponentials(expression: Expr) -> Expr:
+    """Hyperbolic functions as exponentials."""
+    return expression.replace(cosh, lambda x: (exp(x) + exp(-x)) / 2).replace(sinh, lambda x: (exp(x) - exp(-x)) / 2)
 
-    ring: Ring
-    numerator: Polynomial
-    denominator: Polynomial
 
-    def __add__(self, other: RationalFunction) -> RationalFunction:
-        if self.denominator == other.denominator:
-            return self._new(self.numerator + other.numerator, self.denominator)
-        top = self.numerator * other.denominator + other.numerator * self.denominator
-        return self._new(top, self.denominator * other.denominator)
+def _lags(exponential: Expr) -> dict[Expr, int]:
+    """The delays in exp(-s (tau_1 + tau_2 - ...)), each with its sign."""
+    argument = exponential.args[0].expand()
+    rate = argument.coeff(s)
+    if rate.has(s) or argument - rate * s != 0:
+        raise SceneError(f"{exponential} is not a delay: the exponent must be -s times a time")
+    found = {}
+    for term in Add.make_args(-rate):
+        number, rest = term.as_coeff_Mul()
+        found[abs(number) * rest] = 1 if number > 0 else -1
+    return found
 
-    def __neg__(self) -> RationalFunction:
-        return self._new(-self.numerator, self.denominator)
 
-    def __sub__(self, other: RationalFunction) -> RationalFunction:
-        return self + -other
+def _units(lags: set[Expr]) -> list[Expr]:
+    """Unit delays: of the rational multiples of one time, their greatest common divisor where that is not too fine."""
+    classes: dict[Expr, list[Rational]] = {}
+    for lag in lags:
+        number, rest = lag.as_coeff_Mul()
+        classes.setdefault(rest, []).append(number)
+    units = []
+    for rest, numbers in sorted(classes.items(), key=str):
+        unit = reduce(gcd, numbers)
+        alone = max(numbers) / unit > _MOST_MULTIPLE
+        units += [number * rest for number in sorted(numbers)] if alone else [unit * rest]
+    return units
 
-    def __mul__(self, other: RationalFunction) -> RationalFunction:
-        return self._new(self.numerator * other.numerator, self.denominator * other.denominator)
 
-    def __truediv__(self, other: RationalFunction) -> RationalFunction:
-        if other.is_zero:
-            raise SceneError("division by zero")
-        return self._new(self.numerator * other.denominator, self.denominator * other.numerator)
+def _order(power: Expr) -> tuple[int, Expr, int]:
+    """s^p as s^whole (s^order)^sign, with 0 < order < 1 where it is a number."""
+    whole, order = power.exp.as_coeff_Add()
+    if power.exp.is_Rational:
+        whole = power.exp.floor() if hasattr(power.exp, "floor") else Integer(power.exp.p // power.exp.q)
+        return int(whole), power.exp - whole, 1
+    number, rest = order.as_coeff_Mul()
+    if not whole.is_Integer or order.has(s):
+        raise SceneError(f"{power}: a power of s must be a number or a symbol")
+    return int(whole), abs(number) * rest, 1 if number > 0 else -1
 
-    def __pow__(self, exponent: int) -> RationalFunction:
-        if exponent < 0:
-            return self.ring.one / self**-exponent
-        return self._new(self.numerator**exponent, self.denominator**exponent)
 
-    def _new(self, numerator: Polynomial, denominator: Polynomial) -> RationalFunction:
-        return RationalFunction(self.ring, numerator, denominator)
+@dataclass(frozen=True)
+class Angle:
+    """An angle whose half-angle tangent is a variable: omega tau of a delay, or the constant alpha pi/2 of ``s^alpha``."""
+
+    rate: Expr
+    """Radians per rad/s; for a constant angle, radians."""
+    constant: bool = False
 
     @property
-    def is_zero(self) -> bool:
-        return bool(self.numerator.is_zero())
-
-    def equals(self, other: RationalFunction) -> bool:
-        """Whether both are the same function: exact."""
-        return (self - other).is_zero
-
-    def reduced(self) -> RationalFunction:
-        """In lowest terms, the denominator with leading coefficient 1."""
-        common = self.numerator.gcd(self.denominator)
-        top, bottom = self.numerator / common, self.denominator / common
-        leading = bottom.leading_coefficient()
-        return self._new(top / leading, bottom / leading)
-
-    def on_axis(self) -> Response:
-        """Its values on ``s = j omega``, as real functions of omega."""
-        a, b = parts(self.numerator)
-        c, d = parts(self.denominator)
-        modulus = c * c + d * d
-        return Response(self._new(a * c + b * d, modulus), self._new(b * c - a * d, modulus))
-
-    def squared_modulus(self) -> RationalFunction:
-        """|f(j omega)|^2, in lowest terms."""
-        (a, b), (c, d) = parts(self.numerator), parts(self.denominator)
-        return self._new(a * a + b * b, c * c + d * d).reduced()
-
-    def expression(self, variable: Symbol = s) -> Expr:
-        """A SymPy quotient, in lowest terms, the denominator in factors."""
-        reduced = self.reduced().cleared()
-        top = self.ring.polynomial_expression(reduced.numerator, variable)
-        return top / self.ring.factored_expression(reduced.denominator, variable)
-
-    def factored(self, variable: Symbol = s) -> Expr:
-        """A SymPy quotient, in lowest terms, both numerator and denominator in factors."""
-        reduced = self.reduced().cleared()
-        top = self.ring.factored_expression(reduced.numerator, variable)
-        return top / self.ring.factored_expression(reduced.denominator, variable)
-
-    def cleared(self) -> RationalFunction:
-        """The same function with whole coefficients, as small as they can be, in numerator and denominator."""
-        from math import gcd, lcm
-
-        coefficients = [*self.numerator.coeffs(), *self.denominator.coeffs()]
-        below = reduce(lcm, (int(c.q) for c in coefficients), 1)
-        above = reduce(gcd, (int(c.p) * (below // int(c.q)) for c in coefficients), 0) or 1
-        scale = fmpq(below, above)
-        return self._new(self.numerator * scale, self.denominator * scale)
+    def value(self) -> Expr:
+        return self.rate if self.constant else self.rate * omega
 
 
-def parts(polynomial: Polynomial) -> tuple[Polynomial, Polynomial]:
-    """Real and imaginary part of a polynomial in ``s`` on ``s = j omega``, as polynomials in omega.
+class Axis(PolynomialRing):
+    """Real functions on ``s = j omega``: polynomials in omega, pi, the parameters, tan(angle/2) and omega^alpha."""
 
-    >>> ring = Ring()
-    >>> parts(ring.variable**3 + 2 * ring.variable**2 + 5)     # the variable s stands for omega in the result
-    (-2*s^2 + 5, -s^3)
-    """
-    context = polynomial.context()
-    split: tuple[dict[Any, Any], dict[Any, Any]] = ({}, {})
-    for exponents, coefficient in polynomial.to_dict().items():
-        power = int(exponents[0])
-        split[power % 2][exponents] = -coefficient if power % 4 >= 2 else coefficient
-    return context.from_dict(split[0]), context.from_dict(split[1])
+    def __init__(self, dynamics: Ring) -> None:
+        self.angles = (
+            *(Angle(lag) for lag in dynamics.lags),
+            *(Angle(pi * x / 2, constant=True) for x in dynamics.orders),
+        )
+        self.orders = dynamics.orders
+        # a name, not tan(...) itself, which SymPy would evaluate at a known angle
+        tangents = [Symbol(f"tan({angle.value}/2)") for angle in self.angles]
+        super().__init__(omega, dynamics.symbols, [*tangents, *(omega**order for order in dynamics.orders)])
+        self.delays, self.complex = len(dynamics.lags), I in dynamics.generators
+        assert dynamics.size == self.size
+
+    def parts(self, polynomials: Sequence[Polynomial]) -> list[Pair]:
+        """Real and imaginary part of each polynomial in the dynamics' ring, all times the same factor that is not zero."""
+        if not self.functions and not self.complex:
+            return [self._even_and_odd(p) for p in polynomials]
+        highest = [degree_in(polynomials, self.size + i) for i in range(len(self.angles))]
+        return [self._turned(p, highest) for p in polynomials]
+
+    def _even_and_odd(self, polynomial: Polynomial) -> Pair:
+        split: tuple[dict[object, object], dict[object, object]] = ({}, {})
+        for exponents, coefficient in polynomial.to_dict().items():
+            power = int(exponents[0])
+            split[power % 2][exponents] = -coefficient if power % 4 >= 2 else coefficient
+        return self.context.from_dict(split[0]), self.context.from_dict(split[1])
+
+    def _turned(self, polynomial: Polynomial, highest: Sequence[int]) -> Pair:
+        """Each monomial s^n E^k A^l j^i is j^(n+i) times all-passes in the half-angle tangents."""
+        real, imag = self.constant(0), self.constant(0)
+        gens = self.context.gens()
+        for exponents, coefficient in polynomial.to_dict().items():
+            own = [int(n) for n in exponents]
+            turns = own[self.size : self.size + len(self.angles)]
+            base = self.context.from_dict({(*own[: self.size], *[0] * (len(gens) - self.size)): coefficient})
+            quarter = own[0] + (own[-1] if self.complex else 0)
+            x, y = (base, self.constant(0)) if quarter % 2 == 0 else (self.constant(0), base)
+            if quarter % 4 >= 2:
+                x, y = -x, -y
+            for i, (turn, most) in enumerate(zip(turns, highest, strict=True)):
+                a, b = self._all_pass(i, turn, most)
+                x, y = x * a - y * b, x * b + y * a
+            for i, turn in enumerate(turns[self.delays :]):
+                power = gens[self.size + len(self.angles) + i] ** turn
+                x, y = x * power, y * power
+            real, imag = real + x, imag + y
+        return real, imag
+
+    @lru_cache(maxsize=256)  # noqa: B019 - a ring lives as long as its functions
+    def _all_pass(self, index: int, turn: int, most: int) -> Pair:
+        """exp(-j k angle) (1 + j t)^most = (1 - j t)^k (1 + j t)^(most - k); the angle of s^alpha turns the other way."""
+        t = self.context.gens()[self.size + index]
+        sense = -1 if index < self.delays else 1
+        x, y = self.constant(1), self.constant(0)
+        for factor in [sense * t] * turn + [-sense * t] * (most - turn):
+            x, y = x - y * factor, y + x * factor
+        return x, y
+
+    def trigonometric(self, function: RationalFunction) -> RationalFunction:
+        """The function in cosines and sines of the angles and their multiples, as a person would write it."""
+        degrees = [
+            degree_in([function.numerator, function.denominator], self.size + i) for i in range(len(self.angles))
+        ]
+        even = [n + n % 2 for n in degrees]
+        waves = [
+            (cos(n * a.value), sin(n * a.value))
+            for a, top in zip(self.angles, even, strict=True)
+            for n in range(1, top // 2 + 1)
+        ]
+        powers = self.functions[len(self.angles) :]
+        target = PolynomialRing(omega, self.symbols, [*powers, *(wave for pair in waves for wave in pair)])
+        return target.function(*(self._waves(p, even, target) for p in (function.numerator, function.denominator)))
+
+    def _waves(self, polynomial: Polynomial, even: Sequence[int], target: PolynomialRing) -> Polynomial:
+        total = target.constant(0)
+        gens = target.context.gens()
+        first = target.size + len(self.orders)
+        for exponents, coefficient in polynomial.to_dict().items():
+            own = [int(n) for n in exponents]
+            turns, powers = own[self.size : self.size + len(even)], own[self.size + len(even) :]
+            term = target.context.from_dict({(*own[: self.size], *powers, *[0] * (len(gens) - first)): coefficient})
+            start = first
+            for k, top in zip(turns, even, strict=True):
+                term *= sum(
+                    (c * (gens[start + i] if i >= 0 else 1) for i, c in _harmonics(k, top).items()), target.constant(0)
+                )
+                start += top
+            total += term
+        return total
+
+    def half_angles(self, function: RationalFunction) -> RationalFunction:
+        """The function in cosines and sines of the half angles: without cancellation at low frequencies."""
+        degrees = [
+            degree_in([function.numerator, function.denominator], self.size + i) for i in range(len(self.angles))
+        ]
+        waves = [wave for a in self.angles for wave in (cos(a.value / 2), sin(a.value / 2))]
+        target = PolynomialRing(omega, self.symbols, [*self.functions[len(self.angles) :], *waves])
+
+        def homogeneous(polynomial: Polynomial) -> Polynomial:
+            terms = {}
+            for exponents, coefficient in polynomial.to_dict().items():
+                own = [int(n) for n in exponents]
+                turns, powers = own[self.size : self.size + len(degrees)], own[self.size + len(degrees) :]
+                halves = [n for k, top in zip(turns, degrees, strict=True) for n in (top - k, k)]
+                terms[(*own[: self.size], *powers, *halves)] = coefficient
+            return target.context.from_dict(terms)
+
+        return target.function(homogeneous(function.numerator), homogeneous(function.denominator))
+
+
+@lru_cache(maxsize=1024)
+def _harmonics(k: int, top: int) -> dict[int, fmpq]:
+    """sin(x/2)^k cos(x/2)^(top - k), top even, as a sum of waves: -1 the constant, 2 (n - 1) is cos n x, 2 n - 1 is sin n x."""
+    # z = exp(j x/2): sin = (z - 1/z)/(2 j), cos = (z + 1/z)/2, and j^k only turns the result
+    coefficients: dict[int, int] = {}
+    for a in range(k + 1):
+        for b in range(top - k + 1):
+            n = top - 2 * (a + b)
+            coefficients[n] = coefficients.get(n, 0) + (-1) ** a * comb(k, a) * comb(top - k, b)
+    sign = (-1) ** (k // 2)
+    found = {}
+    for n, c in coefficients.items():
+        if c == 0 or n < 0:
+            continue
+        if n == 0:
+            found[-1] = fmpq(sign * c, 2**top)
+        else:  # even k pairs up to 2 cos, odd k to 2 j sin, over j^k
+            found[n - 2 if k % 2 == 0 else n - 1] = fmpq(2 * sign * c, 2**top)
+    return found
 
 
 @dataclass(frozen=True)
@@ -245,9 +283,30 @@ class Response:
         return RealFunction(self.raw_imag.reduced())
 
 
+def on_axis(dynamics: RationalFunction) -> Response:
+    """The values of a dynamics on ``s = j omega``, as real functions of omega."""
+    axis = _axis(dynamics)
+    (a, b), (c, d) = axis.parts([dynamics.numerator, dynamics.denominator])
+    modulus = c * c + d * d
+    return Response(axis.function(a * c + b * d, modulus), axis.function(b * c - a * d, modulus))
+
+
+def squared_modulus(dynamics: RationalFunction) -> RealFunction:
+    """|f(j omega)|^2, in lowest terms."""
+    axis = _axis(dynamics)
+    (a, b), (c, d) = axis.parts([dynamics.numerator, dynamics.denominator])
+    return RealFunction(axis.function(a * a + b * b, c * c + d * d).reduced())
+
+
+def _axis(dynamics: RationalFunction) -> Axis:
+    ring = dynamics.ring
+    assert isinstance(ring, Ring)
+    return ring.axis
+
+
 @dataclass(frozen=True)
 class RealFunction:
-    """A real rational function of omega, in lowest terms."""
+    """A real function of omega, in lowest terms as a quotient of polynomials of an ``Axis``."""
 
     function: RationalFunction
 
@@ -264,10 +323,25 @@ class RealFunction:
     def is_zero(self) -> bool:
         return self.function.is_zero
 
+    @property
+    def axis(self) -> Axis:
+        ring = self.function.ring
+        assert isinstance(ring, Axis)
+        return ring
+
+    @property
+    def written(self) -> RationalFunction:
+        """As a person would write it: polynomials in omega, cosines and sines."""
+        return self.axis.trigonometric(self.function) if self.axis.angles else self.function
+
     def expression(self) -> Expr:
         """The closed form in omega, in lowest terms, the denominator in factors."""
-        return self.function.expression(omega)
+        return self.written.expression()
 
     def factored(self) -> Expr:
         """The closed form in omega, numerator and denominator in factors."""
-        return self.function.factored(omega)
+        return self.written.factored()
+
+    def stable(self) -> Expr:
+        """The closed form for floats: half angles, so that 1 - cos x is 2 sin(x/2)^2 and keeps its digits."""
+        return (self.axis.half_angles(self.function) if self.axis.angles else self.function).factored()

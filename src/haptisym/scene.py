@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import chain
 
 from sympy import Expr, Integer, Symbol
@@ -73,6 +74,10 @@ class Scene:
 
     def distortion(self) -> Distortion:
         """The closed forms with every parameter's value in place."""
+        return self._distortion
+
+    @cached_property
+    def _distortion(self) -> Distortion:
         return distort(self.environment, *self.effects, rendered=self.rendered)
 
     def symbolic_distortion(self) -> Distortion:

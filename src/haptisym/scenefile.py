@@ -53,9 +53,11 @@ def parse_scene(text: str, name: str = "scene") -> Scene:
     (0, 15)
     """
     try:
-        return _scene(_toml(text))
+        scene = _scene(_toml(text))
+        scene.distortion()  # what is wrong with the dynamics as a whole is wrong with this file
     except SceneError as error:
         raise error.within(name) from None
+    return scene
 
 
 def _read(path: Path) -> str:

@@ -1,20 +1,77 @@
-"""Whether a dynamics is stable: all poles in the open left half plane, decided exactly."""
+"""Whether a dynamics is stable: all poles in the open left half plane, proven or said to be undecided."""
 
 from __future__ import annotations
 
-from .response import RationalFunction
-from .roots import sign_of_number
+from functools import reduce
+from itertools import pairwise
+
+from sympy import Expr, I, Integer, Rational
+
+from .errors import UndecidedError
+from .response import Axis, RealFunction, Ring
+from .rings import Polynomial, RationalFunction, degree_in
+from .roots import Chart, chart, sign_of_number
 
 
-def is_stable(dynamics: RationalFunction) -> bool:
-    """Whether all finite poles of a dynamics in lowest terms lie in the open left half plane: Routh's array, exact.
+def is_stable(dynamics: RationalFunction) -> bool | None:
+    """Whether all finite poles of a dynamics in lowest terms lie in the open left half plane; None where not decided.
 
-    >>> from .response import Ring
+    Rational dynamics: Routh's array, exact. With delays: the argument principle for the denominator, a quasi-polynomial
+    D(s, exp(-s tau)); the turns of D(j omega) are counted on a chart of its real and imaginary part up to a frequency beyond
+    which the leading term outweighs all others (Mikhailov's criterion). None where the leading term does not outweigh
+    the others (some neutral equations), where s^alpha or the describing function of friction is in the denominator, or where
+    the count stays open.
+
     >>> from .symbols import s
-    >>> ring = Ring()
-    >>> is_stable(ring.convert(1 / (s**3 + 2 * s**2 + 3 * s + 4))), is_stable(ring.convert(1 / (s**2 + 1)))
+    >>> from sympy import exp
+    >>> def of(expression): return is_stable(Ring.of([expression]).convert(expression).reduced())
+    >>> of(1 / (s**3 + 2 * s**2 + 3 * s + 4)), of(1 / (s**2 + 1))
+    (True, False)
+    >>> of(1 / (s + exp(-s))), of(1 / (s + 2 * exp(-s)))        # s + a exp(-s) is stable for 0 < a < pi/2
     (True, False)
     """
+    ring = dynamics.ring
+    assert isinstance(ring, Ring)
+    lags = range(ring.size, ring.size + len(ring.lags))
+    if degree_in([dynamics.denominator], len(ring.meanings) - 1) and I in ring.generators:
+        return None
+    if any(degree_in([dynamics.denominator], i) for i in range(lags.stop, lags.stop + len(ring.orders))):
+        return None
+    dynamics = _without_removable_pole_at_0(dynamics, ring)
+    if not any(degree_in([dynamics.denominator], i) for i in lags):
+        return _routh(dynamics)
+    try:
+        return _mikhailov(dynamics.denominator, ring)
+    except UndecidedError:
+        return None
+
+
+def _without_removable_pole_at_0(dynamics: RationalFunction, ring: Ring) -> RationalFunction:
+    """Without the powers of s in the denominator that zeros like 1 - exp(-s tau) of the numerator cancel."""
+    explicit = min(int(e[0]) for e in dynamics.denominator.monoms())
+    numerator, order = dynamics.numerator, 0
+    while order < explicit and _at_0(numerator, ring) == 0:
+        numerator, order = _derivative(numerator, ring), order + 1
+    shortened = dynamics.denominator / ring.variable**order
+    return RationalFunction(ring, dynamics.numerator, shortened)
+
+
+def _at_0(polynomial: Polynomial, ring: Ring) -> Expr:
+    """The value at s = 0, where every delay is 1; with powers of s^alpha in it, as if they were independent of s."""
+    return sum((value for power, _, value in _terms(polynomial, ring) if power == 0), Integer(0))
+
+
+def _derivative(polynomial: Polynomial, ring: Ring) -> Polynomial:
+    """d/ds, with d/ds exp(-s tau) = -tau exp(-s tau), times the denominators of the delays (positive numbers)."""
+    rates = [ring.convert(lag) for lag in ring.lags]
+    common = reduce(lambda x, y: x * y, (rate.denominator for rate in rates), ring.constant(1))
+    total = common * polynomial.derivative(0)
+    for i, rate in enumerate(rates, ring.size):
+        total -= rate.numerator * (common / rate.denominator) * ring.context.gens()[i] * polynomial.derivative(i)
+    return total
+
+
+def _routh(dynamics: RationalFunction) -> bool:
     rows = _first_rows(dynamics)
     while rows[1]:
         # a zero in the first column already means a pole on or right of the imaginary axis
@@ -25,13 +82,17 @@ def is_stable(dynamics: RationalFunction) -> bool:
 
 
 def _first_rows(dynamics: RationalFunction) -> tuple[list[RationalFunction], list[RationalFunction]]:
-    ring = dynamics.ring
-    degree = int(dynamics.denominator.degrees()[0])
-    coefficients = [ring.zero] * (degree + 1)
-    for (power, *others), value in dynamics.denominator.to_dict().items():
-        term = RationalFunction(ring, ring.context.from_dict({(0, *others): value}), ring.constant(1))
-        coefficients[degree - int(power)] = coefficients[degree - int(power)] + term
+    coefficients = _by_power(dynamics.denominator, dynamics)[::-1]
     return coefficients[::2], coefficients[1::2]
+
+
+def _by_power(polynomial: Polynomial, of: RationalFunction) -> list[RationalFunction]:
+    """The coefficients of ascending powers of s, as elements of the same ring."""
+    ring = of.ring
+    rows: list[dict[tuple[int, ...], object]] = [{} for _ in range(int(polynomial.degrees()[0]) + 1)]
+    for (power, *others), value in polynomial.to_dict().items():
+        rows[int(power)][(0, *others)] = value
+    return [ring.function(ring.context.from_dict(row)) for row in rows]
 
 
 def _next_row(above: list[RationalFunction], row: list[RationalFunction]) -> list[RationalFunction]:
@@ -42,3 +103,103 @@ def _next_row(above: list[RationalFunction], row: list[RationalFunction]) -> lis
 
 def _sign(constant: RationalFunction) -> int:
     return sign_of_number(constant.expression())
+
+
+# Delays
+
+
+def _mikhailov(denominator: Polynomial, ring: Ring) -> bool | None:
+    leading, degree = _leading(denominator, ring)
+    if leading is None:
+        return None
+    if leading == 0:
+        return False  # an advanced equation: chains of poles run off into the right half plane
+    reach = _reach(denominator, ring)
+    real, imag = _real_and_imag(denominator, ring)
+    curve = chart({"real": real, "imag": imag}, Integer(0), reach)
+    if _meets_zero(curve):
+        return False
+    turned = _quarter_turns(curve, degree, leading)
+    return turned == degree
+
+
+def _leading(denominator: Polynomial, ring: Ring) -> tuple[int | None, int]:
+    """Sign of the undelayed leading coefficient, 0 if there is none, None if delayed ones may outweigh it; the degree."""
+    terms = _terms(denominator, ring)
+    degree = max(power for power, _, _ in terms)
+    own = sum((value for power, delayed, value in terms if power == degree and not delayed), Integer(0))
+    others = sum((abs(value) for power, delayed, value in terms if power == degree and delayed), Integer(0))
+    if sign_of_number(own) == 0:
+        return 0, degree
+    return (sign_of_number(own) if sign_of_number(abs_of(own) - others) > 0 else None), degree
+
+
+def _terms(denominator: Polynomial, ring: Ring) -> list[tuple[int, bool, Expr]]:
+    """Power of s, whether delayed, and exact coefficient of each term."""
+    found: dict[tuple[int, tuple[int, ...]], Expr] = {}
+    for exponents, value in denominator.to_dict().items():
+        own = [int(n) for n in exponents]
+        key = own[0], tuple(own[ring.size : ring.size + len(ring.lags)])
+        found[key] = found.get(key, Integer(0)) + Rational(int(value.p), int(value.q)) * ring.meanings[1] ** own[1]
+    return [(power, any(lags), value) for (power, lags), value in found.items()]
+
+
+def abs_of(number: Expr) -> Expr:
+    """The magnitude of an exact number."""
+    return number * sign_of_number(number)
+
+
+def _reach(denominator: Polynomial, ring: Ring) -> Expr:
+    """A radius beyond which, for Re s >= 0, the undelayed leading term outweighs all others together (|exp(-s tau)| <= 1)."""
+    terms = _terms(denominator, ring)
+    degree = max(power for power, _, _ in terms)
+    own = abs_of(sum((value for power, delayed, value in terms if power == degree and not delayed), Integer(0)))
+    rivals = sum((abs_of(value) for power, delayed, value in terms if power == degree and delayed), Integer(0))
+    lower = sum((abs_of(value) for power, _, value in terms if power < degree), Integer(0))
+    # for R >= 1: own R^n - rivals R^n - lower R^(n-1) > 0 as soon as R > lower/(own - rivals)
+    return Integer(int(float(lower / (own - rivals))) + 2)
+
+
+def _real_and_imag(denominator: Polynomial, ring: Ring) -> tuple[RealFunction, RealFunction]:
+    """D(j omega) times a factor that is never 0 and turns with the half angles back: exact real and imaginary part."""
+    axis: Axis = ring.axis
+    (a, b), (c, d) = axis.parts([denominator, denominator.context().constant(1)])
+    modulus = c * c + d * d
+    return (
+        RealFunction(axis.function(a * c + b * d, modulus).reduced()),
+        RealFunction(axis.function(b * c - a * d, modulus).reduced()),
+    )
+
+
+def _meets_zero(curve: Chart) -> bool:
+    """Whether D vanishes on the imaginary axis: real and imaginary part at once."""
+    return any(
+        p.orders.get("real", 0) > 0 and (p.orders.get("imag", 0) > 0 or p.after["imag"] == 0) for p in curve.points
+    )
+
+
+def _quarter_turns(curve: Chart, degree: int, leading: int) -> int:
+    """By how many quarter turns D(j omega) turns as omega goes from 0 to infinity: Mikhailov's count.
+
+    Quadrants are numbered 0 to 3 and the count goes on beyond; D(0) is real, and D ends up around the axis of j^n.
+    """
+    quadrants = [_quadrant(p.after["real"], p.after["imag"]) for p in curve.points[:-1]]
+    start = 0 if curve.points[0].after["real"] > 0 else 2
+    # the first quadrant lies beside the axis on which D starts
+    now = start if quadrants[0] == start else start - 1
+    for before, after in pairwise(quadrants):
+        step = (after - before) % 4
+        if step == 2:
+            raise UndecidedError("a turn of the denominator")
+        now += {0: 0, 1: 1, 3: -1}[step]
+    target = degree % 4 if leading > 0 else (degree + 2) % 4
+    end = now if now % 4 == target else now + 1
+    if end % 4 != target:
+        raise UndecidedError("the last turn of the denominator")
+    return end - start
+
+
+def _quadrant(real: int, imag: int) -> int:
+    if real == 0 or imag == 0:
+        raise UndecidedError("a part of the denominator that is zero throughout")
+    return {(1, 1): 0, (-1, 1): 1, (-1, -1): 2, (1, -1): 3}[real, imag]

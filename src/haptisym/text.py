@@ -19,7 +19,7 @@ from .jnd import Part
 from .percepts import Percept, Property
 from .quantities import Motion
 from .reals import RealNumber
-from .response import RationalFunction
+from .rings import RationalFunction
 from .roots import Interval, Point
 from .symbols import omega, s
 
@@ -50,8 +50,8 @@ def _dynamics(e: Evaluation) -> str:
         *([("rendered", f"{_equation('H_rendered', rendered, s)}  {unit}")] if rendered else []),
         ("effects", ", ".join(_effect(x.name, x.model) for x in e.scene.effects) or "none"),
         ("perceived", f"{_equation('H_perc', d.perc, s)}  {unit}"),
-        ("distortion", _equation("Re dH", d.difference_response.real.function, omega)),
-        ("", _equation("Im dH", d.difference_response.imag.function, omega)),
+        ("distortion", _equation("Re dH", d.difference_response.real.written, omega)),
+        ("", _equation("Im dH", d.difference_response.imag.written, omega)),
         ("band", f"{_both(low)} to {_both(high)}"),
         ("threshold", f"{limits} of |H_env|"),
     ]

@@ -1,0 +1,585 @@
+"""Irreducible real functions of omega with certified zeros: polynomials, and the analytic functions that delays bring.
+
+A real function is taken apart into irreducible factors. Different factors vanish at different frequencies (for
+polynomials always, for analytic functions except by coincidence) and each has only simple zeros or such tangencies as
+cannot be told from simple pairs. A factor knows all its zeros in an interval, its order at a given number, and its sign.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from functools import lru_cache, reduce
+from itertools import pairwise
+from typing import TypeAlias
+
+import flint
+from flint import acb_poly, arb, arb_poly, arb_series, fmpz_poly
+from sympy import Expr, Integer, Symbol, pi
+
+from .errors import UndecidedError
+from .reals import Ball, RealNumber, expression_ball
+from .rings import Polynomial, PolynomialRing, RationalFunction
+from .symbols import omega
+
+MOST_BITS = 1 << 13
+"""The precision at which a question about an analytic function is given up as undecided."""
+_MOST_BITS_EXACT = 1 << 20  # polynomials are always decided; this only bounds a mistake of ours
+
+
+def rounded_up(bits: int) -> int:
+    """The next power of two, at least 128: so that questions of about the same precision share one isolation."""
+    return max(128, 1 << (bits - 1).bit_length())
+
+
+class Factor(ABC):
+    """An irreducible real function of omega."""
+
+    @abstractmethod
+    def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
+        """All zeros strictly between two numbers, and perhaps others outside; a tangency that stays undecided among them."""
+
+    @abstractmethod
+    def order_at(self, place: Expr) -> int:
+        """The order of the zero at an exact number, counted in omega; 0 if it is none."""
+
+    @abstractmethod
+    def value(self, x: Ball) -> Ball:
+        """A ball around the value at a ball of frequencies, at the current working precision."""
+
+    def sign_at(self, place: Callable[[int], Ball], most_bits: int = MOST_BITS) -> int:
+        """The sign at a number that is no zero, given as a function from bits to a ball; UndecidedError at the limit."""
+        bits = 128
+        while bits <= most_bits:
+            with flint.ctx.workprec(bits):
+                value = self.value(place(bits))
+                if value > 0 or value < 0:
+                    return 1 if value > 0 else -1
+            bits *= 2
+        raise UndecidedError(f"the sign of a function at omega = {float(place(64).mid()):.17g} rad/s")
+
+
+# Polynomials
+
+
+@dataclass(frozen=True)
+class PolynomialFactor(Factor):
+    """An irreducible polynomial in omega^step: its coefficients, ascending, are polynomials in pi over the integers.
+
+    ``step`` is 2 (the variable is then W = omega^2) but for factors of functions in which odd powers meet sines.
+    """
+
+    coefficients: tuple[tuple[int, ...], ...]
+    step: int = 2
+
+    @property
+    def degree(self) -> int:
+        return len(self.coefficients) - 1
+
+    @property
+    def is_rational(self) -> bool:
+        return all(len(c) == 1 for c in self.coefficients)
+
+    def polynomial(self) -> arb_poly:
+        """The polynomial with balls for coefficients, at the current working precision."""
+        return arb_poly([fmpz_poly(list(c))(arb.pi()) for c in self.coefficients])
+
+    def value(self, x: Ball) -> Ball:
+        return self.polynomial()(x**self.step)
+
+    def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
+        return [Root(self, i) for i in range(len(_roots(self, 128)))]
+
+    def order_at(self, place: Expr) -> int:
+        # only a linear factor vanishes at a number rational in pi, and none does at 0: powers of omega are apart
+        if self.degree > 1 or place == 0:
+            return 0
+        ring = PolynomialRing(omega)
+        x = ring.generators[pi]
+        low, high = (sum((n * x**i for i, n in enumerate(c)), ring.constant(0)) for c in self.coefficients)
+        square = ring.convert(place) ** self.step
+        return int((low * square.denominator + high * square.numerator).is_zero())
+
+    def isolated(self, bits: int) -> tuple[Ball, ...] | None:
+        """Balls around all positive roots, ascending; None if that takes more precision than the current one."""
+        if self.degree == 1:
+            low, high = (fmpz_poly(list(c))(arb.pi()) for c in self.coefficients)
+            return _positive([-low / high])
+        if self.is_rational:
+            every = fmpz_poly([c[0] for c in self.coefficients]).complex_roots()
+            return _positive([root.real for root, _ in every if root.imag.is_zero()])
+        try:
+            isolated = _real_ones(acb_poly(self.polynomial()).roots(maxprec=4 * bits))
+        except ValueError:
+            return None
+        return _positive([_newton_polynomial(self.polynomial(), ball) for ball in isolated])
+
+
+@lru_cache(maxsize=1024)
+def _roots(factor: PolynomialFactor, bits: int) -> tuple[Ball, ...]:
+    """Balls around all positive roots in omega^step, ascending, computed with at least that many bits."""
+    while bits < _MOST_BITS_EXACT:
+        with flint.ctx.workprec(bits):
+            found = factor.isolated(bits)
+        if found is not None:
+            return found
+        bits *= 2
+    raise UndecidedError("the roots of a polynomial were not told apart at the precision limit")
+
+
+def _real_ones(isolated: Iterable[Ball]) -> list[Ball]:
+    """Of isolated roots of a real polynomial, the real ones: those whose mirror image meets no other root."""
+    roots = list(isolated)
+    alone = [
+        z
+        for i, z in enumerate(roots)
+        if not any(_meet(z.conjugate(), other) for j, other in enumerate(roots) if j != i)
+    ]
+    return [z.real for z in alone if z.imag.contains(0)]
+
+
+def _meet(z: Ball, other: Ball) -> bool:
+    return bool(z.real.overlaps(other.real) and z.imag.overlaps(other.imag))
+
+
+def _newton_polynomial(polynomial: arb_poly, ball: Ball) -> Ball:
+    """The enclosure of a simple root, made as tight as the working precision allows by interval Newton steps."""
+    slope = polynomial.derivative()
+    return _newton(ball, lambda x: polynomial(x), lambda x: slope(x))
+
+
+def _newton(ball: Ball, value: Callable[[Ball], Ball], slope: Callable[[Ball], Ball]) -> Ball:
+    """Interval Newton steps on an enclosure of one simple zero, while they pay."""
+    while True:
+        middle, steep = ball.mid(), slope(ball)
+        if steep.contains(0):
+            return ball
+        step = middle - value(middle) / steep
+        if not step.rad() < ball.rad() / 2:
+            return ball
+        ball = step.intersection(ball)
+
+
+def _positive(roots: Iterable[Ball]) -> tuple[Ball, ...] | None:
+    """The positive ones in order; None if two of them, or one and zero, cannot be told apart at this precision."""
+    ordered = sorted(roots, key=lambda ball: ball.mid())
+    if any(ball.contains(0) for ball in ordered) or any(a.overlaps(b) for a, b in pairwise(ordered)):
+        return None
+    return tuple(ball for ball in ordered if ball > 0)
+
+
+@dataclass(frozen=True)
+class Root(RealNumber):
+    """The frequency at which a polynomial factor vanishes, by its ``index``-th positive root in omega^step."""
+
+    factor: PolynomialFactor
+    index: int
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            root = _roots(self.factor, rounded_up(bits))[self.index]
+            return root.sqrt() if self.factor.step == 2 else root
+
+
+# Analytic functions
+
+
+@dataclass(frozen=True)
+class Term:
+    """Part of an analytic factor: a polynomial in omega times sines, cosines and powers.
+
+    ``coefficients``: of ascending powers of omega, each a polynomial in pi over the integers. ``turns``: the power of the
+    half angle's sine, for each angle (the cosine has what is missing to the factor's degree). ``powers``: of each omega^alpha.
+    """
+
+    turns: tuple[int, ...]
+    powers: tuple[int, ...]
+    coefficients: tuple[tuple[int, ...], ...]
+
+
+@dataclass(frozen=True)
+class AnalyticFactor(Factor):
+    """sum of p(omega) prod sin(a_i/2)^k_i cos(a_i/2)^(n_i - k_i) prod omega^(alpha l): entire for omega > 0, no divisions.
+
+    ``rates``: d a_i/d omega of each angle, rad per rad/s, or ``(angle, None)`` for a constant angle. ``degrees``: the n_i.
+    """
+
+    terms: tuple[Term, ...]
+    rates: tuple[tuple[Expr, bool], ...]
+    degrees: tuple[int, ...]
+    orders: tuple[Expr, ...]
+    _hash: int = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_hash", hash((self.terms, self.degrees)))
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    def value(self, x: Ball) -> Ball:
+        return self.series(x, 1)[0]
+
+    def series(self, x: Ball, length: int) -> arb_series:
+        """Taylor coefficients of the function about every point of a ball: value, slope, half curvature, ..."""
+        compiled = _compiled(self, flint.ctx.prec)
+        at = arb_series([x, 1], length)
+        waves = [compiled.waves(i, at, length) for i in range(len(self.rates))]
+        roots = [(arb_series([a], length) * at.log()).exp() for a in compiled.exponents]
+        total = arb_series([0], length)
+        for turns, powers, polynomials in compiled.terms:
+            term = arb_series([p(x) for p in polynomials[:length]], length)
+            for (cosine, sine), degree, k in zip(waves, self.degrees, turns, strict=True):
+                term = term * sine[k] * cosine[degree - k]
+            for root, n in zip(roots, powers, strict=True):
+                for _ in range(n):
+                    term = term * root
+            total = total + term
+        return total
+
+    def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
+        return _isolated(self, self._edge(low, above=True), self._edge(high, above=False))
+
+    def _edge(self, place: Expr, *, above: bool) -> Ball:
+        """A dyadic number where a search may start or stop, with no zero between it and the place but at the place itself."""
+        if place == 0 and self.orders:
+            return _clear_of_zero_with_powers(self)
+        order = self.order_at(place)
+        if order or place == 0:  # even functions have slope 0 at 0: keep away from it
+            return _clear_of(self, place, order, above=above)
+        with flint.ctx.workprec(128):
+            ball = expression_ball(place)
+            return ball.lower() if above else ball.upper()
+
+    def order_at(self, place: Expr) -> int:
+        return _order_at(self, place)
+
+
+@lru_cache(maxsize=1024)
+def _order_at(factor: AnalyticFactor, place: Expr) -> int:
+    exact = _exact_waves(factor, place)
+    if exact is None:
+        factor.sign_at(lambda bits: expression_ball(place))
+        return 0
+    if not factor.orders:
+        with flint.ctx.workprec(128):
+            if not factor.value(expression_ball(place)).contains(0):
+                return 0
+    return _exact_order(factor, place, exact)
+
+
+@dataclass(frozen=True)
+class _Compiled:
+    """The constants of an analytic factor as balls of one precision."""
+
+    factor: AnalyticFactor
+    rates: tuple[Ball, ...]
+    exponents: tuple[Ball, ...]
+    terms: tuple[tuple[tuple[int, ...], tuple[int, ...], tuple[arb_poly, ...]], ...]
+
+    def waves(self, index: int, at: arb_series, length: int) -> tuple[list[arb_series], list[arb_series]]:
+        """Powers of the cosine and of the sine of a half angle."""
+        half = arb_series([self.rates[index]], length)
+        if not self.factor.rates[index][1]:
+            half = half * at
+        sine, cosine = half.sin_cos()
+        return _powers(cosine, self.factor.degrees[index], length), _powers(sine, self.factor.degrees[index], length)
+
+
+def _powers(x: arb_series, most: int, length: int) -> list[arb_series]:
+    found = [arb_series([1], length)]
+    for _ in range(most):
+        found.append(found[-1] * x)
+    return found
+
+
+@lru_cache(maxsize=512)
+def _compiled(factor: AnalyticFactor, bits: int) -> _Compiled:
+    with flint.ctx.workprec(bits):
+        terms = []
+        for term in factor.terms:
+            polynomial = arb_poly([fmpz_poly(list(c))(arb.pi()) for c in term.coefficients])
+            slope = polynomial.derivative()
+            terms.append((term.turns, term.powers, (polynomial, slope, slope.derivative() * arb_poly([arb(1) / 2]))))
+        return _Compiled(
+            factor,
+            tuple(expression_ball(rate) / 2 for rate, _ in factor.rates),
+            tuple(expression_ball(order) for order in factor.orders),
+            tuple(terms),
+        )
+
+
+@dataclass(frozen=True)
+class Zero(RealNumber):
+    """A simple zero of an analytic factor, alone between ``low`` and ``high``, where the signs differ."""
+
+    factor: AnalyticFactor
+    low: Ball = field(compare=False)
+    high: Ball = field(compare=False)
+    index: int = 0
+    derivative: int = 0
+    """0 for a zero of the function itself, 1 for one of its slope."""
+
+    def ball(self, bits: int) -> Ball:
+        return _refined(self, self.low, self.high, rounded_up(bits))
+
+
+@dataclass(frozen=True)
+class Undecided(RealNumber):
+    """A frequency near which a function has a double zero, or two, or none: not decided at the precision limit."""
+
+    factor: AnalyticFactor
+    near: Zero
+
+    def ball(self, bits: int) -> Ball:
+        return self.near.ball(bits)
+
+
+@lru_cache(maxsize=4096)
+def _refined(zero: Zero, low: Ball, high: Ball, bits: int) -> Ball:
+    """An enclosure as tight as that many bits allow: interval Newton, with bisection where the slope is not clear of 0."""
+    ball = low.union(high) if bits <= 128 else _refined(zero, low, high, bits // 2)
+    k = zero.derivative
+
+    def value(x: Ball) -> Ball:
+        return zero.factor.series(x, k + 1)[k]
+
+    def slope(x: Ball) -> Ball:
+        return (k + 1) * zero.factor.series(x, k + 2)[k + 1]
+
+    with flint.ctx.workprec(bits):
+        left = value(ball.lower())
+        while True:
+            ball = _newton(ball, value, slope)
+            middle = ball.mid()
+            at = value(middle)
+            if ball.rel_accuracy_bits() >= bits - 24 or at.contains(0):  # as near as this precision comes
+                return ball
+            ball = (middle.union(ball.upper()) if (at > 0) == (left > 0) else ball.lower().union(middle)).intersection(
+                ball
+            )
+
+
+def _isolated(factor: AnalyticFactor, low: Ball, high: Ball) -> list[RealNumber]:
+    """All zeros between two dyadic numbers: subdivision until each piece is clear, monotone or bent one way only."""
+    found: list[RealNumber] = []
+    pieces = [(low, high)] if low < high else []
+    while pieces:
+        a, b = pieces.pop()
+        answer = _judged(factor, a, b, len(found))
+        if answer is None:
+            middle = _cut(factor, a, b)
+            pieces += [(middle, b), (a, middle)]
+        else:
+            found += answer
+    return found
+
+
+def _judged(factor: AnalyticFactor, a: Ball, b: Ball, index: int) -> list[RealNumber] | None:
+    """The zeros in a piece, if it is clear enough to tell."""
+    with flint.ctx.workprec(128):
+        box = a.union(b)
+        value, slope = _two(factor.series(box, 2))
+        if not value.contains(0) or not _mean_value(factor, box, slope).contains(0):
+            return []
+        if not slope.contains(0):
+            return _between(factor, a, b, index)
+        bend = factor.series(box, 3)[2]
+        if not bend.contains(0):
+            return _on_a_bend(factor, a, b, 1 if bend > 0 else -1, index)
+        if (b - a) < abs(box.mid()) * arb(2) ** -60:
+            raise UndecidedError(f"how often a function vanishes near omega = {float(box.mid()):.17g} rad/s")
+    return None
+
+
+def _two(series: arb_series) -> tuple[Ball, Ball]:
+    return series[0], series[1]
+
+
+def _mean_value(factor: AnalyticFactor, box: Ball, slope: Ball) -> Ball:
+    middle = box.mid()
+    return factor.value(middle) + slope * (box - middle)
+
+
+def _sign(factor: AnalyticFactor, x: Ball, derivative: int = 0) -> int:
+    """The sign of the function, or of its slope, at a dyadic number; UndecidedError if it stays open."""
+    bits = 128
+    while bits <= MOST_BITS:
+        with flint.ctx.workprec(bits):
+            value = factor.series(x, derivative + 1)[derivative]
+            if value > 0 or value < 0:
+                return 1 if value > 0 else -1
+        bits *= 2
+    raise UndecidedError(f"the sign of a function at omega = {float(x.mid()):.17g} rad/s")
+
+
+def _between(factor: AnalyticFactor, a: Ball, b: Ball, index: int) -> list[RealNumber]:
+    """On a monotone piece: one zero or none."""
+    return [Zero(factor, a, b, index)] if _sign(factor, a) != _sign(factor, b) else []
+
+
+def _on_a_bend(factor: AnalyticFactor, a: Ball, b: Ball, bend: int, index: int) -> list[RealNumber]:
+    """On a piece that bends one way only: the extremum decides between no zero and two, or stays undecided."""
+    left, right = _sign(factor, a), _sign(factor, b)
+    if left != right:
+        return [Zero(factor, a, b, index)]
+    if left != bend or _sign(factor, a, 1) == _sign(factor, b, 1):
+        return []
+    extremum = Zero(factor, a, b, index, derivative=1)
+    bits = 128
+    while bits <= MOST_BITS:
+        with flint.ctx.workprec(bits):
+            at = extremum.ball(bits)
+            value = _mean_value(factor, at, factor.series(at, 2)[1])
+            if value > 0 or value < 0:
+                if (1 if value > 0 else -1) == left:
+                    return []
+                return [Zero(factor, a, at.mid(), index), Zero(factor, at.mid(), b, index + 1)]
+        bits *= 2
+    return [Undecided(factor, extremum)]
+
+
+def _cut(factor: AnalyticFactor, a: Ball, b: Ball) -> Ball:
+    """A dyadic number a little off the middle of a piece, at which the function is not zero."""
+    with flint.ctx.workprec(128):
+        for share in (127, 131, 113, 149):
+            cut = (a + (b - a) * share / 256).mid()
+            value = factor.value(cut)
+            if value > 0 or value < 0:
+                return cut
+        return (a + (b - a) * 127 / 256).mid()
+
+
+def _clear_of(factor: AnalyticFactor, place: Expr, order: int, *, above: bool) -> Ball:
+    """A dyadic number beside a zero of known order, with no other zero in between.
+
+    f(x) = f_m(xi) (x - place)^m with f_m the m-th Taylor coefficient about some xi in between, because all lower ones
+    vanish at the place: where the enclosure of f_m over the piece is clear of 0, there is no other zero.
+    """
+    with flint.ctx.workprec(128):
+        centre, reach = expression_ball(place), arb(1) / 4
+        for _ in range(200):
+            end = (centre + (reach if above else -reach)).mid()
+            piece = (centre.lower() if above else centre.upper()).union(end)
+            if not _coefficient(factor, piece, order).contains(0):
+                return end
+            reach = reach / 4
+    raise UndecidedError(f"whether a function vanishes again near omega = {place} rad/s")
+
+
+def _coefficient(factor: AnalyticFactor, x: Ball, order: int) -> Ball:
+    """The Taylor coefficient of that order about every point of a ball."""
+    compiled = _compiled(factor, flint.ctx.prec)
+    length = order + 1
+    at = arb_series([x, 1], length)
+    waves = [compiled.waves(i, at, length) for i in range(len(factor.rates))]
+    total = arb_series([0], length)
+    for turns, _, polynomials in compiled.terms:
+        term = _polynomial_series(polynomials[0], at, length)
+        for (cosine, sine), degree, k in zip(waves, factor.degrees, turns, strict=True):
+            term = term * sine[k] * cosine[degree - k]
+        total = total + term
+    return total[order]
+
+
+def _polynomial_series(polynomial: arb_poly, at: arb_series, length: int) -> arb_series:
+    total = arb_series([0], length)
+    for coefficient in reversed(polynomial.coeffs()):
+        total = total * at + arb_series([coefficient], length)
+    return total
+
+
+def _clear_of_zero_with_powers(factor: AnalyticFactor) -> Ball:
+    """A dyadic number above 0, with no zero in between, for a function with powers omega^alpha.
+
+    f = sum over l of omega^(alpha l) A_l with A_l analytic and of exact order m_l: divided by the lowest of all powers
+    omega^(alpha l + m_l), what remains tends to a constant at 0, and is enclosed on (0, reach].
+    """
+    groups: dict[tuple[int, ...], list[Term]] = {}
+    for term in factor.terms:
+        groups.setdefault(term.powers, []).append(Term(term.turns, (), term.coefficients))
+    parts = {powers: AnalyticFactor(tuple(terms), factor.rates, factor.degrees, ()) for powers, terms in groups.items()}
+    orders = {powers: part.order_at(Integer(0)) for powers, part in parts.items()}
+    exponents = {
+        powers: sum((a * n for a, n in zip(factor.orders, powers, strict=True)), Integer(orders[powers]))
+        for powers in parts
+    }
+    lowest = min(exponents.values(), key=float)
+    with flint.ctx.workprec(128):
+        reach = arb(1) / 16
+        for _ in range(200):
+            piece = arb(0).union(reach)
+            total = arb(0)
+            for powers, part in parts.items():
+                rise = expression_ball(exponents[powers] - lowest)
+                factor_range = arb(1) if exponents[powers] == lowest else arb(0).union((rise * reach.log()).exp())
+                total = total + factor_range * _coefficient(part, piece, orders[powers])
+            if not total.contains(0):
+                return reach
+            reach = reach / 16
+    raise UndecidedError("whether a function vanishes near omega = 0")
+
+
+Wave: TypeAlias = tuple[int, int] | None
+
+
+def _exact_waves(factor: AnalyticFactor, place: Expr) -> list[Wave] | None:
+    """Cosine and sine of the half angles where all are 0 or +-1 (at multiples of a quarter turn); None if not.
+
+    The entry of a constant angle is None: its cosine and sine stay symbols.
+    """
+    if factor.orders and place != 0:
+        return None
+    found: list[Wave] = []
+    for rate, constant in factor.rates:
+        quarters = Integer(0) if constant else rate * place / pi
+        if not quarters.is_Integer:
+            return None
+        found.append(None if constant else ((1, 0), (0, 1), (-1, 0), (0, -1))[int(quarters) % 4])
+    return found
+
+
+def _exact_order(factor: AnalyticFactor, place: Expr, waves: list[Wave]) -> int:
+    """The order of the zero at a place where the waves are known exactly: the first derivative that is not zero there."""
+    names = [Symbol(f"{kind}{i}") for i in range(len(factor.rates)) for kind in ("cos", "sin")]
+    ring = PolynomialRing(omega, functions=names)
+    derivative = _in_waves(factor, ring)
+    rates = [ring.convert(rate / 2) for rate, _ in factor.rates]
+    common = reduce(lambda x, y: x * y, (rate.denominator for rate in rates), ring.constant(1))
+    for order in range(_HIGHEST_ORDER):
+        if not _at(ring, derivative, place, waves).is_zero:
+            return order
+        change = common * derivative.derivative(0)
+        for i, (rate, (_, constant)) in enumerate(zip(rates, factor.rates, strict=True)):
+            if not constant:
+                cosine, sine = (ring.context.gens()[2 + 2 * i + n] for n in (0, 1))
+                turned = cosine * derivative.derivative(3 + 2 * i) - sine * derivative.derivative(2 + 2 * i)
+                change += rate.numerator * (common / rate.denominator) * turned
+        derivative = change
+    raise UndecidedError(f"the order of a zero at omega = {place} rad/s")
+
+
+_HIGHEST_ORDER = 200
+
+
+def _in_waves(factor: AnalyticFactor, ring: PolynomialRing) -> Polynomial:
+    terms: dict[tuple[int, ...], int] = {}
+    for term in factor.terms:
+        waves = [n for k, degree in zip(term.turns, factor.degrees, strict=True) for n in (degree - k, k)]
+        for power, row in enumerate(term.coefficients):
+            for of_pi, value in enumerate(row):
+                if value:
+                    terms[(power, of_pi, *waves)] = value
+    return ring.context.from_dict(terms)
+
+
+def _at(ring: PolynomialRing, polynomial: Polynomial, place: Expr, waves: list[Wave]) -> RationalFunction:
+    """The value at an exact place, a polynomial in pi (and the constant angles' waves)."""
+    where, total = ring.convert(place), ring.zero
+    for (power, of_pi, *turns), value in polynomial.to_dict().items():
+        known, kept = value, [0, int(of_pi)]
+        for wave, cosine, sine in zip(waves, turns[::2], turns[1::2], strict=True):
+            kept += [int(cosine), int(sine)] if wave is None else [0, 0]
+            known = known if wave is None else known * wave[0] ** int(cosine) * wave[1] ** int(sine)
+        total = total + ring.function(ring.context.from_dict({tuple(kept): known})) * where ** int(power)
+    return total
