@@ -89,12 +89,9 @@ def evaluate(scene: str, as_json: bool, digits: int, figures: Path | None, latex
 
         latex.write_text(document(result), encoding="utf-8")
         click.echo(f"LaTeX written to {latex}", err=True)
-    if as_json:
-        click.echo(result.to_json())
-    else:
-        from .text import report
-
-        click.echo(report(result), nl=False)
+    click.echo(result.to_json() if as_json else str(result), nl=as_json)
+    if not result.certified:
+        sys.exit(3)
 
 
 @app.command()

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from sympy import Abs, Expr, I, S, Symbol, sqrt
+from sympy import Abs, Expr, I, Symbol, sqrt
 
 from .catalogue import Effect, Environment, Matrix
 from .errors import SceneError
@@ -15,7 +15,8 @@ from .jnd import Part
 from .numeric import Values, compiled
 from .response import RealFunction, Response, Ring, on_axis, squared_modulus
 from .rings import RationalFunction
-from .symbols import X, omega, s
+from .solutions import solve
+from .symbols import X, c, omega, s
 
 
 def distort(environment: Environment, *effects: Effect, rendered: Environment | None = None) -> Distortion:
@@ -35,7 +36,8 @@ def distort(environment: Environment, *effects: Effect, rendered: Environment | 
 
 def chain_distortion(H_env: Expr, H_rendered: Expr, matrices: Sequence[Matrix]) -> Distortion:
     """The distortion from the dynamics themselves: H_env, what is rendered for it, and the effects' chain matrices."""
-    ring = Ring.of([H_env, H_rendered, *(entry for matrix in matrices for entry in matrix)])
+    # the symbol c comes along so that thresholds may stay symbols; a variable that does not occur costs nothing
+    ring = Ring.of([H_env, H_rendered, *(entry for matrix in matrices for entry in matrix), c])
     environment = ring.convert(H_env).reduced()
     if environment.is_zero:
         raise SceneError("the environment is zero at every frequency: there is nothing to feel")
@@ -272,33 +274,11 @@ def _properties(response: Response) -> Properties:
 
 
 def _first_changeover(f: RealFunction) -> Expr | None:
-    """The lowest positive zero of odd order of the numerator, if all its factors have degree 1 or 2 in omega^2."""
-    ring = f.function.ring
-    found: list[Expr] = []
-    for factor, exponent in ring.factors(f.function.numerator)[1]:
-        row = ring.coefficients(factor)
-        if exponent % 2 == 0 or factor == ring.variable or not factor.degrees()[0]:
-            continue
-        if any(row[1::2]) or len(row) > 5 or f.axis.angles:
-            return None
-        square = _lowest_root(*row[::2])
-        if square is None:
-            return None
-        found += [square] if square.is_positive is not False else []
-    if len(found) > 1 and any(x.free_symbols for x in found):
+    """The lowest positive zero of odd order, where every such zero has a readable formula and the lowest is known."""
+    odd = [x for x in solve(f) if x.order % 2]
+    found = [x.omega for x in odd if x.omega is not None]
+    if not found or len(found) < len(odd):
         return None
-    return sqrt(min(found)) if found else None
-
-
-def _lowest_root(c: Expr, b: Expr, a: Expr = S.Zero) -> Expr | None:
-    """Of a W^2 + b W + c, the lowest root that can be positive, or 0 if none can; None where that is not known."""
-    if a == 0:
-        return -c / b
-    if a.is_positive is None or c.is_positive is None:
-        return None
-    if a.is_negative:
-        a, b, c = -a, -b, -c
-    root = sqrt(b**2 - 4 * a * c)
-    if c.is_negative:
-        return (-b + root) / (2 * a)
-    return (-b - root) / (2 * a) if root.is_real is not False and b.is_positive is not True else S.Zero
+    if all(x.is_number for x in found):
+        return min(found)
+    return found[0] if len({x.equation for x in odd}) == 1 else None

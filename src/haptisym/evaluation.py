@@ -1,76 +1,24 @@
-"""The two-step evaluation of a scene: when a distortion is noticed, and how it is felt."""
+"""The two-step evaluation of a scene, and its answers as text and JSON."""
 
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
-from .crossings import Crossing, Curve, curves, find_crossings, transparent_set, unbounded_points
-from .distortion import Distortion
+from .answers import Answers
+from .crossings import Crossing, curves
 from .errors import SceneError
-from .percepts import Percept, changeovers, find_percepts, outside_model
-from .reals import RealNumber
-from .roots import Chart, Interval, Point, chart
+from .roots import Interval, chart
 from .scene import Scene
 from .stability import is_stable
+from .text import report
 
 
-@dataclass(frozen=True)
-class Evaluation:
-    """The answers for a scene, all proven: nothing is missed on the band and nothing is invented.
+class Evaluation(Answers):
+    """The answers for a scene; ``print`` shows them as a page of text, ``to_json`` gives the command line's document."""
 
-    ``crossings``: where r_r or r_i meets its threshold. ``transparent``: where neither exceeds it, a union of closed
-    intervals. ``changeovers``: where Re H_env and Re H_perc change sign. ``percepts``: what is felt where a ratio
-    exceeds. ``outside_model``: where Im H_perc < 0. ``unbounded``: where a ratio is infinite. ``stable``: whether all
-    poles of H_perc lie in the open left half plane. ``digits``: decimal digits shown of each crossing.
-    """
-
-    scene: Scene
-    distortion: Distortion = field(repr=False)
-    chart: Chart = field(repr=False)
-    stable: bool | None
-    digits: int = 15
-
-    @cached_property
-    def crossings(self) -> tuple[Crossing, ...]:
-        return find_crossings(self.chart)
-
-    @cached_property
-    def transparent(self) -> tuple[Interval, ...]:
-        return transparent_set(self.chart)
-
-    @property
-    def bandwidth(self) -> RealNumber | None:
-        """The end of the transparent interval that starts at the band's low end; None if none does."""
-        first = self.transparent[0] if self.transparent else None
-        return first.high.omega if first and first.low is self.chart.points[0] else None
-
-    @cached_property
-    def changeovers_environment(self) -> tuple[Point, ...]:
-        return changeovers(self.chart, Curve.ENVIRONMENT)
-
-    @cached_property
-    def changeovers_perceived(self) -> tuple[Point, ...]:
-        return changeovers(self.chart, Curve.PERCEIVED)
-
-    @cached_property
-    def percepts(self) -> tuple[Percept, ...]:
-        return find_percepts(self.chart)
-
-    @cached_property
-    def outside_model(self) -> tuple[Interval, ...]:
-        return outside_model(self.chart)
-
-    @cached_property
-    def unbounded(self) -> tuple[Point, ...]:
-        return unbounded_points(self.chart)
-
-    @property
-    def certified(self) -> bool:
-        """Whether every number here is proven, none estimated."""
-        return True
+    def __str__(self) -> str:
+        return report(self)
 
     def to_dict(self) -> dict[str, Any]:
         """The document of ``haptisym evaluate --json``, schema ``haptisym.evaluation/1``."""
@@ -99,7 +47,13 @@ class Evaluation:
             "unbounded": [float(p.omega) for p in self.unbounded],
             "stable": self.stable,
             "certified": self.certified,
+            **self._undecided(),
         }
+
+    def _undecided(self) -> dict[str, Any]:
+        """The key ``undecided``, present only where something is."""
+        rows = [{"part": part.value, "enclosure": list(p.omega.enclosure(self.digits))} for part, p in self.undecided]
+        return {"undecided": rows} if rows else {}
 
     def _crossing(self, c: Crossing) -> dict[str, Any]:
         return {

@@ -53,7 +53,7 @@ def decimal_text(number: Rational, longest: int = 12) -> str:
     return f"{'-' if number < 0 else ''}{digits[:-places]}.{digits[-places:]}"
 
 
-class _Printer(StrPrinter):
+class _Printer(StrPrinter):  # type: ignore[misc]  # SymPy ships no types
     """SymPy's text, with sums in written order and numbers as decimals in front."""
 
     def _as_ordered_terms(self, expr: Expr, order: str | None = None) -> list[Expr]:

@@ -35,7 +35,7 @@ class Threshold:
     @classmethod
     def of(cls, real: Number, imag: Number | None = None) -> Threshold:
         """A threshold from numbers; the imaginary part's is the real part's unless given. SceneError unless > 0."""
-        return cls(real, real if imag is None else imag)  # type: ignore[arg-type]  # made exact on the way in
+        return cls(real, real if imag is None else imag)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "real", _fraction("real", self.real))

@@ -10,6 +10,9 @@ s = Symbol("s")
 omega = Symbol("omega", positive=True)
 """Angular frequency, rad/s."""
 
+c = Symbol("c", positive=True)
+"""JND threshold, a fraction of ``|H_env|`` (eq. 4)."""
+
 X = Symbol("X")
 """Complex amplitude of the hand's motion, m or rad (eqs. 5 and 6)."""
 

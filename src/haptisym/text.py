@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from io import StringIO
 from math import pi
 from textwrap import fill
 
-from rich import box
-from rich.console import Console
-from rich.table import Table
 from sympy import Expr, Symbol
 
+from .answers import Answers
 from .crossings import Crossing
-from .evaluation import Evaluation
 from .formula import plain, rounded
 from .jnd import Part
 from .percepts import Percept, Property
@@ -27,18 +24,18 @@ WIDTH = 96
 _DIGITS = 5  # of frequencies in sentences; the table of crossings shows all that were asked for
 
 
-def report(e: Evaluation) -> str:
+def report(e: Answers) -> str:
     """The whole page."""
     parts = [_heading(e), _dynamics(e), _step_1(e), _step_2(e), _certain(e)]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def _heading(e: Evaluation) -> str:
+def _heading(e: Answers) -> str:
     lines = [e.scene.title or "Untitled scene", e.scene.source]
     return "\n".join(fill(line, WIDTH) for line in lines if line)
 
 
-def _dynamics(e: Evaluation) -> str:
+def _dynamics(e: Answers) -> str:
     unit = "N m/rad" if e.scene.motion is Motion.ROTATION else "N/m"
     c = e.scene.threshold
     limits = _percent(c.real) if c.real == c.imag else f"{_percent(c.real)} (real) and {_percent(c.imag)} (imaginary)"
@@ -68,12 +65,12 @@ def _effect(name: str, model: str) -> str:
     return name if name == model else f"{name} ({model})"
 
 
-def _step_1(e: Evaluation) -> str:
+def _step_1(e: Answers) -> str:
     question = "Step 1. When does the hand begin to notice?"
     return f"{question}\n\n{_indented(_transparency(e))}\n\n{_crossings(e)}"
 
 
-def _transparency(e: Evaluation) -> str:
+def _transparency(e: Answers) -> str:
     if not e.transparent:
         return "At every frequency of the band: the display is transparent nowhere."
     pieces = _listed(_span(x) for x in e.transparent)
@@ -95,16 +92,15 @@ def _span(x: Interval) -> str:
 _VERB = {"exceeds": "rises above", "returns": "falls below", "touches": "touches"}
 
 
-def _crossings(e: Evaluation) -> str:
+def _crossings(e: Answers) -> str:
     if not e.crossings:
         return "  No ratio meets its threshold on the band."
-    table = _table("part", "ω (rad/s)", "Hz", "what happens", "distortion")
-    for c in e.crossings:
-        table.add_row(c.part.value, c.omega.digits(e.digits), _hertz(c.omega), _event(e, c), _sense(c))
-    return _rendered(table)
+    headings = ("part", "ω (rad/s)", "Hz", "what happens", "distortion")
+    rows = [(c.part.value, c.omega.digits(e.digits), _hertz(c.omega), _event(e, c), _sense(c)) for c in e.crossings]
+    return _table(headings, rows)
 
 
-def _event(e: Evaluation, c: Crossing) -> str:
+def _event(e: Answers, c: Crossing) -> str:
     ratio = "r_r" if c.part is Part.REAL else "r_i"
     times = f" ({c.multiplicity}-fold)" if c.multiplicity > 1 else ""
     return f"{ratio} {_VERB[c.kind.value]} {_percent(e.scene.threshold[c.part])}{times}"
@@ -114,13 +110,13 @@ def _sense(c: Crossing) -> str:
     return f"{'Re' if c.part is Part.REAL else 'Im'} dH {'> 0' if c.sign > 0 else '< 0'}"
 
 
-def _step_2(e: Evaluation) -> str:
+def _step_2(e: Answers) -> str:
     lines = ["Step 2. How is it felt?", ""]
     if e.percepts:
-        table = _table("band (rad/s)", "part", "felt as")
-        for p in e.percepts:
-            table.add_row(f"{_short(p.band.low.omega)} to {_short(p.band.high.omega)}", p.part.value, _felt(p))
-        lines += [_rendered(table), ""]
+        rows = [
+            (f"{_short(p.band.low.omega)} to {_short(p.band.high.omega)}", p.part.value, _felt(p)) for p in e.percepts
+        ]
+        lines += [_table(("band (rad/s)", "part", "felt as"), rows), ""]
     else:
         lines += ["  No percept of stiffness, mass or damping is changed on the band.", ""]
     notes = [*_changeover_note(e), *_activity_note(e), *_unbounded_note(e), _stability_note(e)]
@@ -136,25 +132,25 @@ def _felt(p: Percept) -> str:
     return f"{p.property.value}, {amount} ({p.change.value})"
 
 
-def _changeover_note(e: Evaluation) -> Iterable[str]:
+def _changeover_note(e: Answers) -> Iterable[str]:
     env, perc = (_places(x) for x in (e.changeovers_environment, e.changeovers_perceived))
     if env or perc:
         nowhere = "no frequency"
         yield f"Spring and inertia change over at {env or nowhere} in the environment, at {perc or nowhere} as felt."
 
 
-def _activity_note(e: Evaluation) -> Iterable[str]:
+def _activity_note(e: Answers) -> Iterable[str]:
     if e.outside_model:
         where = _listed(_span(x) for x in e.outside_model)
         yield f"The display is active (Im H_perc < 0) {where}: outside the model, so no damping is named there."
 
 
-def _unbounded_note(e: Evaluation) -> Iterable[str]:
+def _unbounded_note(e: Answers) -> Iterable[str]:
     if e.unbounded:
         yield f"A ratio is unbounded at {_places(e.unbounded)}: nothing to compare with there (H_env = 0, or dH infinite)."
 
 
-def _stability_note(e: Evaluation) -> str:
+def _stability_note(e: Answers) -> str:
     if e.stable is None:
         return "Whether the perceived dynamics are stable was not decided."
     return (
@@ -164,7 +160,14 @@ def _stability_note(e: Evaluation) -> str:
     )
 
 
-def _certain(e: Evaluation) -> str:
+def _certain(e: Answers) -> str:
+    if e.undecided:
+        where = _listed(f"{_short(point.omega)} rad/s ({part.value})" for part, point in e.undecided)
+        return fill(
+            f"UNDECIDED at the precision limit: whether a ratio touches its threshold, crosses it twice or stays clear of it "
+            f"near {where}. Everything else is proven.",
+            WIDTH,
+        )
     return fill(
         "Certain: these are all crossings on the band, none is missed and none invented; every digit, sign and interval "
         "is proven by exact polynomials and ball arithmetic, not sampled.",
@@ -206,14 +209,17 @@ def _indented(text: str) -> str:
     return fill(text, WIDTH, initial_indent="  ", subsequent_indent="  ")
 
 
-def _table(*headings: str) -> Table:
+def _table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table as lines of text."""
+    from rich import box  # Rich is loaded only where a page of text is wanted
+    from rich.console import Console
+    from rich.table import Table
+
     table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 2, 0, 0))
     for heading in headings:
         table.add_column(heading, overflow="fold")
-    return table
-
-
-def _rendered(table: Table) -> str:
+    for row in rows:
+        table.add_row(*row)
     console = Console(file=StringIO(), width=WIDTH - 2, color_system=None, legacy_windows=False)
     with console.capture() as captured:
         console.print(table)

@@ -1,0 +1,5 @@
+"""``python -m haptisym`` is ``haptisym``."""
+
+from .cli import main
+
+main()

@@ -1,0 +1,76 @@
+"""What a chart answers about a scene: when a distortion is noticed, and how it is felt."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from .crossings import Crossing, Curve, find_crossings, transparent_set, unbounded_points
+from .distortion import Distortion
+from .jnd import Part
+from .percepts import Percept, changeovers, find_percepts, outside_model
+from .reals import RealNumber
+from .roots import Chart, Interval, Point
+from .scene import Scene
+
+
+@dataclass(frozen=True)
+class Answers:
+    """The answers for a scene, all proven: nothing is missed on the band and nothing is invented.
+
+    ``crossings``: where r_r or r_i meets its threshold. ``transparent``: where neither exceeds it, a union of closed
+    intervals. ``changeovers``: where Re H_env and Re H_perc change sign. ``percepts``: what is felt where a ratio
+    exceeds. ``outside_model``: where Im H_perc < 0. ``unbounded``: where a ratio is infinite. ``stable``: whether all
+    poles of H_perc lie in the open left half plane. ``digits``: decimal digits shown of each crossing. ``undecided``: where
+    something stayed open at the precision limit (a tangency of a scene with delays): empty for every rational scene.
+    """
+
+    scene: Scene
+    distortion: Distortion = field(repr=False)
+    chart: Chart = field(repr=False)
+    stable: bool | None
+    digits: int = 15
+
+    @cached_property
+    def crossings(self) -> tuple[Crossing, ...]:
+        return find_crossings(self.chart)
+
+    @cached_property
+    def transparent(self) -> tuple[Interval, ...]:
+        return transparent_set(self.chart)
+
+    @property
+    def bandwidth(self) -> RealNumber | None:
+        """The end of the transparent interval that starts at the band's low end; None if none does."""
+        first = self.transparent[0] if self.transparent else None
+        return first.high.omega if first and first.low is self.chart.points[0] else None
+
+    @cached_property
+    def changeovers_environment(self) -> tuple[Point, ...]:
+        return changeovers(self.chart, Curve.ENVIRONMENT)
+
+    @cached_property
+    def changeovers_perceived(self) -> tuple[Point, ...]:
+        return changeovers(self.chart, Curve.PERCEIVED)
+
+    @cached_property
+    def percepts(self) -> tuple[Percept, ...]:
+        return find_percepts(self.chart)
+
+    @cached_property
+    def outside_model(self) -> tuple[Interval, ...]:
+        return outside_model(self.chart)
+
+    @cached_property
+    def unbounded(self) -> tuple[Point, ...]:
+        return unbounded_points(self.chart)
+
+    @cached_property
+    def undecided(self) -> tuple[tuple[Part, Point], ...]:
+        """Where it stayed open at the precision limit whether a ratio touches its threshold, crosses it twice or not at all."""
+        return tuple((p, x) for x in self.chart.undecided for p in Part if (Curve.EXCESS, p) in x.undecided)
+
+    @property
+    def certified(self) -> bool:
+        """Whether every number here is proven, none estimated, and nothing was left undecided."""
+        return not self.undecided

@@ -1,0 +1,149 @@
+"""Zeros of a real function of omega as formulas, where there are readable ones: factor, look at the degree, invert.
+
+Each irreducible factor is solved on its own. One that holds omega only by its square (or only by omega^alpha, or only by
+the angle omega tau of one delay) and is of degree one or two in it is inverted in square roots, powers, asin or acos. All
+others stay what they are: the polynomial is the answer.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sympy import Expr, Integer, S, acos, asin, atan, factor, factor_terms, pi, sqrt
+
+from .response import Axis, RealFunction
+from .rings import Polynomial, PolynomialRing
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A zero of a real function as a formula in its parameters.
+
+    ``omega``: the frequency, rad/s, in force where it is real and positive; None for a factor with no readable
+    inverse, whose zeros are those of ``equation``. ``period``: adding any multiple of it gives the further zeros of a
+    delay's angle; 0 for a single zero. ``order``: of the zero.
+    """
+
+    omega: Expr | None
+    equation: Expr
+    period: Expr = S.Zero
+    order: int = 1
+
+
+def solve(function: RealFunction) -> tuple[Solution, ...]:
+    """All positive zeros of a real function, as formulas where there are readable ones.
+
+    >>> from sympy import symbols
+    >>> from .response import Ring
+    >>> from .symbols import omega
+    >>> m, k = symbols("m k", positive=True)
+    >>> f = RealFunction(Ring([m, k]).axis.convert(k - m * omega**2))
+    >>> [solution.omega for solution in solve(f)]
+    [sqrt(k)/sqrt(m)]
+    """
+    axis = function.axis
+    factors = axis.factors(function.function.numerator)[1]
+    return tuple(x for f, order in factors for x in _solved(f, order, axis))
+
+
+def _solved(polynomial: Polynomial, order: int, axis: Axis) -> list[Solution]:
+    degrees = [int(n) for n in polynomial.degrees()]
+    turning = [i for i, angle in enumerate(axis.angles) if not angle.constant and degrees[axis.size + i]]
+    powers = [i for i in range(len(axis.orders)) if degrees[axis.size + len(axis.angles) + i]]
+    own = bool(degrees[0])
+    equation = _equation(polynomial, axis)
+    if polynomial == axis.variable or not (own or turning or powers):
+        return []
+    if own + len(turning) + len(powers) > 1:
+        return [Solution(None, equation, order=order)]
+    if turning:
+        found = _angles(polynomial, axis, turning[0])
+    elif powers:
+        inverse = 1 / axis.orders[powers[0]]
+        found = [(x**inverse, S.Zero) for x in _roots(_row(polynomial, axis, axis.size + len(axis.angles) + powers[0]))]
+    else:
+        found = _frequencies(polynomial, axis)
+    solutions = [Solution(x, equation, period, order) for x, period in found]
+    return solutions or [Solution(None, equation, order=order)] if _is_open(polynomial, axis) else solutions
+
+
+def _is_open(polynomial: Polynomial, axis: Axis) -> bool:
+    """Whether a factor without solutions may still have zeros: its degree was too high to invert."""
+    return max(int(n) for n in polynomial.degrees()) > 2 and not _frequencies(polynomial, axis)
+
+
+def _frequencies(polynomial: Polynomial, axis: Axis) -> list[tuple[Expr, Expr]]:
+    """Zeros of a polynomial in omega alone."""
+    row = _row(polynomial, axis, 0)
+    if not any(row[1::2]):
+        return [(sqrt(x), S.Zero) for x in _roots(row[::2])]
+    return [(x, S.Zero) for x in _roots(row)]
+
+
+def _angles(polynomial: Polynomial, axis: Axis, index: int) -> list[tuple[Expr, Expr]]:
+    """Zeros of a polynomial in t = tan(omega tau/2) alone: cos = (1 - t^2)/(1 + t^2), sin = 2 t/(1 + t^2)."""
+    rate = axis.angles[index].rate
+    row = _row(polynomial, axis, axis.size + index)
+    period = 2 * pi / rate
+    if not any(row[1::2]):
+        squares = _roots(row[::2])
+        return [(angle / rate, period) for t2 in squares for angle in _both_ways(acos(((1 - t2) / (1 + t2)).cancel()))]
+    if len(row) == 3 and row[0] == row[2]:
+        sine = asin(-2 * row[0] / row[1])
+        return [(sine / rate, period), ((pi - sine) / rate, period)]
+    return [(2 * atan(t) / rate, period) for t in _roots(row)]
+
+
+def _both_ways(angle: Expr) -> tuple[Expr, Expr]:
+    return angle, 2 * pi - angle
+
+
+def _row(polynomial: Polynomial, axis: Axis, index: int) -> list[Expr]:
+    """Coefficients in one variable, ascending; constant angles as cosines and sines."""
+    if index and any(angle.constant for angle in axis.angles):
+        return _plain_row(polynomial, axis, index)
+    written = axis.trigonometric(axis.function(polynomial)) if index == 0 and axis.angles else axis.function(polynomial)
+    return written.ring.coefficients(written.numerator) if index == 0 else _plain_row(polynomial, axis, index)
+
+
+def _plain_row(polynomial: Polynomial, ring: PolynomialRing, index: int) -> list[Expr]:
+    gathered: dict[int, dict[tuple[int, ...], object]] = {}
+    for exponents, value in polynomial.to_dict().items():
+        own = list(map(int, exponents))
+        power, own[index] = own[index], 0
+        gathered.setdefault(power, {})[tuple(own)] = value
+    expressions = {n: ring.expression(ring.context.from_dict(terms)) for n, terms in gathered.items()}
+    return [expressions.get(n, Integer(0)) for n in range(max(expressions) + 1)]
+
+
+def _roots(row: list[Expr]) -> list[Expr]:
+    """The roots of a polynomial of degree 1 or 2 that may be positive; none for a higher degree."""
+    if len(row) == 2:
+        root = _quotient(-row[0], row[1])
+        return [root] if root.is_positive is not False else []
+    if len(row) != 3:
+        return []
+    c, b, a = row
+    if a.could_extract_minus_sign():
+        a, b, c = -a, -b, -c
+    discriminant = factor(b**2 - 4 * a * c)
+    if discriminant.is_negative:
+        return []
+    found = [_quotient(-b + sign * sqrt(discriminant), 2 * a) for sign in (-1, 1)]
+    return [x for x in found if x.is_positive is not False]
+
+
+def _quotient(above: Expr, below: Expr) -> Expr:
+    """A quotient with common factors gone, and with a minus below only where there is none above."""
+    above, below = factor(above), factor(below)
+    if above.could_extract_minus_sign():
+        return -above / (-below)
+    return factor_terms(above / below)
+
+
+def _equation(polynomial: Polynomial, axis: Axis) -> Expr:
+    """The factor as a person would write it: divided by what makes tangents of half angles cosines and sines."""
+    below = axis.constant(1)
+    for i, t in enumerate(axis.context.gens()[axis.size : axis.size + len(axis.angles)], axis.size):
+        below *= (t**2 + 1) ** ((int(polynomial.degrees()[i]) + 1) // 2)
+    return RealFunction(axis.function(polynomial, below)).factored()
