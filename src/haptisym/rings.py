@@ -105,8 +105,8 @@ class PolynomialRing:
         unit, factors = self.factors(polynomial)
         return Mul(unit, *(self.expression(f) ** n for f, n in factors))
 
-    def factors(self, polynomial: Polynomial) -> tuple[Rational, list[tuple[Polynomial, int]]]:
-        """A number and the factors over Q; of an even polynomial, those in the square of the variable.
+    def factors(self, polynomial: Polynomial, *, in_square: bool = True) -> tuple[Rational, list[tuple[Polynomial, int]]]:
+        """A number and the factors over Q; of an even polynomial, unless told otherwise, those in the square of the variable.
 
         >>> from .symbols import s
         >>> ring = PolynomialRing(s)
@@ -115,7 +115,7 @@ class PolynomialRing:
         """
         powers = [int(exponents[0]) for exponents in polynomial.monoms()]
         lowest = min(powers, default=0)
-        step = 2 if all((power - lowest) % 2 == 0 for power in powers) else 1
+        step = 2 if in_square and all((power - lowest) % 2 == 0 for power in powers) else 1
         unit, factors = self.with_powers(polynomial, lambda n: (n - lowest) // step).factor()
         inflated = [(self.with_powers(factor, lambda n: step * n), int(n)) for factor, n in factors]
         own = [(self.variable, lowest)] if lowest else []

@@ -201,7 +201,9 @@ def _product(function: RealFunction) -> _Product:
 
 def _factored(polynomial: Polynomial, axis: Axis) -> tuple[int, Expr, list[tuple[Factor, int]]]:
     """Sign, power of omega and irreducible factors; half-angle tangents made homogeneous in cosine and sine."""
-    number, factors = axis.factors(polynomial)
+    # where sines meet odd powers of omega not all functions are even: then none is factored in omega^2, so that one
+    # frequency is never the zero of two different factors
+    number, factors = axis.factors(polynomial, in_square=not axis.functions)
     sign, power = (1 if number > 0 else -1), Integer(0)
     found: list[tuple[Factor, int]] = []
     for factor, exponent in factors:

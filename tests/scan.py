@@ -1,0 +1,456 @@
+"""A second, independent algorithm for scenes with delays: look everywhere.
+
+Nothing here comes from the package. A scene is a list of ``Element``s, each written a second time as the equations of motion
+that it stands for, in complex arithmetic with ``exp(-j omega tau)`` and ``(j omega)^alpha``; the same equations run over
+
+* ``FLOATS``: NumPy arrays, for grids of thousands of frequencies;
+* ``DIGITS``: mpmath with 40 digits on a context of its own, for the last word.
+
+A grid can miss what an exact method finds, never the other way round: ``disagreements`` looks for frequencies at which what
+an evaluation says is not so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from decimal import Decimal
+from fractions import Fraction
+from itertools import pairwise
+from random import Random
+from typing import Any
+
+import mpmath
+import numpy as np
+
+MP = mpmath.mp.clone()
+MP.dps = 40
+PARTS = ("real", "imag")
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """A kind of numbers: how a decimal text becomes one, and the functions of the physics."""
+
+    read: Callable[[str], Any]
+    exp: Callable[[Any], Any]
+    power: Callable[[Any, Any], Any]
+    pi: Any
+
+
+FLOATS = Numbers(float, np.exp, lambda z, a: z**a, np.pi)
+DIGITS = Numbers(MP.mpf, MP.exp, MP.power, +MP.pi)
+
+
+# --- physics ---------------------------------------------------------------------------------------------------------
+
+Values = Mapping[str, Any]
+
+
+def _mass_spring_damper(p: Values, s: Any, n: Numbers) -> Any:
+    return p.get("m", 0) * s**2 + p.get("b", 0) * s + p.get("k", 0)
+
+
+def _in_a_row(one: Any, other: Any) -> Any:
+    """Two stiffnesses that carry the same force: the displacements add up."""
+    return 1 / (1 / one + 1 / other)
+
+
+FELT: dict[str, Callable[[Values, Any, Numbers], Any]] = {
+    "mass-spring-damper": _mass_spring_damper,
+    "kelvin-voigt": _mass_spring_damper,
+    "maxwell": lambda p, s, n: _in_a_row(p["k"], p["b"] * s),
+    "zener": lambda p, s, n: p["k0"] + _in_a_row(p["k1"], p["b1"] * s),
+    "spring-pot": lambda p, s, n: p.get("k", 0) + p["k_alpha"] * n.power(s, p["alpha"]),
+    "two-mass": lambda p, s, n: (
+        p["m1"] * s**2 + p["b1"] * s + p["k1"] + _in_a_row(p["m2"] * s**2, p["k2"] + p["b2"] * s)
+    ),
+}
+"""Force per displacement of each environment."""
+
+Motion = tuple[Any, Any]
+
+
+def _delay(p: Values, s: Any, F: Any, X: Any, n: Numbers) -> Motion:
+    return F * n.exp(-s * p["tau"]), X
+
+
+def _hold(p: Values, s: Any, F: Any, X: Any, n: Numbers) -> Motion:
+    """The mean over the last period."""
+    return F * (1 - n.exp(-s * p["T"])) / (s * p["T"]), X
+
+
+def _waves(p: Values, s: Any, F: Any, X: Any, n: Numbers) -> Motion:
+    """One wave arrives at the environment, one returns from it; the hand sent the first and gets the second, tau apart."""
+    sent, returned = (F + p["b"] * s * X) / 2, (p["b"] * s * X - F) / 2
+    sent, returned = sent * n.exp(s * p["tau"]), returned * n.exp(-s * p["tau"])
+    return sent - returned, (sent + returned) / (p["b"] * s)
+
+
+def _followed(p: Values, s: Any, F: Any, X: Any, n: Numbers) -> Any:
+    """The master's position: the slave follows it, late, through its controller's spring and damper."""
+    return (X + (p["Ms"] * s**2 * X + F) / (p["Bs"] * s + p["Ks"])) * n.exp(s * p["tau"])
+
+
+def _position_force(p: Values, s: Any, F: Any, X: Any, n: Numbers) -> Motion:
+    master = _followed(p, s, F, X, n)
+    return p["Mm"] * s**2 * master + F * n.exp(-s * p["tau"]), master
+
+
+def _position_position(p: Values, s: Any, F: Any, X: Any, n: Numbers) -> Motion:
+    master = _followed(p, s, F, X, n)
+    pulled = (p["Bm"] * s + p["Km"]) * (master - X * n.exp(-s * p["tau"]))
+    return p["Mm"] * s**2 * master + pulled, master
+
+
+def _four_channel(p: Values, s: Any, F: Any, X: Any, n: Numbers) -> Motion:
+    """Each side is sent the other's force and the force that its own device and controller will need."""
+    own, other = p["Mm"] * s**2 + p["Bm"] * s + p["Km"], p["Ms"] * s**2 + p["Bs"] * s + p["Ks"]
+    late = n.exp(-s * p["tau"])
+    from_slave = (F - own * X) * late  # what the master hears
+    master = ((other * X + F) / late - from_slave) / (own + other)
+    return own * master + from_slave, master
+
+
+BETWEEN: dict[str, Callable[[Values, Any, Any, Any, Numbers], Motion]] = {
+    "delay": _delay,
+    "zero-order-hold": _hold,
+    "wave-variables": _waves,
+    "position-force-teleoperator": _position_force,
+    "position-position-teleoperator": _position_position,
+    "four-channel-teleoperator": _four_channel,
+    "coulomb-friction": lambda p, s, F, X, n: (F + 4j * p["force"] / (n.pi * p["amplitude"]) * X, X),
+    "first-order-lag": lambda p, s, F, X, n: (F / (1 + s / p["omega_c"]), X),
+    "second-order-lowpass": lambda p, s, F, X, n: (
+        F / ((s / p["omega_n"]) ** 2 + 2 * p["zeta"] * s / p["omega_n"] + 1),
+        X,
+    ),
+    "shunt": lambda p, s, F, X, n: (F + _mass_spring_damper(p, s, n) * X, X),
+    "compliance": lambda p, s, F, X, n: (F, X + F / (p.get("k", 0) + p.get("b", 0) * s)),
+}
+"""What each effect does to force and displacement, from its equations of motion."""
+
+
+@dataclass(frozen=True)
+class Element:
+    """An environment or an effect: its model and its parameters as decimal texts."""
+
+    model: str
+    values: Mapping[str, str]
+
+    def read(self, n: Numbers) -> dict[str, Any]:
+        return {name: n.read(text) for name, text in self.values.items()}
+
+    @property
+    def table(self) -> str:
+        return "\n".join([f'model = "{self.model}"', *(f'{name} = "{text}"' for name, text in self.values.items())])
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene as physics, with its band (texts with units) and thresholds."""
+
+    felt: Element
+    between: tuple[Element, ...] = ()
+    band: tuple[str, str] = ("0 rad/s", "15 rad/s")
+    c: Mapping[str, str] = field(default_factory=lambda: {"real": "0.1", "imag": "0.1"})
+
+    @property
+    def text(self) -> str:
+        """The scene file."""
+        effects = [f"[[effects]]\n{element.table}" for element in self.between]
+        jnd = f'jnd = {{ real = "{self.c["real"]}", imag = "{self.c["imag"]}" }}'
+        evaluation = f'[evaluation]\nband = ["{self.band[0]}", "{self.band[1]}"]\n{jnd}'
+        return "\n\n".join([f"[environment]\n{self.felt.table}", *effects, evaluation])
+
+    def dynamics(self, omega: Any, n: Numbers) -> tuple[Any, Any]:
+        """H_env and H_perc at frequencies."""
+        s = 1j * omega
+        H = FELT[self.felt.model](self.felt.read(n), s, n) + 0 * s
+        F, X = H, 1 + 0 * s
+        for element in self.between:
+            F, X = BETWEEN[element.model](element.read(n), s, F, X, n)
+        return H, F / X
+
+    def facts(self, omega: Any, n: Numbers) -> Facts:
+        H, G = self.dynamics(omega, n)
+        size = abs(H)
+        d = {"real": (G - H).real, "imag": (G - H).imag}
+        return Facts(
+            {part: abs(d[part]) / size - n.read(self.c[part]) for part in PARTS},
+            {"real": H.real, "imag": H.imag},
+            {"real": G.real, "imag": G.imag},
+            d,
+            size,
+        )
+
+    def excess(self, part: str, omega: Any) -> Any:
+        """r - c in mpmath."""
+        return self.facts(omega, DIGITS).excess[part]
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        low, high = (float(x) * (2 * np.pi if unit == "Hz" else 1) for x, unit in (end.split() for end in self.band))
+        return low, high
+
+
+@dataclass(frozen=True)
+class Facts:
+    """r - c, and real and imaginary parts of H_env, H_perc and dH, at one frequency or many; ``|H_env|``."""
+
+    excess: Mapping[str, Any]
+    env: Mapping[str, Any]
+    perc: Mapping[str, Any]
+    difference: Mapping[str, Any]
+    size: Any
+
+
+def digits_of(x: Fraction) -> Any:
+    return MP.mpf(x.numerator) / x.denominator
+
+
+def sign(x: Any) -> int:
+    return (x > 0) - (x < 0)
+
+
+# --- looking everywhere ----------------------------------------------------------------------------------------------
+
+
+def grid(case: Case, near: Iterable[float] = (), count: int = 600) -> Any:
+    """Frequencies inside the band: even ones, logarithmic ones, around given ones, and wherever a curve peaks or dips."""
+    low, high = case.ends
+    first = max(low, high * 1e-6)
+    even = np.linspace(first, high, count)
+    decades = np.geomspace(first, high, count // 3)
+    steps = np.concatenate([sign * 10.0 ** -np.arange(2, 10) for sign in (1, -1)])
+    around = np.outer(np.asarray(list(near), dtype=float), 1 + steps).ravel()
+    points = np.unique(np.concatenate([even, decades, around]))
+    points = points[(points > low) & (points < high)]
+    return np.unique(np.concatenate([points, *_turning(case, points)]))
+
+
+def _turning(case: Case, points: Any, rounds: int = 8) -> Iterator[Any]:
+    """Where r - c turns back towards 0, or ``|H_env|`` is least, ever finer."""
+    for curve in (_size, *(_towards(part) for part in PARTS)):
+        with np.errstate(all="ignore"):
+            y = curve(case, points)
+        inner = np.flatnonzero((y[1:-1] <= y[:-2]) & (y[1:-1] <= y[2:])) + 1
+        left, right = points[inner - 1], points[inner + 1]
+        for _ in range(rounds):
+            finer = left + (right - left) * np.linspace(0, 1, 9)[:, None]
+            yield finer[1:-1].ravel()
+            with np.errstate(all="ignore"):
+                best = np.clip(np.argmin(curve(case, finer), axis=0), 1, 7)
+            columns = np.arange(len(left))
+            left, right = finer[best - 1, columns], finer[best + 1, columns]
+
+
+def _size(case: Case, points: Any) -> Any:
+    return case.facts(points, FLOATS).size
+
+
+def _towards(part: str) -> Callable[[Case, Any], Any]:
+    return lambda case, points: abs(case.facts(points, FLOATS).excess[part])
+
+
+def disagreements(case: Case, result: Any, near: Iterable[float] = (), count: int = 600) -> list[str]:
+    """What an evaluation says and frequencies deny. Floats find the suspects; mpmath has the last word."""
+    points = grid(case, [*near, *(float(c.omega) for c in result.crossings)], count)
+    with np.errstate(all="ignore"):
+        facts = case.facts(points, FLOATS)
+    return [
+        *(x for part in PARTS for x in _crossings(case, result, part)),
+        *(x for part in PARTS for x in _cells(case, result, part, points, facts)),
+        *_percepts(case, result, points, facts),
+        *_active(case, result, points, facts),
+    ]
+
+
+def _crossings(case: Case, result: Any, part: str) -> Iterator[str]:
+    """Every crossing is a sign change of r - c, or a touch, with the kind and the sign that it says."""
+    found = [c for c in result.crossings if c.part.value == part]
+    bounds = [c.omega.bounds(100) for c in found]
+    for i, (c, (low, high)) in enumerate(zip(found, bounds, strict=True)):
+        gap = high * Fraction(1, 10**9)
+        if i:
+            gap = min(gap, (low - bounds[i - 1][1]) / 3)
+        if i + 1 < len(found):
+            gap = min(gap, (bounds[i + 1][0] - high) / 3)
+        below, above = (case.facts(digits_of(x), DIGITS) for x in (low - gap, high + gap))
+        told = {"exceeds": (-1, 1), "returns": (1, -1)}.get(c.kind.value)
+        seen = sign(below.excess[part]), sign(above.excess[part])
+        if (seen[0] != seen[1] if told is None else seen != told) or sign(above.difference[part]) != c.sign:
+            yield f"{part} crossing at {float(c.omega)!r}: {c.kind.value}, sign {c.sign}; r - c goes {seen}"
+
+
+def _cells(case: Case, result: Any, part: str, points: Any, facts: Facts) -> Iterator[str]:
+    """Between its crossings a ratio is on the side of the threshold that the crossings say."""
+    found = [c for c in result.crossings if c.part.value == part and c.kind.value != "touches"]
+    for c, following in pairwise(found):
+        if c.kind is following.kind:
+            yield f"{part}: {c.kind.value} twice, at {float(c.omega)!r} and {float(following.omega)!r}"
+    places = np.array([float(c.omega) for c in found])
+    exceeding = first_side(result, part) ^ (np.searchsorted(places, points) % 2 == 1)
+    for w in points[((facts.excess[part] > 0) != exceeding) & ~_beside(points, places)]:
+        value = case.excess(part, MP.mpf(w))
+        if (value > 0) != (first_side(result, part) ^ (sum(_lies_below(c.omega, w) for c in found) % 2 == 1)):
+            yield f"{part} at {w!r}: r - c = {MP.nstr(value, 5)}"
+
+
+def first_side(result: Any, part: str) -> bool:
+    """Whether a ratio exceeds its threshold at the low end of the band."""
+    found = [c for c in result.crossings if c.part.value == part and c.kind.value != "touches"]
+    if found:
+        return bool(found[0].kind.value == "returns")
+    # no crossing: all of the band, or (but for an active display) nothing
+    [told] = {
+        sign for (curve, of), sign in result.chart.points[0].after.items() if curve.name == "EXCESS" and of.value == part
+    }
+    return bool(told > 0)
+
+
+def _lies_below(number: Any, w: float) -> bool:
+    low, high = number.bounds(140)
+    exact = Fraction(w)
+    assert high < exact or exact < low, f"{w!r} is too close to {number}"
+    return bool(high < exact)
+
+
+def _beside(points: Any, places: Any, share: float = 1e-12) -> Any:
+    """Whether a frequency is one of some places, to a float's accuracy."""
+    if not len(places):
+        return np.zeros(len(points), dtype=bool)
+    i = np.searchsorted(places, points)
+    gaps = [abs(points - places[np.clip(i + k, 0, len(places) - 1)]) for k in (-1, 0)]
+    return np.minimum(*gaps) < share * points
+
+
+def _percepts(case: Case, result: Any, points: Any, facts: Facts) -> Iterator[str]:
+    """Percepts cover where a ratio exceeds, but for an active display, and say what the signs say."""
+    for part in PARTS:
+        own = [(p, float(p.band.low.omega), float(p.band.high.omega)) for p in result.percepts if p.part.value == part]
+        edges = np.array(sorted({x for _, low, high in own for x in (low, high)}))
+        clear = ~_beside(points, edges, 1e-9)
+        label = np.full(len(points), "", dtype=object)
+        for p, low, high in own:
+            label[(points > low) & (points < high)] = f"{p.property.value} {p.change.value}"
+        for i in np.flatnonzero((label != _labels(facts, part)) & clear):
+            exact = _labels(case.facts(MP.mpf(points[i]), DIGITS), part)
+            if str(exact) != label[i]:
+                yield f"{part} percept at {points[i]!r}: said {label[i]!r}, is {exact!s}"
+
+
+def _labels(facts: Facts, part: str) -> Any:
+    env, perc, excess = (np.asarray(x[part]) for x in (facts.env, facts.perc, facts.excess))
+    change = np.where(abs(perc) > abs(env), " higher", " lower")
+    if part == "imag":
+        return np.where((excess > 0) & (perc >= 0), np.char.add("damping", change), "").astype(object)
+    same = np.where(env > 0, "stiffness", "mass")
+    other = np.where(env > 0, "stiffness-to-mass", "mass-to-stiffness")
+    kind = np.where((env > 0) == (perc > 0), same, other)
+    return np.where(excess > 0, np.char.add(kind, change), "").astype(object)
+
+
+def _active(case: Case, result: Any, points: Any, facts: Facts) -> Iterator[str]:
+    """The display is active where Im H_perc < 0, and nowhere else."""
+    bands = [(float(x.low.omega), float(x.high.omega)) for x in result.outside_model]
+    told = np.zeros(len(points), dtype=bool)
+    for low, high in bands:
+        told |= (points > low) & (points < high)
+    clear = ~_beside(points, np.array(sorted({x for band in bands for x in band})), 1e-9)
+    for w in points[(told != (facts.perc["imag"] < 0)) & clear]:
+        value = case.facts(MP.mpf(w), DIGITS).perc["imag"]
+        if (value < 0) != any(low < w < high for low, high in bands):
+            yield f"at {w!r}: Im H_perc = {MP.nstr(value, 5)}"
+
+
+# --- random scenes ---------------------------------------------------------------------------------------------------
+
+
+class Draw:
+    """Random scenes: the same ones for the same seed."""
+
+    def __init__(self, seed: int) -> None:
+        self.random = Random(seed)
+
+    def decades(self, low: float, high: float) -> str:
+        """A number of two to four digits between two powers of ten."""
+        digits = self.random.choice((2, 3, 4))
+        return f"{Decimal(f'{10 ** self.random.uniform(low, high):.{digits}g}'):f}"
+
+    def environment(self) -> Element:
+        model = self.random.choice([*FELT, "mass-spring-damper", "mass-spring-damper", "spring-pot"])
+        scales = {
+            "mass-spring-damper": {"m": (-2, 1), "b": (-3, 2), "k": (0, 4)},
+            "kelvin-voigt": {"k": (0, 4), "b": (-2, 2)},
+            "maxwell": {"k": (0, 4), "b": (-1, 3)},
+            "zener": {"k0": (0, 4), "k1": (0, 4), "b1": (-1, 3)},
+            "spring-pot": {"k_alpha": (0, 3), "k": (0, 3)},
+            "two-mass": {"m1": (-2, 1), "b1": (-2, 2), "k1": (0, 4), "m2": (-2, 1), "b2": (-3, 1), "k2": (0, 4)},
+        }[model]
+        values = {name: self.decades(*scale) for name, scale in scales.items()}
+        if model == "mass-spring-damper":  # sometimes a mass, spring or damper alone
+            values = {name: x for name, x in values.items() if self.random.random() < 0.85} or values
+        if model == "spring-pot":
+            order = f"{self.random.randint(5, 95) / 100:g}" if self.random.random() < 0.7 else "0.5"
+            return Element(model, {"alpha": order, **dict(list(values.items())[: self.random.choice((1, 2))])})
+        return Element(model, values)
+
+    def effect(self, model: str) -> Element:
+        scales = {
+            "delay": {"tau": (-4, -0.5)},
+            "zero-order-hold": {"T": (-4, -1)},
+            "wave-variables": {"b": (-1, 2), "tau": (-3, -1)},
+            "position-force-teleoperator": {"Mm": (-2, 0), "Ms": (-2, 0), "Bs": (0, 2), "Ks": (2, 4), "tau": (-3, -1)},
+            "coulomb-friction": {"force": (-2, 1), "amplitude": (-3, 0)},
+            "first-order-lag": {"omega_c": (0, 3)},
+            "second-order-lowpass": {"omega_n": (0.5, 3), "zeta": (-2, 0.5)},
+            "shunt": {"m": (-3, 0), "b": (-2, 1), "k": (-1, 2)},
+            "compliance": {"k": (2, 5), "b": (-1, 2)},
+        }
+        sides = {"Mm": (-2, 0), "Bm": (0, 2), "Km": (2, 4), "Ms": (-2, 0), "Bs": (0, 2), "Ks": (2, 4), "tau": (-3, -1)}
+        values = {name: self.decades(*scale) for name, scale in scales.get(model, sides).items()}
+        if model == "shunt":
+            name = self.random.choice([*values])
+            return Element(model, {name: values[name]})
+        if model == "compliance" and self.random.random() < 0.5:
+            del values["b"]
+        return Element(model, values)
+
+    def case(self, family: str) -> Case:
+        felt, effects = self.environment(), [self.effect(model) for model in self._models(family)]
+        self.random.shuffle(effects)
+        lags = sum(float(e.values.get(name, 0)) for e in effects for name in ("tau", "T"))
+        turns = self.random.choice((3, 10, 10, 30))
+        high = min(max(turns / lags if lags else 0, 1.0), 1e4) if lags else 10 ** self.random.uniform(0.5, 2.5)
+        high = high * 10 ** self.random.uniform(-0.5, 0)
+        low = self.random.choice(("0", "0", f"{high / 50:.2g}"))
+        unit = self.random.choice(("rad/s", "rad/s", "Hz"))
+        scale = 2 * np.pi if unit == "Hz" else 1
+        band = (f"{float(low) / scale:.2g} {unit}", f"{high / scale:.3g} {unit}")
+        c = self.decades(-2, 0.2)
+        return Case(felt, tuple(effects), band, {"real": c, "imag": self.random.choice((c, self.decades(-2, 0.2)))})
+
+    def _models(self, family: str) -> list[str]:
+        rational = ["first-order-lag", "second-order-lowpass", "shunt", "compliance"]
+        extra = self.random.sample(rational, self.random.choice((0, 1, 1, 2)))
+        return [*FAMILIES[family], *extra]
+
+
+FAMILIES = {
+    "delay": ["delay"],
+    "two delays": ["delay", "delay"],
+    "three delays": ["delay", "delay", "delay"],
+    "hold": ["zero-order-hold"],
+    "sampled and sent": ["zero-order-hold", "delay"],
+    "waves": ["wave-variables"],
+    "waves and delay": ["wave-variables", "delay"],
+    "position-force": ["position-force-teleoperator"],
+    "position-position": ["position-position-teleoperator"],
+    "four-channel": ["four-channel-teleoperator"],
+    "four-channel and delay": ["four-channel-teleoperator", "delay"],
+    "friction": ["coulomb-friction"],
+    "friction and delay": ["coulomb-friction", "delay"],
+    "no delay": [],
+}
+"""What the random scenes have in between, besides rational effects."""
