@@ -107,6 +107,8 @@ class PolynomialFactor(Factor):
             low, high = (fmpz_poly(list(c))(arb.pi()) for c in self.coefficients)
             return _positive([-low / high])
         if self.is_rational:
+            if len({c[0] > 0 for c in self.coefficients if c[0]}) == 1:
+                return ()  # Descartes: without a change of sign there is no positive root
             every = fmpz_poly([c[0] for c in self.coefficients]).complex_roots()
             return _positive([root.real for root, _ in every if root.imag.is_zero()])
         try:

@@ -105,7 +105,9 @@ class PolynomialRing:
         unit, factors = self.factors(polynomial)
         return Mul(unit, *(self.expression(f) ** n for f, n in factors))
 
-    def factors(self, polynomial: Polynomial, *, in_square: bool = True) -> tuple[Rational, list[tuple[Polynomial, int]]]:
+    def factors(
+        self, polynomial: Polynomial, *, in_square: bool = True
+    ) -> tuple[Rational, list[tuple[Polynomial, int]]]:
         """A number and the factors over Q; of an even polynomial, unless told otherwise, those in the square of the variable.
 
         >>> from .symbols import s

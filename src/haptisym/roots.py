@@ -127,7 +127,8 @@ def chart(functions: Mapping[Any, RealFunction], low: Expr, high: Expr) -> Chart
     3.0000 -1 1 1
     9.0000 1 0 1
     """
-    products = {name: _product(function) for name, function in functions.items()}
+    known: list[tuple[Polynomial, _Factored]] = []
+    products = {name: _product(function, known) for name, function in functions.items()}
     factors = {factor for product in products.values() for factor in product.exponents}
     places = _places(factors, low, high)
     signs = _first_signs(factors, places)
@@ -186,20 +187,28 @@ def _sign(product: _Product, signs: Mapping[Factor, int]) -> int:
 # From functions to factors
 
 
-def _product(function: RealFunction) -> _Product:
+_Factored: TypeAlias = tuple[int, Expr, list[tuple[Factor, int]]]
+
+
+def _product(function: RealFunction, known: list[tuple[Polynomial, _Factored]]) -> _Product:
+    """The function taken apart; ``known`` gathers polynomials that are, as denominators are mostly alike."""
     top, bottom = function.function.numerator, function.function.denominator
     if top.is_zero():
         return _Product(0, Integer(0), {})
     sign, power, exponents = 1, Integer(0), Counter[Factor]()
     for polynomial, direction in ((top, 1), (bottom, -1)):
-        own_sign, own_power, factors = _factored(polynomial, function.axis)
+        found = next((taken for other, taken in known if other == polynomial), None)
+        if found is None:
+            found = _factored(polynomial, function.axis)
+            known.append((polynomial, found))
+        own_sign, own_power, factors = found
         sign, power = sign * own_sign, power + direction * own_power
         for factor, exponent in factors:
             exponents[factor] += direction * exponent
     return _Product(sign, power, {factor: n for factor, n in exponents.items() if n})
 
 
-def _factored(polynomial: Polynomial, axis: Axis) -> tuple[int, Expr, list[tuple[Factor, int]]]:
+def _factored(polynomial: Polynomial, axis: Axis) -> _Factored:
     """Sign, power of omega and irreducible factors; half-angle tangents made homogeneous in cosine and sine."""
     # where sines meet odd powers of omega not all functions are even: then none is factored in omega^2, so that one
     # frequency is never the zero of two different factors

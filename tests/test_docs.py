@@ -1,0 +1,51 @@
+"""What the documents claim, checked."""
+
+from __future__ import annotations
+
+import doctest
+import re
+from pathlib import Path
+
+import pytest
+
+import haptisym as hs
+from haptisym.catalogue import EFFECTS, ENVIRONMENTS, Model
+
+ROOT = Path(__file__).parent.parent
+REFERENCE = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
+
+
+def test_the_examples_of_the_readme_run() -> None:
+    result = doctest.testfile(str(ROOT / "README.md"), module_relative=False)
+    assert result.attempted >= 8
+    assert result.failed == 0
+
+
+@pytest.mark.parametrize("model", [*ENVIRONMENTS.values(), *EFFECTS.values()], ids=lambda m: m.name)
+def test_the_scene_reference_lists_every_model_with_its_parameters(model: Model) -> None:
+    [row] = [line for line in REFERENCE.splitlines() if line.startswith(f"| `{model.name}` |")]
+    named = re.findall(r"`(\w+)`", row.split("|")[2])
+    formulas = any(slot.formula for slot in model.slots.values())
+    assert named == [*model.slots, *(["parameters"] if formulas else [])]
+
+
+def test_the_scene_reference_lists_nothing_else() -> None:
+    listed = re.findall(r"^\| `([\w-]+)` \|", REFERENCE, re.MULTILINE)
+    assert sorted(set(listed) - {"model"}) == sorted([*ENVIRONMENTS, *EFFECTS])
+
+
+def test_the_readme_scene_is_the_papers_example() -> None:
+    text = re.search(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    assert text is not None
+    scene, paper = hs.parse_scene(text[1]), hs.load_scene("fu2019")
+    assert (scene.environment, scene.effects, scene.band, scene.threshold) == (paper.environment, paper.effects, paper.band, paper.threshold)
+
+
+def test_the_readme_counts_the_scenes_right() -> None:
+    assert "seventeen to start" in (ROOT / "README.md").read_text(encoding="utf-8")
+    assert len(hs.scene_names()) == 17
+
+
+def test_every_document_that_the_readme_links_is_there() -> None:
+    for target in re.findall(r"\]\((?!https?:)([^)#]+)\)", (ROOT / "README.md").read_text(encoding="utf-8")):
+        assert (ROOT / target).exists(), target
