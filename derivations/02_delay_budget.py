@@ -261,14 +261,14 @@ late_spring, late_inertia = (omega * Rational(measured[name], 1000) for name in 
 assert is_zero(length.subs(tau, late_inertia / omega) - 2 * sin(late_spring))
 
 # %% [markdown]
-# As an illustration, at 1 Hz (their frequency is not in the abstract) the three thresholds would need $c$ = 9.4 %, 22 % and a
+# As an illustration, at 1 Hz (their frequency is not in the abstract) the three thresholds would need $c$ = 9 %, 22 % and a
 # value between 32 and 45 %.
 
 # %%
 turn = {name: 2 * pi * Rational(value, 1000) for name, value in measured.items()}
 needed = [sin(turn["damper"]), sin(turn["spring"])]
 needed += [share * sin(turn["damped inertia"] / 2) for share in (sqrt(2), 2)]
-assert [rounded(100 * value, 2) for value in needed] == ["9.4", "23.", "32.", "45."]
+assert [round(100 * value) for value in needed] == [9, 22, 32, 45]
 
 # %% [markdown]
 # ## 7. How
@@ -314,6 +314,124 @@ for name, (alone, real, imag) in elements.items():
     assert is_zero(perceived.real + I * perceived.imag - felt[name]), name
 assert hs.distort(E.mass_spring_damper(k=k), delay).changeover_perceived == changeover
 
-worst = hs.distort(E.kelvin_voigt(k, worst_damping), delay)
-assert is_zero(worst.ratio_imag**2 - length**2)
-assert is_zero(worst.ratio_real)
+voigt = hs.distort(E.kelvin_voigt(k, b), delay)
+assert is_zero((voigt.ratio_imag**2).subs(b, worst_damping) - length**2)
+assert is_zero(voigt.real.subs(b, worst_damping))
+
+# %% [markdown]
+# And an evaluation with numbers finds these crossings and no others, to 40 digits, over a whole turn $0 \le \omega\tau \le 2\pi$.
+
+# %%
+from haptisym import CrossingKind, Part
+
+DELAY = Rational("0.036")
+WHOLE_TURN = (Integer(0), 2 * pi / DELAY)
+EXCEEDS, RETURNS = CrossingKind.EXCEEDS, CrossingKind.RETURNS
+
+
+def at(place: Expr) -> str:
+    """The frequency at which omega tau has a value, to 40 digits."""
+    return rounded((place / DELAY).subs(TEN_PERCENT), 40)
+
+
+def expected(form: Expr, part: Part) -> list[tuple[Part, CrossingKind, int, str]]:
+    """The crossings of a part that is plus or minus a sine, or plus or minus one minus a cosine."""
+    places = sine_crossings if form.has(sin) else cosine_crossings
+    values = [form.subs(x_of).subs(x, place).subs(TEN_PERCENT) for place in places]
+    signs = [1 if value.evalf() > 0 else -1 for value in values]
+    kinds = [EXCEEDS, RETURNS] * 2
+    return [(part, *each) for each in zip(kinds, signs, map(at, places), strict=False)]
+
+
+active = {"spring": (Integer(0), pi), "damper": (pi / 2, 3 * pi / 2), "mass": (pi, 2 * pi)}
+for name, environment in {
+    "spring": E.mass_spring_damper(k=100),
+    "damper": E.mass_spring_damper(b=5),
+    "mass": E.mass_spring_damper(m=2),
+}.items():
+    result = hs.evaluate(hs.Scene(environment, (hs.effects.delay(DELAY),), WHOLE_TURN), digits=40)
+    _, real, imag = elements[name]
+    found = [(x.part, x.kind, x.sign, x.omega.digits(40)) for x in result.crossings]
+    assert found == sorted(expected(real, Part.REAL) + expected(imag, Part.IMAG), key=lambda row: float(row[-1])), name
+    assert all(x.multiplicity == 1 for x in result.crossings)
+    assert result.bandwidth.digits(40) == at(first)
+    ends = [(x.low.omega.digits(40), x.high.omega.digits(40)) for x in result.transparent]
+    assert ends == [("0", at(first)), (at(2 * pi - first), at(2 * pi))], name
+    [outside] = result.outside_model
+    assert [x.omega.digits(40) for x in (outside.low, outside.high)] == [at(place) for place in active[name]], name
+    assert result.certified
+
+# %% [markdown]
+# So are the thresholds for an environment of constant phase in between: a spring-pot $s^{1/2}$, with $\varphi = \pi/4$.
+
+# %%
+pot = hs.evaluate(
+    hs.Scene(E.spring_pot(100, "1/2"), (hs.effects.delay(DELAY),), (Integer(0), Integer(20))), digits=40
+)
+assert [(x.part, x.omega.digits(40)) for x in pot.crossings] == [
+    (Part.IMAG, at(threshold_imag.subs(phi, pi / 4))),
+    (Part.REAL, at(threshold_real_before_axis.subs(phi, pi / 4))),
+]
+
+# %% [markdown]
+# ## 9. Formulas and figure
+
+# %%
+from matplotlib.figure import Figure
+from numpy import arccos, arcsin, linspace, where
+from numpy import cos as wave_cos
+from numpy import pi as half_turn
+from numpy import sin as wave_sin
+
+from haptisym.latex import latex
+
+output = Path(next((given for given in sys.argv[1:2] if not given.startswith("-")), "derived"))
+output.mkdir(parents=True, exist_ok=True)
+
+formulas = {
+    r"\Delta H(s)": dH,
+    r"\Re\frac{\Delta H}{H_{env}}": relative_real,
+    r"\Im\frac{\Delta H}{H_{env}}": relative_imag,
+    r"\sqrt{r_r^2 + r_i^2}": length,
+    r"\omega_1": bandwidth,
+    r"\omega_2": second / tau,
+    r"\omega_{any}": never_before / tau,
+    r"\omega_{all}": always_after / tau,
+    r"\omega_i(\varphi)": threshold_imag / tau,
+}
+formulas_tex = [f"{name} &= {latex(form)}" for name, form in formulas.items()]
+(output / "02_delay_budget.tex").write_text(
+    "\\begin{align}\n" + " \\\\\n".join(formulas_tex) + "\n\\end{align}\n", encoding="utf-8"
+)
+
+# %% [markdown]
+# Left, the two curves that a spring, a damper and a mass share. Right, the threshold of any environment by its phase (repeating
+# every half turn), for $c$ = 10 %: spring and mass at the ends, the damper in the middle, between the two bounds.
+
+# %%
+figure = Figure(figsize=(7.0, 2.9), layout="constrained")
+shared, phases = figure.subplots(1, 2)
+turns = linspace(0, 2 * half_turn, 601)
+shared.plot(turns, abs(wave_sin(turns)), "-k", lw=1.2, label=r"$|\sin\omega\tau|$")
+shared.plot(turns, 1 - wave_cos(turns), "--k", lw=1.2, label=r"$1 - \cos\omega\tau$")
+shared.axhline(0.1, color="0.3", lw=0.8, ls=":")
+for low, high in ((0, float(budgets[1])), (2 * half_turn - float(budgets[1]), 2 * half_turn)):
+    shared.axvspan(low, high, color="0.8", lw=0)
+shared.set(xlim=(0, 2 * half_turn), ylim=(0, 2.1), xlabel=r"$\omega\tau$ (rad)", ylabel="distortion ratio")
+shared.legend(loc="upper right", frameon=False, fontsize=8)
+
+quarter = linspace(0, half_turn / 2, 601)
+imag_first = quarter - arcsin(wave_sin(quarter) - 0.1)
+near_axis = wave_cos(quarter) + 0.1 > 1
+before_axis = quarter - arccos(where(near_axis, 1, wave_cos(quarter) + 0.1))
+real_first = where(near_axis, quarter + arccos(wave_cos(quarter) - 0.1), before_axis)
+for shown, form, label in ((imag_first, "-k", "$r_i = c$"), (real_first, "--k", "$r_r = c$")):
+    phases.plot(180 / half_turn * quarter, shown, form, lw=1.2, label=label)
+    mirrored = real_first if shown is imag_first else imag_first
+    phases.plot(90 + 180 / half_turn * quarter, mirrored, form, lw=1.2)
+for budget in budgets:
+    phases.axhline(float(budget), color="0.3", lw=0.8, ls=":")
+phases.set(xlim=(0, 180), ylim=(0.08, 0.2), xticks=[0, 45, 90, 135, 180])
+phases.set(xlabel="phase of the environment (degrees)", ylabel=r"threshold $\omega\tau$ (rad)")
+phases.legend(loc="upper right", frameon=False, fontsize=8)
+figure.savefig(output / "02_delay_budget.pdf", metadata={"CreationDate": None})

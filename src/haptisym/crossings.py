@@ -37,6 +37,8 @@ class Crossing:
 class Curve(Enum):
     """The real functions whose signs answer the questions; each exists for both parts."""
 
+    __hash__ = object.__hash__  # members are singletons; the hash by name is slow, and charts look up much
+
     EXCESS = "r^2 - c^2"
     ENVIRONMENT = "Re or Im of H_env"
     PERCEIVED = "Re or Im of H_perc"

@@ -15,6 +15,8 @@ from .roots import sign_of_number
 class Part(Enum):
     """Real part (stiffness and mass) or imaginary part (damping) of a dynamics."""
 
+    __hash__ = object.__hash__  # members are singletons; the hash by name is slow, and charts look up much
+
     REAL = "real"
     IMAG = "imag"
 

@@ -7,7 +7,7 @@ and exponentials of different delays are algebraically independent, so that test
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from math import gcd, lcm
@@ -115,11 +115,13 @@ class PolynomialRing:
         >>> [ring.expression(f) for f, _ in ring.factors(ring.variable**4 + 4)[1]]   # not (s^2 - 2 s + 2) (s^2 + 2 s + 2)
         [s**4 + 4]
         """
-        powers = [int(exponents[0]) for exponents in polynomial.monoms()]
-        lowest = min(powers, default=0)
-        step = 2 if in_square and all((power - lowest) % 2 == 0 for power in powers) else 1
-        unit, factors = self.with_powers(polynomial, lambda n: (n - lowest) // step).factor()
-        inflated = [(self.with_powers(factor, lambda n: step * n), int(n)) for factor, n in factors]
+        if polynomial.is_constant():
+            return Rational(str(polynomial)), []
+        strides, shifts = polynomial.deflation_index()
+        lowest, step = int(shifts[0]), 2 if in_square and int(strides[0]) % 2 == 0 else 1
+        squares = [step, *[1] * (len(self.meanings) - 1)]
+        unit, factors = (polynomial / self.variable**lowest).deflate(squares).factor()
+        inflated = [(factor.inflate(squares), int(n)) for factor, n in factors]
         own = [(self.variable, lowest)] if lowest else []
         return Rational(int(unit.p), int(unit.q)), own + inflated
 
@@ -133,10 +135,6 @@ class PolynomialRing:
             tuple(n - m for n, m in zip(map(int, e), shared, strict=True)): c for e, c in polynomial.to_dict().items()
         }
         return Mul(*(x**n for x, n in zip(self.meanings, shared, strict=True))), self.context.from_dict(rest)
-
-    def with_powers(self, polynomial: Polynomial, change: Callable[[int], int]) -> Polynomial:
-        """The polynomial with every exponent of the variable changed."""
-        return self.context.from_dict({(change(int(e[0])), *e[1:]): c for e, c in polynomial.to_dict().items()})
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -164,8 +164,8 @@ def _point(
 
 
 def _order(product: _Product, place: _Place) -> int:
-    order = sum((product.exponents.get(factor, 0) * n for factor, n in place.orders.items()), Integer(0))
-    return _whole(order + (product.power if place.is_zero else 0))
+    order = sum(product.exponents.get(factor, 0) * n for factor, n in place.orders.items())
+    return _whole(product.power + order) if place.is_zero else order
 
 
 def _whole(order: Expr) -> int:

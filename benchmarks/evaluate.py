@@ -1,0 +1,90 @@
+"""What an evaluation costs, against the usual ways to the same crossings, in one run.
+
+    python benchmarks/evaluate.py          (needs the extra [bench] for python-control; without it that row is left out)
+
+Left out: SymPy's solve on the ratios, which takes minutes; Mathematica and MATLAB, which are not free software.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import sympy
+from timing import machine, medians, table
+
+import haptisym as hs
+from haptisym import factors
+
+SCENE = hs.load_scene("fu2019")
+NUMBERS = {"m": "9/5", "b": "15", "k": "100", "w": "80", "z": "1/2"}
+
+
+def evaluate() -> list[float]:
+    """Everything that an Evaluation holds, with empty caches."""
+    for cached in (factors._roots, factors._refined, factors._compiled, factors._order_at):
+        cached.cache_clear()
+    scene = hs.Scene(SCENE.environment, SCENE.effects, SCENE.band, SCENE.threshold)
+    result = hs.evaluate(scene)
+    return [float(c.omega) for c in result.crossings if result.percepts and result.transparent]
+
+
+def sympy_roots() -> list[float]:
+    """The obvious exact route: split dH with SymPy, form the threshold polynomials, isolate their real roots."""
+    w, s = sympy.symbols("w s", positive=True)
+    m, b, k, wn, z = (sympy.Rational(v) for v in NUMBERS.values())
+    H = m * s**2 + b * s + k
+    dH = H * (wn**2 / (s**2 + 2 * z * wn * s + wn**2) - 1)
+    value, modulus = dH.subs(s, sympy.I * w), sympy.Abs(H.subs(s, sympy.I * w)) ** 2
+    found = []
+    for part in value.as_real_imag():
+        ratio = sympy.together(part**2 / modulus - sympy.Rational(1, 100))
+        polynomial = sympy.Poly(sympy.numer(sympy.cancel(ratio)), w)
+        found += [float(root.evalf(15)) for root in polynomial.real_roots() if 0 < root <= 15]
+    return sorted(found)
+
+
+def grid_and_brent() -> list[float]:
+    """python-control's frequency response on 2000 points, then Brent's method on each sign change. Nothing is proven."""
+    import control
+    import numpy as np
+    from scipy.optimize import brentq
+
+    H, D = control.tf([1.8, 15, 100], [1]), control.tf([6400], [1, 80, 6400])
+    dH, grid = H * D - H, np.linspace(1e-3, 15, 2000)
+    found = []
+    for part in (np.real, np.imag):
+
+        def excess(w: float, part: object = part) -> float:
+            return float(abs(part(dH(1j * w))) / abs(H(1j * w)) - 0.1)  # type: ignore[operator]
+
+        values = abs(part(control.frequency_response(dH, grid).frdata[0, 0])) / abs(H(1j * grid)) - 0.1
+        found += [brentq(excess, *grid[i : i + 2]) for i in np.flatnonzero(np.diff(np.sign(values)))]
+    return sorted(found)
+
+
+def main() -> None:
+    """Check that all find the same, then print the tables."""
+    print(machine())
+    contenders = {"haptisym evaluate(fu2019): everything, certified": evaluate, "SymPy real_roots: crossings only": sympy_roots}
+    try:
+        grid_and_brent()
+        contenders["python-control grid + brentq: crossings only, not proven"] = grid_and_brent
+    except ImportError:
+        print("python-control or SciPy is missing: its row is left out")
+    for name, run in contenders.items():
+        assert all(abs(a - b) < 1e-9 for a, b in zip(run(), evaluate(), strict=True)), name
+    table("Crossings of the paper's example on [0, 15] rad/s", medians(contenders, 15), next(iter(contenders)))
+    command = Path(sys.executable).with_name("haptisym")
+    processes = {
+        'python -c "import sympy"': lambda: subprocess.run([sys.executable, "-c", "import sympy"], check=True),
+        "haptisym evaluate fu2019 --json": lambda: subprocess.run(
+            [command, "evaluate", "fu2019", "--json"], check=True, stdout=subprocess.DEVNULL
+        ),
+    }
+    table("Whole processes", medians(processes, 9), 'python -c "import sympy"')
+
+
+if __name__ == "__main__":
+    main()
