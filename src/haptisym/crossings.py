@@ -9,7 +9,7 @@ from sympy import Expr
 
 from .distortion import Distortion, part_of
 from .jnd import Part, Threshold
-from .reals import RealNumber
+from .reals import ExactNumber, RealNumber
 from .response import RealFunction, on_axis
 from .rings import RationalFunction
 from .roots import Chart, Interval, Point
@@ -82,7 +82,11 @@ def _is_crossing(point: Point, part: Part) -> bool:
 
 def _crossing(point: Point, part: Part) -> Crossing:
     before, after = point.before[Curve.EXCESS, part], point.after[Curve.EXCESS, part]
-    kind = CrossingKind.TOUCHES if before == after else CrossingKind.EXCEEDS if after > 0 else CrossingKind.RETURNS
+    mirrored = isinstance(point.omega, ExactNumber) and point.omega.value == 0  # where all functions are even or odd
+    if before == after and not (mirrored and after > 0):
+        kind = CrossingKind.TOUCHES
+    else:
+        kind = CrossingKind.EXCEEDS if after > 0 else CrossingKind.RETURNS
     sign = point.after[Curve.DIFFERENCE, part]
     return Crossing(part, point.omega, kind, sign, point.orders[Curve.EXCESS, part])
 

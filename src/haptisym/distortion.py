@@ -228,10 +228,10 @@ class Distortion:
         >>> f([0.0, 20.0]).real.tolist()
         [-0.0, -30.0]
         """
-        ratios = [sqrt(self.squared_ratios[part].stable()) for part in Part]
+        squares = [self.squared_ratios[part].stable() for part in Part]  # their roots are taken in floats
         shown = (self.difference_response, self.relative_response, self.env_response, self.perc_response)
         real_imag, *others = ([part_of(response, part).stable() for part in Part] for response in shown)
-        forms = [*real_imag, *ratios, *(form for pair in others for form in pair)]
+        forms = [*real_imag, *squares, *(form for pair in others for form in pair)]
         return compiled(dict(zip(Values._fields, forms, strict=True)), list(self.free_symbols))
 
     def parameter_jnd(self, c: Expr) -> ParameterJND:

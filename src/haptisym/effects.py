@@ -128,7 +128,7 @@ def series(G: Formula) -> Matrix:
 
 
 @effect("shunt")
-def shunt(m: SignedMass = 0, b: SignedDamping = 0, k: SignedStiffness = 0, Z: Formula = 0) -> Matrix:
+def shunt(m: SignedMass = 0, b: SignedDamping = 0, k: SignedStiffness = 0, Z: Formula = None) -> Matrix:
     """An impedance beside the environment (the device's own mass, say): H_perc = H + Z, Z(s) = m s^2 + b s + k.
 
     m : kg; b : N s/m; k : N/m; any sign (a negative mass is inertia compensation); each may be absent.
@@ -137,11 +137,12 @@ def shunt(m: SignedMass = 0, b: SignedDamping = 0, k: SignedStiffness = 0, Z: Fo
     >>> shunt(m="-45 g").matrix
     (1, -9*s**2/200, 0, 1)
     """
-    if Z and (m or b or k):
+    given = bool(m or b or k)
+    if Z is not None and given:
         raise SceneError("a shunt takes either Z or some of m, b, k")
-    if not (Z or m or b or k):
+    if Z is None and not given:
         raise SceneError("a shunt needs Z or at least one of m, b, k")
-    return _shunt(Z or m * s**2 + b * s + k)
+    return _shunt(m * s**2 + b * s + k if Z is None else Z)
 
 
 @effect("compliance")

@@ -47,8 +47,10 @@ class _Value(NamedTuple):
     digits: int
 
 
-def evaluate(text: str, *, number: Callable[[str], T], name: Callable[[str], T]) -> T:
+def evaluate(text: str, *, number: Callable[[str], T], name: Callable[[str], T], sums: bool = True) -> T:
     """The value of a formula, in whatever ring ``number`` and ``name`` map to (they may raise KeyError or ValueError).
+
+    Without ``sums`` only products, quotients and powers are in the grammar, as in a unit.
 
     Raises ExpressionError, with a caret under the place, for whatever is not in the grammar, too deep or too large.
 
@@ -63,7 +65,7 @@ def evaluate(text: str, *, number: Callable[[str], T], name: Callable[[str], T])
     """
     if len(text) > LONGEST:
         raise ExpressionError(f"a formula may have at most {LONGEST} characters; this one has {len(text)}")
-    reader = _Reader(text, number, name)
+    reader = _Reader(text, number, name, sums)
     result = reader.sum(0)
     if reader.token.kind != "end":
         reader.fail(f'expected an operator, found "{reader.token.text}"')
@@ -74,8 +76,9 @@ def evaluate(text: str, *, number: Callable[[str], T], name: Callable[[str], T])
 class _Reader(Generic[T]):
     """A recursive-descent reader: one method for each line of the grammar."""
 
-    def __init__(self, text: str, number: Callable[[str], T], name: Callable[[str], T]) -> None:
+    def __init__(self, text: str, number: Callable[[str], T], name: Callable[[str], T], sums: bool) -> None:  # noqa: FBT001
         self.text, self.number, self.name = text, number, name
+        self.signs = ("+", "-") if sums else ()
         self.tokens = self._tokens()
         self.position = 0
 
@@ -112,7 +115,7 @@ class _Reader(Generic[T]):
 
     def sum(self, depth: int) -> _Value:
         left = self.product(depth)
-        while sign := self.take("+", "-"):
+        while sign := self.take(*self.signs):
             right = self.product(depth)
             degree, digits = max(left.degree, right.degree), left.digits + right.digits
             left = self._combine(add if sign.text == "+" else sub, left, right, (degree, digits), sign)
@@ -129,7 +132,7 @@ class _Reader(Generic[T]):
     def signed(self, depth: int) -> _Value:
         if depth > DEEPEST:
             self.fail(f"a formula may be nested at most {DEEPEST} deep")
-        if sign := self.take("+", "-"):
+        if sign := self.take(*self.signs):
             operand = self.signed(depth + 1)
             return operand._replace(value=-operand.value) if sign.text == "-" else operand
         return self.power(depth)

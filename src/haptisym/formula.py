@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sympy import Add, Expr, Float, I, Integer, Mul, Pow, Rational, Symbol, cos, preorder_traversal, sin
+from sympy import Add, Expr, Float, I, Integer, Mul, Rational, Symbol, preorder_traversal
 from sympy.core.numbers import ImaginaryUnit
 from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
@@ -120,8 +120,6 @@ def _rounded(coefficient: Expr) -> Expr:
         return Add(*(_rounded(number) * rest for number, rest in parts))
     if isinstance(coefficient, Integer) and abs(coefficient) < 10**_DIGITS:
         return coefficient
-    if any(not x.exp.is_Integer for x in coefficient.atoms(Pow)) or coefficient.has(cos, sin):
-        return coefficient.evalf(_DIGITS + 3)  # the constant angle of a power of s
     return Float(ExactNumber(coefficient).digits(_DIGITS + 3))
 
 

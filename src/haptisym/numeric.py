@@ -30,10 +30,14 @@ class Values(NamedTuple):
     perceived_imag: Array
 
 
+_SQUARED = ("ratio_real", "ratio_imag")
+
+
 def compiled(forms: Mapping[str, Expr], parameters: list[Symbol]) -> Callable[..., Values]:
     """A function ``f(omega, name=value, ...)`` of frequencies in rad/s and parameters in SI, all of them broadcast.
 
-    ``forms``: a closed form for each field of ``Values``. The function raises SceneError for a missing or unknown parameter.
+    ``forms``: a closed form for each field of ``Values``, of the ratios their squares. The function raises SceneError for a
+    missing or unknown parameter.
     Values have the relative accuracy of floats except near zeros of numerators and denominators.
     """
     names = sorted(str(p) for p in parameters)
@@ -49,7 +53,8 @@ def compiled(forms: Mapping[str, Expr], parameters: list[Symbol]) -> Callable[..
         shape = np.broadcast_shapes(*(x.shape for x in arguments))
         with np.errstate(divide="ignore", invalid="ignore"):  # a pole is inf by value, not a warning
             results = evaluate(*arguments)
-        return Values(*(np.broadcast_to(np.asarray(x, dtype=float), shape).copy() for x in results))
+            rooted = [np.sqrt(x) if name in _SQUARED else x for name, x in zip(Values._fields, results, strict=True)]
+        return Values(*(np.broadcast_to(np.asarray(x, dtype=float), shape).copy() for x in rooted))
 
     return function
 

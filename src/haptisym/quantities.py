@@ -12,7 +12,7 @@ from importlib.resources import as_file, files
 from typing import TypeAlias
 
 import pint
-from sympy import Expr, Float, Integer, Rational, pi
+from sympy import Expr, Float, I, Integer, Pow, Rational, nan, oo, pi, preorder_traversal, zoo
 
 from .errors import ExpressionError, SceneError
 from .expressions import evaluate
@@ -126,7 +126,7 @@ def _from_text(text: str, dimension: Dimension) -> Quantity:
     if not unit:
         return Quantity(value)
     factor, exponents = _unit(unit, text, dimension)
-    return Quantity(value * factor, _motion(exponents, text, dimension))
+    return Quantity(_sized(value * factor, text), _motion(exponents, text, dimension))
 
 
 _PLAIN = str.maketrans({"·": "*", "×": "*", "⋅": "*", "²": "^2", "³": "^3"})
@@ -135,12 +135,16 @@ _PLAIN = str.maketrans({"·": "*", "×": "*", "⋅": "*", "²": "^2", "³": "^3"
 def _unit(unit: str, text: str, dimension: Dimension) -> tuple[Expr, dict[str, Fraction]]:
     plain = _JUXTAPOSED.sub("*", unit.translate(_PLAIN))
     try:
-        measured = evaluate(plain, number=_unit_number, name=_named_unit)
+        measured = evaluate(plain, number=_unit_number, name=_named_unit, sums=False)
         base = measured.to_root_units()
     except (ExpressionError, pint.PintError, ArithmeticError):
         raise SceneError(f"{_shown(text)}: {_shown(unit)} is not a unit{_expected(dimension)}") from None
     exponents = {name.strip("[]"): Fraction(power) for name, power in base.dimensionality.items()}
     turns = exponents.pop("circle", Fraction(0))
+    if turns.denominator != 1 or (isinstance(base.magnitude, float) and base.magnitude != 1.0):
+        raise SceneError(
+            f"{_shown(text)}: only m, s, kg, N, rad and such, whose factor is 1, may have fractional powers"
+        )
     exact = Fraction(base.magnitude)
     return Rational(exact.numerator, exact.denominator) * pi ** Integer(int(turns)), exponents
 
@@ -176,12 +180,21 @@ def _dimension_exponents(dimension: Dimension) -> tuple[dict[str, Fraction], dic
 
 
 def _exact_expression(given: Expr) -> Expr:
-    floats = given.atoms(Float)
-    if floats:
-        return given.xreplace({x: decimal(str(float(x))) for x in floats})
-    if (given.is_number and given.is_finite is False) or (given.is_number and given.is_real is False):
-        raise SceneError(f"{given} is not a finite real number")
-    return given
+    """The expression with its floats read as decimals; a number must be finite and rational in pi."""
+    exact = given.xreplace({x: decimal(str(float(x))) for x in given.atoms(Float)})
+    known = all(isinstance(x, Rational) or x == pi or x.args for x in preorder_traversal(exact) if x.is_number)
+    if exact.has(nan, zoo, oo, -oo, I) or (
+        exact.is_number and (not known or any(not x.exp.is_Integer for x in exact.atoms(Pow)))
+    ):
+        raise SceneError(f"{_shown(given)} is not a finite number that is rational, or rational in pi")
+    return exact
+
+
+def _sized(value: Expr, text: str) -> Expr:
+    """A number that a float can show, or an error."""
+    if value != 0 and not Float("1e-300") < abs(value.evalf(5)) < Float("1e300"):
+        raise SceneError(f"{_shown(text)}: in SI units the number must lie between 1e-300 and 1e300")
+    return value
 
 
 def _expected(dimension: Dimension) -> str:

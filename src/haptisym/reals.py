@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 
 import flint
 from flint import arb, fmpq
-from sympy import Add, Expr, Integer, Mul, Pow, Rational, pi
+from sympy import Add, Expr, Integer, Mul, Pow, Rational, cos, pi, sin
 
 from .errors import UndecidedError
 
@@ -97,7 +97,7 @@ class ExactNumber(RealNumber):
 
 
 def expression_ball(value: Expr) -> Ball:
-    """A ball around a rational expression in pi, at the current working precision."""
+    """A ball around a number made of rational numbers, pi, roots, sines and cosines, at the current working precision."""
     if isinstance(value, Rational):
         return arb(fmpq(int(value.p), int(value.q)))
     if value == pi:
@@ -108,7 +108,12 @@ def expression_ball(value: Expr) -> Ball:
         return reduce(mul, map(expression_ball, value.args))
     if isinstance(value, Pow) and isinstance(value.exp, Integer):
         return expression_ball(value.base) ** int(value.exp)
-    raise TypeError(f"{value} is not a rational expression in pi")
+    if isinstance(value, Pow) and isinstance(value.exp, Rational):
+        return (expression_ball(value.base).log() * expression_ball(value.exp)).exp()
+    if isinstance(value, cos | sin):
+        argument = expression_ball(value.args[0])
+        return argument.cos() if isinstance(value, cos) else argument.sin()
+    raise TypeError(f"{value} is not a real number made of rational numbers, pi, roots, sines and cosines")
 
 
 def bounds(ball: Ball) -> tuple[Fraction, Fraction]:

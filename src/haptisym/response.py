@@ -15,7 +15,7 @@ from math import comb
 from typing import TypeAlias
 
 from flint import fmpq
-from sympy import Add, Expr, I, Integer, Pow, Rational, Symbol, cos, cosh, exp, gcd, pi, sin, sinh
+from sympy import Add, Expr, I, Integer, Pow, Rational, Symbol, cos, cosh, exp, gcd, pi, sin, sinc, sinh
 
 from .errors import SceneError
 from .rings import Polynomial, PolynomialRing, RationalFunction, degree_in
@@ -227,11 +227,11 @@ class Axis(PolynomialRing):
         return total
 
     def half_angles(self, function: RationalFunction) -> RationalFunction:
-        """The function in cosines and sines of the half angles: without cancellation at low frequencies."""
+        """The function in half angles, cos(a/2) and sin(a/2)/omega: without cancellation at low frequencies, nor 0/0 at 0."""
         degrees = [
             degree_in([function.numerator, function.denominator], self.size + i) for i in range(len(self.angles))
         ]
-        waves = [wave for a in self.angles for wave in (cos(a.value / 2), sin(a.value / 2))]
+        waves = [wave for angle in self.angles for wave in _half_waves(angle)]
         target = PolynomialRing(omega, self.symbols, [*self.functions[len(self.angles) :], *waves])
 
         def homogeneous(polynomial: Polynomial) -> Polynomial:
@@ -239,11 +239,17 @@ class Axis(PolynomialRing):
             for exponents, coefficient in polynomial.to_dict().items():
                 own = [int(n) for n in exponents]
                 turns, powers = own[self.size : self.size + len(degrees)], own[self.size + len(degrees) :]
+                own[0] += sum(k for k, angle in zip(turns, self.angles, strict=True) if not angle.constant)
                 halves = [n for k, top in zip(turns, degrees, strict=True) for n in (top - k, k)]
                 terms[(*own[: self.size], *powers, *halves)] = coefficient
             return target.context.from_dict(terms)
 
         return target.function(homogeneous(function.numerator), homogeneous(function.denominator))
+
+
+def _half_waves(angle: Angle) -> tuple[Expr, Expr]:
+    half = angle.value / 2
+    return cos(half), sin(half) if angle.constant else angle.rate / 2 * sinc(half)
 
 
 @lru_cache(maxsize=1024)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import chain
+from itertools import chain, count
 
 from sympy import Expr, Integer, Symbol
 
@@ -114,11 +115,15 @@ def _one_motion(elements: Iterable[tuple[str, Environment | Effect]]) -> None:
 
 def _with_names(effects: Iterable[Effect]) -> list[Effect]:
     """The effects under names of their own: the second "filter" becomes "filter-2"."""
-    seen: Counter[str] = Counter()
-    named = []
-    for effect in effects:
-        seen[effect.name] += 1
-        named.append(effect if seen[effect.name] == 1 else replace(effect, name=f"{effect.name}-{seen[effect.name]}"))
+    listed = list(effects)
+    taken = {effect.name for effect in listed}
+    named: list[Effect] = []
+    for effect in listed:
+        own = effect.name
+        if any(own == other.name for other in named):
+            own = next(f"{effect.name}-{i}" for i in count(2) if f"{effect.name}-{i}" not in taken)
+            taken.add(own)
+        named.append(replace(effect, name=own))
     return named
 
 
@@ -126,14 +131,20 @@ def _symbol_names(elements: Iterable[tuple[str, Environment | Effect | None]]) -
     """For each element, new symbols for those that another element names alike: ``zeta`` becomes ``zeta_filter``."""
     listed = list(elements)
     uses = Counter(p.symbol.name for _, element in listed if element for p in element.parameters)
+    taken = set(uses)
     renamed = []
     for label, element in listed:
-        suffix = "_" + label.replace("-", "_").replace(" ", "_") if label else ""
-        own = element.parameters if element else ()
-        renamed.append(
-            {p.symbol: _like(p.symbol, f"{p.symbol.name}{suffix}") for p in own if uses[p.symbol.name] > 1 and suffix}
-        )
+        suffix = "_" + re.sub(r"\W", "_", label)
+        shared = [p.symbol for p in (element.parameters if element else ()) if label and uses[p.symbol.name] > 1]
+        names = {symbol: _free_name(f"{symbol.name}{suffix}", taken) for symbol in shared}
+        taken |= set(names.values())
+        renamed.append({symbol: _like(symbol, name) for symbol, name in names.items()})
     return renamed
+
+
+def _free_name(name: str, taken: set[str]) -> str:
+    """The name, or with a number behind it the first one that is not taken."""
+    return next(x for x in chain([name], (f"{name}_{i}" for i in count(2))) if x not in taken)
 
 
 def _like(symbol: Symbol, name: str) -> Symbol:
