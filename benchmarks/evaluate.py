@@ -67,7 +67,10 @@ def grid_and_brent() -> list[float]:
 def main() -> None:
     """Check that all find the same, then print the tables."""
     print(machine())
-    contenders = {"haptisym evaluate(fu2019): everything, certified": evaluate, "SymPy real_roots: crossings only": sympy_roots}
+    contenders = {
+        "haptisym evaluate(fu2019): everything, certified": evaluate,
+        "SymPy real_roots: crossings only": sympy_roots,
+    }
     try:
         grid_and_brent()
         contenders["python-control grid + brentq: crossings only, not proven"] = grid_and_brent

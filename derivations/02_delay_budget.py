@@ -58,8 +58,8 @@ def is_zero(difference: Expr) -> bool:
 # %% [markdown]
 # ## 1. The delayed force
 #
-# The hand moves as $x = X e^{j\omega t}$. The environment answers with $f_e = m\ddot x + b\dot x + kx$, and the display passes it
-# on late: $f_h(t) = f_e(t - \tau)$. What the hand feels is $H_{perc} = f_h/x$.
+# The hand moves as $x = X e^{j\omega t}$. The environment answers with $f_e = m\ddot x + b\dot x + kx$, and the display
+# passes it on late: $f_h(t) = f_e(t - \tau)$. What the hand feels is $H_{perc} = f_h/x$.
 
 # %%
 motion = X * exp(I * omega * t)
@@ -71,8 +71,8 @@ assert is_zero(force / motion - H.subs(s, I * omega))
 assert is_zero(force.subs(t, t - tau) / motion - (H * G).subs(s, I * omega))
 
 # %% [markdown]
-# The same for any force that starts at $t = 0$: in its Laplace integral put $t = u + \tau$, and what stands under the integral
-# is $e^{-s\tau}$ times what it was.
+# The same for any force that starts at $t = 0$: in its Laplace integral put $t = u + \tau$, and what stands under the
+# integral is $e^{-s\tau}$ times what it was.
 
 # %%
 f_e = Function("f_e")
@@ -123,9 +123,9 @@ for name, (alone, real, imag) in elements.items():
 # %% [markdown]
 # ## 4. When
 #
-# Write $x = \omega\tau$. For $0 < x < \pi/2$ the sine comes first, because $1 - \cos x = \tan(x/2)\sin x$ and there $\tan(x/2) <
-# 1$: where $\sin x$ reaches $c$, the other ratio is still below it. So the bandwidth of a spring, of a damper and of a mass
-# is the same, $\arcsin(c)/\tau$, and the other part follows at $\arccos(1 - c)/\tau$.
+# Write $x = \omega\tau$. For $0 < x < \pi/2$ the sine comes first, because $1 - \cos x = \tan(x/2)\sin x$ and there
+# $\tan(x/2) < 1$: where $\sin x$ reaches $c$, the other ratio is still below it. So the bandwidth of a spring, of a damper
+# and of a mass is the same, $\arcsin(c)/\tau$, and the other part follows at $\arccos(1 - c)/\tau$.
 
 # %%
 x = Symbol("x", positive=True)
@@ -141,9 +141,9 @@ assert is_zero(other_at_first - (1 - sqrt(1 - c**2)) ** 2 / c**2)
 bandwidth = first / tau
 
 # %% [markdown]
-# Beyond $\pi/2$ the sine falls again and the rest is symmetry: on $0 \le x \le 2\pi$, $|\sin x|$ exceeds $c$ from $\arcsin c$ to
-# $\pi - \arcsin c$ and from $\pi + \arcsin c$ to $2\pi - \arcsin c$, and $1 - \cos x$ from $\arccos(1 - c)$ to
-# $2\pi - \arccos(1 - c)$. Together they leave only the two ends transparent.
+# Beyond $\pi/2$ the sine falls again and the rest is symmetry: on $0 \le x \le 2\pi$, $|\sin x|$ exceeds $c$ from
+# $\arcsin c$ to $\pi - \arcsin c$ and from $\pi + \arcsin c$ to $2\pi - \arcsin c$, and $1 - \cos x$ from $\arccos(1 - c)$
+# to $2\pi - \arccos(1 - c)$. Together they leave only the two ends transparent.
 
 # %%
 sine_crossings = [first, pi - first, pi + first, 2 * pi - first]
@@ -155,9 +155,9 @@ assert all(is_zero(1 - cos(place) - c) for place in cosine_crossings)
 # ## 5. Any environment
 #
 # An environment of phase $\varphi$ at this frequency turns the arrow by $\varphi$:
-# $\Delta H/|H| = e^{j\varphi}(G - 1) = 2\sin(x/2)\,(\sin(\varphi - x/2)\cdot 1 - \cos(\varphi - x/2)\cdot j)$. Turning does not
-# change the length, so $r_r^2 + r_i^2 = (2\sin(x/2))^2$ whatever the environment, and the larger of the two lies between
-# $2\sin(x/2)/\sqrt 2$ and $2\sin(x/2)$. Hence, for $c < \sqrt 2$:
+# $\Delta H/|H| = e^{j\varphi}(G - 1) = 2\sin(x/2)\,(\sin(\varphi - x/2)\cdot 1 - \cos(\varphi - x/2)\cdot j)$. Turning does
+# not change the length, so $r_r^2 + r_i^2 = (2\sin(x/2))^2$ whatever the environment, and the larger of the two lies
+# between $2\sin(x/2)/\sqrt 2$ and $2\sin(x/2)$. Hence, for $c < \sqrt 2$:
 #
 # * unnoticed for *every* environment while $x \le 2\arcsin(c/2)$;
 # * noticed for *every* environment while $2\arcsin(c/\sqrt 2) < x < 2\pi - 2\arcsin(c/\sqrt 2)$.
@@ -173,8 +173,9 @@ assert is_zero(2 * sin(never_before / 2) - c)
 assert is_zero(2 * sin(always_after / 2) - sqrt(2) * c)
 
 # %% [markdown]
-# No better bound exists, since both are attained: the first by $\varphi = x/2$, where the arrow lies along the imaginary axis (a
-# spring with a damper beside it, $b\omega/k = \tan(\omega\tau/2)$), the second by $\varphi = x/2 + \pi/4$, where both ratios are equal.
+# No better bound exists, since both are attained: the first by $\varphi = x/2$, where the arrow lies along the imaginary
+# axis (a spring with a damper beside it, $b\omega/k = \tan(\omega\tau/2)$), the second by $\varphi = x/2 + \pi/4$, where
+# both ratios are equal.
 
 # %%
 along = {phi: omega * tau / 2}
@@ -200,10 +201,10 @@ assert [rounded(budget, 6) for budget in budgets] == ["0.100042", "0.100167", "0
 assert [rounded(1000 * budget / 15, 3) for budget in budgets] == ["6.67", "6.68", "9.44"]
 
 # %% [markdown]
-# In between, every phase has its own threshold, in closed form. The delay turns the environment's arrow $e^{j\varphi}$ back by $x$,
-# and what counts is by how much its shadow on either axis has moved: $r_i = |\sin\varphi - \sin(\varphi - x)|$ and
-# $r_r = |\cos(\varphi - x) - \cos\varphi|$. For $0 \le \varphi \le \pi/2$ the sine falls at once, and the cosine grows until the
-# arrow lies on the axis and falls from there on.
+# In between, every phase has its own threshold, in closed form. The delay turns the environment's arrow $e^{j\varphi}$ back
+# by $x$, and what counts is by how much its shadow on either axis has moved: $r_i = |\sin\varphi - \sin(\varphi - x)|$ and
+# $r_r = |\cos(\varphi - x) - \cos\varphi|$. For $0 \le \varphi \le \pi/2$ the sine falls at once, and the cosine grows
+# until the arrow lies on the axis and falls from there on.
 
 # %%
 delayed_sine, delayed_cosine = sin(phi - omega * tau), cos(phi - omega * tau)
@@ -229,9 +230,10 @@ assert is_zero(sin(pi / 2 - acos(c)) - c)
 # %% [markdown]
 # ## 6. What Rank et al. measured
 #
-# Delay was noticed from 15 ms with a damper, 36 ms with a spring and 72 ms with a damped inertia, $ms^2 + bs$. The model says:
-# from $\omega\tau = \arcsin c$ with the first two, and with any environment whatever from at most $2\arcsin(c/\sqrt 2)$. Both
-# depend on $\omega\tau$ and $c$ alone. So, at one frequency of movement, whatever it was and whatever $c$ is:
+# Delay was noticed from 15 ms with a damper, 36 ms with a spring and 72 ms with a damped inertia, $ms^2 + bs$. The model
+# says: from $\omega\tau = \arcsin c$ with the first two, and with any environment whatever from at most
+# $2\arcsin(c/\sqrt 2)$. Both depend on $\omega\tau$ and $c$ alone. So, at one frequency of movement, whatever it was and
+# whatever $c$ is:
 #
 # * damper and spring have the *same* threshold; measured: a factor 2.4;
 # * a damped inertia has one at most $\sqrt 2$ times as large, since $\arcsin(y)/y$ grows: $2\arcsin(c/\sqrt 2) \le
@@ -239,10 +241,11 @@ assert is_zero(sin(pi / 2 - acos(c)) - c)
 # * any two environments have thresholds within a factor 2, since $\sin 2\theta \ge \sqrt 2\sin\theta$ up to $\theta = \pi/4$:
 #   $2\arcsin(c/\sqrt 2) \le 2 \cdot 2\arcsin(c/2)$ for $c \le \sqrt 2$.
 #
-# No single $c$ explains even two of the three. Nor do two explain them all: with $c_r = \sin(15\,\mathrm{ms}\,\omega)$ for the damper
-# and $c_i = \sin(36\,\mathrm{ms}\,\omega)$ for the spring, the arrow of 72 ms has the length $2\sin(36\,\mathrm{ms}\,\omega) = 2c_i$, but
-# the longest that fits unnoticed is $\sqrt{c_r^2 + c_i^2} < \sqrt 2\,c_i$. Movements of different frequency would: 2.4 times
-# as fast with the damper as with the spring. So the budget says what a person who notices $c$ does not notice for certain; it
+# No single $c$ explains even two of the three. Nor do two explain them all: with $c_r = \sin(15\,\mathrm{ms}\,\omega)$ for
+# the damper and $c_i = \sin(36\,\mathrm{ms}\,\omega)$ for the spring, the arrow of 72 ms has the length
+# $2\sin(36\,\mathrm{ms}\,\omega) = 2c_i$, but the longest that fits unnoticed is $\sqrt{c_r^2 + c_i^2} < \sqrt 2\,c_i$.
+# (That is for movements below 6.9 Hz, where these sines still grow.) Movements of different frequency could: 2.4 times as
+# fast with the damper as with the spring. So the budget says what a person who notices $c$ does not notice for certain; it
 # does not predict when delay is noticed.
 
 # %%
@@ -274,8 +277,8 @@ assert [round(100 * value) for value in needed] == [9, 22, 32, 45]
 # ## 7. How
 #
 # $\Im H_{perc}$ is $-k\sin x$, $b\omega\cos x$ and $m\omega^2\sin x$. So behind a delay a spring is *active at once*, up to
-# $x = \pi$: it hands out energy, which the paper's eq. (6) excludes. A damper is so from $x = \pi/2$ on, a mass from $\pi$. The
-# spring turns into "inertia" at $x = \pi/2$, where $\Re H_{perc} = k\cos x$ changes its sign.
+# $x = \pi$: it hands out energy, which the paper's eq. (6) excludes. A damper is so from $x = \pi/2$ on, a mass from $\pi$.
+# The spring turns into "inertia" at $x = \pi/2$, where $\Re H_{perc} = k\cos x$ changes its sign.
 
 # %%
 changeover = pi / (2 * tau)
@@ -319,7 +322,8 @@ assert is_zero((voigt.ratio_imag**2).subs(b, worst_damping) - length**2)
 assert is_zero(voigt.real.subs(b, worst_damping))
 
 # %% [markdown]
-# And an evaluation with numbers finds these crossings and no others, to 40 digits, over a whole turn $0 \le \omega\tau \le 2\pi$.
+# And an evaluation with numbers finds these crossings and no others, to 40 digits, over a whole turn
+# $0 \le \omega\tau \le 2\pi$.
 
 # %%
 from haptisym import CrossingKind, Part
@@ -365,9 +369,7 @@ for name, environment in {
 # So are the thresholds for an environment of constant phase in between: a spring-pot $s^{1/2}$, with $\varphi = \pi/4$.
 
 # %%
-pot = hs.evaluate(
-    hs.Scene(E.spring_pot(100, "1/2"), (hs.effects.delay(DELAY),), (Integer(0), Integer(20))), digits=40
-)
+pot = hs.evaluate(hs.Scene(E.spring_pot(100, "1/2"), (hs.effects.delay(DELAY),), (Integer(0), Integer(20))), digits=40)
 assert [(x.part, x.omega.digits(40)) for x in pot.crossings] == [
     (Part.IMAG, at(threshold_imag.subs(phi, pi / 4))),
     (Part.REAL, at(threshold_real_before_axis.subs(phi, pi / 4))),
@@ -389,7 +391,7 @@ output = Path(next((given for given in sys.argv[1:2] if not given.startswith("-"
 output.mkdir(parents=True, exist_ok=True)
 
 formulas = {
-    r"\Delta H(s)": dH,
+    r"\Delta H(s)": H * (G - 1),
     r"\Re\frac{\Delta H}{H_{env}}": relative_real,
     r"\Im\frac{\Delta H}{H_{env}}": relative_imag,
     r"\sqrt{r_r^2 + r_i^2}": length,
@@ -405,8 +407,9 @@ formulas_tex = [f"{name} &= {latex(form)}" for name, form in formulas.items()]
 )
 
 # %% [markdown]
-# Left, the two curves that a spring, a damper and a mass share. Right, the threshold of any environment by its phase (repeating
-# every half turn), for $c$ = 10 %: spring and mass at the ends, the damper in the middle, between the two bounds.
+# Left, the two curves that a spring, a damper and a mass share. Right, the threshold of any environment by its phase
+# (repeating every half turn), for $c$ = 10 %: spring and mass at the ends, the damper in the middle, between the two
+# bounds.
 
 # %%
 figure = Figure(figsize=(7.0, 2.9), layout="constrained")
@@ -433,5 +436,5 @@ for budget in budgets:
     phases.axhline(float(budget), color="0.3", lw=0.8, ls=":")
 phases.set(xlim=(0, 180), ylim=(0.08, 0.2), xticks=[0, 45, 90, 135, 180])
 phases.set(xlabel="phase of the environment (degrees)", ylabel=r"threshold $\omega\tau$ (rad)")
-phases.legend(loc="upper right", frameon=False, fontsize=8)
+phases.legend(loc="upper center", frameon=False, fontsize=8)
 figure.savefig(output / "02_delay_budget.pdf", metadata={"CreationDate": None})

@@ -304,7 +304,9 @@ def first_side(result: Any, part: str) -> bool:
         return bool(found[0].kind.value == "returns")
     # no crossing: all of the band, or (but for an active display) nothing
     [told] = {
-        sign for (curve, of), sign in result.chart.points[0].after.items() if curve.name == "EXCESS" and of.value == part
+        sign
+        for (curve, of), sign in result.chart.points[0].after.items()
+        if curve.name == "EXCESS" and of.value == part
     }
     return bool(told > 0)
 

@@ -38,7 +38,12 @@ def test_the_readme_scene_is_the_papers_example() -> None:
     text = re.search(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
     assert text is not None
     scene, paper = hs.parse_scene(text[1]), hs.load_scene("fu2019")
-    assert (scene.environment, scene.effects, scene.band, scene.threshold) == (paper.environment, paper.effects, paper.band, paper.threshold)
+    assert (scene.environment, scene.effects, scene.band, scene.threshold) == (
+        paper.environment,
+        paper.effects,
+        paper.band,
+        paper.threshold,
+    )
 
 
 def test_the_readme_counts_the_scenes_right() -> None:

@@ -13,7 +13,7 @@ from enum import Enum
 from functools import wraps
 from typing import Annotated, Any, TypeAlias, get_args, get_type_hints
 
-from sympy import Expr, Integer, Symbol
+from sympy import Expr, Float, Integer, Symbol
 
 from . import expressions
 from .errors import SceneError
@@ -196,6 +196,8 @@ def _bind(
     formulas = any(slot.formula for slot in slots.values())
     named = kwargs.pop("parameters", {}) if formulas else {}
     given = _given(slots, args, kwargs, formulas=formulas)
+    if not isinstance(named, Mapping):
+        raise SceneError(f"parameters: {_shown(named)} must map names to values")
     free = tuple(_parameter(key, value, _NAMED, key) for key, value in dict(named).items())
     parameters: list[Parameter] = list(free)
     arguments: dict[str, Any] = {}
@@ -267,7 +269,8 @@ def _formula(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
     """A formula as an expression in ``s`` and the parameters' symbols."""
     if isinstance(given, Expr):
         by_name = {p.symbol.name: p.symbol for p in parameters}
-        return given.xreplace({x: by_name[x.name] for x in given.free_symbols if x.name in by_name})
+        exact = {x: decimal(str(float(x))) for x in given.atoms(Float)}
+        return given.xreplace(exact | {x: by_name[x.name] for x in given.free_symbols if x.name in by_name})
     if isinstance(given, int | float):
         given = str(given)
     if not isinstance(given, str):

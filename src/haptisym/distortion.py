@@ -274,8 +274,13 @@ def _properties(response: Response) -> Properties:
 
 
 def _first_changeover(f: RealFunction) -> Expr | None:
-    """The lowest positive zero of odd order, where every such zero has a readable formula and the lowest is known."""
-    odd = [x for x in solve(f) if x.order % 2]
+    """The lowest zero or pole of odd order, where every one has a readable formula and the lowest is known."""
+    if f.is_zero:
+        return None
+    # a denominator is a squared modulus and changes no sign, but where its zeros meet those of the numerator
+    numeric = not (f.expression().free_symbols - {omega})
+    poles = solve(RealFunction(f.axis.one / f.function)) if numeric else ()
+    odd = [x for x in (*solve(f), *poles) if x.order % 2]
     found = [x.omega for x in odd if x.omega is not None]
     if not found or len(found) < len(odd):
         return None

@@ -24,6 +24,7 @@ from .catalogue import (
     Order,
     PositiveDamping,
     PositiveMass,
+    PositiveStiffness,
     PositiveTime,
     SignedDamping,
     SignedMass,
@@ -146,10 +147,10 @@ def shunt(m: SignedMass = 0, b: SignedDamping = 0, k: SignedStiffness = 0, Z: Fo
 
 
 @effect("compliance")
-def compliance(k: Stiffness = 0, b: Damping = 0) -> Matrix:
+def compliance(k: PositiveStiffness = 0, b: PositiveDamping = 0) -> Matrix:
     """A spring and damper in the drive train (torsion bar, cable, virtual coupling): 1/H_perc = 1/H + 1/(k + b s).
 
-    k : stiffness, N/m; b : damping, N s/m; both >= 0; one of them may be absent.
+    k : stiffness, N/m; b : damping, N s/m; both > 0; one of them may be absent.
 
     >>> compliance(k="5000 N/m").matrix
     (1, 0, 1/5000, 1)

@@ -81,8 +81,8 @@ def evaluate(scene: Scene, digits: int = 15) -> Evaluation:
     >>> [c.omega.digits(20) for c in evaluate(scene).crossings]
     ['7.9789167901747077028', '11.937310924322057781']
     """
-    if digits < 1:
-        raise SceneError(f"digits: {digits} must be at least 1")
+    if not isinstance(digits, int) or digits < 1:
+        raise SceneError(f"digits: {digits} must be a whole number, at least 1")
     free = [p for p in scene.parameters if p.value.free_symbols]
     if free:
         raise SceneError(

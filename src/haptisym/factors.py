@@ -115,7 +115,9 @@ class PolynomialFactor(Factor):
             isolated = _real_ones(acb_poly(self.polynomial()).roots(maxprec=4 * bits))
         except ValueError:
             return None
-        return _positive([_newton_polynomial(self.polynomial(), ball) for ball in isolated])
+        polynomial = self.polynomial()
+        slope = polynomial.derivative()
+        return _positive([_tightened(ball, bits, polynomial.__call__, slope.__call__) for ball in isolated])
 
 
 @lru_cache(maxsize=1024)
@@ -145,12 +147,6 @@ def _meet(z: Ball, other: Ball) -> bool:
     return bool(z.real.overlaps(other.real) and z.imag.overlaps(other.imag))
 
 
-def _newton_polynomial(polynomial: arb_poly, ball: Ball) -> Ball:
-    """The enclosure of a simple root, made as tight as the working precision allows by interval Newton steps."""
-    slope = polynomial.derivative()
-    return _newton(ball, lambda x: polynomial(x), lambda x: slope(x))
-
-
 def _newton(ball: Ball, value: Callable[[Ball], Ball], slope: Callable[[Ball], Ball]) -> Ball:
     """Interval Newton steps on an enclosure of one simple zero, while they pay."""
     while True:
@@ -161,6 +157,20 @@ def _newton(ball: Ball, value: Callable[[Ball], Ball], slope: Callable[[Ball], B
         if not step.rad() < ball.rad() / 2:
             return ball
         ball = step.intersection(ball)
+
+
+def _tightened(ball: Ball, bits: int, value: Callable[[Ball], Ball], slope: Callable[[Ball], Ball]) -> Ball:
+    """The enclosure of one simple zero, as tight as that many bits allow: interval Newton, and bisection where it stalls."""
+    left = value(ball.lower())
+    while True:
+        ball = _newton(ball, value, slope)
+        middle = ball.mid()
+        at = value(middle)
+        if (
+            ball.rel_accuracy_bits() >= bits - 24 or at.contains(0) or left.contains(0)
+        ):  # as near as this precision comes
+            return ball
+        ball = (middle.union(ball.upper()) if (at > 0) == (left > 0) else ball.lower().union(middle)).intersection(ball)
 
 
 def _positive(roots: Iterable[Ball]) -> tuple[Ball, ...] | None:
@@ -350,16 +360,7 @@ def _refined(zero: Zero, low: Ball, high: Ball, bits: int) -> Ball:
         return (k + 1) * zero.factor.series(x, k + 2)[k + 1]
 
     with flint.ctx.workprec(bits):
-        left = value(ball.lower())
-        while True:
-            ball = _newton(ball, value, slope)
-            middle = ball.mid()
-            at = value(middle)
-            if ball.rel_accuracy_bits() >= bits - 24 or at.contains(0):  # as near as this precision comes
-                return ball
-            ball = (middle.union(ball.upper()) if (at > 0) == (left > 0) else ball.lower().union(middle)).intersection(
-                ball
-            )
+        return _tightened(ball, bits, value, slope)
 
 
 def _isolated(factor: AnalyticFactor, low: Ball, high: Ball) -> list[RealNumber]:

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain, count
+from typing import Any
 
 from sympy import Expr, Integer, Symbol
 
@@ -23,7 +24,8 @@ from .roots import sign_of_number
 class Scene:
     """What is to be evaluated. Valid by construction: SceneError names what is wrong.
 
-    ``effects`` : nearest the environment first. ``band`` : lowest and highest frequency, rad/s, exact.
+    ``effects`` : nearest the environment first. ``band`` : lowest and highest frequency, numbers in rad/s or strings with a
+    unit. ``threshold`` : a Threshold, or one number for both parts.
     ``rendered`` : what the controller really renders, where that is not the environment itself.
 
     >>> from . import effects, environments
@@ -34,14 +36,19 @@ class Scene:
 
     environment: Environment
     effects: tuple[Effect, ...] = ()
-    band: tuple[Expr, Expr] = (Integer(0), Integer(15))
-    threshold: Threshold = Threshold()
+    band: tuple[Any, Any] = (Integer(0), Integer(15))
+    threshold: Any = Threshold()
     rendered: Environment | None = None
     title: str = ""
     source: str = ""
 
     def __post_init__(self) -> None:
-        low, high = self.band
+        if len(self.band) != 2:
+            raise SceneError(f"band: {self.band} must be a low and a high end")
+        low, high = (frequency("band", x) for x in self.band)
+        object.__setattr__(self, "band", (low, high))
+        if not isinstance(self.threshold, Threshold):
+            object.__setattr__(self, "threshold", Threshold.of(self.threshold))
         if sign_of_number(low) < 0:
             raise SceneError(f"band: the low end, {low} rad/s, must be >= 0")
         if sign_of_number(high - low) <= 0:

@@ -126,7 +126,8 @@ def _roots(row: list[Expr]) -> list[Expr]:
     c, b, a = row
     if a.could_extract_minus_sign():
         a, b, c = -a, -b, -c
-    discriminant = factor(b**2 - 4 * a * c)
+    whole = b**2 - 4 * a * c
+    discriminant = split if (split := factor(whole)).is_Mul else whole
     if discriminant.is_negative:
         return []
     found = [_quotient(-b + sign * sqrt(discriminant), 2 * a) for sign in (-1, 1)]
@@ -135,7 +136,7 @@ def _roots(row: list[Expr]) -> list[Expr]:
 
 def _quotient(above: Expr, below: Expr) -> Expr:
     """A quotient with common factors gone, and with a minus below only where there is none above."""
-    above, below = factor(above), factor(below)
+    above, below = (split if (split := factor(x)).is_Mul else x for x in (above, below))
     if above.could_extract_minus_sign():
         return -above / (-below)
     return factor_terms(above / below)

@@ -1,0 +1,184 @@
+"""A wrong scene ends with exit status 2 and one message that names file, key, value and rule; nothing is executed."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import pytest
+
+from haptisym import SceneError, load_scene, parse_scene
+from haptisym.cli import main
+
+ENVIRONMENT = '[environment]\nmodel = "mass-spring-damper"\nm = "1.8 kg"\nb = "15 N*s/m"\nk = "100 N/m"\n'
+FILTER = '[[effects]]\nmodel = "first-order-lag"\nomega_c = "80 rad/s"\n'
+
+
+def env(text: str) -> str:
+    return f"[environment]\n{text}\n"
+
+
+def expression(formula: str) -> str:
+    return env(f"model = 'expression'\nH = {formula!r}\nparameters = {{ m = '2 kg' }}")
+
+
+def evaluation(text: str) -> str:
+    return f"{ENVIRONMENT}{FILTER}[evaluation]\n{text}\n"
+
+
+BAD = {
+    # syntax
+    "not toml": ("this is not TOML", ["TOML"]),
+    "unclosed string": ('title = "x', ["TOML"]),
+    "a key twice": ("[environment]\nmodel='maxwell'\nmodel='maxwell'", ["TOML"]),
+    "empty": ("", ["environment", "missing"]),
+    "environment not a table": ("environment = 3", ["environment", "3", "table"]),
+    "effects not a list": (f"{ENVIRONMENT}[effects]\nmodel='delay'", ["effects", "[[effects]]"]),
+    "deep nesting": ("a = " + "[" * 20_000, ["TOML", "nested"]),
+    "a number of ten thousand digits": (env(f"model='mass-spring-damper'\nk = {'9' * 10_000}"), ["TOML"]),
+    # names
+    "unknown top-level key": (f"{ENVIRONMENT}[evalution]\nband=[0,1]", ["evalution", "evaluation"]),
+    "unknown environment": (env("model='mass-spring-dampr'"), ["mass-spring-dampr", "mass-spring-damper"]),
+    "unknown effect": (f"{ENVIRONMENT}[[effects]]\nmodel='lowpass'", ["effects[1]", "lowpass", "second-order-lowpass"]),
+    "model missing": (env("m = 3"), ["environment", "model", "missing"]),
+    "model not a string": (env("model = 3"), ["environment", "model", "3"]),
+    "unknown parameter": (env("model='mass-spring-damper'\nmass='3 kg'"), ["environment", "mass", "m, b, k"]),
+    "parameter missing": (env("model='maxwell'\nk=3"), ["environment", "b", "missing"]),
+    "unknown evaluation key": (evaluation("jnds = 0.1"), ["evaluation", "jnds", "band, jnd"]),
+    "effect name not a string": (f"{ENVIRONMENT}{FILTER}name = 3", ["effects[1]", "name", "3"]),
+    "title not a string": (f"title = 3\n{ENVIRONMENT}", ["title", "3"]),
+    # units and dimensions
+    "unknown unit": (env("model='mass-spring-damper'\nm='3 stones'"), ["environment", "m", "stones", "kg"]),
+    "wrong dimension": (env("model='mass-spring-damper'\nm='3 N'"), ["environment", "m", "3 N", "kg"]),
+    "a stiffness in Hz": (env("model='mass-spring-damper'\nk='3 Hz'"), ["environment", "k", "3 Hz", "N/m"]),
+    "mixed motions": (
+        env("model='mass-spring-damper'\nm='3 kg'\nk='3 N*m/rad'"),
+        ["environment.m", "environment.k", "rotational"],
+    ),
+    "unit with a power tower": (env("model='mass-spring-damper'\nm='3 kg^9^9^9'"), ["environment", "m", "kg^9^9^9"]),
+    "code for a unit": (
+        env("model='mass-spring-damper'\nm=\"3 __import__('os')\""),
+        ["environment", "m", "__import__"],
+    ),
+    "unit alone": (env("model='mass-spring-damper'\nm='kg'"), ["environment", "m", "kg", "number"]),
+    "empty value": (env("model='mass-spring-damper'\nm=''"), ["environment", "m", "number"]),
+    "a list for a number": (env("model='mass-spring-damper'\nm=[1, 2]"), ["environment", "m", "[1, 2]"]),
+    "true for a number": (env("model='mass-spring-damper'\nm=true"), ["environment", "m", "True"]),
+    "a date for a number": (env("model='mass-spring-damper'\nm=2019-01-01"), ["environment", "m", "2019-01-01"]),
+    # values
+    "negative mass": (env("model='mass-spring-damper'\nm='-3 kg'"), ["environment", "m", "-3 kg", ">= 0"]),
+    "negative zeta": (
+        f"{ENVIRONMENT}[[effects]]\nmodel='second-order-lowpass'\nomega_n=80\nzeta=-0.1",
+        ["zeta", "-0.1", ">= 0"],
+    ),
+    "zero cut-off": (f"{ENVIRONMENT}[[effects]]\nmodel='first-order-lag'\nomega_c=0", ["omega_c", "0", "> 0"]),
+    "nan": (env("model='mass-spring-damper'\nm=nan"), ["environment", "m", "NaN"]),
+    "inf": (env("model='mass-spring-damper'\nm=inf"), ["environment", "m", "Infinity"]),
+    "nan in a string": (env("model='mass-spring-damper'\nm='nan kg'"), ["environment", "m", "nan kg"]),
+    "huge exponent": (
+        env("model='mass-spring-damper'\nm='1e999999999 kg'"),
+        ["environment", "m", "1e999999999", "300"],
+    ),
+    "division by zero in a number": (
+        env("model='mass-spring-damper'\nm='1/0 kg'"),
+        ["environment", "m", "1/0", "zero"],
+    ),
+    "nothing to feel": (env("model='mass-spring-damper'\nk=0"), ["zero at every frequency"]),
+    "no parameter at all": (env("model='mass-spring-damper'"), ["environment", "m, b, k"]),
+    "pade order": (f"{ENVIRONMENT}[[effects]]\nmodel='pade-delay'\ntau=1\norder=2.5", ["order", "2.5", "whole number"]),
+    "lists of two lengths": (env("model='prony'\nk0=1\nk=[1,2]\nb=[1]"), ["environment", "k and b"]),
+    "empty list": (env("model='prony'\nk0=1\nk=[]\nb=[]"), ["environment", "k", "list"]),
+    "alpha above one": (env("model='spring-pot'\nk_alpha=1\nalpha=1.5"), ["environment", "alpha", "1.5", "0 and 1"]),
+    # band and threshold
+    "zero-length band": (evaluation("band = [3, 3]"), ["band", "3", "above"]),
+    "reversed band": (evaluation("band = ['15 rad/s', '0 rad/s']"), ["band", "15", "above"]),
+    "negative band": (evaluation("band = [-1, 3]"), ["band", "-1", ">= 0"]),
+    "band of one": (evaluation("band = [1]"), ["band", "two"]),
+    "band in seconds": (evaluation("band = ['0 s', '3 s']"), ["band", "0 s", "rad/s"]),
+    "zero jnd": (evaluation("jnd = 0"), ["jnd", "0", "> 0"]),
+    "negative jnd": (evaluation("jnd = { real = 0.1, imag = -0.1 }"), ["jnd", "imag", "-0.1", "> 0"]),
+    "half a jnd": (evaluation("jnd = { real = 0.1 }"), ["jnd", "imag"]),
+    # formulas
+    "code": (expression("__import__('os').system('touch owned')"), ["environment", "H", "__import__"]),
+    "attribute": (expression("m.real"), ["environment", "H", "."]),
+    "call": (expression("exp(s)"), ["environment", "H", "exp"]),
+    "unknown name": (expression("m*s^2 + x"), ["environment", "H", "x", "^"]),
+    "unbalanced": (expression("(m*s^2"), ["environment", "H", ")"]),
+    "dangling operator": (expression("m*s^2 +"), ["environment", "H", "the end"]),
+    "huge degree": (expression("s^100000"), ["environment", "H", "100000"]),
+    "power tower": (expression("((s^50)^50)^50"), ["environment", "H", "degree"]),
+    "huge number": (expression("((9^999)^999)^999"), ["environment", "H", "digits"]),
+    "deep parentheses": (expression("(" * 3000 + "s" + ")" * 3000), ["environment", "H"]),
+    "deep signs": (expression("-" * 3900 + "s"), ["environment", "H", "nested"]),
+    "long formula": (expression("+".join(["s"] * 5000)), ["environment", "H", "characters"]),
+    "division by zero": (expression("1/(m - m)"), ["environment", "H", "zero"]),
+    "formula missing": (env("model='expression'"), ["environment", "H", "missing"]),
+    "a parameter called s": (
+        env("model='expression'\nH='s'\nparameters={ s = 3 }"),
+        ["environment", "s", "cannot name"],
+    ),
+    "parameters not a table": (env("model='expression'\nH='s'\nparameters=3"), ["environment", "parameters", "3"]),
+    "two-port that is infinite": (
+        f"{ENVIRONMENT}[[effects]]\nmodel='two-port'\nA='1'\nB='0'\nC='0'\nD='0'",
+        ["infinite"],
+    ),
+    "shunt of two kinds": (f"{ENVIRONMENT}[[effects]]\nmodel='shunt'\nm=1\nZ='s'", ["effects[1]", "Z", "m, b, k"]),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_a_broken_scene_is_refused_with_one_message(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text, words = BAD[name]
+    scene = tmp_path / "broken.toml"
+    scene.write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.argv", ["haptisym", "evaluate", "broken.toml", "--json"])
+    started = time.perf_counter()
+    with pytest.raises(SystemExit) as stop:
+        main()
+    seconds = time.perf_counter() - started
+    out, err = capsys.readouterr()
+    assert stop.value.code == 2
+    assert out == ""
+    assert err.startswith("error: ")
+    assert len(err) < 1000
+    assert "Traceback" not in err
+    for word in ["broken.toml", *words]:
+        assert word in err, f"{word!r} not in {err!r}"
+    assert seconds < 10  # two on an idle machine; this only catches a hang
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["broken.toml"], "something was written"
+
+
+def test_a_file_of_ten_megabytes_is_refused_unread(tmp_path: Path) -> None:
+    scene = tmp_path / "large.toml"
+    scene.write_bytes(b"# " + b"x" * 10_000_000)
+    with pytest.raises(SceneError, match=r"large\.toml.*at most"):
+        load_scene(scene)
+
+
+def test_a_file_that_is_not_text_is_refused(tmp_path: Path) -> None:
+    scene = tmp_path / "image.toml"
+    scene.write_bytes(b"\x89PNG\xff\xfe\x00")
+    with pytest.raises(SceneError, match="not a text file"):
+        load_scene(scene)
+
+
+@pytest.mark.parametrize("name", ["nosuch", "fu2018", "no/such/file.toml", ".", "\0"])
+def test_a_scene_that_is_not_there_is_named_and_others_are_offered(name: str) -> None:
+    with pytest.raises(SceneError) as error:
+        load_scene(name)
+    assert "fu2019" in str(error.value)
+
+
+def test_a_misspelt_scene_gets_a_suggestion() -> None:
+    with pytest.raises(SceneError, match='did you mean "fu2019"'):
+        load_scene("fu2091")
+
+
+def test_an_error_in_a_formula_points_at_the_place() -> None:
+    with pytest.raises(SceneError) as error:
+        parse_scene(expression("m*s^2 + x*s"))
+    lines = str(error.value).splitlines()
+    assert lines[-2][lines[-1].index("^")] == "x"

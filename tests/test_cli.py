@@ -1,0 +1,147 @@
+"""The command line as a user meets it."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import haptisym as hs
+from haptisym.cli import main
+
+
+def run(*arguments: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> tuple[int, str, str]:
+    monkeypatch.setattr("sys.argv", ["haptisym", *arguments])
+    with pytest.raises(SystemExit) as stop:
+        main()
+    out, err = capsys.readouterr()
+    return int(stop.value.code or 0), out, err
+
+
+@pytest.fixture
+def call(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):  # type: ignore[no-untyped-def]
+    return lambda *arguments: run(*arguments, capsys=capsys, monkeypatch=monkeypatch)
+
+
+def test_the_contract_document_of_the_papers_example(call) -> None:  # type: ignore[no-untyped-def]
+    status, out, err = call("evaluate", "fu2019", "--json")
+    document = json.loads(out)
+    assert (status, err) == (0, "")
+    enclosures = [crossing.pop("enclosure") for crossing in document["crossings"]]
+    assert [
+        float(low) <= omega <= float(high)
+        for (low, high), omega in zip(enclosures, (7.978916790174708, 11.937310924322059), strict=True)
+    ]
+    assert document == {
+        "schema": "haptisym.evaluation/1",
+        "title": "Numerical example of Fu, van Paassen and Mulder (2019)",
+        "band": [0.0, 15.0],
+        "threshold": {"real": "1/10", "imag": "1/10"},
+        "crossings": [
+            {
+                "part": "real",
+                "omega": 7.978916790174708,
+                "digits": "7.97891679017471",
+                "kind": "exceeds",
+                "sign": 1,
+                "multiplicity": 1,
+            },
+            {
+                "part": "imag",
+                "omega": 11.937310924322057,
+                "digits": "11.9373109243221",
+                "kind": "exceeds",
+                "sign": 1,
+                "multiplicity": 1,
+            },
+        ],
+        "transparent": [[0.0, 7.978916790174708]],
+        "bandwidth": 7.978916790174708,
+        "changeovers": {"environment": [7.453559924999299], "perceived": [7.879481229194869]},
+        "percepts": [
+            {"part": "real", "band": [7.978916790174708, 15.0], "property": "mass", "change": "lower"},
+            {"part": "imag", "band": [11.937310924322057, 15.0], "property": "damping", "change": "higher"},
+        ],
+        "outside_model": [],
+        "unbounded": [],
+        "stable": True,
+        "certified": True,
+    }
+
+
+def test_digits_are_as_many_as_asked_for(call) -> None:  # type: ignore[no-untyped-def]
+    _, out, _ = call("evaluate", "fu2019", "--json", "--digits", "50")
+    real, imag = json.loads(out)["crossings"]
+    assert real["digits"] == "7.9789167901747077028158954471820345477715919238094"
+    assert len(imag["digits"]) == 51
+
+
+def test_the_text_answers_both_questions(call) -> None:  # type: ignore[no-untyped-def]
+    status, out, _ = call("evaluate", "fu2019")
+    assert status == 0
+    for words in (
+        "1.8 s^2 + 15 s + 100",
+        "At 7.9789 rad/s (1.2699 Hz)",
+        "mass, less of it (lower)",
+        "damping, more of it (higher)",
+    ):
+        assert words in out
+    assert max(map(len, out.splitlines())) <= 96
+
+
+def test_text_and_python_say_the_same(call) -> None:  # type: ignore[no-untyped-def]
+    _, out, _ = call("evaluate", "sidestick")
+    assert out == str(hs.evaluate(hs.load_scene("sidestick")))
+
+
+def test_every_shipped_scene_has_a_source_and_is_evaluated(call) -> None:  # type: ignore[no-untyped-def]
+    _, out, _ = call("scenes", "--json")
+    scenes = json.loads(out)["scenes"]
+    assert len(scenes) >= 8
+    for row in scenes:
+        assert row["title"]
+        assert row["source"]
+        status, text, _ = call("evaluate", row["name"])
+        assert status == 0
+        assert row["title"].split(":")[0][:20] in text
+
+
+def test_a_bare_call_prints_help(call) -> None:  # type: ignore[no-untyped-def]
+    status, out, _ = call()
+    assert status == 0
+    assert "haptisym evaluate fu2019" in out
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [("evaluate",), ("evaluat", "fu2019"), ("evaluate", "fu2019", "--digits", "0"), ("evaluate", "fu2019", "--jsn")],
+)
+def test_a_wrong_command_line_is_status_2_without_a_traceback(call, arguments) -> None:  # type: ignore[no-untyped-def]
+    status, out, err = call(*arguments)
+    assert (status, out) == (2, "")
+    assert "Error" in err
+
+
+def test_an_output_that_cannot_be_written_is_said(call, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    status, _, err = call("evaluate", "fu2019", "--latex", str(tmp_path / "no" / "such" / "folder.tex"))
+    assert status == 2
+    assert "folder.tex" in err
+
+
+def test_figures_and_latex_are_written_beside_the_json(call, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    status, out, _ = call(
+        "evaluate", "fu2019", "--json", "--figures", str(tmp_path / "figures"), "--latex", str(tmp_path / "x.tex")
+    )
+    assert status == 0
+    assert json.loads(out)["certified"]
+    assert len(list((tmp_path / "figures").iterdir())) >= 12
+    assert (tmp_path / "x.tex").read_text(encoding="utf-8").startswith("\\documentclass")
+
+
+def test_the_installed_command_runs() -> None:
+    command = Path(sys.executable).with_name("haptisym")
+    shown = subprocess.run([command, "--version"], capture_output=True, text=True, check=True)
+    assert shown.stdout == f"haptisym {hs.__version__}\n"

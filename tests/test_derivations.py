@@ -1,0 +1,29 @@
+"""The derivations are programs that prove something: they must run, and their table of contents must be true."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+DERIVATIONS = Path(__file__).parent.parent / "derivations"
+SCRIPTS = sorted(DERIVATIONS.glob("[0-9][0-9]_*.py"))
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
+def test_a_derivation_runs_by_itself(script, tmp_path):
+    """In a fresh interpreter, elsewhere, with its assertions switched on whatever the environment says."""
+    environment = {**os.environ, "PYTHONOPTIMIZE": ""}
+    done = subprocess.run(
+        [sys.executable, script], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_readme_lists_exactly_the_derivations():
+    table = (DERIVATIONS / "README.md").read_text(encoding="utf-8")
+    listed = re.findall(r"^\| \[`(\d\d_\w+\.py)`\]\(\1\) \|", table, re.MULTILINE)
+    assert listed == [script.name for script in SCRIPTS]
+    assert listed

@@ -1,0 +1,196 @@
+"""Formulas: a small safe grammar, exact values, and an answer in no time for whatever a text holds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from time import perf_counter
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from sympy import Rational
+
+import haptisym as hs
+from haptisym.environments import expression
+from haptisym.expressions import evaluate
+
+NAMES = {"x": Fraction(3), "y": Fraction(-2, 7), "s_1": Fraction(5, 2)}
+
+
+def value(text: str) -> Fraction:
+    return evaluate(text, number=Fraction, name=NAMES.__getitem__)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("1 + 2*3", 7), ("(1 + 2)*3", 9), ("2*x^2 - (x + 1)/4", 17), ("8/4/2", 1), ("8/(4/2)", 4), ("8 - 4 - 2", 2),
+        ("8 - (4 - 2)", 6), ("-x^2", -9), ("(-x)^2", 9), ("2^-1", Fraction(1, 2)), ("2^(-2)", Fraction(1, 4)),
+        ("2**3", 8), ("2 ** +3", 8), ("-2*-3", 6), ("2*-x^2", -18), ("--x", 3), ("+-+x", -3), ("1.5e2", 150),
+        (".5", Fraction(1, 2)), ("2.", 2), ("1e-3", Fraction(1, 1000)), ("s_1*2", 5), ("x\n + \t 1", 4), ("x^0", 1),
+        ("0^0", 1), ("6/2*3", 9), ("2*3^2", 18), ("(2*3)^2", 36), ("-1^2", -1), ("((((x))))", 3), ("1 - -1", 2),
+        ("x^1.0", 3),
+    ],
+)  # fmt: skip
+def test_formulas_mean_what_they_say(text: str, expected: Fraction | int) -> None:
+    assert value(text) == expected
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "", " ", "1 +", "* 1", "1 1", "2x", "x y", "(1", "1)", "()", "1 + )", "x^", "x^y", "x^x", "x^(1+1)", "x^^2",
+        "x***2", "2^3^2", "x**2**2", "1..2", "1e", "1e+", "x.y", "x[0]", "x(1)", "sin(x)", "x, y", "x; y", "x = 1",
+        "x == 1", "x != 1", "x < 1", "x > 1", "x % 2.", "x // 2", "x & 1", "x | 1", "~x", "!x", "'x'", '"x"',
+        "lambda: 0", "__import__('os')", "__import__", "().__class__", "x.__class__", "exec", "eval(1)", "{}", "[]",
+        "x if x else y", "not x", "x@y", "$x", "#x", "x\\", "x?", "`x`", "x\x00", "½", "x²", "√x", "π", "∞", "nan",
+        "inf", "oo", "zoo", "True", "None", "unknown", "1/0", "x/(x - 3)", "0^-1", "(x - 3)^(-2)", "1j", "0x1", "1_0",
+        "x‐1", "x−1", "x×2", "１＋１", "\u202e1", "x\u00a0\u200by",
+    ],
+)  # fmt: skip
+def test_what_is_not_in_the_grammar_is_refused(text: str) -> None:
+    with pytest.raises(hs.ExpressionError):
+        value(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x^100000", "x^999999999999999999999", "10^10^10", "(10^10)^10^10", "9^9999999", "(((x^9)^9)^9)^9",
+        "9^999*9^999*9^999", "(" * 1000 + "x" + ")" * 1000, "-" * 3000 + "x", "+" * 3000 + "x",
+        "(-" * 100 + "x" + ")" * 100, "x" * 5000, "1" * 5000, "*".join(["x"] * 100), "+".join(["1"] * 3000),
+        "(x+1)^60*(x+1)^60", "x^-61", "1e9999999999", "x^1e9", "x^0.0000000000000001", "((1+x)^30)^3",
+        "x^" * 1000 + "2", "(" * 61 + "x" + ")" * 61,
+    ],
+)  # fmt: skip
+def test_what_is_too_large_or_too_deep_is_refused_at_once(text: str) -> None:
+    start = perf_counter()
+    with pytest.raises(hs.SceneError) as refused:
+        expression(text, parameters={"x": 1})
+    assert perf_counter() - start < 1
+    assert len(str(refused.value)) < 400
+
+
+def test_sixty_deep_and_degree_sixty_are_allowed() -> None:
+    assert value("(" * 60 + "x" + ")" * 60) == 3
+    assert value("-" * 60 + "x") == 3
+    assert value("x^60") == 3**60
+    assert value("*".join(["x"] * 60)) == 3**60
+
+
+def test_an_error_points_at_its_place() -> None:
+    with pytest.raises(hs.ExpressionError) as refused:
+        value("1 + x*unknown - 2")
+    message, shown, caret = str(refused.value).split("\n")
+    assert "unknown" in message
+    assert shown[caret.index("^") :].startswith("unknown")
+
+
+def test_an_error_far_into_a_formula_points_at_its_place_too() -> None:
+    with pytest.raises(hs.ExpressionError) as refused:
+        value("1 + " * 300 + "unknown" + " + 1" * 300)
+    _, shown, caret = str(refused.value).split("\n")
+    assert shown[caret.index("^") :].startswith("unknown")
+    assert len(shown) < 120
+
+
+# --- random formulas -------------------------------------------------------------------------------------------------
+
+Formula = tuple[str, Fraction, int]
+"""A text, its value, and how tightly it binds: 0 a sum, 1 a product, 2 a sign, 3 a power, 4 an atom."""
+
+SPACE = st.sampled_from(["", " ", "  "])
+
+
+def in_brackets(formula: Formula, least: int) -> str:
+    text, _, binding = formula
+    return text if binding >= least else f"({text})"
+
+
+@st.composite
+def formulas(draw: Callable[[st.SearchStrategy[object]], object], depth: int = 4) -> Formula:
+    if depth == 0 or draw(st.integers(0, 4)) == 0:
+        if draw(st.booleans()):
+            name = draw(st.sampled_from(sorted(NAMES)))
+            return str(name), NAMES[str(name)], 4
+        number = draw(st.sampled_from(["0", "1", "2", "7", "0.5", "12.25", "3e-1", ".75", "4."]))
+        return str(number), Fraction(str(number)), 4
+    one = draw(formulas(depth - 1))
+    other = draw(formulas(depth - 1))
+    gap = draw(SPACE)
+    kind = draw(st.sampled_from(["+", "-", "*", "/", "sign", "power"]))
+    assert isinstance(one, tuple)
+    assert isinstance(other, tuple)
+    if kind == "+":
+        return f"{one[0]}{gap}+{gap}{in_brackets(other, 1)}", one[1] + other[1], 0
+    if kind == "-":
+        return f"{one[0]}{gap}-{gap}{in_brackets(other, 1)}", one[1] - other[1], 0
+    if kind == "*":
+        return f"{in_brackets(one, 1)}{gap}*{gap}{in_brackets(other, 2)}", one[1] * other[1], 1
+    if kind == "/" and other[1]:
+        return f"{in_brackets(one, 1)}{gap}/{gap}{in_brackets(other, 2)}", one[1] / other[1], 1
+    if kind == "sign":
+        return f"-{gap}{in_brackets(one, 2)}", -one[1], 2
+    exponent = draw(st.integers(-2 if one[1] else 0, 3))
+    assert isinstance(exponent, int)
+    sign = draw(st.sampled_from(["^", "**"]))
+    return f"{in_brackets(one, 4)}{gap}{sign}{gap}{exponent}", one[1] ** exponent, 3
+
+
+@given(formulas())
+def test_random_formulas_have_the_value_of_fractions(formula: Formula) -> None:
+    text, expected, _ = formula
+    assert value(text) == expected
+
+
+@given(formulas(depth=3))
+def test_random_formulas_as_dynamics_have_the_value_of_fractions(formula: Formula) -> None:
+    text, expected, _ = formula
+    parameters = {name: f"{x.numerator}/{x.denominator}" for name, x in NAMES.items()}
+    assert Rational(expected.numerator, expected.denominator) == expression(f"s*0 + {text}", parameters=parameters).H
+
+
+@given(st.text(alphabet="0123456789.+-*/^() sxe", max_size=25))
+def test_any_text_is_either_a_value_or_an_error_of_ours(text: str) -> None:
+    try:
+        found = value(text)
+    except hs.ExpressionError:
+        return
+    assert isinstance(found, int | float | Fraction | complex)
+
+
+@given(st.text(alphabet="sλµ²½−×√π∞١ａé🙂\u202e\u200b\x00\n\t +-*/^()12.", max_size=30))
+def test_any_unicode_text_as_dynamics_is_either_a_formula_or_an_error_of_ours(text: str) -> None:
+    try:
+        found = expression(text)
+    except hs.SceneError:
+        return
+    assert found.H.free_symbols <= {hs.s}
+
+
+@pytest.mark.parametrize("text", ["1/0", "s + 1/(1/(s - s))", "0^-1", "1/(s - s)", "0/0"])
+def test_a_division_by_zero_in_a_dynamics_is_refused(text: str) -> None:
+    with pytest.raises(hs.ExpressionError, match="zero"):
+        expression(text)
+
+
+def test_a_number_to_a_power_that_is_not_whole_is_refused() -> None:
+    with pytest.raises(hs.SceneError):
+        hs.distort(expression("2^0.5"))
+
+
+def test_names_of_parameters_may_not_hide_the_variable() -> None:
+    for name in ("s", "omega", "pi", "j", "1x", "a b", "", "a-b"):
+        with pytest.raises(hs.SceneError, match="cannot name a parameter"):
+            expression("s", parameters={name: 1})
+
+
+def test_an_unknown_name_lists_the_known_ones() -> None:
+    with pytest.raises(hs.SceneError, match="known are s, m, k"):
+        expression("m*s^2 + c*s + k", parameters={"m": "1 kg", "k": "1 N/m"})
+
+
+def test_a_number_is_a_formula() -> None:
+    for given_value in (2, 2.0, "2", "2.0"):
+        assert expression(given_value).H == 2

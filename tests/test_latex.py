@@ -1,0 +1,448 @@
+"""The LaTeX reads as a careful author writes it, means what it stands for, and compiles."""
+
+import os
+import re
+import shutil
+import subprocess
+import unicodedata
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+
+import pytest
+import sympy as sp
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from sympy import Abs, Float, I, Integer, Rational, Symbol, cos, exp, pi, sqrt
+from sympy.printing.latex import LatexPrinter
+from texreader import equations, value
+
+from haptisym import Scene, Threshold, effects, environments, evaluate, load_scene, scene_names, symbols
+from haptisym.distortion import Distortion, distort
+from haptisym.evaluation import Evaluation
+from haptisym.latex import latex
+from haptisym.symbols import X, omega, s
+from haptisym.texdocument import document
+from haptisym.texlines import LINE, broken, width
+from haptisym.texnames import approximate, escape, symbol_name
+
+GOLDEN = Path(__file__).parent / "golden"
+m, b, k, omega_n, zeta, omega_c, tau, J, J_w = symbols("m b k omega_n zeta omega_c tau J J_w")
+alpha, k_alpha, m_d = symbols("alpha k_alpha m_d")
+
+MSD = environments.mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m")
+PAPER = Scene(
+    MSD,
+    (effects.second_order_lowpass("80 rad/s", "0.5", name="filter"),),
+    title="Numerical example of Fu, van Paassen and Mulder (2019)",
+    source="doi:10.1016/j.ifacol.2019.12.119, section 3",
+)
+SYMBOLIC = {
+    "fu2019": distort(environments.mass_spring_damper(m, b, k), effects.second_order_lowpass(omega_n, zeta)),
+    "lag_on_kelvin_voigt": distort(environments.kelvin_voigt(k, b), effects.first_order_lag(omega_c)),
+    "shunt_mass": distort(environments.mass_spring_damper(m, b, k), effects.shunt(m=m_d)),
+}
+
+
+def golden(name: str, text: str) -> None:
+    """Compare with a file that a person has read; ``UPDATE_GOLDEN=1`` writes it, to be read again."""
+    path = GOLDEN / name
+    if os.environ.get("UPDATE_GOLDEN"):
+        path.write_text(text + "\n", encoding="ascii")
+    assert text + "\n" == path.read_text(encoding="ascii")
+
+
+@cache
+def shipped(name: str) -> tuple[Evaluation, str]:
+    """The evaluation of a shipped scene, and its document."""
+    e = evaluate(load_scene(name))
+    return e, document(e)
+
+
+# Formulas as people write them.
+
+
+@pytest.mark.parametrize(
+    ("expression", "expected"),
+    [
+        (m * s**2 + b * s + k, r"m s^{2} + b s + k"),
+        (k - m * omega**2, r"k - m \omega^{2}"),
+        (-m * omega**2 - k, r"-m \omega^{2} - k"),
+        (sp.Mul(-1, b + k, evaluate=False), r"-(b + k)"),
+        (m * s - b * omega_n - 2 * k * omega_n, r"m s - (b + 2 k) \omega_n"),
+        (Rational(9, 5) * s**2 + 15 * s + 100, r"1.8 s^{2} + 15 s + 100"),
+        (Rational(1, 3) * s + Rational(2, 7), r"\tfrac{1}{3} s + \tfrac{2}{7}"),
+        (b * s + J * s + k, r"(b + J) s + k"),
+        ((J - J_w) * s**2 + b * s, r"(J - J_w) s^{2} + b s"),
+        (J_w - J, r"J_w - J"),
+        (4 * zeta**2 - 1, r"4 \zeta^{2} - 1"),
+        (1 - 4 * zeta**2, r"1 - 4 \zeta^{2}"),
+        (4 * zeta**2 * omega_n**2 * s - 2 * omega_n**2 * s, r"2 (2 \zeta^{2} - 1) \omega_n^{2} s"),
+        (2 * zeta * omega_n * s, r"2 \zeta \omega_n s"),
+        (omega_c / (s + omega_c), r"\frac{\omega_c}{s + \omega_c}"),
+        (-s / (s + omega_c), r"-\frac{s}{s + \omega_c}"),
+        ((1 - s) / (1 + s), r"\frac{1 - s}{s + 1}"),
+        (-(m * omega**2 - k) / omega, r"\frac{k - m \omega^{2}}{\omega}"),
+        (k / (2 * m), r"\frac{k}{2 m}"),
+        (Rational(3, 2) * k / m, r"\frac{1.5 k}{m}"),
+        (sqrt(k / m), r"\sqrt{\frac{k}{m}}"),
+        (2 * sqrt(k) / m, r"\frac{2 \sqrt{k}}{m}"),
+        (k_alpha * s**alpha + k, r"k_\alpha s^{\alpha} + k"),
+        (100 * s ** Rational(1, 4), r"100 s^{0.25}"),
+        (b * s ** Rational(1, 3), r"b s^{1/3}"),
+        (k + b * k * s / (b * s + k), r"k + \frac{b k s}{b s + k}"),
+        (exp(-s * tau), r"e^{-\tau s}"),
+        ((1 - exp(-s * tau)) / (s * tau), r"\frac{1 - e^{-\tau s}}{\tau s}"),
+        (k * cos(omega * tau), r"k \cos(\tau \omega)"),
+        (Abs(k - m * omega**2), r"\left| k - m \omega^{2} \right|"),
+        (40 * pi * s + 1600 * pi**2, r"40 \pi s + 1600 \pi^{2}"),
+        (I * X * b * omega, r"X b \omega j"),
+        (Float("6.28319", 6) * s, r"6.28319 s"),
+        (Float("4.0919e9", 5) * s, r"4.0919 \times 10^{9} s"),
+        (Integer(12345678), r"12345678"),
+        (Rational(1, 10**9) * s, r"10^{-9} s"),
+        (-Rational(1, 3), r"-\tfrac{1}{3}"),
+        (1 / s, r"\frac{1}{s}"),
+        (Integer(0), "0"),
+        (2 * 3 ** Rational(1, 3) * k, r"2 \cdot 3^{1/3} k"),
+    ],
+)
+def test_a_formula_is_written_as_a_person_writes_it(expression, expected):
+    assert latex(expression) == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("k", "k"),
+        ("omega_n", r"\omega_n"),
+        ("omega_n_filter", r"\omega_{n,\mathrm{filter}}"),
+        ("zeta_force_sensor", r"\zeta_{\mathrm{force\,sensor}}"),
+        ("omega_c_first_order_lag_2", r"\omega_{c,\mathrm{first\,order\,lag},2}"),
+        ("k_1", "k_1"),
+        ("b12", "b_{12}"),
+        ("Mm", "M_m"),
+        ("tau", r"\tau"),
+        ("k_alpha", r"k_\alpha"),
+        ("Delta", r"\Delta"),
+        ("mass", r"\mathrm{mass}"),
+        ("ω_n", r"\omega_n"),
+        ("H_é", r"H_{\text{\'{e}}}"),
+        ("x^2}", r"\text{x\textasciicircum{}2\}}"),
+    ],
+)
+def test_a_name_gets_greek_letters_and_upright_subscripts(name, expected):
+    assert symbol_name(name) == expected
+
+
+@pytest.mark.parametrize("name", SYMBOLIC)
+def test_the_closed_forms_are_those_that_were_read_and_accepted(name):
+    golden(f"{name}.tex", latex(SYMBOLIC[name]))
+
+
+def test_the_tables_of_the_papers_example_are_those_that_were_read_and_accepted():
+    golden("fu2019_tables.tex", latex(evaluate(PAPER)))
+
+
+def test_the_document_of_the_papers_example_is_the_one_that_was_read_and_accepted():
+    golden("fu2019_document.tex", document(evaluate(PAPER)))
+
+
+def test_other_things_have_no_latex():
+    with pytest.raises(TypeError, match="no LaTeX for str"):
+        latex("k")
+
+
+def test_printing_changes_nothing_for_others():
+    before = sp.latex(k - m * omega**2), str(LatexPrinter._default_settings), str(LatexPrinter._global_settings)
+    latex(SYMBOLIC["fu2019"])
+    after = sp.latex(k - m * omega**2), str(LatexPrinter._default_settings), str(LatexPrinter._global_settings)
+    assert after == before
+
+
+# What is printed is what it stands for.
+
+_AT = 3.7  # rad/s: any frequency would do
+_VALUES = {"m": 1.83, "b": 15.2, "k": 97.1, "zeta": 0.43, "omega_n": 41.3, "omega_c": 11.9, "J": 0.06, "J_w": 0.035}
+
+
+def assumed(d: Distortion) -> dict[Symbol, float]:
+    """Some value for each parameter: any would do."""
+    rest = sorted(d.free_symbols, key=str)
+    return {x: _VALUES.get(x.name, 0.31 + 0.17 * i) for i, x in enumerate(rest)}
+
+
+def expected_values(d: Distortion, known: dict[Symbol, float]) -> dict[str, float]:
+    """What each left side of ``latex(d)`` stands for, worked out without the printer; c is 1, X is 1, j is 1."""
+    H_env, H_perc = (complex(sp.sympify(x.xreplace(known)).subs(s, sp.I * _AT)) for x in (d.environment, d.perceived))
+    dH, size = H_perc - H_env, abs(H_env)
+    found = {
+        r"\Re \Delta H(\omega j)": dH.real,
+        r"\Im \Delta H(\omega j)": dH.imag,
+        r"\left| H_{\mathrm{env}}(\omega j) \right|^{2}": size**2,
+        r"r_r(\omega)": abs(dH.real) / size,
+        r"r_i(\omega)": abs(dH.imag) / size,
+        r"\Re \frac{\Delta H(\omega j)}{H_{\mathrm{env}}(\omega j)}": (dH / H_env).real,
+        r"\Im \frac{\Delta H(\omega j)}{H_{\mathrm{env}}(\omega j)}": (dH / H_env).imag,
+        r"\Delta_{\mathrm{jnd}} k": size,
+        r"\Delta_{\mathrm{jnd}} b": size / _AT,
+        r"\Delta_{\mathrm{jnd}} m": size / _AT**2,
+    }
+    for name, H in (("env", H_env), ("perc", H_perc)):
+        found |= {
+            rf"k_{{\mathrm{{{name}}}}}(\omega)": H.real,
+            rf"m_{{\mathrm{{{name}}}}}(\omega)": -H.real / _AT**2,
+            rf"b_{{\mathrm{{{name}}}}}(\omega)": H.imag / _AT,
+            rf"F_{{\mathrm{{si}},\mathrm{{{name}}}}}(\omega j)": H.real,
+            rf"F_{{\mathrm{{d}},\mathrm{{{name}}}}}(\omega j)": H.imag,
+        }
+    return found
+
+
+def read_values(aligned: str, known: dict[str, float]) -> dict[str, list[float]]:
+    """The value of every side of every equation that is in closed form, named parts first."""
+    sides = equations(aligned)
+    known = dict(known)
+    for left in sorted((x for x in sides if x.startswith(r"\mathcal")), key=lambda x: int(re.findall(r"\d+", x)[0])):
+        known[left] = value(sides[left][0], known)
+    closed = {left: [x for x in right if "H" not in x and "k_{" not in x] for left, right in sides.items()}
+    return {
+        left: [value(x, known) for x in right] for left, right in closed.items() if not left.startswith(r"\mathcal")
+    }
+
+
+@pytest.mark.parametrize("name", [*SYMBOLIC, *scene_names()])
+def test_every_printed_closed_form_has_the_value_that_it_stands_for(name):
+    d = SYMBOLIC.get(name) or load_scene(name).symbolic_distortion()
+    known = assumed(d)
+    printed = {symbol_name(x.name): number for x, number in known.items()}
+    read = read_values(latex(d), {**printed, r"\omega": _AT, "s": 0.83, "c": 1.0, "X": 1.0, "j": 1.0})
+    H_env, H_perc = (
+        float(sp.sympify(x.xreplace(known)).subs({s: 0.83, sp.I: 1})) for x in (d.environment, d.perceived)
+    )
+    expected = {
+        **expected_values(d, known), r"H_{\mathrm{env}}(s)": H_env, r"H_{\mathrm{perc}}(s)": H_perc,
+    }  # fmt: skip
+    assert set(read) == set(expected)
+    for left, sides in read.items():
+        assert sides == pytest.approx([expected[left]] * len(sides), rel=1e-9, abs=1e-9), left
+    must = [left for left in expected if re.match(r"H_|\\Re|\\Im|\\left|k_|b_", left)]
+    assert all(read[left] for left in must)
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_the_printed_threshold_polynomials_change_sign_at_the_crossings(name):
+    e, text = shipped(name)
+    sides = equations(_between(text, "up to a positive factor:\n", r"\end{align*}"))
+    for c in e.crossings:
+        polynomial = sides[rf"p_{c.part.value[0]}(\omega)"][0]
+        below, above = (value(polynomial, {r"\omega": float(c.omega) * (1 + sign * 1e-3)}) for sign in (-1, 1))
+        assert (below < 0 < above) if c.kind.value == "exceeds" else (below > 0 > above)
+
+
+def test_the_exact_threshold_polynomial_of_the_paper_vanishes_between_the_bounds_of_its_crossing():
+    e = evaluate(PAPER)
+    sides = equations(_between(document(e), "up to a positive factor:\n", r"\end{align*}"))
+    for c in e.crossings:
+        text = re.sub(r"\\omega\^\{(\d+)\}", r"*w**\1", sides[rf"p_{c.part.value[0]}(\omega)"][0]).replace("{}", "")
+        polynomial = sp.Poly(sp.sympify(text), Symbol("w"))
+        low, high = (polynomial.eval(Rational(Fraction(x))) for x in c.omega.enclosure(30))
+        assert low < 0 < high
+
+
+def _between(text: str, start: str, end: str) -> str:
+    return text.split(start)[1].split(end)[0]
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_the_numbers_put_into_the_formulas_give_the_perceived_dynamics(name):
+    """Rounded to six digits, a coefficient is right to 5e-6: so is a value far from where terms cancel."""
+    e, text = shipped(name)
+    sides = equations(_between(text, r"after $\approx$):" + "\n", r"\end{align*}"))
+    known = {}
+    for left, right in sides.items():
+        if left.startswith(r"\mathcal"):
+            known[left] = value(right[0], {"s": 2.5, "j": 1.0})
+    printed = value(sides[r"H_{\mathrm{perc}}(s)"][0], {"s": 2.5, "j": 1.0, **known})
+    assert printed == pytest.approx(float(e.distortion.perceived.subs({s: 2.5, sp.I: 1})), rel=2e-5)
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_the_tables_hold_every_crossing_and_every_percept(name):
+    e = evaluate(load_scene(name), digits=12)
+    text = latex(e)
+    assert [row.split(" & ")[1] for row in re.findall(r"^ +(?:real|imaginary) & .*\$r_.*$", text, re.MULTILINE)] == [
+        c.omega.digits(12) for c in e.crossings
+    ]
+    assert re.findall(r"Delta H ([<>]) 0\$", text) == [">" if c.sign > 0 else "<" for c in e.crossings]
+    felt = re.findall(r"^ +(real|imaginary) & [\d. to]+ & ([a-z ]+) & (higher|lower|equal) ", text, re.MULTILINE)
+    assert [(part, change) for part, _, change in felt] == [
+        ("real" if p.part.value == "real" else "imaginary", p.change.value) for p in e.percepts
+    ]
+    assert text.count("proven") == 2
+
+
+# Any formula.
+
+_ATOMS = [m, b, k, omega_n, omega_c, zeta, J_w, tau, s, omega, Symbol("p"), Symbol("q", real=True), Symbol("k_1")]
+_NUMBERS = st.one_of(
+    st.integers(-9, 9).map(Integer),
+    st.fractions(-20, 20, max_denominator=12).map(lambda x: Rational(x.numerator, x.denominator)),
+    st.decimals(-9, 9, places=3).map(lambda x: Rational(str(x))),
+    st.just(pi),
+)
+
+
+def _combined(parts: st.SearchStrategy[sp.Expr]) -> st.SearchStrategy[sp.Expr]:
+    several = st.lists(parts, min_size=2, max_size=4)
+    powers = st.builds(sp.Pow, parts.filter(lambda x: x != 0), st.sampled_from([2, 3, -1, -2]))
+    return st.one_of(several.map(lambda x: sp.Add(*x)), several.map(lambda x: sp.Mul(*x)), powers, parts.map(Abs))
+
+
+@settings(max_examples=300)
+@given(st.recursive(st.one_of(st.sampled_from(_ATOMS), _NUMBERS), _combined, max_leaves=12))
+def test_any_printed_formula_reads_back_with_the_same_value(expression):
+    assume(not expression.has(sp.zoo, sp.nan, sp.oo))
+    known = {x: 0.37 + 0.29 * i for i, x in enumerate(_ATOMS)}
+    expected = float(expression.xreplace({x: Float(number) for x, number in known.items()}))
+    read = value(latex(expression), {symbol_name(x.name): number for x, number in known.items()})
+    assert read == pytest.approx(expected, rel=1e-6, abs=1e-6)
+
+
+# Long formulas.
+
+
+def test_a_long_sum_is_broken_before_signs_and_loses_nothing():
+    terms = [f"a_{{{i}}} \\omega^{{{2 * i}}}" for i in range(40)]
+    text = " + ".join(terms)
+    lines = broken(text, LINE)
+    assert len(lines) > 1
+    assert all(width(line) <= LINE for line in lines)
+    assert " ".join(line.removeprefix("{} ") for line in lines) == text
+
+
+def test_no_line_is_broken_inside_a_fraction_a_root_or_an_absolute_value():
+    text = r"\frac{a + b}{c + d} + \sqrt{a + b} + \left| a + b \right| + (a + b)"
+    lines = broken(text, 0.1)
+    assert lines[0] == r"\frac{a + b}{c + d}"
+    assert r"{} + \sqrt{a + b}" in lines
+    assert r"{} + \left| a + b \right|" in lines
+
+
+def test_a_product_is_broken_between_its_sums_with_a_sign_for_the_product():
+    assert broken("(a + b) (c + d) (e + f)", 8.0) == ["(a + b) (c + d)", r"{} \times (e + f)"]
+
+
+def test_rounding_is_all_or_nothing_and_correct():
+    assert approximate(Rational(4, 3) * s + 40 * pi) == Rational(4, 3) * s + 40 * pi
+    rounded = approximate(Rational(10**9 + 1, 7) * s + 40 * pi + 5)
+    assert latex(rounded) == r"1.42857 \times 10^{8} s + 130.664"
+
+
+# Text.
+
+
+def test_no_character_of_a_users_text_reaches_latex_unescaped():
+    every = "".join(map(chr, range(0x3000)))
+    text = escape(every)
+    assert text.isascii()
+    assert text.isprintable()
+    assert not re.search(r"(?<!\\)[$&#%_~^](?!\{|\d)", re.sub(r"\\ensuremath\{.*?\}|\\[~^]", "", text))
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("50% & $ x_1", r"50\% \& \$ x\_1"),
+        ("Küçük naïve", r"K\"{u}\c{c}\"{u}k na\"{\i}ve"),
+        ("ω₀ = 2πf²", r"\ensuremath{\omega}\textsubscript{0} = 2\ensuremath{\pi}f\textsuperscript{2}"),
+        ("a -- b\n\n c", "a -{}- b c"),
+        ("中", r"[U+4E2D]\allowbreak{}"),
+    ],
+)
+def test_text_is_escaped_and_still_reads(text, expected):
+    assert escape(text) == expected
+
+
+# Documents compile.
+
+EVERY_CHARACTER = "".join(chr(i) for i in range(0x20, 0x2300) if not unicodedata.category(chr(i)).startswith("C"))
+DOCUMENTS = {
+    "no effects": Scene(MSD, title="Nothing in between"),
+    "whole band transparent": Scene(MSD, (effects.first_order_lag("1000 Hz"),)),
+    "empty set, hostile text": Scene(
+        MSD,
+        (effects.series("2", name=r"\end{document}%_&"),),
+        title=r"\input{x} $_{^} \\ % # & ~ }{" + "x" * 300,
+        source=" ".join(EVERY_CHARACTER),
+    ),
+    "prony list": Scene(
+        environments.prony("100 N/m", ["50 N/m", "70.5 N/m"], ["6 N*s/m", "2 N*s/m"]), (effects.first_order_lag("20 Hz"),)
+    ),
+    "many crossings": Scene(
+        MSD, (effects.pade_delay("0.3 s", 10), effects.pade_delay("0.7 s", 10)), (Integer(0), Integer(200))
+    ),
+    "long names, long numbers": Scene(
+        environments.expression("(s + 1.23456789)^9/(s + 2)^7 + stiffness_of_the_wall", parameters={"stiffness_of_the_wall": 3}),
+        tuple(effects.second_order_lowpass(f"{350 + i} rad/s", "0.5") for i in range(4)),
+        threshold=Threshold.of("0.1", "0.12"),
+    ),
+    "teleoperator": Scene(MSD, (effects.position_force_teleoperator("0.5 kg", "0.6 kg", "30 N*s/m", "1 kN/m"),)),
+    "active and unstable": Scene(MSD, (effects.shunt(b="-20 N*s/m"), effects.admittance_display("(s + 1)/(s^2 - s + 2)"))),
+}  # fmt: skip
+
+
+def compiled(text: str, folder: Path) -> str:
+    """What pdflatex has to say about a document, which must compile."""
+    if shutil.which("pdflatex") is None:
+        if os.environ.get("CI"):
+            pytest.fail("pdflatex is missing: CI must compile the documents")
+        pytest.skip("pdflatex is missing")
+    (folder / "scene.tex").write_text(text, encoding="ascii")
+    command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "-no-shell-escape", "scene.tex"]
+    for _ in range(2):  # the second time for the references
+        done = subprocess.run(command, cwd=folder, capture_output=True, check=False)
+    log = (folder / "scene.log").read_text(encoding="utf-8", errors="replace")
+    assert done.returncode == 0, log[-3000:]
+    return log
+
+
+def check_layout(log: str) -> None:
+    wide = [float(x) for x in re.findall(r"Overfull \\hbox \((\d+\.\d+)pt", log)]
+    assert max(wide, default=0) <= 20
+    assert "LaTeX Warning" not in log
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_the_document_of_a_shipped_scene_compiles(name, tmp_path):
+    check_layout(compiled(shipped(name)[1], tmp_path))
+
+
+@pytest.mark.parametrize("name", DOCUMENTS)
+def test_the_document_of_an_unusual_scene_compiles(name, tmp_path):
+    check_layout(compiled(document(evaluate(DOCUMENTS[name])), tmp_path))
+
+
+def test_a_table_with_sixty_digits_compiles(tmp_path):
+    scene = Scene(MSD, (effects.pade_delay("0.3 s", 4),), (Integer(0), Integer(100)))
+    check_layout(compiled(document(evaluate(scene, digits=60)), tmp_path))
+
+
+def test_the_closed_forms_compile_in_a_plain_article(tmp_path):
+    blocks = "\n\n".join(latex(d) for d in SYMBOLIC.values())
+    result = latex(evaluate(PAPER))
+    head = r"\documentclass{article}\usepackage[a4paper,margin=2.5cm]{geometry}\usepackage{amsmath,booktabs}\allowdisplaybreaks"
+    check_layout(compiled(f"{head}\n\\begin{{document}}\n{blocks}\n\n{result}\n\\end{{document}}\n", tmp_path))
+
+
+def test_an_evaluation_that_is_not_proven_says_so():
+    class Estimate(Evaluation):
+        @property
+        def certified(self) -> bool:
+            return False
+
+    e = evaluate(PAPER)
+    text = document(Estimate(e.scene, e.distortion, e.chart, e.stable))
+    assert "proven, none missed" not in text
+    assert text.count("estimated, not proven") == 2
+    assert "they are not proven" in text
