@@ -7,7 +7,9 @@ others stay what they are: the polynomial is the answer.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from sympy import Expr, Integer, S, acos, asin, atan, factor, factor_terms, pi, sqrt
 
@@ -59,39 +61,45 @@ def _solved(polynomial: Polynomial, order: int, axis: Axis) -> list[Solution]:
     if turning:
         found = _angles(polynomial, axis, turning[0])
     elif powers:
-        inverse = 1 / axis.orders[powers[0]]
-        found = [(x**inverse, S.Zero) for x in _roots(_row(polynomial, axis, axis.size + len(axis.angles) + powers[0]))]
+        index = axis.size + len(axis.angles) + powers[0]
+        found = _each(lambda x: (x ** (1 / axis.orders[powers[0]]), S.Zero), _roots(_row(polynomial, axis, index)))
     else:
         found = _frequencies(polynomial, axis)
-    solutions = [Solution(x, equation, period, order) for x, period in found]
-    return solutions or [Solution(None, equation, order=order)] if _is_open(polynomial, axis) else solutions
+    if found is None:
+        return [Solution(None, equation, order=order)]
+    return [Solution(x, equation, period, order) for x, period in found]
 
 
-def _is_open(polynomial: Polynomial, axis: Axis) -> bool:
-    """Whether a factor without solutions may still have zeros: its degree was too high to invert."""
-    return max(int(n) for n in polynomial.degrees()) > 2 and not _frequencies(polynomial, axis)
+_Found: TypeAlias = "list[tuple[Expr, Expr]] | None"
+"""Zeros with their periods; None where the degree is too high to invert."""
 
 
-def _frequencies(polynomial: Polynomial, axis: Axis) -> list[tuple[Expr, Expr]]:
+def _each(change: Callable[[Expr], tuple[Expr, Expr]], roots: list[Expr] | None) -> _Found:
+    return None if roots is None else [change(x) for x in roots]
+
+
+def _frequencies(polynomial: Polynomial, axis: Axis) -> _Found:
     """Zeros of a polynomial in omega alone."""
     row = _row(polynomial, axis, 0)
     if not any(row[1::2]):
-        return [(sqrt(x), S.Zero) for x in _roots(row[::2])]
-    return [(x, S.Zero) for x in _roots(row)]
+        return _each(lambda x: (sqrt(x), S.Zero), _roots(row[::2]))
+    return _each(lambda x: (x, S.Zero), _roots(row))
 
 
-def _angles(polynomial: Polynomial, axis: Axis, index: int) -> list[tuple[Expr, Expr]]:
+def _angles(polynomial: Polynomial, axis: Axis, index: int) -> _Found:
     """Zeros of a polynomial in t = tan(omega tau/2) alone: cos = (1 - t^2)/(1 + t^2), sin = 2 t/(1 + t^2)."""
     rate = axis.angles[index].rate
     row = _row(polynomial, axis, axis.size + index)
     period = 2 * pi / rate
     if not any(row[1::2]):
         squares = _roots(row[::2])
+        if squares is None:
+            return None
         return [(angle / rate, period) for t2 in squares for angle in _both_ways(acos(((1 - t2) / (1 + t2)).cancel()))]
     if len(row) == 3 and row[0] == row[2]:
         sine = asin(-2 * row[0] / row[1])
         return [(sine / rate, period), ((pi - sine) / rate, period)]
-    return [(2 * atan(t) / rate, period) for t in _roots(row)]
+    return _each(lambda t: (2 * atan(t) / rate, period), _roots(row))
 
 
 def _both_ways(angle: Expr) -> tuple[Expr, Expr]:
@@ -116,13 +124,13 @@ def _plain_row(polynomial: Polynomial, ring: PolynomialRing, index: int) -> list
     return [expressions.get(n, Integer(0)) for n in range(max(expressions) + 1)]
 
 
-def _roots(row: list[Expr]) -> list[Expr]:
-    """The roots of a polynomial of degree 1 or 2 that may be positive; none for a higher degree."""
+def _roots(row: list[Expr]) -> list[Expr] | None:
+    """The roots of a polynomial of degree 1 or 2 that may be positive; None for a higher degree."""
     if len(row) == 2:
         root = _quotient(-row[0], row[1])
         return [root] if root.is_positive is not False else []
     if len(row) != 3:
-        return []
+        return None
     c, b, a = row
     if a.could_extract_minus_sign():
         a, b, c = -a, -b, -c
