@@ -14,6 +14,7 @@ from .distortion import Distortion, distort
 from .errors import ExpressionError, HaptisymError, SceneError, UndecidedError
 from .evaluation import Evaluation, evaluate
 from .jnd import Part, Threshold
+from .latex import latex
 from .percepts import Change, Percept, Property
 from .scene import Scene
 from .scenefile import load_scene, parse_scene, scene_names
@@ -42,6 +43,7 @@ __all__ = [
     "effects",
     "environments",
     "evaluate",
+    "latex",
     "load_scene",
     "omega",
     "parse_scene",
