@@ -120,6 +120,8 @@ assert is_zero(square.subs(at_resonance) - (2 * zeta * m * omega_n**2) ** 2)
 nu = Symbol("nu", positive=True)  # the natural frequency after the change
 by_stiffness = m * nu**2 - m * omega**2
 by_mass = k - k / nu**2 * omega**2
+for form in (by_stiffness, by_mass):
+    assert is_zero((form.subs(nu, omega_n) - (k - m * omega**2)).subs(k, m * omega_n**2))
 rates = [diff(form, nu).subs({nu: omega_n}) for form in (by_stiffness, by_mass)]
 rates_at_resonance = [rate.subs(at_resonance) for rate in rates]
 assert rates_at_resonance == [2 * m * omega_n, 2 * m * omega_n]

@@ -218,6 +218,7 @@ yielding = hs.distort(
 assert is_zero(yielding.perceived - H_perc.subs({S_f: 1, P: second_order, D: second_order / K_p, H: msd}))
 
 delayed = hs.distort(E.mass_spring_damper(m=m), F.admittance_display(exp(-s * tau)))
+assert is_zero(delayed.perceived_properties.real + I * delayed.perceived_properties.imag - predicted)
 assert is_zero(delayed.perceived_properties.mass - m * cos(omega * tau))
 
 # %% [markdown]

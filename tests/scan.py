@@ -12,7 +12,7 @@ an evaluation says is not so.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
@@ -343,14 +343,21 @@ def _percepts(case: Case, result: Any, points: Any, facts: Facts) -> Iterator[st
 
 
 def _labels(facts: Facts, part: str) -> Any:
-    env, perc, excess = (np.asarray(x[part]) for x in (facts.env, facts.perc, facts.excess))
+    """Property and change, or nothing, at one frequency or many."""
+    env, perc = (np.asarray(x[part]) for x in (facts.env, facts.perc))
     change = np.where(abs(perc) > abs(env), " higher", " lower")
     if part == "imag":
-        return np.where((excess > 0) & (perc >= 0), np.char.add("damping", change), "").astype(object)
-    same = np.where(env > 0, "stiffness", "mass")
-    other = np.where(env > 0, "stiffness-to-mass", "mass-to-stiffness")
-    kind = np.where((env > 0) == (perc > 0), same, other)
-    return np.where(excess > 0, np.char.add(kind, change), "").astype(object)
+        return _where(facts, part, np.char.add("damping", change), passive=perc >= 0)
+    # a part that is nothing throughout becomes something of the same kind
+    before, after = (np.where(abs(x) > 1e-12 * np.asarray(facts.size), x, 0) for x in (env, perc))
+    before, after = np.where(before == 0, after, before) > 0, np.where(after == 0, before, after) > 0
+    same = np.where(before, "stiffness", "mass")
+    other = np.where(before, "stiffness-to-mass", "mass-to-stiffness")
+    return _where(facts, part, np.char.add(np.where(before == after, same, other), change), passive=True)
+
+
+def _where(facts: Facts, part: str, label: Any, *, passive: Any) -> Any:
+    return np.where((np.asarray(facts.excess[part]) > 0) & passive, label, "").astype(object)
 
 
 def _active(case: Case, result: Any, points: Any, facts: Facts) -> Iterator[str]:
@@ -377,11 +384,12 @@ class Draw:
 
     def decades(self, low: float, high: float) -> str:
         """A number of two to four digits between two powers of ten."""
-        digits = self.random.choice((2, 3, 4))
-        return f"{Decimal(f'{10 ** self.random.uniform(low, high):.{digits}g}'):f}"
+        return self.digits(low, high, self.random.choice((2, 3, 4)))
 
-    def environment(self) -> Element:
-        model = self.random.choice([*FELT, "mass-spring-damper", "mass-spring-damper", "spring-pot"])
+    def digits(self, low: float, high: float, count: int) -> str:
+        return f"{Decimal(f'{10 ** self.random.uniform(low, high):.{count}g}'):f}"
+
+    def environment(self, model: str) -> Element:
         scales = {
             "mass-spring-damper": {"m": (-2, 1), "b": (-3, 2), "k": (0, 4)},
             "kelvin-voigt": {"k": (0, 4), "b": (-2, 2)},
@@ -394,8 +402,8 @@ class Draw:
         if model == "mass-spring-damper":  # sometimes a mass, spring or damper alone
             values = {name: x for name, x in values.items() if self.random.random() < 0.85} or values
         if model == "spring-pot":
-            order = f"{self.random.randint(5, 95) / 100:g}" if self.random.random() < 0.7 else "0.5"
-            return Element(model, {"alpha": order, **dict(list(values.items())[: self.random.choice((1, 2))])})
+            order = {"alpha": f"{self.random.randint(5, 95) / 100:g}"}
+            return Element(model, order | dict(list(values.items())[: self.random.choice((1, 2))]))
         return Element(model, values)
 
     def effect(self, model: str) -> Element:
@@ -411,7 +419,11 @@ class Draw:
             "compliance": {"k": (2, 5), "b": (-1, 2)},
         }
         sides = {"Mm": (-2, 0), "Bm": (0, 2), "Km": (2, 4), "Ms": (-2, 0), "Bs": (0, 2), "Ks": (2, 4), "tau": (-3, -1)}
-        values = {name: self.decades(*scale) for name, scale in scales.get(model, sides).items()}
+        # five digits make delays that are no small multiples of a common one
+        values = {
+            name: self.digits(*scale, 5) if name in ("tau", "T") else self.decades(*scale)
+            for name, scale in scales.get(model, sides).items()
+        }
         if model == "shunt":
             name = self.random.choice([*values])
             return Element(model, {name: values[name]})
@@ -420,39 +432,45 @@ class Draw:
         return Element(model, values)
 
     def case(self, family: str) -> Case:
-        felt, effects = self.environment(), [self.effect(model) for model in self._models(family)]
+        models, environments, extras = FAMILIES[family]
+        felt = self.environment(self.random.choice(environments))
+        added = self.random.sample(RATIONAL, self.random.randint(0, extras if felt.model != "two-mass" else 0))
+        effects = [self.effect(model) for model in (*models, *added)]
         self.random.shuffle(effects)
-        lags = sum(float(e.values.get(name, 0)) for e in effects for name in ("tau", "T"))
-        turns = self.random.choice((3, 10, 10, 30))
-        high = min(max(turns / lags if lags else 0, 1.0), 1e4) if lags else 10 ** self.random.uniform(0.5, 2.5)
-        high = high * 10 ** self.random.uniform(-0.5, 0)
-        low = self.random.choice(("0", "0", f"{high / 50:.2g}"))
-        unit = self.random.choice(("rad/s", "rad/s", "Hz"))
-        scale = 2 * np.pi if unit == "Hz" else 1
-        band = (f"{float(low) / scale:.2g} {unit}", f"{high / scale:.3g} {unit}")
         c = self.decades(-2, 0.2)
-        return Case(felt, tuple(effects), band, {"real": c, "imag": self.random.choice((c, self.decades(-2, 0.2)))})
+        thresholds = {"real": c, "imag": self.random.choice((c, self.decades(-2, 0.2)))}
+        return Case(felt, tuple(effects), self.band(effects), thresholds)
 
-    def _models(self, family: str) -> list[str]:
-        rational = ["first-order-lag", "second-order-lowpass", "shunt", "compliance"]
-        extra = self.random.sample(rational, self.random.choice((0, 1, 1, 2)))
-        return [*FAMILIES[family], *extra]
+    def band(self, effects: Sequence[Element]) -> tuple[str, str]:
+        """From 0 or a little above it to where the delays together turn by a few radians, or a few times that."""
+        lag = sum(float(e.values.get(name, 0)) for e in effects for name in ("tau", "T"))
+        turns = self.random.choice((2, 5, 10))
+        high = (turns / lag if lag else 10**2.5) * 10 ** self.random.uniform(-0.5, 0)
+        low = self.random.choice((0, 0, high / 50))
+        unit, scale = self.random.choice((("rad/s", 1.0), ("rad/s", 1.0), ("Hz", 2 * np.pi)))
+        low_text, high_text = (f"{Decimal(f'{x / scale:.2g}'):f} {unit}" for x in (low, high))
+        return low_text, high_text
 
 
-FAMILIES = {
-    "delay": ["delay"],
-    "two delays": ["delay", "delay"],
-    "three delays": ["delay", "delay", "delay"],
-    "hold": ["zero-order-hold"],
-    "sampled and sent": ["zero-order-hold", "delay"],
-    "waves": ["wave-variables"],
-    "waves and delay": ["wave-variables", "delay"],
-    "position-force": ["position-force-teleoperator"],
-    "position-position": ["position-position-teleoperator"],
-    "four-channel": ["four-channel-teleoperator"],
-    "four-channel and delay": ["four-channel-teleoperator", "delay"],
-    "friction": ["coulomb-friction"],
-    "friction and delay": ["coulomb-friction", "delay"],
-    "no delay": [],
+RATIONAL = ("first-order-lag", "second-order-lowpass", "shunt", "compliance")
+SIMPLE = ("mass-spring-damper", "mass-spring-damper", "kelvin-voigt")
+SOLID = (*SIMPLE, "maxwell", "zener")
+ALL = (*SOLID, "spring-pot", "two-mass")
+
+FAMILIES: dict[str, tuple[tuple[str, ...], tuple[str, ...], int]] = {
+    "delay": (("delay",), ALL, 2),
+    "two delays": (("delay", "delay"), SOLID, 1),
+    "three delays": (("delay", "delay", "delay"), SIMPLE, 0),
+    "hold": (("zero-order-hold",), ALL, 1),
+    "sampled and sent": (("zero-order-hold", "delay"), SOLID, 1),
+    "waves": (("wave-variables",), SOLID, 1),
+    "waves and delay": (("wave-variables", "delay"), SIMPLE, 0),
+    "position-force": (("position-force-teleoperator",), (*SIMPLE, "spring-pot"), 1),
+    "position-position": (("position-position-teleoperator",), SIMPLE, 1),
+    "four-channel": (("four-channel-teleoperator",), SOLID, 0),
+    "four-channel and delay": (("four-channel-teleoperator", "delay"), SIMPLE, 0),
+    "friction": (("coulomb-friction",), ALL, 1),
+    "friction and delay": (("coulomb-friction", "delay"), ALL, 1),
+    "fractional": ((), ("spring-pot",), 1),
 }
-"""What the random scenes have in between, besides rational effects."""
+"""What the random scenes have in between, on which environments, and how many rational effects besides."""

@@ -12,6 +12,7 @@ from oracles import MP, rounded, sign
 from sympy import Expr, Integer, Poly, Rational, Symbol, expand, pi
 from sympy.abc import x
 
+import haptisym as hs
 from haptisym.response import RealFunction, Ring
 from haptisym.roots import Chart, chart, sign_of_number
 from haptisym.symbols import omega
@@ -251,3 +252,40 @@ def test_a_number_that_is_zero_is_known_to_be_zero() -> None:
 def test_a_function_that_is_zero_everywhere_has_no_sign_anywhere() -> None:
     points = charted(Integer(0)).points
     assert [(p.before["f"], p.at["f"], p.after["f"]) for p in points] == [(0, 0, 0), (0, 0, 0)]
+
+
+def test_taylor_coefficients_of_an_analytic_factor_are_those_of_mpmath_at_any_length() -> None:
+    """FLINT's global cap on the length of series (10) must not cut any off: a coefficient that is cut reads as 0."""
+    import flint
+    import mpmath
+
+    from haptisym.factors import AnalyticFactor, Term
+
+    factor = AnalyticFactor(
+        (Term((1,), (1,), ((3,), (1,))), Term((0,), (0,), ((2,), (0,), (1,)))),
+        ((Integer(2), False),),
+        (1,),
+        (Rational(1, 4),),
+    )
+    with mpmath.workdps(40):
+        expected = mpmath.taylor(
+            lambda x: (3 + x) * mpmath.sin(x) * x ** mpmath.mpf("0.25") + (2 + x**2) * mpmath.cos(x), 3, 16
+        )
+    cap = flint.ctx.cap
+    found = factor.series(flint.arb(3), 17)
+    assert flint.ctx.cap == cap
+    for i, value in enumerate(expected):
+        assert float(found[i].mid()) == pytest.approx(float(value), rel=1e-9)
+        assert value != 0
+
+
+def test_a_zero_with_a_twin_beside_it_is_not_taken_for_the_other() -> None:
+    """Two crossings 6e-11 apart beside a resonance, each where mpmath has it."""
+    scene = hs.parse_scene(
+        '[environment]\nmodel = "mass-spring-damper"\nm = "6.3"\nb = "0.0013"\nk = "720"\n'
+        '[[effects]]\nmodel = "compliance"\nk = "15000"\n[[effects]]\nmodel = "zero-order-hold"\nT = "0.0007814"\n'
+        '[evaluation]\nband = ["26 rad/s", "1300 rad/s"]\njnd = { real = "0.066", imag = "0.73" }'
+    )
+    first, second = [c for c in hs.evaluate(scene).crossings if c.part is hs.Part.REAL]
+    assert first.omega.digits(12) == "49.9523562402"
+    assert 5e-11 < float(second.omega) - float(first.omega) < 7e-11

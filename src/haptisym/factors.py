@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import lru_cache, reduce
 from itertools import pairwise
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import flint
 from flint import acb_poly, arb, arb_poly, arb_series, fmpz_poly
@@ -25,12 +25,18 @@ from .symbols import omega
 
 MOST_BITS = 1 << 13
 """The precision at which a question about an analytic function is given up as undecided."""
+_TAYLOR_ORDER = 10
 _MOST_BITS_EXACT = 1 << 20  # polynomials are always decided; this only bounds a mistake of ours
 
 
 def rounded_up(bits: int) -> int:
     """The next power of two, at least 128: so that questions of about the same precision share one isolation."""
     return max(128, 1 << (bits - 1).bit_length())
+
+
+def _is_clear(ball: Ball) -> bool:
+    """Whether a ball lies on one side of 0; not so for one that is not a number, as a logarithm over 0."""
+    return bool(ball > 0 or ball < 0)
 
 
 class Factor(ABC):
@@ -41,8 +47,8 @@ class Factor(ABC):
         """All zeros strictly between two numbers, and perhaps others outside; a tangency that stays undecided among them."""
 
     @abstractmethod
-    def order_at(self, place: Expr) -> int:
-        """The order of the zero at an exact number, counted in omega; 0 if it is none."""
+    def order_at(self, place: Expr) -> Any:
+        """The order of the zero at an exact number, counted in omega; 0 if it is none; a fraction for powers of omega at 0."""
 
     @abstractmethod
     def value(self, x: Ball) -> Ball:
@@ -117,7 +123,9 @@ class PolynomialFactor(Factor):
             return None
         polynomial = self.polynomial()
         slope = polynomial.derivative()
-        return _positive([_tightened(ball, bits, polynomial.__call__, slope.__call__) for ball in isolated])
+        return _positive(
+            [_tightened(x.lower(), x.upper(), bits, polynomial.__call__, slope.__call__) for x in isolated]
+        )
 
 
 @lru_cache(maxsize=1024)
@@ -147,36 +155,31 @@ def _meet(z: Ball, other: Ball) -> bool:
     return bool(z.real.overlaps(other.real) and z.imag.overlaps(other.imag))
 
 
-def _newton(ball: Ball, value: Callable[[Ball], Ball], slope: Callable[[Ball], Ball]) -> Ball:
-    """Interval Newton steps on an enclosure of one simple zero, while they pay."""
-    while True:
-        middle, steep = ball.mid(), slope(ball)
-        if steep.contains(0):
-            return ball
-        step = middle - value(middle) / steep
-        if not step.rad() < ball.rad() / 2:
-            return ball
-        ball = step.intersection(ball)
+def _tightened(low: Ball, high: Ball, bits: int, value: Callable[[Ball], Ball], slope: Callable[[Ball], Ball]) -> Ball:
+    """The enclosure of the one simple zero between two exact numbers, as tight as that many bits allow.
 
-
-def _tightened(ball: Ball, bits: int, value: Callable[[Ball], Ball], slope: Callable[[Ball], Ball]) -> Ball:
-    """The enclosure of one simple zero, as tight as that many bits allow: interval Newton, and bisection where it stalls."""
-    left = value(ball.lower())
+    Interval Newton where the slope is clear of 0, bisection elsewhere. The ends stay exact numbers: a ball around them
+    reaches a little beyond, where a twin of the zero may lie.
+    """
+    left = value(low)
     while True:
-        ball = _newton(ball, value, slope)
-        middle = ball.mid()
-        at = value(middle)
-        if (
-            ball.rel_accuracy_bits() >= bits - 24 or at.contains(0) or left.contains(0)
-        ):  # as near as this precision comes
-            return ball
-        ball = (middle.union(ball.upper()) if (at > 0) == (left > 0) else ball.lower().union(middle)).intersection(ball)
+        box, middle = low.union(high), ((low + high) / 2).mid()
+        at, steep = value(middle), slope(box)
+        floor = not _is_clear(at) or not _is_clear(left)  # the working precision shows no more
+        before = high - low
+        if _is_clear(steep):
+            step = middle - at / steep
+            low, high = low.max(step.lower()), high.min(step.upper())
+        if box.rel_accuracy_bits() >= bits - 24 or (floor and not (high - low) < before / 2):
+            return low.union(high)
+        if not floor and not (high - low) < before / 2 and low < middle < high:
+            low, high = (middle, high) if (at > 0) == (left > 0) else (low, middle)
 
 
 def _positive(roots: Iterable[Ball]) -> tuple[Ball, ...] | None:
     """The positive ones in order; None if two of them, or one and zero, cannot be told apart at this precision."""
     ordered = sorted(roots, key=lambda ball: ball.mid())
-    if any(ball.contains(0) for ball in ordered) or any(a.overlaps(b) for a, b in pairwise(ordered)):
+    if not all(_is_clear(ball) for ball in ordered) or any(a.overlaps(b) for a, b in pairwise(ordered)):
         return None
     return tuple(ball for ball in ordered if ball > 0)
 
@@ -234,13 +237,20 @@ class AnalyticFactor(Factor):
 
     def series(self, x: Ball, length: int) -> arb_series:
         """Taylor coefficients of the function about every point of a ball: value, slope, half curvature, ..."""
+        cap, flint.ctx.cap = flint.ctx.cap, length  # FLINT cuts series at this length, and what is cut off reads as 0
+        try:
+            return self._series(x, length)
+        finally:
+            flint.ctx.cap = cap
+
+    def _series(self, x: Ball, length: int) -> arb_series:
         compiled = _compiled(self, flint.ctx.prec)
-        at = arb_series([x, 1], length)
+        at, shifted = arb_series([x, 1], length), arb_poly([x, 1])
         waves = [compiled.waves(i, at, length) for i in range(len(self.rates))]
         roots = [(arb_series([a], length) * at.log()).exp() for a in compiled.exponents]
         total = arb_series([0], length)
-        for turns, powers, polynomials in compiled.terms:
-            term = arb_series([p(x) for p in polynomials[:length]], length)
+        for turns, powers, polynomial in compiled.terms:
+            term = arb_series(polynomial(shifted).coeffs()[:length], length)
             for (cosine, sine), degree, k in zip(waves, self.degrees, turns, strict=True):
                 term = term * sine[k] * cosine[degree - k]
             for root, n in zip(roots, powers, strict=True):
@@ -248,6 +258,19 @@ class AnalyticFactor(Factor):
                     term = term * root
             total = total + term
         return total
+
+    def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
+        """Enclosures of value, slope and half curvature over a ball of frequencies.
+
+        Taylor's theorem about the middle m, f(m + h) = c_0 + c_1 h + ... + c(xi) h^n, with the last coefficient enclosed over the
+        whole ball: tight as soon as the ball is shorter than what the function does, however much its terms cancel.
+        """
+        about = self.series(box.mid(), _TAYLOR_ORDER)
+        last = self.series(box, _TAYLOR_ORDER + 1)[_TAYLOR_ORDER]
+        taylor = arb_poly([*(about[i] for i in range(_TAYLOR_ORDER)), last])
+        slope = taylor.derivative()
+        h = box - box.mid()
+        return taylor(h), slope(h), slope.derivative()(h) / 2
 
     def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
         return _isolated(self, self._edge(low, above=True), self._edge(high, above=False))
@@ -263,19 +286,21 @@ class AnalyticFactor(Factor):
             ball = expression_ball(place)
             return ball.lower() if above else ball.upper()
 
-    def order_at(self, place: Expr) -> int:
+    def order_at(self, place: Expr) -> Any:
         return _order_at(self, place)
 
 
 @lru_cache(maxsize=1024)
-def _order_at(factor: AnalyticFactor, place: Expr) -> int:
+def _order_at(factor: AnalyticFactor, place: Expr) -> Any:
+    if place == 0 and factor.orders:
+        return min((_exponent(factor, powers, part) for powers, part in _by_powers(factor).items()), key=float)
     exact = _exact_waves(factor, place)
     if exact is None:
         factor.sign_at(lambda bits: expression_ball(place))
         return 0
     if not factor.orders:
         with flint.ctx.workprec(128):
-            if not factor.value(expression_ball(place)).contains(0):
+            if _is_clear(factor.value(expression_ball(place))):
                 return 0
     return _exact_order(factor, place, exact)
 
@@ -287,7 +312,7 @@ class _Compiled:
     factor: AnalyticFactor
     rates: tuple[Ball, ...]
     exponents: tuple[Ball, ...]
-    terms: tuple[tuple[tuple[int, ...], tuple[int, ...], tuple[arb_poly, ...]], ...]
+    terms: tuple[tuple[tuple[int, ...], tuple[int, ...], arb_poly], ...]
 
     def waves(self, index: int, at: arb_series, length: int) -> tuple[list[arb_series], list[arb_series]]:
         """Powers of the cosine and of the sine of a half angle."""
@@ -311,8 +336,7 @@ def _compiled(factor: AnalyticFactor, bits: int) -> _Compiled:
         terms = []
         for term in factor.terms:
             polynomial = arb_poly([fmpz_poly(list(c))(arb.pi()) for c in term.coefficients])
-            slope = polynomial.derivative()
-            terms.append((term.turns, term.powers, (polynomial, slope, slope.derivative() * arb_poly([arb(1) / 2]))))
+            terms.append((term.turns, term.powers, polynomial))
         return _Compiled(
             factor,
             tuple(expression_ball(rate) / 2 for rate, _ in factor.rates),
@@ -350,7 +374,6 @@ class Undecided(RealNumber):
 @lru_cache(maxsize=4096)
 def _refined(zero: Zero, low: Ball, high: Ball, bits: int) -> Ball:
     """An enclosure as tight as that many bits allow: interval Newton, with bisection where the slope is not clear of 0."""
-    ball = low.union(high) if bits <= 128 else _refined(zero, low, high, bits // 2)
     k = zero.derivative
 
     def value(x: Ball) -> Ball:
@@ -360,7 +383,12 @@ def _refined(zero: Zero, low: Ball, high: Ball, bits: int) -> Ball:
         return (k + 1) * zero.factor.series(x, k + 2)[k + 1]
 
     with flint.ctx.workprec(bits):
-        return _tightened(ball, bits, value, slope)
+        if bits > 128:
+            rough = _refined(zero, low, high, bits // 2)
+            closer = low.max(rough.lower()), high.min(rough.upper())
+            if all(_is_clear(value(x)) for x in closer):
+                low, high = closer
+        return _tightened(low, high, bits, value, slope)
 
 
 def _isolated(factor: AnalyticFactor, low: Ball, high: Ball) -> list[RealNumber]:
@@ -382,26 +410,16 @@ def _judged(factor: AnalyticFactor, a: Ball, b: Ball, index: int) -> list[RealNu
     """The zeros in a piece, if it is clear enough to tell."""
     with flint.ctx.workprec(128):
         box = a.union(b)
-        value, slope = _two(factor.series(box, 2))
-        if not value.contains(0) or not _mean_value(factor, box, slope).contains(0):
+        value, slope, bend = factor.over(box)
+        if _is_clear(value):
             return []
-        if not slope.contains(0):
+        if _is_clear(slope):
             return _between(factor, a, b, index)
-        bend = factor.series(box, 3)[2]
-        if not bend.contains(0):
+        if _is_clear(bend):
             return _on_a_bend(factor, a, b, 1 if bend > 0 else -1, index)
         if (b - a) < abs(box.mid()) * arb(2) ** -60:
             raise UndecidedError(f"how often a function vanishes near omega = {float(box.mid()):.17g} rad/s")
     return None
-
-
-def _two(series: arb_series) -> tuple[Ball, Ball]:
-    return series[0], series[1]
-
-
-def _mean_value(factor: AnalyticFactor, box: Ball, slope: Ball) -> Ball:
-    middle = box.mid()
-    return factor.value(middle) + slope * (box - middle)
 
 
 def _sign(factor: AnalyticFactor, x: Ball, derivative: int = 0) -> int:
@@ -433,7 +451,7 @@ def _on_a_bend(factor: AnalyticFactor, a: Ball, b: Ball, bend: int, index: int) 
     while bits <= MOST_BITS:
         with flint.ctx.workprec(bits):
             at = extremum.ball(bits)
-            value = _mean_value(factor, at, factor.series(at, 2)[1])
+            value = factor.over(at)[0]
             if value > 0 or value < 0:
                 if (1 if value > 0 else -1) == left:
                     return []
@@ -464,32 +482,23 @@ def _clear_of(factor: AnalyticFactor, place: Expr, order: int, *, above: bool) -
         for _ in range(200):
             end = (centre + (reach if above else -reach)).mid()
             piece = (centre.lower() if above else centre.upper()).union(end)
-            if not _coefficient(factor, piece, order).contains(0):
+            if _is_clear(factor.series(piece, order + 1)[order]):
                 return end
             reach = reach / 4
     raise UndecidedError(f"whether a function vanishes again near omega = {place} rad/s")
 
 
-def _coefficient(factor: AnalyticFactor, x: Ball, order: int) -> Ball:
-    """The Taylor coefficient of that order about every point of a ball."""
-    compiled = _compiled(factor, flint.ctx.prec)
-    length = order + 1
-    at = arb_series([x, 1], length)
-    waves = [compiled.waves(i, at, length) for i in range(len(factor.rates))]
-    total = arb_series([0], length)
-    for turns, _, polynomials in compiled.terms:
-        term = _polynomial_series(polynomials[0], at, length)
-        for (cosine, sine), degree, k in zip(waves, factor.degrees, turns, strict=True):
-            term = term * sine[k] * cosine[degree - k]
-        total = total + term
-    return total[order]
+def _by_powers(factor: AnalyticFactor) -> dict[tuple[int, ...], AnalyticFactor]:
+    """The factor as a sum of analytic functions, each times powers omega^alpha."""
+    groups: dict[tuple[int, ...], list[Term]] = {}
+    for term in factor.terms:
+        groups.setdefault(term.powers, []).append(Term(term.turns, (), term.coefficients))
+    return {powers: AnalyticFactor(tuple(terms), factor.rates, factor.degrees, ()) for powers, terms in groups.items()}
 
 
-def _polynomial_series(polynomial: arb_poly, at: arb_series, length: int) -> arb_series:
-    total = arb_series([0], length)
-    for coefficient in reversed(polynomial.coeffs()):
-        total = total * at + arb_series([coefficient], length)
-    return total
+def _exponent(factor: AnalyticFactor, powers: tuple[int, ...], part: AnalyticFactor) -> Expr:
+    """The exponent of omega with which a part begins at 0."""
+    return sum((a * n for a, n in zip(factor.orders, powers, strict=True)), Integer(part.order_at(Integer(0))))
 
 
 def _clear_of_zero_with_powers(factor: AnalyticFactor) -> Ball:
@@ -498,15 +507,8 @@ def _clear_of_zero_with_powers(factor: AnalyticFactor) -> Ball:
     f = sum over l of omega^(alpha l) A_l with A_l analytic and of exact order m_l: divided by the lowest of all powers
     omega^(alpha l + m_l), what remains tends to a constant at 0, and is enclosed on (0, reach].
     """
-    groups: dict[tuple[int, ...], list[Term]] = {}
-    for term in factor.terms:
-        groups.setdefault(term.powers, []).append(Term(term.turns, (), term.coefficients))
-    parts = {powers: AnalyticFactor(tuple(terms), factor.rates, factor.degrees, ()) for powers, terms in groups.items()}
-    orders = {powers: part.order_at(Integer(0)) for powers, part in parts.items()}
-    exponents = {
-        powers: sum((a * n for a, n in zip(factor.orders, powers, strict=True)), Integer(orders[powers]))
-        for powers in parts
-    }
+    parts = _by_powers(factor)
+    exponents = {powers: _exponent(factor, powers, part) for powers, part in parts.items()}
     lowest = min(exponents.values(), key=float)
     with flint.ctx.workprec(128):
         reach = arb(1) / 16
@@ -514,10 +516,11 @@ def _clear_of_zero_with_powers(factor: AnalyticFactor) -> Ball:
             piece = arb(0).union(reach)
             total = arb(0)
             for powers, part in parts.items():
+                order = part.order_at(Integer(0))
                 rise = expression_ball(exponents[powers] - lowest)
                 factor_range = arb(1) if exponents[powers] == lowest else arb(0).union((rise * reach.log()).exp())
-                total = total + factor_range * _coefficient(part, piece, orders[powers])
-            if not total.contains(0):
+                total = total + factor_range * part.series(piece, order + 1)[order]
+            if _is_clear(total):
                 return reach
             reach = reach / 16
     raise UndecidedError("whether a function vanishes near omega = 0")

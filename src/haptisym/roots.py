@@ -142,9 +142,12 @@ def chart(functions: Mapping[Any, RealFunction], low: Expr, high: Expr) -> Chart
     return Chart(tuple(points))
 
 
+_ODD = range(1, 1000, 2)  # orders; a fractional one, at 0, has no other side
+
+
 def _passed(signs: Mapping[Factor, int], place: _Place) -> dict[Factor, int]:
     """The signs of the factors on the other side of a place."""
-    return {f: sign * (-1) ** place.orders.get(f, 0) for f, sign in signs.items()}
+    return {f: -sign if place.orders.get(f, 0) in _ODD else sign for f, sign in signs.items()}
 
 
 def _point(
@@ -153,7 +156,7 @@ def _point(
     orders = {name: _order(product, place) for name, product in products.items()}
     below = {name: _sign(p, before) for name, p in products.items()}
     if place.is_zero:  # below omega = 0 functions are mirrored: even or odd, by their order
-        below = {name: _sign(p, after) * (-1) ** (orders[name] % 2) for name, p in products.items()}
+        below = {name: _sign(p, after) * _mirror(p, orders[name]) for name, p in products.items()}
     return Point(
         place.omega,
         {name: order for name, order in orders.items() if order},
@@ -163,9 +166,15 @@ def _point(
     )
 
 
+def _mirror(product: _Product, order: int) -> int:
+    """1 for an even function of omega, -1 for an odd one; powers omega^alpha have no other side, and count as even."""
+    whole = product.power.is_Integer and not any(isinstance(f, AnalyticFactor) and f.orders for f in product.exponents)
+    return -1 if order % 2 and whole else 1
+
+
 def _order(product: _Product, place: _Place) -> int:
     order = sum(product.exponents.get(factor, 0) * n for factor, n in place.orders.items())
-    return _whole(product.power + order) if place.is_zero else order
+    return _whole(product.power + order) if place.is_zero else int(order)
 
 
 def _whole(order: Expr) -> int:
@@ -223,7 +232,7 @@ def _factored(polynomial: Polynomial, axis: Axis) -> _Factored:
         made = _factor(factor, axis)
         if made is None:
             continue
-        if factor.degrees()[0] == 0 and not any(_turning(factor, axis)):
+        if not _changes(factor, axis):
             sign *= made.sign_at(lambda _: arb(1)) ** exponent
         else:
             found.append((made, exponent))
@@ -241,8 +250,14 @@ def _power_of_omega(factor: Polynomial, axis: Axis) -> Expr | None:
     return None
 
 
+def _changes(factor: Polynomial, axis: Axis) -> bool:
+    """Whether a factor changes with omega: by omega itself, by an angle of a delay or by a power omega^alpha."""
+    degrees = [int(n) for n in factor.degrees()]
+    return bool(degrees[0]) or any(_turning(factor, axis)) or any(degrees[axis.size + len(axis.angles) :])
+
+
 def _turning(polynomial: Polynomial, axis: Axis) -> list[int]:
-    """The degree in the half-angle tangent of each angle that turns with omega, and of each omega^alpha as good as 0."""
+    """The degree in the half-angle tangent of each angle, 0 for the constant ones."""
     degrees = [int(n) for n in polynomial.degrees()[axis.size :]]
     return [0 if angle.constant else n for angle, n in zip(axis.angles, degrees, strict=False)]
 
@@ -299,7 +314,7 @@ class _Place:
     """A frequency of the chart, with the order of each factor that vanishes there."""
 
     omega: RealNumber
-    orders: Mapping[Factor, int]
+    orders: Mapping[Factor, Any]
     is_zero: bool = False
     undecided: frozenset[Factor] = frozenset()
 

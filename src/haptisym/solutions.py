@@ -63,6 +63,8 @@ def _solved(polynomial: Polynomial, order: int, axis: Axis) -> list[Solution]:
     elif powers:
         index = axis.size + len(axis.angles) + powers[0]
         found = _each(lambda x: (x ** (1 / axis.orders[powers[0]]), S.Zero), _roots(_row(polynomial, axis, index)))
+        if any(angle.constant and n for angle, n in zip(axis.angles, degrees[axis.size :], strict=False)):
+            found = None  # the sign of the root depends on the constant angle, which stays a name here
     else:
         found = _frequencies(polynomial, axis)
     if found is None:

@@ -19,8 +19,8 @@ def is_stable(dynamics: RationalFunction) -> bool | None:
     Rational dynamics: Routh's array, exact. With delays: the argument principle for the denominator, a quasi-polynomial
     D(s, exp(-s tau)); the turns of D(j omega) are counted on a chart of its real and imaginary part up to a frequency beyond
     which the leading term outweighs all others (Mikhailov's criterion). None where the leading term does not outweigh
-    the others (some neutral equations), where s^alpha or the describing function of friction is in the denominator, or where
-    the count stays open.
+    the others (some neutral equations) or does so only after thousands of turns, where s^alpha or the describing function
+    of friction is in the denominator, or where the count stays open.
 
     >>> from .symbols import s
     >>> from sympy import exp
@@ -107,6 +107,8 @@ def _sign(constant: RationalFunction) -> int:
 
 # Delays
 
+_MOST_TURNING = 2000  # radians that the delays turn up to that frequency: thousands of zeros take minutes
+
 
 def _mikhailov(denominator: Polynomial, ring: Ring) -> bool | None:
     leading, degree = _leading(denominator, ring)
@@ -115,6 +117,8 @@ def _mikhailov(denominator: Polynomial, ring: Ring) -> bool | None:
     if leading == 0:
         return False  # an advanced equation: chains of poles run off into the right half plane
     reach = _reach(denominator, ring)
+    if sign_of_number(reach * max(ring.lags, key=float) - _MOST_TURNING) > 0:
+        return None
     real, imag = _real_and_imag(denominator, ring)
     curve = chart({"real": real, "imag": imag}, Integer(0), reach)
     if _meets_zero(curve):
@@ -153,11 +157,14 @@ def _reach(denominator: Polynomial, ring: Ring) -> Expr:
     """A radius beyond which, for Re s >= 0, the undelayed leading term outweighs all others together (|exp(-s tau)| <= 1)."""
     terms = _terms(denominator, ring)
     degree = max(power for power, _, _ in terms)
-    own = abs_of(sum((value for power, delayed, value in terms if power == degree and not delayed), Integer(0)))
-    rivals = sum((abs_of(value) for power, delayed, value in terms if power == degree and delayed), Integer(0))
-    lower = sum((abs_of(value) for power, _, value in terms if power < degree), Integer(0))
-    # for R >= 1: own R^n - rivals R^n - lower R^(n-1) > 0 as soon as R > lower/(own - rivals)
-    return Integer(int(float(lower / (own - rivals))) + 2)
+    weights = [Integer(0)] * (degree + 1)
+    for power, delayed, value in terms:
+        weights[power] -= abs_of(value) if delayed or power < degree else -abs_of(value)
+    # the weights change sign once, so that the leading one prevails beyond any radius at which it does
+    radius = Rational(1, 1 << 20)
+    while sign_of_number(sum((w * radius**n for n, w in enumerate(weights)), Integer(0))) <= 0:
+        radius *= 2
+    return radius
 
 
 def _real_and_imag(denominator: Polynomial, ring: Ring) -> tuple[RealFunction, RealFunction]:

@@ -1,0 +1,118 @@
+"""Scenes with delays, sampling, links, friction and fractional tissue, against a scan that knows only the physics."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scan import FAMILIES, Draw, disagreements
+from sympy import Integer, Rational
+
+import haptisym as hs
+from haptisym.stability import is_stable
+
+E, F = hs.environments, hs.effects
+PAPER = E.mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m")
+FILTER = F.second_order_lowpass("80 rad/s", "0.5")
+
+
+@pytest.mark.parametrize("turn", range(20))
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_scan_in_floats_and_mpmath_finds_nothing_to_deny(family: str, turn: int) -> None:
+    """Three hundred random scenes: every crossing, cell, percept and active band is confirmed at hundreds of frequencies."""
+    case = Draw(1000 * list(FAMILIES).index(family) + turn).case(family)
+    try:
+        result = hs.evaluate(hs.parse_scene(case.text))
+    except hs.UndecidedError:  # an honest answer, but not one of a random scene
+        pytest.fail("a random scene stayed undecided")
+    assert disagreements(case, result, count=300) == []
+
+
+@pytest.mark.parametrize("k", range(13))
+def test_the_pair_beside_a_lightly_damped_resonance_is_found(k: int) -> None:
+    environment = E.mass_spring_damper("1.8 kg", Rational(1, 10**k), "100 N/m")
+    scene = hs.Scene(environment, (FILTER, F.delay("1 ms")), (0, 15), hs.Threshold.of("0.05"))
+    result = hs.evaluate(scene)
+    near = [
+        c
+        for c in result.crossings
+        if c.part is hs.Part.REAL and abs(float(c.omega) - np.sqrt(100 / 1.8)) < 2 * 10.0**-k
+    ]
+    if k >= 2:
+        assert [c.kind.value for c in near] == ["exceeds", "returns"]
+        [low, high] = (c.omega.bounds(200)[0] for c in near)
+        assert 0.3 * 10.0**-k < float(high - low) < 3 * 10.0**-k
+    if k == 6:
+        f = scene.distortion().compile()
+        assert not (f(np.linspace(1e-3, 15, 1_000_000)).ratio_real > 0.05).any(), "a grid of a million points misses it"
+
+
+@pytest.mark.parametrize("turns", [1, 10, 1000])
+def test_a_long_delay_on_a_spring_crosses_at_all_its_inverse_sines(turns: int) -> None:
+    scene = hs.Scene(E.mass_spring_damper(k=100), (F.delay(1),), (0, turns))
+    found = [float(c.omega) for c in hs.evaluate(scene).crossings if c.part is hs.Part.IMAG]
+    first = np.arcsin(0.1)
+    expected = sorted(x for n in range(turns + 2) for x in (n * np.pi + first, n * np.pi - first) if 0 < x < turns)
+    assert found == pytest.approx(expected, rel=1e-13)
+
+
+def test_commensurable_delays_add_up() -> None:
+    one = hs.evaluate(hs.Scene(PAPER, (FILTER, F.delay("3 ms")), (0, 150)))
+    two = hs.evaluate(hs.Scene(PAPER, (F.delay("1 ms"), FILTER, F.delay("2 ms")), (0, 150)))
+    assert [c.omega.digits(40) for c in one.crossings] == [c.omega.digits(40) for c in two.crossings]
+
+
+def test_a_delay_of_zero_is_no_delay() -> None:
+    assert hs.distort(PAPER, FILTER, F.delay(0)).perceived == hs.distort(PAPER, FILTER).perceived
+
+
+def test_a_four_channel_teleoperator_without_delay_is_the_environment() -> None:
+    m, b, k = hs.symbols("m b k")
+    names = hs.symbols("M_m B_m K_m M_s B_s K_s")
+    assert hs.distort(E.mass_spring_damper(m, b, k), F.four_channel_teleoperator(*names)).distortion == 0
+
+
+@pytest.mark.parametrize(("c", "crossings"), [("2", None), ("1.999999999999", 2), ("2.000000000001", 0)])
+def test_a_tangency_of_a_delayed_scene_is_said_to_be_open(c: str, crossings: int | None) -> None:
+    """r_r = 1 - cos(omega tau) has its maximum 2 at pi/tau."""
+    scene = hs.Scene(E.mass_spring_damper(k=1), (F.delay(1),), (0, 6), hs.Threshold.of(c, 5))
+    result = hs.evaluate(scene)
+    if crossings is None:
+        [touch] = [x.omega for x in result.crossings] or [point.omega for _, point in result.undecided]
+        assert float(touch) == pytest.approx(np.pi, rel=1e-12)
+        assert [x.kind.value for x in result.crossings] in ([], ["touches"])
+    else:
+        assert result.certified
+        assert len(result.crossings) == crossings
+
+
+@pytest.mark.parametrize("a", ["0.5", "1", "1.5", "1.57", "1.58", "2", "7"])
+def test_a_delayed_loop_is_stable_up_to_a_quarter_turn(a: str) -> None:
+    """s + a exp(-s) has all its zeros in the open left half plane exactly for 0 < a < pi/2."""
+    from sympy import exp
+
+    from haptisym.response import Ring
+
+    f = 1 / (hs.s + Rational(a) * exp(-hs.s))
+    assert is_stable(Ring.of([f]).convert(f).reduced()) is (float(a) < np.pi / 2)
+
+
+def test_sample_and_hold_alone_is_stable() -> None:
+    assert hs.evaluate(hs.Scene(PAPER, (F.zero_order_hold("5 ms"),))).stable is True
+
+
+def test_three_hundred_digits_of_a_delayed_crossing_are_those_of_the_inverse_sine() -> None:
+    import mpmath
+
+    scene = hs.Scene(E.mass_spring_damper(k=100), (F.delay("0.25"),), (0, 5))
+    [crossing] = [c for c in hs.evaluate(scene, 300).crossings if c.part is hs.Part.IMAG]
+    with mpmath.workdps(320):
+        assert crossing.omega.digits(300) == mpmath.nstr(4 * mpmath.asin(mpmath.mpf(1) / 10), 300, strip_zeros=False)
+
+
+def test_a_band_may_end_where_the_delay_has_made_half_a_turn() -> None:
+    scene = hs.Scene(E.mass_spring_damper(k=100), (F.delay("10 ms"),)).with_band(0, "50 Hz")
+    assert hs.evaluate(scene).certified
+
+
+def test_fractional_tissue_has_no_changeover() -> None:
+    assert hs.evaluate(hs.Scene(E.spring_pot(100, "1/4"), (), (Integer(0), Integer(5)))).changeovers_environment == ()
