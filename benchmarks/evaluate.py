@@ -16,6 +16,9 @@ from timing import machine, medians, table
 
 import haptisym as hs
 from haptisym import factors
+from haptisym.crossings import Curve, excess, find_crossings
+from haptisym.distortion import part_of
+from haptisym.roots import chart
 
 SCENE = hs.load_scene("fu2019")
 NUMBERS = {"m": "9/5", "b": "15", "k": "100", "w": "80", "z": "1/2"}
@@ -28,6 +31,22 @@ def evaluate() -> list[float]:
     scene = hs.Scene(SCENE.environment, SCENE.effects, SCENE.band, SCENE.threshold)
     result = hs.evaluate(scene)
     return [float(c.omega) for c in result.crossings if result.percepts and result.transparent]
+
+
+def crossings_only() -> list[float]:
+    """The certified crossings alone, from the scene's text values on, with empty caches."""
+    for cached in (factors._roots, factors._refined, factors._compiled, factors._order_at):
+        cached.cache_clear()
+    d = hs.distort(SCENE.environment, *SCENE.effects)
+    asked = {
+        (curve, part): f
+        for part in hs.Part
+        for curve, f in (
+            (Curve.EXCESS, excess(d, SCENE.threshold[part], part)),
+            (Curve.DIFFERENCE, part_of(d.difference_response, part)),
+        )
+    }
+    return [float(c.omega) for c in find_crossings(chart(asked, *SCENE.band))]
 
 
 def sympy_roots() -> list[float]:
@@ -68,6 +87,7 @@ def main() -> None:
     """Check that all find the same, then print the tables."""
     print(machine())
     contenders = {
+        "haptisym: crossings only, certified": crossings_only,
         "haptisym evaluate(fu2019): everything, certified": evaluate,
         "SymPy real_roots: crossings only": sympy_roots,
     }
