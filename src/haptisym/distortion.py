@@ -275,8 +275,8 @@ def _properties(response: Response) -> Properties:
 
 def _first_changeover(f: RealFunction) -> Expr | None:
     """The lowest zero or pole of odd order, where every one has a readable formula and the lowest is known."""
-    if f.is_zero:
-        return None
+    if f.is_zero or any(angle.constant for angle in f.axis.angles):
+        return None  # with s^alpha the sign of a root depends on the order, which may be a symbol
     # a denominator is a squared modulus and changes no sign, but where its zeros meet those of the numerator
     numeric = not (f.expression().free_symbols - {omega})
     poles = solve(RealFunction(f.axis.one / f.function)) if numeric else ()
