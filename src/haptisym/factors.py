@@ -15,7 +15,7 @@ from itertools import pairwise
 from typing import Any, TypeAlias
 
 import flint
-from flint import acb_poly, arb, arb_poly, arb_series, fmpz_poly
+from flint import acb_poly, arb, arb_poly, arb_series, fmpq_poly, fmpz_poly
 from sympy import Expr, Integer, Symbol, pi
 
 from .errors import UndecidedError
@@ -54,6 +54,10 @@ class Factor(ABC):
     def value(self, x: Ball) -> Ball:
         """A ball around the value at a ball of frequencies, at the current working precision."""
 
+    @abstractmethod
+    def taylor(self, x: Ball, order: int) -> Ball:
+        """A ball around the Taylor coefficient of that order (of polynomials 0 or 1) about every point of a ball."""
+
     def sign_at(self, place: Callable[[int], Ball], most_bits: int = MOST_BITS) -> int:
         """The sign at a number that is no zero, given as a function from bits to a ball; UndecidedError at the limit."""
         bits = 128
@@ -78,6 +82,13 @@ class PolynomialFactor(Factor):
 
     coefficients: tuple[tuple[int, ...], ...]
     step: int = 2
+    _hash: int = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_hash", hash((self.coefficients, self.step)))
+
+    def __hash__(self) -> int:
+        return self._hash
 
     @property
     def degree(self) -> int:
@@ -87,20 +98,39 @@ class PolynomialFactor(Factor):
     def is_rational(self) -> bool:
         return all(len(c) == 1 for c in self.coefficients)
 
-    def polynomial(self) -> arb_poly:
-        """The polynomial with balls for coefficients, at the current working precision."""
-        return arb_poly([fmpz_poly(list(c))(arb.pi()) for c in self.coefficients])
-
     def value(self, x: Ball) -> Ball:
-        return self.polynomial()(x**self.step)
+        return _at_precision(self, flint.ctx.prec)[0](x**self.step)
+
+    def taylor(self, x: Ball, order: int) -> Ball:
+        if order == 0:
+            return self.value(x)
+        return _at_precision(self, flint.ctx.prec)[1](x**self.step) * self.step * x ** (self.step - 1)
 
     def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
+        if self.is_rational and self.degree > 1:
+            with flint.ctx.workprec(128):
+                start, end = expression_ball(low).lower(), expression_ball(high).upper()
+            changes = self._sign_changes(start, end)
+            if changes < 2:
+                return [Zero(self, start, end)] * changes
         return [Root(self, i) for i in range(len(_roots(self, 128)))]
+
+    def _sign_changes(self, low: Ball, high: Ball) -> int:
+        """Descartes' bound on the zeros between two exact numbers, from p(x) (1 + t)^n at x = low + (high - low)/(1 + t).
+
+        Where it is 0 or 1 it is their number. (No end is a zero: the polynomial is irreducible, and no straight line.)
+        """
+        start, end = (x.fmpq() ** self.step for x in (low, high))
+        moved = fmpq_poly([c[0] for c in self.coefficients])(fmpq_poly([start, end - start]))
+        signs = [c > 0 for c in fmpq_poly(moved.coeffs()[::-1])(fmpq_poly([1, 1])).coeffs() if c]
+        return sum(a != b for a, b in pairwise(signs))
 
     def order_at(self, place: Expr) -> int:
         # only a linear factor vanishes at a number rational in pi, and none does at 0: powers of omega are apart
         if self.degree > 1 or place == 0:
             return 0
+        if self.is_rational and place.is_Rational:
+            return int(self.coefficients[0][0] + self.coefficients[1][0] * place**self.step == 0)
         ring = PolynomialRing(omega)
         x = ring.generators[pi]
         low, high = (sum((n * x**i for i, n in enumerate(c)), ring.constant(0)) for c in self.coefficients)
@@ -118,14 +148,19 @@ class PolynomialFactor(Factor):
             every = fmpz_poly([c[0] for c in self.coefficients]).complex_roots()
             return _positive([root.real for root, _ in every if root.imag.is_zero()])
         try:
-            isolated = _real_ones(acb_poly(self.polynomial()).roots(maxprec=4 * bits))
+            isolated = _real_ones(acb_poly(_at_precision(self, bits)[0]).roots(maxprec=4 * bits))
         except ValueError:
             return None
-        polynomial = self.polynomial()
-        slope = polynomial.derivative()
-        return _positive(
-            [_tightened(x.lower(), x.upper(), bits, polynomial.__call__, slope.__call__) for x in isolated]
-        )
+        polynomial, slope = _at_precision(self, bits)
+        return _positive([_tightened(x.lower(), x.upper(), bits, polynomial, slope) for x in isolated])
+
+
+@lru_cache(maxsize=1024)
+def _at_precision(factor: PolynomialFactor, bits: int) -> tuple[arb_poly, arb_poly]:
+    """The polynomial in omega^step with balls for coefficients, and its derivative."""
+    with flint.ctx.workprec(bits):
+        polynomial = arb_poly([fmpz_poly(list(c))(arb.pi()) for c in factor.coefficients])
+        return polynomial, polynomial.derivative()
 
 
 @lru_cache(maxsize=1024)
@@ -234,6 +269,9 @@ class AnalyticFactor(Factor):
 
     def value(self, x: Ball) -> Ball:
         return self.series(x, 1)[0]
+
+    def taylor(self, x: Ball, order: int) -> Ball:
+        return self.series(x, order + 1)[order]
 
     def series(self, x: Ball, length: int) -> arb_series:
         """Taylor coefficients of the function about every point of a ball: value, slope, half curvature, ..."""
@@ -347,9 +385,9 @@ def _compiled(factor: AnalyticFactor, bits: int) -> _Compiled:
 
 @dataclass(frozen=True)
 class Zero(RealNumber):
-    """A simple zero of an analytic factor, alone between ``low`` and ``high``, where the signs differ."""
+    """A simple zero of a factor, alone between ``low`` and ``high``, where the signs differ."""
 
-    factor: AnalyticFactor
+    factor: Factor
     low: Ball = field(compare=False)
     high: Ball = field(compare=False)
     index: int = 0
@@ -377,10 +415,10 @@ def _refined(zero: Zero, low: Ball, high: Ball, bits: int) -> Ball:
     k = zero.derivative
 
     def value(x: Ball) -> Ball:
-        return zero.factor.series(x, k + 1)[k]
+        return zero.factor.taylor(x, k)
 
     def slope(x: Ball) -> Ball:
-        return (k + 1) * zero.factor.series(x, k + 2)[k + 1]
+        return (k + 1) * zero.factor.taylor(x, k + 1)
 
     with flint.ctx.workprec(bits):
         if bits > 128:

@@ -15,7 +15,24 @@ from math import comb
 from typing import TypeAlias
 
 from flint import fmpq
-from sympy import Add, Expr, I, Integer, Pow, Rational, Symbol, cos, cosh, exp, gcd, pi, sin, sinc, sinh
+from sympy import (
+    Add,
+    Expr,
+    I,
+    Integer,
+    Pow,
+    Rational,
+    Symbol,
+    cos,
+    cosh,
+    exp,
+    gcd,
+    pi,
+    preorder_traversal,
+    sin,
+    sinc,
+    sinh,
+)
 
 from .errors import SceneError
 from .rings import Polynomial, PolynomialRing, RationalFunction, degree_in
@@ -47,11 +64,11 @@ class Ring(PolynomialRing):
     @classmethod
     def of(cls, expressions: Iterable[Expr]) -> Ring:
         """The smallest ring that holds the given expressions."""
-        listed = [_exponentials(e) for e in expressions]
-        symbols = {x for e in listed for x in e.free_symbols} - {s}
-        lags = {lag for e in listed for x in e.atoms(exp) for lag in _lags(x)}
-        orders = {_order(x)[1] for e in listed for x in e.atoms(Pow) if x.base == s and not x.exp.is_Integer}
-        return cls(symbols, _units(lags), sorted(orders, key=str), j=any(e.has(I) for e in listed))
+        found = {x for e in expressions for x in preorder_traversal(_exponentials(e))}
+        symbols = {x for x in found if isinstance(x, Symbol)} - {s}
+        lags = {lag for x in found if isinstance(x, exp) for lag in _lags(x)}
+        orders = {_order(x)[1] for x in found if isinstance(x, Pow) and x.base == s and not x.exp.is_Integer}
+        return cls(symbols, _units(lags), sorted(orders, key=str), j=I in found)
 
     def convert(self, expression: Expr) -> RationalFunction:
         if isinstance(expression, cosh | sinh):
@@ -79,6 +96,8 @@ class Ring(PolynomialRing):
 
 def _exponentials(expression: Expr) -> Expr:
     """Hyperbolic functions as exponentials."""
+    if not expression.has(cosh, sinh):
+        return expression
     return expression.replace(cosh, lambda x: (exp(x) + exp(-x)) / 2).replace(sinh, lambda x: (exp(x) - exp(-x)) / 2)
 
 

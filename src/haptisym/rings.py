@@ -93,6 +93,13 @@ class PolynomialRing:
         powers = self._powers(polynomial)
         return [powers.get(n, Integer(0)) for n in range(max(powers, default=0) + 1)]
 
+    def univariate(self, polynomial: Polynomial) -> list[fmpq] | None:
+        """The coefficients of a polynomial that is not 0, ascending, if they are rational numbers; None if they hold more."""
+        if any(polynomial.degrees()[1:]):
+            return None
+        terms = {int(exponents[0]): value for exponents, value in polynomial.to_dict().items()}
+        return [terms.get(n, fmpq(0)) for n in range(max(terms) + 1)]
+
     def _powers(self, polynomial: Polynomial) -> dict[int, Expr]:
         powers: dict[int, list[Expr]] = {}
         for (power, *rest), coefficient in polynomial.to_dict().items():

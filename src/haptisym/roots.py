@@ -10,11 +10,12 @@ from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from math import prod
 from typing import Any, TypeAlias
 
 import flint
-from flint import arb
-from sympy import Expr, Integer
+from flint import arb, fmpq, fmpq_poly
+from sympy import Expr, Integer, Rational
 
 from .errors import UndecidedError
 from .factors import MOST_BITS, AnalyticFactor, Factor, PolynomialFactor, Term, Undecided, Zero
@@ -131,45 +132,35 @@ def chart(functions: Mapping[Any, RealFunction], low: Expr, high: Expr) -> Chart
     products = {name: _product(function, known) for name, function in functions.items()}
     factors = {factor for product in products.values() for factor in product.exponents}
     places = _places(factors, low, high)
-    signs = _first_signs(factors, places)
-    points = []
+    signs = _first_signs(products, places)
+    points: list[Point] = []
     for place in places:
-        # the signs just below the low end follow from those just above it
-        before = dict(signs) if place is not places[0] else _passed(signs, place)
-        after = _passed(before, place)
-        points.append(_point(place, products, before, after))
+        orders = {name: n for name, product in products.items() if (n := _order(product, place))}
+        other_side = _turned(signs, products, orders, place)
+        if points:
+            before, after = signs, other_side
+        else:  # the signs just below the low end follow from those just above it
+            before, after = other_side, signs
+        points.append(Point(place.omega, orders, before, after, _undecided(products, place)))
         signs = after
     return Chart(tuple(points))
 
 
-_ODD = range(1, 1000, 2)  # orders; a fractional one, at 0, has no other side
+def _turned(signs: Signs, products: Mapping[Key, _Product], orders: Mapping[Key, int], place: _Place) -> dict[Key, int]:
+    """The signs of the functions on the other side of a place; below omega = 0 functions are mirrored."""
+    odd = [name for name, n in orders.items() if n % 2 and not (place.is_zero and _is_even(products[name]))]
+    return {**signs, **{name: -signs[name] for name in odd}}
 
 
-def _passed(signs: Mapping[Factor, int], place: _Place) -> dict[Factor, int]:
-    """The signs of the factors on the other side of a place."""
-    return {f: -sign if place.orders.get(f, 0) in _ODD else sign for f, sign in signs.items()}
+def _is_even(product: _Product) -> bool:
+    """Whether a function counts as even though its order at 0 is odd: powers omega^alpha have no other side."""
+    return not product.power.is_Integer or any(isinstance(f, AnalyticFactor) and f.orders for f in product.exponents)
 
 
-def _point(
-    place: _Place, products: Mapping[Key, _Product], before: Mapping[Factor, int], after: Mapping[Factor, int]
-) -> Point:
-    orders = {name: _order(product, place) for name, product in products.items()}
-    below = {name: _sign(p, before) for name, p in products.items()}
-    if place.is_zero:  # below omega = 0 functions are mirrored: even or odd, by their order
-        below = {name: _sign(p, after) * _mirror(p, orders[name]) for name, p in products.items()}
-    return Point(
-        place.omega,
-        {name: order for name, order in orders.items() if order},
-        below,
-        {name: _sign(p, after) for name, p in products.items()},
-        frozenset(name for name, p in products.items() if any(f in p.exponents for f in place.undecided)),
-    )
-
-
-def _mirror(product: _Product, order: int) -> int:
-    """1 for an even function of omega, -1 for an odd one; powers omega^alpha have no other side, and count as even."""
-    whole = product.power.is_Integer and not any(isinstance(f, AnalyticFactor) and f.orders for f in product.exponents)
-    return -1 if order % 2 and whole else 1
+def _undecided(products: Mapping[Key, _Product], place: _Place) -> frozenset[Key]:
+    if not place.undecided:
+        return frozenset()
+    return frozenset(name for name, p in products.items() if not place.undecided.isdisjoint(p.exponents))
 
 
 def _order(product: _Product, place: _Place) -> int:
@@ -183,14 +174,6 @@ def _whole(order: Expr) -> int:
         return int(order)
     sign = sign_of_number(order)
     return sign * (int(abs(float(order))) + 1)
-
-
-def _sign(product: _Product, signs: Mapping[Factor, int]) -> int:
-    sign = product.sign
-    for factor, exponent in product.exponents.items():
-        if exponent % 2:
-            sign *= signs[factor]
-    return sign
 
 
 # From functions to factors
@@ -219,6 +202,9 @@ def _product(function: RealFunction, known: list[tuple[Polynomial, _Factored]]) 
 
 def _factored(polynomial: Polynomial, axis: Axis) -> _Factored:
     """Sign, power of omega and irreducible factors; half-angle tangents made homogeneous in cosine and sine."""
+    plain = axis.univariate(polynomial)
+    if plain is not None and not axis.functions:
+        return _factored_polynomial(plain)
     # where sines meet odd powers of omega not all functions are even: then none is factored in omega^2, so that one
     # frequency is never the zero of two different factors
     number, factors = axis.factors(polynomial, in_square=not axis.functions)
@@ -238,6 +224,19 @@ def _factored(polynomial: Polynomial, axis: Axis) -> _Factored:
             found.append((made, exponent))
     cosines = [(_cosine(axis, i), -n) for i, n in enumerate(_turning(polynomial, axis)) if n]
     return sign, power, [*found, *cosines]
+
+
+def _factored_polynomial(coefficients: list[fmpq]) -> _Factored:
+    """The same for a polynomial in omega with rational coefficients, given ascending: in omega^2 where it is even."""
+    lowest = next(n for n, c in enumerate(coefficients) if c)
+    rest, step = coefficients[lowest:], 1
+    if not any(rest[1::2]):
+        rest, step = rest[::2], 2
+    number, factors = fmpq_poly(rest).factor()
+    found: list[tuple[Factor, int]] = [
+        (PolynomialFactor(tuple((int(c.p),) for c in f.coeffs()), step), n) for f, n in factors
+    ]
+    return (1 if number > 0 else -1), Integer(lowest), found
 
 
 def _power_of_omega(factor: Polynomial, axis: Axis) -> Expr | None:
@@ -351,14 +350,18 @@ def _in_order(numbers: list[RealNumber]) -> list[RealNumber]:
     raise UndecidedError(f"whether two frequencies near {float(close[0].mid()):.17g} rad/s are the same")
 
 
-def _first_signs(factors: set[Factor], places: list[_Place]) -> dict[Factor, int]:
-    """The sign of each factor between the first two places."""
+def _first_signs(products: Mapping[Key, _Product], places: list[_Place]) -> dict[Key, int]:
+    """The sign of each function between the first two places."""
     first, second = places[0].omega, places[1].omega
 
     def between(bits: int) -> Ball:
         return (first.ball(bits) + second.ball(bits)) / 2
 
-    return {factor: factor.sign_at(between) for factor in factors}
+    signs = {factor: factor.sign_at(between) for factor in {f for p in products.values() for f in p.exponents}}
+    return {
+        name: p.sign * prod(signs[factor] for factor, exponent in p.exponents.items() if exponent % 2)
+        for name, p in products.items()
+    }
 
 
 def sign_of_number(value: Expr) -> int:
@@ -368,6 +371,8 @@ def sign_of_number(value: Expr) -> int:
     >>> sign_of_number(pi - Integer(3)), sign_of_number(Integer(0))
     (1, 0)
     """
+    if isinstance(value, Rational):
+        return int(value.p > 0) - int(value.p < 0)
     if PolynomialRing(omega).convert(value).is_zero:
         return 0
     bits = 64

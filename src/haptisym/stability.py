@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from functools import reduce
 from itertools import pairwise
+from math import prod
 
 from sympy import Expr, I, Integer, Rational
 
 from .errors import UndecidedError
 from .response import Axis, RealFunction, Ring
-from .rings import Polynomial, RationalFunction, degree_in
+from .rings import Polynomial, PolynomialRing, RationalFunction, degree_in
 from .roots import Chart, chart, sign_of_number
 
 
@@ -102,7 +103,14 @@ def _next_row(above: list[RationalFunction], row: list[RationalFunction]) -> lis
 
 
 def _sign(constant: RationalFunction) -> int:
-    return sign_of_number(constant.expression())
+    return prod(_sign_of(p, constant.ring) for p in (constant.numerator, constant.denominator))
+
+
+def _sign_of(constant: Polynomial, ring: PolynomialRing) -> int:
+    if not constant.is_constant():  # it holds pi
+        return sign_of_number(ring.expression(constant))
+    number = constant.coeffs()[0] if constant else 0
+    return int(number > 0) - int(number < 0)
 
 
 # Delays
