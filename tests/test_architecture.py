@@ -17,10 +17,12 @@ LAYERS = """
 errors symbols
 expressions rings reals numeric
 quantities response factors formula
+levels
 roots solutions
 catalogue jnd stability
 environments effects distortion
 scene crossings
+peaks
 percepts
 answers scenefile
 text

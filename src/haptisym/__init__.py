@@ -15,6 +15,7 @@ from .errors import ExpressionError, HaptisymError, SceneError, UndecidedError
 from .evaluation import Evaluation, evaluate
 from .jnd import Part, Threshold
 from .latex import latex
+from .peaks import Peak, peaks
 from .percepts import Change, Percept, Property
 from .scene import Scene
 from .scenefile import load_scene, parse_scene, scene_names
@@ -33,6 +34,7 @@ __all__ = [
     "ExpressionError",
     "HaptisymError",
     "Part",
+    "Peak",
     "Percept",
     "Property",
     "Scene",
@@ -47,6 +49,7 @@ __all__ = [
     "load_scene",
     "omega",
     "parse_scene",
+    "peaks",
     "s",
     "scene_names",
     "symbols",

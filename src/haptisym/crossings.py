@@ -8,7 +8,8 @@ from enum import Enum
 from sympy import Expr
 
 from .distortion import Distortion, part_of
-from .jnd import Part, Threshold
+from .jnd import Part, Threshold, is_irrational_algebraic
+from .levels import Level, algebraic
 from .reals import ExactNumber, RealNumber
 from .response import RealFunction, on_axis
 from .rings import RationalFunction
@@ -46,13 +47,13 @@ class Curve(Enum):
     SUM = "Re or Im of H_env + H_perc; its sign times that of dH compares the magnitudes"
 
 
-def curves(d: Distortion, threshold: Threshold) -> dict[tuple[Curve, Part], RealFunction]:
+def curves(d: Distortion, threshold: Threshold) -> dict[tuple[Curve, Part], RealFunction | Level]:
     """All real functions that an evaluation asks about."""
     both = RationalFunction(d.env.ring, d.env.numerator, d.env.denominator) + d.perc
     total = on_axis(both.reduced())
-    found = {}
+    found: dict[tuple[Curve, Part], RealFunction | Level] = {}
     for part in Part:
-        found[Curve.EXCESS, part] = excess(d, threshold[part], part)
+        found[Curve.EXCESS, part] = _excess(d, threshold[part], part)
         found[Curve.ENVIRONMENT, part] = part_of(d.env_response, part)
         found[Curve.PERCEIVED, part] = part_of(d.perc_response, part)
         found[Curve.DIFFERENCE, part] = part_of(d.difference_response, part)
@@ -66,9 +67,17 @@ def excess(d: Distortion, c: Expr, part: Part) -> RealFunction:
     As common factors are gone, a resonance at which H_env and dH vanish together invents no crossing.
     """
     square = d.squared_ratios[part].function
-    limit = square.ring.convert(c) ** 2
+    limit = square.ring.convert((c**2).expand())
     top = square.numerator * limit.denominator - limit.numerator * square.denominator
     return RealFunction(RationalFunction(square.ring, top, square.denominator * limit.denominator))
+
+
+def _excess(d: Distortion, c: Expr, part: Part) -> RealFunction | Level:
+    """The same for any threshold; one whose square is not rational is an algebraic number that the ratio is held against."""
+    square = (c**2).expand()
+    if is_irrational_algebraic(square):
+        return Level(d.squared_ratios[part], algebraic(square))
+    return excess(d, c, part)
 
 
 def find_crossings(chart: Chart) -> tuple[Crossing, ...]:

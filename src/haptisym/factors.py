@@ -15,7 +15,7 @@ from itertools import pairwise
 from typing import Any, TypeAlias
 
 import flint
-from flint import acb_poly, arb, arb_poly, arb_series, fmpq_poly, fmpz_poly
+from flint import acb_poly, arb, arb_poly, arb_series, fmpq, fmpq_poly, fmpz_poly
 from sympy import Expr, Integer, Symbol, pi
 
 from .errors import UndecidedError
@@ -54,9 +54,9 @@ class Factor(ABC):
     def value(self, x: Ball) -> Ball:
         """A ball around the value at a ball of frequencies, at the current working precision."""
 
-    @abstractmethod
-    def taylor(self, x: Ball, order: int) -> Ball:
-        """A ball around the Taylor coefficient of that order (of polynomials 0 or 1) about every point of a ball."""
+    def multiplicity(self, zero: RealNumber) -> int:
+        """The order of one of the zeros; that of a tangency that stayed undecided is taken as 2."""
+        return 2 if isinstance(zero, Undecided) else 1
 
     def sign_at(self, place: Callable[[int], Ball], most_bits: int = MOST_BITS) -> int:
         """The sign at a number that is no zero, given as a function from bits to a ball; UndecidedError at the limit."""
@@ -102,6 +102,7 @@ class PolynomialFactor(Factor):
         return _at_precision(self, flint.ctx.prec)[0](x**self.step)
 
     def taylor(self, x: Ball, order: int) -> Ball:
+        """A ball around the Taylor coefficient of order 0 or 1 about every point of a ball of frequencies."""
         if order == 0:
             return self.value(x)
         return _at_precision(self, flint.ctx.prec)[1](x**self.step) * self.step * x ** (self.step - 1)
@@ -113,6 +114,10 @@ class PolynomialFactor(Factor):
             changes = self._sign_changes(start, end)
             if changes < 2:
                 return [Zero(self, start, end)] * changes
+        return list(self.positive_roots())
+
+    def positive_roots(self) -> list[Root]:
+        """All positive zeros, ascending."""
         return [Root(self, i) for i in range(len(_roots(self, 128)))]
 
     def _sign_changes(self, low: Ball, high: Ball) -> int:
@@ -153,6 +158,17 @@ class PolynomialFactor(Factor):
             return None
         polynomial, slope = _at_precision(self, bits)
         return _positive([_tightened(x.lower(), x.upper(), bits, polynomial, slope) for x in isolated])
+
+
+def polynomial_factors(coefficients: list[fmpq]) -> tuple[int, int, list[tuple[PolynomialFactor, int]]]:
+    """Sign, power of omega and irreducible factors of a polynomial in omega, given ascending: in omega^2 where it is even."""
+    lowest = next(n for n, c in enumerate(coefficients) if c)
+    rest, step = coefficients[lowest:], 1
+    if not any(rest[1::2]):
+        rest, step = rest[::2], 2
+    number, factors = fmpq_poly(rest).factor()
+    found = [(PolynomialFactor(tuple((int(c.p),) for c in f.coeffs()), step), n) for f, n in factors]
+    return (1 if number > 0 else -1), lowest, found
 
 
 @lru_cache(maxsize=1024)
@@ -271,6 +287,7 @@ class AnalyticFactor(Factor):
         return self.series(x, 1)[0]
 
     def taylor(self, x: Ball, order: int) -> Ball:
+        """A ball around the Taylor coefficient of that order about every point of a ball of frequencies."""
         return self.series(x, order + 1)[order]
 
     def series(self, x: Ball, length: int) -> arb_series:
@@ -387,7 +404,7 @@ def _compiled(factor: AnalyticFactor, bits: int) -> _Compiled:
 class Zero(RealNumber):
     """A simple zero of a factor, alone between ``low`` and ``high``, where the signs differ."""
 
-    factor: Factor
+    factor: PolynomialFactor | AnalyticFactor
     low: Ball = field(compare=False)
     high: Ball = field(compare=False)
     index: int = 0

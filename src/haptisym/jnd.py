@@ -25,6 +25,7 @@ class Part(Enum):
 class Threshold:
     """The JND c of eq. (4): a change of Re H or Im H is noticed when it exceeds that fraction of ``|H|``.
 
+    Each a number > 0: rational, rational in pi, or algebraic as a SymPy expression (for scenes whose numbers are rational).
     Source: Fu, van Paassen and Mulder (2019), eq. (4); 10 % for the impedances of manual control.
 
     >>> Threshold.of(0.1)
@@ -48,6 +49,8 @@ class Threshold:
 
 
 def _fraction(key: str, given: Number) -> Expr:
+    if isinstance(given, Expr) and is_irrational_algebraic(given) and given.evalf() > 0:
+        return given
     try:
         value = quantity(given, Dimension.RATIO).value
     except SceneError as error:
@@ -55,3 +58,8 @@ def _fraction(key: str, given: Number) -> Expr:
     if value.free_symbols or sign_of_number(value) <= 0:
         raise SceneError(f'{key}: "{given}" must be a number > 0')
     return value
+
+
+def is_irrational_algebraic(value: Expr) -> bool:
+    """Whether a number is real and algebraic, but not rational."""
+    return bool(value.is_number and not value.is_Rational and value.is_algebraic and value.is_real)

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
 from functools import reduce
 from operator import add, mul
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import flint
 from flint import arb, fmpq
-from sympy import Add, Expr, Integer, Mul, Pow, Rational, cos, pi, sin
+from sympy import Add, Expr, Integer, Mul, Pow, Rational, cos, pi, sin, sinc
 
 from .errors import UndecidedError
 
@@ -96,23 +98,28 @@ class ExactNumber(RealNumber):
         return str(self.value)
 
 
-def expression_ball(value: Expr) -> Ball:
-    """A ball around a number made of rational numbers, pi, roots, sines and cosines, at the current working precision."""
+_FUNCTIONS: dict[Any, Callable[[Ball], Ball]] = {cos: arb.cos, sin: arb.sin, sinc: arb.sinc}
+
+
+def expression_ball(value: Expr, known: Mapping[Expr, Ball] = MappingProxyType({})) -> Ball:
+    """A ball around a number made of rational numbers, pi, roots, sines and cosines, at the current working precision.
+
+    ``known``: balls that symbols stand for.
+    """
+    if value in known:
+        return known[value]
     if isinstance(value, Rational):
         return arb(fmpq(int(value.p), int(value.q)))
     if value == pi:
         return arb.pi()
-    if isinstance(value, Add):
-        return reduce(add, map(expression_ball, value.args))
-    if isinstance(value, Mul):
-        return reduce(mul, map(expression_ball, value.args))
+    if isinstance(value, Add | Mul):
+        return reduce(add if isinstance(value, Add) else mul, (expression_ball(x, known) for x in value.args))
     if isinstance(value, Pow) and isinstance(value.exp, Integer):
-        return expression_ball(value.base) ** int(value.exp)
+        return expression_ball(value.base, known) ** int(value.exp)
     if isinstance(value, Pow) and isinstance(value.exp, Rational):
-        return (expression_ball(value.base).log() * expression_ball(value.exp)).exp()
-    if isinstance(value, cos | sin):
-        argument = expression_ball(value.args[0])
-        return argument.cos() if isinstance(value, cos) else argument.sin()
+        return (expression_ball(value.base, known).log() * expression_ball(value.exp)).exp()
+    if value.func in _FUNCTIONS:
+        return _FUNCTIONS[value.func](expression_ball(value.args[0], known))
     raise TypeError(f"{value} is not a real number made of rational numbers, pi, roots, sines and cosines")
 
 

@@ -35,6 +35,7 @@ from sympy import (
 )
 
 from .errors import SceneError
+from .reals import Ball, expression_ball
 from .rings import Polynomial, PolynomialRing, RationalFunction, degree_in
 from .symbols import omega, s
 
@@ -213,6 +214,18 @@ class Axis(PolynomialRing):
             x, y = x - y * factor, y + x * factor
         return x, y
 
+    def derivative(self, polynomial: Polynomial) -> RationalFunction:
+        """d/d omega, with d tan(a/2) = (1 + tan(a/2)^2)/2 da and d omega^alpha = alpha omega^(alpha - 1) d omega."""
+        total = self.function(polynomial.derivative(0))
+        for i, angle in enumerate(self.angles, self.size):
+            if not angle.constant:
+                turned = (1 + self.context.gens()[i] ** 2) * polynomial.derivative(i)
+                total += self.convert(angle.rate / 2) * self.function(turned)
+        for i, order in enumerate(self.orders, self.size + len(self.angles)):
+            raised = self.context.gens()[i] * polynomial.derivative(i)
+            total += self.convert(order) * self.function(raised, self.variable)
+        return total
+
     def trigonometric(self, function: RationalFunction) -> RationalFunction:
         """The function in cosines and sines of the angles and their multiples, as a person would write it."""
         degrees = [
@@ -348,6 +361,27 @@ class RealFunction:
     def is_zero(self) -> bool:
         return self.function.is_zero
 
+    def derivative(self) -> RealFunction:
+        """d/d omega, in lowest terms.
+
+        >>> RealFunction(Ring().axis.convert(1 / (omega**2 + 1))).derivative().factored()
+        -2*omega/(omega**2 + 1)**2
+        """
+        top, bottom = (self.axis.function(p) for p in (self.function.numerator, self.function.denominator))
+        above, below = (self.axis.derivative(p.numerator) for p in (top, bottom))
+        return RealFunction(((above * bottom - top * below) / (bottom * bottom)).reduced())
+
+    def ball(self, x: Ball) -> Ball:
+        """A ball around the values at a ball of frequencies, at the current working precision; no symbol may be left."""
+        ring = self._in_half_angles.ring
+        values = {g: expression_ball(g, {omega: x}) for g in ring.meanings if not g.is_Symbol or g == omega}
+        above, below = self._in_half_angles.numerator, self._in_half_angles.denominator
+        return ring.ball(above, values) / ring.ball(below, values)
+
+    @cached_property
+    def _in_half_angles(self) -> RationalFunction:
+        return self.axis.half_angles(self.function) if self.axis.angles else self.function
+
     @property
     def axis(self) -> Axis:
         ring = self.function.ring
@@ -369,4 +403,4 @@ class RealFunction:
 
     def stable(self) -> Expr:
         """The closed form for floats: half angles, so that 1 - cos x is 2 sin(x/2)^2 and keeps its digits."""
-        return (self.axis.half_angles(self.function) if self.axis.angles else self.function).factored()
+        return self._in_half_angles.factored()

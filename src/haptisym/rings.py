@@ -7,14 +7,14 @@ and exponentials of different delays are algebraically independent, so that test
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from math import gcd, lcm
 from operator import add, mul
 from typing import Any, TypeAlias
 
-from flint import Ordering, fmpq, fmpq_mpoly_ctx
+from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx
 from sympy import Add, Expr, Integer, Mul, Pow, Rational, Symbol, pi
 
 from .errors import SceneError
@@ -92,6 +92,18 @@ class PolynomialRing:
         """The coefficients of a polynomial, ascending in powers of the variable."""
         powers = self._powers(polynomial)
         return [powers.get(n, Integer(0)) for n in range(max(powers, default=0) + 1)]
+
+    def ball(self, polynomial: Polynomial, values: Mapping[Expr, Any]) -> Any:
+        """A ball around a polynomial's value where its variables are worth these balls, at the current working precision."""
+        known: list[Any] = [values.get(x) for x in self.meanings]
+        total = arb(0)
+        for exponents, coefficient in polynomial.to_dict().items():
+            term = arb(coefficient)
+            for x, n in zip(known, exponents, strict=True):
+                if n:
+                    term = term * x ** int(n)
+            total = total + term
+        return total
 
     def univariate(self, polynomial: Polynomial) -> list[fmpq] | None:
         """The coefficients of a polynomial that is not 0, ascending, if they are rational numbers; None if they hold more."""

@@ -8,20 +8,21 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import prod
 from typing import Any, TypeAlias
 
 import flint
-from flint import arb, fmpq, fmpq_poly
+from flint import arb
 from sympy import Expr, Integer, Rational
 
 from .errors import UndecidedError
-from .factors import MOST_BITS, AnalyticFactor, Factor, PolynomialFactor, Term, Undecided, Zero
+from .factors import MOST_BITS, AnalyticFactor, Factor, PolynomialFactor, Term, Undecided, Zero, polynomial_factors
+from .levels import Level
 from .reals import Ball, ExactNumber, RealNumber, expression_ball
 from .response import Axis, RealFunction
-from .rings import Polynomial, PolynomialRing
+from .rings import Polynomial, PolynomialRing, RationalFunction
 from .symbols import omega
 
 Key: TypeAlias = Hashable
@@ -110,7 +111,7 @@ class _Product:
     exponents: Mapping[Factor, int]
 
 
-def chart(functions: Mapping[Any, RealFunction], low: Expr, high: Expr) -> Chart:
+def chart(functions: Mapping[Any, RealFunction | Level], low: Expr, high: Expr) -> Chart:
     """The chart of real functions of omega on the band from ``low`` to ``high`` (0 <= low < high, rational in pi).
 
     Guaranteed: every zero and every pole on the closed band is a point; no other frequency is; all orders and signs are
@@ -182,8 +183,11 @@ def _whole(order: Expr) -> int:
 _Factored: TypeAlias = tuple[int, Expr, list[tuple[Factor, int]]]
 
 
-def _product(function: RealFunction, known: list[tuple[Polynomial, _Factored]]) -> _Product:
+def _product(function: RealFunction | Level, known: list[tuple[Polynomial, _Factored]]) -> _Product:
     """The function taken apart; ``known`` gathers polynomials that are, as denominators are mostly alike."""
+    if isinstance(function, Level):
+        below = _product(RealFunction(function.function.axis.one / _denominator(function.function)), known)
+        return replace(below, exponents={**below.exponents, function.factor: 1})
     top, bottom = function.function.numerator, function.function.denominator
     if top.is_zero():
         return _Product(0, Integer(0), {})
@@ -200,11 +204,16 @@ def _product(function: RealFunction, known: list[tuple[Polynomial, _Factored]]) 
     return _Product(sign, power, {factor: n for factor, n in exponents.items() if n})
 
 
+def _denominator(function: RealFunction) -> RationalFunction:
+    return function.axis.function(function.function.denominator)
+
+
 def _factored(polynomial: Polynomial, axis: Axis) -> _Factored:
     """Sign, power of omega and irreducible factors; half-angle tangents made homogeneous in cosine and sine."""
     plain = axis.univariate(polynomial)
     if plain is not None and not axis.functions:
-        return _factored_polynomial(plain)
+        own_sign, lowest, simple = polynomial_factors(plain)
+        return own_sign, Integer(lowest), [*simple]
     # where sines meet odd powers of omega not all functions are even: then none is factored in omega^2, so that one
     # frequency is never the zero of two different factors
     number, factors = axis.factors(polynomial, in_square=not axis.functions)
@@ -224,19 +233,6 @@ def _factored(polynomial: Polynomial, axis: Axis) -> _Factored:
             found.append((made, exponent))
     cosines = [(_cosine(axis, i), -n) for i, n in enumerate(_turning(polynomial, axis)) if n]
     return sign, power, [*found, *cosines]
-
-
-def _factored_polynomial(coefficients: list[fmpq]) -> _Factored:
-    """The same for a polynomial in omega with rational coefficients, given ascending: in omega^2 where it is even."""
-    lowest = next(n for n, c in enumerate(coefficients) if c)
-    rest, step = coefficients[lowest:], 1
-    if not any(rest[1::2]):
-        rest, step = rest[::2], 2
-    number, factors = fmpq_poly(rest).factor()
-    found: list[tuple[Factor, int]] = [
-        (PolynomialFactor(tuple((int(c.p),) for c in f.coeffs()), step), n) for f, n in factors
-    ]
-    return (1 if number > 0 else -1), Integer(lowest), found
 
 
 def _power_of_omega(factor: Polynomial, axis: Axis) -> Expr | None:
@@ -323,18 +319,15 @@ def _places(factors: set[Factor], low: Expr, high: Expr) -> list[_Place]:
     ends = [ExactNumber(low), ExactNumber(high)]
     at_ends = [{f: n for f in factors if (n := f.order_at(end.value))} for end in ends]
     # a polynomial factor that vanishes at an end is linear, and that is its one zero
-    done = {f for found in at_ends for f in found if isinstance(f, PolynomialFactor)}
-    zeros = {number: f for f in factors if f not in done for number in f.zeros(low, high)}
+    done: set[Factor] = {f for found in at_ends for f in found if isinstance(f, PolynomialFactor)}
+    zeros: dict[RealNumber, dict[Factor, int]] = {}
+    for f in factors - done:
+        for number in f.zeros(low, high):
+            zeros.setdefault(number, {})[f] = f.multiplicity(number)
     ordered = _in_order([*ends, *zeros])
     inside = ordered[ordered.index(ends[0]) + 1 : ordered.index(ends[1])]
-    middle = [_zero_place(number, zeros[number]) for number in inside]
+    middle = [_Place(x, zeros[x], undecided=frozenset(zeros[x] if isinstance(x, Undecided) else ())) for x in inside]
     return [_Place(ends[0], at_ends[0], is_zero=low == 0), *middle, _Place(ends[1], at_ends[1])]
-
-
-def _zero_place(number: RealNumber, factor: Factor) -> _Place:
-    if isinstance(number, Undecided):
-        return _Place(number, {factor: 2}, undecided=frozenset([factor]))
-    return _Place(number, {factor: 1})
 
 
 def _in_order(numbers: list[RealNumber]) -> list[RealNumber]:

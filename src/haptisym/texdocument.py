@@ -25,6 +25,7 @@ from .texresults import (
     short,
     stability,
     tables,
+    threshold_value,
     transparency,
 )
 
@@ -203,10 +204,10 @@ def _through(e: Evaluation) -> str:
 
 
 def _limits(e: Evaluation) -> str:
-    c = e.scene.threshold
-    if c.real == c.imag:
-        return f"the fraction $c = {formula(c.real)}$"
-    return f"the fraction $c = {formula(c.real)}$ (real) or $c = {formula(c.imag)}$ (imaginary)"
+    real, imag = (threshold_value(e, part) for part in Part)
+    if real == imag:
+        return f"the fraction $c {real}$"
+    return f"the fraction $c {real}$ (real) or $c {imag}$ (imaginary)"
 
 
 def _value(p: Parameter) -> str:

@@ -15,12 +15,12 @@ from .catalogue import values
 from .crossings import excess
 from .distortion import Distortion
 from .evaluation import Evaluation
-from .jnd import Part
+from .jnd import Part, is_irrational_algebraic
 from .latex import ClosedForms
 from .response import on_axis
 from .rings import Polynomial, PolynomialRing, RationalFunction
 from .roots import sign_of_number
-from .symbols import omega, s
+from .symbols import c, omega, s
 from .texlines import Row, is_long
 from .texnames import approximate
 from .texprinter import formula
@@ -79,7 +79,9 @@ class SceneForms:
     def threshold(self, part: Part) -> Row:
         """The polynomial in omega^2 that is positive exactly where the ratio exceeds its threshold, in factors."""
         left = rf"p_{'r' if part is Part.REAL else 'i'}(\omega)"
-        function = excess(self.evaluation.distortion, self.evaluation.scene.threshold[part], part).written
+        given = self.evaluation.scene.threshold[part]
+        limit = c if is_irrational_algebraic(given**2) else given
+        function = excess(self.evaluation.distortion, limit, part).written
         if function.is_zero:
             return Row(left, S.Zero)
         unit, factors = function.ring.factors(function.numerator)

@@ -9,7 +9,7 @@ import flint
 
 from .crossings import Crossing, CrossingKind
 from .evaluation import Evaluation
-from .jnd import Part
+from .jnd import Part, is_irrational_algebraic
 from .percepts import Percept, Property
 from .reals import Ball, RealNumber
 from .roots import Interval, Point
@@ -37,6 +37,12 @@ class Hertz(RealNumber):
             return self.omega.ball(bits) / (2 * flint.arb.pi())
 
 
+def threshold_value(e: Evaluation, part: Part) -> str:
+    """The threshold after its sign: of equality, or of approximation where it is an irrational algebraic number."""
+    c = e.scene.threshold[part]
+    return rf"\approx {formula(c.evalf(12))}" if is_irrational_algebraic(c) else f"= {formula(c)}"
+
+
 # Step 1.
 
 
@@ -56,7 +62,7 @@ _LONG_NUMBER = 25  # digits; a longer one is set on several lines
 
 
 def _crossing(e: Evaluation, c: Crossing) -> list[str]:
-    event = f"${RATIOS[c.part]}$ {_VERBS[c.kind]} ${formula(e.scene.threshold[c.part])}$"
+    event = f"${RATIOS[c.part]}$ {_VERBS[c.kind]} ${threshold_value(e, c.part).removeprefix('= ')}$"
     sense = rf"${SIGNS[c.part]} \Delta H {'>' if c.sign > 0 else '<'} 0$"
     digits = c.omega.digits(e.digits)
     if len(digits) > _LONG_NUMBER:

@@ -1,0 +1,99 @@
+"""Where a distortion is largest, and how large: the local maxima of the ratios, exact."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import flint
+from flint import Ordering, fmpq, fmpq_mpoly_ctx, fmpq_poly
+from sympy import CRootOf, Expr, Poly, Symbol, sqrt
+
+from .factors import PolynomialFactor, Root, Zero
+from .jnd import Part
+from .levels import the_one
+from .reals import Ball, RealNumber
+from .response import RealFunction
+from .roots import chart
+from .scene import Scene
+
+
+@dataclass(frozen=True)
+class _Ratio(RealNumber):
+    """The square root of a real function's value at a frequency."""
+
+    square: RealFunction
+    omega: RealNumber
+
+    def ball(self, bits: int) -> Ball:
+        return self.squared(bits).sqrt()
+
+    def squared(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            return self.square.ball(self.omega.ball(bits))
+
+
+@dataclass(frozen=True)
+class Peak:
+    """A frequency inside the band, rad/s, at which r_r or r_i has a local maximum; ``ratio``: how large it is. Certified."""
+
+    part: Part
+    omega: RealNumber
+    square: RealFunction = field(repr=False)
+
+    @property
+    def ratio(self) -> _Ratio:
+        return _Ratio(self.square, self.omega)
+
+    @cached_property
+    def threshold(self) -> Expr | None:
+        """The ratio as an exact algebraic number, fit for a ``Threshold``: the display then touches it here.
+
+        None where the numbers of the scene are not all rational.
+        """
+        f, axis = self.square.function, self.square.axis
+        top, bottom = (axis.univariate(p) for p in (f.numerator, f.denominator))
+        zero = self.omega.factor if isinstance(self.omega, Root | Zero) else None
+        if axis.functions or top is None or bottom is None or not isinstance(zero, PolynomialFactor):
+            return None
+        return sqrt(_algebraic(_eliminated(top, bottom, zero), self.ratio.squared))
+
+
+def peaks(scene: Scene) -> tuple[Peak, ...]:
+    """All local maxima of r_r and r_i inside the band, in ascending order: proven, none missed, none invented.
+
+    >>> from . import effects, environments
+    >>> spring = Scene(environments.mass_spring_damper(k=100), (effects.series("1 + 0.4*s/(s^2 + 2*s + 9)"),))
+    >>> [(p.part.value, p.omega.digits(3), p.ratio.digits(3), p.threshold) for p in peaks(spring)]
+    [('imag', '2.16', '0.100', 1/10), ('real', '3.00', '0.200', 1/5), ('imag', '4.16', '0.100', 1/10)]
+    """
+    squares = scene.distortion().squared_ratios
+    slopes = {part: square.derivative() for part, square in squares.items()}
+    points = chart(slopes, *scene.band).points[1:-1]
+    return tuple(
+        Peak(part, x.omega, squares[part])
+        for x in points
+        for part in Part
+        if x.orders.get(part, 0) > 0 and x.before[part] > 0 > x.after[part]
+    )
+
+
+def _eliminated(top: list[fmpq], bottom: list[fmpq], zero: PolynomialFactor) -> list[fmpq]:
+    """A polynomial that the value top/bottom at a zero of a polynomial satisfies: coefficients, ascending."""
+    context = fmpq_mpoly_ctx.get(("x", "value"), Ordering.lex)
+    x, value = context.gens()
+    above, below = (sum((n * x**i for i, n in enumerate(row)), context.constant(0)) for row in (top, bottom))
+    at = sum((n * x ** (i * zero.step) for i, (n,) in enumerate(zero.coefficients)), context.constant(0))
+    found = {int(e[1]): c for e, c in at.resultant(above - value * below, "x").to_dict().items()}
+    return [found.get(n, fmpq(0)) for n in range(max(found) + 1)]
+
+
+def _algebraic(polynomial: list[fmpq], near: Callable[[int], Ball]) -> Expr:
+    """The root of a polynomial that is this positive number, given by balls around it."""
+    factors = [
+        PolynomialFactor(tuple((int(c.p),) for c in f.coeffs()), 1) for f, _ in fmpq_poly(polynomial).factor()[1]
+    ]
+    root = the_one([x for f in factors for x in f.positive_roots()], near)
+    minimal = Poly([c for (c,) in root.factor.coefficients[::-1]], Symbol("x"))
+    return CRootOf(minimal, root.index + minimal.count_roots(None, 0))
