@@ -21,6 +21,12 @@ def test_the_examples_of_the_readme_run() -> None:
     assert result.failed == 0
 
 
+def test_the_examples_of_the_page_on_evidence_run() -> None:
+    result = doctest.testfile(str(ROOT / "docs" / "evidence.md"), module_relative=False)
+    assert result.attempted >= 6
+    assert result.failed == 0
+
+
 @pytest.mark.parametrize("model", [*ENVIRONMENTS.values(), *EFFECTS.values()], ids=lambda m: m.name)
 def test_the_scene_reference_lists_every_model_with_its_parameters(model: Model) -> None:
     [row] = [line for line in REFERENCE.splitlines() if line.startswith(f"| `{model.name}` |")]

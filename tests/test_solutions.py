@@ -8,7 +8,8 @@ from sympy import Integer, Rational, acos, asin, pi, sqrt
 import haptisym as hs
 from haptisym import catalogue
 from haptisym.crossings import excess
-from haptisym.distortion import Distortion
+from haptisym.distortion import Distortion, part_of
+from haptisym.roots import chart
 from haptisym.solutions import solve
 from haptisym.symbols import c, omega
 
@@ -77,11 +78,25 @@ def test_a_delay_on_a_spring_is_noticed_at_the_inverse_sine_and_cosine() -> None
         (E.mass_spring_damper(M, B, K), (), sqrt(K) / sqrt(M)),
         (E.kelvin_voigt(K, B), (F.shunt(m=M),), sqrt(K) / sqrt(M)),
         (E.mass_spring_damper(k=K), (F.delay(TAU),), pi / (2 * TAU)),
+        (E.mass_spring_damper(b=B), (F.delay(TAU),), pi / TAU),
         (E.kelvin_voigt(K, B), (), None),
     ],
 )
 def test_changeovers_of_models_of_few_parameters_are_formulas(environment, effects, expected) -> None:  # type: ignore[no-untyped-def]
     assert hs.distort(environment, *effects).changeover_perceived == expected
+
+
+@pytest.mark.parametrize("part", list(hs.Part), ids=lambda p: p.value)
+@pytest.mark.parametrize("name", [name for name in CASES if "delay" in name])
+def test_formulas_give_every_zero_of_what_is_felt_behind_a_delay(name: str, part: hs.Part) -> None:
+    high, found = 500, set()
+    for solution in solve(part_of(symbolic(name).perc_response, part)):
+        first, period = (x.xreplace(NUMBERS).evalf(30) for x in (solution.omega, solution.period))
+        assert 0 < first <= period
+        found |= {round(float(first + turn * period), 9) for turn in range(9) if first + turn * period < high}
+    felt = part_of(numeric_scene(name, high).distortion().perc_response, part)
+    points = chart({"felt": felt}, Integer(0), Integer(high)).points[1:-1]
+    assert sorted(found) == [round(float(x.omega), 9) for x in points if x.orders]
 
 
 def test_what_cannot_be_inverted_is_its_own_answer() -> None:

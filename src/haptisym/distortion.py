@@ -286,4 +286,7 @@ def _first_changeover(f: RealFunction) -> Expr | None:
         return None
     if all(x.is_number for x in found):
         return min(found)
+    lowest = [x for x in found if all(x is other or (x - other).is_negative for other in found)]
+    if lowest:
+        return lowest[0]
     return found[0] if len({x.equation for x in odd}) == 1 else None

@@ -8,7 +8,7 @@ cannot be told from simple pairs. A factor knows all its zeros in an interval, i
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, reduce
 from itertools import pairwise
@@ -25,13 +25,19 @@ from .symbols import omega
 
 MOST_BITS = 1 << 13
 """The precision at which a question about an analytic function is given up as undecided."""
-_TAYLOR_ORDER = 10
+_TAYLOR_ORDER = 6
 _MOST_BITS_EXACT = 1 << 20  # polynomials are always decided; this only bounds a mistake of ours
 
 
 def rounded_up(bits: int) -> int:
     """The next power of two, at least 128: so that questions of about the same precision share one isolation."""
     return max(128, 1 << (bits - 1).bit_length())
+
+
+def _around(low: Expr, high: Expr) -> tuple[Ball, Ball]:
+    """Dyadic numbers that enclose an interval."""
+    with flint.ctx.workprec(128):
+        return expression_ball(low).lower(), expression_ball(high).upper()
 
 
 def _is_clear(ball: Ball) -> bool:
@@ -53,6 +59,10 @@ class Factor(ABC):
     @abstractmethod
     def value(self, x: Ball) -> Ball:
         """A ball around the value at a ball of frequencies, at the current working precision."""
+
+    def steady_sign(self, low: Expr, high: Expr) -> int:
+        """The sign all over a closed interval where a quick look shows that there is no zero on it; 0 where it does not."""
+        return 0
 
     def multiplicity(self, zero: RealNumber) -> int:
         """The order of one of the zeros; that of a tangency that stayed undecided is taken as 2."""
@@ -107,12 +117,20 @@ class PolynomialFactor(Factor):
             return self.value(x)
         return _at_precision(self, flint.ctx.prec)[1](x**self.step) * self.step * x ** (self.step - 1)
 
+    def steady_sign(self, low: Expr, high: Expr) -> int:
+        if not self.is_rational:
+            return 0
+        moved = self._moved(*_around(low, high))
+        signs = {c > 0 for c in moved if c}
+        # the first coefficient belongs to the high end, the last to the low end
+        return 0 if len(signs) > 1 or not moved[0] or not moved[-1] else 1 if signs.pop() else -1
+
     def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
         if self.is_rational and self.degree > 1:
-            with flint.ctx.workprec(128):
-                start, end = expression_ball(low).lower(), expression_ball(high).upper()
-            changes = self._sign_changes(start, end)
-            if changes < 2:
+            start, end = _around(low, high)
+            signs = [c > 0 for c in self._moved(start, end) if c]
+            changes = sum(a != b for a, b in pairwise(signs))
+            if changes < 2:  # Descartes' bound, which is then the number
                 return [Zero(self, start, end)] * changes
         return list(self.positive_roots())
 
@@ -120,15 +138,13 @@ class PolynomialFactor(Factor):
         """All positive zeros, ascending."""
         return [Root(self, i) for i in range(len(_roots(self, 128)))]
 
-    def _sign_changes(self, low: Ball, high: Ball) -> int:
-        """Descartes' bound on the zeros between two exact numbers, from p(x) (1 + t)^n at x = low + (high - low)/(1 + t).
-
-        Where it is 0 or 1 it is their number. (No end is a zero: the polynomial is irreducible, and no straight line.)
-        """
+    def _moved(self, low: Ball, high: Ball) -> list[fmpq]:
+        """The coefficients of p(x) (1 + t)^n at x = low + (high - low)/(1 + t), which maps t > 0 to what is in between."""
         start, end = (x.fmpq() ** self.step for x in (low, high))
         moved = fmpq_poly([c[0] for c in self.coefficients])(fmpq_poly([start, end - start]))
-        signs = [c > 0 for c in fmpq_poly(moved.coeffs()[::-1])(fmpq_poly([1, 1])).coeffs() if c]
-        return sum(a != b for a, b in pairwise(signs))
+        row = [moved[n] for n in range(self.degree, -1, -1)]
+        turned = fmpq_poly(row)(fmpq_poly([1, 1]))
+        return [turned[n] for n in range(self.degree + 1)]
 
     def order_at(self, place: Expr) -> int:
         # only a linear factor vanishes at a number rational in pi, and none does at 0: powers of omega are apart
@@ -284,35 +300,22 @@ class AnalyticFactor(Factor):
         return self._hash
 
     def value(self, x: Ball) -> Ball:
-        return self.series(x, 1)[0]
+        compiled = _compiled(self, flint.ctx.prec)
+        return compiled.total(x, [p(x) for _, _, p in compiled.terms])
 
     def taylor(self, x: Ball, order: int) -> Ball:
         """A ball around the Taylor coefficient of that order about every point of a ball of frequencies."""
-        return self.series(x, order + 1)[order]
+        return self.series(x, order + 1)[order] if order else self.value(x)
 
     def series(self, x: Ball, length: int) -> arb_series:
         """Taylor coefficients of the function about every point of a ball: value, slope, half curvature, ..."""
+        compiled, derivatives = _compiled(self, flint.ctx.prec), _derivatives(self, flint.ctx.prec, length)
         cap, flint.ctx.cap = flint.ctx.cap, length  # FLINT cuts series at this length, and what is cut off reads as 0
         try:
-            return self._series(x, length)
+            polynomials = [arb_series([p(x) for p in row], length) for row in derivatives]
+            return compiled.total(arb_series([x, 1], length), polynomials)
         finally:
             flint.ctx.cap = cap
-
-    def _series(self, x: Ball, length: int) -> arb_series:
-        compiled = _compiled(self, flint.ctx.prec)
-        at, shifted = arb_series([x, 1], length), arb_poly([x, 1])
-        waves = [compiled.waves(i, at, length) for i in range(len(self.rates))]
-        roots = [(arb_series([a], length) * at.log()).exp() for a in compiled.exponents]
-        total = arb_series([0], length)
-        for turns, powers, polynomial in compiled.terms:
-            term = arb_series(polynomial(shifted).coeffs()[:length], length)
-            for (cosine, sine), degree, k in zip(waves, self.degrees, turns, strict=True):
-                term = term * sine[k] * cosine[degree - k]
-            for root, n in zip(roots, powers, strict=True):
-                for _ in range(n):
-                    term = term * root
-            total = total + term
-        return total
 
     def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
         """Enclosures of value, slope and half curvature over a ball of frequencies.
@@ -326,6 +329,14 @@ class AnalyticFactor(Factor):
         slope = taylor.derivative()
         h = box - box.mid()
         return taylor(h), slope(h), slope.derivative()(h) / 2
+
+    def steady_sign(self, low: Expr, high: Expr) -> int:
+        with flint.ctx.workprec(128):
+            box = arb.union(*_around(low, high))
+            value = self.value(box)
+            if not _is_clear(value):
+                value = self.over(box)[0]
+            return 1 if value > 0 else -1 if value < 0 else 0
 
     def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
         return _isolated(self, self._edge(low, above=True), self._edge(high, above=False))
@@ -360,26 +371,48 @@ def _order_at(factor: AnalyticFactor, place: Expr) -> Any:
     return _exact_order(factor, place, exact)
 
 
+_Number: TypeAlias = Any  # flint.arb or flint.arb_series: both know sin_cos, log and exp
+_Key: TypeAlias = tuple[tuple[int, ...], tuple[int, ...]]
+
+
 @dataclass(frozen=True)
 class _Compiled:
-    """The constants of an analytic factor as balls of one precision."""
+    """An analytic factor with balls of one precision for its constants: waves of constant angles are among the coefficients.
 
-    factor: AnalyticFactor
+    ``rates``, ``degrees``: of the half angles that turn. ``terms``: sine powers, powers of omega^alpha, polynomial.
+    """
+
     rates: tuple[Ball, ...]
+    degrees: tuple[int, ...]
     exponents: tuple[Ball, ...]
     terms: tuple[tuple[tuple[int, ...], tuple[int, ...], arb_poly], ...]
 
-    def waves(self, index: int, at: arb_series, length: int) -> tuple[list[arb_series], list[arb_series]]:
-        """Powers of the cosine and of the sine of a half angle."""
-        half = arb_series([self.rates[index]], length)
-        if not self.factor.rates[index][1]:
-            half = half * at
-        sine, cosine = half.sin_cos()
-        return _powers(cosine, self.factor.degrees[index], length), _powers(sine, self.factor.degrees[index], length)
+    def total(self, at: _Number, polynomials: Sequence[_Number]) -> _Number:
+        """The sum of the terms, given the value (or the series) of each one's polynomial."""
+        waves = [_waves(rate * at, degree) for rate, degree in zip(self.rates, self.degrees, strict=True)]
+        highest = [max(powers[i] for _, powers, _ in self.terms) for i in range(len(self.exponents))]
+        roots = [_powers((at.log() * a).exp(), most) for a, most in zip(self.exponents, highest, strict=True)]
+        total: _Number = 0
+        for (turns, powers, _), polynomial in zip(self.terms, polynomials, strict=True):
+            term = polynomial
+            for wave, k in zip(waves, turns, strict=True):
+                term = term * wave[k]
+            for root, n in zip(roots, powers, strict=True):
+                if n:
+                    term = term * root[n]
+            total = term + total
+        return total
 
 
-def _powers(x: arb_series, most: int, length: int) -> list[arb_series]:
-    found = [arb_series([1], length)]
+def _waves(half: _Number, degree: int) -> list[_Number]:
+    """sin^k cos^(degree - k) of a half angle, for each k."""
+    sine, cosine = half.sin_cos()
+    sines, cosines = _powers(sine, degree), _powers(cosine, degree)
+    return [cosines[degree], *(sines[k] * cosines[degree - k] for k in range(1, degree)), sines[degree]][: degree + 1]
+
+
+def _powers(x: _Number, most: int) -> list[_Number]:
+    found = [x**0]
     for _ in range(most):
         found.append(found[-1] * x)
     return found
@@ -388,16 +421,33 @@ def _powers(x: arb_series, most: int, length: int) -> list[arb_series]:
 @lru_cache(maxsize=512)
 def _compiled(factor: AnalyticFactor, bits: int) -> _Compiled:
     with flint.ctx.workprec(bits):
-        terms = []
+        halves = [expression_ball(rate) / 2 for rate, _ in factor.rates]
+        turning = [i for i, (_, constant) in enumerate(factor.rates) if not constant]
+        fixed = {i: _waves(halves[i], factor.degrees[i]) for i, (_, constant) in enumerate(factor.rates) if constant}
+        terms: dict[_Key, arb_poly] = {}
         for term in factor.terms:
             polynomial = arb_poly([fmpz_poly(list(c))(arb.pi()) for c in term.coefficients])
-            terms.append((term.turns, term.powers, polynomial))
+            for i, wave in fixed.items():
+                polynomial = polynomial * wave[term.turns[i]]
+            key = tuple(term.turns[i] for i in turning), term.powers
+            terms[key] = terms[key] + polynomial if key in terms else polynomial
         return _Compiled(
-            factor,
-            tuple(expression_ball(rate) / 2 for rate, _ in factor.rates),
+            tuple(halves[i] for i in turning),
+            tuple(factor.degrees[i] for i in turning),
             tuple(expression_ball(order) for order in factor.orders),
-            tuple(terms),
+            tuple((*key, polynomial) for key, polynomial in terms.items()),
         )
+
+
+@lru_cache(maxsize=512)
+def _derivatives(factor: AnalyticFactor, bits: int, length: int) -> list[list[arb_poly]]:
+    """For the polynomial p of each term p, p', p''/2, ...: its Taylor coefficients as functions of where."""
+    with flint.ctx.workprec(bits):
+        rows = [[p] for _, _, p in _compiled(factor, bits).terms]
+        for row in rows:
+            for k in range(1, length):
+                row.append(row[-1].derivative() * (arb(1) / k))
+        return rows
 
 
 @dataclass(frozen=True)
@@ -589,8 +639,8 @@ def _exact_waves(factor: AnalyticFactor, place: Expr) -> list[Wave] | None:
 
     The entry of a constant angle is None: its cosine and sine stay symbols.
     """
-    if factor.orders and place != 0:
-        return None
+    if place != 0 and (factor.orders or (place.is_Rational and any(rate.is_Rational for rate, _ in factor.rates))):
+        return None  # a rational angle, but 0, is no part of a turn
     found: list[Wave] = []
     for rate, constant in factor.rates:
         quarters = Integer(0) if constant else rate * place / pi
@@ -638,6 +688,8 @@ def _at(ring: PolynomialRing, polynomial: Polynomial, place: Expr, waves: list[W
     """The value at an exact place, a polynomial in pi (and the constant angles' waves)."""
     where, total = ring.convert(place), ring.zero
     for (power, of_pi, *turns), value in polynomial.to_dict().items():
+        if power and place == 0:
+            continue
         known, kept = value, [0, int(of_pi)]
         for wave, cosine, sine in zip(waves, turns[::2], turns[1::2], strict=True):
             kept += [int(cosine), int(sine)] if wave is None else [0, 0]

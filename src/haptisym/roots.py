@@ -132,8 +132,9 @@ def chart(functions: Mapping[Any, RealFunction | Level], low: Expr, high: Expr) 
     known: list[tuple[Polynomial, _Factored]] = []
     products = {name: _product(function, known) for name, function in functions.items()}
     factors = {factor for product in products.values() for factor in product.exponents}
-    places = _places(factors, low, high)
-    signs = _first_signs(products, places)
+    steady = {f: sign for f in factors if (sign := f.steady_sign(low, high))}
+    places = _places(factors - steady.keys(), low, high)
+    signs = _first_signs(products, places, steady)
     points: list[Point] = []
     for place in places:
         orders = {name: n for name, product in products.items() if (n := _order(product, place))}
@@ -343,14 +344,18 @@ def _in_order(numbers: list[RealNumber]) -> list[RealNumber]:
     raise UndecidedError(f"whether two frequencies near {float(close[0].mid()):.17g} rad/s are the same")
 
 
-def _first_signs(products: Mapping[Key, _Product], places: list[_Place]) -> dict[Key, int]:
+def _first_signs(
+    products: Mapping[Key, _Product], places: list[_Place], steady: Mapping[Factor, int]
+) -> dict[Key, int]:
     """The sign of each function between the first two places."""
     first, second = places[0].omega, places[1].omega
 
     def between(bits: int) -> Ball:
         return (first.ball(bits) + second.ball(bits)) / 2
 
-    signs = {factor: factor.sign_at(between) for factor in {f for p in products.values() for f in p.exponents}}
+    signs = dict(steady)
+    for factor in {f for p in products.values() for f in p.exponents} - steady.keys():
+        signs[factor] = factor.sign_at(between)
     return {
         name: p.sign * prod(signs[factor] for factor, exponent in p.exponents.items() if exponent % 2)
         for name, p in products.items()

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from sympy import Expr, Integer, S, acos, asin, atan, factor, factor_terms, pi, sqrt
+from sympy import Expr, Integer, S, acos, asin, atan, cos, factor, factor_terms, pi, sqrt
 
 from .response import Axis, RealFunction
 from .rings import Polynomial, PolynomialRing
@@ -45,7 +45,18 @@ def solve(function: RealFunction) -> tuple[Solution, ...]:
     """
     axis = function.axis
     factors = axis.factors(function.function.numerator)[1]
-    return tuple(x for f, order in factors for x in _solved(f, order, axis))
+    return (*(x for f, order in factors for x in _solved(f, order, axis)), *_half_turns(function))
+
+
+def _half_turns(function: RealFunction) -> list[Solution]:
+    """The zeros at omega tau = pi, 3 pi, ... of a function that has more half-angle tangents below the line than above."""
+    axis, found = function.axis, []
+    above, below = (p.degrees()[axis.size :] for p in (function.function.numerator, function.function.denominator))
+    for angle, up, down in zip(axis.angles, above, below, strict=False):
+        if not angle.constant and down > up:
+            equation = cos(angle.value / 2)
+            found.append(Solution(pi / angle.rate, equation, 2 * pi / angle.rate, int(down - up)))
+    return found
 
 
 def _solved(polynomial: Polynomial, order: int, axis: Axis) -> list[Solution]:
@@ -101,7 +112,12 @@ def _angles(polynomial: Polynomial, axis: Axis, index: int) -> _Found:
     if len(row) == 3 and row[0] == row[2]:
         sine = asin(-2 * row[0] / row[1])
         return [(sine / rate, period), ((pi - sine) / rate, period)]
-    return _each(lambda t: (2 * atan(t) / rate, period), _roots(row))
+    return _each(lambda t: (_turn(t) / rate, period), _roots(row, positive=False))
+
+
+def _turn(t: Expr) -> Expr:
+    """The first positive angle whose half has this tangent; between -pi and pi where the sign of t is open."""
+    return 2 * atan(t) + (2 * pi if t.is_nonpositive else 0)
 
 
 def _both_ways(angle: Expr) -> tuple[Expr, Expr]:
@@ -126,11 +142,11 @@ def _plain_row(polynomial: Polynomial, ring: PolynomialRing, index: int) -> list
     return [expressions.get(n, Integer(0)) for n in range(max(expressions) + 1)]
 
 
-def _roots(row: list[Expr]) -> list[Expr] | None:
-    """The roots of a polynomial of degree 1 or 2 that may be positive; None for a higher degree."""
+def _roots(row: list[Expr], *, positive: bool = True) -> list[Expr] | None:
+    """The roots of a polynomial of degree 1 or 2, unless told otherwise those that may be positive; None for a higher degree."""
     if len(row) == 2:
         root = _quotient(-row[0], row[1])
-        return [root] if root.is_positive is not False else []
+        return [root] if not positive or root.is_positive is not False else []
     if len(row) != 3:
         return None
     c, b, a = row
@@ -141,7 +157,7 @@ def _roots(row: list[Expr]) -> list[Expr] | None:
     if discriminant.is_negative:
         return []
     found = [_quotient(-b + sign * sqrt(discriminant), 2 * a) for sign in (-1, 1)]
-    return [x for x in found if x.is_positive is not False]
+    return [x for x in found if not positive or x.is_positive is not False]
 
 
 def _quotient(above: Expr, below: Expr) -> Expr:
