@@ -14,14 +14,14 @@ import haptisym
 SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
-errors symbols
-expressions rings reals numeric
-quantities response factors formula
-roots solutions
+errors symbols boxes
+expressions rings reals numeric names
+quantities response factors numerals order
+roots solutions layout formula
 catalogue jnd stability
 environments effects distortion
 scene crossings
-percepts
+percepts plain mathml equations
 answers scenefile
 text
 evaluation

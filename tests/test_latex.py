@@ -21,10 +21,11 @@ from haptisym import Scene, Threshold, effects, environments, evaluate, load_sce
 from haptisym.distortion import Distortion, distort
 from haptisym.evaluation import Evaluation
 from haptisym.latex import latex
+from haptisym.numerals import approximate
 from haptisym.symbols import X, omega, s
 from haptisym.texdocument import document
 from haptisym.texlines import LINE, broken, width
-from haptisym.texnames import approximate, escape, symbol_name
+from haptisym.texnames import escape, symbol_name
 
 GOLDEN = Path(__file__).parent / "golden"
 m, b, k, omega_n, zeta, omega_c, tau, J, J_w = symbols("m b k omega_n zeta omega_c tau J J_w")
