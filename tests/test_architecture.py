@@ -17,8 +17,8 @@ LAYERS = """
 errors symbols boxes
 expressions rings reals numeric names
 quantities response factors numerals order
-roots solutions layout formula
-catalogue jnd stability
+roots solutions formula quotients
+catalogue jnd stability layout
 environments effects distortion
 scene crossings
 percepts plain mathml equations

@@ -15,6 +15,7 @@ from .errors import ExpressionError, HaptisymError, SceneError, UndecidedError
 from .evaluation import Evaluation, evaluate
 from .jnd import Part, Threshold
 from .latex import latex
+from .mathml import mathml
 from .percepts import Change, Percept, Property
 from .scene import Scene
 from .scenefile import load_scene, parse_scene, scene_names
@@ -45,6 +46,7 @@ __all__ = [
     "evaluate",
     "latex",
     "load_scene",
+    "mathml",
     "omega",
     "parse_scene",
     "s",

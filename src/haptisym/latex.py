@@ -1,6 +1,6 @@
 r"""LaTeX of an expression, of a distortion's formulas or of an evaluation's tables, ready to paste into a paper.
 
-Packages that the result needs: amsmath, and booktabs for the tables. Numbers are exact (see ``texnames``).
+Packages that the result needs: amsmath, and booktabs for the tables. Numbers are exact (see ``numerals``).
 """
 
 from __future__ import annotations

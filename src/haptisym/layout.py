@@ -50,6 +50,7 @@ from .boxes import (
 from .names import named
 from .numerals import decimal, number
 from .order import base_of, grouped, place, rank, variable_of
+from .quotients import exponent, flipped, fraction, is_flippable
 
 _FUNCTIONS = {
     **{name: name for name in ("sin", "cos", "tan", "cot", "sinh", "cosh", "tanh", "coth")},
@@ -57,9 +58,10 @@ _FUNCTIONS = {
     "log": "ln", "re": "Re", "im": "Im", "Max": "max", "Min": "min",
 }  # fmt: skip
 _CONSTANTS = {pi: named("pi"), I: named("j"), S.Exp1: named("e"), S.Infinity: named("∞")}
-Quotient: TypeAlias = tuple[int, Expr, list[Expr], list[Expr]]
 
 _RELATIONS = {"==": "=", "!=": "≠", "<": "<", ">": ">", "<=": "≤", ">=": "≥"}
+
+_Quotient: TypeAlias = tuple[int, Expr, list[Expr], list[Expr]]  # sign, number, factors above and below
 
 
 def layout(expression: Basic) -> Box:
@@ -79,7 +81,7 @@ class _Layout:
     def __init__(self) -> None:
         self._boxes: dict[Basic, Box] = {}
         self._orders: dict[Expr, list[Expr]] = {}
-        self._quotients: dict[Expr, Quotient] = {}
+        self._quotients: dict[Expr, _Quotient] = {}
 
     def box(self, expr: Basic) -> Box:
         if expr not in self._boxes:
@@ -173,10 +175,10 @@ class _Layout:
             return boxes[0]
         return Product(tuple(Fenced(x) if isinstance(x, Sum) else x for x in boxes))
 
-    def _quotient(self, expr: Expr) -> Quotient:
+    def _quotient(self, expr: Expr) -> _Quotient:
         """Sign, coefficient >= 0, other factors above and other factors below the line."""
         if expr not in self._quotients:
-            self._quotients[expr] = self._oriented(*_fraction(self._spliced(expr)))
+            self._quotients[expr] = self._oriented(*fraction(self._spliced(expr)))
         return self._quotients[expr]
 
     def _spliced(self, expr: Expr) -> Expr:
@@ -187,17 +189,17 @@ class _Layout:
             return expr
         return Mul(*(x[0] if len(x) == 1 else f for x, f in zip(terms, factors, strict=True)))
 
-    def _oriented(self, coefficient: Expr, above: list[Expr], below: list[Expr]) -> Quotient:
+    def _oriented(self, coefficient: Expr, above: list[Expr], below: list[Expr]) -> _Quotient:
         """The same quotient with sums that start with a plus where they can; the sign that is left over in front."""
         sign = -1 if coefficient.is_extended_negative else 1
         for factors in (above, below):
             for i, f in enumerate(factors):
-                if _is_flippable(f) and self._is_negative(base_of(f)):
-                    factors[i], sign = _flipped(f), sign * (-1) ** _exponent(f)
+                if is_flippable(f) and self._is_negative(base_of(f)):
+                    factors[i], sign = flipped(f), sign * (-1) ** exponent(f)
         for factors in (above, below):
             for i, f in enumerate(factors):
-                if sign < 0 and _is_flippable(f) and _exponent(f) % 2 and self._absorbs_minus(base_of(f)):
-                    factors[i], sign = _flipped(f), 1
+                if sign < 0 and is_flippable(f) and exponent(f) % 2 and self._absorbs_minus(base_of(f)):
+                    factors[i], sign = flipped(f), 1
         return sign, abs(coefficient), above, below
 
     def _absorbs_minus(self, total: Add) -> bool:
@@ -235,48 +237,3 @@ class _Layout:
 def _summed(terms: list[tuple[int, Box]]) -> Box:
     """A sum; one term with a plus is no sum."""
     return terms[0][1] if len(terms) == 1 and terms[0][0] > 0 else Sum(tuple(terms))
-
-
-def _fraction(expr: Expr) -> tuple[Expr, list[Expr], list[Expr]]:
-    """Number, other factors above and other factors below the line; square roots gathered under one root."""
-    coefficient, rest = expr.as_coeff_Mul()
-    above: list[Expr] = []
-    below: list[Expr] = []
-    for f in Mul.make_args(rest):
-        if isinstance(f, Pow) and f.exp.could_extract_minus_sign():
-            below.append(Pow(f.base, -f.exp))
-        elif f != 1:
-            above.append(f)
-    roots = [f.base for f in (*above, *below) if _is_root(f)]
-    if len(roots) < 2 or sum(not root.is_nonnegative for root in roots) > 1:
-        return coefficient, above, below
-    return _one_root(coefficient, above, below)
-
-
-def _one_root(coefficient: Expr, above: list[Expr], below: list[Expr]) -> tuple[Expr, list[Expr], list[Expr]]:
-    """The same quotient with one root above the line; the coefficient goes under it if a number is there already."""
-    inside = [f.base for f in above if _is_root(f)] + [1 / f.base for f in below if _is_root(f)]
-    numbers, others = [x for x in inside if x.is_Rational], [x for x in inside if not x.is_Rational]
-    number_inside = Mul(coefficient**2, *numbers) if numbers else S.One
-    root = Pow(Mul(number_inside, *Mul.make_args(Mul(*others)), evaluate=False), S.Half, evaluate=False)
-    outside = (S.One if coefficient > 0 else S.NegativeOne) if numbers else coefficient
-    return outside, [*(f for f in above if not _is_root(f)), root], [f for f in below if not _is_root(f)]
-
-
-def _is_root(factor: Expr) -> bool:
-    return isinstance(factor, Pow) and factor.exp == S.Half
-
-
-def _exponent(factor: Expr) -> int:
-    """A whole exponent; 0 for any other one."""
-    if not isinstance(factor, Pow):
-        return 1
-    return int(factor.exp) if factor.exp.is_Integer else 0
-
-
-def _is_flippable(factor: Expr) -> bool:
-    return isinstance(base_of(factor), Add) and _exponent(factor) > 0
-
-
-def _flipped(factor: Expr) -> Expr:
-    return Pow(-base_of(factor), _exponent(factor))

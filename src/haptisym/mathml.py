@@ -36,6 +36,9 @@ from .names import CAPITALS, letter
 _TIMES = "<mo>&#x2062;</mo>"  # no sign to see, but a product to a screen reader
 _APPLY = "<mo>&#x2061;</mo>"  # likewise for the value of a function
 _MINUS = "<mo>−</mo>"
+_COMMA, _SLASH = '<mo rspace="0em">,</mo>', '<mo lspace="0em" rspace="0em">/</mo>'
+_SPACE = '<mspace width="0.17em"/>'  # between an operator's upright name and what is next to it
+_FENCES = ('stretchy="false"', 'minsize="1.2em" maxsize="1.2em"', 'minsize="1.8em" maxsize="1.8em"')
 
 
 def mathml(expression: Basic | Box, *, display: bool = False) -> str:
@@ -84,8 +87,12 @@ def _(box: Ratio) -> str:
 def _(box: Name) -> str:
     if not box.below:
         return _word(box.head)
-    below = "<mo>,</mo>".join(map(_word, box.below))
-    return f"<msub>{_word(box.head)}{below if len(box.below) == 1 else f'<mrow>{below}</mrow>'}</msub>"
+    return f"<msub>{_word(box.head)}{_subscript(box)}</msub>"
+
+
+def _subscript(box: Name) -> str:
+    words = [_word(word) for word in box.below]
+    return words[0] if len(words) == 1 else f"<mrow>{_COMMA.join(words)}</mrow>"
 
 
 def _word(word: Word) -> str:
@@ -116,7 +123,8 @@ def _(box: Sum) -> str:
 def _(box: Product) -> str:
     text = markup(box.factors[0])
     for left, right in pairwise(box.factors):
-        text += ("<mo>⋅</mo>" if needs_dot(left, right) else _TIMES) + markup(right)
+        text += "<mo>⋅</mo>" if needs_dot(left, right) else _TIMES
+        text += (_SPACE if isinstance(right, Prefixed) else "") + markup(right)
     return f"<mrow>{text}</mrow>"
 
 
@@ -129,7 +137,9 @@ def _(box: Fraction) -> str:
 def _(box: Power) -> str:
     exponent = markup(box.exponent)
     if isinstance(box.exponent, Ratio):
-        exponent = f"<mrow><mn>{box.exponent.above}</mn><mo>/</mo><mn>{box.exponent.below}</mn></mrow>"
+        exponent = f"<mrow><mn>{box.exponent.above}</mn>{_SLASH}<mn>{box.exponent.below}</mn></mrow>"
+    if isinstance(box.base, Name) and box.base.below:
+        return f"<msubsup>{_word(box.base.head)}{_subscript(box.base)}{exponent}</msubsup>"
     if isinstance(box.base, Applied):
         return _applied(f"<msup>{markup(box.base.function)}{exponent}</msup>", box.base)
     return f"<msup>{markup(box.base)}{exponent}</msup>"
@@ -156,7 +166,8 @@ def _applied(function: str, box: Applied) -> str:
 
 @markup.register
 def _(box: Prefixed) -> str:
-    return f"<mrow>{markup(box.operator)}{_APPLY}{markup(box.operand)}</mrow>"
+    space = _SPACE if isinstance(box.operator, Operator) else ""
+    return f"<mrow>{markup(box.operator)}{_APPLY}{space}{markup(box.operand)}</mrow>"
 
 
 @markup.register
@@ -170,7 +181,10 @@ def _(box: Absolute) -> str:
 
 
 def _between(left: str, inside: str, right: str) -> str:
-    return f"<mrow><mo>{left}</mo>{inside}<mo>{right}</mo></mrow>"
+    """Fences: as tall as tall formulas; around others a little larger than those inside them."""
+    is_tall = any(tall in inside for tall in ("<mfrac", "<msqrt", "<mtable"))
+    size = "" if is_tall else f" {_FENCES[(_FENCES[0] in inside) + (_FENCES[1] in inside)]}"
+    return f"<mrow><mo{size}>{left}</mo>{inside}<mo{size}>{right}</mo></mrow>"
 
 
 @markup.register
