@@ -14,16 +14,16 @@ import haptisym
 SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
-errors symbols
-expressions rings reals numeric
-quantities response factors formula
+errors symbols boxes
+expressions rings reals numeric names
+quantities response factors numerals order
 levels
-roots solutions
-catalogue jnd stability
+roots solutions formula quotients
+catalogue jnd stability layout
 environments effects distortion
 scene crossings
 peaks
-percepts
+percepts plain mathml equations
 answers scenefile
 text
 evaluation

@@ -15,6 +15,7 @@ from .errors import ExpressionError, HaptisymError, SceneError, UndecidedError
 from .evaluation import Evaluation, evaluate
 from .jnd import Part, Threshold
 from .latex import latex
+from .mathml import mathml
 from .peaks import Peak, peaks
 from .percepts import Change, Percept, Property
 from .scene import Scene
@@ -47,6 +48,7 @@ __all__ = [
     "evaluate",
     "latex",
     "load_scene",
+    "mathml",
     "omega",
     "parse_scene",
     "peaks",

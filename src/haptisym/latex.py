@@ -1,6 +1,6 @@
 r"""LaTeX of an expression, of a distortion's formulas or of an evaluation's tables, ready to paste into a paper.
 
-Packages that the result needs: amsmath, and booktabs for the tables. Numbers are exact (see ``texnames``).
+Packages that the result needs: amsmath, and booktabs for the tables. Numbers are exact (see ``numerals``).
 """
 
 from __future__ import annotations
@@ -13,14 +13,15 @@ from sympy import Abs, Basic, Expr, I, Mul, S, Symbol, fraction, sqrt
 
 from . import response
 from .distortion import Distortion, part_of
+from .equations import QUANTITIES, quantity
 from .evaluation import Evaluation
 from .jnd import Part
 from .response import Ring
 from .rings import Polynomial, RationalFunction
 from .symbols import X, omega
 from .texlines import Row, align, is_long
-from .texprinter import formula
-from .texresults import RATIOS, SIGNS, crossing_tables, percept_tables
+from .texprinter import formula, tex
+from .texresults import RATIOS, crossing_tables, percept_tables
 
 
 @singledispatch
@@ -72,59 +73,41 @@ class ClosedForms:
     def dynamics(self) -> list[Row]:
         """H_env(s) and H_perc(s)."""
         d = self.distortion
-        return [Row(at_s("env"), d.environment), Row(at_s("perc"), d.perceived)]
+        return [_row("H_env", d.environment), _row("H_perc", d.perceived)]
 
     def difference(self) -> list[Row]:
         """Re dH and Im dH (eq. 9), and what they are compared with, |H_env|^2."""
-        change = [Row(rf"{sign} {_DH}", on_axis(self.distortion.difference, part)) for part, sign in SIGNS.items()]
-        return [*change, Row(rf"\left| {on_j('env')} \right|^{{2}}", self._square)]
+        change = [_row(f"{name} dH", on_axis(self.distortion.difference, part)) for part, name in _OPERATORS.items()]
+        return [*change, _row("|H_env|^2", self._square)]
 
     def ratios(self) -> list[Row]:
         """r_r and r_i (eq. 10)."""
-        return [
-            Row(
-                f"{name}(\\omega)",
-                self._ratio(part),
-                rf"\left| \frac{{{SIGNS[part]} {_DH}}}{{{on_j('env')}}} \right|",
-                optional=True,
-            )
-            for part, name in RATIOS.items()
-        ]
+        return [_row(name, self._ratio(part), optional=True) for part, name in RATIOS.items()]
 
     def relative(self) -> list[Row]:
         """Re(dH/H_env) and Im(dH/H_env), which are not the ratios."""
         relative = (self.distortion.difference / self.distortion.env).reduced()
-        quotient = rf"\frac{{{_DH}}}{{{on_j('env')}}}"
-        return [Row(f"{sign} {quotient}", on_axis(relative, part)) for part, sign in SIGNS.items()]
+        return [_row(f"{name}(dH/H_env)", on_axis(relative, part)) for part, name in _OPERATORS.items()]
 
     def properties(self, system: str) -> list[Row]:
         """What is felt of a system (section 2.3): Re H and Im H; stiffness, mass and damping."""
         real, imag = self._parts(system)
-        H, of = on_j(system), rf"_{{\mathrm{{{system}}}}}(\omega)"
         return [
-            Row(f"k{of}", real, rf"\Re {H}"),
-            Row(f"m{of}", -real / omega**2, rf"-\frac{{k{of}}}{{\omega^{{2}}}}", optional=True),
-            Row(f"b{of}", imag / omega, rf"\frac{{\Im {H}}}{{\omega}}"),
+            _row(f"k_{system}", real),
+            _row(f"m_{system}", -real / omega**2, optional=True),
+            _row(f"b_{system}", imag / omega),
         ]
 
     def parameter_jnds(self) -> list[Row]:
         """By how much a single parameter must change to be noticed."""
-        least, shown = Symbol("c", positive=True) * sqrt(self._square), rf"c \left| {on_j('env')} \right|"
-        jnd = r"\Delta_{\mathrm{jnd}}"
-        return [
-            Row(f"{jnd} k", least, shown, optional=True),
-            Row(f"{jnd} b", least / omega, rf"\frac{{{shown}}}{{\omega}}", optional=True),
-            Row(f"{jnd} m", least / omega**2, rf"\frac{{{shown}}}{{\omega^{{2}}}}", optional=True),
-        ]
+        least = Symbol("c", positive=True) * sqrt(self._square)
+        powers = {"k": 0, "b": 1, "m": 2}
+        return [_row(f"jnd {key}", least / omega**power, optional=True) for key, power in powers.items()]
 
     def forces(self, system: str) -> list[Row]:
         """The phasors of spring or inertia force and of damping force (eqs. 5 and 6) for a motion X."""
         real, imag = self._parts(system)
-        H, of, motion = on_j(system), rf"\mathrm{{{system}}}", r"X(\omega j)"
-        return [
-            Row(rf"F_{{\mathrm{{si}},{of}}}(\omega j)", X * real, rf"{motion} \, \Re {H}", optional=True),
-            Row(rf"F_{{\mathrm{{d}},{of}}}(\omega j)", X * imag * I, rf"{motion} \, \Im {H} \cdot j", optional=True),
-        ]
+        return [_row(f"F_si_{system}", X * real, optional=True), _row(f"F_d_{system}", X * imag * I, optional=True)]
 
     @property
     def _square(self) -> Expr:
@@ -140,15 +123,18 @@ class ClosedForms:
         return Abs(above, evaluate=not is_long(real)) / (below * sqrt(self._square))
 
 
-_DH = r"\Delta H(\omega j)"
+_OPERATORS = {Part.REAL: "Re", Part.IMAG: "Im"}
+
+
+def _row(name: str, value: Expr, *, optional: bool = False) -> Row:
+    """A row for a quantity by its name, with its meaning if it has one."""
+    left, means = QUANTITIES[name]
+    return Row(tex(left), value, tex(means) if means else "", optional)
 
 
 def at_s(system: str) -> str:
-    return rf"H_{{\mathrm{{{system}}}}}(s)"
-
-
-def on_j(system: str) -> str:
-    return rf"H_{{\mathrm{{{system}}}}}(\omega j)"
+    """H(s) of environment (``env``), of what is rendered or perceived (``perc``) in LaTeX."""
+    return tex(quantity(f"H_{system}"))
 
 
 def on_axis(function: RationalFunction, part: Part) -> Expr:

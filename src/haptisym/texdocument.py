@@ -9,10 +9,11 @@ from .catalogue import Effect, Parameter
 from .evaluation import Evaluation
 from .jnd import Part
 from .latex import at_s
+from .numerals import rounded
 from .quantities import Dimension, Motion
 from .texforms import DIFFERENCE, DYNAMICS, FELT, RATIOS, RELATIVE, Group, SceneForms
 from .texlines import LINE, Names, Row, align, width
-from .texnames import escape, rounded
+from .texnames import escape
 from .texprinter import formula
 from .texresults import (
     Hertz,
@@ -118,7 +119,7 @@ class _Body:
         sentences = ["Dynamics are force per position."]
         if scene.rendered:
             sentences.append(r"The controller renders $H_{\mathrm{rend}}$ for $H_{\mathrm{env}}$.")
-            rows.append(Row(at_s("rend"), scene.rendered.dynamics))
+            rows.append(Row(at_s("rendered"), scene.rendered.dynamics))
         for i, effect in enumerate(scene.effects, 1):
             action, entries = _action(i, effect)
             sentences.append(f"Effect {i}, {escape(effect.name)}, {action}.")

@@ -17,12 +17,12 @@ from .distortion import Distortion
 from .evaluation import Evaluation
 from .jnd import Part, is_irrational_algebraic
 from .latex import ClosedForms
+from .numerals import approximate
 from .response import on_axis
 from .rings import Polynomial, PolynomialRing, RationalFunction
 from .roots import sign_of_number
 from .symbols import c, omega, s
 from .texlines import Row, is_long
-from .texnames import approximate
 from .texprinter import formula
 
 

@@ -8,7 +8,9 @@ from dataclasses import dataclass, field
 
 from sympy import Expr, preorder_traversal
 
-from .texprinter import FormulaPrinter, formula
+from .boxes import Fraction, Sum
+from .layout import layout
+from .texprinter import formula, tex
 
 LINE = 40.0
 """Width of a line, em: a page of A4 at 11 point with margins of 2.5 cm, and a little to spare."""
@@ -82,19 +84,27 @@ def _lines(row: Row, room: float, names: Names) -> Iterator[str]:
 
 
 def _equation(left: str, value: Expr, room: float, names: Names) -> Iterator[str]:
-    sign, above, below = FormulaPrinter().quotient(value)
-    minus = "-" if sign < 0 else ""
-    if below is None:
-        yield from _broken(left, minus + above, room)
-    elif width(rf"{minus}\frac{{{above}}}{{{below}}}") <= room:
-        yield rf"{left}{minus}\frac{{{above}}}{{{below}}}"
+    box = layout(value)
+    minus, quotient = ("-", box.terms[0][1]) if isinstance(box, Sum) and len(box.terms) == 1 else ("", box)
+    text = tex(box)
+    if not isinstance(quotient, Fraction):
+        yield from _broken(left, text, room)
+    elif width(text) <= room:
+        yield left + text
     else:
-        named = [(text, *names.name(text, x)) if width(text) > room - 2 else (text, text, False)
-                 for text, x in ((above, "N"), (below, "D"))]  # fmt: skip
-        yield rf"{left}{minus}\frac{{{named[0][1]}}}{{{named[1][1]}}}"
-        for text, name, is_new in named:
-            if is_new:
-                yield from _broken(f"{name} &= ", text, room)
+        yield from _parted(left + minus, quotient, room, names)
+
+
+def _parted(left: str, quotient: Fraction, room: float, names: Names) -> Iterator[str]:
+    """A fraction whose long parts get names, and what the names stand for."""
+    texts = {"N": tex(quotient.above), "D": tex(quotient.below)}
+    named = [
+        (text, *names.name(text, x)) if width(text) > room - 2 else (text, text, False) for x, text in texts.items()
+    ]
+    yield rf"{left}\frac{{{named[0][1]}}}{{{named[1][1]}}}"
+    for text, name, is_new in named:
+        if is_new:
+            yield from _broken(f"{name} &= ", text, room)
 
 
 def _broken(left: str, text: str, room: float) -> Iterator[str]:

@@ -11,9 +11,11 @@ from sympy import Expr, Symbol
 
 from .answers import Answers
 from .crossings import Crossing
-from .formula import plain, rounded
+from .equations import equation
+from .formula import readable
 from .jnd import Part
 from .percepts import Percept, Property
+from .plain import text
 from .quantities import Motion
 from .reals import RealNumber
 from .rings import RationalFunction
@@ -56,9 +58,8 @@ def _dynamics(e: Answers) -> str:
 
 
 def _equation(name: str, function: RationalFunction, variable: Symbol) -> str:
-    form, is_rounded = rounded(function, variable)
-    argument = "(s)" if variable == s else ""
-    return f"{name}{argument} {'~' if is_rounded else '='} {plain(form).replace('omega', 'ω')}"
+    form, is_rounded = readable(function, variable)
+    return text(equation(name, form, relation="≈" if is_rounded else "=")).replace("omega", "ω")
 
 
 def _effect(name: str, model: str) -> str:
