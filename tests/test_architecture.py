@@ -15,13 +15,13 @@ SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
 errors symbols
-expressions rings reals numeric
+expressions rings reals numeric steps
 quantities response factors formula
 roots solutions
 catalogue jnd stability
 environments effects distortion
 scene crossings
-percepts
+percepts codegen_forms
 answers scenefile
 text
 evaluation
