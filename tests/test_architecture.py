@@ -15,8 +15,9 @@ SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
 errors symbols
+codegen_names
 expressions rings reals numeric steps
-quantities response factors formula
+quantities response factors formula codegen_printers codegen_languages
 roots solutions
 catalogue jnd stability
 environments effects distortion
@@ -24,7 +25,7 @@ scene crossings
 percepts codegen_forms
 answers scenefile
 text
-evaluation
+evaluation codegen
 texnames figures
 texprinter
 texlines

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import count
+from itertools import chain, count
 from typing import Any
 
 from sympy import Abs, Add, Expr, Integer, Mul, Rational, Symbol, cos, sqrt
@@ -69,8 +69,7 @@ class _Forms:
     def definitions(self, values: Sequence[Expr]) -> tuple[tuple[Symbol, Expr], ...]:
         """What the names in these values stand for."""
         used = {x for e in values for x in e.free_symbols}
-        meanings = [(_W, omega**2), *((name, meaning) for meaning, name in self.names.items())]
-        return tuple((name, meaning) for name, meaning in meanings if name in used)
+        return tuple((name, meaning) for meaning, name in self.names.items() if name in used)
 
     def quotient(self, f: RealFunction) -> Expr:
         """A real function as numerator over denominator."""
@@ -134,7 +133,7 @@ class _Forms:
             R, X = halves.numerator / common, halves.denominator / common
             whole = R**2 + X**2
             lead = whole.leading_coefficient()
-            yield _Modulus(whole / lead, lead, self._horner(R) ** 2 + self._horner(X) ** 2)
+            yield _Modulus(whole / lead, lead, Add(*(_unsigned(self._horner(p)) ** 2 for p in (R, X))))
 
     def _horner(self, polynomial: Polynomial) -> Expr:
         """A polynomial by Horner's rule: in W = omega^2 times a power of omega where it can be, else in omega."""
@@ -144,13 +143,13 @@ class _Forms:
             powers.setdefault(int(power), []).append(Mul(_rational(coefficient), *factors))
         lowest = min(powers)
         step = 2 if all((n - lowest) % 2 == 0 for n in powers) else 1
-        variable, value = (_W if step == 2 else omega), Integer(0)
+        variable, value = (self.names[omega**2] if step == 2 else omega), Integer(0)
         for n in range(max(powers), lowest - 1, -step):
             value = value * variable + Add(*powers.get(n, []))
         return self._power(lowest) * value
 
     def _power(self, n: int) -> Expr:
-        return Mul(_W ** (n // 2), omega ** (n % 2))
+        return Mul(self.names[omega**2] ** (n // 2), omega ** (n % 2))
 
     def _name(self, meaning: Expr) -> Expr:
         return self.names.get(meaning, meaning)
@@ -165,11 +164,13 @@ class _Modulus:
     form: Expr
 
 
-_W = Symbol("W", positive=True)
-
-
 def _rational(x: Any) -> Rational:
     return Rational(int(x.p), int(x.q))
+
+
+def _unsigned(form: Expr) -> Expr:
+    """Of a form and its negative, the one that is written first: other parts of the computation have it too."""
+    return -form if form.could_extract_minus_sign() else form
 
 
 def _root(form: Expr, n: int) -> Expr:
@@ -178,14 +179,19 @@ def _root(form: Expr, n: int) -> Expr:
 
 
 def _names(axis: Axis) -> dict[Expr, Symbol]:
-    """Names for the cosines, sines and powers of a scene that are not plain numbers; none that a parameter has."""
+    """Names for omega^2 and for the cosines, sines and powers that are not plain numbers; none that a parameter has."""
     functions = axis.half_angles(axis.one).ring.functions if axis.angles else ()
     taken = {x.name for x in axis.symbols}
     names = {}
-    for function in functions:
+    for function in (omega**2, *functions):
         if function.free_symbols:
-            stem = "cos" if function.func == cos else "power" if function.is_Pow else "sin"
-            name = next(x for i in count(1) if (x := f"{stem}_{i}") not in taken)
-            taken.add(name)
-            names[function] = Symbol(name, real=True)
+            stem = "W" if function == omega**2 else "cos" if function.func == cos else "power" if function.is_Pow else "sin"
+            names[function] = Symbol(_free_name(stem, taken), real=True)
+            taken.add(names[function].name)
     return names
+
+
+def _free_name(stem: str, taken: set[str]) -> str:
+    """W, or the first of cos_1, cos_2, ... that nothing has."""
+    plain = ["W"] if stem == "W" else []
+    return next(x for x in chain(plain, (f"{stem}_{n}" for n in count(1))) if x not in taken)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from sympy import Expr, Pow, Symbol, count_ops, cse, default_sort_key, numbered_symbols
+from sympy import Add, Dummy, Expr, Mul, Pow, Symbol, count_ops, cse, default_sort_key, numbered_symbols
 
 from .errors import SceneError
 
@@ -49,15 +49,22 @@ class Steps:
         return cls((), results).shared()
 
     def shared(self) -> Steps:
-        """The same computation, with a definition for what occurs twice or more, and for what a whole power is taken of."""
+        """The same computation, with a definition for what occurs twice or more, and for what a whole power is taken of.
+
+        Numbers that stand together, such as 2 pi/3, stay together.
+        """
         names = [name for name, _ in self.definitions]
-        values = self._values()
+        hidden: dict[Expr, Symbol] = {}
+        values = [map_numbers(e, lambda x: _hide(x, hidden)) for e in self._values()]
         powers = [x for e in values for x in e.atoms(Pow) if x.exp.is_Integer and x.exp != -1 and not x.base.is_Symbol]
         taken = {x.name for x in self.free_symbols | {*names}}
         fresh = (x for x in numbered_symbols("x", real=True) if x.name not in taken)
         # a base that is listed by itself as well occurs twice: it gets its name
         bases = sorted({x.base for x in powers}, key=default_sort_key)
         found, kept = cse([*values, *bases], symbols=fresh, order="none")
+        shown = {symbol: number for number, symbol in hidden.items()}
+        found = [(name, value.xreplace(shown)) for name, value in found]
+        kept = [value.xreplace(shown) for value in kept]
         own, rest = kept[: len(names)], kept[len(names) : len(values)]
         alias = {value: name for name, value in zip(names, own, strict=True) if value in dict(found)}
         listed = [(alias.get(name, name), value.xreplace(alias)) for name, value in found]
@@ -75,14 +82,14 @@ class Steps:
 
     @property
     def operations(self) -> int:
-        """The number of arithmetic operations and function calls, each definition counted once.
+        """The number of arithmetic operations and function calls, each definition counted once; those within numbers are none.
 
         >>> from sympy import cos, symbols
         >>> a, b = symbols("a b")
         >>> Steps((), {"y": (a + b) * cos(a + b)}).operations, Steps.sharing({"y": (a + b) * cos(a + b)}).operations
         (4, 3)
         """
-        return sum(int(count_ops(e)) for e in self._values())
+        return sum(int(count_ops(map_numbers(e, _constant))) for e in self._values())
 
     def expressions(self) -> dict[str, Expr]:
         """The results as expressions in the arguments alone: all definitions put in."""
@@ -100,6 +107,34 @@ class Steps:
         for name, value in self.definitions:
             known[name] = value.xreplace(known)
         return {name: value.xreplace(known) for name, value in self.results.items()}
+
+
+def map_numbers(expression: Expr, change: Callable[[Expr], Expr]) -> Expr:
+    """The expression with another one for each number in it; numbers that stand together are one, exponents are left.
+
+    >>> from sympy import pi, sqrt, symbols
+    >>> x, two = symbols("x two")
+    >>> map_numbers(2 * pi * sqrt(x) + 2, lambda number: two)
+    two*sqrt(x) + two
+    """
+    if expression.is_number:
+        return change(expression)
+    if isinstance(expression, Add | Mul):
+        numbers = [x for x in expression.args if x.is_number]
+        others = [map_numbers(x, change) for x in expression.args if not x.is_number]
+        return expression.func(*([change(expression.func(*numbers))] if numbers else []), *others)
+    if isinstance(expression, Pow) and expression.exp.is_number:
+        return map_numbers(expression.base, change) ** expression.exp
+    return expression.func(*(map_numbers(x, change) for x in expression.args)) if expression.args else expression
+
+
+def _hide(number: Expr, hidden: dict[Expr, Symbol]) -> Expr:
+    """A symbol for an irrational number, so that it is not taken apart."""
+    return number if number.is_Rational else hidden.setdefault(number, Dummy(real=True))
+
+
+def _constant(number: Expr) -> Expr:
+    return number if number.is_Integer else Symbol("number")
 
 
 def _ordered(definitions: Sequence[tuple[Symbol, Expr]]) -> tuple[tuple[Symbol, Expr], ...]:

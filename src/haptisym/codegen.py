@@ -1,0 +1,284 @@
+"""Code in NumPy, C, Octave and MATLAB, Julia and JavaScript: one function with all closed forms, without haptisym.
+
+``scene_code(scene, language)`` is the usual way in; ``code`` prints any ``Steps``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from sympy import Expr, Pow, Symbol, pi, sinc
+
+from . import __version__
+from .catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Parameter, Rule
+from .codegen_forms import distortion_steps
+from .codegen_languages import Described, Routine, laid_out
+from .codegen_names import Language, comment, function_name, identifiers
+from .codegen_printers import in_doubles, nearest_double, printer
+from .distortion import Distortion, chain_distortion
+from .errors import SceneError
+from .formula import plain
+from .quantities import Dimension, Motion
+from .scene import Scene
+from .steps import Steps
+from .symbols import omega
+
+__all__ = ["About", "Argument", "Language", "Program", "code", "distortion_code", "scene_code", "scene_program"]
+
+
+@dataclass(frozen=True)
+class Argument:
+    """What a function is given: its symbol, unit, meaning, the values it may have and, where there is one, an example."""
+
+    symbol: Symbol
+    unit: str = "SI units"
+    meaning: str = "parameter"
+    range: str = ""
+    example: str = ""
+
+
+FREQUENCY = Argument(omega, "rad/s", "angular frequency", ">= 0")
+
+
+@dataclass(frozen=True)
+class About:
+    """What the header of a file says: a title, paragraphs of notes, and for each result what it is and its unit."""
+
+    title: str = ""
+    notes: tuple[str, ...] = ()
+    results: Mapping[str, tuple[str, str]] | None = None
+
+
+@dataclass(frozen=True)
+class Program:
+    """All that ``code`` prints, for any number of languages: what is computed, from what, and what is said about it."""
+
+    steps: Steps
+    arguments: tuple[Argument, ...]
+    about: About
+
+    def code(self, language: Language, *, name: str = "distortion") -> str:
+        return code(self.steps, self.arguments, language, name=name, about=self.about)
+
+
+_MEANINGS = {
+    "real": "Re dH, the real part of the distortion dH = H_perc - H_env",
+    "imag": "Im dH",
+    "ratio_real": "r_r = |Re dH|/|H_env|, what the JND judges, a ratio",
+    "ratio_imag": "r_i = |Im dH|/|H_env|, what the JND judges, a ratio",
+    "relative_real": "Re(dH/H_env), which is not r_r, a ratio",
+    "relative_imag": "Im(dH/H_env), which is not r_i, a ratio",
+    "environment_real": "Re H_env, what should be felt",
+    "environment_imag": "Im H_env",
+    "perceived_real": "Re H_perc, what is felt",
+    "perceived_imag": "Im H_perc",
+}
+_NOTES = (
+    "H is force per position at s = j omega: a positive real part is felt as stiffness Re H, a negative one as mass "
+    "-Re H/omega^2, the imaginary part as damping Im H/omega.",
+    "At omega = 0 and at zeros of H_env the values are the limits where these are finite; at a pole they are Inf or NaN.",
+)
+
+
+def code(
+    steps: Steps,
+    arguments: Iterable[Argument],
+    language: Language,
+    *,
+    name: str = "distortion",
+    about: About = About(),
+) -> str:
+    """The source text of one function that computes ``steps``, self-contained, documented in the language's own style.
+
+    ``arguments`` : everything that the steps need, in the order of the call. NumPy, Octave and MATLAB functions take and
+    return arrays (broadcast, shape kept, constants included); Julia's is called with a dot for arrays; C fills a
+    struct of doubles, its declarations first, in an include guard; JavaScript returns an object.
+    Numbers are the doubles nearest to the exact ones. A name that the language does not allow is changed, and the
+    documentation says so. Raises SceneError for a missing or doubled argument, and for a name that cannot be a function's.
+
+    >>> from sympy import Symbol
+    >>> k = Argument(Symbol("k"), "N/m", "stiffness", "> 0")
+    >>> print(code(Steps((), {"y": k.symbol / 3}), [k], Language.JAVASCRIPT, name="third").split("*/")[-1])
+    <BLANKLINE>
+    function third(k) {
+      "use strict";
+      return {
+        y: 0.3333333333333333*k,
+      };
+    }
+    <BLANKLINE>
+    if (typeof module !== "undefined" && module.exports) {
+      module.exports = { third };
+    }
+    <BLANKLINE>
+    """
+    listed = tuple(arguments)
+    steps = _needed(steps)
+    _check(steps, listed)
+    own = function_name(name, language)
+    symbols = [*(a.symbol for a in listed), *(x for x, _ in steps.definitions)]
+    helper = f"{own}_sinc"
+    chosen = identifiers((x.name for x in symbols), language, {own, helper, f"{own}_values"})
+    writer = printer(language, {x: chosen[x.name] for x in symbols}, helper)
+    written = [(x, in_doubles(value)) for x, value in steps.definitions]
+    values = {x: in_doubles(value) for x, value in steps.results.items()}
+    everything = [*(value for _, value in written), *values.values()]
+    routine = Routine(
+        name=own,
+        heading=comment(about.title or "Values of closed forms.").rstrip(".") + ".",
+        notes=tuple(comment(x) for x in (*about.notes, f"Generated by haptisym {__version__}.")),
+        arguments=tuple(Described(chosen[a.symbol.name], _argument_words(a, chosen, steps)) for a in listed),
+        results=tuple(Described(x, _result_words(x, about)) for x in values),
+        definitions=tuple((chosen[x.name], writer.text(value)) for x, value in written),
+        values=tuple((x, writer.text(value)) for x, value in values.items()),
+        unused=tuple(chosen[a.symbol.name] for a in listed if a.symbol not in steps.free_symbols),
+        sinc=helper if any(e.has(sinc) for e in everything) else "",
+        uses_pi=any(e.has(pi) for e in everything),
+    )
+    return laid_out(routine, language)
+
+
+def scene_code(
+    scene: Scene, language: Language, *, name: str = "distortion", parameters: Iterable[str] | None = None
+) -> str:
+    """The closed forms of a scene as a function of omega and of its parameters.
+
+    ``parameters`` : the names of those that stay arguments, in SI; all by default, none for ``()``. The others have the
+    scene's values in the code. The results are Re and Im of dH, of dH/H_env, of H_env and of H_perc, and the ratios r_r
+    and r_i. Raises SceneError for a parameter that the scene does not have.
+
+    With sums of squares for moduli and half angles for delays, each part has an error below 1e-12 (|H_env| + |H_perc|),
+    the ratios and relative parts below 1e-12 (1 + |H_perc|/|H_env|): tested for every shipped scene, with its
+    values and with values around them, at omega = 0 and up to 10^4 rad/s.
+
+    >>> from .scenefile import load_scene
+    >>> text = scene_code(load_scene("fu2019"), Language.C, parameters=["omega_n"])
+    >>> next(line for line in text.splitlines() if line.startswith("void"))
+    'void distortion(double omega, double omega_n, distortion_values *values);'
+    """
+    return scene_program(scene, parameters).code(language, name=name)
+
+
+def scene_program(scene: Scene, parameters: Iterable[str] | None = None) -> Program:
+    """What ``scene_code`` prints, with the same parameters, derived once for several languages.
+
+    >>> from .scenefile import load_scene
+    >>> [x.symbol.name for x in scene_program(load_scene("delayed-spring")).arguments]
+    ['omega', 'k', 'tau']
+    """
+    names = [p.symbol.name for p in scene.parameters]
+    free = names if parameters is None else list(parameters)
+    for x in free:
+        if x not in names:
+            raise SceneError(f'the scene has no parameter "{x}": it has {", ".join(names) or "none"}')
+    fixed = {p.symbol: p.value for p in scene.parameters if p.symbol.name not in free}
+    rendered = scene.rendered or scene.environment
+    matrices = [tuple(entry.xreplace(fixed) for entry in e.dynamics) for e in scene.effects]
+    distortion = chain_distortion(scene.environment.dynamics.xreplace(fixed), rendered.dynamics.xreplace(fixed), matrices)
+    arguments = [a for a in _scene_arguments(scene) if a.symbol.name in free]
+    arguments += [Argument(x) for x in _sorted(distortion.free_symbols - {a.symbol for a in arguments})]
+    about = About(scene.title or "Distortion of a haptic display", _scene_notes(scene, fixed), _results(scene.motion))
+    return Program(distortion_steps(distortion), (FREQUENCY, *arguments), about)
+
+
+def distortion_code(distortion: Distortion, language: Language, *, name: str = "distortion") -> str:
+    """The closed forms of a distortion as a function of omega and of the parameters that are still symbols, by name.
+
+    >>> from . import effects, environments
+    >>> from .distortion import distort
+    >>> d = distort(environments.kelvin_voigt(100, 2), effects.delay(Symbol("tau")))
+    >>> "function values = distortion(omega, tau)" in distortion_code(d, Language.OCTAVE)
+    True
+    """
+    arguments = [FREQUENCY, *(Argument(x) for x in _sorted(distortion.free_symbols))]
+    notes = (f"H_env(s) = {_formula(distortion.environment)}", f"H_perc(s) = {_formula(distortion.perceived)}", *_NOTES)
+    about = About("Distortion of a haptic display", notes, _results(None))
+    return code(distortion_steps(distortion), arguments, language, name=name, about=about)
+
+
+def _sorted(symbols: Iterable[Symbol]) -> list[Symbol]:
+    return sorted(symbols, key=str)
+
+
+def _needed(steps: Steps) -> Steps:
+    """The steps without definitions that nothing uses."""
+    used = {x for e in steps.results.values() for x in e.free_symbols}
+    kept = []
+    for name, value in reversed(steps.definitions):
+        if name in used:
+            used |= value.free_symbols
+            kept.append((name, value))
+    return Steps(tuple(reversed(kept)), steps.results)
+
+
+def _check(steps: Steps, arguments: tuple[Argument, ...]) -> None:
+    names = [a.symbol.name for a in arguments] + [x.name for x, _ in steps.definitions]
+    doubled = next((x for x in names if names.count(x) > 1), None)
+    if doubled is not None:
+        raise SceneError(f"{doubled} is an argument or a definition twice")
+    missing = steps.free_symbols - {a.symbol for a in arguments}
+    if missing:
+        raise SceneError(f"the steps need {', '.join(map(str, _sorted(missing)))}, which is no argument")
+    if not steps.results or not arguments:
+        raise SceneError("a function needs at least one argument and one result")
+
+
+def _argument_words(argument: Argument, chosen: Mapping[str, str], steps: Steps) -> str:
+    own = argument.symbol.name
+    words = [", ".join(x for x in (argument.meaning, argument.unit) if x), argument.range, argument.example]
+    words += [f"called {own} in the formulas"] if chosen[own] != own else []
+    words += ["no result depends on it"] if argument.symbol not in steps.free_symbols else []
+    return comment("; ".join(x for x in words if x))
+
+
+def _result_words(name: str, about: About) -> str:
+    meaning, unit = (about.results or {}).get(name, ("result", ""))
+    return comment(f"{meaning}, {unit}" if unit else meaning)
+
+
+def _results(motion: Motion | None) -> dict[str, tuple[str, str]]:
+    force = Dimension.STIFFNESS.unit(motion)
+    return {name: (words, "" if name.startswith(("ratio", "relative")) else force) for name, words in _MEANINGS.items()}
+
+
+def _formula(expression: Expr) -> str:
+    """A formula as a line of text."""
+    plainly = all(x.exp.is_number for x in expression.atoms(Pow))
+    return plain(expression) if plainly else str(expression).replace("**", "^")
+
+
+def _scene_notes(scene: Scene, fixed: Mapping[Symbol, Expr]) -> tuple[str, ...]:
+    chain = ", ".join(f"{e.name} ({e.model})" if e.name != e.model else e.name for e in scene.effects) or "none"
+    rendered = [f"Rendered instead: {_formula(scene.rendered.dynamics)}"] if scene.rendered else []
+    values = ", ".join(f"{p.symbol} = {_formula(p.value)}" for p in scene.parameters if p.symbol in fixed)
+    return (
+        f"H_env(s) = {_formula(scene.environment.dynamics)} ({scene.environment.model})",
+        *rendered,
+        f"H_perc: through these effects, nearest the environment first: {chain}.",
+        *([f"Fixed values, SI: {values}."] if values else []),
+        *_NOTES,
+        *([f"Source: {scene.source}"] if scene.source else []),
+    )
+
+
+def _scene_arguments(scene: Scene) -> list[Argument]:
+    found = []
+    for place, element in scene.elements():
+        rules = (ENVIRONMENTS if isinstance(element, Environment) else EFFECTS)[element.model].slots
+        label = f"the {place}" if isinstance(element, Environment) else f"the effect {place.partition('.')[2]}"
+        for p in element.parameters:
+            slot = rules.get(p.key.partition("[")[0])
+            found.append(_argument(p, label, element, slot.rule if slot else Rule.ANY, scene.motion))
+    return found
+
+
+_RANGES = {Rule.POSITIVE: "> 0", Rule.NONNEGATIVE: ">= 0", Rule.FRACTION: "between 0 and 1", Rule.ANY: "any sign"}
+
+
+def _argument(p: Parameter, label: str, element: Environment | Effect, rule: Rule, motion: Motion | None) -> Argument:
+    kind = "number" if p.dimension in (Dimension.ANY, Dimension.RATIO) else p.dimension.name.lower()
+    unit = {Dimension.ANY: "SI units", Dimension.RATIO: ""}.get(p.dimension, p.dimension.unit(motion))
+    example = f"{nearest_double(p.value):.12g} in the scene" if p.value.is_number else ""
+    model = "" if label.endswith(f" {element.model}") else f" ({element.model})"
+    return Argument(p.symbol, unit, f"{kind} {p.key} of {label}{model}", _RANGES.get(rule, ""), example)
