@@ -21,11 +21,11 @@ quantities response factors formula codegen_printers codegen_languages
 roots solutions
 catalogue jnd stability
 environments effects distortion
-scene crossings
+scene crossings interop codegen
 percepts codegen_forms
 answers scenefile
 text
-evaluation codegen
+evaluation codegen_scene
 texnames figures
 texprinter
 texlines

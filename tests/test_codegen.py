@@ -25,10 +25,11 @@ from sympy import I, Integer, Rational, Symbol, cosh, exp, pi, sin, sinc, sinh, 
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.codegen import About, Argument, Language, code, distortion_code, scene_code, scene_program
+from haptisym.codegen import About, Argument, Language, code
 from haptisym.codegen_forms import distortion_steps
 from haptisym.codegen_names import comment, identifiers
 from haptisym.codegen_printers import nearest_double
+from haptisym.codegen_scene import distortion_code, scene_code, scene_program
 from haptisym.numeric import Values
 from haptisym.steps import Steps
 
@@ -45,7 +46,9 @@ HOSTILE = 'Ends /* comments */ and """strings""", %} #} ?? / \\ $(x) \\u{1} \u20
 def awkward_scene() -> hs.Scene:
     formula = "lambda*s^2 + end*s*i + int*e + function*values/(yield + s*cos) + distortion*s + x1*W + _a + µ*s"
     given = {name: str(n) for n, name in enumerate(AWKWARD, 2)}
-    return hs.Scene(environments.expression(formula, parameters=given), (effects.delay("3 ms"),), title=HOSTILE, source=HOSTILE)
+    return hs.Scene(
+        environments.expression(formula, parameters=given), (effects.delay("3 ms"),), title=HOSTILE, source=HOSTILE
+    )
 
 
 MSD = environments.mass_spring_damper("1.2 kg", "8 N*s/m", "150 N/m")
@@ -78,7 +81,9 @@ def digits(expression, values):
         return MP.fprod(parts)
     if expression.is_Pow:
         return MP.power(*parts)
-    return {pi: MP.pi, I: MP.mpc(0, 1)}.get(expression) or {exp: MP.exp, cosh: MP.cosh, sinh: MP.sinh}[expression.func](*parts)
+    return {pi: MP.pi, I: MP.mpc(0, 1)}.get(expression) or {exp: MP.exp, cosh: MP.cosh, sinh: MP.sinh}[expression.func](
+        *parts
+    )
 
 
 def felt(scene, parameters, omega):
@@ -103,7 +108,9 @@ def expected(scene, parameters, omega):
         force, ratio = size + abs(perceived), 1 + abs(perceived) / size
         values = [difference.real, difference.imag, abs(difference.real) / size, abs(difference.imag) / size,
                   relative.real, relative.imag, environment.real, environment.imag, perceived.real, perceived.imag]  # fmt: skip
-        return list(zip(values, [ratio if name.startswith(("ratio", "relative")) else force for name in FIELDS], strict=True))
+        return list(
+            zip(values, [ratio if name.startswith(("ratio", "relative")) else force for name in FIELDS], strict=True)
+        )
     finally:
         MP.dps = 60
 
@@ -123,7 +130,8 @@ class Case:
     def parameters(self, point):
         given = point[1:] if self.symbolic else [p.value for p in self.scene.parameters]
         return {
-            p.symbol: MP.mpf(x) if self.symbolic else digits(x, {}) for p, x in zip(self.scene.parameters, given, strict=True)
+            p.symbol: MP.mpf(x) if self.symbolic else digits(x, {})
+            for p, x in zip(self.scene.parameters, given, strict=True)
         }
 
 
@@ -145,7 +153,9 @@ def value_near(parameter, chance):
 
 
 CASES = [
-    Case(scene, f"case_{n}_{'symbolic' if symbolic else 'numeric'}", symbolic, tuple(points_of(scene, symbolic=symbolic)))
+    Case(
+        scene, f"case_{n}_{'symbolic' if symbolic else 'numeric'}", symbolic, tuple(points_of(scene, symbolic=symbolic))
+    )
     for n, scene in enumerate(SCENES.values())
     for symbolic in (True, False)
 ]
@@ -180,7 +190,9 @@ def in_c(sources: Mapping[str, str], folder: Path) -> str:
     for case in CASES:
         shown = " ".join(["%.17g"] * len(FIELDS))
         fields = ", ".join(f"v.{name}" for name in FIELDS)
-        rows = "\n".join(f"    {case.name}({', '.join(map(repr, p))}, &v); printf(\"{shown}\\n\", {fields});" for p in case.points)
+        rows = "\n".join(
+            f'    {case.name}({", ".join(map(repr, p))}, &v); printf("{shown}\\n", {fields});' for p in case.points
+        )
         calls.append(f"  {{ {case.name}_values v;\n{rows}\n  }}")
     main = "\n".join(["#include <stdio.h>", *declarations, "int main(void) {", *calls, "return 0; }"])
     for name, text in {**sources, "main": main}.items():
@@ -204,7 +216,9 @@ def in_octave(sources: Mapping[str, str], folder: Path) -> str:
 def in_javascript(sources: Mapping[str, str], folder: Path) -> str:
     lines = ["const FIELDS = " + json.dumps(FIELDS) + ";"]
     for case in CASES:
-        lines.append(f"for (const p of {json.dumps(case.points)}) {{ const v = require('./{case.name}.js').{case.name}(...p);")
+        lines.append(
+            f"for (const p of {json.dumps(case.points)}) {{ const v = require('./{case.name}.js').{case.name}(...p);"
+        )
         lines.append("console.log(FIELDS.map(x => String(v[x])).join(' ')); }")
     for name, text in {**sources, "main": "\n".join(lines)}.items():
         (folder / f"{name}.js").write_text(text, encoding="utf-8")
@@ -273,7 +287,12 @@ def test_the_code_has_the_values_of_the_physics(language, n, computed):
 
 def test_enough_of_the_comparisons_judge_a_digit():
     """A part that is far below its size would be taken on trust: most are not, and each quantity is seen."""
-    pairs = [(name, exact, size) for n in range(len(CASES)) for row in truth(n) for name, (exact, size) in zip(FIELDS, row, strict=True)]
+    pairs = [
+        (name, exact, size)
+        for n in range(len(CASES))
+        for row in truth(n)
+        for name, (exact, size) in zip(FIELDS, row, strict=True)
+    ]
     for field in FIELDS:
         seen = [abs(exact) > 1e-3 * size for name, exact, size in pairs if name == field]
         assert sum(seen) > len(seen) / 4
@@ -284,12 +303,14 @@ def test_enough_of_the_comparisons_judge_a_digit():
 
 def function_of(text: str, name: str = "distortion"):
     module = types.ModuleType(name)
-    exec(compile(text, name, "exec"), module.__dict__)
+    exec(compile(text, name, "exec"), module.__dict__)  # noqa: S102 - the code under test
     return getattr(module, name)
 
 
 def test_arrays_are_broadcast_and_constants_fill_the_shape():
-    d = hs.distort(environments.kelvin_voigt(Symbol("k", positive=True), 2), effects.delay(Symbol("tau", positive=True)))
+    d = hs.distort(
+        environments.kelvin_voigt(Symbol("k", positive=True), 2), effects.delay(Symbol("tau", positive=True))
+    )
     f = function_of(distortion_code(d, Language.NUMPY))
     values = f(np.array([[0], [10], [20]]), np.array([100, 200]), 0.01)
     assert {x.shape for x in values} == {(3, 2)}
@@ -315,7 +336,11 @@ def test_a_resonance_without_damping_to_speak_of_gives_no_nan():
 
 
 def test_a_pole_is_infinite_and_no_warning():
-    f = function_of(distortion_code(hs.distort(environments.kelvin_voigt(100, 2), effects.series("100/(s^2 + 100)")), Language.NUMPY))
+    f = function_of(
+        distortion_code(
+            hs.distort(environments.kelvin_voigt(100, 2), effects.series("100/(s^2 + 100)")), Language.NUMPY
+        )
+    )
     assert not np.isfinite(f(10.0).real)
 
 
@@ -350,12 +375,25 @@ def test_there_is_no_code_for_an_effect_that_is_absent(language):
 @pytest.mark.parametrize("name", hs.scene_names())
 def test_the_documentation_lists_every_argument_with_meaning_and_unit(name, language):
     scene = hs.load_scene(name)
-    text = " ".join(re.sub(r"^\s*(#|%|\*)", "", line).strip() for line in source(2 * hs.scene_names().index(name), language).splitlines())
+    text = " ".join(
+        re.sub(r"^\s*(#|%|\*)", "", line).strip()
+        for line in source(2 * hs.scene_names().index(name), language).splitlines()
+    )
     assert "rad/s" in text
     for p in scene.parameters:
         unit = {"RATIO": "", "ANY": "SI units"}.get(p.dimension.name, p.dimension.unit(scene.motion))
-        assert re.search(rf"\b{p.symbol.name}\W[^;]* {p.key.replace('[', '.')[:1]}[^;]* of the [^;]*{re.escape(unit)};", text), p.symbol
-    for word in ("Re dH", "r_r = |Re dH|/|H_env|", "Re(dH/H_env)", "H_env(s) =", scene.title.split()[0], "Source:", f"haptisym {hs.__version__}"):
+        assert re.search(
+            rf"\b{p.symbol.name}\W[^;]* {p.key.replace('[', '.')[:1]}[^;]* of the [^;]*{re.escape(unit)};", text
+        ), p.symbol
+    for word in (
+        "Re dH",
+        "r_r = |Re dH|/|H_env|",
+        "Re(dH/H_env)",
+        "H_env(s) =",
+        scene.title.split()[0],
+        "Source:",
+        f"haptisym {hs.__version__}",
+    ):
         assert word in text
 
 
@@ -369,7 +407,14 @@ def test_the_file_needs_no_haptisym_and_its_lines_fit_a_page(language):
 @pytest.mark.parametrize("language", Language, ids=lambda x: x.name)
 def test_whole_powers_are_products_and_numbers_have_all_their_digits(language):
     a, b = hs.symbols("a b")
-    text = code_only(code(Steps((), {"y": a**3 / (3 * (a + b) ** 2), "z": Integer(10) ** 30 * a}), [Argument(a), Argument(b)], language), language)
+    text = code_only(
+        code(
+            Steps((), {"y": a**3 / (3 * (a + b) ** 2), "z": Integer(10) ** 30 * a}),
+            [Argument(a), Argument(b)],
+            language,
+        ),
+        language,
+    )
     assert "0.3333333333333333" in text
     assert "1e+30" in text
     assert "pow" not in text
@@ -425,7 +470,26 @@ def test_numbers_are_the_nearest_doubles():
 
 @pytest.mark.parametrize("language", Language, ids=lambda x: x.name)
 def test_no_two_names_become_one_and_none_is_a_word_of_the_language(language):
-    names = ["lambda", "lambda_", "end", "int", "function", "yield", "e", "i", "E", "λ", "k 1", "k_1", "k.1", "1k", "_k", "cos", "x" * 90, "x" * 91]
+    names = [
+        "lambda",
+        "lambda_",
+        "end",
+        "int",
+        "function",
+        "yield",
+        "e",
+        "i",
+        "E",
+        "λ",
+        "k 1",
+        "k_1",
+        "k.1",
+        "1k",
+        "_k",
+        "cos",
+        "x" * 90,
+        "x" * 91,
+    ]
     found = identifiers(names, language)
     assert list(found) == names
     assert len(set(found.values())) == len(names)
@@ -444,7 +508,12 @@ def test_no_text_ends_a_comment(text):
 def test_the_steps_are_exactly_the_closed_forms():
     d = hs.load_scene("fu2019").symbolic_distortion()
     steps = distortion_steps(d).expressions()
-    wanted = {"real": d.real, "imag": d.imag, "relative_real": d.relative_real, "perceived_imag": d.perceived_properties.imag}
+    wanted = {
+        "real": d.real,
+        "imag": d.imag,
+        "relative_real": d.relative_real,
+        "perceived_imag": d.perceived_properties.imag,
+    }
     for name, form in wanted.items():
         assert (steps[name] - form).together().expand() == 0
     point = {x: Rational(n, 3) for n, x in enumerate(sorted({hs.omega, *d.free_symbols}, key=str), 2)}
@@ -456,7 +525,13 @@ def test_the_steps_are_exactly_the_closed_forms():
 def test_other_computations_are_printed_too():
     x = hs.symbols("x")
     about = About("Two waves", ("A note.",), {"y": ("a wave", "m")})
-    text = code(Steps.sharing({"y": sin(x) + sinc(x), "z": sin(x) ** 2}), [Argument(x, "rad", "phase")], Language.NUMPY, name="waves", about=about)
+    text = code(
+        Steps.sharing({"y": sin(x) + sinc(x), "z": sin(x) ** 2}),
+        [Argument(x, "rad", "phase")],
+        Language.NUMPY,
+        name="waves",
+        about=about,
+    )
     f = function_of(text, "waves")
     assert f(0.0).y == 1
     assert abs(f(2.0).y - 1.5 * np.sin(2.0)) < 1e-15

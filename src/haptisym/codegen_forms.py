@@ -121,7 +121,10 @@ class _Forms:
             c**2 + (x if angle.constant else gens[0] * x) ** 2
             for angle, c, x in zip(self.axis.angles, waves[::2], waves[1::2], strict=True)
         ]
-        return [*(_Modulus(p, self._ring.constant(1).leading_coefficient(), Integer(1)) for p in units), *self._squares()]
+        return [
+            *(_Modulus(p, self._ring.constant(1).leading_coefficient(), Integer(1)) for p in units),
+            *self._squares(),
+        ]
 
     def _squares(self) -> Iterator[_Modulus]:
         for p in self.dynamics:
@@ -185,7 +188,15 @@ def _names(axis: Axis) -> dict[Expr, Symbol]:
     names = {}
     for function in (omega**2, *functions):
         if function.free_symbols:
-            stem = "W" if function == omega**2 else "cos" if function.func == cos else "power" if function.is_Pow else "sin"
+            stem = (
+                "W"
+                if function == omega**2
+                else "cos"
+                if function.func == cos
+                else "power"
+                if function.is_Pow
+                else "sin"
+            )
             names[function] = Symbol(_free_name(stem, taken), real=True)
             taken.add(names[function].name)
     return names

@@ -63,7 +63,13 @@ def _numpy(r: Routine) -> Iterable[str]:
     yield from _wrapped(f"def {r.name}({r.listed}):", "    ")
     yield from (f'    """{r.heading}', "", "    Parameters", "    ----------")
     yield from _documented(r.arguments, "    ", " : array_like")
-    yield from ("", "    Returns", "    -------", f"    {values}", "        Arrays of the broadcast shape of the arguments.")
+    yield from (
+        "",
+        "    Returns",
+        "    -------",
+        f"    {values}",
+        "        Arrays of the broadcast shape of the arguments.",
+    )
     yield '    """'
     yield from (f"    {x.name} = np.asarray({x.name}, dtype=float)" for x in r.arguments)
     yield from _wrapped(f"    shape = np.broadcast_shapes({', '.join(f'{x.name}.shape' for x in r.arguments)})", "    ")
@@ -83,7 +89,14 @@ def _c(r: Routine) -> Iterable[str]:
     yield from (f"    double {x.name}; /**< {x.words} */" for x in r.results)
     yield from (f"}} {r.name}_values;", "", "/**", f" * @brief {r.heading}", " *")
     yield from (f" * @param[in] {x.name} {x.words}" for x in r.arguments)
-    yield from (" * @param[out] values the results", " */", *_wrapped(f"{prototype};", ""), "", f"#endif /* {guard} */", "")
+    yield from (
+        " * @param[out] values the results",
+        " */",
+        *_wrapped(f"{prototype};", ""),
+        "",
+        f"#endif /* {guard} */",
+        "",
+    )
     yield from ("#include <math.h>", "")
     if r.sinc:
         yield from ("/* sin(x)/x, and 1 at x = 0 */", f"static double {r.sinc}(double x)", "{")
@@ -120,7 +133,12 @@ def _julia(r: Routine) -> Iterable[str]:
     yield from ('"""', f"    {r.name}({r.listed})", "", r.heading.replace("$", "\\$"), "")
     yield f"For arrays, call `{r.name}.({r.listed})`."
     yield from ("", "# Arguments", *(f"- `{x.name}`: {x.words}".replace("$", "\\$") for x in r.arguments), "")
-    yield from ("# Returns", "A named tuple:", *(f"- `{x.name}`: {x.words}".replace("$", "\\$") for x in r.results), '"""')
+    yield from (
+        "# Returns",
+        "A named tuple:",
+        *(f"- `{x.name}`: {x.words}".replace("$", "\\$") for x in r.results),
+        '"""',
+    )
     yield from _wrapped(f"function {r.name}({', '.join(f'{x.name}::Real' for x in r.arguments)})", "    ")
     yield from (f"    {x.name} = float({x.name})" for x in r.arguments)
     yield from _statements(r.definitions, "    {} = {}", "    ", "({})")
@@ -132,7 +150,13 @@ def _javascript(r: Routine) -> Iterable[str]:
     values = f"{r.name[0].upper()}{r.name[1:]}Values"
     yield from ("/*", *_paragraphs(r, " * "), " */", "")
     if r.sinc:
-        yield from ("/** sin(x)/x, and 1 at x = 0 */", f"function {r.sinc}(x) {{", "  return x === 0 ? 1 : Math.sin(x)/x;", "}", "")
+        yield from (
+            "/** sin(x)/x, and 1 at x = 0 */",
+            f"function {r.sinc}(x) {{",
+            "  return x === 0 ? 1 : Math.sin(x)/x;",
+            "}",
+            "",
+        )
     yield from ("/**", f" * @typedef {{Object}} {values}")
     yield from (f" * @property {{number}} {x.name} {x.words}" for x in r.results)
     yield from (" */", "", "/**", f" * {r.heading}", " *")
@@ -190,7 +214,9 @@ def _statements(
     """One statement for each pair of a name and an expression; a long one on several lines, in brackets where needed."""
     for name, text in pairs:
         whole = form.format(name, text)
-        yield from _wrapped(whole if len(whole) <= _WIDTH else form.format(name, bracket.format(text)), indent, continued)
+        yield from _wrapped(
+            whole if len(whole) <= _WIDTH else form.format(name, bracket.format(text)), indent, continued
+        )
 
 
 def _wrapped(line: str, indent: str, continued: str = "") -> list[str]:

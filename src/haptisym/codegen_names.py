@@ -28,7 +28,8 @@ def _words(text: str) -> frozenset[str]:
 
 _FUNCTIONS = _words("abs cos exp fabs log max min pow sin sinc sqrt tan pi")  # what the code itself may call
 RESERVED: Mapping[Language, frozenset[str]] = {
-    Language.NUMPY: _FUNCTIONS | {*keyword.kwlist, *keyword.softkwlist, "np", "float", "NamedTuple", "shape", "results"},
+    Language.NUMPY: _FUNCTIONS
+    | {*keyword.kwlist, *keyword.softkwlist, "np", "float", "NamedTuple", "shape", "results"},
     Language.C: _FUNCTIONS
     | _words(
         "alignas alignof asm auto bool break case catch char class const constexpr continue default delete do double else "

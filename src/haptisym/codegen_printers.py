@@ -6,10 +6,9 @@ Every printer is made for one piece of code and thrown away: SymPy's own printer
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 from flint import ctx
-from sympy import Add, Expr, Float, Integer, Pow, Rational, Symbol, pi, preorder_traversal
+from sympy import Add, Expr, Float, Integer, Pow, Symbol, pi, preorder_traversal
 from sympy.printing.c import C99CodePrinter
 from sympy.printing.codeprinter import CodePrinter
 from sympy.printing.jscode import JavascriptCodePrinter
@@ -92,7 +91,9 @@ class _Julia(_Written, JuliaCodePrinter):  # type: ignore[misc]
     _print_Mul = CodePrinter._print_Mul
 
     def _print_Pow(self, power: Expr) -> str:
-        return super()._print_Pow(power).replace(" ./ ", "/").replace(" / ", "/").replace(" .^ ", "^").replace(" ^ ", "^")
+        return (
+            super()._print_Pow(power).replace(" ./ ", "/").replace(" / ", "/").replace(" .^ ", "^").replace(" ^ ", "^")
+        )
 
 
 class _JavaScript(_Written, JavascriptCodePrinter):  # type: ignore[misc]
@@ -146,6 +147,7 @@ def _in_double(number: Expr) -> Expr:
 def nearest_double(number: Expr) -> float:
     """The double nearest to an exact number.
 
+    >>> from sympy import Rational
     >>> nearest_double(Rational(1, 3)), nearest_double(40 * pi)
     (0.3333333333333333, 125.66370614359172)
     """
@@ -162,5 +164,3 @@ def _vanishes(number: Expr) -> bool:
     with ctx.workprec(4096):
         low, high = bounds(expression_ball(number))
     return low <= 0 <= high
-
-
