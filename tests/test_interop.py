@@ -120,7 +120,11 @@ SCALED = [LEAD, 1 / (3 * s + 1), (s + 1) / (s * (7 * s + 3))]
 EXPORTS = [interop.to_sympy, interop.to_control, interop.to_scipy]
 
 
-@pytest.mark.parametrize(("H", "export"), [*product(MONIC, EXPORTS), *product(SCALED, EXPORTS[:2])], ids=str)
+def named(x):
+    return getattr(x, "__name__", None) or str(x)
+
+
+@pytest.mark.parametrize(("H", "export"), [*product(MONIC, EXPORTS), *product(SCALED, EXPORTS[:2])], ids=named)
 def test_there_and_back_is_the_same_system_exactly(H, export):
     assert cancel(interop.dynamics(export(H)) - H) == 0
 
