@@ -15,18 +15,18 @@ SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
 errors symbols boxes
-expressions rings reals numeric names
-quantities response factors numerals order
+expressions rings reals numeric names steps codegen_names
+quantities response factors numerals order codegen_printers codegen_languages
 levels
 roots solutions formula quotients
 catalogue jnd stability layout
 environments effects distortion
-scene crossings
-peaks
+scene crossings interop codegen
+peaks codegen_forms
 percepts plain mathml equations
 answers scenefile
 text
-evaluation
+evaluation codegen_scene
 texnames figures
 texprinter
 texlines

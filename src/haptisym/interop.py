@@ -1,0 +1,280 @@
+"""Dynamics from and to SymPy, python-control and SciPy.
+
+In: anything that is a continuous-time system with one input and one output becomes an exact expression in ``s``, floats
+read as the decimals that they are written as. Out: a rational dynamics as a transfer function of the other package.
+These packages are optional: one is imported only to export to it.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Sequence
+from functools import reduce
+from importlib import import_module
+from operator import mul
+from types import ModuleType
+from typing import Any, TypeAlias
+
+import numpy as np
+from sympy import Add, Expr, Float, I, Integer, Matrix
+
+from . import effects, environments
+from .catalogue import Effect, Environment
+from .errors import SceneError
+from .quantities import Dimension, decimal, quantity
+from .reals import ExactNumber
+from .response import Ring
+from .rings import PolynomialRing, RationalFunction, degree_in
+from .symbols import s
+
+System: TypeAlias = Any
+"""A dynamics in some form: see ``dynamics``."""
+
+
+def dynamics(system: System) -> Expr:
+    """The transfer function of a system, exact, as an expression in haptisym's ``s``.
+
+    ``system`` : a SymPy expression in a symbol named s; a system of ``sympy.physics.control``, ``control`` or
+    ``scipy.signal`` (transfer function, zeros and poles, state space; SymPy's also in series, parallel or feedback); a pair
+    of numerator and denominator, coefficients of the highest power first; an Environment, or an Effect in series. Floats are
+    read as their shortest decimals. Raises SceneError for several inputs or outputs, for discrete time, and for
+    roots that are not in conjugate pairs.
+
+    >>> dynamics(([1.8, 15, 100], [1]))
+    9*s**2/5 + 15*s + 100
+    >>> from sympy import Symbol
+    >>> dynamics(2 / (Symbol("s", complex=True) + 0.1))
+    2/(s + 1/10)
+    """
+    if isinstance(system, Environment):
+        return system.H
+    if isinstance(system, Effect):
+        return _series_gain(system)
+    for read in (_sympy, _control, _scipy, _pair):
+        found = read(system)
+        if found is not None:
+            return found
+    raise SceneError(
+        f"{_shown(system)} is no system known here: give a SymPy expression in s, a pair of numerator and denominator, or a "
+        "continuous-time system of sympy.physics.control, control or scipy.signal"
+    )
+
+
+def environment(system: System) -> Environment:
+    """The environment with H_env(s) = ``dynamics(system)``: force per position, N/m or N m/rad.
+
+    >>> environment(([2, 0, 50], [1])).H
+    2*s**2 + 50
+    """
+    return environments.expression(dynamics(system))
+
+
+def series(system: System, name: str = "") -> Effect:
+    """The effect that multiplies the force by G(s) = ``dynamics(system)``: a filter, an actuator, a sensor.
+
+    >>> series(([20], [1, 20]), name="actuator").matrix
+    (20/(s + 20), 0, 0, 1)
+    """
+    return effects.series(dynamics(system), name=name or "series")
+
+
+def to_sympy(system: System) -> Any:
+    """The system as a ``sympy.physics.control.TransferFunction``, exact, in lowest terms; parameters may be symbols.
+
+    Raises SceneError for what is not rational in s.
+
+    >>> to_sympy(environments.maxwell(100, 5))
+    TransferFunction(100*s, s + 20, s)
+    """
+    above, below = _fraction(system)
+    top, bottom = (Add(*(x * s**n for n, x in enumerate(reversed(row)))) for row in (above, below))
+    return import_module("sympy.physics.control").TransferFunction(top, bottom, s)
+
+
+def to_control(system: System) -> Any:
+    """The system as a ``control.TransferFunction`` in continuous time, coefficients the nearest doubles.
+
+    In lowest terms, scaled so that ``dynamics`` of the result is the same system exactly where doubles allow it.
+    Raises SceneError for parameters that are still symbols, for delays and other dynamics that are not rational, and
+    where python-control is not installed.
+    """
+    return _package("control", "python-control").TransferFunction(*_floats(system))
+
+
+def to_scipy(system: System) -> Any:
+    """The system as a ``scipy.signal.TransferFunction`` in continuous time; otherwise like ``to_control``.
+
+    SciPy divides by the leading coefficient of the denominator, in doubles: the same system comes back where the quotients
+    are exact. It has frequency responses of improper systems too (a mass, say), but simulates proper ones only.
+    """
+    return _package("scipy.signal", "SciPy").TransferFunction(*_floats(system))
+
+
+# --- in --------------------------------------------------------------------------------------------------------------
+
+
+def _series_gain(effect: Effect) -> Expr:
+    gain, *others = effect.matrix
+    if others != [0, 0, 1]:
+        raise SceneError(f"{effect.name} is not an effect in series: it has no transfer function of its own")
+    return gain
+
+
+def _sympy(system: System) -> Expr | None:
+    if isinstance(system, Expr):
+        named = {x: s for x in system.free_symbols if x.name == "s"}
+        return _exact(system.xreplace(named))
+    package = sys.modules.get("sympy.physics.control.lti")
+    if package is None or not isinstance(system, package.LinearTimeInvariant):
+        return None
+    _one_channel(system.num_inputs, system.num_outputs)
+    _continuous(getattr(system, "sampling_time", 0))
+    if isinstance(system, package.StateSpace):
+        return _state_space(system.A, system.B, system.C, system.D)
+    return _exact(system.to_expr().xreplace({system.var: s}))
+
+
+def _control(system: System) -> Expr | None:
+    package = sys.modules.get("control")
+    if package is None or not isinstance(system, package.TransferFunction | package.StateSpace):
+        return None
+    _one_channel(system.ninputs, system.noutputs)
+    _continuous(system.dt)
+    if isinstance(system, package.StateSpace):
+        return _state_space(system.A, system.B, system.C, system.D)
+    return _quotient(system.num[0][0], system.den[0][0])
+
+
+def _scipy(system: System) -> Expr | None:
+    package = sys.modules.get("scipy.signal")
+    if package is None or not isinstance(system, package.lti | package.dlti):
+        return None
+    _continuous(system.dt)
+    if isinstance(system, package.StateSpace):
+        _one_channel(system.B.shape[1], system.C.shape[0])
+        return _state_space(system.A, system.B, system.C, system.D)
+    if isinstance(system, package.ZerosPolesGain):
+        return _number(system.gain) * _from_roots(system.zeros) / _from_roots(system.poles)
+    if np.ndim(system.num) != 1:
+        raise SceneError("the system has several outputs: take one of them")
+    return _quotient(system.num, system.den)
+
+
+def _pair(system: System) -> Expr | None:
+    if not (isinstance(system, tuple | list) and len(system) == 2):
+        return None
+    if not all(isinstance(x, Sequence | np.ndarray) and not isinstance(x, str) for x in system):
+        return None
+    return _quotient(*system)
+
+
+def _one_channel(inputs: int, outputs: int) -> None:
+    if (inputs, outputs) != (1, 1):
+        raise SceneError(f"the system has {inputs} inputs and {outputs} outputs: take one of each, or write a two-port")
+
+
+def _continuous(dt: Any) -> None:
+    """A sampling time of 0, or none at all, is continuous time."""
+    if dt is not None and dt != 0:
+        raise SceneError(
+            f"the system is in discrete time (dt = {dt}): give its continuous-time dynamics and, for sampling, the effects "
+            "zero-order-hold and delay"
+        )
+
+
+def _quotient(above: Iterable[Any], below: Iterable[Any]) -> Expr:
+    top, bottom = (_polynomial([_number(x) for x in coefficients]) for coefficients in (above, below))
+    if bottom == 0:
+        raise SceneError("the denominator is zero")
+    return top / bottom
+
+
+def _polynomial(coefficients: Sequence[Expr]) -> Expr:
+    return Add(*(x * s**n for n, x in enumerate(reversed(coefficients))))
+
+
+def _from_roots(roots: Any) -> Expr:
+    factors = (s - _number(x.real) - I * _number(x.imag) for x in map(complex, np.atleast_1d(roots)))
+    product = reduce(mul, factors, Integer(1)).expand()
+    if product.has(I):
+        raise SceneError(f"the roots {_shown(np.atleast_1d(roots).tolist())} are not in conjugate pairs")
+    return product
+
+
+def _state_space(A: Any, B: Any, C: Any, D: Any) -> Expr:
+    """C (sI - A)^-1 B + D, by det(sI - A + BC) = det(sI - A) (1 + C (sI - A)^-1 B)."""
+    a, b, c, d = (Matrix(np.atleast_2d(np.array(x)).shape[0], np.atleast_2d(np.array(x)).shape[1],
+                  [_number(entry) for entry in np.array(x).ravel()]) for x in (A, B, C, D))  # fmt: skip
+    _one_channel(b.shape[1], c.shape[0])
+    below, above = (_determinant(m) for m in (a, a - b * c))
+    return d[0, 0] + (above - below).expand() / below
+
+
+def _determinant(matrix: Matrix) -> Expr:
+    """det(sI - matrix)."""
+    return matrix.charpoly(s).as_expr()
+
+
+def _number(given: Any) -> Expr:
+    """An exact number, or an expression in parameters; of a complex number, its real part if that is all."""
+    if isinstance(given, complex | np.complexfloating):
+        if given.imag != 0:
+            raise SceneError(f"{given} is a complex coefficient: a system that can be built has real ones")
+        given = given.real
+    if isinstance(given, np.floating):
+        return decimal(str(given))
+    return quantity(int(given) if isinstance(given, np.integer) else given, Dimension.ANY).value
+
+
+def _exact(expression: Expr) -> Expr:
+    """The expression with its floats read as the decimals that they are written as."""
+    return expression.xreplace({x: decimal(str(float(x))) for x in expression.atoms(Float)})
+
+
+# --- out -------------------------------------------------------------------------------------------------------------
+
+
+def _fraction(system: System) -> tuple[list[Expr], list[Expr]]:
+    """Numerator and denominator in lowest terms, the highest power first, scaled as doubles keep it best."""
+    expression = dynamics(system)
+    ring = Ring.of([expression])
+    function = ring.convert(expression).reduced()
+    for index, other in enumerate(ring.functions, ring.size):
+        if degree_in([function.numerator, function.denominator], index):
+            raise SceneError(
+                f"{other} is not rational in s: only rational dynamics can be exported (a delay as the effect pade-delay)"
+            )
+    monic, whole = (_coefficients(ring, f) for f in (function, function.cleared()))
+    return whole if not _kept(monic) and _kept(whole) else monic
+
+
+def _coefficients(ring: PolynomialRing, function: RationalFunction) -> tuple[list[Expr], list[Expr]]:
+    above, below = (ring.coefficients(p)[::-1] for p in (function.numerator, function.denominator))
+    return above, below
+
+
+def _kept(rows: tuple[list[Expr], list[Expr]]) -> bool:
+    """Whether each coefficient is exactly what its nearest double is written as."""
+    return all(x.is_Rational and decimal(str(float(x))) == x for row in rows for x in row)
+
+
+def _floats(system: System) -> tuple[list[float], list[float]]:
+    above, below = _fraction(system)
+    symbols = sorted({x.name for e in [*above, *below] for x in e.free_symbols})
+    if symbols:
+        raise SceneError(
+            f"{', '.join(symbols)} must have values: {'it is a symbol' if len(symbols) == 1 else 'they are symbols'}"
+        )
+    return [float(ExactNumber(x)) for x in above], [float(ExactNumber(x)) for x in below]
+
+
+def _package(module: str, name: str) -> ModuleType:
+    try:
+        return import_module(module)
+    except ImportError:
+        raise SceneError(f"{name} is not installed: it is needed to export to it") from None
+
+
+def _shown(given: object) -> str:
+    text = str(given)
+    return f"{text[:60]}..." if len(text) > 60 else text

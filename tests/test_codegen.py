@@ -1,0 +1,542 @@
+"""Generated code, run in its own language, has the values of the physics; it says what it is given, and has nothing else.
+
+The witness is the scene's own equations, H_env(s) and the chain matrices, multiplied out with 60 digits of mpmath at
+s = j omega: no closed form, no real or imaginary part of one, no simplification is shared with the code under test.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import re
+import shutil
+import subprocess
+import types
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+from sympy import I, Integer, Rational, Symbol, cosh, exp, pi, sin, sinc, sinh, sqrt
+
+import haptisym as hs
+from haptisym import effects, environments
+from haptisym.codegen import About, Argument, Language, code
+from haptisym.codegen_forms import distortion_steps
+from haptisym.codegen_names import comment, identifiers
+from haptisym.codegen_printers import nearest_double
+from haptisym.codegen_scene import distortion_code, scene_code, scene_program
+from haptisym.numeric import Values
+from haptisym.steps import Steps
+
+MP = mpmath.mp.clone()
+MP.dps = 60
+FIELDS = Values._fields
+TOLERANCE = 1e-12
+DUST = MP.mpf(10) ** -39  # what is left at 10^-400 rad/s of a power omega^0.1 whose limit is 0
+
+AWKWARD = ["lambda", "end", "int", "function", "yield", "i", "e", "cos", "values", "distortion", "x1", "W", "_a", "µ"]
+HOSTILE = 'Ends /* comments */ and """strings""", %} #} ?? / \\ $(x) \\u{1} \u2028import os\n"; \x1b[0m'
+
+
+def awkward_scene() -> hs.Scene:
+    formula = "lambda*s^2 + end*s*i + int*e + function*values/(yield + s*cos) + distortion*s + x1*W + _a + µ*s"
+    given = {name: str(n) for n, name in enumerate(AWKWARD, 2)}
+    return hs.Scene(
+        environments.expression(formula, parameters=given), (effects.delay("3 ms"),), title=HOSTILE, source=HOSTILE
+    )
+
+
+MSD = environments.mass_spring_damper("1.2 kg", "8 N*s/m", "150 N/m")
+OTHERS = {
+    "names that languages have": awkward_scene(),
+    "maxwell": hs.Scene(environments.maxwell(90, 4), (effects.first_order_lag("12 Hz"), effects.compliance(k=2000, b=3))),
+    "prony": hs.Scene(environments.prony(200, [100, 300], [5, 1]), (effects.pade_delay("4 ms", 3), effects.shunt(m="-45 g"))),
+    "two ports": hs.Scene(MSD, (effects.two_port("1", "2*s^2", "1/(k + s)", "1", parameters={"k": 900}), effects.series("1/(1 + s*T)^2", parameters={"T": "2 ms"}))),
+    "position-position": hs.Scene(MSD, (effects.position_position_teleoperator(1, 20, 400, 2, 30, 500, "10 ms"),)),
+    "spring-pot alone, whole numbers only": hs.Scene(environments.spring_pot(80, "1/2"), (effects.first_order_lag(20),)),
+    "spring-pots in a row": hs.Scene(environments.spring_pot(80, "0.3", 100), (effects.series(10 / (10 + hs.s ** Rational(3, 4))), effects.coulomb_friction("0.2 N", "5 cm"))),
+    "no effect": hs.Scene(MSD),
+}  # fmt: skip
+SCENES = {**{name: hs.load_scene(name) for name in hs.scene_names()}, **OTHERS}
+
+
+# --- the witness -----------------------------------------------------------------------------------------------------
+
+
+def digits(expression, values):
+    """An expression in 60 digits (or as many as MP has)."""
+    if expression in values:
+        return values[expression]
+    if expression.is_Rational:
+        return MP.mpf(int(expression.p)) / int(expression.q)
+    parts = [digits(x, values) for x in expression.args]
+    if expression.is_Add:
+        return MP.fsum(parts)
+    if expression.is_Mul:
+        return MP.fprod(parts)
+    if expression.is_Pow:
+        return MP.power(*parts)
+    return {pi: MP.pi, I: MP.mpc(0, 1)}.get(expression) or {exp: MP.exp, cosh: MP.cosh, sinh: MP.sinh}[expression.func](
+        *parts
+    )
+
+
+def felt(scene, parameters, omega):
+    """H_env and H_perc at a frequency, by the equations of the scene's elements, one after the other."""
+    values = {hs.s: MP.mpc(0, omega), **parameters}
+    environment = digits(scene.environment.dynamics, values)
+    perceived = digits((scene.rendered or scene.environment).dynamics, values)
+    for effect in scene.effects:
+        a, b, c, d = (digits(entry, values) for entry in effect.dynamics)
+        perceived = (a * perceived + b) / (c * perceived + d)
+    return environment, perceived
+
+
+def expected(scene, parameters, omega):
+    """Each quantity and the size that its error is judged by; at omega = 0, the limit."""
+    if omega == 0:  # so near to 0 that nothing but the limit is left, with digits to spare
+        MP.dps, omega = 1300, MP.mpf(10) ** -400
+    try:
+        environment, perceived = felt(scene, parameters, omega)
+        difference, size = perceived - environment, abs(environment)
+        relative = difference / environment
+        force, ratio = size + abs(perceived), 1 + abs(perceived) / size
+        values = [difference.real, difference.imag, abs(difference.real) / size, abs(difference.imag) / size,
+                  relative.real, relative.imag, environment.real, environment.imag, perceived.real, perceived.imag]  # fmt: skip
+        return list(
+            zip(values, [ratio if name.startswith(("ratio", "relative")) else force for name in FIELDS], strict=True)
+        )
+    finally:
+        MP.dps = 60
+
+
+# --- what is run -----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Case:
+    """One generated function, and the points at which it is called."""
+
+    scene: hs.Scene
+    name: str
+    symbolic: bool
+    points: tuple[tuple[float, ...], ...]
+
+    def parameters(self, point):
+        given = point[1:] if self.symbolic else [p.value for p in self.scene.parameters]
+        return {
+            p.symbol: MP.mpf(x) if self.symbolic else digits(x, {})
+            for p, x in zip(self.scene.parameters, given, strict=True)
+        }
+
+
+FREQUENCIES = (0.0, 1e-6, 1e4)
+
+
+def points_of(scene, *, symbolic):
+    chance = random.Random(str(scene.environment.dynamics))
+    for _ in range(3 if symbolic else 1):
+        values = [value_near(p, chance) for p in scene.parameters] if symbolic else []
+        for omega in (*FREQUENCIES, *(10 ** chance.uniform(-2, 3) for _ in range(6))):
+            yield (omega, *values)
+
+
+def value_near(parameter, chance):
+    if parameter.symbol.name == "alpha":
+        return chance.uniform(0.1, 0.9)
+    return nearest_double(parameter.value) * 10 ** chance.uniform(-0.5, 0.5)
+
+
+CASES = [
+    Case(
+        scene, f"case_{n}_{'symbolic' if symbolic else 'numeric'}", symbolic, tuple(points_of(scene, symbolic=symbolic))
+    )
+    for n, scene in enumerate(SCENES.values())
+    for symbolic in (True, False)
+]
+LABELS = [f"{name}, {kind}" for name in SCENES for kind in ("symbolic", "numeric")]
+
+
+@cache
+def truth(n: int):
+    case = CASES[n]
+    return [expected(case.scene, case.parameters(point), point[0]) for point in case.points]
+
+
+def run(command: Sequence[str], folder: Path) -> str:
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=300)
+    assert done.returncode == 0, (done.stdout + done.stderr)[-3000:]
+    return done.stdout
+
+
+def in_numpy(sources: Mapping[str, str], folder: Path) -> str:
+    lines = []
+    for case in CASES:
+        with np.errstate(all="raise"):  # what the user chose is neither in the way nor changed
+            values = function_of(sources[case.name], case.name)(*np.array(case.points).T)
+            assert np.geterr()["divide"] == "raise"
+        lines += [" ".join(map(repr, map(float, row))) for row in np.array(values).T]
+    return "\n".join(lines)
+
+
+def in_c(sources: Mapping[str, str], folder: Path) -> str:
+    declarations = [re.search(r"#ifndef \w+_H\n.*?#endif[^\n]*\n", text, re.DOTALL)[0] for text in sources.values()]
+    calls = []
+    for case in CASES:
+        shown = " ".join(["%.17g"] * len(FIELDS))
+        fields = ", ".join(f"v.{name}" for name in FIELDS)
+        rows = "\n".join(
+            f'    {case.name}({", ".join(map(repr, p))}, &v); printf("{shown}\\n", {fields});' for p in case.points
+        )
+        calls.append(f"  {{ {case.name}_values v;\n{rows}\n  }}")
+    main = "\n".join(["#include <stdio.h>", *declarations, "int main(void) {", *calls, "return 0; }"])
+    for name, text in {**sources, "main": main}.items():
+        (folder / f"{name}.c").write_text(text, encoding="utf-8")
+    strict = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-Wconversion"]
+    run(["cc", *strict, *(f"{name}.c" for name in sources), "main.c", "-o", "main", "-lm"], folder)
+    return run([str(folder / "main")], folder)
+
+
+def in_octave(sources: Mapping[str, str], folder: Path) -> str:
+    lines = ["1;", "more off;"]
+    for case in CASES:
+        columns = ", ".join(str(list(column)) for column in zip(*case.points, strict=True))
+        values = "; ".join(f"v.{name}" for name in FIELDS)
+        lines += [f"v = {case.name}({columns});", f'fprintf("{" ".join(["%.17g"] * len(FIELDS))}\\n", [{values}]);']
+    for name, text in {**sources, "main": "\n".join(lines)}.items():
+        (folder / f"{name}.m").write_text(text, encoding="utf-8")
+    return run(["octave-cli", "--norc", "main.m"], folder)
+
+
+def in_javascript(sources: Mapping[str, str], folder: Path) -> str:
+    lines = ["const FIELDS = " + json.dumps(FIELDS) + ";"]
+    for case in CASES:
+        lines.append(
+            f"for (const p of {json.dumps(case.points)}) {{ const v = require('./{case.name}.js').{case.name}(...p);"
+        )
+        lines.append("console.log(FIELDS.map(x => String(v[x])).join(' ')); }")
+    for name, text in {**sources, "main": "\n".join(lines)}.items():
+        (folder / f"{name}.js").write_text(text, encoding="utf-8")
+    return run(["node", "main.js"], folder)
+
+
+def in_julia(sources: Mapping[str, str], folder: Path) -> str:
+    lines = [f'include("{name}.jl")' for name in sources]
+    for case in CASES:
+        calls = ", ".join(f"({', '.join(map(repr, p))},)" for p in case.points)
+        lines.append(f'for p in [{calls}]; println(join(values({case.name}(p...)), " ")); end')
+    for name, text in {**sources, "main": "\n".join(lines)}.items():
+        (folder / f"{name}.jl").write_text(text, encoding="utf-8")
+    return run(["julia", "--startup-file=no", "main.jl"], folder)
+
+
+RUNNERS: dict[Language, tuple[str, Callable[[Mapping[str, str], Path], str]]] = {
+    Language.NUMPY: ("", in_numpy),
+    Language.C: ("cc", in_c),
+    Language.OCTAVE: ("octave-cli", in_octave),
+    Language.JAVASCRIPT: ("node", in_javascript),
+    Language.JULIA: ("julia", in_julia),
+}
+
+
+@cache
+def source(n: int, language: Language) -> str:
+    return program(n).code(language, name=CASES[n].name)
+
+
+@cache
+def program(n: int):
+    return scene_program(CASES[n].scene, None if CASES[n].symbolic else ())
+
+
+def computed(language: Language, folder: Path) -> list[list[list[float]]]:
+    """For each case, the rows of values that the code of a language computes: everything in one run."""
+    program_name, runner = RUNNERS[language]
+    if program_name and shutil.which(program_name) is None:
+        if os.environ.get("CI"):
+            pytest.fail(f"{program_name} is missing: CI must run the generated code")
+        pytest.skip(f"{program_name} is missing")
+    lines = iter(runner({case.name: source(n, language) for n, case in enumerate(CASES)}, folder).splitlines())
+    rows = [[[float(x) for x in next(lines).split()] for _ in case.points] for case in CASES]
+    assert next(lines, None) is None
+    return rows
+
+
+def agrees(value: float, exact, size) -> bool:
+    if abs(exact) > 1e60:
+        return not np.isfinite(value)
+    return size > 1e60 or abs(value - exact) <= TOLERANCE * size + DUST
+
+
+RUN = [x for x in Language if x is not Language.JULIA or shutil.which("julia")]  # Debian has no Julia: text only, then
+
+
+@pytest.mark.parametrize("language", RUN, ids=lambda x: x.name)
+def test_the_code_has_the_values_of_the_physics(language, tmp_path):
+    """One test for a language: all scenes, in one run of its program."""
+    wrong = []
+    for n, rows in enumerate(computed(language, tmp_path)):
+        for point, row, wanted in zip(CASES[n].points, rows, truth(n), strict=True):
+            for name, value, (exact, size) in zip(FIELDS, row, wanted, strict=True):
+                if not agrees(value, exact, size):
+                    wrong.append((LABELS[n], name, point, value, MP.nstr(exact, 17)))
+    assert wrong == []
+
+
+def test_enough_of_the_comparisons_judge_a_digit():
+    """A part that is far below its size would be taken on trust: most are not, and each quantity is seen."""
+    pairs = [
+        (name, exact, size)
+        for n in range(len(CASES))
+        for row in truth(n)
+        for name, (exact, size) in zip(FIELDS, row, strict=True)
+    ]
+    for field in FIELDS:
+        seen = [abs(exact) > 1e-3 * size for name, exact, size in pairs if name == field]
+        assert sum(seen) > len(seen) / 4
+
+
+# --- NumPy -----------------------------------------------------------------------------------------------------------
+
+
+def function_of(text: str, name: str = "distortion"):
+    module = types.ModuleType(name)
+    exec(compile(text, name, "exec"), module.__dict__)  # noqa: S102 - the code under test
+    return getattr(module, name)
+
+
+def test_arrays_are_broadcast_and_constants_fill_the_shape():
+    d = hs.distort(
+        environments.kelvin_voigt(Symbol("k", positive=True), 2), effects.delay(Symbol("tau", positive=True))
+    )
+    f = function_of(distortion_code(d, Language.NUMPY))
+    values = f(np.array([[0], [10], [20]]), np.array([100, 200]), 0.01)
+    assert {x.shape for x in values} == {(3, 2)}
+    assert {x.dtype for x in values} == {np.dtype(float)}
+    assert values.environment_real.tolist() == [[100, 200]] * 3
+    assert f(3, 100, 0.01).real.shape == ()
+
+
+def test_the_function_of_the_code_agrees_with_that_of_the_package():
+    d = hs.load_scene("sidestick").distortion()
+    omega = np.geomspace(0.1, 100, 50)
+    for ours, theirs in zip(function_of(distortion_code(d, Language.NUMPY))(omega), d.compile()(omega), strict=True):
+        np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-9)
+
+
+def test_a_resonance_without_damping_to_speak_of_gives_no_nan():
+    m, b, k = hs.symbols("m b k")
+    d = hs.distort(environments.mass_spring_damper(m, b, k), effects.first_order_lag(50))
+    f = function_of(distortion_code(d, Language.NUMPY))
+    omega = np.sqrt(np.linspace(100, 101, 1001) / 1.7)
+    values = f(omega, 1.7, 1e-12, np.linspace(100, 101, 1001))
+    assert all(np.isfinite(x).all() for x in values)
+
+
+def test_a_pole_is_infinite_and_no_warning():
+    f = function_of(
+        distortion_code(
+            hs.distort(environments.kelvin_voigt(100, 2), effects.series("100/(s^2 + 100)")), Language.NUMPY
+        )
+    )
+    assert not np.isfinite(f(10.0).real)
+
+
+# --- structure -------------------------------------------------------------------------------------------------------
+
+
+def code_only(text: str, language: Language) -> str:
+    """The source without comments and documentation."""
+    block, line = {
+        Language.NUMPY: (r'"""[\s\S]*?"""', "#.*"),
+        Language.C: (r"/\*[\s\S]*?\*/", "$^"),
+        Language.OCTAVE: ("$^", "%.*"),
+        Language.JULIA: (r'"""[\s\S]*?"""', "#.*"),
+        Language.JAVASCRIPT: (r"/\*[\s\S]*?\*/", "$^"),
+    }[language]
+    return re.sub(line, "", re.sub(block, "", text))
+
+
+@pytest.mark.parametrize("language", Language, ids=lambda x: x.name)
+def test_there_is_no_code_for_an_effect_that_is_absent(language):
+    text = code_only(scene_code(hs.load_scene("fu2019"), language), language)
+    assert not re.search(r"\b(np\.|Math\.)?(sin|cos|pow|exp|tau|pi|PI|\w*sinc)\b", text)
+    delayed = code_only(scene_code(hs.load_scene("delayed-spring"), language), language)
+    assert re.search(r"\bcos\(", delayed)
+    assert re.search(r"\bdistortion_sinc\(", delayed)
+    friction = code_only(scene_code(hs.load_scene("stick-with-friction"), language), language)
+    assert re.search(r"\bforce\b", friction)
+    assert not re.search(r"sinc|\bcos\b|tau", friction)
+
+
+@pytest.mark.parametrize("language", Language, ids=lambda x: x.name)
+@pytest.mark.parametrize("name", hs.scene_names())
+def test_the_documentation_lists_every_argument_with_meaning_and_unit(name, language):
+    scene = hs.load_scene(name)
+    text = " ".join(
+        re.sub(r"^\s*(#|%|\*)", "", line).strip()
+        for line in source(2 * hs.scene_names().index(name), language).splitlines()
+    )
+    assert "rad/s" in text
+    for p in scene.parameters:
+        unit = {"RATIO": "", "ANY": "SI units"}.get(p.dimension.name, p.dimension.unit(scene.motion))
+        assert re.search(
+            rf"\b{p.symbol.name}\W[^;]* {p.key.replace('[', '.')[:1]}[^;]* of the [^;]*{re.escape(unit)};", text
+        ), p.symbol
+    for word in (
+        "Re dH",
+        "r_r = |Re dH|/|H_env|",
+        "Re(dH/H_env)",
+        "H_env(s) =",
+        scene.title.split()[0],
+        "Source:",
+        f"haptisym {hs.__version__}",
+    ):
+        assert word in text
+
+
+@pytest.mark.parametrize("language", Language, ids=lambda x: x.name)
+def test_the_file_needs_no_haptisym_and_its_lines_fit_a_page(language):
+    text = source(2 * hs.scene_names().index("steering-wheel"), language)
+    assert "import haptisym" not in text
+    assert max(map(len, code_only(text, language).splitlines())) <= 110
+
+
+@pytest.mark.parametrize("language", Language, ids=lambda x: x.name)
+def test_whole_powers_are_products_and_numbers_have_all_their_digits(language):
+    a, b = hs.symbols("a b")
+    text = code_only(
+        code(
+            Steps((), {"y": a**3 / (3 * (a + b) ** 2), "z": Integer(10) ** 30 * a}),
+            [Argument(a), Argument(b)],
+            language,
+        ),
+        language,
+    )
+    assert "0.3333333333333333" in text
+    assert "1e+30" in text
+    assert "pow" not in text
+    assert "**" not in text
+    assert re.search(r"a\.?\*a\.?\*a", text)
+
+
+def test_the_numbers_of_a_scene_stand_in_the_code_where_they_are_fixed():
+    scene = hs.load_scene("fu2019")
+    text = scene_code(scene, Language.C, parameters=["m", "b"])
+    assert "double omega, double m, double b, distortion_values" in text
+    assert "Fixed values, SI: k = 100, omega_n = 80, zeta = 0.5." in text
+    with pytest.raises(hs.SceneError, match="omega_q"):
+        scene_code(scene, Language.C, parameters=["omega_q"])
+
+
+def test_an_argument_on_which_nothing_depends_is_said_to_be_one():
+    a, b = hs.symbols("a b")
+    text = code(Steps((), {"y": 2 * a}), [Argument(a), Argument(b)], Language.C)
+    assert "no result depends on it" in text
+    assert "(void)b;" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name", "message"),
+    [
+        ("a", "f", "need b, which is no argument"),
+        ("a b b", "f", "b is an argument"),
+        ("a b c", "f", "c is an argument"),
+        ("a b", "int", '"int" cannot name a function in C'),
+        ("a b", "a b", "cannot name a function"),
+        ("a b", "x; system(1)", "cannot name a function"),
+    ],
+)
+def test_a_call_that_makes_no_sense_is_refused(arguments, name, message):
+    a, b, c = hs.symbols("a b c")
+    steps = Steps(((c, a + b),), {"y": c**2})
+    with pytest.raises(hs.SceneError, match=message):
+        code(steps, [Argument(hs.symbols(x)) for x in arguments.split()], Language.C, name=name)
+
+
+def test_a_number_without_a_double_near_is_refused():
+    a = hs.symbols("a")
+    with pytest.raises(hs.SceneError, match="too large for a double"):
+        code(Steps((), {"y": Integer(10) ** 400 * a}), [Argument(a)], Language.C)
+
+
+def test_numbers_are_the_nearest_doubles():
+    assert nearest_double(sqrt(2) - sqrt(3) - sqrt(5) * pi) == float(MP.sqrt(2) - MP.sqrt(3) - MP.sqrt(5) * MP.pi)
+    assert nearest_double(sqrt(2) * sqrt(3) + 1 - sqrt(6)) == 1
+    assert nearest_double((sqrt(2) + sqrt(3)) ** 2 - 5 - 2 * sqrt(6)) == 0
+
+
+@pytest.mark.parametrize("language", Language, ids=lambda x: x.name)
+def test_no_two_names_become_one_and_none_is_a_word_of_the_language(language):
+    names = [
+        "lambda",
+        "lambda_",
+        "end",
+        "int",
+        "function",
+        "yield",
+        "e",
+        "i",
+        "E",
+        "λ",
+        "k 1",
+        "k_1",
+        "k.1",
+        "1k",
+        "_k",
+        "cos",
+        "x" * 90,
+        "x" * 91,
+    ]
+    found = identifiers(names, language)
+    assert list(found) == names
+    assert len(set(found.values())) == len(names)
+    assert all(re.fullmatch("[A-Za-z][A-Za-z0-9_]{0,62}", x) for x in found.values())
+    assert found["lambda_"] == "lambda_"
+    assert found["k_1"] == "k_1"
+
+
+@pytest.mark.parametrize("text", [HOSTILE, "*/*/", '""""', "???", "a\rb\x0bc\x85d", "\u202e"])
+def test_no_text_ends_a_comment(text):
+    safe = comment(text)
+    assert not re.search(r'\*/|/\*|"|\?\?|\\', safe)
+    assert safe.isprintable()
+
+
+def test_the_steps_are_exactly_the_closed_forms():
+    d = hs.load_scene("fu2019").symbolic_distortion()
+    steps = distortion_steps(d).expressions()
+    wanted = {
+        "real": d.real,
+        "imag": d.imag,
+        "relative_real": d.relative_real,
+        "perceived_imag": d.perceived_properties.imag,
+    }
+    for name, form in wanted.items():
+        assert (steps[name] - form).together().expand() == 0
+    point = {x: Rational(n, 3) for n, x in enumerate(sorted({hs.omega, *d.free_symbols}, key=str), 2)}
+    for name, form in {"ratio_real": d.ratio_real, "ratio_imag": d.ratio_imag}.items():
+        assert steps[name].xreplace(point) ** 2 == form.xreplace(point) ** 2
+        assert steps[name].xreplace(point) > 0
+
+
+def test_other_computations_are_printed_too():
+    x = hs.symbols("x")
+    about = About("Two waves", ("A note.",), {"y": ("a wave", "m")})
+    text = code(
+        Steps.sharing({"y": sin(x) + sinc(x), "z": sin(x) ** 2}),
+        [Argument(x, "rad", "phase")],
+        Language.NUMPY,
+        name="waves",
+        about=about,
+    )
+    f = function_of(text, "waves")
+    assert f(0.0).y == 1
+    assert abs(f(2.0).y - 1.5 * np.sin(2.0)) < 1e-15
+    assert "a wave, m" in text
+    assert "phase, rad" in text
