@@ -22,11 +22,15 @@ roots solutions formula quotients
 catalogue jnd stability layout
 environments effects distortion
 scene crossings interop codegen
-peaks codegen_forms
+peaks codegen_forms structure groups bounds
+asymptotics
 percepts plain mathml equations
 answers scenefile
 text
 evaluation codegen_scene
+derivation
+sections
+derivationtext
 texnames figures
 texprinter
 texlines

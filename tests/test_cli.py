@@ -68,6 +68,7 @@ def test_the_contract_document_of_the_papers_example(call) -> None:  # type: ign
         "outside_model": [],
         "unbounded": [],
         "stable": True,
+        "any_environment": {"transparent_below": 7.92231185714061, "opaque_above": 11.100053432368274},
         "certified": True,
     }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 
+from .bounds import AnyEnvironment, any_environment
 from .crossings import Crossing, Curve, find_crossings, transparent_set, unbounded_points
 from .distortion import Distortion
 from .jnd import Part
@@ -69,6 +70,11 @@ class Answers:
     def undecided(self) -> tuple[tuple[Part, Point], ...]:
         """Where it stayed open at the precision limit whether a ratio touches its threshold, crosses it twice or not at all."""
         return tuple((p, x) for x in self.chart.undecided for p in Part if (Curve.EXCESS, p) in x.undecided)
+
+    @cached_property
+    def any_environment(self) -> AnyEnvironment | None:
+        """What the scene's effects do to every environment at once; None unless all of them are in series."""
+        return any_environment(self.scene)
 
     @property
     def certified(self) -> bool:

@@ -17,7 +17,7 @@ from sympy import Expr, Float, Integer, Symbol
 
 from . import expressions
 from .errors import SceneError
-from .quantities import Dimension, Motion, Number, decimal, quantity
+from .quantities import Dimension, Exponents, Motion, Number, decimal, quantity
 from .roots import sign_of_number
 from .symbols import s
 
@@ -70,6 +70,14 @@ class Parameter:
     motion: Motion | None = None
     key: str = ""
     """Its name in the model, as a scene file writes it."""
+    exponents: Exponents | None = None
+    """Of the base dimensions, as far as the unit that was given tells."""
+    rule: Rule = Rule.ANY
+
+    def with_value(self, given: Number) -> Parameter:
+        """The same parameter with another value, checked like the first one."""
+        slot = Slot(self.dimension, self.rule)
+        return replace(_parameter(self.key, given, slot, self.symbol.name), symbol=self.symbol, key=self.key)
 
 
 @dataclass(frozen=True)
@@ -97,6 +105,10 @@ class Environment:
     def H(self) -> Expr:
         return self.dynamics.xreplace(values(self.parameters))
 
+    def with_values(self, given: Mapping[str, Number]) -> Environment:
+        """The same environment with other values for the parameters whose symbols have these names."""
+        return replace(self, parameters=_with_values(self.parameters, given))
+
     def renamed(self, names: Mapping[Symbol, Symbol]) -> Environment:
         """The same environment with other symbols for its parameters."""
         return replace(self, parameters=_renamed(self.parameters, names), dynamics=self.dynamics.xreplace(names))
@@ -116,6 +128,10 @@ class Effect:
         a, b, c, d = (entry.xreplace(values(self.parameters)) for entry in self.dynamics)
         return a, b, c, d
 
+    def with_values(self, given: Mapping[str, Number]) -> Effect:
+        """The same effect with other values for the parameters whose symbols have these names."""
+        return replace(self, parameters=_with_values(self.parameters, given))
+
     def renamed(self, names: Mapping[Symbol, Symbol]) -> Effect:
         """The same effect with other symbols for its parameters."""
         a, b, c, d = (entry.xreplace(names) for entry in self.dynamics)
@@ -125,6 +141,10 @@ class Effect:
 def values(parameters: Sequence[Parameter]) -> dict[Symbol, Expr]:
     """From each parameter's symbol to its value."""
     return {p.symbol: p.value for p in parameters}
+
+
+def _with_values(parameters: Sequence[Parameter], given: Mapping[str, Number]) -> tuple[Parameter, ...]:
+    return tuple(p.with_value(given[p.symbol.name]) if p.symbol.name in given else p for p in parameters)
 
 
 def _renamed(parameters: Sequence[Parameter], names: Mapping[Symbol, Symbol]) -> tuple[Parameter, ...]:
@@ -249,7 +269,7 @@ def _parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
     if not slot.rule.allows(read.value):
         raise SceneError(f"{key}: {_shown(given)} {slot.rule.value}")
     symbol = Symbol(name, real=True) if slot.rule is Rule.ANY else Symbol(name, positive=True)
-    return Parameter(symbol, read.value, slot.dimension, read.motion, key)
+    return Parameter(symbol, read.value, slot.dimension, read.motion, key, read.exponents, slot.rule)
 
 
 def _parameters(key: str, given: Any, slot: Slot) -> list[Parameter]:

@@ -43,6 +43,10 @@ def app() -> None:
     """
 
 
+_CODE = ("numpy", "c", "octave", "julia", "javascript")
+_OUTPUTS = ("text", "latex", "mathml", "json", *_CODE)
+
+
 def json_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """The option ``--json``, alike on every verb."""
     return click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")(command)
@@ -92,6 +96,57 @@ def evaluate(scene: str, as_json: bool, digits: int, figures: Path | None, latex
     click.echo(result.to_json() if as_json else str(result), nl=as_json)
     if not result.certified:
         sys.exit(3)
+
+
+@app.command()
+@click.argument("scene")
+@click.option(
+    "--symbolic", "mode", flag_value="symbolic", default="symbolic", help="Keep every parameter a symbol (the default)."
+)
+@click.option("--numeric", "mode", flag_value="numeric", help="Put the scene's number in for every parameter.")
+@click.option(
+    "--keep",
+    "keep",
+    multiple=True,
+    metavar="NAME",
+    help="Keep this parameter only (may be repeated; c is the threshold).",
+)
+@click.option("--to", "language", type=click.Choice(_OUTPUTS), default="text", show_default=True, help="What to write.")
+@click.option(
+    "--of", "names", multiple=True, metavar="QUANTITY", help="Only this quantity, written out (may be repeated)."
+)
+@json_option
+def derive(scene: str, mode: str, keep: tuple[str, ...], language: str, names: tuple[str, ...], as_json: bool) -> None:
+    """Derive the formulas of a scene: in steps, written out, solved, dimensionless, and as code.
+
+    SCENE is a scene file (TOML) or the name of a shipped scene.
+
+    Quantities for --of: H_env, H_perc, dH, Re dH, Im dH, |H_env|^2, r_r, r_i, Re(dH/H_env), Im(dH/H_env), the threshold
+    polynomials p_r and p_i, the perceived properties k_env, m_env, b_env, k_perc, m_perc, b_perc, and jnd k, jnd b, jnd m.
+
+    \b
+    Examples:
+      haptisym derive fu2019
+      haptisym derive fu2019 --keep omega_n --of "Re dH" --to latex
+      haptisym derive fu2019 --to c > distortion.c
+    """
+    from .derivation import derive as derive_scene
+
+    loaded = load_scene(scene)
+    kept = keep or (None if mode == "symbolic" else ())
+    if not as_json and language in _CODE:
+        from .codegen_scene import Language, scene_code
+
+        names_kept = None if kept is None else [x for x in kept if x != "c"]
+        click.echo(scene_code(loaded, Language[language.upper()], parameters=names_kept), nl=False)
+        return
+    from . import derivationtext
+    from .sections import asked, sections
+
+    d = derive_scene(loaded, kept)
+    found = asked(d, names) if names else sections(d)
+    write = getattr(derivationtext, f"as_{'json' if as_json else language}")
+    click.echo(write(d, found), nl=as_json or language == "json")
 
 
 @app.command()

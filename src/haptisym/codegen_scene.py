@@ -10,7 +10,7 @@ from .catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Parameter, Ru
 from .codegen import About, Argument, Language, Program
 from .codegen_forms import distortion_steps
 from .codegen_printers import nearest_double
-from .distortion import Distortion, chain_distortion
+from .distortion import Distortion
 from .errors import SceneError
 from .plain import plain
 from .quantities import Dimension, Motion
@@ -72,11 +72,7 @@ def scene_program(scene: Scene, parameters: Iterable[str] | None = None) -> Prog
         if x not in names:
             raise SceneError(f'the scene has no parameter "{x}": it has {", ".join(names) or "none"}')
     fixed = {p.symbol: p.value for p in scene.parameters if p.symbol.name not in free}
-    rendered = scene.rendered or scene.environment
-    matrices = [tuple(entry.xreplace(fixed) for entry in e.dynamics) for e in scene.effects]
-    distortion = chain_distortion(
-        scene.environment.dynamics.xreplace(fixed), rendered.dynamics.xreplace(fixed), matrices
-    )
+    distortion = scene.chain.at(fixed).distortion()
     arguments = [a for a in _scene_arguments(scene) if a.symbol.name in free]
     arguments += [Argument(x) for x in sorted(distortion.free_symbols - {a.symbol for a in arguments}, key=str)]
     about = About(scene.title or "Distortion of a haptic display", _scene_notes(scene, fixed), _results(scene.motion))

@@ -53,7 +53,7 @@ def curves(d: Distortion, threshold: Threshold) -> dict[tuple[Curve, Part], Real
     total = on_axis(both.reduced())
     found: dict[tuple[Curve, Part], RealFunction | Level] = {}
     for part in Part:
-        found[Curve.EXCESS, part] = _excess(d, threshold[part], part)
+        found[Curve.EXCESS, part] = excess(d, threshold[part], part)
         found[Curve.ENVIRONMENT, part] = part_of(d.env_response, part)
         found[Curve.PERCEIVED, part] = part_of(d.perc_response, part)
         found[Curve.DIFFERENCE, part] = part_of(d.difference_response, part)
@@ -61,23 +61,22 @@ def curves(d: Distortion, threshold: Threshold) -> dict[tuple[Curve, Part], Real
     return found
 
 
-def excess(d: Distortion, c: Expr, part: Part) -> RealFunction:
+def excess(d: Distortion, c: Expr, part: Part) -> RealFunction | Level:
     """r^2 - c^2 in lowest terms: positive exactly where r > c, zero exactly where r = c, a pole where r is unbounded.
 
     As common factors are gone, a resonance at which H_env and dH vanish together invents no crossing.
     """
-    square = d.squared_ratios[part].function
-    limit = square.ring.convert((c**2).expand())
-    top = square.numerator * limit.denominator - limit.numerator * square.denominator
-    return RealFunction(RationalFunction(square.ring, top, square.denominator * limit.denominator))
+    return level(d.squared_ratios[part], (c**2).expand())
 
 
-def _excess(d: Distortion, c: Expr, part: Part) -> RealFunction | Level:
-    """The same for any threshold; one whose square is not rational is an algebraic number that the ratio is held against."""
-    square = (c**2).expand()
-    if is_irrational_algebraic(square):
-        return Level(d.squared_ratios[part], algebraic(square))
-    return excess(d, c, part)
+def level(square: RealFunction, limit: Expr) -> RealFunction | Level:
+    """A squared ratio minus a positive number, which may be an irrational algebraic one: positive where the ratio is above."""
+    if is_irrational_algebraic(limit):
+        return Level(square, algebraic(limit))
+    bound = square.function.ring.convert(limit)
+    f = square.function
+    top = f.numerator * bound.denominator - bound.numerator * f.denominator
+    return RealFunction(RationalFunction(f.ring, top, f.denominator * bound.denominator))
 
 
 def find_crossings(chart: Chart) -> tuple[Crossing, ...]:

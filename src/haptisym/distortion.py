@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from sympy import Abs, Expr, I, Symbol, sqrt
+from sympy import Abs, Expr, I, Rational, Symbol, sqrt
 
 from .catalogue import Effect, Environment, Matrix
 from .errors import SceneError
 from .jnd import Part
 from .numeric import Values, compiled
-from .response import RealFunction, Response, Ring, on_axis, squared_modulus
+from .response import Axis, RealFunction, Response, Ring, on_axis, squared_modulus
 from .rings import RationalFunction
 from .solutions import solve
 from .symbols import X, c, omega, s
@@ -31,25 +31,48 @@ def distort(environment: Environment, *effects: Effect, rendered: Environment | 
     >>> d.perceived, d.real
     (2000/(s + 20), -100*omega**2/(omega**2 + 400))
     """
-    return chain_distortion(environment.H, rendered.H if rendered else environment.H, [e.matrix for e in effects])
+    return Chain(environment.H, (rendered or environment).H, tuple(e.matrix for e in effects)).distortion()
 
 
-def chain_distortion(H_env: Expr, H_rendered: Expr, matrices: Sequence[Matrix]) -> Distortion:
-    """The distortion from the dynamics themselves: H_env, what is rendered for it, and the effects' chain matrices."""
-    # the symbol c comes along so that thresholds may stay symbols; a variable that does not occur costs nothing
-    ring = Ring.of([H_env, H_rendered, *(entry for matrix in matrices for entry in matrix), c])
-    environment = ring.convert(H_env).reduced()
-    if environment.is_zero:
-        raise SceneError("the environment is zero at every frequency: there is nothing to feel")
-    perceived = ring.convert(H_rendered)
-    for matrix in matrices:
-        perceived = _through(perceived, [ring.convert(entry) for entry in matrix])
-    return Distortion(environment, perceived.reduced())
+@dataclass(frozen=True)
+class Chain:
+    """The dynamics themselves: H_env, what is rendered for it, and the effects' chain matrices, nearest the environment first."""
+
+    environment: Expr
+    rendered: Expr
+    matrices: tuple[Matrix, ...]
+
+    def distortion(self) -> Distortion:
+        """The closed forms of this chain; SceneError where H_env is zero everywhere or H_perc is not a dynamics."""
+        ring = self.ring
+        environment = ring.convert(self.environment).reduced()
+        if environment.is_zero:
+            raise SceneError("the environment is zero at every frequency: there is nothing to feel")
+        perceived = ring.convert(self.rendered)
+        for matrix in self.matrices:
+            perceived = _through(perceived, [ring.convert(entry) for entry in matrix])
+        return Distortion(environment, perceived.reduced(), self)
+
+    @cached_property
+    def ring(self) -> Ring:
+        """The ring that holds them all."""
+        # the symbol c comes along so that thresholds may stay symbols; a variable that does not occur costs nothing
+        entries = (entry for matrix in self.matrices for entry in matrix)
+        return Ring.of([self.environment, self.rendered, *entries, c])
+
+    def at(self, values: Mapping[Symbol, Expr]) -> Chain:
+        """The same chain with values for some of its symbols."""
+        return self.map(lambda entry: entry.xreplace(values))
+
+    def map(self, change: Callable[[Expr], Expr]) -> Chain:
+        """The chain with every dynamics in it changed."""
+        matrices = tuple((change(a), change(b), change(c), change(d)) for a, b, c, d in self.matrices)
+        return Chain(change(self.environment), change(self.rendered), matrices)
 
 
 def _through(H: RationalFunction, matrix: Sequence[RationalFunction]) -> RationalFunction:
     """The Moebius map (A H + B)/(C H + D), without fractions inside."""
-    a, b, c, d = _cleared(matrix)
+    a, b, c, d = cleared(matrix)
     top = a * H.numerator + b * H.denominator
     bottom = c * H.numerator + d * H.denominator
     if bottom.is_zero():
@@ -57,7 +80,7 @@ def _through(H: RationalFunction, matrix: Sequence[RationalFunction]) -> Rationa
     return RationalFunction(H.ring, top, bottom)
 
 
-def _cleared(matrix: Sequence[RationalFunction]) -> list[Any]:
+def cleared(matrix: Sequence[RationalFunction]) -> list[Any]:
     """The entries times their least common denominator, which a Moebius map does not see."""
     common = matrix[0].denominator
     for entry in matrix[1:]:
@@ -122,6 +145,7 @@ class Distortion:
 
     env: RationalFunction = field(repr=False)
     perc: RationalFunction = field(repr=False)
+    chain: Chain
 
     @cached_property
     def difference(self) -> RationalFunction:
@@ -187,11 +211,11 @@ class Distortion:
 
     @property
     def ratio_real(self) -> Expr:
-        return _magnitude(self.difference_response.real) / self.modulus
+        return magnitude(self.real, self.difference) / self.modulus
 
     @property
     def ratio_imag(self) -> Expr:
-        return _magnitude(self.difference_response.imag) / self.modulus
+        return magnitude(self.imag, self.difference) / self.modulus
 
     @property
     def relative_real(self) -> Expr:
@@ -263,10 +287,35 @@ def part_of(response: Response, part: Part) -> RealFunction:
     return response.real if part is Part.REAL else response.imag
 
 
-def _magnitude(f: RealFunction) -> Expr:
-    """|f|; its denominator is a squared modulus and needs no bars."""
-    above, below = f.factored().as_numer_denom()
-    return Abs(above) / below
+def magnitude(form: Expr, dynamics: RationalFunction, *, evaluate: bool = True) -> Expr:
+    """|f| of a form of Re or Im of a dynamics: bars below the line only where the sign changes there.
+
+    ``evaluate`` : whether SymPy may look at what stands above, which takes long for a long form.
+
+    >>> ring = Ring()
+    >>> lossless, lossy = (ring.convert(1 / (s**2 + b * s + 4)) for b in (0, 1))
+    >>> magnitude(1 / (4 - omega**2), lossless), magnitude(1 / (omega**2 + (4 - omega**2)**2), lossy)
+    (1/Abs(omega**2 - 4), 1/(omega**2 + (4 - omega**2)**2))
+    """
+    above, below = form.as_numer_denom()
+    if not _is_definite(dynamics):
+        return Abs(above, evaluate=evaluate) / Abs(below)
+    known = {x: Rational(n + 7, 5) for n, x in enumerate(sorted(below.free_symbols, key=str))}
+    return Abs(above, evaluate=evaluate) / (below if below.xreplace(known).evalf(30) >= 0 else -below)
+
+
+def _is_definite(dynamics: RationalFunction) -> bool:
+    """Whether no factor of |denominator|^2 on s = j omega, as it stands below Re or Im in lowest terms, can change its sign.
+
+    The square itself is nowhere negative; so a factor of odd multiplicity in it keeps its sign. Of an even one, part may
+    have been cancelled.
+    """
+    axis = on_axis(dynamics).raw_real.ring
+    assert isinstance(axis, Axis)
+    c, d = axis.parts([dynamics.denominator])[0]
+    _, factors = axis.factors(c * c + d * d)
+    units = [g * g + 1 for g in axis.context.gens()[axis.size : axis.size + len(axis.angles)]]
+    return all(n % 2 or factor in (*units, axis.variable) for factor, n in factors)
 
 
 def _properties(response: Response) -> Properties:

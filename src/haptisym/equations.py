@@ -8,6 +8,8 @@ Re(dH/H_env), Im(dH/H_env)  relative distortion, which is something else
 k_env, m_env, b_env         stiffness, mass and damping of the environment; k_perc, ... as felt
 F_si_env, F_d_env           phasors of the force of spring or inertia, and of damping (eqs. 5 and 6); F_si_perc, ... as felt
 omega_env, omega_perc       changeover between spring and inertia
+p_r, p_i                    threshold polynomials: positive exactly where the ratio exceeds its threshold
+omega_r, omega_i            crossing of the threshold
 jnd k, jnd m, jnd b         the change of one parameter that is just noticed
 """
 
@@ -98,6 +100,8 @@ def _of_change(operator: str, ratio: str) -> dict[str, tuple[Box, Box | None]]:
     return {
         f"{operator} dH": (part, None),
         ratio: (function(ratio, _OMEGA), Absolute(Fraction(part, _ENVIRONMENT))),
+        f"p_{ratio[-1]}": (function(f"p_{ratio[-1]}", _OMEGA), None),
+        f"omega_{ratio[-1]}": (named(f"omega_{ratio[-1]}"), None),
         f"{operator}(dH/H_env)": (Titled(f"{operator}(dH/H_env)", Prefixed(Operator(operator), _RELATIVE)), None),
     }
 

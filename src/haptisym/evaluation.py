@@ -46,9 +46,17 @@ class Evaluation(Answers):
             "outside_model": [_interval(x) for x in self.outside_model],
             "unbounded": [float(p.omega) for p in self.unbounded],
             "stable": self.stable,
+            "any_environment": self._any_environment(),
             "certified": self.certified,
             **self._undecided(),
         }
+
+    def _any_environment(self) -> dict[str, float | None] | None:
+        found = self.any_environment
+        if found is None:
+            return None
+        ends = {"transparent_below": found.transparent_below, "opaque_above": found.opaque_above}
+        return {name: None if omega is None else float(omega) for name, omega in ends.items()}
 
     def _undecided(self) -> dict[str, Any]:
         """The key ``undecided``, present only where something is."""

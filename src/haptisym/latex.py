@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from functools import singledispatch
 from typing import Any
 
-from sympy import Abs, Basic, Expr, I, Mul, S, Symbol, fraction, sqrt
+from sympy import Basic, Expr, I, Mul, S, Symbol, sqrt
 
 from . import response
-from .distortion import Distortion, part_of
+from .distortion import Distortion, magnitude, part_of
 from .equations import QUANTITIES, quantity
 from .evaluation import Evaluation
 from .jnd import Part
@@ -118,9 +118,8 @@ class ClosedForms:
         return on_axis(function, Part.REAL), on_axis(function, Part.IMAG)
 
     def _ratio(self, part: Part) -> Expr:
-        real = on_axis(self.distortion.difference, part)
-        above, below = fraction(real)
-        return Abs(above, evaluate=not is_long(real)) / (below * sqrt(self._square))
+        form, difference = on_axis(self.distortion.difference, part), self.distortion.difference
+        return magnitude(form, difference, evaluate=not is_long(form)) / sqrt(self._square)
 
 
 _OPERATORS = {Part.REAL: "Re", Part.IMAG: "Im"}

@@ -158,11 +158,14 @@ class _Layout:
         if not (isinstance(expr, Mul | Pow) or expr.is_Number):
             return 1, self.box(expr)
         sign, coefficient, above, below = self._quotient(expr)
+        split = bool(below) and pi in above and isinstance(coefficient, Rational) and coefficient.q < 10
         if not below:
             product = self._side_by_side(coefficient, above)
             return sign, Fenced(product) if isinstance(product, Sum) else product
         upper, lower = coefficient, S.One
-        if isinstance(coefficient, Rational) and (coefficient.p == 1 or isinstance(number(coefficient), Ratio)):
+        if split or (
+            isinstance(coefficient, Rational) and (coefficient.p == 1 or isinstance(number(coefficient), Ratio))
+        ):
             upper, lower = Integer(coefficient.p), Integer(coefficient.q)
         return sign, Fraction(self._side_by_side(upper, above), self._side_by_side(lower, below))
 

@@ -4,34 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, reduce
 
 import flint
-from flint import Ordering, fmpq, fmpq_mpoly_ctx, fmpq_poly
-from sympy import CRootOf, Expr, Poly, Symbol, sqrt
+from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
+from sympy import CRootOf, Expr, Integer, Poly, Symbol, sqrt
 
 from .factors import PolynomialFactor, Root, Zero
 from .jnd import Part
 from .levels import the_one
-from .reals import Ball, RealNumber
+from .reals import Ball, ExactNumber, RealNumber, SquareRoot
 from .response import RealFunction
 from .roots import chart
 from .scene import Scene
 
 
 @dataclass(frozen=True)
-class _Ratio(RealNumber):
-    """The square root of a real function's value at a frequency."""
+class ValueAt(RealNumber):
+    """The value of a real function at a frequency."""
 
-    square: RealFunction
+    function: RealFunction
     omega: RealNumber
 
     def ball(self, bits: int) -> Ball:
-        return self.squared(bits).sqrt()
-
-    def squared(self, bits: int) -> Ball:
         with flint.ctx.workprec(bits):
-            return self.square.ball(self.omega.ball(bits))
+            return self.function.ball(self.omega.ball(bits))
 
 
 @dataclass(frozen=True)
@@ -43,8 +40,8 @@ class Peak:
     square: RealFunction = field(repr=False)
 
     @property
-    def ratio(self) -> _Ratio:
-        return _Ratio(self.square, self.omega)
+    def ratio(self) -> RealNumber:
+        return SquareRoot(ValueAt(self.square, self.omega))
 
     @cached_property
     def threshold(self) -> Expr | None:
@@ -57,7 +54,7 @@ class Peak:
         zero = self.omega.factor if isinstance(self.omega, Root | Zero) else None
         if axis.functions or top is None or bottom is None or not isinstance(zero, PolynomialFactor):
             return None
-        return sqrt(_algebraic(_eliminated(top, bottom, zero), self.ratio.squared))
+        return sqrt(_algebraic(_eliminated(top, bottom, zero), ValueAt(self.square, self.omega).ball))
 
 
 def peaks(scene: Scene) -> tuple[Peak, ...]:
@@ -77,6 +74,33 @@ def peaks(scene: Scene) -> tuple[Peak, ...]:
         for part in Part
         if x.orders.get(part, 0) > 0 and x.before[part] > 0 > x.after[part]
     )
+
+
+def largest(f: RealFunction, low: Expr, high: Expr) -> RealNumber | None:
+    """The largest value of a real function on a closed band, certified; None where it is unbounded.
+
+    >>> from .response import Ring
+    >>> from .symbols import omega
+    >>> from sympy import Integer
+    >>> largest(RealFunction(Ring().axis.convert(omega / (omega**2 + 4))), Integer(0), Integer(5)).digits(5)
+    '0.25000'
+    """
+    table = chart({"value": f, "slope": f.derivative()}, low, high)
+    if any(point.orders.get("value", 0) < 0 for point in table.points):
+        return None
+    values = [ValueAt(f, x.omega) if not x.orders.get("value") else ExactNumber(Integer(0)) for x in table.points]
+    return _Largest(tuple(values))
+
+
+@dataclass(frozen=True)
+class _Largest(RealNumber):
+    """The largest of some numbers."""
+
+    numbers: tuple[RealNumber, ...]
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            return reduce(arb.max, (number.ball(bits) for number in self.numbers))
 
 
 def _eliminated(top: list[fmpq], bottom: list[fmpq], zero: PolynomialFactor) -> list[fmpq]:

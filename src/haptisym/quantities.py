@@ -19,6 +19,8 @@ from .expressions import evaluate
 
 Number: TypeAlias = "str | int | float | Decimal | Fraction | Expr"
 
+Exponents: TypeAlias = tuple[tuple[str, Fraction], ...]
+
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?:\s*/\s*(\d+)(?![\w.]))?\s*(.*?)\s*", re.DOTALL)
 _JUXTAPOSED = re.compile(r"(?<=[\w)°%])\s+(?=[^\W\d]|[(°%])")  # "N s/m" is N*s/m
 _LONGEST = 200  # characters of a number; 200 digits are more than any measurement has
@@ -63,6 +65,8 @@ class Quantity:
 
     value: Expr
     motion: Motion | None = None
+    exponents: Exponents | None = None
+    """Of the base dimensions, as far as the unit tells: ``(("mass", 1), ("time", -2))`` for N/m."""
 
 
 def quantity(given: Number, dimension: Dimension) -> Quantity:
@@ -73,7 +77,7 @@ def quantity(given: Number, dimension: Dimension) -> Quantity:
     and the unit expected, for anything else: NaN, infinities, unknown units, wrong dimensions.
 
     >>> quantity("1.8 kg", Dimension.MASS)
-    Quantity(value=9/5, motion=<Motion.TRANSLATION: 'translational'>)
+    Quantity(value=9/5, motion=<Motion.TRANSLATION: 'translational'>, exponents=(('mass', Fraction(1, 1)),))
     >>> quantity("15 Hz", Dimension.FREQUENCY).value, quantity(0.1, Dimension.RATIO).value
     (30*pi, 1/10)
     >>> quantity("15 N", Dimension.STIFFNESS)
@@ -126,7 +130,8 @@ def _from_text(text: str, dimension: Dimension) -> Quantity:
     if not unit:
         return Quantity(value)
     factor, exponents = _unit(unit, text, dimension)
-    return Quantity(_sized(value * factor, text), _motion(exponents, text, dimension))
+    motion = _motion(exponents, text, dimension)
+    return Quantity(_sized(value * factor, text), motion, tuple(sorted(exponents.items())))
 
 
 _PLAIN = str.maketrans({"·": "*", "×": "*", "⋅": "*", "²": "^2", "³": "^3"})
@@ -171,6 +176,17 @@ def _motion(exponents: dict[str, Fraction], text: str, dimension: Dimension) -> 
     if exponents == rotation:
         return Motion.ROTATION
     raise SceneError(f"{_shown(text)} is not a {dimension.name.lower()}{_expected(dimension)}")
+
+
+def dimension_exponents(dimension: Dimension, motion: Motion | None) -> Exponents | None:
+    """The base dimensions of what a parameter measures; None for one of any dimension.
+
+    >>> dimension_exponents(Dimension.DAMPING, Motion.ROTATION)
+    (('length', Fraction(2, 1)), ('mass', Fraction(1, 1)), ('time', Fraction(-1, 1)))
+    """
+    if dimension is Dimension.ANY:
+        return None
+    return tuple(sorted(_dimension_exponents(dimension)[motion is Motion.ROTATION].items()))
 
 
 @cache

@@ -31,6 +31,9 @@ def fraction(expr: Expr) -> tuple[Expr, list[Expr], list[Expr]]:
 
 def _one_root(coefficient: Expr, above: list[Expr], below: list[Expr]) -> tuple[Expr, list[Expr], list[Expr]]:
     """The same quotient with one root above the line; the coefficient goes under it if a number is there already."""
+    if not any(map(_is_root, above)):
+        root = sqrt(Mul(*(f.base for f in below if _is_root(f))), evaluate=False)
+        return coefficient, above, [*(f for f in below if not _is_root(f)), root]
     inside = [f.base for f in above if _is_root(f)] + [1 / f.base for f in below if _is_root(f)]
     numbers, others = [x for x in inside if x.is_Rational], Mul(*(x for x in inside if not x.is_Rational))
     under = Mul(Mul(coefficient**2, *numbers), *Mul.make_args(others), evaluate=False) if numbers else others

@@ -98,6 +98,21 @@ class ExactNumber(RealNumber):
         return str(self.value)
 
 
+@dataclass(frozen=True, slots=True)
+class SquareRoot(RealNumber):
+    """The square root of a number that is not negative.
+
+    >>> SquareRoot(ExactNumber(Integer(2))).digits(10)
+    '1.414213562'
+    """
+
+    square: RealNumber
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            return self.square.ball(bits).max(arb(0)).sqrt()
+
+
 _FUNCTIONS: dict[Any, Callable[[Ball], Ball]] = {cos: arb.cos, sin: arb.sin, sinc: arb.sinc}
 
 

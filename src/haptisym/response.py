@@ -380,7 +380,7 @@ class RealFunction:
 
     @cached_property
     def _in_half_angles(self) -> RationalFunction:
-        return self.axis.half_angles(self.function) if self.axis.angles else self.function
+        return self.axis.half_angles(self.function).reduced() if self.axis.angles else self.function
 
     @property
     def axis(self) -> Axis:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain, count
@@ -13,7 +13,7 @@ from typing import Any
 from sympy import Expr, Integer, Symbol
 
 from .catalogue import Effect, Environment, Parameter
-from .distortion import Distortion, chain_distortion, distort
+from .distortion import Chain, Distortion, distort
 from .errors import SceneError
 from .jnd import Threshold
 from .quantities import Dimension, Motion, Number, quantity
@@ -90,8 +90,34 @@ class Scene:
 
     def symbolic_distortion(self) -> Distortion:
         """The closed forms with every parameter a symbol."""
+        return self.chain.distortion()
+
+    @property
+    def chain(self) -> Chain:
+        """The dynamics of environment and effects with every parameter a symbol."""
         rendered = self.rendered or self.environment
-        return chain_distortion(self.environment.dynamics, rendered.dynamics, [e.dynamics for e in self.effects])
+        return Chain(self.environment.dynamics, rendered.dynamics, tuple(e.dynamics for e in self.effects))
+
+    def with_values(self, values: Mapping[str, Number]) -> Scene:
+        """The same scene with other values for some parameters, by the names of their symbols; ``c`` is both thresholds.
+
+        Raises SceneError for a name that the scene does not have, and for a value that the model does not allow.
+
+        >>> from .scenefile import load_scene
+        >>> load_scene("fu2019").with_values({"omega_n": "40 Hz"}).effects[0].matrix[0]
+        6400*pi**2/(s**2 + 80*pi*s + 6400*pi**2)
+        """
+        known = {p.symbol.name for p in self.parameters} | {"c"}
+        unknown = next((name for name in values if name not in known), None)
+        if unknown is not None:
+            raise SceneError(f'the scene has no parameter "{unknown}": it has {", ".join(sorted(known))}')
+        return replace(
+            self,
+            environment=self.environment.with_values(values),
+            effects=tuple(effect.with_values(values) for effect in self.effects),
+            rendered=self.rendered.with_values(values) if self.rendered else None,
+            threshold=Threshold.of(values["c"]) if "c" in values else self.threshold,
+        )
 
     def with_band(self, low: Number, high: Number) -> Scene:
         """The same scene on another band, rad/s or with a unit."""

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from sympy import Expr, Integer, S, acos, asin, atan, cos, factor, factor_terms, pi, sqrt
+from sympy import Expr, Integer, Pow, S, acos, asin, atan, cos, factor, factor_terms, pi, sqrt
 
 from .response import Axis, RealFunction
 from .rings import Polynomial, PolynomialRing
@@ -30,6 +30,22 @@ class Solution:
     equation: Expr
     period: Expr = S.Zero
     order: int = 1
+
+    @property
+    def conditions(self) -> tuple[Expr, ...]:
+        """What must not be negative for the formula to be a frequency: empty where that is sure.
+
+        >>> from sympy import symbols
+        >>> c, tau = symbols("c tau", positive=True)
+        >>> Solution(asin(c) / tau, c).conditions
+        (1 - c,)
+        """
+        if self.omega is None:
+            return ()
+        inside = [x.base for x in self.omega.atoms(Pow) if x.exp.is_Rational and not x.exp.is_Integer]
+        inside += [1 + sign * x.args[0] for x in self.omega.atoms(asin, acos) for sign in (1, -1)]
+        own = [] if inside else [self.omega]  # where roots and angles are real, so is the frequency, and positive
+        return tuple(x for x in dict.fromkeys([*inside, *own]) if not x.is_nonnegative)
 
 
 def solve(function: RealFunction) -> tuple[Solution, ...]:
@@ -111,7 +127,8 @@ def _angles(polynomial: Polynomial, axis: Axis, index: int) -> _Found:
         return [(angle / rate, period) for t2 in squares for angle in _both_ways(acos(((1 - t2) / (1 + t2)).cancel()))]
     if len(row) == 3 and row[0] == row[2]:
         sine = asin(-2 * row[0] / row[1])
-        return [(sine / rate, period), ((pi - sine) / rate, period)]
+        first = sine + 2 * pi if sine.could_extract_minus_sign() else sine
+        return [(first / rate, period), ((pi - sine) / rate, period)]
     return _each(lambda t: (_turn(t) / rate, period), _roots(row, positive=False))
 
 

@@ -18,7 +18,7 @@ from .evaluation import Evaluation
 from .jnd import Part, is_irrational_algebraic
 from .latex import ClosedForms
 from .numerals import approximate
-from .response import on_axis
+from .response import RealFunction, on_axis
 from .rings import Polynomial, PolynomialRing, RationalFunction
 from .roots import sign_of_number
 from .symbols import c, omega, s
@@ -81,7 +81,9 @@ class SceneForms:
         left = rf"p_{'r' if part is Part.REAL else 'i'}(\omega)"
         given = self.evaluation.scene.threshold[part]
         limit = c if is_irrational_algebraic(given**2) else given
-        function = excess(self.evaluation.distortion, limit, part).written
+        found = excess(self.evaluation.distortion, limit, part)
+        assert isinstance(found, RealFunction)  # a symbol is no algebraic number
+        function = found.written
         if function.is_zero:
             return Row(left, S.Zero)
         unit, factors = function.ring.factors(function.numerator)

@@ -68,7 +68,24 @@ def _effect(name: str, model: str) -> str:
 
 def _step_1(e: Answers) -> str:
     question = "Step 1. When does the hand begin to notice?"
-    return f"{question}\n\n{_indented(_transparency(e))}\n\n{_crossings(e)}"
+    parts = [_indented(_transparency(e)), _crossings(e), *map(_indented, _any_environment(e))]
+    return "\n\n".join([question, *parts])
+
+
+def _any_environment(e: Answers) -> list[str]:
+    found = e.any_environment
+    if found is None or not e.scene.effects:
+        return []
+    below, above, end = found.transparent_below, found.opaque_above, e.chart.points[-1].omega
+    if below is end:
+        return ["These effects in series stay unnoticed with any environment whatever on this band."]
+    upto = (
+        "With no environment for certain"
+        if below is None
+        else f"With any environment whatever, up to {_short(below)} rad/s"
+    )
+    beyond = "" if above is None else f"; with none, above {_short(above)} rad/s"
+    return [f"{upto} these effects in series stay unnoticed{beyond}."]
 
 
 def _transparency(e: Answers) -> str:

@@ -1,0 +1,236 @@
+"""A derivation as a person reads it: sections of equations with a word between them, the same for text, LaTeX and MathML."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from sympy import Add, Expr, Symbol, count_ops
+
+from .boxes import Box, Equation
+from .derivation import QUANTITIES, Derivation
+from .equations import quantity
+from .errors import SceneError
+from .groups import Groups
+from .jnd import Part
+from .layout import layout
+from .plain import plain
+from .quantities import Dimension
+from .solutions import Solution
+from .steps import Steps
+from .structure import structure
+from .symbols import omega
+
+LONGEST = 120  # operations of a closed form that is written out unasked
+_MOST_STEPS = 150  # operations of the steps beyond which closed forms would fill pages
+_RATIOS = {Part.REAL: "r_r", Part.IMAG: "r_i"}
+_SHOWN = {
+    "Re dH": "real", "Im dH": "imag", "r_r": "ratio_real", "r_i": "ratio_imag",
+    "Re(dH/H_env)": "relative_real", "Im(dH/H_env)": "relative_imag",
+}  # fmt: skip
+"""Names of quantities, and of the results of ``Steps``."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """``left = value``."""
+
+    left: Box
+    value: Expr
+    relation: str = "="
+
+    @property
+    def equation(self) -> Equation:
+        """As boxes, for text and MathML."""
+        return Equation((self.left, layout(self.value)), (self.relation,))
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading, equations, and sentences that say what they mean or what is missing."""
+
+    title: str
+    equations: tuple[Line, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+def sections(d: Derivation) -> tuple[Section, ...]:
+    """All that a derivation says unasked."""
+    found = [_dynamics(d), _in_steps(d), _written_out(d), _when(d), _changeovers(d), *_dimensionless(d), *_fast(d)]
+    return tuple(section for section in found if section.equations or section.notes)
+
+
+def asked(d: Derivation, names: Iterable[str]) -> tuple[Section, ...]:
+    """The quantities with these names, each written out."""
+    rows = tuple(_named(name, d[name]) for name in map(canonical, names))
+    return (Section("Formulas", rows),)
+
+
+def canonical(name: str) -> str:
+    """The name of a quantity as it is listed; SceneError for any other."""
+    wanted = "".join(x for x in name.casefold() if x.isalnum())
+    for known in QUANTITIES:
+        if "".join(x for x in known.casefold() if x.isalnum()) == wanted:
+            return known
+    raise SceneError(f'"{name}" is not a quantity: these are {", ".join(QUANTITIES)}')
+
+
+def _defined(symbol: Symbol, value: Expr) -> Line:
+    return Line(layout(symbol), value)
+
+
+def _named(name: str, value: Expr, relation: str = "=") -> Line:
+    return Line(quantity(name), value, relation)
+
+
+def _dynamics(d: Derivation) -> Section:
+    chain = " then ".join(e.name for e in d.scene.effects)
+    notes = (
+        [f"From the environment to the hand: {chain}."] if chain else ["Nothing stands between environment and hand."]
+    )
+    rows = [_named("H_env", d["H_env"])]
+    perceived = d["H_perc"] if d.steps.operations <= _MOST_STEPS else None
+    if perceived is not None and count_ops(perceived) <= LONGEST:
+        rows.append(_named("H_perc", perceived))
+    return Section("Dynamics", tuple(rows), tuple(notes))
+
+
+def _in_steps(d: Derivation) -> Section:
+    return Section(
+        f"On s = j omega, in steps ({d.steps.operations} operations in all)",
+        tuple(_steps(d.steps)),
+    )
+
+
+def _steps(steps: Steps) -> Iterator[Line]:
+    for symbol, value in steps.definitions:
+        yield _defined(symbol, value)
+    for name, result in _SHOWN.items():
+        yield _named(name, steps.results[result])
+
+
+def _written_out(d: Derivation) -> Section:
+    """Re dH and Im dH as quotients of polynomials in lowest terms, if they are short."""
+    if d.steps.operations > _MOST_STEPS:
+        note = f"Closed forms of this chain are long. Ask for one by its name: {', '.join(QUANTITIES)}."
+        return Section("Written out", (), (note,))
+    names = ("Re dH", "Im dH", "|H_env|^2")
+    short = [name for name in names if d.operations(name) <= LONGEST]
+    return Section("Written out, in lowest terms", tuple(_named(name, d[name]) for name in short))
+
+
+def _when(d: Derivation) -> Section:
+    if d.steps.operations > _MOST_STEPS:
+        return Section("When it is noticed")
+    rows: list[Line] = []
+    notes: list[str] = []
+    for part in Part:
+        letter = _RATIOS[part][-1]
+        polynomial = d[f"p_{letter}"]
+        if count_ops(polynomial) <= LONGEST:
+            rows.append(_named(f"p_{letter}", polynomial))
+        else:
+            notes.append(f"p_{letter} takes {count_ops(polynomial)} operations; ask for it by its name.")
+        solved, said = _answers(f"omega_{letter}", d.crossings(part))
+        rows += solved
+        notes += [f"{_RATIOS[part]}: {x}" for x in said]
+    lead = "A ratio exceeds its threshold exactly where its p is positive."
+    return Section("When it is noticed", tuple(rows), (lead, *notes))
+
+
+def _answers(name: str, solutions: Iterable[Solution]) -> tuple[list[Line], list[str]]:
+    """The formulas among some solutions, and what to say about the others."""
+    rows, notes = [], []
+    for x in solutions:
+        if x.omega is None:
+            degree = _degree(x.equation)
+            notes.append(
+                f"a crossing is a root of a factor {degree}: it has no readable formula, the equation is the answer."
+            )
+            continue
+        rows.append(_named(name, x.omega))
+        notes += _in_force(x)
+        if x.period:
+            notes.append(f"So are these plus any multiple of {plain(x.period)}.")
+    return rows, list(dict.fromkeys(notes))
+
+
+def _in_force(x: Solution) -> list[str]:
+    """Under which conditions a formula holds, in words."""
+    if not x.conditions:
+        return []
+    if max(map(count_ops, x.conditions)) > 4:
+        return ["A formula is in force where nothing under its roots is negative."]
+    return [f"In force where {_listed(f'{plain(y)} >= 0' for y in x.conditions)}."]
+
+
+def _degree(equation: Expr) -> str:
+    if not equation.is_polynomial(omega):
+        return "in omega and its sines and cosines"
+    degree = max(int(term.as_powers_dict().get(omega, 0)) for term in Add.make_args(equation.expand()))
+    return f"of degree {degree} in omega"
+
+
+def _changeovers(d: Derivation) -> Section:
+    rows: list[Line] = []
+    notes: list[str] = []
+    for system in ("env", "perc") if d.steps.operations <= _MOST_STEPS else ("env",):
+        solved, said = _answers(f"omega_{system}", d.changeovers(system))
+        rows += solved
+        notes += [x.replace("a crossing", f"a changeover of H_{system}") for x in said]
+    return Section("Where spring and inertia change over", tuple(rows), tuple(notes))
+
+
+def _dimensionless(d: Derivation) -> Iterator[Section]:
+    try:
+        found = d.groups
+    except SceneError as error:
+        yield Section("Without dimensions", (), (f"Not possible: {error}.",))
+        return
+    rows = [_defined(group.symbol, group.value) for group in (found.frequency, *found.groups)]
+    count = f"{len(d.scene.parameters)} parameters and omega become x and {len(found.groups)} groups"
+    notes = (f"{count}; H is in units of {plain(found.stiffness)}. The ratios, as functions of these:",)
+    yield Section("Without dimensions", tuple(rows), notes)
+    steps = _in_x(found, structure(found.chain.at(found.values)))
+    yield Section("", tuple(_steps(steps)))
+
+
+def _in_x(found: Groups, steps: Steps) -> Steps:
+    return Steps(
+        tuple((name, found.forwards(value)) for name, value in steps.definitions),
+        {name: found.forwards(value) for name, value in steps.results.items()},
+    )
+
+
+def _fast(d: Derivation) -> Iterator[Section]:
+    try:
+        found = d.expansion()
+    except SceneError:
+        return
+    rows = [
+        _named(name, form, "≈")
+        for name, part in (("Re dH", Part.REAL), ("Im dH", Part.IMAG))
+        if count_ops(form := found.part(part)) <= LONGEST
+    ]
+    if not rows:
+        return
+    low, high = (plain(x) for x in d.scene.band)
+    errors = [
+        f"{bound.enclosure(1)[1]} in {_RATIOS[part]}" for part, bound in found.bounds.items() if bound is not None
+    ]
+    notes = []
+    if errors:
+        notes.append(
+            f"What is left out makes at most {_listed(errors)} on {low} to {high} rad/s, with the scene's numbers: proven."
+        )
+    yield Section(f"Fast devices: {_listed(_direction(d, x) for x in found.fast)}", tuple(rows), tuple(notes))
+
+
+def _direction(d: Derivation, fast: Symbol) -> str:
+    dimension = next(p.dimension for p in d.scene.parameters if p.symbol == fast)
+    return f"{fast} {'small' if dimension is Dimension.TIME else 'large'}"
+
+
+def _listed(items: Iterable[str]) -> str:
+    *first, last = items
+    return f"{', '.join(first)} and {last}" if first else last

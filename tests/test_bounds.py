@@ -1,0 +1,75 @@
+"""What a chain of series effects does to every environment at once."""
+
+from __future__ import annotations
+
+import cmath
+
+import pytest
+from mpmath import mp, mpf
+
+import haptisym as hs
+
+E, F = hs.environments, hs.effects
+
+
+def filtered(environment: hs.Environment, high: object = 15, c: object = 0.1) -> hs.Evaluation:
+    return hs.evaluate(hs.Scene(environment, (F.second_order_lowpass("80 rad/s", "0.5"),), (0, high), c))
+
+
+def test_the_papers_filter_is_noticed_with_no_environment_below_8_and_with_all_above_11() -> None:
+    with mp.workdps(40):
+
+        def length(w):  # type: ignore[no-untyped-def]
+            s = 1j * w
+            return abs(6400 / (s**2 + 80 * s + 6400) - 1)
+
+        ends = [mp.findroot(lambda w, c=c: length(w) - c, 9) for c in (mpf("0.1"), mp.sqrt(2) / 10)]
+    found = hs.load_scene("fu2019")
+    answer = hs.evaluate(found).any_environment
+    assert answer.transparent_below.digits(30) == mp.nstr(ends[0], 30)
+    assert answer.opaque_above.digits(30) == mp.nstr(ends[1], 30)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_no_environment_contradicts_the_bounds(seed: int) -> None:
+    m, b, k = (seed % 5) / 2, 1 + seed % 7, 10 * (seed % 11)
+    result = filtered(E.mass_spring_damper(m=m, b=b, k=k))
+    below, above = (float(x) for x in (result.any_environment.transparent_below, result.any_environment.opaque_above))
+    assert float(result.bandwidth) >= below
+    assert all(float(x.high.omega) <= above * (1 + 1e-15) for x in result.transparent)
+
+
+def test_both_bounds_are_attained() -> None:
+    """By environments whose phase turns dH onto an axis, or halfway between both, at that frequency."""
+    answer = hs.load_scene("fu2019")
+    bounds = hs.evaluate(answer).any_environment
+    for end, turn in ((float(bounds.transparent_below), 0), (float(bounds.opaque_above), cmath.pi / 4)):
+        s = 1j * end
+        phase = turn - cmath.phase(6400 / (s**2 + 80 * s + 6400) - 1)
+        H = cmath.exp(1j * (phase % cmath.pi))
+        environment = E.mass_spring_damper(m=max(0, -H.real) / end**2, b=H.imag / end, k=max(0, H.real))
+        assert float(filtered(environment).bandwidth) == pytest.approx(end, rel=1e-9)
+
+
+def test_a_shunt_has_no_such_bounds() -> None:
+    assert hs.evaluate(hs.Scene(E.mass_spring_damper(k=100), (F.shunt(m=1),))).any_environment is None
+
+
+def test_where_nothing_stands_between_every_environment_is_transparent() -> None:
+    answer = hs.evaluate(hs.Scene(E.mass_spring_damper(k=100))).any_environment
+    assert (float(answer.transparent_below), answer.opaque_above) == (15.0, None)
+
+
+def test_a_gain_that_is_wrong_from_the_start_is_never_unnoticed() -> None:
+    answer = hs.evaluate(hs.Scene(E.mass_spring_damper(k=100), (F.series("1.3"),))).any_environment
+    assert (answer.transparent_below, float(answer.opaque_above)) == (None, 0.0)
+
+
+def test_different_thresholds_bound_by_the_smaller_and_by_both_together() -> None:
+    scene = hs.Scene(E.mass_spring_damper(k=100), (F.delay("10 ms"),), (0, 60), hs.Threshold.of("0.06", "0.08"))
+    answer = hs.evaluate(scene).any_environment
+    with mp.workdps(30):
+        ends = [200 * mp.asin(mpf(c) / 2) for c in ("0.06", "0.1")]
+    assert [x.digits(15) for x in (answer.transparent_below, answer.opaque_above)] == [
+        mp.nstr(x, 15, strip_zeros=False) for x in ends
+    ]

@@ -1,0 +1,110 @@
+"""Formulas in steps: exactly the closed forms, and short where those are not."""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import product
+
+import pytest
+from sympy import Float, Rational
+
+import haptisym as hs
+from haptisym.catalogue import EFFECTS, ENVIRONMENTS
+from haptisym.distortion import Chain
+from haptisym.numeric import Values
+from haptisym.response import RealFunction
+from haptisym.steps import Steps
+from haptisym.structure import structure
+
+E, F = hs.environments, hs.effects
+GIVEN = {
+    "expression": {"H": "k + b*s/(1 + s*T)", "parameters": {"k": 90, "b": 3, "T": "20 ms"}},
+    "prony": {"k0": 50, "k": [10, 20], "b": [3, 4]},
+    "series": {"G": "(1 + s*T)/(1 + s*T/9)", "parameters": {"T": "10 ms"}},
+    "admittance-display": {"P": "1/(1 + s*T)", "parameters": {"T": "8 ms"}},
+    "two-port": {"A": "1 + s*T", "B": "m*s^2", "C": "1/k", "D": "1", "parameters": {"T": "3 ms", "m": 0.2, "k": 3000}},
+    "pade-delay": {"tau": "20 ms", "order": 2},
+}
+VALUES = {"zeta": 0.6, "alpha": 0.5, "omega_n": 70, "omega_c": 40, "tau": 0.02, "T": 0.01}
+
+
+def built(kind: str, models, build):  # type: ignore[no-untyped-def]
+    slots = models[kind].slots
+    given = GIVEN.get(kind) or {
+        key: VALUES.get(key, Rational(3 + 7 * i, 2)) for i, (key, slot) in enumerate(slots.items()) if not slot.formula
+    }
+    return models[kind].build(**given)
+
+
+@cache
+def pair(environment: str, effect: str) -> hs.Scene:
+    return hs.Scene(built(environment, ENVIRONMENTS, None), (built(effect, EFFECTS, None),), (0, 30))
+
+
+@pytest.mark.parametrize(("environment", "effect"), list(product(ENVIRONMENTS, EFFECTS)))
+def test_the_steps_of_every_pair_of_models_have_the_values_of_its_closed_forms(environment: str, effect: str) -> None:
+    d = pair(environment, effect).distortion()
+    closed = dict(zip(Values._fields, (
+        d.real, d.imag, d.ratio_real, d.ratio_imag, d.relative_real, d.relative_imag,
+        d.env_response.real.factored(), d.env_response.imag.factored(),
+        d.perc_response.real.factored(), d.perc_response.imag.factored()), strict=True))  # fmt: skip
+    written = structure(d), structure(d, RealFunction.stable)
+    for text in ("0.37", "5.3", "61"):
+        omega = {hs.omega: Float(text, 60)}
+        expected = {name: form.xreplace(omega).evalf(60) for name, form in closed.items()}
+        for steps in written:
+            found = steps.at(omega)
+            for name, value in expected.items():
+                assert abs(found[name].evalf(60) - value) < 1e-30 * max(abs(value), 1e-9), name
+
+
+def cascade(count: int) -> Chain:
+    m, b, k = hs.symbols("m b k")
+    filters = [F.second_order_lowpass(*hs.symbols(f"omega_{i} zeta_{i}")) for i in range(1, count + 1)]
+    H = E.mass_spring_damper(m, b, k).H
+    return Chain(H, H, tuple(f.matrix for f in filters))
+
+
+def test_three_symbolic_low_passes_take_fewer_than_three_hundred_operations() -> None:
+    assert structure(cascade(3)).operations <= 140
+
+
+@pytest.mark.parametrize("count", [2, 4, 8, 16])
+def test_each_further_device_costs_the_same(count: int) -> None:
+    one, two = (structure(cascade(n)).operations for n in (count, count + 1))
+    assert two - one == structure(cascade(3)).operations - structure(cascade(2)).operations
+
+
+def test_the_steps_of_a_cascade_multiply_out_to_its_closed_form_exactly() -> None:
+    chain = cascade(2)
+    d = chain.distortion()
+    numbers = {x: Rational(n + 2, 3) for n, x in enumerate(sorted({*d.free_symbols, hs.omega}, key=str))}
+    found = structure(chain).at(numbers)
+    assert found["real"] == d.real.xreplace(numbers)
+    assert found["imag"] == d.imag.xreplace(numbers)
+    assert (found["ratio_real"] ** 2).expand() == (d.ratio_real.xreplace(numbers) ** 2).expand()
+
+
+def test_a_name_that_a_parameter_has_already_is_not_given_twice() -> None:
+    R, U, P = hs.symbols("R U P")
+    steps = structure(hs.distort(E.mass_spring_damper(R, 1, U), F.second_order_lowpass(P, 1)))
+    names = [x.name for x, _ in steps.definitions]
+    assert len(set(names)) == len(names)
+    assert not {"R", "U", "P"} & set(names)
+
+
+def test_steps_name_nothing_of_an_effect_that_is_absent() -> None:
+    m, b, k, w = hs.symbols("m b k w")
+    plain = structure(hs.distort(E.mass_spring_damper(m, b, k)))
+    assert plain.results["real"] == plain.results["ratio_imag"] == 0
+    lag = structure(hs.distort(E.mass_spring_damper(m, b, k), F.first_order_lag(w)))
+    assert {x.name for x in lag.free_symbols} == {"m", "b", "k", "w", "omega"}
+
+
+@pytest.mark.parametrize("name", hs.scene_names())
+def test_every_shipped_scene_in_symbols_has_short_steps(name: str) -> None:
+    scene = hs.load_scene(name)
+    steps = structure(scene.chain)
+    assert isinstance(steps, Steps)
+    assert steps.operations < 400
+    assert {x for x in steps.free_symbols if x != hs.omega} <= {p.symbol for p in scene.parameters}
