@@ -1,0 +1,57 @@
+"""A lock-in: the sines of known frequencies in a signal, by least squares under a taper.
+
+The taper fades a window in and out, so that what is not fitted (images of a clock, harmonics, the last of a transient) leaks
+into the fit by orders of magnitude less than through a plain window; a slow drift is fitted along as a parabola.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .errors import SceneError
+from .motions import Sines
+from .numeric import Array
+from .propagate import Record
+
+
+@dataclass(frozen=True, eq=False)
+class Lock:
+    """Phasors Y with y(t) = Im(Y exp(j omega t)), one for each frequency, and how much they still drift between windows."""
+
+    values: Array
+    drift: Array
+
+
+def lock(record: Record, signal: Array, motion: Sines, window: float, windows: int) -> Lock:
+    """The phasors of a recorded signal in the last window of its record, compared with a window a quarter earlier.
+
+    ``window``: s. With ``windows`` = 1 no drift is looked for. Raises SceneError where the record is too short.
+    """
+    times = record.instants
+    end = float(record.times[record.count - 1] + record.lengths[record.count - 1])
+    shift = window / 4 if windows > 1 else 0.0
+    if end - window - shift < motion.fade * (1 - 1e-9):
+        shift = 0.0
+    if end - window < motion.fade * (1 - 1e-9):
+        raise SceneError(f"duration: {end:g} s are too short to recover H_perc; at least {motion.fade + window:g} s are needed")
+    values = _fitted(record, times, signal, motion, end - window, window)
+    if not shift:
+        return Lock(values, np.zeros(len(values)))
+    earlier = _fitted(record, times, signal, motion, end - window - shift, window)
+    return Lock(values, np.abs(values - earlier))
+
+
+def _fitted(record: Record, times: Array, signal: Array, motion: Sines, start: float, window: float) -> Array:
+    place = (times - start) / window
+    inside = (place > 0) & (place < 1)
+    t, x = times[inside], place[inside]
+    weight = np.sqrt(np.sin(np.pi * x) ** 4 * record.quadrature[inside])
+    angle = np.multiply.outer(t, np.array(motion.omegas))
+    trend = np.power.outer(2 * x - 1, np.arange(3))
+    columns = np.concatenate([np.cos(angle), np.sin(angle), trend], axis=1)
+    found, *_ = np.linalg.lstsq(columns * weight[:, None], signal[inside] * weight, rcond=None)
+    count = len(motion.omegas)
+    result: Array = found[count : 2 * count] + 1j * found[:count]
+    return result
