@@ -58,10 +58,11 @@ class Propagator:
         n, m = len(self.M), len(self._driving)
         scale = self._balance
         M, N = self.M / scale[:, None] * scale[None, :], self.N[:, self._driving] / scale[:, None]
+        size = np.abs(N).max(axis=0)  # a large input would cost the exponential its small entries
         extended = np.zeros((n + m * POINTS, n + m * POINTS))
-        extended[:n, :n], extended[:n, n:] = M * h, np.kron(_LEFT_ENDS, N * h)
+        extended[:n, :n], extended[:n, n:] = M * h, np.kron(_LEFT_ENDS, N / size * h)
         extended[n:, n:] = np.kron(_DERIVATIVE, np.eye(m))
-        from_values = np.kron(_TO_LEGENDRE, np.eye(m))
+        from_values = np.kron(_TO_LEGENDRE, np.diag(size))
         free = np.zeros((POINTS + 1, n, n))
         forced = np.zeros((POINTS + 1, n, POINTS * m))
         for i, place in enumerate([*NODES, 1.0]):

@@ -146,7 +146,7 @@ def simulate(
         return _result(fine, ())
     found = fine.locked(length)
     coarse = _Run(scene, motion, extras, STEP * _COARSER, progress)
-    other = coarse.again(fine.engine.t) if coarse.engine.longest != fine.engine.longest else found
+    other = found if coarse.engine.longest == fine.engine.longest else coarse.again(fine.engine.t)
     return _result(fine, _estimates(fine, found, other))
 
 
@@ -253,13 +253,10 @@ class _Run:
     def locked(self, length: float | None) -> Lock:
         """Simulate until two windows agree, or as long as is said."""
         period = _period(self.motion)
-        if length is not None:
-            self.advance(length)
-            return self.lock(2)
-        self.advance(self.motion.fade + self._settling() + (WINDOW + 1) * period)
+        self.to_windows(length or self.motion.fade + self._settling() + (WINDOW + 1) * period)
         before, found = inf, self.lock(2)
-        for _ in range(_PATIENCE):
-            worst = float((found.drift / np.abs(found.values)).max())
+        while length is None and self.engine.t < self.motion.fade + self._settling() + _PATIENCE * period:
+            worst = float((found.drift / np.abs(found.values).max()).max())
             if worst < _ENOUGH or (worst > 0.5 * before and worst < 1e-7) or worst > 100 * before:
                 break
             before = worst
@@ -267,15 +264,23 @@ class _Run:
             found = self.lock(2)
         return found
 
-    def again(self, until: float) -> Lock:
-        """The same window as another run's."""
-        self.advance(until)
-        return self.lock(1)
+    def to_windows(self, until: float) -> None:
+        """Simulate up to a time, with steps that end where windows end: half a step would spoil their quadrature."""
+        period = _period(self.motion)
+        for back in range(WINDOW + 1, -1, -1):
+            self.advance(max(until - back * period, self.engine.t))
 
     def lock(self, windows: int) -> Lock:
         assert isinstance(self.motion, Sines)
         force = self.engine.signal(name_of(self.ports[-1].F))
-        return lock(self.engine.record, force, self.motion, WINDOW * _period(self.motion), windows)
+        # what a fractional derivative remembers fades as a power of time: too slowly to wait for, but as a parabola
+        fading = bool(self.net.fractional)
+        return lock(self.engine.record, force, self.motion, WINDOW * _period(self.motion), windows, drift=fading)
+
+    def again(self, until: float) -> Lock:
+        """The same window as another run's."""
+        self.to_windows(until)
+        return self.lock(1)
 
     def _settling(self) -> float:
         """How long the slowest pole needs to fade to 1e-12, s; what loops with delays need shows only as they run."""
