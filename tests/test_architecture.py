@@ -19,13 +19,15 @@ expressions rings reals numeric
 quantities response factors formula
 roots solutions
 catalogue jnd stability
-environments effects distortion
-scene crossings
-percepts
-answers scenefile
-text
-evaluation
-texnames figures
+environments effects distortion network
+scene crossings motions recordings propagate descriptor fractional rightmost
+percepts blocks linear lockin simulated
+answers scenefile events simtext
+text engine
+evaluation approximations simrun
+texnames figures simulation
+simcommand
+simfigures
 texprinter
 texlines
 texresults

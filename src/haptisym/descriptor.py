@@ -106,6 +106,8 @@ def state_space(equations: Sequence[Sum], known: Iterable[str] = ()) -> StateSpa
     present = [Input(n, lag) for (n, _, lag), _ in keys if n in fixed or lag != 0]
     inputs = tuple(dict.fromkeys([*present, *(Input(n, fmpq(0)) for n in known)]))
     orders: dict[str, int] = {}
+    if any(lag < 0 for (_, _, lag), _ in keys):
+        raise SceneError("a negative delay cannot be simulated: it needs signals before they are there")
     for (name, order, lag), _ in keys:
         if name not in fixed:
             orders[name] = max(orders.get(name, 0), order if lag == 0 else 0)
@@ -150,7 +152,9 @@ def _reduced(system: _Descriptor) -> StateSpace:
     E, A, B = system.E, system.A, list(system.B)
     size, width = E.ncols(), len(system.inputs)
     if E.nrows() != size:
-        raise SceneError(f"the effects give {E.nrows()} equations for {size} unknowns: they do not determine the motion")
+        raise SceneError(
+            f"the effects give {E.nrows()} equations for {size} unknowns: they do not determine the motion"
+        )
     chosen = list(range(size))
     K, C = _identity(size), [fmpq_mat(size, width)]
     while True:
@@ -166,7 +170,9 @@ def _reduced(system: _Descriptor) -> StateSpace:
         chosen = [chosen[i] for i in keep]
     rows = _stack(upper, len(chosen) * 2 + width * len(B))
     M = _negative(_columns(rows, len(chosen), 2 * len(chosen)))
-    N = [_negative(_columns(rows, 2 * len(chosen) + k * width, 2 * len(chosen) + (k + 1) * width)) for k in range(len(B))]
+    N = [
+        _negative(_columns(rows, 2 * len(chosen) + k * width, 2 * len(chosen) + (k + 1) * width)) for k in range(len(B))
+    ]
     return _without_derivatives(system, M, N, K, C, tuple(chosen))
 
 

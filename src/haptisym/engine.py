@@ -9,34 +9,23 @@ polynomials of the step in which they fall.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from heapq import heappop, heappush
 
 import numpy as np
-from scipy.optimize import brentq
 
 from .errors import SceneError
+from .events import Guard, check_derivatives, check_jumps, falls
 from .linear import Drive, Linear, Reading, linear_systems
 from .motions import Motion
 from .network import MOTION, Network, Step, Switch
 from .numeric import Array
-from .propagate import NODES, Record, at_end, series
+from .propagate import NODES, Record, at_end
 
 _MOST_AT_ONCE = 256
 _GENERATIONS = 4  # of break points that a jump leaves behind delay lines: each passage through a filter smooths it
 _TINY = 1e-12  # of a step: closer instants are the same one
 _MOST_EVENTS_AT_ONCE = 12
-
-
-@dataclass(frozen=True)
-class Guard:
-    """A function of time that is >= 0 as long as an element stays as it is: sign * signal - bound."""
-
-    element: Switch | Step
-    reading: Reading
-    sign: int
-    bound: float
 
 
 class Engine:
@@ -47,12 +36,12 @@ class Engine:
             raise SceneError(f"{len(net.switches)} elements with friction or saturation: at most 3 can be simulated")
         monitored = [(s.driver, 0) for s in net.switches] + [(s.driver, 1) for s in net.switches if s.offset == 0]
         targets = [(s.target, 0) for s in net.switches]
-        sources = [(e.source, 0) for e in (*net.holds, *net.steps)]
+        sources = [(name, 0) for name in (*(h.source for h in net.holds), *(q.source for q in net.steps))]
         self.net, self.motion = net, motion
         self.systems = linear_systems(net, [*readings, *monitored, *targets, *sources])
         self.modes = [0 if s.offset or self._can_stick(i) else 1 for i, s in enumerate(net.switches)]
-        _check_jumps(net, self.systems)
-        _check_derivatives(motion, self.systems)
+        check_jumps(net, self.systems)
+        check_derivatives(motion, self.systems)
         self.z = np.zeros(self.system.exact.size)
         self.held = dict.fromkeys(net.jumps, 0.0)
         self.record = Record(len(self.system.readings))
@@ -79,7 +68,7 @@ class Engine:
     def _regular(self, longest: float) -> float:
         """The longest step that fits the shortest of delays and clock periods a whole number of times."""
         shortest = min([*self._lags, *(hold.period for hold in self.net.holds)], default=longest)
-        return shortest / np.ceil(shortest / longest - 1e-9)
+        return float(shortest / np.ceil(shortest / longest - 1e-9))
 
     def _can_stick(self, index: int) -> bool:
         return self.systems[frozenset([index])] is not None
@@ -107,29 +96,31 @@ class Engine:
             self._take(chunk, h, end if abs(arrived - end) < _TINY * h else arrived)
 
     def _take(self, chunk: int, h: float, end: float) -> None:
-        w, inside, after, values = self._attempt(chunk, h)
+        w, after, values = self._attempt(chunk, h)
         event = self._first_event(values, h)
         if event is None:
             self._accept(h, values, after, end)
             return
         step, place, guard = event
         if step:
-            inside, after = self.system.propagator.march(self.z, w[:step], h)
+            _, after = self.system.propagator.march(self.z, w[:step], h)
             self._accept(h, values[:step], after, self.t + step * h)
         if place * h > _TINY * self.longest:
-            _, _, after, values = self._attempt(1, place * h)
+            _, after, values = self._attempt(1, place * h)
             self._accept(place * h, values, after, self.t + place * h)
         self._react(guard)
 
-    def _attempt(self, chunk: int, h: float) -> tuple[Array, Array, Array, Array]:
+    def _attempt(self, chunk: int, h: float) -> tuple[Array, Array, Array]:
         times = self.t + h * (np.arange(chunk)[:, None] + NODES)
         w = self._inputs(times)
         inside, after = self.system.propagator.march(self.z, w, h)
-        return w, inside, after, self.system.outputs(inside, w)
+        return w, after, self.system.outputs(inside, w)
 
     def _accept(self, h: float, values: Array, after: Array, end: float) -> None:
         if not np.isfinite(values).all() or np.abs(values).max(initial=0.0) > 1e200:
-            raise SceneError(f"the simulated force grows without bound (it left all measure at {end:.4g} s): not stable")
+            raise SceneError(
+                f"the simulated force grows without bound (it left all measure at {end:.4g} s): not stable"
+            )
         self.record.append(self.t, h, values)
         self.z, self.t = after, end
 
@@ -145,7 +136,9 @@ class Engine:
                     w[..., i] = waves[drives[i][1]]
             others = [i for i in members if drives[i][0].name != MOTION]
             if others and lag:
-                w[..., others] = self.record.at(times - lag, [self.column(drives[i][0].name, drives[i][1]) for i in others])
+                w[..., others] = self.record.at(
+                    times - lag, [self.column(drives[i][0].name, drives[i][1]) for i in others]
+                )
             elif others:
                 w[..., others] = [0.0 if drives[i][1] else self.held[drives[i][0].name] for i in others]
         return w
@@ -218,25 +211,13 @@ class Engine:
             bad = both < -tolerance
             if bad.any():
                 step = int(np.argmax(bad.any(axis=1)))
-                found.append((step, self._root(course[step], both[step], int(np.argmax(bad[step]))), guard))
+                found.append((step, falls(course[step], both[step], int(np.argmax(bad[step]))), guard))
         return min(found, key=lambda event: event[:2]) if found else None
 
     def _scale(self, guard: Guard) -> float:
-        return self.motion.amplitude * self.motion.span[1] if isinstance(guard.element, Switch) else self.motion.amplitude
-
-    @staticmethod
-    def _root(course: Array, both: Array, bad: int) -> float:
-        """Where on the step, from 0 to 1, a guard falls through zero before the node ``bad``."""
-        coefficients = series(course[:, None])[:, 0]
-        places = np.concatenate([[0.0], NODES, [1.0]])
-
-        def value(place: float) -> float:
-            return float(np.polynomial.polynomial.polyval(2 * place - 1, coefficients))
-
-        start = next((i for i in range(bad, -1, -1) if value(places[i]) > 0), None)
-        if start is None:
-            return 0.0
-        return float(brentq(value, places[start], places[bad + 1], xtol=1e-15))
+        return (
+            self.motion.amplitude * self.motion.span[1] if isinstance(guard.element, Switch) else self.motion.amplitude
+        )
 
     def _react(self, guard: Guard) -> None:
         at, count = self.stalled
@@ -253,11 +234,8 @@ class Engine:
         switch, old = self.net.switches[index], self.modes[index]
         before, everything = self.system, self._everything()
         force = everything.get((switch.target, 0), self.held[switch.target])
-        if old == 0:
-            new = 1 if force > 0 else -1
-        else:
-            new = 0 if switch.offset else self._after_slip(index)
-        self.modes[index] = new
+        after_closed = 1 if force > 0 else -1
+        self.modes[index] = after_closed if old == 0 else 0 if switch.offset else self._after_slip(index)
         if self.system is not before:
             self.z = self._state_from(everything)
         self._update_forces()
@@ -273,7 +251,9 @@ class Engine:
             if found[0]:
                 return 0  # the force cannot jump: it moves what it acts on
             if found[1]:
-                now = float(self.system.outputs(self.z, self._inputs(np.array(self.t)))[self.column(switch.driver, order)])
+                now = float(
+                    self.system.outputs(self.z, self._inputs(np.array(self.t)))[self.column(switch.driver, order)]
+                )
                 other = now - 2 * old * switch.limit * found[1]
                 return -old if other * old < 0 else 0
         return -old
@@ -281,7 +261,8 @@ class Engine:
     def _weight(self, row: Array, drive: tuple[str, int]) -> float:
         n = self.system.exact.size
         return next(
-            (float(row[n + i]) for i, (x, k) in enumerate(self.system.drives) if (x.name, k) == drive and x.lag == 0), 0.0
+            (float(row[n + i]) for i, (x, k) in enumerate(self.system.drives) if (x.name, k) == drive and x.lag == 0),
+            0.0,
         )
 
     def _can_stick_now(self, index: int) -> bool:
@@ -304,34 +285,3 @@ class Engine:
     def _update_forces(self) -> None:
         for switch, mode in zip(self.net.switches, self.modes, strict=True):
             self.held[switch.target] = mode * switch.limit
-
-
-def _check_jumps(net: Network, systems: dict[frozenset[int], Linear | None]) -> None:
-    """Raise SceneError where the derivative of something that jumps is needed."""
-    allowed = {h.target: 0 for h in net.holds} | {s.target: 0 for s in net.steps}
-    allowed |= {s.target: 1 for s in net.switches}
-    for system in systems.values():
-        for drive in system.drives if system else ():
-            if drive[1] > allowed.get(drive[0].name, drive[1]) and system and _acts(system, drive):
-                element = next(e for e in (*net.holds, *net.steps, *net.switches) if e.target == drive[0].name)
-                raise SceneError(
-                    f"{element.name}: what comes out of it jumps, and the scene differentiates it; put a filter behind it, "
-                    "or render a filtered velocity ([rendered])"
-                )
-
-
-def _check_derivatives(motion: Motion, systems: dict[frozenset[int], Linear | None]) -> None:
-    needed = max(
-        (k for x in systems.values() if x for drive in x.drives for k in [drive[1]] if drive[0].name == MOTION and _acts(x, drive)),
-        default=0,
-    )
-    if needed > motion.smoothness:
-        raise SceneError(
-            f"{motion.name}: the scene needs derivative {needed} of the motion; a recording has {motion.smoothness}"
-        )
-
-
-def _acts(system: Linear, drive: Drive) -> bool:
-    column = system.exact.size + system.drives.index(drive)
-    index = system.drives.index(drive)
-    return bool(system.rows[:, column].any() or system.propagator.N[:, index].any())

@@ -1,7 +1,7 @@
 """The derivative of fractional order in time, as a bank of first-order relaxations: no history to carry along.
 
-From s^(alpha-1) = sin(pi alpha)/pi * integral of lambda^(alpha-1)/(s + lambda) over lambda > 0: with lambda = e^y the integrand is
-analytic in a strip, so that the trapezoidal rule converges exponentially (relative error about exp(-pi^2/step) on the
+From s^(alpha-1) = sin(pi alpha)/pi * integral of lambda^(alpha-1)/(s + lambda) over lambda > 0: with lambda = e^y the integrand
+is analytic in a strip, so that the trapezoidal rule converges exponentially (relative error about exp(-pi^2/step) on the
 imaginary axis). What lies below the slowest and beyond the fastest relaxation is a spring and a damper, whose strengths are
 geometric series and therefore known exactly.
 """

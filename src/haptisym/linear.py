@@ -45,10 +45,9 @@ class Linear:
         result: Array = z @ self.rows[:, :n].T + w @ self.rows[:, n:].T
         return result
 
-    def poles(self) -> Array:
+    def poles(self) -> Any:
         """The eigenvalues of the state equation without what comes back through delay lines, 1/s."""
-        result: Array = np.linalg.eigvals(self.propagator.M) if self.exact.size else np.zeros(0, dtype=complex)
-        return result
+        return np.linalg.eigvals(self.propagator.M) if self.exact.size else np.zeros(0, dtype=complex)
 
 
 def linear_systems(net: Network, readings: Sequence[Reading]) -> dict[frozenset[int], Linear | None]:
@@ -61,7 +60,7 @@ def linear_systems(net: Network, readings: Sequence[Reading]) -> dict[frozenset[
 
 
 def _exact(net: Network, closed: frozenset[int]) -> StateSpace | None:
-    known = {name for name in net.jumps} - {net.switches[i].target for i in closed}
+    known = set(net.jumps) - {net.switches[i].target for i in closed}
     try:
         return state_space([*net.equations, *(net.switches[i].closed for i in closed)], known)
     except SceneError:
@@ -128,9 +127,7 @@ def _row(system: StateSpace, reading: Reading, drives: tuple[Drive, ...], net: N
         return [0.0] * system.size + [float(drive == own) for drive in drives]
     row: Row = system.signal(*reading)
     state = [_float(row.state[0, i]) for i in range(system.size)]
-    direct = [
-        _float(row.inputs[k][0, system.inputs.index(x)]) if k < len(row.inputs) else 0.0 for x, k in drives
-    ]
+    direct = [_float(row.inputs[k][0, system.inputs.index(x)]) if k < len(row.inputs) else 0.0 for x, k in drives]
     return state + direct
 
 

@@ -7,6 +7,7 @@ into the fit by orders of magnitude less than through a plain window.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from .propagate import Record
 class Lock:
     """Phasors Y with y(t) = Im(Y exp(j omega t)), one for each frequency, and how much they still drift between windows."""
 
-    values: Array
+    values: Any
     drift: Array
 
 
@@ -36,7 +37,9 @@ def lock(record: Record, signal: Array, motion: Sines, window: float, windows: i
     if end - window - shift < motion.fade * (1 - 1e-9):
         shift = 0.0
     if end - window < motion.fade * (1 - 1e-9):
-        raise SceneError(f"duration: {end:g} s are too short to recover H_perc; at least {motion.fade + window:g} s are needed")
+        raise SceneError(
+            f"duration: {end:g} s are too short to recover H_perc; at least {motion.fade + window:g} s are needed"
+        )
     values = _fitted(record, times, signal, motion, (end - window, window, 3 if drift else 1))
     if not shift:
         return Lock(values, np.zeros(len(values)))
@@ -44,7 +47,7 @@ def lock(record: Record, signal: Array, motion: Sines, window: float, windows: i
     return Lock(values, np.abs(values - earlier))
 
 
-def _fitted(record: Record, times: Array, signal: Array, motion: Sines, window: tuple[float, float, int]) -> Array:
+def _fitted(record: Record, times: Array, signal: Array, motion: Sines, window: tuple[float, float, int]) -> Any:
     start, length, terms = window
     place = (times - start) / length
     inside = (place > 0) & (place < 1)
@@ -57,5 +60,4 @@ def _fitted(record: Record, times: Array, signal: Array, motion: Sines, window: 
     weighted = (columns * weight[:, None]).T
     found = np.linalg.solve(weighted @ columns, weighted @ signal[inside])
     count = len(motion.omegas)
-    result: Array = found[count : 2 * count] + 1j * found[:count]
-    return result
+    return found[count : 2 * count] + 1j * found[:count]

@@ -7,14 +7,12 @@ the whole: every block adds its own equations, and only those of blocks that the
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from flint import fmpq
 from sympy import Expr, Rational, pi
-
-from .errors import SceneError
 
 Exact: TypeAlias = fmpq
 Key: TypeAlias = tuple[str, int, fmpq]
@@ -117,6 +115,9 @@ class Step:
     name: str
 
 
+Element: TypeAlias = Hold | Switch | Step
+
+
 @dataclass
 class Network:
     """Equations and elements as the blocks of a scene add them; ``known`` are the signals that elements set."""
@@ -151,23 +152,17 @@ class Network:
         return name_of(own)
 
     @property
+    def elements(self) -> tuple[Element, ...]:
+        """Whatever is not a linear equation."""
+        return (*self.holds, *self.steps, *self.switches)
+
+    @property
     def jumps(self) -> tuple[str, ...]:
         """The signals that elements set."""
-        return tuple(element.target for element in (*self.holds, *self.steps, *self.switches))
+        return tuple(element.target for element in self.elements)
 
 
 def name_of(signal: Sum) -> str:
     """The name of a plain signal."""
     [(name, _, _)] = signal.terms
     return name
-
-
-def nonnegative_lags(equations: Sequence[Sum]) -> None:
-    """Raise SceneError where an equation needs what will only be known later."""
-    for equation in equations:
-        for name, _, lag in equation.terms:
-            if lag < 0:
-                raise SceneError(
-                    f"the equation of {name.split('.')[0]} needs a signal {-float(lag):g} s before it is there: "
-                    "a negative delay cannot be simulated"
-                )
