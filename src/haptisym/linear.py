@@ -115,8 +115,9 @@ def _floats(system: StateSpace, net: Network, readings: tuple[Reading, ...]) -> 
     for i, channel in enumerate(system.inputs):
         N[:, drives.index((channel, 0))] = [_float(system.N[r, i]) for r in range(system.size)]
     width = system.size + len(drives)
+    steady = tuple(i for i, (x, _) in enumerate(drives) if x.lag == 0 and x.name in net.jumps)
     return Linear(
-        system, drives, readings, Propagator(_array(system.M), N), np.array(own).reshape(-1, width),
+        system, drives, readings, Propagator(_array(system.M), N, steady), np.array(own).reshape(-1, width),
         np.array(every).reshape(-1, width), back,
     )  # fmt: skip
 

@@ -39,6 +39,13 @@ def at_end(values: Array) -> Array:
     return result
 
 
+def finer(samples: Array, places: Array) -> Array:
+    """Samples at the nodes of successive steps, evaluated at other places of every step, from 0 to 1."""
+    basis = np.power.outer(2 * places - 1, _POWERS) @ _TO_SERIES
+    result: Array = (samples.reshape(-1, POINTS) @ basis.T).ravel()
+    return result
+
+
 def series(values: Array) -> Array:
     """Coefficients of ascending powers, on -1 to 1, of polynomials with these values at the nodes of a step."""
     result: Array = _TO_SERIES @ values
@@ -47,34 +54,17 @@ def series(values: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Propagator:
-    """Steps of z' = M z + N w."""
+    """Steps of z' = M z + N w; ``steady`` are the inputs that never change within a step."""
 
     M: Array
     N: Array
-
-    @lru_cache(maxsize=4096)  # noqa: B019 - a propagator lives as long as its simulation
-    def step(self, h: float) -> tuple[Array, Array]:
-        """Maps to the state at the nodes and at the end of a step: from the state before it, and from the inputs' values."""
-        n, m = len(self.M), len(self._driving)
-        scale = self._balance
-        M, N = self.M / scale[:, None] * scale[None, :], self.N[:, self._driving] / scale[:, None]
-        size = np.abs(N).max(axis=0)  # a large input would cost the exponential its small entries
-        extended = np.zeros((n + m * POINTS, n + m * POINTS))
-        extended[:n, :n], extended[:n, n:] = M * h, np.kron(_LEFT_ENDS, N / size * h)
-        extended[n:, n:] = np.kron(_DERIVATIVE, np.eye(m))
-        from_values = np.kron(_TO_LEGENDRE, np.diag(size))
-        free = np.zeros((POINTS + 1, n, n))
-        forced = np.zeros((POINTS + 1, n, POINTS * m))
-        for i, place in enumerate([*NODES, 1.0]):
-            whole = expm(extended * place)
-            free[i] = whole[:n, :n] * scale[:, None] / scale[None, :]
-            forced[i] = whole[:n, n:] @ from_values * scale[:, None]
-        return free, forced
+    steady: tuple[int, ...] = ()
 
     @cached_property
-    def _driving(self) -> list[int]:
-        """The inputs that move the state at all."""
-        return [i for i in range(self.N.shape[1]) if self.N[:, i].any()]
+    def _driving(self) -> tuple[list[int], list[int]]:
+        """The inputs that move the state at all: those that vary within a step, and the steady ones."""
+        active = [i for i in range(self.N.shape[1]) if self.N[:, i].any()]
+        return [i for i in active if i not in self.steady], [i for i in active if i in self.steady]
 
     @cached_property
     def _balance(self) -> Array:
@@ -82,18 +72,47 @@ class Propagator:
         _, (scale, _) = matrix_balance(self.M, permute=False, separate=True)
         return np.asarray(scale, dtype=float)
 
+    @lru_cache(maxsize=4096)  # noqa: B019 - a propagator lives as long as its simulation
+    def step(self, h: float) -> tuple[Array, Array]:
+        """Maps to the state at the nodes and at the end of a step: from the state before it, and from the inputs' values.
+
+        The inputs are a varying one's values node by node, then the steady ones.
+        """
+        extended, from_values = self._extended(h)
+        n, scale = len(self.M), self._balance
+        whole = expm(np.multiply.outer([*NODES, 1.0], extended))
+        free = whole[:, :n, :n] * scale[:, None] / scale[None, :]
+        return free, whole[:, :n, n:] @ from_values * scale[:, None]
+
+    def _extended(self, h: float) -> tuple[Array, Array]:
+        """The equation extended by the inputs' Legendre coefficients, and the way from values at the nodes to these."""
+        scale, (varying, steady) = self._balance, self._driving
+        M, N = self.M / scale[:, None] * scale[None, :] * h, self.N / scale[:, None] * h
+        size = np.abs(N).max(axis=0, initial=0.0)  # a large input would cost the exponential its small entries
+        n, m, count = len(M), len(varying), len(varying) * POINTS
+        extended = np.zeros((n + count + len(steady),) * 2)
+        extended[:n, :n] = M
+        extended[:n, n : n + count] = np.kron(_LEFT_ENDS, N[:, varying] / size[varying])
+        extended[:n, n + count :] = N[:, steady] / size[steady]
+        extended[n : n + count, n : n + count] = np.kron(_DERIVATIVE, np.eye(m))
+        from_values = np.diag(np.concatenate([np.zeros(count), size[steady]]))
+        from_values[:count, :count] = np.kron(_TO_LEGENDRE, np.diag(size[varying]))
+        return extended, from_values
+
     def march(self, z: Array, w: Array, h: float) -> tuple[Array, Array]:
         """The states at all nodes of as many steps as ``w`` has (steps, nodes, inputs), and the state after the last."""
         steps, n = len(w), len(self.M)
         if n == 0:
             return np.zeros((steps, POINTS, 0)), z
         free, forced = self.step(h)
-        driven = np.einsum("pnw,sw->spn", forced, w[..., self._driving].reshape(steps, -1))
+        varying, steady = self._driving
+        values = np.concatenate([w[..., varying].reshape(steps, -1), w[:, 0, steady]], axis=1)
+        driven = (forced @ values.T).transpose(2, 0, 1)
         starts = np.empty((steps, n))
         for k in range(steps):
             starts[k] = z
             z = free[-1] @ z + driven[k, -1]
-        inside = np.einsum("pnm,sm->spn", free[:-1], starts) + driven[:, :-1]
+        inside = (free[:-1] @ starts.T).transpose(2, 0, 1) + driven[:, :-1]
         return inside, z
 
 

@@ -16,6 +16,7 @@ from matplotlib.lines import Line2D
 from .figures import BLUE, GREY, INK, RED, TEXT, _dress, _figure, _legend, _line, _save
 from .jnd import Part
 from .numeric import Array
+from .propagate import POINTS, finer
 from .quantities import Motion as Kind
 from .simulated import Simulated
 
@@ -27,12 +28,12 @@ _SHOWN = 3
 def draw_time(ax: Axes, run: Simulated) -> None:
     """Force at the hand and motion of the hand, each as a fraction of its largest value, over the last periods of a run."""
     part = _last(run)
-    motion, force = run.displacement[part], run.force[part]
+    time, motion, force = (_smooth(x[part]) for x in (run.time, run.displacement, run.force))
     sizes = [float(np.abs(x).max()) or 1.0 for x in (force, motion)]
     ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
-    ax.plot(run.time[part], motion / sizes[1], color=BLUE, linestyle=_DASHED, linewidth=1.0)
-    ax.plot(run.time[part], force / sizes[0], color=INK, linewidth=1.0)
-    ax.set(xlim=(run.time[part][0], run.time[part][-1]), ylim=(-1.08, 1.08))
+    ax.plot(time, motion / sizes[1], color=BLUE, linestyle=_DASHED, linewidth=1.0)
+    ax.plot(time, force / sizes[0], color=INK, linewidth=1.0)
+    ax.set(xlim=(time[0], time[-1]), ylim=(-1.08, 1.08))
     _dress(ax)
     ax.set_xlabel("time (s)", fontsize=TEXT)
     ax.set_ylabel("fraction of largest", fontsize=TEXT)
@@ -56,8 +57,10 @@ def draw_loop(ax: Axes, run: Simulated) -> None:
     ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
     ax.axvline(0, color=GREY, linewidth=0.4, zorder=0)
     x, force, name = _environment_loop(run, part)
-    ax.plot(x * factor, force, color=BLUE, linewidth=1.1)
-    ax.plot(run.displacement[part] * factor, run.force[part], color=RED, linestyle=_DASHED, linewidth=1.1)
+    ax.plot(_smooth(x) * factor, _smooth(force), color=BLUE, linewidth=1.1)
+    ax.plot(
+        _smooth(run.displacement[part]) * factor, _smooth(run.force[part]), color=RED, linestyle=_DASHED, linewidth=1.1
+    )
     _dress(ax)
     ax.set_xlabel(f"displacement ({shown})", fontsize=TEXT)
     ax.set_ylabel(f"force ({newton})", fontsize=TEXT)
@@ -112,7 +115,12 @@ def _last(run: Simulated) -> slice:
         return slice(0, None)
     span = _SHOWN if len(run.motion.omegas) == 1 else 1
     start = run.time[-1] - span * 2 * np.pi / run.motion.span[0]
-    return slice(int(np.searchsorted(run.time, start)), None)
+    return slice(int(np.searchsorted(run.time, start)) // POINTS * POINTS, None)
+
+
+def _smooth(samples: Array) -> Array:
+    """The curve through samples at the nodes of steps, with both ends of each step, so that jumps are upright."""
+    return finer(samples, np.linspace(0, 1, 25))
 
 
 def _environment_loop(run: Simulated, part: slice) -> tuple[Array, Array, str]:

@@ -23,6 +23,8 @@ _MOST_STEPS = 400_000
 WINDOW = 4
 """Base periods of a lock-in: the taper needs them to keep neighbouring frequencies apart."""
 _ENOUGH = 1e-11  # relative: two windows that agree so well have no transient left
+_IDLE = 3
+"""Base periods without progress after which more of them will not help."""
 _PATIENCE = 60  # base periods after which a transient is given up on
 
 
@@ -63,15 +65,20 @@ class Run:
         assert isinstance(self.motion, Sines)
         period = period_of(self.motion)
         self.to_windows(length or self.motion.fade + self._settling() + (WINDOW + 1) * period)
-        before, found = inf, self.lock(2)
-        while length is None and self.engine.t < self.motion.fade + self._settling() + _PATIENCE * period:
-            worst = float((found.drift / np.abs(found.values).max()).max())
-            if worst < _ENOUGH or (worst > 0.5 * before and worst < 1e-7) or worst > 100 * before:
+        found, before, idle = self.lock(2), inf, 0
+        while (
+            length is None and idle < _IDLE and self.engine.t < self.motion.fade + self._settling() + _PATIENCE * period
+        ):
+            worst = float(found.drift.max() / np.abs(found.values).max())
+            if worst < _ENOUGH:
                 break
+            idle = idle + 1 if worst > 0.9 * before else 0  # images and quantisation do not fade
             before = worst
             self.advance(self.engine.t + period)
             found = self.lock(2)
-        return found
+        falling = min(float(found.drift.max() / np.abs(found.values).max()) / before, 0.95)
+        # what a transient that falls by this factor in each period has still to go
+        return Lock(found.values, found.drift * max(1.0, falling / (1 - falling)))
 
     def to_windows(self, until: float) -> None:
         """Simulate up to a time, with steps that end where windows end: half a step would spoil their quadrature."""

@@ -58,8 +58,8 @@ def _verdict(runs: Sequence[Simulated]) -> str:
     reasons = list(dict.fromkeys(x.approximate for x in rows if x.approximate))
     if reasons:
         sizes = [x.difference / abs(x.closed) for x in rows if x.approximate and x.closed]
-        worst = f"; it is off by up to {100 * max(sizes):.2g} %" if sizes else ""
-        return fill(f"The closed form is an approximation here: {'; '.join(reasons)}{worst}.", _WIDTH)
+        worst = f"; it differs by up to {100 * max(sizes):.2g} %" if sizes else ""
+        return fill(f"The closed form is not exact here: {'; '.join(reasons)}{worst}.", _WIDTH)
     wrong = [x for x in rows if not x.agrees]
     if wrong:
         return fill(
