@@ -10,6 +10,7 @@ from random import Random
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 from strategies import BETWEEN, FELT, Seeded, case
 from strategies import scene as told_scene
 from sympy import Integer
@@ -56,8 +57,8 @@ LOOPS = {
     "a delay before the filter in a loop": (effects.delay("10 ms"), effects.second_order_lowpass(60, 1), effects.compliance(2000, 40)),
     "two links in a row": (effects.wave_variables(10, "20 ms"), effects.compliance(900, 5), effects.wave_variables(30, "7 ms")),
     "four channels without delay": (effects.four_channel_teleoperator(1, 2, 30, 2, 40, 50),),
-    "half a derivative": (effects.series("1/(1 + (s/20)^0.5)"),),
-    "an admittance display behind a torsion bar": (effects.admittance_display("900/(s^2 + 40*s + 900)"), effects.compliance(3000, 60)),
+    "half a derivative": (effects.series("1/(1 + 0.2*s^0.5)"),),
+    "an admittance display before a torsion bar": (effects.compliance(3000, 60), effects.admittance_display("900/(s^2 + 40*s + 900)")),
 }  # fmt: skip
 
 
@@ -100,17 +101,18 @@ def test_a_spring_pot_through_lag_and_delay_agrees_to_a_millionth() -> None:
 
 
 def test_stable_random_scenes_agree_within_their_own_error_estimate() -> None:
-    pick, seen = Seeded(7), 0
+    pick, seen, refused = Seeded(7), 0, list[str]()
     while seen < 20:
         scene = told_scene(case(pick, order=5, felt=FELT, between=BETWEEN))
         low = float(scene.band[1]) / 2
         try:
             run = hs.simulate(scene, hs.multisine("1 cm", [low / 2, low]))
         except hs.SceneError as error:
-            assert "not stable" in str(error) or "inner motion" in str(error) or "steps" in str(error), error
+            refused.append(str(error))
             continue
         seen += 1
         agree((run,), 1e-6)
+    assert all("not stable" in x or "inner motion" in x or "steps" in x for x in refused), refused
 
 
 @pytest.mark.parametrize("cut", ["sign", "factor", "swap"])
@@ -140,8 +142,8 @@ def test_a_delay_line_repeats_the_force_exactly() -> None:
     plain = hs.simulate(hs.Scene(SOFT), hs.sine("1 cm", 10), duration=8)
     late = hs.simulate(hs.Scene(SOFT, (effects.delay("0.1 s"),)), hs.sine("1 cm", 10), duration=8)
     rest = late.time > 0.2
-    was = np.interp(late.time[rest] - 0.1, plain.time, plain.force)
-    assert late.force[rest] == pytest.approx(was, abs=2e-3)  # of 2 N: linear interpolation between nodes
+    was = CubicSpline(plain.time, plain.force)(late.time[rest] - 0.1)
+    assert late.force[rest] == pytest.approx(was, abs=1e-4)  # of 2 N: a cubic between nodes
     assert late.force[late.time < 0.1] == pytest.approx(0, abs=1e-15)
 
 
@@ -190,7 +192,7 @@ def test_a_stuck_mass_does_not_move_and_then_slips() -> None:
         environments.mass_spring_damper(m="0.5", b=1, k=20),
         (effects.coulomb_friction("1 N", "5 cm"), effects.compliance(200, 1)),
     )
-    run = hs.simulate(scene, hs.sine("2 cm", 3), duration=10)
+    run = hs.simulate(scene, hs.sine("2 cm", 3), duration=14)
     speed = np.gradient(run.environment_displacement, run.time)
     late = run.time > run.motion.fade
     still = np.abs(speed[late]) < 1e-9
@@ -335,7 +337,7 @@ def test_a_recording_cannot_be_differentiated_more_often_than_its_spline(tmp_pat
     [
         (hs.Scene(environments.expression("1/(s - 2)")), ("5 cm", 5), r"not stable \(pole at 2 1/s\)"),
         (hs.Scene(MSD, (effects.second_order_lowpass(10, 0),)), ("5 cm", 5), r"not stable \(pole at -?0 ± 10j 1/s\)"),
-        (hs.Scene(SOFT, (effects.delay("0.2 s"), effects.first_order_lag(50), effects.compliance(100))), ("5 cm", 5), r"not stable \(pole at \d.*\)"),
+        (hs.Scene(SOFT, (effects.delay("0.2 s"), effects.first_order_lag(50), effects.compliance(100))), ("5 cm", 5), r"grows without bound .* not stable"),
         (hs.Scene(SOFT, (effects.zero_order_hold("0.1 s"),)), ("5 cm", 40), r"zero-order-hold: 40 rad/s is not below the Nyquist frequency of its clock, 31.4"),
         (hs.Scene(MSD), ("3 deg", 5), r"motion: its unit is rotational, but the scene is translational"),
         (hs.Scene(environments.mass_spring_damper(m=hs.symbols("m"))), ("5 cm", 5), r"m = m is a symbol"),
@@ -370,7 +372,7 @@ def test_only_the_blocks_that_a_scene_names_are_built() -> None:
 def test_what_the_scene_does_not_need_is_not_imported() -> None:
     probe = (
         "import sys, haptisym as hs\n"
-        "assert not any(n.startswith('scipy') for n in sys.modules)\n"
+        "assert 'scipy.linalg' not in sys.modules\n"
         "hs.simulate(hs.load_scene('fu2019'), hs.sine('5 cm', 5), duration=2)\n"
         "assert 'haptisym.fractional' not in sys.modules and 'matplotlib' not in sys.modules\n"
         "assert 'haptisym.recordings' not in sys.modules\n"

@@ -5,9 +5,10 @@ prescribed motions make E singular (differential-algebraic, of any index). Each 
 equations, solves them for as many variables and puts these back, over the rational numbers, so that no rank is ever
 guessed. What remains is
 
-    z' = M z + N w,    any signal = K z + C_0 w + C_1 dw/dt + C_2 d2w/dt2 + ...
+    z' = M z + N_0 w + N_1 dw/dt + ...,    any signal = K z + C_0 w + C_1 dw/dt + C_2 d2w/dt2 + ...
 
-where w are the inputs: the hand's motion, delayed signals and what clocks and switches set.
+where w are the inputs: the hand's motion, delayed signals and what clocks and switches set. Only the hand's motion, which is
+known with all its derivatives, keeps an N of higher order.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class StateSpace:
-    """z' = M z + N w, with every variable of the equations as K z + C_0 w + C_1 dw/dt + ...
+    """z' = M z + N_0 w + N_1 dw/dt + ..., with every variable of the equations as K z + C_0 w + C_1 dw/dt + ...
 
     ``chosen`` and ``shifts`` lead back: z is the chosen variables minus the sum of R_k times the k-th derivative of w.
     """
@@ -52,7 +53,7 @@ class StateSpace:
     inputs: tuple[Input, ...]
     columns: dict[tuple[str, int], int]
     M: Matrix
-    N: Matrix
+    N: tuple[Matrix, ...]
     K: Matrix
     C: tuple[Matrix, ...]
     chosen: tuple[int, ...]
@@ -68,8 +69,8 @@ class StateSpace:
         return row
 
     def _differentiated(self, row: Row) -> Row:
-        first = row.state * self.N
-        return Row(row.state * self.M, (first, *row.inputs))
+        moved = [row.state * n for n in self.N]
+        return Row(row.state * self.M, tuple(_added(moved, [0 * moved[0], *row.inputs])))
 
     def reach(self, name: str, order: int, channel: Input) -> int | None:
         """The highest derivative of an input in a signal; -1 if it acts through the state alone, None if not at all."""
@@ -77,12 +78,18 @@ class StateSpace:
         direct = [k for k, c in enumerate(row.inputs) if c[0, index] != 0]
         if direct:
             return max(direct)
-        moved = fmpq_mat(self.M.nrows(), 1, [self.N[i, index] for i in range(self.M.nrows())])
-        for _ in range(self.M.nrows()):
-            if (row.state * moved)[0, 0] != 0:
-                return -1
-            moved = self.M * moved
+        for n in self.N:
+            moved = fmpq_mat(self.size, 1, [n[i, index] for i in range(self.size)])
+            for _ in range(self.size):
+                if (row.state * moved)[0, 0] != 0:
+                    return -1
+                moved = self.M * moved
         return None
+
+    def drives(self, channel: Input) -> list[int]:
+        """The orders of an input's derivatives that the state equation holds."""
+        index = self.inputs.index(channel)
+        return [k for k, n in enumerate(self.N) if any(n[i, index] != 0 for i in range(self.size))]
 
     @cached_property
     def size(self) -> int:
@@ -223,14 +230,22 @@ def _substituted(
 def _without_derivatives(
     system: _Descriptor, M: Matrix, N: list[Matrix], K: Matrix, C: list[Matrix], chosen: tuple[int, ...]
 ) -> StateSpace:
-    """The same with z moved so that only w itself drives it: z - N_k w^(k-1) in the place of z, from the highest k down."""
+    """The same with z moved, so that of all inputs but the motion no derivative drives it.
+
+    From the highest k down z - N_k w^(k-1) takes the place of z. For the motion this is left undone: it would make large numbers
+    that cancel where the equations are stiff.
+    """
+    moving = fmpq_mat(len(system.inputs), len(system.inputs))
+    for i, channel in enumerate(system.inputs):
+        moving[i, i] = fmpq(int(channel.name != MOTION))
     shifts = [fmpq_mat(M.nrows(), len(system.inputs)) for _ in N]
     for k in range(len(N) - 1, 0, -1):
-        top = N[k]
+        top = N[k] * moving
         shifts[k - 1] += top
+        N[k] -= top
         N[k - 1] += M * top
         C = _added(C, [*(fmpq_mat(K.nrows(), len(system.inputs)) for _ in range(k - 1)), K * top])
-    return StateSpace(system.inputs, system.columns, M, N[0], K, tuple(C), chosen, tuple(shifts[:-1]))
+    return StateSpace(system.inputs, system.columns, M, tuple(N), K, tuple(C), chosen, tuple(shifts[:-1]))
 
 
 # Matrices of exact numbers

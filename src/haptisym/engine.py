@@ -9,11 +9,14 @@ polynomials of the step in which they fall.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property, lru_cache
+from fractions import Fraction
+from functools import cached_property, lru_cache, reduce
 from heapq import heappop, heappush
+from math import gcd
 
 import numpy as np
 
+from .descriptor import Input
 from .errors import SceneError
 from .events import Guard, check_derivatives, check_jumps, falls
 from .linear import Drive, Linear, Reading, linear_systems
@@ -24,7 +27,9 @@ from .propagate import NODES, Record, at_end
 
 _MOST_AT_ONCE = 256
 _GENERATIONS = 4  # of break points that a jump leaves behind delay lines: each passage through a filter smooths it
+_FINEST = 64  # steps to the shortest delay; delays with no such common measure are read between steps
 _TINY = 1e-12  # of a step: closer instants are the same one
+_UNBOUNDED = 1e15  # m, N: beyond any display
 _MOST_EVENTS_AT_ONCE = 12
 
 
@@ -62,13 +67,24 @@ class Engine:
     @cached_property
     def _lags(self) -> tuple[float, ...]:
         """The delays of everything that is read from the record, s."""
+        return tuple(sorted({int(x.lag.p) / int(x.lag.q) for x in self._late}))
+
+    @cached_property
+    def _late(self) -> set[Input]:
+        """What is read from the record."""
         inputs = {x for system in self.systems.values() if system for x, _ in system.drives}
-        return tuple(sorted({int(x.lag.p) / int(x.lag.q) for x in inputs if x.lag != 0 and x.name != MOTION}))
+        return {x for x in inputs if x.lag != 0 and x.name != MOTION}
 
     def _regular(self, longest: float) -> float:
-        """The longest step that fits the shortest of delays and clock periods a whole number of times."""
-        shortest = min([*self._lags, *(hold.period for hold in self.net.holds)], default=longest)
-        return float(shortest / np.ceil(shortest / longest - 1e-9))
+        """The longest step of a grid on which what is read from delay lines falls on whole steps, if there is one.
+
+        Reading between steps would amplify the highest frequencies a little, again and again where they come back.
+        """
+        lags = [Fraction(int(x.lag.p), int(x.lag.q)) for x in self._late]
+        unit = reduce(_common_measure, lags) if lags else None
+        usual = min([*self._lags, *(hold.period for hold in self.net.holds)], default=longest)
+        base = float(unit) if unit is not None and usual / float(unit) <= _FINEST else usual
+        return base / float(np.ceil(base / longest - 1e-9))
 
     def _can_stick(self, index: int) -> bool:
         return self.systems[frozenset([index])] is not None
@@ -87,7 +103,7 @@ class Engine:
         """Simulate up to a time, s."""
         while self.t < until * (1 - 1e-15):
             self._sample()
-            end = min([until, *self._clock_ticks(), *self._next_break()])
+            end = min([until, *self._clock_ticks(), *self._next_break(), *self._next_on_grid()])
             whole = int((end - self.t) / self.longest + 1e-9)
             h = self.longest if whole else float(f"{end - self.t:.13e}")  # equal steps are recognised as equal
             # no step may read a delay line where it has not been written yet
@@ -117,9 +133,9 @@ class Engine:
         return w, after, self.system.outputs(inside, w)
 
     def _accept(self, h: float, values: Array, after: Array, end: float) -> None:
-        if not np.isfinite(values).all() or np.abs(values).max(initial=0.0) > 1e200:
+        if not np.isfinite(values).all() or np.abs(values).max(initial=0.0) > _UNBOUNDED:
             raise SceneError(
-                f"the simulated force grows without bound (it left all measure at {end:.4g} s): not stable"
+                f"the simulated force grows without bound (beyond all measure at {end:.4g} s): it is not stable"
             )
         self.record.append(self.t, h, values)
         self.z, self.t = after, end
@@ -187,6 +203,11 @@ class Engine:
             reached = {t + lag for t in reached for lag in self._lags}
             for t in reached:
                 heappush(self.due, t)
+
+    def _next_on_grid(self) -> list[float]:
+        """Back to the grid of the delay lines, after a step that ended beside it."""
+        place = self.t / self.longest
+        return [float(np.ceil(place) * self.longest)] if self._lags and abs(place - round(place)) > 1e-9 else []
 
     # Switches and quantisers
 
@@ -285,3 +306,9 @@ class Engine:
     def _update_forces(self) -> None:
         for switch, mode in zip(self.net.switches, self.modes, strict=True):
             self.held[switch.target] = mode * switch.limit
+
+
+def _common_measure(one: Fraction, other: Fraction) -> Fraction:
+    """The longest time that both are whole multiples of."""
+    below = one.denominator * other.denominator
+    return Fraction(gcd(one.numerator * other.denominator, other.numerator * one.denominator), below)

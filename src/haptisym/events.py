@@ -45,10 +45,11 @@ def falls(course: Array, both: Array, bad: int) -> float:
 def check_jumps(net: Network, systems: Systems) -> None:
     """Raise SceneError where the derivative of something that jumps is needed."""
     allowed = {h.target: 0 for h in net.holds} | {s.target: 0 for s in net.steps}
-    allowed |= {s.target: 1 for s in net.switches}
+    # saturation has kinks alone; friction has too where it acts on a spring and so cannot jump
+    allowed |= {s.target: int(bool(s.offset) or _moves_itself(s, systems)) for s in net.switches}
     for system in systems.values():
         for drive in system.drives if system else ():
-            if drive[1] > allowed.get(drive[0].name, drive[1]) and system and _acts(system, drive):
+            if drive[1] > allowed.get(drive[0].name, drive[1]) and system and _acts(system, drive, net):
                 element = next(e for e in net.elements if e.target == drive[0].name)
                 raise SceneError(
                     f"{element.name}: what comes out of it jumps, and the scene differentiates it; put a filter behind it, "
@@ -68,7 +69,18 @@ def check_derivatives(motion: Motion, systems: Systems) -> None:
         )
 
 
-def _acts(system: Linear, drive: Drive) -> bool:
-    column = system.exact.size + system.drives.index(drive)
+def _moves_itself(switch: Switch, systems: Systems) -> bool:
+    """Whether the derivative of a friction force is in the velocity that it acts on."""
+    system = systems[frozenset()]
+    assert system is not None
+    row = system.rows[system.readings.index((switch.driver, 0))]
+    places = [system.exact.size + i for i, (x, k) in enumerate(system.drives) if (x.name, k) == (switch.target, 1)]
+    return bool(row[places].any())
+
+
+def _acts(system: Linear, drive: Drive, net: Network | None = None) -> bool:
+    """Whether an input's derivative is in anything but the velocities that only switches look at."""
+    watched = [(s.driver, k) for s in net.switches for k in (0, 1)] if net else []
+    rows = [i for i, reading in enumerate(system.readings) if reading not in watched]
     index = system.drives.index(drive)
-    return bool(system.rows[:, column].any() or system.propagator.N[:, index].any())
+    return bool(system.rows[rows, system.exact.size + index].any() or system.propagator.N[:, index].any())

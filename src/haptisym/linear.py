@@ -88,7 +88,7 @@ def _followed(systems: Sequence[StateSpace], net: Network, readings: Sequence[Re
 
 def _drives_of(system: StateSpace, reading: Reading, net: Network) -> list[Drive]:
     """The inputs of a signal and of the state equation, with the derivatives that act."""
-    driving = [(x, 0) for i, x in enumerate(system.inputs) if any(system.N[k, i] != 0 for k in range(system.size))]
+    driving = [(x, k) for x in system.inputs for k in system.drives(x)]
     if reading[0] in net.jumps and not any(name == reading[0] for name, _ in system.columns):
         return driving
     row = system.signal(*reading)
@@ -112,8 +112,10 @@ def _floats(system: StateSpace, net: Network, readings: tuple[Reading, ...]) -> 
             if (channel, k) in drives:
                 back[:, drives.index((channel, k))] = [_float(matrix[r, i]) for r in range(system.size)]
     N = np.zeros((system.size, len(drives)))
-    for i, channel in enumerate(system.inputs):
-        N[:, drives.index((channel, 0))] = [_float(system.N[r, i]) for r in range(system.size)]
+    for i, (channel, k) in enumerate(drives):
+        if k < len(system.N):
+            column = system.inputs.index(channel)
+            N[:, i] = [_float(system.N[k][r, column]) for r in range(system.size)]
     width = system.size + len(drives)
     steady = tuple(i for i, (x, _) in enumerate(drives) if x.lag == 0 and x.name in net.jumps)
     return Linear(

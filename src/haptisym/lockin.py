@@ -24,6 +24,11 @@ class Lock:
     values: Any
     drift: Array
 
+    @property
+    def relative_drift(self) -> float:
+        """The largest drift, as a fraction of the largest phasor."""
+        return float(self.drift.max() / np.abs(self.values).max())
+
 
 def lock(record: Record, signal: Array, motion: Sines, window: float, windows: int, *, drift: bool = False) -> Lock:
     """The phasors of a recorded signal in the last window of its record, compared with a window a quarter earlier.

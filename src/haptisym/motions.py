@@ -174,17 +174,24 @@ def positive(key: str, given: Number, dimension: Dimension) -> float:
 
 def _fade(t: Array, length: float, order: int) -> Array:
     """A polynomial step from 0 to 1 on [0, length] with as many vanishing derivatives at its ends as ``_SMOOTH``, and its own."""
+    x = np.clip(t / length, 0.0, 1.0)
+    low, mirrored = _half_fade(np.minimum(x, 1 - x), order), x > 0.5
+    signs = np.array([-1.0, *((-1.0) ** (k + 1) for k in range(1, order + 1))]).reshape(-1, *[1] * t.ndim)
+    rows = np.where(mirrored, signs * low, low)  # 1 - S(1 - x), where the sum below would cancel
+    rows[0] += mirrored
+    rows[1:] = np.where((x > 0) & (x < 1), rows[1:], 0.0)
+    return np.asarray(rows / length ** np.arange(order + 1.0).reshape(signs.shape))
+
+
+def _half_fade(x: Array, order: int) -> Array:
+    """The polynomial and its derivatives on its first half."""
     n = _SMOOTH
     terms = {n + 1 + i: (-1) ** i * comb(n + i, i) * comb(2 * n + 1, n - i) for i in range(n + 1)}
-    x = np.clip(t / length, 0.0, 1.0)
-    rows = []
+    rows = np.zeros((order + 1, *x.shape))
     for k in range(order + 1):
-        value = sum(
-            (c * factorial(p) // factorial(p - k) * x ** (p - k) for p, c in terms.items() if p >= k), np.zeros_like(x)
-        )
-        rows.append(np.where((x < 1) | (k == 0), value, 0.0) / length**k)
-    rows[0] = np.where(x >= 1, 1.0, rows[0])
-    return np.stack(rows)
+        for p, c in terms.items():
+            rows[k] += c * factorial(p) // factorial(p - k) * x ** (p - k) if p >= k else 0.0
+    return rows
 
 
 def _product(one: Array, other: Array) -> Array:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import inf, pi
+from functools import cached_property
+from math import exp, inf, pi
 
 import numpy as np
 
@@ -25,6 +26,8 @@ WINDOW = 4
 _ENOUGH = 1e-11  # relative: two windows that agree so well have no transient left
 _IDLE = 3
 """Base periods without progress after which more of them will not help."""
+_NEVER = 0.3
+"""Relative: a drift so large after that is no image."""
 _PATIENCE = 60  # base periods after which a transient is given up on
 
 
@@ -65,18 +68,22 @@ class Run:
         assert isinstance(self.motion, Sines)
         period = period_of(self.motion)
         self.to_windows(length or self.motion.fade + self._settling() + (WINDOW + 1) * period)
-        found, before, idle = self.lock(2), inf, 0
+        found, before, idle, falling = self.lock(2), inf, 0, self._falling(period)
         while (
             length is None and idle < _IDLE and self.engine.t < self.motion.fade + self._settling() + _PATIENCE * period
         ):
-            worst = float(found.drift.max() / np.abs(found.values).max())
+            worst = found.relative_drift
             if worst < _ENOUGH:
                 break
-            idle = idle + 1 if worst > 0.9 * before else 0  # images and quantisation do not fade
-            before = worst
-            self.advance(self.engine.t + period)
+            # images and quantisation do not fade; what a fractional derivative remembers does, but ever more slowly
+            idle = idle + 1 if worst > 0.9 * before and not self.net.fractional else 0
+            falling, before = max(self._falling(period), worst / before), worst
+            for _ in range(round(self.engine.t / period) if self.net.fractional else 1):
+                self.advance(self.engine.t + period)
             found = self.lock(2)
-        falling = min(float(found.drift.max() / np.abs(found.values).max()) / before, 0.95)
+        if idle and found.relative_drift > _NEVER:
+            raise SceneError("the simulated force does not become periodic: the scene is not stable, or only just")
+        falling = min(falling, 0.95)
         # what a transient that falls by this factor in each period has still to go
         return Lock(found.values, found.drift * max(1.0, falling / (1 - falling)))
 
@@ -100,10 +107,22 @@ class Run:
 
     def _settling(self) -> float:
         """How long the slowest pole needs to fade to 1e-12, s; what loops with delays need shows only as they run."""
+        return 28.0 / self._slowest if self._slowest else 0.0
+
+    def _falling(self, period: float) -> float:
+        """By which factor the slowest pole fades in a period."""
+        return exp(-self._slowest * period) if self._slowest else 0.0
+
+    @cached_property
+    def _slowest(self) -> float:
+        """The smallest rate at which a transient fades, 1/s; 0 where none is known."""
         rates = -self.engine.system.poles().real
-        if self.net.fractional or not len(rates):
-            return 0.0
-        return 28.0 / float(rates.min()) if rates.min() > 0 else 0.0
+        return 0.0 if self.net.fractional or not len(rates) else max(0.0, float(rates.min()))
+
+
+def least_duration(motion: Sines) -> float:
+    """How long a run must last, s, for two windows after the fade-in."""
+    return motion.fade + (WINDOW + 1) * period_of(motion) * (1 - 1e-9)
 
 
 def period_of(motion: Motion) -> float:
@@ -168,7 +187,10 @@ def _check_poles(scene: Scene, engine: Engine) -> None:
     if is_stable(scene.distortion().perc) is False:
         from .rightmost import rightmost_pole
 
-        pole = rightmost_pole(scene.distortion().perc) if fed_back else worst
+        transcendental = fed_back or bool(engine.net.holds)
+        pole = rightmost_pole(scene.distortion().perc) if transcendental else worst
+        if engine.net.holds and (pole is None or pole.real < 0):
+            return  # a clock's factor 1 - exp(-s T) leaves a pole at 0 that is none: whether a loop grows will show
         raise SceneError(f"the scene is not stable{_named(pole)}: there is no steady motion to simulate")
     if not fed_back and worst.real > 1e-9 * max(1.0, float(np.abs(poles).max(initial=0.0))):
         raise SceneError(f"the scene has an inner motion that grows{_named(worst)}, though H_perc does not show it")

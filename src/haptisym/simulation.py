@@ -23,7 +23,7 @@ from .network import Network, name_of
 from .numeric import Array
 from .quantities import Dimension, Number
 from .scene import Scene
-from .simrun import WINDOW, Run, check_scene, period_of
+from .simrun import Run, check_scene, least_duration
 from .simtext import page
 from .simulated import Estimate, Extra, Simulated, document
 
@@ -71,7 +71,7 @@ def simulate(
     check_scene(scene, motion)
     length = motion.duration if duration is None else positive("duration", duration, Dimension.TIME)
     fine = Run(scene, motion, extras, STEP, progress)
-    if not isinstance(motion, Sines) or (length is not None and length < motion.fade + WINDOW * period_of(motion)):
+    if not isinstance(motion, Sines) or (length is not None and length < least_duration(motion)):
         fine.advance(length or 0.0)
         return _result(fine, ())
     found = fine.locked(length)
