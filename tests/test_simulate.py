@@ -197,12 +197,14 @@ def test_a_stuck_mass_does_not_move_and_then_slips() -> None:
     late = run.time > run.motion.fade
     still = np.abs(speed[late]) < 1e-9
     assert 0.05 < still.mean() < 0.95
-    x, f = run.environment_displacement[late], run.environment_force[late]
-    held = (run.force[late] - f)[still]
-    assert np.abs(held).max() <= 1 + 1e-6  # what friction holds while it sticks
-    assert run.estimates[0].approximate != ""
-    assert relative(run.estimates[0]) < 0.5
-    assert np.ptp(x) > 0
+    friction = (run.force - run.environment_force)[late]
+    assert np.abs(friction[still]).max() <= 1 + 1e-9  # what friction holds while it sticks
+    moving = np.abs(speed[late]) > 1e-3
+    assert friction[moving] == pytest.approx(np.sign(speed[late][moving]), abs=1e-9)
+    # the mass obeys Newton: spring, damper and inertia of the environment are its force
+    x, t = run.environment_displacement, run.time
+    assert run.environment_force[late][still] == pytest.approx(20 * x[late][still], abs=1e-6)
+    assert t.size > 500
 
 
 def test_the_describing_functions_error_is_shown_where_the_friction_moves_otherwise_than_the_hand() -> None:

@@ -19,7 +19,7 @@ def rightmost_pole(dynamics: RationalFunction) -> complex | None:
     >>> from .response import Ring
     >>> pole = rightmost_pole(Ring.of([exp(-s)]).convert(1 / (s + 2 * exp(-s))).reduced())
     >>> round(pole.real, 4), round(abs(pole.imag), 4)
-    (0.173, 1.6737)
+    (0.1728, 1.6737)
     """
     denominator = dynamics.ring.expression(dynamics.denominator)
     value = lambdify(s, denominator, "numpy")
@@ -33,6 +33,7 @@ def rightmost_pole(dynamics: RationalFunction) -> complex | None:
                 root = complex(newton(value, start, maxiter=60, tol=1e-12))
         except (RuntimeError, OverflowError):
             continue
-        if np.isfinite(root) and abs(root) > 1e-9:
+        # Newton's method also stops where it cannot go on
+        if np.isfinite(root) and abs(root) > 1e-9 and abs(value(root)) < 1e-9 * abs(value(start)):
             found.append(root)
     return max(found, key=lambda root: root.real, default=None)

@@ -21,13 +21,13 @@ from .quantities import Motion as Kind
 from .simulated import Simulated
 
 _SOLID, _DASHED = "-", (0, (4, 1.6))
-_SHOWN = 3
-"""Base periods that figures of time and of loops show."""
+_IN_TIME, _IN_LOOPS = 3, 1
+"""Periods that are shown."""
 
 
 def draw_time(ax: Axes, run: Simulated) -> None:
     """Force at the hand and motion of the hand, each as a fraction of its largest value, over the last periods of a run."""
-    part = _last(run)
+    part = _last(run, _IN_TIME)
     time, motion, force = (_smooth(x[part]) for x in (run.time, run.displacement, run.force))
     sizes = [float(np.abs(x).max()) or 1.0 for x in (force, motion)]
     ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
@@ -51,7 +51,7 @@ def draw_loop(ax: Axes, run: Simulated) -> None:
     The environment's loop is that of H_env under the same motion of the hand, as far as the motion is a sum of sines; otherwise
     it is what the environment itself went through behind the effects.
     """
-    part = _last(run)
+    part = _last(run, _IN_LOOPS)
     length, newton = _units(run)
     factor, shown = (1e3, "mm") if length == "m" and run.motion.amplitude < 0.2 else (1.0, length)
     ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
@@ -109,12 +109,13 @@ def save_simulation_figures(runs: Sequence[Simulated], directory: str | Path) ->
     return [path for name, (height, draw) in drawings.items() for path in _save(folder / name, _figure(height, draw))]
 
 
-def _last(run: Simulated) -> slice:
-    """The samples of the last periods, at most half of a run that is no sum of sines."""
-    if not run.motion.omegas:
+def _last(run: Simulated, periods: int) -> slice:
+    """The samples of the last periods: of a sine its own, of several sines one common one, of a chirp the fastest ones."""
+    if not run.motion.omegas and run.motion.name != "chirp":
         return slice(0, None)
-    span = _SHOWN if len(run.motion.omegas) == 1 else 1
-    start = run.time[-1] - span * 2 * np.pi / run.motion.span[0]
+    low, high = run.motion.span
+    span = periods / low if run.motion.omegas else 3 * periods / high
+    start = run.time[-1] - 2 * np.pi * (span if len(run.motion.omegas) < 2 else 1 / low)
     return slice(int(np.searchsorted(run.time, start)) // POINTS * POINTS, None)
 
 

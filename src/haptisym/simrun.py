@@ -24,6 +24,8 @@ _MOST_STEPS = 400_000
 WINDOW = 4
 """Base periods of a lock-in: the taper needs them to keep neighbouring frequencies apart."""
 _ENOUGH = 1e-11  # relative: two windows that agree so well have no transient left
+_ENOUGH_FRACTIONAL = 1e-8
+"""The same where a transient fades only as a power of time."""
 _IDLE = 3
 """Base periods without progress after which more of them will not help."""
 _NEVER = 0.3
@@ -73,7 +75,7 @@ class Run:
             length is None and idle < _IDLE and self.engine.t < self.motion.fade + self._settling() + _PATIENCE * period
         ):
             worst = found.relative_drift
-            if worst < _ENOUGH:
+            if worst < (_ENOUGH_FRACTIONAL if self.net.fractional else _ENOUGH):
                 break
             # images and quantisation do not fade; what a fractional derivative remembers does, but ever more slowly
             idle = idle + 1 if worst > 0.9 * before and not self.net.fractional else 0
