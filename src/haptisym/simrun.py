@@ -60,7 +60,12 @@ class Run:
                 f"duration: {until:.4g} s in steps of {self.engine.longest:.3g} s are more than {_MOST_STEPS} steps; "
                 "simulate a shorter time or higher frequencies"
             )
-        for end in np.linspace(self.engine.t, until, 1 + int(np.ceil(steps / 500)) if steps > 0 else 1)[1:]:
+        grid = self.engine.longest
+        ends = np.linspace(self.engine.t, until, 1 + int(np.ceil(steps / 500)) if steps > 0 else 1)[1:]
+        # steps of odd length cost a matrix exponential each; only jumps need windows that end to the point
+        whole = np.ceil(ends / grid - 1e-9) * grid
+        to_the_point = self.net.jumps or not isinstance(self.motion, Sines)
+        for end in [*whole[:-1], *(ends[-1:] if to_the_point else whole[-1:])]:
             self.engine.advance(float(end))
             if self.progress is not None:
                 self.progress(self.engine.t)
