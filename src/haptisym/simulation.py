@@ -57,10 +57,11 @@ def simulate(
 ) -> Simulation:
     """The force at the hand for a prescribed motion, and H_perc recovered from it at the frequencies of the motion.
 
-    ``duration``: s, or with a unit (a step is not cut short); as long as transient and lock-in need if not given. ``progress`` is called with the
-    simulated time, s. Guaranteed: events are hit exactly, and linear parts are integrated without a stability limit; the
-    error of each estimate is estimated, not proven. Raises SceneError for scenes that are not stable or not causal, for
-    symbols, for motions whose derivatives do not exist or whose unit does not fit, and at and beyond the Nyquist frequency.
+    ``duration``: s, or with a unit (a step is not cut short); as long as transient and lock-in need if not given. ``extras``:
+    encoder quantisation or force saturation. ``progress`` is called with the simulated time, s. Guaranteed: events are hit
+    exactly, and linear parts are integrated without a stability limit; the error of each estimate is estimated, not proven.
+    Raises SceneError for scenes that are not stable or not causal, for symbols, for motions whose derivatives do not exist or
+    whose unit does not fit, and at and beyond the Nyquist frequency of a clock.
 
     >>> from .scenefile import load_scene
     >>> run = simulate(load_scene("fu2019"), sine("5 cm", 10))
