@@ -20,24 +20,26 @@ quantities response factors numerals order codegen_printers codegen_languages
 levels
 roots solutions formula quotients
 catalogue jnd stability layout
-environments effects distortion
-scene crossings interop codegen
+environments effects distortion network
+scene crossings interop codegen motions recordings propagate descriptor fractional rightmost
 peaks codegen_forms structure groups bounds
-asymptotics
+asymptotics blocks linear lockin simulated
 percepts plain mathml equations
-answers scenefile
-text
-evaluation codegen_scene
+answers scenefile events simtext
+text engine
+evaluation codegen_scene approximations simrun
 derivation
 sections
-derivationtext
-texnames figures
+texnames figures simulation
+simcommand
+simfigures
 texprinter
 texlines
 texresults
 latex
 texforms
 texdocument
+derivationtext
 cli
 __main__
 """

@@ -24,6 +24,28 @@ from .symbols import omega, s, symbols
 
 __version__ = "0.1.0"
 
+_SIMULATION = {
+    "EncoderQuantisation": "simulated",
+    "ForceSaturation": "simulated",
+    "Simulation": "simulation",
+    "check": "simulation",
+    "chirp": "motions",
+    "multisine": "motions",
+    "recording": "recordings",
+    "simulate": "simulation",
+    "sine": "motions",
+}
+"""What is loaded only when it is used, because it needs SciPy (the extra ``simulate``)."""
+
+
+def __getattr__(name: str) -> object:
+    if name not in _SIMULATION:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    return getattr(import_module(f".{_SIMULATION[name]}", __name__), name)
+
+
 __all__ = [
     "Change",
     "Crossing",

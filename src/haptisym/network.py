@@ -1,0 +1,168 @@
+"""Linear equations of motion in named signals: sums of derivatives and delays with exact coefficients.
+
+A ``Network`` is what a scene becomes before it is simulated: equations between signals, each a ``Sum`` that equals zero, and
+the elements that no linear equation describes (``Hold``, ``Switch``, ``Step``). Nothing here is a transfer function of
+the whole: every block adds its own equations, and only those of blocks that the scene names are ever made.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from flint import fmpq
+from sympy import Expr, Rational, pi
+
+Exact: TypeAlias = fmpq
+Key: TypeAlias = tuple[str, int, fmpq]
+"""A signal's name, how often it is differentiated, and by how many seconds it is late."""
+
+MOTION = "motion"
+"""The prescribed motion of the hand, the one signal that is known beforehand."""
+
+_PI = Rational("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899")
+_ZERO = fmpq(0)
+
+
+def exact(value: Expr | int) -> Exact:
+    """An exact number of a scene as a rational one; pi is cut after 80 digits, everywhere alike, so that it still cancels."""
+    number = Rational(value) if isinstance(value, int) else Rational(value.xreplace({pi: _PI}))
+    return fmpq(int(number.p), int(number.q))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sum:
+    """A linear combination of signals, of their derivatives and of what they were some time ago.
+
+    >>> x = Sum.of("x")
+    >>> (2 * x.d(2) - x.late(fmpq(1, 2))).terms == {("x", 2, fmpq(0)): 2, ("x", 0, fmpq(1, 2)): -1}
+    True
+    """
+
+    terms: Mapping[Key, Exact]
+
+    @classmethod
+    def of(cls, name: str) -> Sum:
+        return cls({(name, 0, _ZERO): fmpq(1)})
+
+    def __add__(self, other: Sum) -> Sum:
+        merged = dict(self.terms)
+        for key, value in other.terms.items():
+            merged[key] = merged.get(key, _ZERO) + value
+        return Sum({key: value for key, value in merged.items() if value != 0})
+
+    def __rmul__(self, factor: Exact | int) -> Sum:
+        return Sum({key: factor * value for key, value in self.terms.items() if factor != 0})
+
+    def __neg__(self) -> Sum:
+        return -1 * self
+
+    def __sub__(self, other: Sum) -> Sum:
+        return self + -other
+
+    def d(self, times: int = 1) -> Sum:
+        """The derivative with respect to time, that many times."""
+        return Sum({(name, order + times, lag): value for (name, order, lag), value in self.terms.items()})
+
+    def late(self, tau: Exact) -> Sum:
+        """What it was ``tau`` seconds ago."""
+        return Sum({(name, order, lag + tau): value for (name, order, lag), value in self.terms.items()})
+
+    def through(self, *coefficients: Exact | int) -> Sum:
+        """c0 x + c1 dx/dt + c2 d2x/dt2 + ..."""
+        total = Sum({})
+        for order, coefficient in enumerate(coefficients):
+            total = total + coefficient * self.d(order)
+        return total
+
+
+@dataclass(frozen=True)
+class Hold:
+    """A clock that samples ``source`` every ``period`` seconds and holds the value on ``target``."""
+
+    source: str
+    target: str
+    period: float
+    name: str
+
+
+@dataclass(frozen=True)
+class Switch:
+    """A force that is ``+limit`` or ``-limit`` or, in between, whatever keeps ``closed`` zero.
+
+    Coulomb friction: ``closed`` is the velocity, and the force holds it at zero (stick) until it reaches the limit.
+    Saturation: ``closed`` is input minus output, and beyond the limit the output stays there. ``driver`` is the signal
+    whose sign keeps the switch open: the velocity, or the input beyond its limit.
+    """
+
+    target: str
+    closed: Sum
+    driver: str
+    limit: float
+    offset: float
+    """What the magnitude of the driver must exceed to keep the switch open: 0 for friction, the limit for saturation."""
+    name: str
+
+
+@dataclass(frozen=True)
+class Step:
+    """A quantiser: ``target`` is ``source`` rounded to whole multiples of ``resolution``."""
+
+    source: str
+    target: str
+    resolution: float
+    name: str
+
+
+Element: TypeAlias = Hold | Switch | Step
+
+
+@dataclass
+class Network:
+    """Equations and elements as the blocks of a scene add them; ``known`` are the signals that elements set."""
+
+    span: tuple[float, float]
+    """The frequencies, rad/s, that the motion holds: a fractional derivative is built for them."""
+    equations: list[Sum] = field(default_factory=list)
+    holds: list[Hold] = field(default_factory=list)
+    switches: list[Switch] = field(default_factory=list)
+    steps: list[Step] = field(default_factory=list)
+    built: list[str] = field(default_factory=list)
+    fractional: list[tuple[float, float, float]] = field(default_factory=list)
+    """Order and quadrature range of each fractional derivative."""
+    _count: int = 0
+
+    def signal(self, label: str) -> Sum:
+        """A new signal."""
+        self._count += 1
+        return Sum.of(f"{label}.{self._count}")
+
+    def zero(self, equation: Sum) -> None:
+        """One more equation of motion: this sum is zero."""
+        self.equations.append(equation)
+
+    def equal(self, one: Sum, other: Sum) -> None:
+        self.zero(one - other)
+
+    def named(self, value: Sum, label: str) -> str:
+        """The name of a signal that equals a sum."""
+        own = self.signal(label)
+        self.equal(own, value)
+        return name_of(own)
+
+    @property
+    def elements(self) -> tuple[Element, ...]:
+        """Whatever is not a linear equation."""
+        return (*self.holds, *self.steps, *self.switches)
+
+    @property
+    def jumps(self) -> tuple[str, ...]:
+        """The signals that elements set."""
+        return tuple(element.target for element in self.elements)
+
+
+def name_of(signal: Sum) -> str:
+    """The name of a plain signal."""
+    [(name, _, _)] = signal.terms
+    return name

@@ -1,0 +1,452 @@
+"""What a simulation in time gives, against closed forms, against quadratures, and against what physics says beforehand."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from random import Random
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+from strategies import BETWEEN, FELT, Seeded, case
+from strategies import scene as told_scene
+from sympy import Integer
+
+import haptisym as hs
+from haptisym import effects, environments
+from haptisym.catalogue import EFFECTS, ENVIRONMENTS
+from haptisym.cli import main
+
+MSD = environments.mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m")
+SOFT = environments.kelvin_voigt(200, 5)
+TELEOPERATOR = {"Mm": "0.5 kg", "Ms": "2 kg", "Bs": "64 N*s/m", "Ks": "400 N/m", "tau": "20 ms"}
+MASTER = {"Bm": "16 N*s/m", "Km": "100 N/m"}
+CATALOGUE: dict[str, hs.Scene] = {
+    "mass-spring-damper": hs.Scene(MSD),
+    "kelvin-voigt": hs.Scene(SOFT),
+    "maxwell": hs.Scene(environments.maxwell(100, 5)),
+    "zener": hs.Scene(environments.zener(200, 300, 6)),
+    "prony": hs.Scene(environments.prony(100, [300, 50], [6, 20])),
+    "spring-pot": hs.Scene(environments.spring_pot(80, "0.3", 50)),
+    "two-mass": hs.Scene(environments.two_mass("0.5", 4, 200, "0.3", 1, 120)),
+    "expression": hs.Scene(environments.expression("k*(s + 3)/(s + 20) + b*s", parameters={"k": 100, "b": 2})),
+    "first-order-lag": hs.Scene(MSD, (effects.first_order_lag(30),)),
+    "second-order-lowpass": hs.Scene(MSD, (effects.second_order_lowpass(40, "0.4"),)),
+    "delay": hs.Scene(MSD, (effects.delay("37 ms"),)),
+    "pade-delay": hs.Scene(MSD, (effects.pade_delay("37 ms", 3),)),
+    "zero-order-hold": hs.Scene(SOFT, (effects.zero_order_hold("30 ms"),)),
+    "series": hs.Scene(MSD, (effects.series("(1 + s/50)/(1 + s/5)"),)),
+    "shunt": hs.Scene(MSD, (effects.shunt(m="-0.4", b=2),)),
+    "compliance": hs.Scene(MSD, (effects.compliance(500, 3),)),
+    "coulomb-friction": hs.Scene(MSD, (effects.coulomb_friction("0.5 N", "5 cm"), effects.first_order_lag(30))),
+    "admittance-display": hs.Scene(MSD, (effects.admittance_display("400/(s^2 + 30*s + 400)"),)),
+    "wave-variables": hs.Scene(MSD, (effects.wave_variables(10, "20 ms"),)),
+    "position-force-teleoperator": hs.Scene(SOFT, (effects.position_force_teleoperator(**TELEOPERATOR),)),
+    "position-position-teleoperator": hs.Scene(SOFT, (effects.position_position_teleoperator(**TELEOPERATOR, **MASTER),)),
+    "four-channel-teleoperator": hs.Scene(SOFT, (effects.four_channel_teleoperator(**TELEOPERATOR, **MASTER),)),
+    "two-port": hs.Scene(MSD, (effects.two_port("0.8", "2*s", "0.001/(1 + s/9)", "1"),)),
+}  # fmt: skip
+"""A scene for each model."""
+
+LOOPS = {
+    "a lag behind a cable": (effects.first_order_lag(30), effects.compliance(500, 3)),
+    "a delay inside a loop": (effects.second_order_lowpass(60, 1), effects.delay("10 ms"), effects.compliance(2000, 40)),
+    "a delay before the filter in a loop": (effects.delay("10 ms"), effects.second_order_lowpass(60, 1), effects.compliance(2000, 40)),
+    "two links in a row": (effects.wave_variables(10, "20 ms"), effects.compliance(900, 5), effects.wave_variables(30, "7 ms")),
+    "four channels without delay": (effects.four_channel_teleoperator(1, 2, 30, 2, 40, 50),),
+    "half a derivative": (effects.series("1/(1 + 0.2*s^0.5)"),),
+    "an admittance display before a torsion bar": (effects.compliance(3000, 60), effects.admittance_display("900/(s^2 + 40*s + 900)")),
+}  # fmt: skip
+
+
+def relative(x: hs.simulation.Estimate) -> float:  # type: ignore[name-defined]
+    return float(x.difference / abs(x.closed))
+
+
+def agree(runs: tuple[hs.Simulation, ...], tolerance: float) -> None:
+    """The simulation is as close to the closed form as it says itself, and as close as it should."""
+    rows = [x for run in runs for x in run.estimates]
+    largest = max(abs(x.closed) for x in rows)
+    assert rows
+    for x in rows:
+        assert x.approximate == ""
+        assert x.difference <= x.error, x
+        assert x.error <= tolerance * largest, x
+
+
+def test_the_catalogue_has_a_scene_for_every_model() -> None:
+    assert set(CATALOGUE) == {*ENVIRONMENTS, *EFFECTS}
+
+
+@pytest.mark.parametrize("model", CATALOGUE)
+def test_simulation_and_closed_form_agree_for_every_model(model: str) -> None:
+    agree(hs.check(CATALOGUE[model], count=3), 1e-7)
+
+
+@pytest.mark.parametrize("name", LOOPS)
+def test_simulation_and_closed_form_agree_where_the_environment_is_in_a_loop(name: str) -> None:
+    agree(hs.check(hs.Scene(MSD, LOOPS[name]), count=3), 1e-7)
+
+
+@pytest.mark.parametrize("name", sorted(set(hs.scene_names()) - {"organ-tissue"}))
+def test_simulation_and_closed_form_agree_for_every_shipped_scene(name: str) -> None:
+    agree(hs.check(hs.load_scene(name), count=3), 1e-6)
+
+
+def test_a_spring_pot_through_lag_and_delay_agrees_to_a_millionth() -> None:
+    agree(hs.check(hs.load_scene("organ-tissue"), count=2), 1e-6)
+
+
+def test_stable_random_scenes_agree_within_their_own_error_estimate() -> None:
+    pick, seen, refused = Seeded(7), 0, list[str]()
+    while seen < 20:
+        scene = told_scene(case(pick, order=5, felt=FELT, between=BETWEEN))
+        low = float(scene.band[1]) / 2
+        try:
+            run = hs.simulate(scene, hs.multisine("1 cm", [low / 2, low]))
+        except hs.SceneError as error:
+            refused.append(str(error))
+            continue
+        seen += 1
+        agree((run,), 1e-6)
+    assert all("not stable" in x or "inner motion" in x or "steps" in x for x in refused), refused
+
+
+@pytest.mark.parametrize("cut", ["sign", "factor", "swap"])
+def test_a_wrong_closed_form_would_be_noticed(cut: str) -> None:
+    other = {"sign": -15, "factor": 30, "swap": 18}[cut]
+    wrong = hs.Scene(
+        environments.expression(f"1.8*s^2 + ({other})*s + 100"), (effects.second_order_lowpass(80, "0.5"),)
+    )
+    [x] = hs.simulate(hs.load_scene("fu2019"), hs.sine("5 cm", 5)).estimates
+    closed = wrong.distortion().compile()(5.0)
+    assert abs(x.simulated - complex(closed.perceived_real, closed.perceived_imag)) > 1e3 * x.error
+
+
+# Physics that is known without any of this
+
+
+def test_the_force_of_a_lag_on_a_spring_is_the_known_steady_wave() -> None:
+    run = hs.simulate(
+        hs.Scene(environments.mass_spring_damper(k=100), (effects.first_order_lag(20),)), hs.sine("1 cm", 20)
+    )
+    late = run.time > run.motion.fade + 2  # a quarter turn between resistance and reactance: 1/sqrt(2), 45 degrees late
+    wave = np.sin(20 * run.time - np.pi / 4) / np.sqrt(2)
+    assert run.force[late] == pytest.approx(wave[late], abs=1e-10)
+
+
+def test_a_delay_line_repeats_the_force_exactly() -> None:
+    plain = hs.simulate(hs.Scene(SOFT), hs.sine("1 cm", 10), duration=8)
+    late = hs.simulate(hs.Scene(SOFT, (effects.delay("0.1 s"),)), hs.sine("1 cm", 10), duration=8)
+    rest = late.time > 0.2
+    was = CubicSpline(plain.time, plain.force)(late.time[rest] - 0.1)
+    assert late.force[rest] == pytest.approx(was, abs=1e-4)  # of 2 N: a cubic between nodes
+    assert late.force[late.time < 0.1] == pytest.approx(0, abs=1e-15)
+
+
+def test_a_held_force_is_a_staircase_that_changes_only_on_the_clock() -> None:
+    run = hs.simulate(hs.Scene(SOFT, (effects.zero_order_hold("50 ms"),)), hs.sine("1 cm", 10), duration=2)
+    level = np.floor(run.time / 0.05).astype(int)
+    for n in range(2, 39):
+        held = run.force[level == n]
+        assert np.ptp(held) == 0.0
+        t = n * 0.05
+        if t > run.motion.fade:
+            assert held[0] == pytest.approx(2 * np.sin(10 * t) + 0.5 * np.cos(10 * t), abs=1e-9)
+
+
+def test_friction_on_a_prescribed_motion_switches_where_the_velocity_changes_sign() -> None:
+    run = hs.simulate(CATALOGUE["coulomb-friction"], hs.sine("5 cm", 4), duration=6)
+    alone = hs.simulate(hs.Scene(MSD, (effects.first_order_lag(30),)), hs.sine("5 cm", 4), duration=6)
+    shared = hs.simulate(hs.Scene(SOFT, (effects.coulomb_friction("0.5 N", "5 cm"),)), hs.sine("5 cm", 4), duration=6)
+    bare = 200 * 0.05 * np.sin(4 * shared.time) + 5 * 0.2 * np.cos(4 * shared.time)
+    late = shared.time > shared.motion.fade
+    assert shared.force[late] - bare[late] == pytest.approx(0.5 * np.sign(np.cos(4 * shared.time[late])), abs=1e-9)
+    assert np.abs(run.force).max() > np.abs(alone.force).max()
+
+
+def spring_friction_loop(x: np.ndarray, k: float, limit: float) -> np.ndarray:
+    """A spring in a row with dry friction (Jenkins' element): the force after each small step, by return mapping."""
+    force = np.zeros_like(x)
+    for i in range(1, len(x)):
+        force[i] = np.clip(force[i - 1] + k * (x[i] - x[i - 1]), -limit, limit)
+    return force
+
+
+def test_friction_behind_a_spring_sticks_and_slips_as_jenkins_element() -> None:
+    tiny = environments.mass_spring_damper(k="1e-6")
+    scene = hs.Scene(tiny, (effects.coulomb_friction("1 N", "5 cm"), effects.compliance(100)))
+    run = hs.simulate(scene, hs.sine("5 cm", 2), duration=12)
+    grid = np.linspace(0, run.time[-1], 200_001)
+    known = spring_friction_loop(run.motion.derivatives(grid, 0)[0], 100, 1.0)
+    assert run.force == pytest.approx(np.interp(run.time, grid, known), abs=2e-4)
+    assert (np.abs(run.force) > 1 - 1e-6).any()
+    assert (np.abs(run.force) < 0.9).any()
+
+
+def test_a_stuck_mass_does_not_move_and_then_slips() -> None:
+    scene = hs.Scene(
+        environments.mass_spring_damper(m="0.5", b=1, k=20),
+        (effects.coulomb_friction("1 N", "5 cm"), effects.compliance(200, 1)),
+    )
+    run = hs.simulate(scene, hs.sine("2 cm", 3), duration=14)
+    speed = np.gradient(run.environment_displacement, run.time)
+    late = run.time > run.motion.fade
+    still = np.abs(speed[late]) < 1e-9
+    assert 0.05 < still.mean() < 0.95
+    friction = (run.force - run.environment_force)[late]
+    assert np.abs(friction[still]).max() <= 1 + 1e-9  # what friction holds while it sticks
+    moving = np.abs(speed[late]) > 1e-3
+    assert friction[moving] == pytest.approx(np.sign(speed[late][moving]), abs=1e-9)
+    # the mass obeys Newton: spring, damper and inertia of the environment are its force
+    x, t = run.environment_displacement, run.time
+    assert run.environment_force[late][still] == pytest.approx(20 * x[late][still], abs=1e-6)
+    assert t.size > 500
+
+
+def test_the_describing_functions_error_is_shown_where_the_friction_moves_otherwise_than_the_hand() -> None:
+    scene = hs.Scene(MSD, (effects.coulomb_friction("0.5 N", "5 cm"), effects.compliance(300, 5)))
+    [x] = hs.simulate(scene, hs.sine("5 cm", 5)).estimates
+    assert "does not move as the hand" in x.approximate
+    assert x.agrees is None
+    assert 1e-4 < relative(x) < 0.2
+
+
+def test_a_describing_function_for_another_amplitude_is_said_to_be_so() -> None:
+    [x] = hs.simulate(CATALOGUE["coulomb-friction"], hs.sine("2 cm", 4)).estimates
+    assert "amplitude of 0.05" in x.approximate
+    # the true one is j 4 F/(pi A) with the amplitude of the hand, behind the same lag
+    more = 4 * 0.5 / np.pi * (1 / 0.02 - 1 / 0.05) / abs(1 + 4j / 30)
+    assert x.difference == pytest.approx(more, rel=1e-7)
+
+
+def test_a_hold_in_a_loop_is_compared_but_not_called_an_error() -> None:
+    scene = hs.Scene(SOFT, (effects.zero_order_hold("20 ms"), effects.compliance(900, 30)))
+    [x] = hs.simulate(scene, hs.sine("1 cm", 8)).estimates
+    assert "base band" in x.approximate
+    assert 0 < relative(x) < 0.1
+
+
+# Quantisation and saturation
+
+
+def test_a_saturated_spring_gives_the_describing_function_of_saturation() -> None:
+    scene, A, limit = hs.Scene(environments.mass_spring_damper(k=100)), 0.05, 2.0
+    [x] = hs.simulate(scene, hs.sine(A, 5), extras=[hs.ForceSaturation(f"{limit} N")]).estimates
+    d = limit / 100 / A
+    gain = 100 * 2 / np.pi * (np.arcsin(d) + d * np.sqrt(1 - d * d))
+    assert x.simulated == pytest.approx(gain, rel=1e-9)
+
+
+def test_a_quantised_spring_gives_the_describing_function_of_a_staircase() -> None:
+    scene, A, q = hs.Scene(environments.mass_spring_damper(k=100)), 0.05, 0.02
+    [x] = hs.simulate(scene, hs.sine(A, 5), extras=[hs.EncoderQuantisation("2 cm")]).estimates
+    steps = np.array([q / 2, 3 * q / 2])
+    gain = 100 * 4 * q / (np.pi * A) * np.sqrt(1 - (steps / A) ** 2).sum()
+    assert x.simulated == pytest.approx(gain, rel=1e-9)
+
+
+def test_a_quantised_motion_that_is_differentiated_is_refused() -> None:
+    with pytest.raises(hs.SceneError, match=r"encoder-quantisation: .* jumps, and the scene differentiates it"):
+        hs.simulate(hs.load_scene("fu2019"), hs.sine("5 cm", 5), extras=[hs.EncoderQuantisation("1 mm")])
+
+
+# Error estimates, motions
+
+
+def test_error_estimates_are_neither_too_small_nor_useless() -> None:
+    random = Random(3)
+    for _ in range(15):
+        wn, zeta, omega = random.uniform(20, 200), random.uniform(0.05, 1.5), random.uniform(1, 40)
+        scene = hs.Scene(MSD, (effects.second_order_lowpass(round(wn, 3), round(zeta, 3)),))
+        [x] = hs.simulate(scene, hs.sine("5 cm", round(omega, 3))).estimates
+        assert x.difference <= x.error <= 1e-7 * abs(x.closed)
+
+
+def test_a_run_cut_short_says_how_much_of_the_transient_is_left() -> None:
+    slow = hs.Scene(environments.maxwell(100, 200), (effects.first_order_lag(30),))  # 2 s to relax
+    [x] = hs.simulate(slow, hs.sine("5 cm", 30), duration=1.3).estimates
+    assert 1e-8 < x.difference <= x.error
+
+
+def test_a_multisine_recovers_each_frequency_at_once() -> None:
+    run = hs.simulate(hs.load_scene("fu2019"), hs.multisine("5 cm", [2, 4, 10, 14]))
+    assert [x.omega for x in run.estimates] == [2, 4, 10, 14]
+    agree((run,), 1e-8)
+
+
+def test_derivatives_of_the_motions_are_those_of_finite_differences() -> None:
+    t = np.linspace(0.05, 5, 400)
+    for motion in (hs.sine(1, 3), hs.multisine(1, [2, 3, 7]), hs.chirp(1, 1, 9, 6)):
+        for k in range(4):
+            high = motion.derivatives(t + 1e-5, k)[k]
+            low = motion.derivatives(t - 1e-5, k)[k]
+            exact = motion.derivatives(t, k + 1)[k + 1]
+            assert (high - low) / 2e-5 == pytest.approx(exact, abs=1e-5 * np.abs(exact).max())
+
+
+def test_a_chirp_through_a_fast_filter_is_force_times_motion() -> None:
+    run = hs.simulate(hs.Scene(environments.mass_spring_damper(k=100)), hs.chirp("1 cm", 2, 20, 10))
+    assert run.estimates == ()
+    assert run.force == pytest.approx(100 * run.displacement, abs=1e-12)
+
+
+def recorded(path: Path, header: str, count: int = 400) -> Path:
+    t = np.arange(count) * 0.01
+    rows = [f"{a:.6f},{10 * np.sin(5 * a):.12f}" for a in t]
+    path.write_text("\n".join([*([header] if header else []), *rows]), encoding="utf-8")
+    return path
+
+
+def test_a_recorded_sine_in_millimetres_gives_the_force_of_that_sine(tmp_path: Path) -> None:
+    run = hs.simulate(hs.Scene(MSD), hs.recording(recorded(tmp_path / "hand.csv", "t [s], x [mm]")))
+    inside = (run.time > 0.2) & (run.time < 3.7)
+    wave = 0.01 * ((100 - 1.8 * 25) * np.sin(5 * run.time) + 15 * 5 * np.cos(5 * run.time))
+    assert run.force[inside] == pytest.approx(wave[inside], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("0,1\n1,nan\n2,3\n3,4\n4,5\n5,6\n", r'line 2: "nan" is not a finite number'),
+        ("0,1\n1,2\n2,\n3,4\n4,5\n5,6\n", r"line 3: needs a time and a displacement"),
+        ("0,1\n1,2\n2,3\n6,4\n7,5\n8,6\n9,1\n", r"line 4: a gap of 4 s between samples that are 1 s apart"),
+        ("0,1\n1,2\n1,3\n3,4\n4,5\n5,6\n", r"line 3: time does not increase"),
+        ("0,1\n1,2\n", r"2 samples; a recorded motion needs at least 6"),
+        ("t [s],x [N]\n0,1\n1,2\n2,3\n3,4\n4,5\n5,6\n", r'line 1: "1 N" is not a displacement'),
+        ("t [s],x [mm\n0,1\n1,2\n2,3\n3,4\n4,5\n5,6\n", r"line 1: .* write the unit in brackets"),
+        ("", r"the file is empty"),
+    ],
+)
+def test_a_bad_recording_is_refused_with_its_line(text: str, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "bad.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(hs.SceneError, match=message):
+        hs.recording(path)
+
+
+def test_a_recording_cannot_be_differentiated_more_often_than_its_spline(tmp_path: Path) -> None:
+    scene = hs.Scene(MSD, (effects.admittance_display("1/(1 + s/50)^3"),))
+    with pytest.raises(hs.SceneError, match=r"needs derivative 5 of the motion; a recording has 4"):
+        hs.simulate(scene, hs.recording(recorded(tmp_path / "hand.csv", "")))
+
+
+@pytest.mark.parametrize(
+    ("scene", "motion", "message"),
+    [
+        (hs.Scene(environments.expression("1/(s - 2)")), ("5 cm", 5), r"not stable \(pole at 2 1/s\)"),
+        (hs.Scene(MSD, (effects.second_order_lowpass(10, 0),)), ("5 cm", 5), r"not stable \(pole at -?0 ± 10j 1/s\)"),
+        (hs.Scene(SOFT, (effects.delay("0.2 s"), effects.first_order_lag(50), effects.compliance(100))), ("5 cm", 5), r"grows without bound .* not stable"),
+        (hs.Scene(SOFT, (effects.zero_order_hold("0.1 s"),)), ("5 cm", 40), r"zero-order-hold: 40 rad/s is not below the Nyquist frequency of its clock, 31.4"),
+        (hs.Scene(MSD), ("3 deg", 5), r"motion: its unit is rotational, but the scene is translational"),
+        (hs.Scene(environments.mass_spring_damper(m=hs.symbols("m"))), ("5 cm", 5), r"m = m is a symbol"),
+        (hs.Scene(SOFT, (effects.zero_order_hold("1 ms"), effects.series("1 + s/50"))), ("5 cm", 5), r"zero-order-hold: .* jumps, and the scene differentiates it"),
+        (hs.Scene(MSD, (effects.two_port("1", "0", "0", "0"),)), ("5 cm", 5), r"not determined|infinite"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_simulated_is_refused_by_name(scene: hs.Scene, motion: tuple[str, int], message: str) -> None:
+    with pytest.raises(hs.SceneError, match=message):
+        hs.simulate(scene, hs.sine(*motion))
+
+
+@pytest.mark.parametrize("bad", [("0 cm", 5), ("-1 cm", 5), ("5 N", 5), ("5 cm", 0), ("5 cm", "nan"), ("5 cm", "3 m")])
+def test_a_bad_motion_is_refused(bad: tuple[str, object]) -> None:
+    with pytest.raises(hs.SceneError, match=r"amplitude|frequency"):
+        hs.sine(*bad)
+
+
+# What is not in the scene
+
+
+def test_only_the_blocks_that_a_scene_names_are_built() -> None:
+    run = hs.simulate(hs.load_scene("fu2019"), hs.sine("5 cm", 5))
+    assert run.built == ("mass-spring-damper", "second-order-lowpass")
+    for model in set(EFFECTS) - {"second-order-lowpass"}:
+        assert model not in str(run)
+        assert model not in run.to_json()
+    for word in ("quantis", "saturat", "friction", "hold"):
+        assert word not in str(run).lower()
+
+
+def test_what_the_scene_does_not_need_is_not_imported() -> None:
+    probe = (
+        "import sys, haptisym as hs\n"
+        "assert 'scipy.linalg' not in sys.modules\n"
+        "hs.simulate(hs.load_scene('fu2019'), hs.sine('5 cm', 5), duration=2)\n"
+        "assert 'haptisym.fractional' not in sys.modules and 'matplotlib' not in sys.modules\n"
+        "assert 'haptisym.recordings' not in sys.modules\n"
+        "hs.simulate(hs.Scene(hs.environments.spring_pot(80, '0.3')), hs.sine('5 cm', 5), duration=2)\n"
+        "assert 'haptisym.fractional' in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", probe], check=True)
+
+
+# The command
+
+
+def call(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, *arguments: str) -> tuple[int, str, str]:
+    monkeypatch.setattr("sys.argv", ["haptisym", "simulate", *arguments])
+    with pytest.raises(SystemExit) as stop:
+        main()
+    out, err = capsys.readouterr()
+    return int(stop.value.code or 0), out, err
+
+
+def test_the_document_of_a_check(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    status, out, err = call(capsys, monkeypatch, "zener-tissue", "--check", "--json")
+    document = json.loads(out)
+    assert (status, err, document["schema"], document["agrees"]) == (0, "", "haptisym.simulation/1", True)
+    assert set(document) == {"schema", "title", "motion", "time", "samples", "built", "force", "estimates", "agrees"}
+    assert len(document["estimates"]) == 10
+    for row in document["estimates"]:
+        assert set(row) == {"omega", "simulated", "closed", "difference", "error", "agrees"}
+        assert row["simulated"]["real"] == pytest.approx(row["closed"]["real"], rel=1e-6)
+
+
+def test_the_page_says_what_was_simulated_and_that_it_agrees(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    status, out, _ = call(capsys, monkeypatch, "fu2019", "--omega", "10 rad/s", "--amplitude", "2 cm")
+    assert status == 0
+    assert "sine, up to 0.02 m" in out
+    assert "agree within the estimated error" in out
+
+
+def test_all_figures_are_written(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    status, _, err = call(capsys, monkeypatch, "stick-with-friction", "--figures", str(tmp_path))
+    assert (status, err) == (0, f"12 figures written to {tmp_path}\n")
+    assert {p.name for p in tmp_path.iterdir()} == {
+        f"{name}.{kind}"
+        for name in ("simulated-time", "simulated-loop", "recovered-real", "recovered-imag")
+        for kind in ("svg", "pdf", "png")
+    }
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("fu2019", "--motion", "wiggle"), "none of sine, multisine, chirp"),
+        (("fu2019", "--check", "--omega", "3"), "leave out --omega"),
+        (("fu2019", "--saturate", "3 kg"), "not a force"),
+        (("fu2019", "--amplitude", "5 s"), "not a displacement"),
+        (("fu2019", "--motion", "missing.csv"), "no such file"),
+    ],
+)
+def test_a_wrong_command_line_is_one_sentence(
+    arguments: tuple[str, ...], message: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    status, out, err = call(capsys, monkeypatch, *arguments)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert message in err
+
+
+def test_a_band_that_begins_above_zero_is_covered() -> None:
+    scene = hs.load_scene("fu2019").with_band(Integer(6), Integer(15))
+    [run] = hs.check(scene, count=5)
+    assert min(x.omega for x in run.estimates) >= 6
+    assert max(x.omega for x in run.estimates) == 15
