@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from oracles import MP, Case
 from strategies import cases, evaluate
-from sympy import Expr, Rational, expand, pi
+from sympy import Expr, Rational, expand, lambdify, pi
 
 import haptisym as hs
-from haptisym.effects import second_order_lowpass, series
-from haptisym.environments import mass_spring_damper
+from haptisym.effects import compliance, second_order_lowpass, series, zero_order_hold
+from haptisym.environments import kelvin_voigt, mass_spring_damper
 from haptisym.response import Ring
 from haptisym.stability import is_stable
 from haptisym.symbols import s
@@ -120,3 +121,22 @@ def test_scenes_are_judged_as_mpmath_does(case: Case) -> None:
     real = max((z.real for z in case.poles), default=MP.mpf(-1))
     assume(abs(real) > MP.mpf(10) ** -12)
     assert evaluate(case).stable is bool(real < 0)
+
+
+def winding(scene: hs.Scene) -> int:
+    """Zeros of the denominator of H_perc in the right half plane, by the turns of D(s)/s along its border: a dense sample."""
+    d = scene.distortion().perc
+    D = lambdify([s], d.ring.expression(d.denominator) / s, "numpy")
+    half = np.concatenate([np.geomspace(1e-7, 1, 20_001), np.linspace(1, 4000, 400_001)[1:]])
+    arc = 4000 * np.exp(1j * np.linspace(-np.pi / 2, np.pi / 2, 200_001))
+    path = np.concatenate([arc, 1j * half[::-1], -1j * half])
+    return round(np.sum(np.diff(np.unwrap(np.angle(D(np.append(path, path[0])))))) / (2 * np.pi))
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_a_hold_in_a_loop_is_judged_as_the_winding_number_says(seed: int) -> None:
+    """Its pole at 0 is removable: 1 - exp(-s T) vanishes there as well."""
+    k, b, T = 100 * (1 + seed % 6), 1 + 3 * (seed % 4), Rational(1 + 7 * (seed % 5), 200)
+    coupling = compliance(k=300 + 400 * (seed % 3), b=1 + 9 * (seed % 2))
+    scene = hs.Scene(kelvin_voigt(k, b), (zero_order_hold(T), coupling))
+    assert hs.evaluate(scene).stable == (winding(scene) == 0)

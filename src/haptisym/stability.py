@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import reduce
 from itertools import pairwise
 from math import prod
@@ -11,7 +12,7 @@ from sympy import Expr, I, Integer, Rational
 from .errors import UndecidedError
 from .response import Axis, RealFunction, Ring
 from .rings import Polynomial, PolynomialRing, RationalFunction, degree_in
-from .roots import Chart, chart, sign_of_number
+from .roots import Chart, Point, chart, sign_of_number
 
 
 def is_stable(dynamics: RationalFunction) -> bool | None:
@@ -38,23 +39,25 @@ def is_stable(dynamics: RationalFunction) -> bool | None:
         return None
     if any(degree_in([dynamics.denominator], i) for i in range(lags.stop, lags.stop + len(ring.orders))):
         return None
-    dynamics = _without_removable_pole_at_0(dynamics, ring)
-    if not any(degree_in([dynamics.denominator], i) for i in lags):
-        return _routh(dynamics)
+    order = _order_at_0(dynamics.denominator, ring)
+    if order > _order_at_0(dynamics.numerator, ring, order):
+        return False  # a pole at 0
+    explicit = min(int(e[0]) for e in dynamics.denominator.monoms())
+    shortened = dynamics.denominator / ring.variable**explicit
+    if not any(degree_in([shortened], i) for i in lags):
+        return _routh(RationalFunction(ring, dynamics.numerator, shortened))
     try:
-        return _mikhailov(dynamics.denominator, ring)
+        return _mikhailov(shortened, ring, order - explicit)
     except UndecidedError:
         return None
 
 
-def _without_removable_pole_at_0(dynamics: RationalFunction, ring: Ring) -> RationalFunction:
-    """Without the powers of s in the denominator that zeros like 1 - exp(-s tau) of the numerator cancel."""
-    explicit = min(int(e[0]) for e in dynamics.denominator.monoms())
-    numerator, order = dynamics.numerator, 0
-    while order < explicit and _at_0(numerator, ring) == 0:
-        numerator, order = _derivative(numerator, ring), order + 1
-    shortened = dynamics.denominator / ring.variable**order
-    return RationalFunction(ring, dynamics.numerator, shortened)
+def _order_at_0(polynomial: Polynomial, ring: Ring, most: int = 1000) -> int:
+    """The order of the zero at s = 0, where 1 - exp(-s tau) has one too; no more than asked for."""
+    order = 0
+    while order < most and _at_0(polynomial, ring) == 0:
+        polynomial, order = _derivative(polynomial, ring), order + 1
+    return order
 
 
 def _at_0(polynomial: Polynomial, ring: Ring) -> Expr:
@@ -118,7 +121,8 @@ def _sign_of(constant: Polynomial, ring: PolynomialRing) -> int:
 _MOST_TURNING = 2000  # radians that the delays turn up to that frequency: thousands of zeros take minutes
 
 
-def _mikhailov(denominator: Polynomial, ring: Ring) -> bool | None:
+def _mikhailov(denominator: Polynomial, ring: Ring, removable: int) -> bool | None:
+    """Whether no zero lies in the closed right half plane, but those at 0, that many, which the numerator has as well."""
     leading, degree = _leading(denominator, ring)
     if leading is None:
         return None
@@ -129,10 +133,17 @@ def _mikhailov(denominator: Polynomial, ring: Ring) -> bool | None:
         return None
     real, imag = _real_and_imag(denominator, ring)
     curve = chart({"real": real, "imag": imag}, Integer(0), reach)
-    if _meets_zero(curve):
+    if _meets_zero(curve.points[1:] if removable else curve.points):
         return False
-    turned = _quarter_turns(curve, degree, leading)
-    return turned == degree
+    start = (removable + (0 if _sign_at_0(denominator, ring, removable) > 0 else 2)) % 4
+    return _quarter_turns(curve, start, degree, leading) == degree - removable
+
+
+def _sign_at_0(polynomial: Polynomial, ring: Ring, order: int) -> int:
+    """The sign of the first Taylor coefficient at 0 that is not 0, the one of that order."""
+    for _ in range(order):
+        polynomial = _derivative(polynomial, ring)
+    return sign_of_number(_at_0(polynomial, ring))
 
 
 def _leading(denominator: Polynomial, ring: Ring) -> tuple[int | None, int]:
@@ -186,20 +197,18 @@ def _real_and_imag(denominator: Polynomial, ring: Ring) -> tuple[RealFunction, R
     )
 
 
-def _meets_zero(curve: Chart) -> bool:
+def _meets_zero(points: Sequence[Point]) -> bool:
     """Whether D vanishes on the imaginary axis: real and imaginary part at once."""
-    return any(
-        p.orders.get("real", 0) > 0 and (p.orders.get("imag", 0) > 0 or p.after["imag"] == 0) for p in curve.points
-    )
+    return any(p.orders.get("real", 0) > 0 and (p.orders.get("imag", 0) > 0 or p.after["imag"] == 0) for p in points)
 
 
-def _quarter_turns(curve: Chart, degree: int, leading: int) -> int:
+def _quarter_turns(curve: Chart, start: int, degree: int, leading: int) -> int:
     """By how many quarter turns D(j omega) turns as omega goes from 0 to infinity: Mikhailov's count.
 
-    Quadrants are numbered 0 to 3 and the count goes on beyond; D(0) is real, and D ends up around the axis of j^n.
+    Quadrants are numbered 0 to 3, each after the axis before it, and the count goes on beyond. D begins on the axis
+    ``start`` (where D(0) is not 0, a real one), and ends up around the axis of j^n.
     """
     quadrants = [_quadrant(p.after["real"], p.after["imag"]) for p in curve.points[:-1]]
-    start = 0 if curve.points[0].after["real"] > 0 else 2
     # the first quadrant lies beside the axis on which D starts
     now = start if quadrants[0] == start else start - 1
     for before, after in pairwise(quadrants):
