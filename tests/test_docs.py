@@ -21,8 +21,9 @@ def test_the_examples_of_the_readme_run() -> None:
     assert result.failed == 0
 
 
-def test_the_examples_of_the_page_on_evidence_run() -> None:
-    result = doctest.testfile(str(ROOT / "docs" / "evidence.md"), module_relative=False)
+@pytest.mark.parametrize("page", ["evidence", "formulas"])
+def test_the_examples_of_a_page_run(page: str) -> None:
+    result = doctest.testfile(str(ROOT / "docs" / f"{page}.md"), module_relative=False)
     assert result.attempted >= 6
     assert result.failed == 0
 

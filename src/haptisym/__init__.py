@@ -24,26 +24,33 @@ from .symbols import omega, s, symbols
 
 __version__ = "0.1.0"
 
-_SIMULATION = {
+_ON_DEMAND = {
+    "Derivation": "derivation",
     "EncoderQuantisation": "simulated",
     "ForceSaturation": "simulated",
+    "Language": "codegen_scene",
     "Simulation": "simulation",
     "check": "simulation",
     "chirp": "motions",
+    "derive": "derivation",
+    "distortion_code": "codegen_scene",
+    "interop": "",
     "multisine": "motions",
     "recording": "recordings",
+    "scene_code": "codegen_scene",
     "simulate": "simulation",
     "sine": "motions",
 }
-"""What is loaded only when it is used, because it needs SciPy (the extra ``simulate``)."""
+"""What is loaded only when it is used: simulation needs SciPy (the extra ``simulate``), formulas cost time at start."""
 
 
 def __getattr__(name: str) -> object:
-    if name not in _SIMULATION:
+    if name not in _ON_DEMAND:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from importlib import import_module
 
-    return getattr(import_module(f".{_SIMULATION[name]}", __name__), name)
+    module = import_module(f".{_ON_DEMAND[name] or name}", __name__)
+    return getattr(module, name) if _ON_DEMAND[name] else module
 
 
 __all__ = [
