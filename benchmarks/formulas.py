@@ -33,8 +33,6 @@ def cascade(count: int) -> Chain:
     return Chain(H, H, tuple(f.matrix for f in filters))
 
 
-
-
 def exact(count: int) -> object:
     """Re dH and Im dH as exact quotients of polynomials over a squared modulus."""
     chain = cascade(count)
@@ -82,7 +80,11 @@ def main() -> None:
         contenders = {"exact": lambda n=count: exact(n), "display": lambda n=count: display(n)}
         found = medians(contenders, 9 if count < 4 else 3)
         other = limited(count)
-        said = f"{other:8.2f} s  {other / found['exact']:8.0f} x" if other else f"> {LIMIT:.0f} s  > {LIMIT / found['exact']:.0f} x"
+        said = (
+            f"{other:8.2f} s  {other / found['exact']:8.0f} x"
+            if other
+            else f"> {LIMIT:.0f} s  > {LIMIT / found['exact']:.0f} x"
+        )
         operations = structure(cascade(count)).operations
         print(
             f"{2 * count:5d} {1000 * found['exact']:16.2f} ms {1000 * found['display']:13.2f} ms {operations:12d}   {said}"

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 import strategies
+from marks import often
 from strategies import Seeded
 
 import haptisym as hs
@@ -63,6 +64,6 @@ def test_both_paths_agree_on_every_shipped_rational_scene(name: str, request: py
     both(hs.load_scene(name), request)
 
 
-@pytest.mark.parametrize("seed", range(120))
+@pytest.mark.parametrize("seed", often(range(120), lambda seed: seed < 30))
 def test_both_paths_agree_on_random_rational_scenes(seed: int, request: pytest.FixtureRequest) -> None:
     both(strategies.scene(strategies.case(Seeded(1000 + seed), order=3)), request)

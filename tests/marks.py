@@ -1,0 +1,17 @@
+"""Which cases of a large family are run every time, and which only in CI (``-m slow``)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import pytest
+
+
+def often(cases: Iterable[Any], quick: Callable[[Any], bool]) -> list[Any]:
+    """All cases, those that are not quick marked as slow."""
+    return [case if quick(case) else pytest.param(*_listed(case), marks=pytest.mark.slow) for case in cases]
+
+
+def _listed(case: Any) -> tuple[Any, ...]:
+    return case if isinstance(case, tuple) else (case,)
