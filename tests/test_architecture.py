@@ -14,7 +14,7 @@ import haptisym
 SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
-errors symbols boxes
+errors symbols boxes reporthtml
 expressions rings reals numeric names steps codegen_names
 quantities response factors numerals order codegen_printers codegen_languages
 levels
@@ -33,7 +33,10 @@ texlines
 texresults
 latex
 texforms
-texdocument
+texdocument reportmath
+reportpdf reportresults
+reportforms reportfigures reportexplorer
+report
 cli
 __main__
 """
