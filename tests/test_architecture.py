@@ -35,8 +35,8 @@ latex
 texforms
 texdocument reportmath
 reportpdf reportresults
-reportforms reportfigures reportexplorer
-report
+reportforms reportfigures reportexplorer reportscene
+report notebook
 cli
 __main__
 """

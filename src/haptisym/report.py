@@ -7,31 +7,19 @@ from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
 
-from sympy import Expr
-
 from . import __version__
-from .boxes import Equation
-from .catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Parameter
 from .errors import SceneError
 from .evaluation import Evaluation
 from .jnd import Part
-from .layout import layout
-from .names import named
-from .numerals import rounded
-from .quantities import Dimension, Motion
 from .reportexplorer import explorer
 from .reportfigures import nyquist_figure, projection_figure, ratio_figure, square_figure
 from .reportforms import derivation
-from .reporthtml import Html, data, element, joined, table
-from .reportmath import inline
+from .reporthtml import Html, data, element
 from .reportpdf import pdf
 from .reportresults import (
-    H_ENV,
-    both,
     certainty,
     changeovers,
     crossing_table,
-    equality,
     findings,
     percept_table,
     reservations,
@@ -39,6 +27,7 @@ from .reportresults import (
     transparency,
     undecided_table,
 )
+from .reportscene import scene_parts
 from .texforms import SceneForms
 
 
@@ -93,7 +82,7 @@ def _sections(e: Evaluation) -> Iterator[Html]:
     yield _heading(e)
     yield findings(e)
     parts = {
-        "Scene": list(_scene(e, forms)),
+        "Scene": list(scene_parts(e.scene, forms.short_names)),
         "Step 1: when is it noticed?": list(_when(e)),
         "Step 2: how is it felt?": list(_how(e)),
         "Explorer": [explorer(e, forms)],
@@ -112,58 +101,6 @@ def _heading(e: Evaluation) -> Html:
     if e.scene.source:
         lines.append(element("p", f"Source of the scene: {e.scene.source}", given={"class": "source"}))
     return element("header", *lines)
-
-
-# The scene.
-
-
-def _scene(e: Evaluation, forms: SceneForms) -> Iterator[Html]:
-    yield _chain(e)
-    rows = [_parameter(e, forms, place, p) for place, element_ in e.scene.elements() for p in element_.parameters]
-    if rows:
-        head = ["symbol", "of", "parameter", "quantity", "value", "unit"]
-        yield table(head, rows, "The parameters, in SI units.", numbers=(4,))
-    low, high = (both(e.chart.points[i].omega) for i in (0, -1))
-    c = e.scene.threshold
-    limits = (
-        [equality("c", c.real)]
-        if c.real == c.imag
-        else [equality("c_real", c.real), " (real) or ", equality("c_imag", c.imag), " (imaginary)"]
-    )
-    yield element(
-        "p", "The band of interest goes from ", low, " to ", high, ". A change of the real or the imaginary part is noticed "
-        "when it exceeds the fraction ", *limits, " of |", H_ENV, "|.",
-    )  # fmt: skip
-
-
-def _chain(e: Evaluation) -> Html:
-    """What stands between environment and hand, in order."""
-    items = [_link(place, part) for place, part in e.scene.elements()]
-    hand = element("li", element("strong", "hand"), element("span", "feels ", inline(named("H_perc"))))
-    return element("ol", *items, hand, given={"class": "chain"})
-
-
-def _link(place: str, part: Environment | Effect) -> Html:
-    catalogue = ENVIRONMENTS if isinstance(part, Environment) else EFFECTS
-    name = place.removeprefix("effects.")
-    kind = [element("em", part.model)] if name != part.model else []
-    about = catalogue[part.model].summary.partition(":")[0].rstrip(".")
-    return element("li", element("strong", name), *kind, element("span", about))
-
-
-def _parameter(e: Evaluation, forms: SceneForms, place: str, p: Parameter) -> list[str]:
-    quantity = "" if p.dimension is Dimension.ANY else p.dimension.name.lower()
-    unit = p.dimension.unit(e.scene.motion or Motion.TRANSLATION).replace("*", "·").replace("^2", "²")
-    symbol = inline(named(forms.short_names.get(p.symbol, p.symbol).name))
-    return [symbol, place.removeprefix("effects."), p.key, quantity, _value(p.value), unit or "SI"]
-
-
-def _value(value: Expr) -> Html:
-    """The exact value; a decimal beside it, or instead of it, where that says more."""
-    if value.is_Rational and len(f"{value.p}{value.q}") <= 16:
-        return inline(value)
-    shown = layout(rounded(value))
-    return joined(["≈ ", inline(shown)]) if value.is_Rational else inline(Equation((layout(value), shown), ("≈",)))
 
 
 # The steps.

@@ -100,7 +100,7 @@ def _body(controls: list[Html], *, is_small: bool) -> Html:
     told = element("div", *says, given={"aria-live": "polite", "class": "told"})
     reset = element("button", "Reset to the scene's values", given={"type": "button", "id": "explorer-reset"})
     form = element("div", *controls, given={"class": "controls"})
-    whole = element("div", plots, told, form, reset, given={"id": "explorer", "hidden": ""})
+    whole = element("div", plots, told, form, reset, given={"id": "explorer-panel", "hidden": ""})
     return joined([note, whole, element("noscript", element("p", "The explorer needs JavaScript; all else does not."))])
 
 
@@ -165,8 +165,8 @@ def _reaching(x: Slider) -> Slider:
 
 
 def _probe(e: Evaluation) -> tuple[Slider, str]:
-    """The frequency at which the explorer says the values: the first crossing, else the middle of the band."""
+    """The frequency at which the explorer says the values: at first the middle of the band."""
     low, high = (float(e.chart.points[i].omega) for i in (0, -1))
-    first = float(e.crossings[0].omega) if e.crossings else (low + high) / 2
-    slider = Slider("explorer-omega", OMEGA, "rad/s", first, low, high, Rule.NONNEGATIVE, most=high)
+    middle = float(f"{(low + high) / 2:.4g}")
+    slider = Slider("explorer-omega", OMEGA, "rad/s", middle, low, high, Rule.NONNEGATIVE, most=high)
     return slider, "frequency at which values are told"

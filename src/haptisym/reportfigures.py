@@ -24,7 +24,7 @@ _COLOURS = {INK: "ink", BLUE: "env", RED: "perc", GREY: "grey", SHADE: "shade", 
 def ratio_figure(e: Evaluation) -> Html:
     """r_r and r_i over the band, with thresholds, crossings and the transparent bands."""
     return _figure(
-        "ratios", (6.0, 2.5), lambda ax: draw_ratios(ax, e),
+        "ratios", (5.0, 2.2), lambda ax: draw_ratios(ax, e),
         "Distortion ratios over the band. Grey: neither exceeds its threshold, the display is transparent. A dot marks "
         "where the ratio of the real part meets its threshold, a ring that of the imaginary part.",
     )  # fmt: skip

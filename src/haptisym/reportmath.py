@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from sympy import Expr
 
-from .boxes import Box, Fenced, Fraction, Name, Product, Sum, Word, needs_dot
+from .boxes import Absolute, Box, Fenced, Fraction, Name, Product, Sum, Word, needs_dot
 from .equations import QUANTITIES
 from .layout import layout
 from .mathml import markup, mathml
@@ -16,10 +17,15 @@ from .reporthtml import Html, element
 from .texlines import Row, is_long, width
 from .texprinter import tex
 
-ROOM = 33.0
+ROOM = 38.0
 """Width of a line of the page's one column, em."""
 _MINUS, _PLUS, _DOT, _TIMES = "<mo>−</mo>", "<mo>+</mo>", "<mo>⋅</mo>", "<mo>&#x2062;</mo>"
+_INFIX = '<mo form="infix">'  # spaced as between two terms, also at the start of a line
+_CROSS = '<mo form="infix">×</mo>'  # the product's sign, where a line starts with a factor
+_LEFT = ' style="text-align: left"'
+_MORE = ' class="more"'  # a line that belongs to the one above
 _OPEN, _CLOSE = (f'<mo minsize="1.2em" maxsize="1.2em">{fence}</mo>' for fence in "()")
+_BAR = '<mo stretchy="false">|</mo>'
 
 
 @dataclass(frozen=True)
@@ -72,7 +78,7 @@ def display(formulas: Sequence[Formula], parts: Parts | None = None) -> Html:
     """
     named = Parts() if parts is None else parts
     rows = "".join(
-        f'<mtr><mtd class="left">{left}</mtd><mtd class="right"><mrow>{right}</mrow></mtd></mtr>'
+        f"<mtr{'' if left else _MORE}><mtd{_LEFT}>{left}</mtd><mtd{_LEFT}><mrow>{right}</mrow></mtd></mtr>"
         for f in formulas
         for left, right in _rows(f, named)
     )
@@ -139,14 +145,16 @@ def _pieces(box: Box, depth: int) -> Iterator[_Piece]:
     """A formula cut at its signs and between its factors, also within parentheses."""
     if isinstance(box, Sum):
         for i, (sign, term) in enumerate(box.terms):
-            before = _MINUS if sign < 0 else _PLUS if i else ""
+            before = (_PLUS if sign > 0 else _MINUS).replace("<mo>", _INFIX) if i else _MINUS if sign < 0 else ""
             yield from _after(before, depth, _pieces(term, depth))
     elif isinstance(box, Product):
         for i, factor in enumerate(box.factors):
             dotted = i > 0 and needs_dot(box.factors[i - 1], factor)
             yield from _after(_DOT if dotted else _TIMES if i else "", depth + 10, _pieces(factor, depth))
     elif isinstance(box, Fenced) and _wide(box) > ROOM / 4:
-        yield from _fenced(list(_pieces(box.inside, depth + 1)))
+        yield from _fenced(_OPEN, list(_pieces(box.inside, depth + 1)), _CLOSE)
+    elif isinstance(box, Absolute) and _wide(box) > ROOM:
+        yield from _fenced(_BAR, list(_pieces(box.inside, depth + 1)), _BAR)
     else:
         yield _Piece(markup(box), _wide(box), _NEVER)
 
@@ -154,22 +162,23 @@ def _pieces(box: Box, depth: int) -> Iterator[_Piece]:
 def _after(before: str, penalty: int, pieces: Iterable[_Piece]) -> Iterator[_Piece]:
     """The pieces with an operator in front, where a line may be broken."""
     first, *others = pieces
-    yield _Piece(before + first.text, first.width + (1.2 if before in (_PLUS, _MINUS) else 0.0), penalty)
+    yield _Piece(before + first.text, first.width + (1.2 if "+" in before or "−" in before else 0.0), penalty)
     yield from others
 
 
-def _fenced(pieces: list[_Piece]) -> Iterator[_Piece]:
+def _fenced(left: str, pieces: list[_Piece], right: str) -> Iterator[_Piece]:
     first, *others = pieces
-    opened = [_Piece(_OPEN + first.text, first.width + 0.4, _NEVER), *others]
+    opened = [_Piece(left + first.text, first.width + 0.4, _NEVER), *others]
     yield from opened[:-1]
-    yield _Piece(opened[-1].text + _CLOSE, opened[-1].width + 0.4, opened[-1].penalty)
+    yield _Piece(opened[-1].text + right, opened[-1].width + 0.4, opened[-1].penalty)
 
 
 def _lines(pieces: list[_Piece], room: float) -> Iterator[str]:
     rest = room - 3  # the lines after the first one are set in
     while pieces:
         count = _fitting(pieces, room)
-        yield f"<mrow>{''.join(piece.text for piece in pieces[:count])}</mrow>"
+        line = "".join(piece.text for piece in pieces[:count])
+        yield f"<mrow>{_CROSS + line.removeprefix(_TIMES) if line.startswith(_TIMES) else line}</mrow>"
         pieces, room = pieces[count:], rest
 
 
@@ -188,5 +197,10 @@ def _fitting(pieces: Sequence[_Piece], room: float) -> int:
     return min(late, key=lambda n: (pieces[n].penalty, -n))
 
 
+_OPERATORS = re.compile(r"\\[a-z]*(?:sin|cos|tan)h?(?![a-z])")
+
+
 def _wide(box: Box) -> float:
-    return width(tex(box))
+    """About how wide a box is, em; names of functions are words, with space around."""
+    text = tex(box)
+    return width(text) + 1.3 * len(_OPERATORS.findall(text))

@@ -6,9 +6,8 @@ from collections.abc import Iterable
 
 from sympy import Expr
 
-from .boxes import Equation, Numeral
+from .boxes import Equation, Numeral, Operator, Prefixed
 from .crossings import Crossing, CrossingKind
-from .equations import quantity
 from .evaluation import Evaluation
 from .jnd import Part, is_irrational_algebraic
 from .layout import layout
@@ -79,9 +78,23 @@ _VERBS = {CrossingKind.EXCEEDS: "rises above", CrossingKind.RETURNS: "falls belo
 
 def _crossing(e: Evaluation, c: Crossing) -> list[str]:
     low, high = c.omega.enclosure(e.digits)
-    enclosure = joined([f"[{low}, ", element("br"), f"{high}]"])
+    enclosure = joined([_wrapped(f"[{low}, "), element("br"), _wrapped(f"{high}]")])
     hertz = Hertz(c.omega).digits(min(e.digits, 6))
-    return [PART_NAMES[c.part], number(c.omega, c.omega.digits(e.digits)), hertz, event(e, c), sense(c), enclosure]
+    return [
+        PART_NAMES[c.part],
+        number(c.omega, _wrapped(c.omega.digits(e.digits))),
+        hertz,
+        event(e, c),
+        sense(c),
+        enclosure,
+    ]
+
+
+_LONG = 25  # characters of a number; a longer one is set on several lines
+
+
+def _wrapped(digits: str) -> str:
+    return element("span", digits, given={"class": "long"}) if len(digits) > _LONG else digits
 
 
 def event(e: Evaluation, c: Crossing) -> Html:
@@ -96,7 +109,7 @@ def limit(c: Expr) -> str:
 
 
 def sense(c: Crossing) -> Html:
-    part = quantity("Re dH" if c.part is Part.REAL else "Im dH")
+    part = Prefixed(Operator("Re" if c.part is Part.REAL else "Im"), Prefixed(named("Delta"), named("H")))
     return inline(Equation((part, Numeral("0")), (">" if c.sign > 0 else "<",)))
 
 
@@ -119,7 +132,13 @@ def is_transparent_throughout(e: Evaluation) -> bool:
     return len(e.transparent) == 1 and (e.transparent[0].low, e.transparent[0].high) == ends
 
 
-def peak(x: Peak) -> Html:
+def crossing_sentence(c: Crossing) -> Html:
+    """``r_r rises above its threshold at 7.97891679017471 rad/s``."""
+    where = number(c.omega, c.omega.digits())
+    return joined([RATIOS[c.part], f" {_VERBS[c.kind]} its threshold at ", where, " rad/s (", sense(c), ")"])
+
+
+def peak_sentence(x: Peak) -> Html:
     """``r_r has a local maximum of 0.2 at 3 rad/s``."""
     height = number(x.ratio, short(x.ratio))
     return joined([RATIOS[x.part], " has a local maximum of ", height, " at ", frequency(x.omega), " rad/s"])
@@ -229,7 +248,7 @@ def certainty(e: Evaluation) -> Html:
 def findings(e: Evaluation) -> Html:
     """The answers in brief."""
     rows = [
-        ("transparent up to", *_bandwidth(e)), ("first felt as", *_first(e)),
+        ("bandwidth", *_bandwidth(e)), ("first felt as", *_first(e)),
         ("perceived dynamics", {True: "stable", False: "not stable", None: "undecided"}[e.stable], _STABLE[e.stable]),
         ("these answers", "proven" if e.certified else "in part undecided", _open(e)),
     ]  # fmt: skip
@@ -240,7 +259,7 @@ def findings(e: Evaluation) -> Html:
 
 
 _STABLE = {
-    True: "no pole with Re\xa0s ≥ 0", False: "a pole with Re\xa0s ≥ 0", None: "poles could not be placed",
+    True: "no pole with Re\xa0s ≥ 0", False: "a pole with Re\xa0s ≥ 0", None: "whether a pole has Re\xa0s ≥ 0 is open",
 }  # fmt: skip
 
 
@@ -249,8 +268,8 @@ def _bandwidth(e: Evaluation) -> tuple[Html, Html]:
         high = e.chart.points[-1].omega
         return joined([frequency(high), " rad/s"]), joined([short(Hertz(high)), " Hz, the whole band"])
     if e.bandwidth is None:
-        pieces = "other parts of the band are" if e.transparent else "nor anywhere on the band"
-        return joined(["none"]), joined(["not at its low end; " if e.transparent else "not at its low end, ", pieces])
+        elsewhere = ["transparent from ", frequency(e.transparent[0].low.omega), " rad/s on"] if e.transparent else []
+        return joined(["none"]), joined(elsewhere or ["transparent nowhere on the band"])
     more = f", and on {len(e.transparent) - 1} more" if len(e.transparent) > 1 else ""
     return joined([frequency(e.bandwidth), " rad/s"]), joined([f"{short(Hertz(e.bandwidth))} Hz{more}"])
 

@@ -152,6 +152,14 @@
 
   const written = (x) => String(x).replace("-", "−").replace(/e\+?/, "·10^");
 
+  /** A text in which what follows a low line is a subscript. */
+  function label(parent, attributes, text) {
+    const made = shape(parent, "text", { class: "name", ...attributes });
+    text.split(/_([a-z]+)/).forEach((piece, i) => {
+      shape(made, "tspan", i % 2 ? { dy: 3, "font-size": "75%" } : { dy: i ? -3 : 0 }, piece);
+    });
+  }
+
   function axes(chart, xName, yName, unit) {
     const [left, bottom] = [SIZE.left, SIZE.height - SIZE.bottom];
     const prefix = (range) => (unit && Math.max(...range.map(Math.abs)) >= 1e5 ? [1e3, "k"] : [1, ""]);
@@ -169,9 +177,9 @@
     shape(chart.svg, "path", { class: "axis", d: `M${left} ${SIZE.top}V${bottom}H${SIZE.width - SIZE.right}` });
     const named = (name, sign) => (unit ? `${name} (${sign}${unit})` : name);
     const middle = { x: (left + SIZE.width - SIZE.right) / 2, y: SIZE.height - 6, "text-anchor": "middle" };
-    shape(chart.svg, "text", { class: "name", ...middle }, named(xName, xPrefix));
+    label(chart.svg, middle, named(xName, xPrefix));
     const turned = { transform: `translate(12 ${(SIZE.top + bottom) / 2}) rotate(-90)`, "text-anchor": "middle" };
-    shape(chart.svg, "text", { class: "name", ...turned }, named(yName, yPrefix));
+    label(chart.svg, turned, named(yName, yPrefix));
   }
 
   /** A curve in data coordinates; it has a gap where it is not finite, and ends not far outside of the axes. */
@@ -226,15 +234,25 @@
   const short = (x) => written(Number(x.toPrecision(4)));
   const percent = (c) => `${short(100 * c)} %`;
 
+  /** The text of an element, in which what follows a low line is a subscript. */
+  function write(id, text) {
+    const made = text.split(/_([a-z]+)/).map((piece, i) => {
+      const part = document.createElement(i % 2 ? "sub" : "span");
+      part.textContent = piece;
+      return part;
+    });
+    find(id).replaceChildren(...made);
+  }
+
   function say(bands, edges) {
     const pieces = bands.map(([a, b]) => `${short(a)} to ${short(b)}`).join(", ");
-    find("explorer-band").textContent = bands.length ? `Transparent at ${pieces} rad/s.` : "Transparent nowhere on the band.";
+    write("explorer-band", bands.length ? `Transparent at ${pieces} rad/s.` : "Transparent nowhere on the band.");
     const told = edges.map((x) => {
       const ratio = x.part === "real" ? "r_r" : "r_i";
       return `${ratio} ${x.rising ? "rises above" : "falls below"} ${percent(threshold(x.part))} at ${short(x.omega)}`;
     });
     const more = told.length > 6 ? `; and ${told.length - 6} more` : "";
-    find("explorer-crossings").textContent = told.length ? `${told.slice(0, 6).join("; ")}${more}.` : "No ratio meets its threshold.";
+    write("explorer-crossings", told.length ? `${told.slice(0, 6).join("; ")}${more}.` : "No ratio meets its threshold.");
   }
 
   function sayProbe({ omega, v }) {
@@ -244,7 +262,7 @@
     const noticed = PARTS.filter((part) => exceeds(part, v)).map((part) => (part === "real" ? "real" : "imaginary"));
     const verdict = noticed.length ? `noticed in the ${noticed.join(" and the ")} part` : "not noticed";
     const systems = Object.entries(rows).map(([name, text]) => `${name} = ${text} ${spec.unit}`);
-    find("explorer-probe").textContent = `At ${short(omega)} rad/s: ${[...systems, ...ratios].join(", ")}: ${verdict}.`;
+    write("explorer-probe", `At ${short(omega)} rad/s: ${[...systems, ...ratios].join(", ")}: ${verdict}.`);
   }
 
   // All anew.
@@ -323,6 +341,6 @@
     spec.sliders.forEach((s) => show(s));
     redraw();
   });
-  find("explorer").hidden = false;
+  find("explorer-panel").hidden = false;
   draw();
 })();
