@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import base64
+import fcntl
 import json
 import os
 import shutil
-import subprocess
+import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -117,20 +118,28 @@ def running() -> Iterator[Browser]:
     to_browser, commands = os.pipe()
     answers, from_browser = os.pipe()
     with TemporaryDirectory(ignore_cleanup_errors=True) as profile:
-        # the protocol reads its commands from descriptor 3 and answers on 4
-        shell = ["sh", "-c", f'exec "$0" "$@" 3<&{to_browser} 4>&{from_browser}', found]
-        options = ["--headless=new", "--remote-debugging-pipe", "--no-sandbox", "--disable-gpu", "--no-first-run",
-                   "--disable-background-networking", "--disable-dev-shm-usage", f"--user-data-dir={profile}"]  # fmt: skip
-        quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-        process = subprocess.Popen([*shell, *options], pass_fds=(to_browser, from_browser), **quiet)
-        os.close(to_browser)
-        os.close(from_browser)
+        process = _started(found, profile, to_browser, from_browser)
         try:
             with os.fdopen(commands, "wb") as sending, os.fdopen(answers, "rb") as receiving:
                 yield _page(Browser(sending, receiving))
         finally:
-            process.terminate()
-            process.wait(30)
+            os.kill(process, signal.SIGTERM)
+            os.waitpid(process, 0)
+
+
+def _started(found: str, profile: str, to_browser: int, from_browser: int) -> int:
+    """The number of a new process; it reads commands from descriptor 3 and answers on 4."""
+    options = ["--headless=new", "--remote-debugging-pipe", "--no-sandbox", "--disable-gpu", "--no-first-run",
+               "--disable-background-networking", "--disable-dev-shm-usage", f"--user-data-dir={profile}"]  # fmt: skip
+    reading, writing = (
+        fcntl.fcntl(x, fcntl.F_DUPFD, 10) for x in (to_browser, from_browser)
+    )  # out of the way of 3 and 4
+    actions = [(os.POSIX_SPAWN_OPEN, x, os.devnull, os.O_RDWR, 0) for x in (0, 1, 2)]
+    actions += [(os.POSIX_SPAWN_DUP2, reading, 3), (os.POSIX_SPAWN_DUP2, writing, 4)]
+    process = os.posix_spawn(found, [found, *options], os.environ, file_actions=actions)
+    for descriptor in (to_browser, from_browser, reading, writing):
+        os.close(descriptor)
+    return process
 
 
 def _page(browser: Browser) -> Browser:

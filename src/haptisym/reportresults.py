@@ -283,4 +283,6 @@ def _first(e: Evaluation) -> tuple[Html, Html]:
 
 
 def _open(e: Evaluation) -> str:
-    return "none missed, none invented" if e.certified else f"{len(e.undecided)} tangencies stayed open"
+    if e.certified:
+        return "none missed, none invented"
+    return "1 tangency stayed open" if len(e.undecided) == 1 else f"{len(e.undecided)} tangencies stayed open"
