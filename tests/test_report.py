@@ -60,9 +60,25 @@ def evaluated(name: str) -> hs.Evaluation:
     return hs.evaluate(OWN[name] if name in OWN else hs.load_scene(name))
 
 
+PAGES: list[Path] = []
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _pages(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """A folder that all workers of a run share: a page takes seconds to write."""
+    base = tmp_path_factory.getbasetemp()
+    PAGES.append(base.parent if os.environ.get("PYTEST_XDIST_WORKER") else base)
+
+
 @cache
 def written(name: str) -> str:
-    return page(evaluated(name))
+    """The page of a scene, written once in a run."""
+    file = PAGES[-1] / f"report-{name.replace(' ', '-')}.html"
+    if not file.exists():
+        unfinished = file.with_suffix(f".{os.getpid()}")
+        unfinished.write_text(page(evaluated(name)), encoding="utf-8")
+        unfinished.replace(file)
+    return file.read_text(encoding="utf-8")
 
 
 def flat(document: object) -> Iterator[float]:
@@ -448,7 +464,9 @@ def test_a_delay_of_zero_may_be_typed(shown: Any) -> None:
     typed(opened, slider(scene, "tau"), 0.0)
     points = drawn(opened, "ratio.imag")
     given = {p.symbol.name: float(p.value) for p in scene.parameters} | {"tau": 0.0}
-    assert points[:, 1] == pytest.approx(scene.symbolic_distortion().compile()(points[:, 0], **given).ratio_imag, abs=1e-9)
+    assert points[:, 1] == pytest.approx(
+        scene.symbolic_distortion().compile()(points[:, 0], **given).ratio_imag, abs=1e-9
+    )
     assert opened.complaints() == []
 
 
