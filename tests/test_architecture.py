@@ -35,7 +35,7 @@ latex
 texforms
 texdocument reportmath
 reportpdf reportresults
-reportforms reportfigures reportexplorer reportscene
+reportforms reportfigures reportexplorer reportscene reportfindings
 report notebook
 cli
 __main__

@@ -13,6 +13,7 @@ from .evaluation import Evaluation
 from .jnd import Part
 from .reportexplorer import explorer
 from .reportfigures import nyquist_figure, projection_figure, ratio_figure, square_figure
+from .reportfindings import findings
 from .reportforms import derivation
 from .reporthtml import Html, data, element
 from .reportpdf import pdf
@@ -20,7 +21,6 @@ from .reportresults import (
     certainty,
     changeovers,
     crossing_table,
-    findings,
     percept_table,
     reservations,
     stability,

@@ -128,7 +128,11 @@ _MOST_AT_ZERO = {Dimension.TIME: 0.1, Dimension.FORCE: 1.0}  # of a slider whose
 
 def _parameter(p: Parameter, identity: str, label: str, rule: Rule, motion: Motion) -> Slider:
     """A decade to each side of a positive value; else a range around it, or from zero."""
-    unit = {Dimension.ANY: "", Dimension.RATIO: ""}.get(p.dimension, p.dimension.unit(motion)).replace("*", "·")
+    unit = (
+        {Dimension.ANY: "", Dimension.RATIO: ""}.get(p.dimension, p.dimension.unit(motion))
+        .replace("*", "·")
+        .replace("^2", "²")
+    )
     value = nearest_double(p.value)
     if rule is Rule.FRACTION:
         return Slider(identity, label, unit, value, 0.01, 0.99, rule)

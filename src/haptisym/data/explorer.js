@@ -310,7 +310,7 @@
     const value = values.get(s.id);
     slider.value = toPosition(s, value);
     slider.setAttribute("aria-valuetext", `${short(value)} ${s.unit}`);
-    if (!typing) box.value = Number(value.toPrecision(12));
+    if (!typing) box.value = Number(value.toPrecision(6));
     box.removeAttribute("aria-invalid");
   }
 
