@@ -14,7 +14,7 @@ import haptisym
 SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
-errors symbols boxes
+errors symbols boxes reporthtml
 expressions rings reals numeric names steps codegen_names
 quantities response factors numerals order codegen_printers codegen_languages
 levels
@@ -38,8 +38,10 @@ texlines
 texresults
 latex
 texforms
-texdocument
-derivationtext
+texdocument reportmath derivationtext
+reportpdf reportresults
+reportforms reportfigures reportexplorer reportscene reportfindings
+report notebook
 cli
 __main__
 """

@@ -16,11 +16,14 @@ from .evaluation import Evaluation, evaluate
 from .jnd import Part, Threshold
 from .latex import latex
 from .mathml import mathml
+from .notebook import register as _register
 from .peaks import Peak, peaks
 from .percepts import Change, Percept, Property
 from .scene import Scene
 from .scenefile import load_scene, parse_scene, scene_names
 from .symbols import omega, s, symbols
+
+_register()
 
 __version__ = "0.1.0"
 

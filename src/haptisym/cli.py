@@ -68,7 +68,15 @@ def json_option(command: Callable[..., Any]) -> Callable[..., Any]:
 @click.option(
     "--latex", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE", help="Write the derivation as LaTeX."
 )
-def evaluate(scene: str, as_json: bool, digits: int, figures: Path | None, latex: Path | None) -> None:
+@click.option(
+    "--report",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Write the report: a page (.html) with an explorer, or a document (.pdf).",
+)
+def evaluate(
+    scene: str, as_json: bool, digits: int, figures: Path | None, latex: Path | None, report: Path | None
+) -> None:
     """Find when a display begins to be noticed, and how it is felt, with proof.
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
@@ -80,6 +88,7 @@ def evaluate(scene: str, as_json: bool, digits: int, figures: Path | None, latex
     Examples:
       haptisym evaluate fu2019
       haptisym evaluate fu2019 --figures figures --latex fu2019.tex
+      haptisym evaluate fu2019 --report fu2019.html
       haptisym evaluate my-device.toml --json --digits 50
     """
     result = evaluate_scene(load_scene(scene), digits)
@@ -93,6 +102,11 @@ def evaluate(scene: str, as_json: bool, digits: int, figures: Path | None, latex
 
         latex.write_text(document(result), encoding="utf-8")
         click.echo(f"LaTeX written to {latex}", err=True)
+    if report is not None:
+        from .report import save_report
+
+        save_report(result, report)
+        click.echo(f"report written to {report}", err=True)
     click.echo(result.to_json() if as_json else str(result), nl=as_json)
     if not result.certified:
         sys.exit(3)
