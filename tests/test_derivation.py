@@ -15,6 +15,7 @@ import haptisym as hs
 from haptisym.derivation import QUANTITIES, derive
 from haptisym.derivationtext import to_dict
 from haptisym.sections import sections
+from haptisym.symbols import X
 
 SHORT = ["fu2019", "delayed-spring", "undamped-resonance", "zener-tissue", "stick-with-friction"]
 
@@ -30,6 +31,8 @@ def test_every_quantity_in_symbols_has_the_numeric_scenes_value(name: str) -> No
         left, right = (x.xreplace(values).evalf(40) for x in (a, b))
         if quantity in ("p_r", "p_i"):  # their scale is free
             assert (left > 0) == (right > 0)
+        elif quantity.startswith("F_"):
+            assert abs((left - right).expand().coeff(X).evalf(20)) < 1e-12
         else:
             assert abs(left - right) < 10**-30 * (1 + abs(right)), quantity
 
@@ -123,6 +126,13 @@ def test_a_wrong_request_is_one_clear_message(arguments: tuple[str, ...], call) 
     assert (status, out) == (2, "")
     assert len(err.strip()) > 20
     assert "Traceback" not in err
+
+
+@pytest.mark.parametrize("name", ["omega_env", "omega_perc", "omega_i", "d omega_r/d m", "F_si_perc", "F_d_env"])
+def test_solutions_slopes_and_forces_can_be_asked_for(name: str, call) -> None:  # type: ignore[no-untyped-def]  # noqa: F811
+    status, out, err = call("derive", "delayed-spring" if name == "omega_i" else "fu2019", "--of", name)
+    assert (status, err) == (0, "")
+    assert name.split("_si")[0].split("_d_")[0] in out.replace("ω", "omega")
 
 
 def test_quantities_answer_to_names_as_a_shell_likes_them(call) -> None:  # type: ignore[no-untyped-def]  # noqa: F811

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from functools import cache
 from itertools import product
+from random import Random
 
 import pytest
 from marks import often
-from sympy import Float, Rational
+from mpmath import mp
+from sympy import Expr, Float, I, Rational
 
 import haptisym as hs
 from haptisym.catalogue import EFFECTS, ENVIRONMENTS
@@ -56,21 +58,46 @@ PAIRS = often(
 )
 
 
+def felt(scene: hs.Scene, values: dict[Expr, Expr]) -> dict[str, object]:
+    """The witness: the chain matrix applied to H_env at s = j omega, in complex numbers of sixty digits."""
+
+    def at(entry: Expr) -> object:
+        return mp.mpmathify(entry.xreplace({**values, hs.s: I * values[hs.omega]}).evalf(60))
+
+    chain = scene.chain
+    H = at(chain.environment)
+    perceived = H
+    for a, b, c, d in chain.matrices:
+        perceived = (at(a) * perceived + at(b)) / (at(c) * perceived + at(d))
+    dH = perceived - H
+    relative = dH / H
+    return {
+        "real": dH.real, "imag": dH.imag, "ratio_real": abs(dH.real) / abs(H), "ratio_imag": abs(dH.imag) / abs(H),
+        "relative_real": relative.real, "relative_imag": relative.imag, "environment_real": H.real,
+        "environment_imag": H.imag, "perceived_real": perceived.real, "perceived_imag": perceived.imag,
+    }  # fmt: skip
+
+
 @pytest.mark.parametrize(("environment", "effect"), PAIRS)
-def test_the_steps_of_every_pair_of_models_have_the_values_of_its_closed_forms(environment: str, effect: str) -> None:
-    d = pair(environment, effect).distortion()
-    closed = dict(zip(Values._fields, (
-        d.real, d.imag, d.ratio_real, d.ratio_imag, d.relative_real, d.relative_imag,
-        d.env_response.real.factored(), d.env_response.imag.factored(),
-        d.perc_response.real.factored(), d.perc_response.imag.factored()), strict=True))  # fmt: skip
-    written = structure(d), structure(d, RealFunction.stable)
-    for text in ("0.37", "5.3", "61"):
-        omega = {hs.omega: Float(text, 60)}
-        expected = {name: form.xreplace(omega).evalf(60) for name, form in closed.items()}
-        for steps in written:
-            found = steps.at(omega)
-            for name, value in expected.items():
-                assert abs(found[name].evalf(60) - value) < 1e-30 * max(abs(value), 1e-9), name
+def test_every_formula_of_every_pair_of_models_has_the_value_of_its_chain(environment: str, effect: str) -> None:
+    """In steps with symbols for all parameters, and in lowest terms with numbers, at random values of the parameters."""
+    scene = pair(environment, effect)
+    written = structure(scene.chain), structure(scene.chain, RealFunction.stable)
+    pick = Random(f"{environment} {effect}")
+    for _ in range(3):
+        values = {p.symbol: p.value * Rational(pick.randint(60, 140), 100) for p in scene.parameters}
+        d = scene.chain.at(values).distortion()
+        closed = dict(zip(Values._fields, (
+            d.real, d.imag, d.ratio_real, d.ratio_imag, d.relative_real, d.relative_imag,
+            d.env_response.real.factored(), d.env_response.imag.factored(),
+            d.perc_response.real.factored(), d.perc_response.imag.factored()), strict=True))  # fmt: skip
+        values[hs.omega] = Float(Rational(pick.randint(1, 6000), 97), 60)
+        with mp.workdps(60):
+            expected = felt(scene, values)
+            found = [{name: x.xreplace(values) for name, x in closed.items()}, *(steps.at(values) for steps in written)]
+            for forms in found:
+                for name, value in expected.items():
+                    assert abs(mp.mpmathify(forms[name].evalf(60)) - value) < 1e-30 * max(abs(value), 1e-6), name
 
 
 def cascade(count: int) -> Chain:

@@ -136,7 +136,9 @@ def derive(scene: str, mode: str, keep: tuple[str, ...], language: str, names: t
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
     Quantities for --of: H_env, H_perc, dH, Re dH, Im dH, |H_env|^2, r_r, r_i, Re(dH/H_env), Im(dH/H_env), the threshold
-    polynomials p_r and p_i, the perceived properties k_env, m_env, b_env, k_perc, m_perc, b_perc, and jnd k, jnd b, jnd m.
+    polynomials p_r and p_i, the perceived properties k_env, m_env, b_env, k_perc, m_perc, b_perc, the force phasors F_si_env,
+    F_d_env, F_si_perc, F_d_perc, jnd k, jnd b, jnd m, the crossings omega_r and omega_i, the changeovers omega_env and
+    omega_perc, and the sensitivities d omega_r/d NAME and d omega_i/d NAME of a crossing to a parameter.
 
     \b
     Examples:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
 
-from sympy import Expr, Symbol, count_ops
+from sympy import Expr, I, Symbol, count_ops
 
 from .asymptotics import Expansion, expansion
 from .crossings import excess
@@ -22,7 +22,7 @@ from .scene import Scene
 from .solutions import Solution, solve
 from .steps import Steps
 from .structure import structure
-from .symbols import c, omega
+from .symbols import X, c, omega
 
 
 @dataclass(frozen=True)
@@ -152,6 +152,8 @@ def _properties(system: str) -> dict[str, Callable[[Derivation], Expr]]:
         f"k_{system}": lambda d: of(d)[0],
         f"m_{system}": lambda d: -of(d)[0] / omega**2,
         f"b_{system}": lambda d: of(d)[1] / omega,
+        f"F_si_{system}": lambda d: X * of(d)[0],
+        f"F_d_{system}": lambda d: I * X * of(d)[1],
     }
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
-from sympy import Abs, Add, Expr, I, Mul, Rational, Symbol, fraction
+from sympy import Expr, I
 
 from .boxes import Equation, Operator, Prefixed
-from .catalogue import Effect, values
+from .catalogue import Effect
 from .equations import function, quantity
 from .evaluation import Evaluation
 from .jnd import Part
@@ -134,28 +134,11 @@ class _Steps:
         yield self._rows(rows)
 
     def _rows(self, rows: Iterable[Row]) -> Html:
-        known = values(self.evaluation.scene.parameters)
-        upright = [_upright(row, known) for row in rows]
-        return display([formula(row) for row in self.forms.named(upright)], self.parts)
+        return display([formula(row) for row in self.forms.named(list(rows))], self.parts)
 
     def _display(self, formulas: Iterable[Formula]) -> Html:
         short = self.forms.short_names
         return display([replace(f, value=f.value.xreplace(short)) for f in formulas], self.parts)
-
-
-def _upright(row: Row, known: Mapping[Symbol, Expr]) -> Row:
-    """A ratio whose denominator, a squared modulus up to its sign, was written with a minus: with the other sign."""
-    above, below = fraction(row.value)
-    sums = [f for f in Mul.make_args(below) if isinstance(f, Add)]
-    if not row.value.has(Abs) or not sums or _is_positive(below.xreplace(known)):
-        return row
-    return replace(row, value=above / (below / sums[0] * -sums[0]))
-
-
-def _is_positive(modulus: Expr) -> bool:
-    """The sign of a function of omega that nowhere changes it, at the first of some frequencies where it is not zero."""
-    found = (modulus.xreplace({omega: Rational(n, 7)}).evalf() for n in range(5, 20))
-    return bool(next((x for x in found if abs(x) > 0), 1) > 0)
 
 
 def _action(i: int, effect: Effect) -> tuple[list[str], list[Formula]]:

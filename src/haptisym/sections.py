@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from sympy import Add, Expr, Symbol, count_ops
 
-from .boxes import Box, Equation
+from .boxes import Box, Equation, Fraction, Product
 from .derivation import QUANTITIES, Derivation
 from .equations import quantity
 from .errors import SceneError
 from .groups import Groups
 from .jnd import Part
 from .layout import layout
+from .names import named
 from .plain import plain
 from .quantities import Dimension
 from .solutions import Solution
@@ -61,18 +63,57 @@ def sections(d: Derivation) -> tuple[Section, ...]:
 
 
 def asked(d: Derivation, names: Iterable[str]) -> tuple[Section, ...]:
-    """The quantities with these names, each written out."""
-    rows = tuple(_named(name, d[name]) for name in map(canonical, names))
-    return (Section("Formulas", rows),)
+    """The quantities with these names, each written out; SceneError for a name that is none."""
+    rows: list[Line] = []
+    notes: list[str] = []
+    for name in names:
+        slope = _SLOPE.fullmatch("".join(name.split()))
+        key = _key(name)
+        if slope:
+            rows.append(_sensitivity(d, slope[1], slope[2]))
+        elif key in _SOLVED:
+            solved, said = _answers(_SOLVED[key], _solutions(d, _SOLVED[key]))
+            rows += solved
+            notes += [f"{_SOLVED[key]}: {x}" for x in said]
+        else:
+            rows.append(_named(canonical(name), d[name]))
+    return (Section("Formulas", tuple(rows), tuple(notes)),)
+
+
+_SLOPE = re.compile(r"domega_([ri])/d(\w+)")
+
+
+def _sensitivity(d: Derivation, letter: str, parameter: str) -> Line:
+    """d omega/d parameter at a crossing, in omega and the parameters."""
+    symbol = next((x for x in d.kept if x.name == parameter), None)
+    if symbol is None:
+        raise SceneError(f'"{parameter}" is not a parameter that is kept: {", ".join(map(str, d.kept)) or "none is"}')
+    part = next(part for part, ratio in _RATIOS.items() if ratio[-1] == letter)
+    above, below = (Product((named("d"), named(name))) for name in (f"omega_{letter}", parameter))
+    return Line(Fraction(above, below), d.sensitivity(part, symbol))
+
+
+def _solutions(d: Derivation, name: str) -> tuple[Solution, ...]:
+    parts = {"omega_r": Part.REAL, "omega_i": Part.IMAG}
+    return d.crossings(parts[name]) if name in parts else d.changeovers(name.removeprefix("omega_"))
 
 
 def canonical(name: str) -> str:
     """The name of a quantity as it is listed; SceneError for any other."""
-    wanted = "".join(x for x in name.casefold() if x.isalnum())
     for known in QUANTITIES:
-        if "".join(x for x in known.casefold() if x.isalnum()) == wanted:
+        if _key(known) == _key(name):
             return known
-    raise SceneError(f'"{name}" is not a quantity: these are {", ".join(QUANTITIES)}')
+    valid = ", ".join([*QUANTITIES, *_SOLVED.values(), "d omega_r/d PARAMETER", "d omega_i/d PARAMETER"])
+    raise SceneError(f'"{name}" is not a quantity: these are {valid}')
+
+
+def _key(name: str) -> str:
+    """A name without what a shell or a typist leaves out."""
+    return "".join(x for x in name.casefold() if x.isalnum())
+
+
+_SOLVED = {_key(name): name for name in ("omega_r", "omega_i", "omega_env", "omega_perc")}
+"""Quantities that are solutions of an equation."""
 
 
 def _defined(symbol: Symbol, value: Expr) -> Line:
