@@ -7,6 +7,9 @@ from typing import Any
 
 import pytest
 
+QUICK_SCENES = {"fu2019", "delayed-spring", "undamped-resonance", "sidestick", "stick-with-friction"}
+"""Shipped scenes whose formulas are short: a rational one, a delay, a cancelled resonance, a rotation, friction."""
+
 
 def often(cases: Iterable[Any], quick: Callable[[Any], bool]) -> list[Any]:
     """All cases, those that are not quick marked as slow."""

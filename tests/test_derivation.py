@@ -7,6 +7,7 @@ import re
 import xml.etree.ElementTree as ElementTree
 
 import pytest
+from marks import QUICK_SCENES, often
 from sympy import Rational, sqrt
 from test_cli import call  # noqa: F401 - a fixture
 from test_latex import check_layout, compiled
@@ -85,7 +86,7 @@ def test_a_wrong_value_is_an_error_that_names_it(values: dict[str, object], word
         derive(hs.load_scene("fu2019")).at(**values)
 
 
-@pytest.mark.parametrize("name", hs.scene_names())
+@pytest.mark.parametrize("name", often(hs.scene_names(), QUICK_SCENES.__contains__))
 def test_every_shipped_scene_has_a_page_in_each_form(name: str, call) -> None:  # type: ignore[no-untyped-def]  # noqa: F811
     for form in ("text", "latex", "mathml", "json"):
         status, out, err = call("derive", name, "--to", form)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from marks import QUICK_SCENES, often
 from sympy import Rational, sqrt, symbols
 
 import haptisym as hs
@@ -20,7 +21,7 @@ def test_the_papers_five_parameters_become_three_groups() -> None:
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", hs.scene_names())
+@pytest.mark.parametrize("name", often(hs.scene_names(), QUICK_SCENES.__contains__))
 def test_the_ratios_of_the_dimensionless_scene_are_the_scenes_own_at_other_values(name: str) -> None:
     """Exact: squares of all units, so that the roots in the groups come out even."""
     scene = hs.load_scene(name)

@@ -13,6 +13,7 @@ import pytest
 import sympy as sp
 from formulas import ATOMS, EXPRESSIONS
 from hypothesis import given
+from marks import QUICK_SCENES, often
 from sympy import Abs, Float, I, Integer, Rational, Symbol, cos, exp, pi, sqrt
 from sympy.printing.latex import LatexPrinter
 from texreader import equations, value
@@ -398,7 +399,7 @@ def check_layout(log: str) -> None:
     assert "LaTeX Warning" not in log
 
 
-@pytest.mark.parametrize("name", scene_names())
+@pytest.mark.parametrize("name", often(scene_names(), QUICK_SCENES.__contains__))
 def test_the_document_of_a_shipped_scene_compiles(name, tmp_path):
     check_layout(compiled(shipped(name)[1], tmp_path))
 

@@ -19,6 +19,7 @@ import browser
 import numpy as np
 import pytest
 from browser import Browser
+from marks import QUICK_SCENES, often
 from pagereader import Page, equations, value
 from sympy import Rational, lambdify
 
@@ -95,7 +96,7 @@ def flat(document: object) -> Iterator[float]:
 # The page as a document.
 
 
-@pytest.mark.parametrize("name", EVERY)
+@pytest.mark.parametrize("name", often(EVERY, QUICK_SCENES.__contains__))
 def test_the_page_is_well_formed_and_small(name: str) -> None:
     text = written(name)
     read = Page(text)
