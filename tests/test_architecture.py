@@ -14,7 +14,7 @@ import haptisym
 SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
-errors symbols boxes reporthtml
+errors symbols boxes reporthtml options
 expressions rings reals numeric names steps codegen_names
 quantities response factors numerals order codegen_printers codegen_languages
 levels

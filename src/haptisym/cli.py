@@ -7,16 +7,15 @@ for, so that ``--json`` in a loop pays for none of it.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from json import dumps
 from pathlib import Path
-from typing import Any
 
 import click
 
 from . import __version__
 from .errors import HaptisymError, UndecidedError
 from .evaluation import evaluate as evaluate_scene
+from .options import json_option
 from .scenefile import load_scene, scene_names
 
 
@@ -45,11 +44,6 @@ def app() -> None:
 
 _CODE = ("numpy", "c", "octave", "julia", "javascript")
 _OUTPUTS = ("text", "latex", "mathml", "json", *_CODE)
-
-
-def json_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The option ``--json``, alike on every verb."""
-    return click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")(command)
 
 
 @app.command()
