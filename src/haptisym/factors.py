@@ -309,10 +309,10 @@ class AnalyticFactor(Factor):
 
     def series(self, x: Ball, length: int) -> arb_series:
         """Taylor coefficients of the function about every point of a ball: value, slope, half curvature, ..."""
-        compiled, derivatives = _compiled(self, flint.ctx.prec), _derivatives(self, flint.ctx.prec, length)
+        compiled, derivatives = _compiled(self, flint.ctx.prec), _derivatives(self, flint.ctx.prec)
         cap, flint.ctx.cap = flint.ctx.cap, length  # FLINT cuts series at this length, and what is cut off reads as 0
         try:
-            polynomials = [arb_series([p(x) for p in row], length) for row in derivatives]
+            polynomials = [arb_series([p(x) for p in row[:length]], length) for row in derivatives]
             return compiled.total(arb_series([x, 1], length), polynomials)
         finally:
             flint.ctx.cap = cap
@@ -332,10 +332,7 @@ class AnalyticFactor(Factor):
 
     def steady_sign(self, low: Expr, high: Expr) -> int:
         with flint.ctx.workprec(128):
-            box = arb.union(*_around(low, high))
-            value = self.value(box)
-            if not _is_clear(value):
-                value = self.over(box)[0]
+            value = self.value(arb.union(*_around(low, high)))
             return 1 if value > 0 else -1 if value < 0 else 0
 
     def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
@@ -389,9 +386,8 @@ class _Compiled:
 
     def total(self, at: _Number, polynomials: Sequence[_Number]) -> _Number:
         """The sum of the terms, given the value (or the series) of each one's polynomial."""
-        waves = [_waves(rate * at, degree) for rate, degree in zip(self.rates, self.degrees, strict=True)]
-        highest = [max(powers[i] for _, powers, _ in self.terms) for i in range(len(self.exponents))]
-        roots = [_powers((at.log() * a).exp(), most) for a, most in zip(self.exponents, highest, strict=True)]
+        waves = [_Waves(rate * at, degree) for rate, degree in zip(self.rates, self.degrees, strict=True)]
+        roots = [_Powers((at.log() * a).exp()) for a in self.exponents]
         total: _Number = 0
         for (turns, powers, _), polynomial in zip(self.terms, polynomials, strict=True):
             term = polynomial
@@ -404,18 +400,30 @@ class _Compiled:
         return total
 
 
-def _waves(half: _Number, degree: int) -> list[_Number]:
-    """sin^k cos^(degree - k) of a half angle, for each k."""
-    sine, cosine = half.sin_cos()
-    sines, cosines = _powers(sine, degree), _powers(cosine, degree)
-    return [cosines[degree], *(sines[k] * cosines[degree - k] for k in range(1, degree)), sines[degree]][: degree + 1]
+class _Powers(dict[int, Any]):
+    """Powers of a number or a series, each computed once and only when it is asked for."""
+
+    def __init__(self, x: _Number) -> None:
+        super().__init__({0: x**0, 1: x})
+
+    def __missing__(self, n: int) -> _Number:
+        half = self[n // 2]
+        self[n] = half * half * self[1] if n % 2 else half * half
+        return self[n]
 
 
-def _powers(x: _Number, most: int) -> list[_Number]:
-    found = [x**0]
-    for _ in range(most):
-        found.append(found[-1] * x)
-    return found
+class _Waves(dict[int, Any]):
+    """sin^k cos^(degree - k) of a half angle for each k, likewise."""
+
+    def __init__(self, half: _Number, degree: int) -> None:
+        super().__init__()
+        sine, cosine = half.sin_cos()
+        self.degree, self.sines, self.cosines = degree, _Powers(sine), _Powers(cosine)
+
+    def __missing__(self, k: int) -> _Number:
+        rest = self.degree - k
+        self[k] = self.cosines[rest] if not k else self.sines[k] if not rest else self.sines[k] * self.cosines[rest]
+        return self[k]
 
 
 @lru_cache(maxsize=512)
@@ -423,7 +431,7 @@ def _compiled(factor: AnalyticFactor, bits: int) -> _Compiled:
     with flint.ctx.workprec(bits):
         halves = [expression_ball(rate) / 2 for rate, _ in factor.rates]
         turning = [i for i, (_, constant) in enumerate(factor.rates) if not constant]
-        fixed = {i: _waves(halves[i], factor.degrees[i]) for i, (_, constant) in enumerate(factor.rates) if constant}
+        fixed = {i: _Waves(halves[i], factor.degrees[i]) for i, (_, constant) in enumerate(factor.rates) if constant}
         terms: dict[_Key, arb_poly] = {}
         for term in factor.terms:
             polynomial = arb_poly([fmpz_poly(list(c))(arb.pi()) for c in term.coefficients])
@@ -440,12 +448,12 @@ def _compiled(factor: AnalyticFactor, bits: int) -> _Compiled:
 
 
 @lru_cache(maxsize=512)
-def _derivatives(factor: AnalyticFactor, bits: int, length: int) -> list[list[arb_poly]]:
+def _derivatives(factor: AnalyticFactor, bits: int) -> list[list[arb_poly]]:
     """For the polynomial p of each term p, p', p''/2, ...: its Taylor coefficients as functions of where."""
     with flint.ctx.workprec(bits):
         rows = [[p] for _, _, p in _compiled(factor, bits).terms]
         for row in rows:
-            for k in range(1, length):
+            for k in range(1, row[0].degree() + 1):
                 row.append(row[-1].derivative() * (arb(1) / k))
         return rows
 

@@ -14,7 +14,7 @@ from math import gcd, lcm
 from operator import add, mul
 from typing import Any, TypeAlias
 
-from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx
+from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
 from sympy import Add, Expr, Integer, Mul, Pow, Rational, Symbol, pi
 
 from .errors import SceneError
@@ -139,10 +139,21 @@ class PolynomialRing:
         strides, shifts = polynomial.deflation_index()
         lowest, step = int(shifts[0]), 2 if in_square and int(strides[0]) % 2 == 0 else 1
         squares = [step, *[1] * (len(self.meanings) - 1)]
-        unit, factors = (polynomial / self.variable**lowest).deflate(squares).factor()
+        unit, factors = self._split((polynomial / self.variable**lowest).deflate(squares))
         inflated = [(factor.inflate(squares), int(n)) for factor, n in factors]
         own = [(self.variable, lowest)] if lowest else []
         return Rational(int(unit.p), int(unit.q)), own + inflated
+
+    def _split(self, polynomial: Polynomial) -> tuple[fmpq, list[tuple[Polynomial, int]]]:
+        """A number and the irreducible factors; those of a polynomial in one variable found as such, which is much faster."""
+        degrees = [int(n) for n in polynomial.degrees()]
+        used = [i for i, n in enumerate(degrees) if n]
+        if len(used) != 1:
+            return polynomial.factor()  # type: ignore[no-any-return]
+        terms = {int(exponents[used[0]]): value for exponents, value in polynomial.to_dict().items()}
+        unit, factors = fmpq_poly([terms.get(n, fmpq(0)) for n in range(max(terms) + 1)]).factor()
+        place = [tuple(n if i == used[0] else 0 for i in range(len(degrees))) for n in range(max(terms) + 1)]
+        return unit, [(self.context.from_dict(dict(zip(place, f.coeffs(), strict=False))), n) for f, n in factors]
 
     def without_common_functions(self, polynomial: Polynomial) -> tuple[Expr, Polynomial]:
         """A polynomial without the further functions that all its terms share, and those in front."""
