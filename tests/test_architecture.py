@@ -14,60 +14,69 @@ import haptisym
 SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
-errors symbols boxes reporthtml options
-expressions rings reals numeric names steps codegen_names
-quantities response factors numerals order codegen_printers codegen_languages
-levels
-roots solutions formula quotients
-catalogue jnd stability layout
-environments effects distortion network
-scene crossings interop codegen motions recordings propagate descriptor fractional rightmost
-peaks codegen_forms structure groups bounds
-asymptotics blocks linear lockin simulated
-percepts plain mathml equations
-answers scenefile events simtext
-text engine
-evaluation codegen_scene approximations simrun
-derivation
-sections
-texnames figures simulation
-simcommand
-simfigures
-texprinter
-texlines
-texresults
-latex
-texforms
-texdocument reportmath derivationtext
-reportpdf reportresults
-reportforms reportfigures reportexplorer reportscene reportfindings
-report notebook
+errors symbols typeset.boxes report.html options
+expressions exact.rings exact.reals numeric typeset.names formulas.steps codegen.names
+quantities exact.response exact.factors typeset.numerals typeset.order codegen.printers codegen.languages
+exact.levels
+exact.roots exact.solutions typeset.formula typeset.quotients
+catalogue jnd exact.stability typeset.layout
+environments effects distortion simulation.network
+scene crossings interop codegen.code simulation.motions simulation.recordings simulation.propagate simulation.descriptor simulation.fractional simulation.rightmost
+peaks codegen.forms formulas.structure formulas.groups bounds
+formulas.asymptotics simulation.blocks simulation.linear simulation.lockin simulation.results
+percepts typeset.plain typeset.mathml typeset.equations
+answers scenefile simulation.events simulation.text
+text simulation.engine
+evaluation codegen.scene simulation.approximations simulation.run
+formulas.derivation
+formulas.sections
+tex.names figures simulation.simulate
+simulation.command
+simulation.figures
+tex.printer
+tex.lines
+tex.results
+tex.latex
+tex.forms
+tex.document report.mathematics formulas.text
+report.pdf report.results
+report.forms report.figures report.explorer report.scene report.findings
+report.page report.notebook
 cli
 __main__
 """
 RANK = {name: rank for rank, layer in enumerate(LAYERS.split("\n")) for name in layer.split()}
 
 
-MODULES = sorted(path for path in SOURCE.glob("*.py") if path.stem != "__init__")
+MODULES = {
+    ".".join(path.relative_to(SOURCE).with_suffix("").parts): path
+    for path in sorted(SOURCE.rglob("*.py"))
+    if path.stem != "__init__"
+}
 
 
-def imported(path: Path) -> set[str]:
-    """The sister modules that a file imports, also inside functions."""
-    nodes = [
-        n for n in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(n, ast.ImportFrom) and n.level
-    ]
-    return {n.module or alias.name for n in nodes for alias in n.names} - {"__version__"}
+def imported(name: str) -> set[str]:
+    """The sister modules that a module imports, also inside functions."""
+    nodes = [n for n in ast.walk(ast.parse(MODULES[name].read_text(encoding="utf-8"))) if isinstance(n, ast.ImportFrom)]
+    found = set()
+    for node in nodes:
+        above = ["haptisym", *name.split(".")][: -node.level] if node.level else []
+        base = ".".join([*above, *filter(None, [node.module])])
+        if base.split(".")[0] == "haptisym":
+            inside = base.removeprefix("haptisym").lstrip(".")
+            found |= {inside} if inside in MODULES else {f"{inside}.{x.name}".lstrip(".") for x in node.names}
+    return found - {"__version__"}
 
 
-@pytest.mark.parametrize("path", MODULES, ids=lambda p: p.stem)
-def test_a_module_imports_only_from_lower_ranks(path: Path) -> None:
-    assert path.stem in RANK, f"give {path.stem} a rank"
-    for name in imported(path):
-        assert RANK[name] < RANK[path.stem], f"{path.stem} imports {name}"
+@pytest.mark.parametrize("name", MODULES)
+def test_a_module_imports_only_from_lower_ranks(name: str) -> None:
+    assert name in RANK, f"give {name} a rank"
+    for other in imported(name):
+        assert RANK[other] < RANK[name], f"{name} imports {other}"
 
 
 def test_every_rank_names_a_module() -> None:
-    assert set(RANK) == {path.stem for path in MODULES}
+    assert set(RANK) == set(MODULES)
 
 
 def test_importing_the_package_loads_no_matplotlib_and_changes_no_global_state() -> None:
