@@ -53,9 +53,8 @@ HEAVY = {
     "four-channel-teleoperator",
     "position-position-teleoperator",
 }
-PAIRS = often(
-    product(ENVIRONMENTS, EFFECTS), lambda pair: len(HEAVY & set(pair)) < 1 or pair[0] == "mass-spring-damper"
-)
+PLAIN = {"mass-spring-damper", "second-order-lowpass", "delay"}
+PAIRS = often(product(ENVIRONMENTS, EFFECTS), lambda pair: not HEAVY & set(pair) and bool(PLAIN & set(pair)))
 
 
 def felt(scene: hs.Scene, values: dict[Expr, Expr]) -> dict[str, object]:
