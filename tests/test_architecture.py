@@ -16,8 +16,9 @@ SOURCE = Path(haptisym.__file__).parent
 LAYERS = """
 errors symbols typeset.boxes report.html options
 expressions exact.rings exact.reals numeric typeset.names formulas.steps codegen.names
-quantities exact.response exact.factors typeset.numerals typeset.order codegen.printers codegen.languages
-exact.levels
+quantities exact.response exact.wavesums exact.zeros typeset.numerals typeset.order codegen.printers codegen.languages
+exact.polynomials exact.isolation
+exact.levels exact.analytic
 exact.roots exact.solutions typeset.formula typeset.quotients
 catalogue jnd exact.stability typeset.layout
 environments effects distortion simulation.network

@@ -259,7 +259,8 @@ def test_taylor_coefficients_of_an_analytic_factor_are_those_of_mpmath_at_any_le
     import flint
     import mpmath
 
-    from haptisym.exact.factors import AnalyticFactor, Term
+    from haptisym.exact.analytic import AnalyticFactor
+    from haptisym.exact.wavesums import Term
 
     factor = AnalyticFactor(
         (Term((1,), (1,), ((3,), (1,))), Term((0,), (0,), ((2,), (0,), (1,)))),

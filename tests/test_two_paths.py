@@ -12,7 +12,9 @@ from strategies import Seeded
 
 import haptisym as hs
 from haptisym.exact import roots
-from haptisym.exact.factors import AnalyticFactor, PolynomialFactor, Term, polynomial_factors
+from haptisym.exact.analytic import AnalyticFactor
+from haptisym.exact.polynomials import PolynomialFactor, polynomial_factors
+from haptisym.exact.wavesums import Term
 
 RATIONAL = [name for name in hs.scene_names() if not hs.load_scene(name).distortion().perc.ring.functions]
 

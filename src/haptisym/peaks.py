@@ -10,11 +10,12 @@ import flint
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
 from sympy import CRootOf, Expr, Integer, Poly, Symbol, sqrt
 
-from .exact.factors import PolynomialFactor, Root, Zero
 from .exact.levels import the_one
+from .exact.polynomials import PolynomialFactor, Root
 from .exact.reals import Ball, ExactNumber, RealNumber, SquareRoot
 from .exact.response import RealFunction
 from .exact.roots import chart
+from .exact.zeros import Zero
 from .jnd import Part
 from .scene import Scene
 

@@ -13,9 +13,10 @@ from sympy import Dummy, Expr, Rational, minimal_polynomial
 from haptisym.errors import SceneError, UndecidedError
 from haptisym.symbols import omega
 
-from .factors import Factor, PolynomialFactor, Root, polynomial_factors
+from .polynomials import PolynomialFactor, Root, polynomial_factors
 from .reals import Ball, ExactNumber, RealNumber
 from .response import RealFunction
+from .zeros import Factor
 
 _MOST_BITS = 1 << 16  # different numbers always show that they differ; this only bounds a mistake of ours
 

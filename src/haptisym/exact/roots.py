@@ -20,11 +20,14 @@ from sympy import Expr, Integer, Rational
 from haptisym.errors import UndecidedError
 from haptisym.symbols import omega
 
-from .factors import MOST_BITS, AnalyticFactor, Factor, PolynomialFactor, Term, Undecided, Zero, polynomial_factors
+from .analytic import AnalyticFactor
 from .levels import Level
+from .polynomials import PolynomialFactor, polynomial_factors
 from .reals import Ball, ExactNumber, RealNumber, expression_ball
 from .response import Axis, RealFunction
 from .rings import Polynomial, PolynomialRing, RationalFunction
+from .wavesums import Term
+from .zeros import MOST_BITS, Factor, Undecided, Zero
 
 Key: TypeAlias = Hashable
 """What a function of a chart is called."""

@@ -1,0 +1,137 @@
+"""All zeros of a function with Taylor coefficients in balls, on an interval: subdivision until each piece is clear."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+
+import flint
+from flint import arb, arb_poly, arb_series
+from sympy import Expr
+
+from haptisym.errors import UndecidedError
+
+from .reals import Ball, RealNumber, expression_ball
+from .zeros import MOST_BITS, SmoothFactor, Undecided, Zero, is_clear
+
+_TAYLOR_ORDER = 6
+
+
+class SeriesFactor(SmoothFactor):
+    """A factor that has all its Taylor coefficients."""
+
+    @abstractmethod
+    def series(self, x: Ball, length: int) -> arb_series:
+        """Taylor coefficients of the function about every point of a ball: value, slope, half curvature, ..."""
+
+    def taylor(self, x: Ball, order: int) -> Ball:
+        return self.series(x, order + 1)[order] if order else self.value(x)
+
+    def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
+        """Enclosures of value, slope and half curvature over a ball of frequencies.
+
+        Taylor's theorem about the middle m, f(m + h) = c_0 + c_1 h + ... + c(xi) h^n, with the last coefficient enclosed over the
+        whole ball: tight as soon as the ball is shorter than what the function does, however much its terms cancel.
+        """
+        about = self.series(box.mid(), _TAYLOR_ORDER)
+        last = self.series(box, _TAYLOR_ORDER + 1)[_TAYLOR_ORDER]
+        taylor = arb_poly([*(about[i] for i in range(_TAYLOR_ORDER)), last])
+        slope = taylor.derivative()
+        h = box - box.mid()
+        return taylor(h), slope(h), slope.derivative()(h) / 2
+
+
+def isolated(f: SeriesFactor, low: Ball, high: Ball) -> list[RealNumber]:
+    """All zeros between two dyadic numbers: subdivision until each piece is clear, monotone or bent one way only."""
+    found: list[RealNumber] = []
+    pieces = [(low, high)] if low < high else []
+    while pieces:
+        a, b = pieces.pop()
+        answer = _judged(f, a, b, len(found))
+        if answer is None:
+            middle = _cut(f, a, b)
+            pieces += [(middle, b), (a, middle)]
+        else:
+            found += answer
+    return found
+
+
+def _judged(f: SeriesFactor, a: Ball, b: Ball, index: int) -> list[RealNumber] | None:
+    """The zeros in a piece, if it is clear enough to tell."""
+    with flint.ctx.workprec(128):
+        box = a.union(b)
+        value, slope, bend = f.over(box)
+        if is_clear(value):
+            return []
+        if is_clear(slope):
+            return _between(f, a, b, index)
+        if is_clear(bend):
+            return _on_a_bend(f, a, b, 1 if bend > 0 else -1, index)
+        if (b - a) < abs(box.mid()) * arb(2) ** -60:
+            raise UndecidedError(f"how often a function vanishes near omega = {float(box.mid()):.17g} rad/s")
+    return None
+
+
+def _sign(f: SeriesFactor, x: Ball, derivative: int = 0) -> int:
+    """The sign of the function, or of its slope, at a dyadic number; UndecidedError if it stays open."""
+    bits = 128
+    while bits <= MOST_BITS:
+        with flint.ctx.workprec(bits):
+            value = f.series(x, derivative + 1)[derivative]
+            if value > 0 or value < 0:
+                return 1 if value > 0 else -1
+        bits *= 2
+    raise UndecidedError(f"the sign of a function at omega = {float(x.mid()):.17g} rad/s")
+
+
+def _between(f: SeriesFactor, a: Ball, b: Ball, index: int) -> list[RealNumber]:
+    """On a monotone piece: one zero or none."""
+    return [Zero(f, a, b, index)] if _sign(f, a) != _sign(f, b) else []
+
+
+def _on_a_bend(f: SeriesFactor, a: Ball, b: Ball, bend: int, index: int) -> list[RealNumber]:
+    """On a piece that bends one way only: the extremum decides between no zero and two, or stays undecided."""
+    left, right = _sign(f, a), _sign(f, b)
+    if left != right:
+        return [Zero(f, a, b, index)]
+    if left != bend or _sign(f, a, 1) == _sign(f, b, 1):
+        return []
+    extremum = Zero(f, a, b, index, derivative=1)
+    bits = 128
+    while bits <= MOST_BITS:
+        with flint.ctx.workprec(bits):
+            at = extremum.ball(bits)
+            value = f.over(at)[0]
+            if value > 0 or value < 0:
+                if (1 if value > 0 else -1) == left:
+                    return []
+                return [Zero(f, a, at.mid(), index), Zero(f, at.mid(), b, index + 1)]
+        bits *= 2
+    return [Undecided(f, extremum)]
+
+
+def _cut(f: SeriesFactor, a: Ball, b: Ball) -> Ball:
+    """A dyadic number a little off the middle of a piece, at which the function is not zero."""
+    with flint.ctx.workprec(128):
+        for share in (127, 131, 113, 149):
+            cut = (a + (b - a) * share / 256).mid()
+            value = f.value(cut)
+            if value > 0 or value < 0:
+                return cut
+        return (a + (b - a) * 127 / 256).mid()
+
+
+def clear_of(f: SeriesFactor, place: Expr, order: int, *, above: bool) -> Ball:
+    """A dyadic number beside a zero of known order, with no other zero in between.
+
+    f(x) = f_m(xi) (x - place)^m with f_m the m-th Taylor coefficient about some xi in between, because all lower ones
+    vanish at the place: where the enclosure of f_m over the piece is clear of 0, there is no other zero.
+    """
+    with flint.ctx.workprec(128):
+        centre, reach = expression_ball(place), arb(1) / 4
+        for _ in range(200):
+            end = (centre + (reach if above else -reach)).mid()
+            piece = (centre.lower() if above else centre.upper()).union(end)
+            if is_clear(f.series(piece, order + 1)[order]):
+                return end
+            reach = reach / 4
+    raise UndecidedError(f"whether a function vanishes again near omega = {place} rad/s")

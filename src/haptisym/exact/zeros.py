@@ -1,0 +1,150 @@
+"""What irreducible real functions of omega share: certified zeros, exact orders, signs.
+
+A real function is taken apart into irreducible factors. Different factors vanish at different frequencies (for
+polynomials always, for analytic functions except by coincidence) and each has only simple zeros or such tangencies as
+cannot be told from simple pairs. A factor knows all its zeros in an interval, its order at a given number, and its sign.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+import flint
+from sympy import Expr
+
+from haptisym.errors import UndecidedError
+
+from .reals import Ball, RealNumber, expression_ball
+
+MOST_BITS = 1 << 13
+"""The precision at which a question about an analytic function is given up as undecided."""
+
+
+def rounded_up(bits: int) -> int:
+    """The next power of two, at least 128: so that questions of about the same precision share one isolation."""
+    return max(128, 1 << (bits - 1).bit_length())
+
+
+def around(low: Expr, high: Expr) -> tuple[Ball, Ball]:
+    """Dyadic numbers that enclose an interval."""
+    with flint.ctx.workprec(128):
+        return expression_ball(low).lower(), expression_ball(high).upper()
+
+
+def is_clear(ball: Ball) -> bool:
+    """Whether a ball lies on one side of 0; not so for one that is not a number, as a logarithm over 0."""
+    return bool(ball > 0 or ball < 0)
+
+
+class Factor(ABC):
+    """An irreducible real function of omega."""
+
+    @abstractmethod
+    def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
+        """All zeros strictly between two numbers, and perhaps others outside; a tangency that stays undecided among them."""
+
+    @abstractmethod
+    def order_at(self, place: Expr) -> Any:
+        """The order of the zero at an exact number, counted in omega; 0 if it is none; a fraction for powers of omega at 0."""
+
+    @abstractmethod
+    def value(self, x: Ball) -> Ball:
+        """A ball around the value at a ball of frequencies, at the current working precision."""
+
+    def steady_sign(self, low: Expr, high: Expr) -> int:
+        """The sign all over a closed interval where a quick look shows that there is no zero on it; 0 where it does not."""
+        return 0
+
+    def multiplicity(self, zero: RealNumber) -> int:
+        """The order of one of the zeros; that of a tangency that stayed undecided is taken as 2."""
+        return 2 if isinstance(zero, Undecided) else 1
+
+    def sign_at(self, place: Callable[[int], Ball], most_bits: int = MOST_BITS) -> int:
+        """The sign at a number that is no zero, given as a function from bits to a ball; UndecidedError at the limit."""
+        bits = 128
+        while bits <= most_bits:
+            with flint.ctx.workprec(bits):
+                value = self.value(place(bits))
+                if value > 0 or value < 0:
+                    return 1 if value > 0 else -1
+            bits *= 2
+        raise UndecidedError(f"the sign of a function at omega = {float(place(64).mid()):.17g} rad/s")
+
+
+class SmoothFactor(Factor):
+    """A factor whose Taylor coefficients are known."""
+
+    @abstractmethod
+    def taylor(self, x: Ball, order: int) -> Ball:
+        """A ball around the Taylor coefficient of that order about every point of a ball of frequencies."""
+
+
+@dataclass(frozen=True)
+class Zero(RealNumber):
+    """A simple zero of a factor, alone between ``low`` and ``high``, where the signs differ."""
+
+    factor: SmoothFactor
+    low: Ball = field(compare=False)
+    high: Ball = field(compare=False)
+    index: int = 0
+    derivative: int = 0
+    """0 for a zero of the function itself, 1 for one of its slope."""
+
+    def ball(self, bits: int) -> Ball:
+        return _refined(self, self.low, self.high, rounded_up(bits))
+
+
+@dataclass(frozen=True)
+class Undecided(RealNumber):
+    """A frequency near which a function has a double zero, or two, or none: not decided at the precision limit."""
+
+    factor: Factor
+    near: Zero
+
+    def ball(self, bits: int) -> Ball:
+        return self.near.ball(bits)
+
+
+@lru_cache(maxsize=4096)
+def _refined(zero: Zero, low: Ball, high: Ball, bits: int) -> Ball:
+    """An enclosure as tight as that many bits allow: interval Newton, with bisection where the slope is not clear of 0."""
+    k = zero.derivative
+
+    def value(x: Ball) -> Ball:
+        return zero.factor.taylor(x, k)
+
+    def slope(x: Ball) -> Ball:
+        return (k + 1) * zero.factor.taylor(x, k + 1)
+
+    with flint.ctx.workprec(bits):
+        if bits > 128:
+            rough = _refined(zero, low, high, bits // 2)
+            closer = low.max(rough.lower()), high.min(rough.upper())
+            if all(is_clear(value(x)) for x in closer):
+                low, high = closer
+        return tightened(low, high, bits, value, slope)
+
+
+def tightened(low: Ball, high: Ball, bits: int, value: Callable[[Ball], Ball], slope: Callable[[Ball], Ball]) -> Ball:
+    """The enclosure of the one simple zero between two exact numbers, as tight as that many bits allow.
+
+    Interval Newton where the slope is clear of 0, bisection elsewhere. The ends stay exact numbers: a ball around them
+    reaches a little beyond, where a twin of the zero may lie.
+    """
+    left = value(low)
+    while True:
+        box, middle = low.union(high), ((low + high) / 2).mid()
+        at, steep = value(middle), slope(box)
+        floor = not is_clear(at) or not is_clear(left)  # the working precision shows no more
+        before = high - low
+        if is_clear(steep):
+            step = middle - at / steep
+            low, high = low.max(step.lower()), high.min(step.upper())
+        if box.rel_accuracy_bits() >= bits - 24 or (floor and not (high - low) < before / 2):
+            return low.union(high)
+        if not floor and not (high - low) < before / 2 and low < middle < high:
+            low, high = (middle, high) if (at > 0) == (left > 0) else (low, middle)
