@@ -31,7 +31,11 @@ text simulation.engine
 evaluation codegen.scene simulation.approximations simulation.run
 formulas.derivation
 formulas.sections
-tex.names figures simulation.simulate
+tex.names figures.sampling simulation.simulate
+figures.style
+figures.nyquist figures.ratios
+figures.projections figures.square
+figures.files
 simulation.command
 simulation.figures
 tex.printer

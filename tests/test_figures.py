@@ -23,7 +23,11 @@ import haptisym as hs
 from haptisym import Part
 from haptisym.effects import first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import mass_spring_damper
-from haptisym.figures import draw_jnd_square, draw_nyquist, draw_projections, draw_ratios, save_figures
+from haptisym.figures.files import save_figures
+from haptisym.figures.nyquist import draw_nyquist
+from haptisym.figures.projections import draw_projections
+from haptisym.figures.ratios import draw_ratios
+from haptisym.figures.square import draw_jnd_square
 
 PAPER = hs.Scene(mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m"), (second_order_lowpass("80 rad/s", "0.5"),))
 UNDAMPED = hs.Scene(mass_spring_damper(m=1, k=100), (shunt(m="0.1"),))
@@ -429,7 +433,7 @@ def test_the_square_saved_is_of_the_middle_of_the_first_percept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[float] = []
-    monkeypatch.setattr("haptisym.figures.draw_jnd_square", lambda _ax, _result, omega: asked.append(omega))
+    monkeypatch.setattr("haptisym.figures.files.draw_jnd_square", lambda _ax, _result, omega: asked.append(omega))
     monkeypatch.setattr(Figure, "savefig", lambda *_args, **_options: None)
     for scene in (PAPER, IDENTITY):
         save_figures(hs.evaluate(scene), tmp_path)
@@ -446,9 +450,9 @@ def test_no_figure_needs_pyplot() -> None:
     probe = (
         "import sys, haptisym as hs\n"
         "from matplotlib.figure import Figure\n"
-        "from haptisym import figures\n"
+        "from haptisym.figures.ratios import draw_ratios\n"
         "scene = hs.Scene(hs.environments.mass_spring_damper(1, 5, 100), (hs.effects.first_order_lag(20),))\n"
-        "figures.draw_ratios(Figure().add_subplot(), hs.evaluate(scene))\n"
+        "draw_ratios(Figure().add_subplot(), hs.evaluate(scene))\n"
         "assert 'matplotlib.pyplot' not in sys.modules\n"
     )
     subprocess.run([sys.executable, "-W", "error", "-c", probe], check=True)

@@ -87,7 +87,7 @@ def evaluate(
     """
     result = evaluate_scene(load_scene(scene), digits)
     if figures is not None:
-        from .figures import save_figures
+        from .figures.files import save_figures
 
         written = save_figures(result, figures)
         click.echo(f"{len(written)} figures written to {figures}", err=True)

@@ -13,7 +13,11 @@ from matplotlib.figure import Figure
 
 from haptisym.errors import SceneError
 from haptisym.evaluation import Evaluation
-from haptisym.figures import BLUE, GREY, INK, RED, SHADE, draw_jnd_square, draw_nyquist, draw_projections, draw_ratios
+from haptisym.figures.nyquist import draw_nyquist
+from haptisym.figures.projections import draw_projections
+from haptisym.figures.ratios import draw_ratios
+from haptisym.figures.square import draw_jnd_square
+from haptisym.figures.style import BLUE, GREY, INK, RED, SHADE
 from haptisym.jnd import Part
 
 from .html import Html, element

@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from haptisym.figures import BLUE, GREY, INK, RED, TEXT, _dress, _figure, _legend, _line, _save
+from haptisym.figures.style import BLUE, GREY, INK, RED, TEXT, dress, handle, legend, one_column, save
 from haptisym.jnd import Part
 from haptisym.numeric import Array
 from haptisym.quantities import Motion as Kind
@@ -35,15 +35,15 @@ def draw_time(ax: Axes, run: Simulated) -> None:
     ax.plot(time, motion / sizes[1], color=BLUE, linestyle=_DASHED, linewidth=1.0)
     ax.plot(time, force / sizes[0], color=INK, linewidth=1.0)
     ax.set(xlim=(time[0], time[-1]), ylim=(-1.08, 1.08))
-    _dress(ax)
+    dress(ax)
     ax.set_xlabel("time (s)", fontsize=TEXT)
     ax.set_ylabel("fraction of largest", fontsize=TEXT)
     length, newton = _units(run)
     handles = [
-        _line(INK, _SOLID, f"force, 1 is {sizes[0]:.3g} {newton}"),
-        _line(BLUE, _DASHED, f"motion, 1 is {_short_length(sizes[1], length)}"),
+        handle(INK, _SOLID, f"force, 1 is {sizes[0]:.3g} {newton}"),
+        handle(BLUE, _DASHED, f"motion, 1 is {_short_length(sizes[1], length)}"),
     ]
-    _legend(ax, handles)
+    legend(ax, handles)
 
 
 def draw_loop(ax: Axes, run: Simulated) -> None:
@@ -62,10 +62,10 @@ def draw_loop(ax: Axes, run: Simulated) -> None:
     ax.plot(
         _smooth(run.displacement[part]) * factor, _smooth(run.force[part]), color=RED, linestyle=_DASHED, linewidth=1.1
     )
-    _dress(ax)
+    dress(ax)
     ax.set_xlabel(f"displacement ({shown})", fontsize=TEXT)
     ax.set_ylabel(f"force ({newton})", fontsize=TEXT)
-    _legend(ax, [_line(BLUE, _SOLID, name), _line(RED, _DASHED, "at the hand")])
+    legend(ax, [handle(BLUE, _SOLID, name), handle(RED, _DASHED, "at the hand")])
 
 
 def draw_recovered(ax: Axes, runs: Sequence[Simulated], part: Part) -> None:
@@ -83,13 +83,13 @@ def draw_recovered(ax: Axes, runs: Sequence[Simulated], part: Part) -> None:
     marker: dict[str, Any] = {"marker": "o", "markersize": 3.8, "markerfacecolor": "white", "markeredgewidth": 0.9}
     ax.plot(omegas, found, linestyle="none", color=INK, zorder=4, **marker)
     ax.set(xlim=(grid[0], grid[-1]), ylim=_limits(curve, np.array(found)))
-    _dress(ax)
+    dress(ax)
     ax.set_xlabel(r"$\omega$ (rad/s)", fontsize=TEXT)
     unit = "N·m/rad" if runs[0].scene.motion is Kind.ROTATION else "N/m"
     name = rf"\mathrm{{{'Re' if part is Part.REAL else 'Im'}}}"
     ax.set_ylabel(rf"${name}\,H_\mathrm{{perc}}$ ({unit})", fontsize=TEXT)
     rings = Line2D([], [], linestyle="none", color=INK, label="from the simulated force", **marker)
-    _legend(ax, [_line(RED, _DASHED, "closed form"), rings])
+    legend(ax, [handle(RED, _DASHED, "closed form"), rings])
 
 
 def save_simulation_figures(runs: Sequence[Simulated], directory: str | Path) -> list[Path]:
@@ -107,7 +107,7 @@ def save_simulation_figures(runs: Sequence[Simulated], directory: str | Path) ->
     if any(run.estimates for run in runs):
         drawings["recovered-real"] = (2.0, lambda ax: draw_recovered(ax, runs, Part.REAL))
         drawings["recovered-imag"] = (2.0, lambda ax: draw_recovered(ax, runs, Part.IMAG))
-    return [path for name, (height, draw) in drawings.items() for path in _save(folder / name, _figure(height, draw))]
+    return [path for name, (height, draw) in drawings.items() for path in save(folder / name, one_column(height, draw))]
 
 
 def _last(run: Simulated, periods: int) -> slice:
