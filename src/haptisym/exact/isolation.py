@@ -5,15 +5,13 @@ from __future__ import annotations
 from abc import abstractmethod
 
 import flint
-from flint import arb, arb_poly, arb_series
+from flint import arb, arb_series
 from sympy import Expr
 
 from haptisym.errors import UndecidedError
 
 from .reals import Ball, RealNumber, expression_ball
 from .zeros import MOST_BITS, SmoothFactor, Undecided, Zero, is_clear
-
-_TAYLOR_ORDER = 6
 
 
 class SeriesFactor(SmoothFactor):
@@ -26,18 +24,9 @@ class SeriesFactor(SmoothFactor):
     def taylor(self, x: Ball, order: int) -> Ball:
         return self.series(x, order + 1)[order] if order else self.value(x)
 
+    @abstractmethod
     def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
-        """Enclosures of value, slope and half curvature over a ball of frequencies.
-
-        Taylor's theorem about the middle m, f(m + h) = c_0 + c_1 h + ... + c(xi) h^n, with the last coefficient enclosed over the
-        whole ball: tight as soon as the ball is shorter than what the function does, however much its terms cancel.
-        """
-        about = self.series(box.mid(), _TAYLOR_ORDER)
-        last = self.series(box, _TAYLOR_ORDER + 1)[_TAYLOR_ORDER]
-        taylor = arb_poly([*(about[i] for i in range(_TAYLOR_ORDER)), last])
-        slope = taylor.derivative()
-        h = box - box.mid()
-        return taylor(h), slope(h), slope.derivative()(h) / 2
+        """Enclosures of value, slope and half curvature over a ball of frequencies, tight for a short one."""
 
 
 def isolated(f: SeriesFactor, low: Ball, high: Ball) -> list[RealNumber]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, TypeAlias
 
 import flint
@@ -12,6 +12,8 @@ from flint import arb, arb_poly, arb_series, fmpz_poly
 from sympy import Expr
 
 from .reals import Ball, expression_ball
+
+_TAYLOR_ORDER = 6
 
 
 @dataclass(frozen=True)
@@ -48,26 +50,23 @@ class WaveSum:
 
     def value(self, x: Ball) -> Ball:
         """A ball around the value at a ball of frequencies, at the current working precision."""
-        compiled = _compiled(self, flint.ctx.prec)
-        return compiled.total(x, [p(x) for _, _, p in compiled.terms])
+        return _compiled(self, flint.ctx.prec).value(x)
 
     def series(self, x: Ball, length: int) -> arb_series:
         """Taylor coefficients of the function about every point of a ball: value, slope, half curvature, ..."""
-        compiled, derivatives = _compiled(self, flint.ctx.prec), _derivatives(self, flint.ctx.prec)
-        cap, flint.ctx.cap = flint.ctx.cap, length  # FLINT cuts series at this length, and what is cut off reads as 0
-        try:
-            polynomials = [arb_series([p(x) for p in row[:length]], length) for row in derivatives]
-            return compiled.total(arb_series([x, 1], length), polynomials)
-        finally:
-            flint.ctx.cap = cap
+        return _compiled(self, flint.ctx.prec).series(x, length)
+
+    def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
+        """Enclosures of value, slope and half curvature over a ball of frequencies."""
+        return _compiled(self, flint.ctx.prec).over(box)
 
 
 _Number: TypeAlias = Any  # flint.arb or flint.arb_series: both know sin_cos, log and exp
 _Key: TypeAlias = tuple[tuple[int, ...], tuple[int, ...]]
 
 
-@dataclass(frozen=True)
-class _Compiled:
+@dataclass(frozen=True, eq=False)
+class Compiled:
     """A sum with balls of one precision for its constants: waves of constant angles are among the coefficients.
 
     ``rates``, ``degrees``: of the half angles that turn. ``terms``: sine powers, powers of omega^alpha, polynomial.
@@ -78,7 +77,42 @@ class _Compiled:
     exponents: tuple[Ball, ...]
     terms: tuple[tuple[tuple[int, ...], tuple[int, ...], arb_poly], ...]
 
-    def total(self, at: _Number, polynomials: Sequence[_Number]) -> _Number:
+    def value(self, x: Ball) -> Ball:
+        """A ball around the value at a ball of frequencies."""
+        return self._total(x, [p(x) for _, _, p in self.terms])
+
+    def series(self, x: Ball, length: int) -> arb_series:
+        """Taylor coefficients of the function about every point of a ball: value, slope, half curvature, ..."""
+        cap, flint.ctx.cap = flint.ctx.cap, length  # FLINT cuts series at this length, and what is cut off reads as 0
+        try:
+            polynomials = [arb_series([p(x) for p in row[:length]], length) for row in self._derivatives]
+            return self._total(arb_series([x, 1], length), polynomials)
+        finally:
+            flint.ctx.cap = cap
+
+    def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
+        """Enclosures of value, slope and half curvature over a ball of frequencies.
+
+        Taylor's theorem about the middle m, f(m + h) = c_0 + c_1 h + ... + c(xi) h^n, with the last coefficient enclosed over the
+        whole ball: tight as soon as the ball is shorter than what the function does, however much its terms cancel.
+        """
+        about = self.series(box.mid(), _TAYLOR_ORDER)
+        last = self.series(box, _TAYLOR_ORDER + 1)[_TAYLOR_ORDER]
+        taylor = arb_poly([*(about[i] for i in range(_TAYLOR_ORDER)), last])
+        slope = taylor.derivative()
+        h = box - box.mid()
+        return taylor(h), slope(h), slope.derivative()(h) / 2
+
+    @cached_property
+    def _derivatives(self) -> list[list[arb_poly]]:
+        """For the polynomial p of each term p, p', p''/2, ...: its Taylor coefficients as functions of where."""
+        rows = [[p] for _, _, p in self.terms]
+        for row in rows:
+            for k in range(1, row[0].degree() + 1):
+                row.append(row[-1].derivative() * (arb(1) / k))
+        return rows
+
+    def _total(self, at: _Number, polynomials: Sequence[_Number]) -> _Number:
         """The sum of the terms, given the value (or the series) of each one's polynomial."""
         waves = [_Waves(rate * at, degree) for rate, degree in zip(self.rates, self.degrees, strict=True)]
         roots = [_Powers((at.log() * a).exp()) for a in self.exponents]
@@ -121,7 +155,7 @@ class _Waves(dict[int, Any]):
 
 
 @lru_cache(maxsize=512)
-def _compiled(waves: WaveSum, bits: int) -> _Compiled:
+def _compiled(waves: WaveSum, bits: int) -> Compiled:
     with flint.ctx.workprec(bits):
         halves = [expression_ball(rate) / 2 for rate, _ in waves.rates]
         turning = [i for i, (_, constant) in enumerate(waves.rates) if not constant]
@@ -133,20 +167,9 @@ def _compiled(waves: WaveSum, bits: int) -> _Compiled:
                 polynomial = polynomial * wave[term.turns[i]]
             key = tuple(term.turns[i] for i in turning), term.powers
             terms[key] = terms[key] + polynomial if key in terms else polynomial
-        return _Compiled(
+        return Compiled(
             tuple(halves[i] for i in turning),
             tuple(waves.degrees[i] for i in turning),
             tuple(expression_ball(order) for order in waves.orders),
             tuple((*key, polynomial) for key, polynomial in terms.items()),
         )
-
-
-@lru_cache(maxsize=512)
-def _derivatives(waves: WaveSum, bits: int) -> list[list[arb_poly]]:
-    """For the polynomial p of each term p, p', p''/2, ...: its Taylor coefficients as functions of where."""
-    with flint.ctx.workprec(bits):
-        rows = [[p] for _, _, p in _compiled(waves, bits).terms]
-        for row in rows:
-            for k in range(1, row[0].degree() + 1):
-                row.append(row[-1].derivative() * (arb(1) / k))
-        return rows
