@@ -19,6 +19,7 @@ expressions exact.rings exact.reals numeric typeset.names formulas.steps codegen
 quantities exact.response exact.wavesums exact.zeros typeset.numerals typeset.order codegen.printers codegen.languages
 exact.polynomials exact.isolation
 exact.levels exact.analytic
+exact.factoring
 exact.roots exact.solutions typeset.formula typeset.quotients
 catalogue jnd exact.stability typeset.layout
 environments effects distortion simulation.network

@@ -11,7 +11,7 @@ from marks import often
 from strategies import Seeded
 
 import haptisym as hs
-from haptisym.exact import roots
+from haptisym.exact import factoring
 from haptisym.exact.analytic import AnalyticFactor
 from haptisym.exact.polynomials import PolynomialFactor, polynomial_factors
 from haptisym.exact.wavesums import Term
@@ -39,9 +39,9 @@ def searched(monkeypatch: pytest.MonkeyPatch) -> list[AnalyticFactor]:
         sign, lowest, found = polynomial_factors(coefficients)
         return sign, lowest, [(other(f), n) for f, n in found]
 
-    exact = roots._polynomial_factor
-    monkeypatch.setattr(roots, "polynomial_factors", in_factors)
-    monkeypatch.setattr(roots, "_polynomial_factor", lambda factor: other(exact(factor)))
+    exact = factoring._polynomial_factor
+    monkeypatch.setattr(factoring, "polynomial_factors", in_factors)
+    monkeypatch.setattr(factoring, "_polynomial_factor", lambda factor: other(exact(factor)))
     return went
 
 

@@ -6,27 +6,25 @@ before, at and after each. Every question about a band (crossings, percepts, act
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Hashable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass
 from itertools import pairwise
 from math import prod
 from typing import Any, TypeAlias
 
 import flint
-from flint import arb
-from sympy import Expr, Integer, Rational
+from sympy import Expr, Rational
 
 from haptisym.errors import UndecidedError
 from haptisym.symbols import omega
 
 from .analytic import AnalyticFactor
+from .factoring import Factored, Product, factored_function
 from .levels import Level
-from .polynomials import PolynomialFactor, polynomial_factors
+from .polynomials import PolynomialFactor
 from .reals import Ball, ExactNumber, RealNumber, expression_ball
-from .response import Axis, RealFunction
-from .rings import Polynomial, PolynomialRing, RationalFunction
-from .wavesums import Term
+from .response import RealFunction
+from .rings import Polynomial, PolynomialRing
 from .zeros import MOST_BITS, Factor, Undecided, Zero
 
 Key: TypeAlias = Hashable
@@ -106,15 +104,6 @@ class Chart:
         return tuple(point for point in self.points if point.undecided)
 
 
-@dataclass(frozen=True)
-class _Product:
-    """A function as sign and powers: ``sign * omega^power * product of factor^exponent``."""
-
-    sign: int
-    power: Expr
-    exponents: Mapping[Factor, int]
-
-
 def chart(functions: Mapping[Any, RealFunction | Level], low: Expr, high: Expr) -> Chart:
     """The chart of real functions of omega on the band from ``low`` to ``high`` (0 <= low < high, rational in pi).
 
@@ -133,8 +122,8 @@ def chart(functions: Mapping[Any, RealFunction | Level], low: Expr, high: Expr) 
     3.0000 -1 1 1
     9.0000 1 0 1
     """
-    known: list[tuple[Polynomial, _Factored]] = []
-    products = {name: _product(function, known) for name, function in functions.items()}
+    known: list[tuple[Polynomial, Factored]] = []
+    products = {name: factored_function(function, known) for name, function in functions.items()}
     factors = {factor for product in products.values() for factor in product.exponents}
     steady = {f: sign for f in factors if (sign := f.steady_sign(low, high))}
     places = _places(factors - steady.keys(), low, high)
@@ -152,24 +141,24 @@ def chart(functions: Mapping[Any, RealFunction | Level], low: Expr, high: Expr) 
     return Chart(tuple(points))
 
 
-def _turned(signs: Signs, products: Mapping[Key, _Product], orders: Mapping[Key, int], place: _Place) -> dict[Key, int]:
+def _turned(signs: Signs, products: Mapping[Key, Product], orders: Mapping[Key, int], place: _Place) -> dict[Key, int]:
     """The signs of the functions on the other side of a place; below omega = 0 functions are mirrored."""
     odd = [name for name, n in orders.items() if n % 2 and not (place.is_zero and _is_even(products[name]))]
     return {**signs, **{name: -signs[name] for name in odd}}
 
 
-def _is_even(product: _Product) -> bool:
+def _is_even(product: Product) -> bool:
     """Whether a function counts as even though its order at 0 is odd: powers omega^alpha have no other side."""
     return not product.power.is_Integer or any(isinstance(f, AnalyticFactor) and f.orders for f in product.exponents)
 
 
-def _undecided(products: Mapping[Key, _Product], place: _Place) -> frozenset[Key]:
+def _undecided(products: Mapping[Key, Product], place: _Place) -> frozenset[Key]:
     if not place.undecided:
         return frozenset()
     return frozenset(name for name, p in products.items() if not place.undecided.isdisjoint(p.exponents))
 
 
-def _order(product: _Product, place: _Place) -> int:
+def _order(product: Product, place: _Place) -> int:
     order = sum(product.exponents.get(factor, 0) * n for factor, n in place.orders.items())
     return _whole(product.power + order) if place.is_zero else int(order)
 
@@ -180,130 +169,6 @@ def _whole(order: Expr) -> int:
         return int(order)
     sign = sign_of_number(order)
     return sign * (int(abs(float(order))) + 1)
-
-
-# From functions to factors
-
-
-_Factored: TypeAlias = tuple[int, Expr, list[tuple[Factor, int]]]
-
-
-def _product(function: RealFunction | Level, known: list[tuple[Polynomial, _Factored]]) -> _Product:
-    """The function taken apart; ``known`` gathers polynomials that are, as denominators are mostly alike."""
-    if isinstance(function, Level):
-        below = _product(RealFunction(function.function.axis.one / _denominator(function.function)), known)
-        return replace(below, exponents={**below.exponents, function.factor: 1})
-    top, bottom = function.function.numerator, function.function.denominator
-    if top.is_zero():
-        return _Product(0, Integer(0), {})
-    sign, power, exponents = 1, Integer(0), Counter[Factor]()
-    for polynomial, direction in ((top, 1), (bottom, -1)):
-        found = next((taken for other, taken in known if other == polynomial), None)
-        if found is None:
-            found = _factored(polynomial, function.axis)
-            known.append((polynomial, found))
-        own_sign, own_power, factors = found
-        sign, power = sign * own_sign, power + direction * own_power
-        for factor, exponent in factors:
-            exponents[factor] += direction * exponent
-    return _Product(sign, power, {factor: n for factor, n in exponents.items() if n})
-
-
-def _denominator(function: RealFunction) -> RationalFunction:
-    return function.axis.function(function.function.denominator)
-
-
-def _factored(polynomial: Polynomial, axis: Axis) -> _Factored:
-    """Sign, power of omega and irreducible factors; half-angle tangents made homogeneous in cosine and sine."""
-    plain = axis.univariate(polynomial)
-    if plain is not None and not axis.functions:
-        own_sign, lowest, simple = polynomial_factors(plain)
-        return own_sign, Integer(lowest), [*simple]
-    # where sines meet odd powers of omega not all functions are even: then none is factored in omega^2, so that one
-    # frequency is never the zero of two different factors
-    number, factors = axis.factors(polynomial, in_square=not axis.functions)
-    sign, power = (1 if number > 0 else -1), Integer(0)
-    found: list[tuple[Factor, int]] = []
-    for factor, exponent in factors:
-        exponents = _power_of_omega(factor, axis)
-        if exponents is not None:
-            power += exponent * exponents
-            continue
-        made = _factor(factor, axis)
-        if made is None:
-            continue
-        if not _changes(factor, axis):
-            sign *= made.sign_at(lambda _: arb(1)) ** exponent
-        else:
-            found.append((made, exponent))
-    cosines = [(_cosine(axis, i), -n) for i, n in enumerate(_turning(polynomial, axis)) if n]
-    return sign, power, [*found, *cosines]
-
-
-def _power_of_omega(factor: Polynomial, axis: Axis) -> Expr | None:
-    """The exponent of a factor that is omega or omega^alpha itself; None for any other factor."""
-    if factor == axis.variable:
-        return Integer(1)
-    for order, generator in zip(axis.orders, axis.context.gens()[axis.size + len(axis.angles) :], strict=True):
-        if factor == generator:
-            return order
-    return None
-
-
-def _changes(factor: Polynomial, axis: Axis) -> bool:
-    """Whether a factor changes with omega: by omega itself, by an angle of a delay or by a power omega^alpha."""
-    degrees = [int(n) for n in factor.degrees()]
-    return bool(degrees[0]) or any(_turning(factor, axis)) or any(degrees[axis.size + len(axis.angles) :])
-
-
-def _turning(polynomial: Polynomial, axis: Axis) -> list[int]:
-    """The degree in the half-angle tangent of each angle, 0 for the constant ones."""
-    degrees = [int(n) for n in polynomial.degrees()[axis.size :]]
-    return [0 if angle.constant else n for angle, n in zip(axis.angles, degrees, strict=False)]
-
-
-def _factor(factor: Polynomial, axis: Axis) -> Factor | None:
-    """An irreducible polynomial of the axis as a factor; None for 1 + tan^2, which becomes cos^2 + sin^2 = 1."""
-    degrees = [int(n) for n in factor.degrees()]
-    if not any(degrees[axis.size :]):
-        return _polynomial_factor(factor)
-    if any(factor == g**2 + 1 for g in axis.context.gens()[axis.size : axis.size + len(axis.angles)]):
-        return None
-    return _analytic_factor(factor, axis)
-
-
-def _polynomial_factor(factor: Polynomial) -> PolynomialFactor:
-    rows = _rows([((int(e[0]), int(e[1])), int(c.p)) for e, c in factor.to_dict().items()])
-    even = not any(any(row) for row in rows[1::2])
-    return PolynomialFactor(rows[::2] if even else rows, 2 if even else 1)
-
-
-def _rows(terms: Iterable[tuple[tuple[int, int], int]]) -> tuple[tuple[int, ...], ...]:
-    """Coefficients of ascending powers of omega, each as the coefficients of ascending powers of pi."""
-    listed = list(terms)
-    rows: list[list[int]] = [[0] for _ in range(max(power for (power, _), _ in listed) + 1)]
-    for (power, of_pi), value in listed:
-        rows[power].extend([0] * (of_pi + 1 - len(rows[power])))
-        rows[power][of_pi] = value
-    return tuple(tuple(row) for row in rows)
-
-
-def _analytic_factor(factor: Polynomial, axis: Axis) -> AnalyticFactor:
-    angles = len(axis.angles)
-    groups: dict[tuple[int, ...], list[tuple[tuple[int, int], int]]] = {}
-    for exponents, value in factor.to_dict().items():
-        own = [int(n) for n in exponents]
-        groups.setdefault(tuple(own[axis.size :]), []).append(((own[0], own[1]), int(value.p)))
-    terms = tuple(Term(waves[:angles], waves[angles:], _rows(found)) for waves, found in sorted(groups.items()))
-    degrees = tuple(int(n) for n in factor.degrees()[axis.size : axis.size + angles])
-    return AnalyticFactor(terms, tuple((angle.rate, angle.constant) for angle in axis.angles), degrees, axis.orders)
-
-
-def _cosine(axis: Axis, index: int) -> AnalyticFactor:
-    """The cosine of a half angle, which homogeneous forms of different degrees leave behind."""
-    degrees = tuple(int(i == index) for i in range(len(axis.angles)))
-    term = Term((0,) * len(axis.angles), (0,) * len(axis.orders), ((1,),))
-    return AnalyticFactor((term,), tuple((angle.rate, angle.constant) for angle in axis.angles), degrees, axis.orders)
 
 
 # The places of a chart
@@ -348,9 +213,7 @@ def in_order(numbers: list[RealNumber]) -> list[RealNumber]:
     raise UndecidedError(f"whether two frequencies near {float(close[0].mid()):.17g} rad/s are the same")
 
 
-def _first_signs(
-    products: Mapping[Key, _Product], places: list[_Place], steady: Mapping[Factor, int]
-) -> dict[Key, int]:
+def _first_signs(products: Mapping[Key, Product], places: list[_Place], steady: Mapping[Factor, int]) -> dict[Key, int]:
     """The sign of each function between the first two places."""
     first, second = places[0].omega, places[1].omega
 
