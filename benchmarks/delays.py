@@ -20,7 +20,7 @@ from timing import machine, medians, table
 import haptisym as hs
 from haptisym.crossings import Curve, excess, find_crossings
 from haptisym.distortion import part_of
-from haptisym.roots import chart
+from haptisym.exact.roots import chart
 
 Interval = Any  # mpmath's iv.mpf
 

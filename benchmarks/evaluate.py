@@ -15,10 +15,10 @@ import sympy
 from timing import machine, medians, table
 
 import haptisym as hs
-from haptisym import factors
 from haptisym.crossings import Curve, excess, find_crossings
 from haptisym.distortion import part_of
-from haptisym.roots import chart
+from haptisym.exact import factors
+from haptisym.exact.roots import chart
 
 SCENE = hs.load_scene("fu2019")
 NUMBERS = {"m": "9/5", "b": "15", "k": "100", "w": "80", "z": "1/2"}

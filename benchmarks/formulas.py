@@ -17,9 +17,9 @@ from timing import machine, medians
 
 import haptisym as hs
 from haptisym.distortion import Chain
-from haptisym.plain import plain
-from haptisym.response import on_axis
-from haptisym.structure import structure
+from haptisym.exact.response import on_axis
+from haptisym.formulas.structure import structure
+from haptisym.typeset.plain import plain
 
 LIMIT = 60.0
 """Seconds that SymPy gets."""

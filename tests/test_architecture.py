@@ -14,34 +14,34 @@ import haptisym
 SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
-errors symbols boxes reporthtml options
-expressions rings reals numeric names steps codegen_names
-quantities response factors numerals order codegen_printers codegen_languages
-levels
-roots solutions formula quotients
-catalogue jnd stability layout
-environments effects distortion network
-scene crossings interop codegen motions recordings propagate descriptor fractional rightmost
-peaks codegen_forms structure groups bounds
-asymptotics blocks linear lockin simulated
-percepts plain mathml equations
-answers scenefile events simtext
-text engine
-evaluation codegen_scene approximations simrun
-derivation
-sections
-texnames figures simulation
-simcommand
-simfigures
-texprinter
-texlines
-texresults
-latex
-texforms
-texdocument reportmath derivationtext
-reportpdf reportresults
-reportforms reportfigures reportexplorer reportscene reportfindings
-report notebook
+errors symbols typeset.boxes report.html options
+expressions exact.rings exact.reals numeric.values typeset.names formulas.steps codegen.names
+quantities exact.response exact.factors typeset.numerals typeset.order codegen.printers codegen.languages
+exact.levels
+exact.roots exact.solutions typeset.formula typeset.quotients
+catalogue jnd exact.stability typeset.layout
+environments effects distortion simulation.network
+scene crossings interop codegen.code simulation.motions simulation.recordings simulation.propagate simulation.descriptor simulation.fractional simulation.rightmost
+peaks codegen.forms formulas.structure formulas.groups bounds
+formulas.asymptotics simulation.blocks simulation.linear simulation.lockin simulation.results
+percepts typeset.plain typeset.mathml typeset.equations
+answers scenefile simulation.events simulation.text
+text simulation.engine
+evaluation codegen.scene simulation.approximations simulation.run
+formulas.derivation
+formulas.sections
+tex.names figures simulation.simulate
+simulation.command
+simulation.figures
+tex.printer
+tex.lines
+tex.results
+tex.latex
+tex.forms
+tex.document report.mathematics formulas.text
+report.pdf report.results
+report.forms report.figures report.explorer report.scene report.findings
+report.page report.notebook
 cli
 __main__
 """

@@ -7,7 +7,7 @@ import pytest
 from sympy import lambdify, symbols
 
 import haptisym as hs
-from haptisym.asymptotics import expansion
+from haptisym.formulas.asymptotics import expansion
 from haptisym.peaks import largest
 
 NAMES = [name for name in hs.scene_names() if name not in ("admittance-display",)]

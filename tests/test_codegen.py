@@ -25,13 +25,13 @@ from sympy import I, Integer, Rational, Symbol, cosh, exp, pi, sin, sinc, sinh, 
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.codegen import About, Argument, Language, code
-from haptisym.codegen_forms import distortion_steps
-from haptisym.codegen_names import comment, identifiers
-from haptisym.codegen_printers import nearest_double
-from haptisym.codegen_scene import distortion_code, scene_code, scene_program
-from haptisym.numeric import Values
-from haptisym.steps import Steps
+from haptisym.codegen.code import About, Argument, Language, code
+from haptisym.codegen.forms import distortion_steps
+from haptisym.codegen.names import comment, identifiers
+from haptisym.codegen.printers import nearest_double
+from haptisym.codegen.scene import distortion_code, scene_code, scene_program
+from haptisym.formulas.steps import Steps
+from haptisym.numeric.values import Values
 
 MP = mpmath.mp.clone()
 MP.dps = 60

@@ -13,9 +13,9 @@ from test_cli import call  # noqa: F401 - a fixture
 from test_latex import check_layout, compiled
 
 import haptisym as hs
-from haptisym.derivation import QUANTITIES, derive
-from haptisym.derivationtext import to_dict
-from haptisym.sections import sections
+from haptisym.formulas.derivation import QUANTITIES, derive
+from haptisym.formulas.sections import sections
+from haptisym.formulas.text import to_dict
 from haptisym.symbols import X
 
 SHORT = ["fu2019", "delayed-spring", "undamped-resonance", "zener-tissue", "stick-with-friction"]

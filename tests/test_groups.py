@@ -7,8 +7,8 @@ from marks import QUICK_SCENES, often
 from sympy import Rational, sqrt, symbols
 
 import haptisym as hs
-from haptisym.groups import groups
-from haptisym.structure import structure
+from haptisym.formulas.groups import groups
+from haptisym.formulas.structure import structure
 
 SPRING_MASS = hs.environments.mass_spring_damper
 

@@ -21,12 +21,12 @@ from texreader import equations, value
 from haptisym import Scene, Threshold, effects, environments, evaluate, load_scene, scene_names, symbols
 from haptisym.distortion import Distortion, distort
 from haptisym.evaluation import Evaluation
-from haptisym.latex import latex
-from haptisym.numerals import approximate
 from haptisym.symbols import X, omega, s
-from haptisym.texdocument import document
-from haptisym.texlines import LINE, broken, width
-from haptisym.texnames import escape, symbol_name
+from haptisym.tex.document import document
+from haptisym.tex.latex import latex
+from haptisym.tex.lines import LINE, broken, width
+from haptisym.tex.names import escape, symbol_name
+from haptisym.typeset.numerals import approximate
 
 GOLDEN = Path(__file__).parent / "golden"
 m, b, k, omega_n, zeta, omega_c, tau, J, J_w = symbols("m b k omega_n zeta omega_c tau J J_w")

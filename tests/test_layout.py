@@ -14,17 +14,17 @@ from sympy import Abs, Float, I, Integer, Rational, Symbol, acos, asin, atan, co
 from sympy.printing.str import StrPrinter
 
 import haptisym as hs
-from haptisym.boxes import Absolute, Fraction, Name, Numeral, Power, Product, Root, Sum
-from haptisym.equations import QUANTITIES, equation
-from haptisym.formula import readable
-from haptisym.layout import layout
-from haptisym.mathml import mathml
-from haptisym.names import CAPITALS, GREEK, greek, letter
-from haptisym.numerals import is_short, rounded
-from haptisym.plain import plain, text
-from haptisym.rings import PolynomialRing
+from haptisym.exact.rings import PolynomialRing
 from haptisym.symbols import omega, s
-from haptisym.texprinter import formula, tex
+from haptisym.tex.printer import formula, tex
+from haptisym.typeset.boxes import Absolute, Fraction, Name, Numeral, Power, Product, Root, Sum
+from haptisym.typeset.equations import QUANTITIES, equation
+from haptisym.typeset.formula import readable
+from haptisym.typeset.layout import layout
+from haptisym.typeset.mathml import mathml
+from haptisym.typeset.names import CAPITALS, GREEK, greek, letter
+from haptisym.typeset.numerals import is_short, rounded
+from haptisym.typeset.plain import plain, text
 
 m, b, k, omega_n, zeta, omega_c, tau, J = hs.symbols("m b k omega_n zeta omega_c tau J")
 

@@ -29,11 +29,11 @@ from sympy import (
 )
 
 import haptisym as hs
-from haptisym.boxes import Equation
-from haptisym.equations import QUANTITIES, equation
 from haptisym.errors import SceneError
-from haptisym.mathml import markup, mathml
 from haptisym.symbols import X, omega, s
+from haptisym.typeset.boxes import Equation
+from haptisym.typeset.equations import QUANTITIES, equation
+from haptisym.typeset.mathml import markup, mathml
 
 m, b, k, omega_n, zeta, tau = hs.symbols("m b k omega_n zeta tau")
 

@@ -13,8 +13,8 @@ from sympy import Expr, Integer, Poly, Rational, Symbol, expand, pi
 from sympy.abc import x
 
 import haptisym as hs
-from haptisym.response import RealFunction, Ring
-from haptisym.roots import Chart, chart, sign_of_number
+from haptisym.exact.response import RealFunction, Ring
+from haptisym.exact.roots import Chart, chart, sign_of_number
 from haptisym.symbols import omega
 
 Zero = tuple[Fraction, int]
@@ -259,7 +259,7 @@ def test_taylor_coefficients_of_an_analytic_factor_are_those_of_mpmath_at_any_le
     import flint
     import mpmath
 
-    from haptisym.factors import AnalyticFactor, Term
+    from haptisym.exact.factors import AnalyticFactor, Term
 
     factor = AnalyticFactor(
         (Term((1,), (1,), ((3,), (1,))), Term((0,), (0,), ((2,), (0,), (1,)))),

@@ -383,10 +383,10 @@ def test_what_the_scene_does_not_need_is_not_imported() -> None:
         "import sys, haptisym as hs\n"
         "assert 'scipy.linalg' not in sys.modules\n"
         "hs.simulate(hs.load_scene('fu2019'), hs.sine('5 cm', 5), duration=2)\n"
-        "assert 'haptisym.fractional' not in sys.modules and 'matplotlib' not in sys.modules\n"
-        "assert 'haptisym.recordings' not in sys.modules\n"
+        "assert 'haptisym.simulation.fractional' not in sys.modules and 'matplotlib' not in sys.modules\n"
+        "assert 'haptisym.simulation.recordings' not in sys.modules\n"
         "hs.simulate(hs.Scene(hs.environments.spring_pot(80, '0.3')), hs.sine('5 cm', 5), duration=2)\n"
-        "assert 'haptisym.fractional' in sys.modules\n"
+        "assert 'haptisym.simulation.fractional' in sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", probe], check=True)
 

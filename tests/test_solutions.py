@@ -9,8 +9,8 @@ import haptisym as hs
 from haptisym import catalogue
 from haptisym.crossings import excess
 from haptisym.distortion import Distortion, part_of
-from haptisym.roots import chart
-from haptisym.solutions import solve
+from haptisym.exact.roots import chart
+from haptisym.exact.solutions import solve
 from haptisym.symbols import c, omega
 
 E, F = hs.environments, hs.effects

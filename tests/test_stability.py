@@ -15,8 +15,8 @@ from sympy import Expr, Rational, expand, lambdify, pi
 import haptisym as hs
 from haptisym.effects import compliance, second_order_lowpass, series, zero_order_hold
 from haptisym.environments import kelvin_voigt, mass_spring_damper
-from haptisym.response import Ring
-from haptisym.stability import is_stable
+from haptisym.exact.response import Ring
+from haptisym.exact.stability import is_stable
 from haptisym.symbols import s
 
 

@@ -14,10 +14,10 @@ from sympy import Expr, Float, I, Rational
 import haptisym as hs
 from haptisym.catalogue import EFFECTS, ENVIRONMENTS
 from haptisym.distortion import Chain
-from haptisym.numeric import Values
-from haptisym.response import RealFunction
-from haptisym.steps import Steps
-from haptisym.structure import structure
+from haptisym.exact.response import RealFunction
+from haptisym.formulas.steps import Steps
+from haptisym.formulas.structure import structure
+from haptisym.numeric.values import Values
 
 E, F = hs.environments, hs.effects
 GIVEN = {

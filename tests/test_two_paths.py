@@ -11,8 +11,8 @@ from marks import often
 from strategies import Seeded
 
 import haptisym as hs
-from haptisym import roots
-from haptisym.factors import AnalyticFactor, PolynomialFactor, Term, polynomial_factors
+from haptisym.exact import roots
+from haptisym.exact.factors import AnalyticFactor, PolynomialFactor, Term, polynomial_factors
 
 RATIONAL = [name for name in hs.scene_names() if not hs.load_scene(name).distortion().perc.ring.functions]
 

@@ -14,35 +14,35 @@ from .distortion import Distortion, distort
 from .errors import ExpressionError, HaptisymError, SceneError, UndecidedError
 from .evaluation import Evaluation, evaluate
 from .jnd import Part, Threshold
-from .latex import latex
-from .mathml import mathml
-from .notebook import register as _register
 from .peaks import Peak, peaks
 from .percepts import Change, Percept, Property
+from .report.notebook import register as _register
 from .scene import Scene
 from .scenefile import load_scene, parse_scene, scene_names
 from .symbols import omega, s, symbols
+from .tex.latex import latex
+from .typeset.mathml import mathml
 
 _register()
 
 __version__ = "0.1.0"
 
 _ON_DEMAND = {
-    "Derivation": "derivation",
-    "EncoderQuantisation": "simulated",
-    "ForceSaturation": "simulated",
-    "Language": "codegen_scene",
-    "Simulation": "simulation",
-    "check": "simulation",
-    "chirp": "motions",
-    "derive": "derivation",
-    "distortion_code": "codegen_scene",
+    "Derivation": "formulas.derivation",
+    "EncoderQuantisation": "simulation.results",
+    "ForceSaturation": "simulation.results",
+    "Language": "codegen.scene",
+    "Simulation": "simulation.simulate",
+    "check": "simulation.simulate",
+    "chirp": "simulation.motions",
+    "derive": "formulas.derivation",
+    "distortion_code": "codegen.scene",
     "interop": "",
-    "multisine": "motions",
-    "recording": "recordings",
-    "scene_code": "codegen_scene",
-    "simulate": "simulation",
-    "sine": "motions",
+    "multisine": "simulation.motions",
+    "recording": "simulation.recordings",
+    "scene_code": "codegen.scene",
+    "simulate": "simulation.simulate",
+    "sine": "simulation.motions",
 }
 """What is loaded only when it is used: simulation needs SciPy (the extra ``simulate``), formulas cost time at start."""
 

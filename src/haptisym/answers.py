@@ -8,10 +8,10 @@ from functools import cached_property
 from .bounds import AnyEnvironment, any_environment
 from .crossings import Crossing, Curve, find_crossings, transparent_set, unbounded_points
 from .distortion import Distortion
+from .exact.reals import RealNumber
+from .exact.roots import Chart, Interval, Point
 from .jnd import Part
 from .percepts import Percept, changeovers, find_percepts, outside_model
-from .reals import RealNumber
-from .roots import Chart, Interval, Point
 from .scene import Scene
 
 

@@ -14,10 +14,10 @@ from sympy import Integer
 
 from .crossings import level
 from .distortion import Distortion
+from .exact.reals import RealNumber
+from .exact.response import RealFunction, squared_modulus
+from .exact.roots import chart
 from .jnd import Part
-from .reals import RealNumber
-from .response import RealFunction, squared_modulus
-from .roots import chart
 from .scene import Scene
 
 
@@ -36,8 +36,8 @@ class AnyEnvironment:
 def relative_square(distortion: Distortion) -> RealFunction | None:
     """|G - 1|^2 of a chain of series effects, a function of omega without the environment; None for any other chain.
 
-    >>> from . import effects, environments
-    >>> from .distortion import distort
+    >>> from haptisym import effects, environments
+    >>> from haptisym.distortion import distort
     >>> spring = environments.mass_spring_damper(k=100)
     >>> relative_square(distort(spring, effects.first_order_lag(20))).factored()
     omega**2/(omega**2 + 400)
@@ -54,7 +54,7 @@ def relative_square(distortion: Distortion) -> RealFunction | None:
 def any_environment(scene: Scene) -> AnyEnvironment | None:
     """The bounds for a scene whose effects are all in series; None for any other.
 
-    >>> from .scenefile import load_scene
+    >>> from haptisym.scenefile import load_scene
     >>> found = any_environment(load_scene("fu2019"))
     >>> found.transparent_below.digits(5), found.opaque_above.digits(6)
     ('7.9223', '11.1001')

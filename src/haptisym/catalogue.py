@@ -17,8 +17,8 @@ from sympy import Expr, Float, Integer, Symbol
 
 from . import expressions
 from .errors import SceneError
+from .exact.roots import sign_of_number
 from .quantities import Dimension, Exponents, Motion, Number, decimal, quantity
-from .roots import sign_of_number
 from .symbols import s
 
 Matrix: TypeAlias = tuple[Expr, Expr, Expr, Expr]

@@ -92,12 +92,12 @@ def evaluate(
         written = save_figures(result, figures)
         click.echo(f"{len(written)} figures written to {figures}", err=True)
     if latex is not None:
-        from .texdocument import document
+        from .tex.document import document
 
         latex.write_text(document(result), encoding="utf-8")
         click.echo(f"LaTeX written to {latex}", err=True)
     if report is not None:
-        from .report import save_report
+        from .report.page import save_report
 
         save_report(result, report)
         click.echo(f"report written to {report}", err=True)
@@ -140,18 +140,18 @@ def derive(scene: str, mode: str, keep: tuple[str, ...], language: str, names: t
       haptisym derive fu2019 --keep omega_n --of "Re dH" --to latex
       haptisym derive fu2019 --to c > distortion.c
     """
-    from .derivation import derive as derive_scene
+    from .formulas.derivation import derive as derive_scene
 
     loaded = load_scene(scene)
     kept = keep or (None if mode == "symbolic" else ())
     if not as_json and language in _CODE:
-        from .codegen_scene import Language, scene_code
+        from .codegen.scene import Language, scene_code
 
         names_kept = None if kept is None else [x for x in kept if x != "c"]
         click.echo(scene_code(loaded, Language[language.upper()], parameters=names_kept), nl=False)
         return
-    from . import derivationtext
-    from .sections import asked, sections
+    from .formulas import text as derivationtext
+    from .formulas.sections import asked, sections
 
     d = derive_scene(loaded, kept)
     found = asked(d, names) if names else sections(d)
@@ -206,16 +206,16 @@ def simulate(scene: str, as_json: bool, check: bool, figures: Path | None, **opt
       haptisym simulate sampled-wall --check
       haptisym simulate stick-with-friction --amplitude "5 cm" --figures figures
     """
-    from .simcommand import run  # SciPy is loaded for this verb alone
+    from .simulation.command import run  # SciPy is loaded for this verb alone
 
     runs = run(load_scene(scene), check, options)
     if figures is not None:
-        from .simfigures import save_simulation_figures
+        from .simulation.figures import save_simulation_figures
 
         written = save_simulation_figures(runs, figures)
         click.echo(f"{len(written)} figures written to {figures}", err=True)
-    from .simtext import page
-    from .simulated import document
+    from .simulation.results import document
+    from .simulation.text import page
 
     click.echo(dumps(document(runs), indent=2, ensure_ascii=False) if as_json else page(runs), nl=as_json)
     if any(x.agrees is False for x in runs):

@@ -8,12 +8,12 @@ from enum import Enum
 from sympy import Expr
 
 from .distortion import Distortion, part_of
+from .exact.levels import Level, algebraic
+from .exact.reals import ExactNumber, RealNumber
+from .exact.response import RealFunction, on_axis
+from .exact.rings import RationalFunction
+from .exact.roots import Chart, Interval, Point
 from .jnd import Part, Threshold, is_irrational_algebraic
-from .levels import Level, algebraic
-from .reals import ExactNumber, RealNumber
-from .response import RealFunction, on_axis
-from .rings import RationalFunction
-from .roots import Chart, Interval, Point
 
 
 class CrossingKind(Enum):

@@ -11,11 +11,11 @@ from sympy import Abs, Expr, I, Rational, Symbol, sqrt
 
 from .catalogue import Effect, Environment, Matrix
 from .errors import SceneError
+from .exact.response import Axis, RealFunction, Response, Ring, on_axis, squared_modulus
+from .exact.rings import RationalFunction
+from .exact.solutions import solve
 from .jnd import Part
-from .numeric import Values, compiled
-from .response import Axis, RealFunction, Response, Ring, on_axis, squared_modulus
-from .rings import RationalFunction
-from .solutions import solve
+from .numeric.values import Values, compiled
 from .symbols import X, c, omega, s
 
 
@@ -26,7 +26,7 @@ def distort(environment: Environment, *effects: Effect, rendered: Environment | 
     dH and the ratios compare with ``environment``. Parameters may be numbers or symbols. Raises SceneError where H_env is
     zero everywhere or H_perc is not a dynamics.
 
-    >>> from . import effects, environments
+    >>> from haptisym import effects, environments
     >>> d = distort(environments.mass_spring_damper(k=100), effects.first_order_lag(20))
     >>> d.perceived, d.real
     (2000/(s + 20), -100*omega**2/(omega**2 + 400))
@@ -246,8 +246,8 @@ class Distortion:
         It returns a named tuple of arrays (``real``, ``imag``, ``ratio_real``, ``ratio_imag``, ...) of the broadcast
         shape of its arguments, constants included. At a zero of H_env the ratios are their limits.
 
-        >>> from .environments import kelvin_voigt
-        >>> from .effects import first_order_lag
+        >>> from haptisym.environments import kelvin_voigt
+        >>> from haptisym.effects import first_order_lag
         >>> f = distort(kelvin_voigt(100, 2), first_order_lag(20)).compile()
         >>> f([0.0, 20.0]).real.tolist()
         [-0.0, -30.0]
@@ -269,8 +269,8 @@ class Distortion:
 
         With symbols: while the root is real and positive (the numerator of Re H_env has degree 1 or 2 in omega^2).
 
-        >>> from .environments import mass_spring_damper
-        >>> from .symbols import symbols
+        >>> from haptisym.environments import mass_spring_damper
+        >>> from haptisym.symbols import symbols
         >>> distort(mass_spring_damper(*symbols("m b k"))).changeover_environment
         sqrt(k)/sqrt(m)
         """

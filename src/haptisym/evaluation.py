@@ -8,9 +8,9 @@ from typing import Any
 from .answers import Answers
 from .crossings import Crossing, curves
 from .errors import SceneError
-from .roots import Interval, chart
+from .exact.roots import Interval, chart
+from .exact.stability import is_stable
 from .scene import Scene
-from .stability import is_stable
 from .text import report
 
 
@@ -84,7 +84,7 @@ def evaluate(scene: Scene, digits: int = 15) -> Evaluation:
 
     Raises SceneError if a parameter is still a symbol.
 
-    >>> from . import effects, environments
+    >>> from haptisym import effects, environments
     >>> scene = Scene(environments.mass_spring_damper(1.8, 15, 100), (effects.second_order_lowpass(80, 0.5),))
     >>> [c.omega.digits(20) for c in evaluate(scene).crossings]
     ['7.9789167901747077028', '11.937310924322057781']

@@ -29,10 +29,10 @@ from .crossings import Curve
 from .distortion import Distortion
 from .errors import SceneError
 from .evaluation import Evaluation
+from .exact.roots import Interval, Point
 from .jnd import Part
-from .numeric import Array, Values
+from .numeric.values import Array, Values
 from .quantities import Motion
-from .roots import Interval, Point
 from .symbols import s
 
 WIDTH = 3.4

@@ -21,10 +21,10 @@ from sympy import Add, Expr, Float, I, Integer, Matrix
 from . import effects, environments
 from .catalogue import Effect, Environment
 from .errors import SceneError
+from .exact.reals import ExactNumber
+from .exact.response import Ring
+from .exact.rings import PolynomialRing, RationalFunction, degree_in
 from .quantities import Dimension, decimal, quantity
-from .reals import ExactNumber
-from .response import Ring
-from .rings import PolynomialRing, RationalFunction, degree_in
 from .symbols import s
 
 System: TypeAlias = Any

@@ -8,8 +8,8 @@ from enum import Enum
 from sympy import Expr, Rational
 
 from .errors import SceneError
+from .exact.roots import sign_of_number
 from .quantities import Dimension, Number, quantity
-from .roots import sign_of_number
 
 
 class Part(Enum):

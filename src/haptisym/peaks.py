@@ -10,12 +10,12 @@ import flint
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
 from sympy import CRootOf, Expr, Integer, Poly, Symbol, sqrt
 
-from .factors import PolynomialFactor, Root, Zero
+from .exact.factors import PolynomialFactor, Root, Zero
+from .exact.levels import the_one
+from .exact.reals import Ball, ExactNumber, RealNumber, SquareRoot
+from .exact.response import RealFunction
+from .exact.roots import chart
 from .jnd import Part
-from .levels import the_one
-from .reals import Ball, ExactNumber, RealNumber, SquareRoot
-from .response import RealFunction
-from .roots import chart
 from .scene import Scene
 
 
@@ -60,7 +60,7 @@ class Peak:
 def peaks(scene: Scene) -> tuple[Peak, ...]:
     """All local maxima of r_r and r_i inside the band, in ascending order: proven, none missed, none invented.
 
-    >>> from . import effects, environments
+    >>> from haptisym import effects, environments
     >>> spring = Scene(environments.mass_spring_damper(k=100), (effects.series("1 + 0.4*s/(s^2 + 2*s + 9)"),))
     >>> [(p.part.value, p.omega.digits(3), p.ratio.digits(3), p.threshold) for p in peaks(spring)]
     [('imag', '2.16', '0.100', 1/10), ('real', '3.00', '0.200', 1/5), ('imag', '4.16', '0.100', 1/10)]
@@ -79,8 +79,8 @@ def peaks(scene: Scene) -> tuple[Peak, ...]:
 def largest(f: RealFunction, low: Expr, high: Expr) -> RealNumber | None:
     """The largest value of a real function on a closed band, certified; None where it is unbounded.
 
-    >>> from .response import Ring
-    >>> from .symbols import omega
+    >>> from haptisym.exact.response import Ring
+    >>> from haptisym.symbols import omega
     >>> from sympy import Integer
     >>> largest(RealFunction(Ring().axis.convert(omega / (omega**2 + 4))), Integer(0), Integer(5)).digits(5)
     '0.25000'

@@ -7,8 +7,8 @@ from enum import Enum
 from itertools import pairwise
 
 from .crossings import Curve
+from .exact.roots import Chart, Interval, Point, Signs
 from .jnd import Part
-from .roots import Chart, Interval, Point, Signs
 
 
 class Property(Enum):

@@ -15,9 +15,9 @@ from sympy import Expr, Integer, Symbol
 from .catalogue import Effect, Environment, Parameter
 from .distortion import Chain, Distortion, distort
 from .errors import SceneError
+from .exact.roots import sign_of_number
 from .jnd import Threshold
 from .quantities import Dimension, Motion, Number, quantity
-from .roots import sign_of_number
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Scene:
     unit. ``threshold`` : a Threshold, or one number for both parts.
     ``rendered`` : what the controller really renders, where that is not the environment itself.
 
-    >>> from . import effects, environments
+    >>> from haptisym import effects, environments
     >>> scene = Scene(environments.mass_spring_damper(k=100), (effects.first_order_lag(20),), (Integer(0), Integer(15)))
     >>> scene.distortion().perceived
     2000/(s + 20)
@@ -103,7 +103,7 @@ class Scene:
 
         Raises SceneError for a name that the scene does not have, and for a value that the model does not allow.
 
-        >>> from .scenefile import load_scene
+        >>> from haptisym.scenefile import load_scene
         >>> load_scene("fu2019").with_values({"omega_n": "40 Hz"}).effects[0].matrix[0]
         6400*pi**2/(s**2 + 80*pi*s + 6400*pi**2)
         """

@@ -11,16 +11,16 @@ from sympy import Expr, Symbol
 
 from .answers import Answers
 from .crossings import Crossing
-from .equations import equation
-from .formula import readable
+from .exact.reals import RealNumber
+from .exact.rings import RationalFunction
+from .exact.roots import Interval, Point
 from .jnd import Part
 from .percepts import Percept, Property
-from .plain import text
 from .quantities import Motion
-from .reals import RealNumber
-from .rings import RationalFunction
-from .roots import Interval, Point
 from .symbols import omega, s
+from .typeset.equations import equation
+from .typeset.formula import readable
+from .typeset.plain import text
 
 WIDTH = 96
 _DIGITS = 5  # of frequencies in sentences; the table of crossings shows all that were asked for

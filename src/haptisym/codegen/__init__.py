@@ -1,0 +1,1 @@
+"""Formulas as code in other languages."""

@@ -1,0 +1,1 @@
+"""Exact numbers, polynomials and real functions with certified zeros: mathematics that knows no haptics."""

@@ -1,0 +1,278 @@
+"""A derivation as a person reads it: sections of equations with a word between them, the same for text, LaTeX and MathML."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from sympy import Add, Expr, Symbol, count_ops
+
+from haptisym.errors import SceneError
+from haptisym.exact.solutions import Solution
+from haptisym.jnd import Part
+from haptisym.quantities import Dimension
+from haptisym.symbols import omega
+from haptisym.typeset.boxes import Box, Equation, Fraction, Product
+from haptisym.typeset.equations import quantity
+from haptisym.typeset.layout import layout
+from haptisym.typeset.names import named
+from haptisym.typeset.plain import plain
+
+from .derivation import QUANTITIES, Derivation
+from .groups import Groups
+from .steps import Steps
+from .structure import structure
+
+LONGEST = 120  # operations of a closed form that is written out unasked
+_MOST_STEPS = 150  # operations of the steps beyond which closed forms would fill pages
+_RATIOS = {Part.REAL: "r_r", Part.IMAG: "r_i"}
+_SHOWN = {
+    "Re dH": "real", "Im dH": "imag", "r_r": "ratio_real", "r_i": "ratio_imag",
+    "Re(dH/H_env)": "relative_real", "Im(dH/H_env)": "relative_imag",
+}  # fmt: skip
+"""Names of quantities, and of the results of ``Steps``."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """``left = value``."""
+
+    left: Box
+    value: Expr
+    relation: str = "="
+
+    @property
+    def equation(self) -> Equation:
+        """As boxes, for text and MathML."""
+        return Equation((self.left, layout(self.value)), (self.relation,))
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading, equations, and sentences that say what they mean or what is missing."""
+
+    title: str
+    equations: tuple[Line, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+def sections(d: Derivation) -> tuple[Section, ...]:
+    """All that a derivation says unasked."""
+    found = [_dynamics(d), _in_steps(d), _written_out(d), _when(d), _changeovers(d), *_dimensionless(d), *_fast(d)]
+    return tuple(section for section in found if section.equations or section.notes)
+
+
+def asked(d: Derivation, names: Iterable[str]) -> tuple[Section, ...]:
+    """The quantities with these names, each written out; SceneError for a name that is none."""
+    rows: list[Line] = []
+    notes: list[str] = []
+    for name in names:
+        slope = _SLOPE.fullmatch("".join(name.split()))
+        key = _key(name)
+        if slope:
+            rows.append(_sensitivity(d, slope[1], slope[2]))
+        elif key in _SOLVED:
+            solved, said = _answers(_SOLVED[key], _solutions(d, _SOLVED[key]))
+            rows += solved
+            notes += [f"{_SOLVED[key]}: {x}" for x in said]
+        else:
+            rows.append(_named(canonical(name), d[name]))
+    return (Section("Formulas", tuple(rows), tuple(notes)),)
+
+
+_SLOPE = re.compile(r"domega_([ri])/d(\w+)")
+
+
+def _sensitivity(d: Derivation, letter: str, parameter: str) -> Line:
+    """d omega/d parameter at a crossing, in omega and the parameters."""
+    symbol = next((x for x in d.kept if x.name == parameter), None)
+    if symbol is None:
+        raise SceneError(f'"{parameter}" is not a parameter that is kept: {", ".join(map(str, d.kept)) or "none is"}')
+    part = next(part for part, ratio in _RATIOS.items() if ratio[-1] == letter)
+    above, below = (Product((named("d"), named(name))) for name in (f"omega_{letter}", parameter))
+    return Line(Fraction(above, below), d.sensitivity(part, symbol))
+
+
+def _solutions(d: Derivation, name: str) -> tuple[Solution, ...]:
+    parts = {"omega_r": Part.REAL, "omega_i": Part.IMAG}
+    return d.crossings(parts[name]) if name in parts else d.changeovers(name.removeprefix("omega_"))
+
+
+def canonical(name: str) -> str:
+    """The name of a quantity as it is listed; SceneError for any other."""
+    for known in QUANTITIES:
+        if _key(known) == _key(name):
+            return known
+    valid = ", ".join([*QUANTITIES, *_SOLVED.values(), "d omega_r/d PARAMETER", "d omega_i/d PARAMETER"])
+    raise SceneError(f'"{name}" is not a quantity: these are {valid}')
+
+
+def _key(name: str) -> str:
+    """A name without what a shell or a typist leaves out."""
+    return "".join(x for x in name.casefold() if x.isalnum())
+
+
+_SOLVED = {_key(name): name for name in ("omega_r", "omega_i", "omega_env", "omega_perc")}
+"""Quantities that are solutions of an equation."""
+
+
+def _defined(symbol: Symbol, value: Expr) -> Line:
+    return Line(layout(symbol), value)
+
+
+def _named(name: str, value: Expr, relation: str = "=") -> Line:
+    return Line(quantity(name), value, relation)
+
+
+def _dynamics(d: Derivation) -> Section:
+    chain = " then ".join(e.name for e in d.scene.effects)
+    notes = (
+        [f"From the environment to the hand: {chain}."] if chain else ["Nothing stands between environment and hand."]
+    )
+    rows = [_named("H_env", d["H_env"])]
+    perceived = d["H_perc"] if d.steps.operations <= _MOST_STEPS else None
+    if perceived is not None and count_ops(perceived) <= LONGEST:
+        rows.append(_named("H_perc", perceived))
+    return Section("Dynamics", tuple(rows), tuple(notes))
+
+
+def _in_steps(d: Derivation) -> Section:
+    return Section(
+        f"On s = j omega, in steps ({d.steps.operations} operations in all)",
+        tuple(_steps(d.steps)),
+    )
+
+
+def _steps(steps: Steps) -> Iterator[Line]:
+    for symbol, value in steps.definitions:
+        yield _defined(symbol, value)
+    for name, result in _SHOWN.items():
+        yield _named(name, steps.results[result])
+
+
+def _written_out(d: Derivation) -> Section:
+    """Re dH and Im dH as quotients of polynomials in lowest terms, if they are short."""
+    if d.steps.operations > _MOST_STEPS:
+        note = f"Closed forms of this chain are long. Ask for one by its name: {', '.join(QUANTITIES)}."
+        return Section("Written out", (), (note,))
+    names = ("Re dH", "Im dH", "|H_env|^2")
+    short = [name for name in names if d.operations(name) <= LONGEST]
+    return Section("Written out, in lowest terms", tuple(_named(name, d[name]) for name in short))
+
+
+def _when(d: Derivation) -> Section:
+    if d.steps.operations > _MOST_STEPS:
+        return Section("When it is noticed")
+    rows: list[Line] = []
+    notes: list[str] = []
+    for part in Part:
+        letter = _RATIOS[part][-1]
+        polynomial = d[f"p_{letter}"]
+        if count_ops(polynomial) <= LONGEST:
+            rows.append(_named(f"p_{letter}", polynomial))
+        else:
+            notes.append(f"p_{letter} takes {count_ops(polynomial)} operations; ask for it by its name.")
+        solved, said = _answers(f"omega_{letter}", d.crossings(part))
+        rows += solved
+        notes += [f"{_RATIOS[part]}: {x}" for x in said]
+    lead = "A ratio exceeds its threshold exactly where its p is positive."
+    return Section("When it is noticed", tuple(rows), (lead, *notes))
+
+
+def _answers(name: str, solutions: Iterable[Solution]) -> tuple[list[Line], list[str]]:
+    """The formulas among some solutions, and what to say about the others."""
+    rows, notes = [], []
+    for x in solutions:
+        if x.omega is None:
+            degree = _degree(x.equation)
+            notes.append(
+                f"a crossing is a root of a factor {degree}: it has no readable formula, the equation is the answer."
+            )
+            continue
+        rows.append(_named(name, x.omega))
+        notes += _in_force(x)
+        if x.period:
+            notes.append(f"So are these plus any multiple of {plain(x.period)}.")
+    return rows, list(dict.fromkeys(notes))
+
+
+def _in_force(x: Solution) -> list[str]:
+    """Under which conditions a formula holds, in words."""
+    if not x.conditions:
+        return []
+    if max(map(count_ops, x.conditions)) > 4:
+        return ["A formula is in force where nothing under its roots is negative."]
+    return [f"In force where {_listed(f'{plain(y)} >= 0' for y in x.conditions)}."]
+
+
+def _degree(equation: Expr) -> str:
+    if not equation.is_polynomial(omega):
+        return "in omega and its sines and cosines"
+    degree = max(int(term.as_powers_dict().get(omega, 0)) for term in Add.make_args(equation.expand()))
+    return f"of degree {degree} in omega"
+
+
+def _changeovers(d: Derivation) -> Section:
+    rows: list[Line] = []
+    notes: list[str] = []
+    for system in ("env", "perc") if d.steps.operations <= _MOST_STEPS else ("env",):
+        solved, said = _answers(f"omega_{system}", d.changeovers(system))
+        rows += solved
+        notes += [x.replace("a crossing", f"a changeover of H_{system}") for x in said]
+    return Section("Where spring and inertia change over", tuple(rows), tuple(notes))
+
+
+def _dimensionless(d: Derivation) -> Iterator[Section]:
+    try:
+        found = d.groups
+    except SceneError as error:
+        yield Section("Without dimensions", (), (f"Not possible: {error}.",))
+        return
+    rows = [_defined(group.symbol, group.value) for group in (found.frequency, *found.groups)]
+    count = f"{len(d.scene.parameters)} parameters and omega become x and {len(found.groups)} groups"
+    notes = (f"{count}; H is in units of {plain(found.stiffness)}. The ratios, as functions of these:",)
+    yield Section("Without dimensions", tuple(rows), notes)
+    steps = _in_x(found, structure(found.chain.at(found.values)))
+    yield Section("", tuple(_steps(steps)))
+
+
+def _in_x(found: Groups, steps: Steps) -> Steps:
+    return Steps(
+        tuple((name, found.forwards(value)) for name, value in steps.definitions),
+        {name: found.forwards(value) for name, value in steps.results.items()},
+    )
+
+
+def _fast(d: Derivation) -> Iterator[Section]:
+    try:
+        found = d.expansion()
+    except SceneError:
+        return
+    rows = [
+        _named(name, form, "≈")
+        for name, part in (("Re dH", Part.REAL), ("Im dH", Part.IMAG))
+        if count_ops(form := found.part(part)) <= LONGEST
+    ]
+    if not rows:
+        return
+    low, high = (plain(x) for x in d.scene.band)
+    errors = [
+        f"{bound.enclosure(1)[1]} in {_RATIOS[part]}" for part, bound in found.bounds.items() if bound is not None
+    ]
+    notes = []
+    if errors:
+        notes.append(
+            f"What is left out makes at most {_listed(errors)} on {low} to {high} rad/s, with the scene's numbers: proven."
+        )
+    yield Section(f"Fast devices: {_listed(_direction(d, x) for x in found.fast)}", tuple(rows), tuple(notes))
+
+
+def _direction(d: Derivation, fast: Symbol) -> str:
+    dimension = next(p.dimension for p in d.scene.parameters if p.symbol == fast)
+    return f"{fast} {'small' if dimension is Dimension.TIME else 'large'}"
+
+
+def _listed(items: Iterable[str]) -> str:
+    *first, last = items
+    return f"{', '.join(first)} and {last}" if first else last

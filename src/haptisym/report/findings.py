@@ -1,0 +1,52 @@
+"""The answers of an evaluation in brief, at the head of its page."""
+
+from __future__ import annotations
+
+from haptisym.evaluation import Evaluation
+from haptisym.tex.results import Hertz, short
+
+from .html import Html, element, joined
+from .results import EXCHANGED, frequency, is_transparent_throughout
+
+
+def findings(e: Evaluation) -> Html:
+    """The answers in brief."""
+    rows = [
+        ("bandwidth", *_bandwidth(e)), ("first felt as", *_first(e)),
+        ("perceived dynamics", {True: "stable", False: "not stable", None: "undecided"}[e.stable], _STABLE[e.stable]),
+        ("these answers", "proven" if e.certified else "in part undecided", _open(e)),
+    ]  # fmt: skip
+    cells = (
+        element("div", element("dt", x), element("dd", element("strong", y), element("span", z))) for x, y, z in rows
+    )
+    return element("dl", *cells, given={"class": "findings"})
+
+
+_STABLE = {
+    True: "no pole with Re\xa0s ≥ 0", False: "a pole with Re\xa0s ≥ 0", None: "whether a pole has Re\xa0s ≥ 0 is open",
+}  # fmt: skip
+
+
+def _bandwidth(e: Evaluation) -> tuple[Html, Html]:
+    if is_transparent_throughout(e):
+        high = e.chart.points[-1].omega
+        return joined([frequency(high), " rad/s"]), joined([short(Hertz(high)), " Hz, the whole band"])
+    if e.bandwidth is None:
+        elsewhere = ["transparent from ", frequency(e.transparent[0].low.omega), " rad/s on"] if e.transparent else []
+        return joined(["none"]), joined(elsewhere or ["transparent nowhere on the band"])
+    more = f", and on {len(e.transparent) - 1} more" if len(e.transparent) > 1 else ""
+    return joined([frequency(e.bandwidth), " rad/s"]), joined([f"{short(Hertz(e.bandwidth))} Hz{more}"])
+
+
+def _first(e: Evaluation) -> tuple[Html, Html]:
+    if not e.percepts:
+        return joined(["nothing"]), joined(["no percept is changed on the band"])
+    first = min(e.percepts, key=lambda p: float(p.band.low.omega))
+    name = first.property.value.replace("-to-", " as ") if first.property in EXCHANGED else first.property.value
+    return joined([f"{name}, {first.change.value}"]), joined(["from ", frequency(first.band.low.omega), " rad/s on"])
+
+
+def _open(e: Evaluation) -> str:
+    if e.certified:
+        return "none missed, none invented"
+    return "1 tangency stayed open" if len(e.undecided) == 1 else f"{len(e.undecided)} tangencies stayed open"

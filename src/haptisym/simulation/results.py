@@ -1,0 +1,112 @@
+"""What a simulation hands over: the run itself, H_perc as recovered from it, and both as a document."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from haptisym.numeric.values import Array
+from haptisym.quantities import Number
+from haptisym.scene import Scene
+
+from .motions import Motion
+
+
+@dataclass(frozen=True)
+class EncoderQuantisation:
+    """The display measures the hand's motion only in whole multiples of ``resolution``, m or rad (or with a unit)."""
+
+    resolution: Number
+
+
+@dataclass(frozen=True)
+class ForceSaturation:
+    """The display can render no force beyond ``limit``, N or N m (or with a unit)."""
+
+    limit: Number
+
+
+Extra = EncoderQuantisation | ForceSaturation
+"""What only simulation knows: neither has a describing function here, and no closed form holds it."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """H_perc at one excited frequency, rad/s: recovered from the simulated force, and by its closed form. N/m or N m/rad.
+
+    ``error`` bounds the numerical error of ``simulated`` (steps, transient, images; an estimate, not a proof).
+    ``agrees`` is None where the closed form itself is an approximation; ``approximate`` then says why.
+    """
+
+    omega: float
+    simulated: complex
+    closed: complex
+    error: float
+    approximate: str = ""
+
+    @property
+    def difference(self) -> float:
+        return abs(self.simulated - self.closed)
+
+    @property
+    def agrees(self) -> bool | None:
+        return None if self.approximate else self.difference <= self.error
+
+
+@dataclass(frozen=True, eq=False)
+class Simulated:
+    """A simulated run. Arrays over time, s: the hand's ``displacement``, m or rad, and ``force``, N or N m, and the same of
+    the environment (``environment_displacement``, ``environment_force``). ``estimates``: H_perc at each excited frequency,
+    none for a chirp or a recording or where the run is too short. ``built``: the models that were simulated.
+    """
+
+    scene: Scene
+    motion: Motion
+    time: Array = field(repr=False)
+    displacement: Array = field(repr=False)
+    force: Array = field(repr=False)
+    environment_displacement: Array = field(repr=False)
+    environment_force: Array = field(repr=False)
+    estimates: tuple[Estimate, ...]
+    built: tuple[str, ...]
+    extras: tuple[Extra, ...] = ()
+
+    @property
+    def agrees(self) -> bool | None:
+        """Whether all estimates agree with the closed forms; None where no exact closed form could be compared."""
+        verdicts = [x.agrees for x in self.estimates if x.agrees is not None]
+        return all(verdicts) if verdicts else None
+
+
+def document(runs: Sequence[Simulated]) -> dict[str, Any]:
+    """Runs of one scene as the document of schema ``haptisym.simulation/1``."""
+    first, rows = runs[0], [x for run in runs for x in run.estimates]
+    verdicts = [x.agrees for x in rows if x.agrees is not None]
+    return {
+        "schema": "haptisym.simulation/1",
+        "title": first.scene.title,
+        "motion": {
+            "kind": first.motion.name,
+            "amplitude": first.motion.amplitude,
+            "omega": [omega for run in runs for omega in run.motion.omegas],
+        },
+        "time": [0.0, max(float(run.time[-1]) for run in runs)],
+        "samples": sum(len(run.time) for run in runs),
+        "built": list(first.built),
+        "force": {"least": min(float(r.force.min()) for r in runs), "most": max(float(r.force.max()) for r in runs)},
+        "estimates": [_estimate_row(x) for x in rows],
+        "agrees": all(verdicts) if verdicts else None,
+    }
+
+
+def _estimate_row(x: Estimate) -> dict[str, Any]:
+    return {
+        "omega": x.omega,
+        "simulated": {"real": x.simulated.real, "imag": x.simulated.imag},
+        "closed": {"real": x.closed.real, "imag": x.closed.imag},
+        "difference": x.difference,
+        "error": x.error,
+        "agrees": x.agrees,
+        **({"approximate": x.approximate} if x.approximate else {}),
+    }

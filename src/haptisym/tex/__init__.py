@@ -1,0 +1,1 @@
+"""Formulas, results and documents in LaTeX."""

@@ -1,0 +1,237 @@
+r"""A scene's evaluation as a complete LaTeX document: definitions, formulas, thresholds, results, what is certain."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+from haptisym.catalogue import Effect, Parameter
+from haptisym.evaluation import Evaluation
+from haptisym.jnd import Part
+from haptisym.quantities import Dimension, Motion
+from haptisym.typeset.numerals import rounded
+
+from .forms import DIFFERENCE, DYNAMICS, FELT, RATIOS, RELATIVE, Group, SceneForms
+from .latex import at_s
+from .lines import LINE, Names, Row, align, width
+from .names import escape
+from .printer import formula
+from .results import (
+    Hertz,
+    certainty,
+    changeovers,
+    crossing_tables,
+    listed,
+    percept_tables,
+    reservations,
+    short,
+    stability,
+    tables,
+    threshold_value,
+    transparency,
+)
+
+
+def document(evaluation: Evaluation) -> str:
+    """The whole document, for pdflatex with article, amsmath, booktabs and geometry; plain ASCII.
+
+    >>> from haptisym import effects, environments
+    >>> from haptisym.evaluation import evaluate
+    >>> from haptisym.scene import Scene
+    >>> text = document(evaluate(Scene(environments.kelvin_voigt(290, 2), (effects.first_order_lag(100),))))
+    >>> text.isascii(), text.count("begin{table}")
+    (True, 2)
+    """
+    scene, body = evaluation.scene, _Body(evaluation, SceneForms(evaluation))
+    sections = {
+        "Scene": body.scene(),
+        "Dynamics": body.dynamics(),
+        "Distortion": body.distortion(),
+        "Step 1: when is it noticed?": body.when(),
+        "Step 2: how is it felt?": body.how(),
+        "Stability and certainty": [stability(evaluation), certainty(evaluation)],
+    }
+    text = "\n\n".join(f"\\section{{{title}}}\n\n{_joined(paragraphs)}" for title, paragraphs in sections.items())
+    source = f"Source of the scene: {escape(scene.source.rstrip('. '))}.\n\n" if scene.source else ""
+    return _TEMPLATE % (escape(scene.title or "Untitled scene"), source, text)
+
+
+_TEMPLATE = r"""\documentclass[a4paper]{article}
+\usepackage[margin=2.5cm]{geometry}
+\usepackage{amsmath}
+\usepackage{booktabs}
+\allowdisplaybreaks
+\emergencystretch=3em
+\setlength{\parindent}{0pt}
+\setlength{\parskip}{\medskipamount}
+\setlength{\abovecaptionskip}{0pt}
+\setlength{\belowcaptionskip}{1ex}
+
+\begin{document}
+
+\begin{center}
+  {\Large Two-step evaluation of a haptic display}\\[1ex]
+  {\large %s}
+\end{center}
+
+%s%s
+
+\end{document}
+"""
+_VALUES = r"the values of Table~\ref{tab:parameters}"
+
+
+@dataclass(frozen=True)
+class _Body:
+    """The sections, each as paragraphs. Named numerators and denominators are shared by all of them."""
+
+    evaluation: Evaluation
+    forms: SceneForms
+    names: Names = field(default_factory=Names)
+
+    def scene(self) -> Iterator[str]:
+        e = self.evaluation
+        yield f"The environment, a model of the kind {escape(e.scene.environment.model)}, is felt {_through(e)}."
+        yield from self._parameters()
+        low, high = e.scene.band
+        ends = " to ".join(short(Hertz(e.chart.points[i].omega)) for i in (0, -1))
+        yield (
+            rf"The band of interest is ${formula(low)} \le \omega \le {formula(high)}$ rad/s ({ends} Hz). A change of the "
+            rf"real or the imaginary part is noticed when it exceeds {_limits(e)} of $|H_{{\mathrm{{env}}}}|$."
+        )
+
+    def _parameters(self) -> list[str]:
+        scene = self.evaluation.scene
+        found = [(place.removeprefix("effects."), p) for place, element in scene.elements() for p in element.parameters]
+        rows = [self._parameter(place, p) for place, p in found]
+        columns = "l p{5cm} l l l" if any(len(place + p.key) > 30 for place, p in found) else "l l l l l"
+        header = ["symbol", "parameter", "quantity", "value", "unit"]
+        return tables("The parameters, in SI units.", "parameters", columns, header, rows)
+
+    def _parameter(self, place: str, p: Parameter) -> list[str]:
+        quantity = "" if p.dimension is Dimension.ANY else p.dimension.name.lower()
+        unit = p.dimension.unit(self.evaluation.scene.motion or Motion.TRANSLATION)
+        symbol = formula(self.forms.short_names.get(p.symbol, p.symbol))
+        return [f"${symbol}$", escape(f"{place}.{p.key}"), quantity, f"${_value(p)}$", _unit(unit)]
+
+    def dynamics(self) -> Iterator[str]:
+        scene = self.evaluation.scene
+        rows = [Row(at_s("env"), scene.environment.dynamics)]
+        sentences = ["Dynamics are force per position."]
+        if scene.rendered:
+            sentences.append(r"The controller renders $H_{\mathrm{rend}}$ for $H_{\mathrm{env}}$.")
+            rows.append(Row(at_s("rendered"), scene.rendered.dynamics))
+        for i, effect in enumerate(scene.effects, 1):
+            action, entries = _action(i, effect)
+            sentences.append(f"Effect {i}, {escape(effect.name)}, {action}.")
+            rows += entries
+        yield " ".join(sentences)
+        yield self._align([*rows, *(self.forms.in_symbols(DYNAMICS) or [])[1:]])
+        if scene.parameters:
+            yield rf"With {_VALUES} (here and below, long numbers are rounded to six digits after $\approx$):"
+            yield self._align(self.forms.in_numbers(DYNAMICS))
+
+    def distortion(self) -> Iterator[str]:
+        lead = r"On $s = \omega j$ the distortion $\Delta H = H_{\mathrm{perc}} - H_{\mathrm{env}}$ has the parts"
+        yield from self._formulas(lead, DIFFERENCE)
+        yield from self._formulas("The distortion ratios, which the threshold judges, are", RATIOS)
+        yield from self._formulas("The relative distortion, not to be confused with them, is", RELATIVE)
+        if self.evaluation.scene.parameters and self.forms.in_symbols(DIFFERENCE):
+            yield f"With {_VALUES} the distortion is"
+            yield self._align(self.forms.in_numbers(DIFFERENCE))
+
+    def when(self) -> Iterator[str]:
+        yield (
+            r"A ratio exceeds its threshold where its square does, and so no root is needed: $r_r > c$ exactly where "
+            r"$p_r(\omega) > 0$, and $r_r = c$ where $p_r(\omega) = 0$; likewise $r_i$ and $p_i$. They are "
+            rf"{self._kind()} with exact coefficients (to ten digits after $\approx$), written here up to a positive factor:"
+        )
+        yield self._align([self.forms.threshold(part) for part in Part])
+        if self.evaluation.crossings:
+            yield r"The crossings are their roots on the band; Table~\ref{tab:crossings} lists all of them."
+        yield from crossing_tables(self.evaluation)
+        yield transparency(self.evaluation)
+
+    def _kind(self) -> str:
+        functions = self.evaluation.distortion.squared_modulus.axis.functions
+        return r"polynomials in $\omega$, its powers, sines and cosines" if functions else r"polynomials in $\omega^2$"
+
+    def how(self) -> Iterator[str]:
+        lead = (
+            r"$\Re H$ is felt as stiffness where it is positive and as mass where it is negative, $\Im H$ as damping. The "
+            "stiffness, mass and damping perceived are"
+        )
+        yield from self._formulas(lead, FELT)
+        if self.evaluation.percepts:
+            yield r"Table~\ref{tab:percepts} compares them with the environment's where the difference is noticed."
+        yield from percept_tables(self.evaluation)
+        yield changeovers(self.evaluation)
+        yield from self._closed_changeovers()
+        yield from reservations(self.evaluation)
+
+    def _closed_changeovers(self) -> Iterator[str]:
+        d = self.forms.symbolic
+        found = {"env": d.changeover_environment, "perc": d.changeover_perceived} if d else {}
+        rows = [Row(rf"\omega_{{\mathrm{{{name}}}}}", form) for name, form in found.items() if form is not None]
+        if rows := [row for row in rows if width(formula(row.value)) < LINE - 5]:
+            yield "In closed form, the lowest frequencies of changeover, while they are real and positive, are"
+            yield self._align(rows)
+
+    def _formulas(self, lead: str, group: Group) -> Iterator[str]:
+        """Closed forms in symbols; in numbers if they would be too long to read."""
+        in_symbols = self.forms.in_symbols(group) if self.evaluation.scene.parameters else None
+        rows = in_symbols or self.forms.in_numbers(group)
+        is_explained = in_symbols or not self.evaluation.scene.parameters or all(row.optional for row in rows)
+        yield lead if is_explained else f"{lead} (with {_VALUES}; too long in symbols)"
+        yield self._align(rows)
+
+    def _align(self, rows: list[Row]) -> str:
+        return align(self.forms.named(rows), self.names)
+
+
+def _joined(paragraphs: Iterable[str]) -> str:
+    """Paragraphs; a display belongs to the one before it."""
+    text = ""
+    for paragraph in paragraphs:
+        text += ("\n" if paragraph.startswith(r"\begin{align*}") else "\n\n" if text else "") + paragraph
+    return text
+
+
+def _through(e: Evaluation) -> str:
+    effects = e.scene.effects
+    if not effects:
+        return "directly: nothing stands between it and the hand"
+    names = [f"{escape(x.name)}{'' if x.name == x.model else f' ({escape(x.model)})'}" for x in effects]
+    return f"through {listed(names)}{', in this order from the environment' if len(effects) > 1 else ''}"
+
+
+def _limits(e: Evaluation) -> str:
+    real, imag = (threshold_value(e, part) for part in Part)
+    if real == imag:
+        return f"the fraction $c {real}$"
+    return f"the fraction $c {real}$ (real) or $c {imag}$ (imaginary)"
+
+
+def _value(p: Parameter) -> str:
+    """The exact value if it is short; a decimal beside it, or instead of it, if that says more."""
+    exact, decimal = formula(p.value), formula(rounded(p.value))
+    if len(exact) > 16:
+        return rf"\approx {decimal}"
+    return exact if p.value.is_Rational else rf"{exact} \approx {decimal}"
+
+
+def _unit(unit: str) -> str:
+    return unit.replace("*", r"\,").replace("^2", "$^{2}$") or "SI"
+
+
+def _action(i: int, effect: Effect) -> tuple[str, list[Row]]:
+    """What the effect of that number does to H, in words, and the formulas that the words name."""
+    a, b, c, d = effect.dynamics
+    if (b, c, d) == (0, 0, 1):
+        return f"multiplies the force by $G_{{{i}}}$", [Row(f"G_{{{i}}}(s)", a)]
+    if (a, c, d) == (1, 0, 1):
+        return f"adds the impedance $Z_{{{i}}}$", [Row(f"Z_{{{i}}}(s)", b)]
+    if (a, b, d) == (1, 0, 1):
+        return f"adds the compliance $Y_{{{i}}}$ in series", [Row(f"Y_{{{i}}}(s)", c)]
+    mapped = "$H$ becomes $(A_{0} H + B_{0})/(C_{0} H + D_{0})$".replace("0", str(i))
+    return f"is a two-port: {mapped}", [Row(f"{x}_{{{i}}}(s)", y) for x, y in zip("ABCD", effect.dynamics, strict=True)]

@@ -1,0 +1,1 @@
+"""Formulas as boxes, and boxes as plain text and MathML."""
