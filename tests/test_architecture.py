@@ -15,7 +15,7 @@ SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
 errors symbols typeset.boxes report.html options
-expressions exact.rings exact.reals numeric typeset.names formulas.steps codegen.names
+expressions exact.rings exact.reals numeric.values typeset.names formulas.steps codegen.names
 quantities exact.response exact.wavesums exact.zeros typeset.numerals typeset.order codegen.printers codegen.languages
 exact.polynomials exact.isolation
 exact.levels exact.analytic

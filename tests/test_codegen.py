@@ -31,7 +31,7 @@ from haptisym.codegen.names import comment, identifiers
 from haptisym.codegen.printers import nearest_double
 from haptisym.codegen.scene import distortion_code, scene_code, scene_program
 from haptisym.formulas.steps import Steps
-from haptisym.numeric import Values
+from haptisym.numeric.values import Values
 
 MP = mpmath.mp.clone()
 MP.dps = 60

@@ -17,7 +17,7 @@ from haptisym.distortion import Chain
 from haptisym.exact.response import RealFunction
 from haptisym.formulas.steps import Steps
 from haptisym.formulas.structure import structure
-from haptisym.numeric import Values
+from haptisym.numeric.values import Values
 
 E, F = hs.environments, hs.effects
 GIVEN = {

@@ -15,7 +15,7 @@ from .exact.response import Axis, RealFunction, Response, Ring, on_axis, squared
 from .exact.rings import RationalFunction
 from .exact.solutions import solve
 from .jnd import Part
-from .numeric import Values, compiled
+from .numeric.values import Values, compiled
 from .symbols import X, c, omega, s
 
 

@@ -21,7 +21,7 @@ from haptisym.exact.response import Axis, RealFunction
 from haptisym.exact.rings import Polynomial, PolynomialRing, RationalFunction
 from haptisym.formulas.steps import Steps
 from haptisym.jnd import Part
-from haptisym.numeric import Values
+from haptisym.numeric.values import Values
 from haptisym.symbols import omega
 
 

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from haptisym.evaluation import Evaluation
-from haptisym.numeric import Array, Values
+from haptisym.numeric.values import Array, Values
 
 from .sampling import band_of, broken, evenly, in_window, poles_of, refined, sampled
 from .style import BLUE, CURVES, GREY, INK, curve_handles, dress, legend, name_dynamics

@@ -15,7 +15,7 @@ from haptisym.crossings import Curve
 from haptisym.evaluation import Evaluation
 from haptisym.exact.roots import Interval
 from haptisym.jnd import Part
-from haptisym.numeric import Array, Values
+from haptisym.numeric.values import Array, Values
 
 from .nyquist import responses
 from .sampling import band_of, broken, ends_of, evenly, in_window, poles_of, refined, sampled, top_of

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 
 from haptisym.evaluation import Evaluation
 from haptisym.jnd import Part
-from haptisym.numeric import Array, Values
+from haptisym.numeric.values import Array, Values
 
 from .sampling import band_of, broken, evenly, in_window, limits_of, refined, sampled, top_of
 from .style import (

@@ -13,7 +13,7 @@ from haptisym.distortion import Distortion
 from haptisym.evaluation import Evaluation
 from haptisym.exact.roots import Interval, Point
 from haptisym.jnd import Part
-from haptisym.numeric import Array
+from haptisym.numeric.values import Array
 from haptisym.symbols import s
 
 

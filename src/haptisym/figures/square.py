@@ -13,7 +13,7 @@ from haptisym.crossings import Curve
 from haptisym.errors import SceneError
 from haptisym.evaluation import Evaluation
 from haptisym.jnd import Part
-from haptisym.numeric import Array
+from haptisym.numeric.values import Array
 
 from .nyquist import arrow, responses, stacked
 from .sampling import band_of, limits_of

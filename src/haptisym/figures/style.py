@@ -20,7 +20,7 @@ from matplotlib.transforms import ScaledTranslation
 from haptisym.evaluation import Evaluation
 from haptisym.exact.roots import Interval
 from haptisym.jnd import Part
-from haptisym.numeric import Array
+from haptisym.numeric.values import Array
 from haptisym.quantities import Motion
 
 from .sampling import ends_of

@@ -21,7 +21,7 @@ from sympy import Abs, Add, Expr, Integer, Symbol, count_ops, sqrt
 from haptisym.distortion import Chain, Distortion, cleared
 from haptisym.exact.response import RealFunction, Ring, on_axis
 from haptisym.exact.rings import Polynomial, RationalFunction, degree_in
-from haptisym.numeric import Values
+from haptisym.numeric.values import Values
 
 from .steps import Steps
 

@@ -17,7 +17,7 @@ from math import gcd
 import numpy as np
 
 from haptisym.errors import SceneError
-from haptisym.numeric import Array
+from haptisym.numeric.values import Array
 
 from .descriptor import Input
 from .events import Guard, check_derivatives, check_jumps, falls

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from haptisym.errors import SceneError
-from haptisym.numeric import Array
+from haptisym.numeric.values import Array
 
 from .linear import Drive, Linear, Reading
 from .motions import Motion

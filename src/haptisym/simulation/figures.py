@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 
 from haptisym.figures.style import BLUE, GREY, INK, RED, TEXT, dress, handle, legend, one_column, save
 from haptisym.jnd import Part
-from haptisym.numeric import Array
+from haptisym.numeric.values import Array
 from haptisym.quantities import Motion as Kind
 
 from .propagate import POINTS, finer

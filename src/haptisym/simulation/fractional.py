@@ -13,7 +13,7 @@ from math import ceil, exp, floor, log, pi, sin
 import numpy as np
 from flint import fmpq
 
-from haptisym.numeric import Array
+from haptisym.numeric.values import Array
 
 from .network import Exact, Network, Sum
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from haptisym.errors import SceneError
-from haptisym.numeric import Array
+from haptisym.numeric.values import Array
 
 from .descriptor import HIGHEST_ORDER, Input, Row, StateSpace, state_space
 from .network import MOTION, Network

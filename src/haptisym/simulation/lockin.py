@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from haptisym.errors import SceneError
-from haptisym.numeric import Array
+from haptisym.numeric.values import Array
 
 from .motions import Sines
 from .propagate import Record

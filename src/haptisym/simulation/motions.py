@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from haptisym.errors import SceneError
-from haptisym.numeric import Array
+from haptisym.numeric.values import Array
 from haptisym.quantities import Dimension, Number, quantity
 from haptisym.quantities import Motion as Kind
 

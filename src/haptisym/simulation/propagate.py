@@ -15,7 +15,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from scipy.linalg import expm, matrix_balance
 
-from haptisym.numeric import Array
+from haptisym.numeric.values import Array
 
 POINTS = 10
 """Gauss points of a step: its polynomials have degree 9."""

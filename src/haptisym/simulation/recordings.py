@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from haptisym.errors import SceneError
-from haptisym.numeric import Array
+from haptisym.numeric.values import Array
 from haptisym.quantities import Dimension, quantity
 from haptisym.quantities import Motion as Kind
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from haptisym.numeric import Array
+from haptisym.numeric.values import Array
 from haptisym.quantities import Number
 from haptisym.scene import Scene
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from haptisym.numeric import Array
+from haptisym.numeric.values import Array
 from haptisym.quantities import Dimension, Number
 from haptisym.scene import Scene
 

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sympy import Expr, Float, Integer, Rational, Symbol, lambdify, pi
 
-from .errors import SceneError
-from .symbols import omega
+from haptisym.errors import SceneError
+from haptisym.symbols import omega
 
 Array: TypeAlias = NDArray[np.float64]
 
