@@ -14,40 +14,28 @@ import haptisym
 SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
-errors symbols typeset.boxes report.html options
-expressions exact.rings exact.reals numeric.values typeset.names formulas.steps codegen.names
-quantities exact.response exact.wavesums exact.zeros typeset.numerals typeset.order codegen.printers codegen.languages
-exact.polynomials exact.isolation
-exact.levels exact.analytic
-exact.factoring
-exact.roots exact.solutions typeset.formula typeset.quotients
-catalogue jnd exact.stability typeset.layout
-environments effects distortion simulation.network
-scene crossings interop codegen.code simulation.motions simulation.recordings simulation.propagate simulation.descriptor simulation.fractional simulation.rightmost
-peaks codegen.forms formulas.structure formulas.groups bounds
-formulas.asymptotics simulation.blocks simulation.linear simulation.lockin simulation.results
-percepts typeset.plain typeset.mathml typeset.equations
-answers scenefile simulation.events simulation.text
-text simulation.engine
-evaluation codegen.scene simulation.approximations simulation.run
-formulas.derivation
-formulas.sections
-tex.names figures.sampling simulation.simulate
-figures.style
-figures.nyquist figures.ratios
-figures.projections figures.square
-figures.files
-simulation.command
-simulation.figures
-tex.printer
-tex.lines
-tex.results
-tex.latex
-tex.forms
-tex.document report.mathematics formulas.text
-report.pdf report.results
-report.forms report.figures report.explorer report.scene report.findings
-report.page report.notebook
+errors options symbols report.html simulation.network typeset.boxes
+expressions codegen.names exact.reals exact.rings formulas.steps numeric.values simulation.descriptor typeset.names
+quantities codegen.languages codegen.printers exact.response exact.wavesums exact.zeros simulation.fractional \
+simulation.propagate simulation.rightmost tex.names typeset.numerals typeset.order
+codegen.code exact.isolation exact.polynomials exact.solutions simulation.linear simulation.motions simulation.recordings \
+typeset.formula typeset.quotients
+exact.analytic exact.levels simulation.events simulation.lockin typeset.layout
+exact.factoring simulation.engine tex.printer typeset.equations typeset.mathml typeset.plain
+exact.roots tex.lines
+catalogue jnd exact.stability report.mathematics
+distortion effects environments simulation.blocks
+crossings interop scene codegen.forms formulas.structure
+bounds peaks percepts scenefile codegen.scene formulas.groups simulation.approximations simulation.results
+answers formulas.asymptotics simulation.run simulation.text
+text simulation.simulate
+evaluation simulation.command
+figures.sampling formulas.derivation tex.results
+figures.style formulas.sections report.results tex.latex
+figures.nyquist figures.ratios formulas.text report.findings report.scene simulation.figures tex.forms
+figures.projections figures.square report.explorer report.forms report.notebook tex.document
+figures.files report.figures report.pdf
+report.page
 cli
 __main__
 """
