@@ -15,19 +15,20 @@ SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
 errors options symbols report.html simulation.network typeset.boxes
-expressions codegen.names exact.reals exact.rings formulas.steps numeric.values simulation.descriptor typeset.names
-quantities codegen.languages codegen.printers exact.response exact.wavesums exact.zeros simulation.fractional \
-simulation.propagate simulation.rightmost tex.names typeset.numerals typeset.order
-codegen.code exact.isolation exact.polynomials exact.solutions simulation.linear simulation.motions simulation.recordings \
-typeset.formula typeset.quotients
-exact.analytic exact.levels simulation.events simulation.lockin typeset.layout
-exact.factoring simulation.engine tex.printer typeset.equations typeset.mathml typeset.plain
-exact.roots tex.lines
-catalogue jnd exact.stability report.mathematics
-distortion effects environments simulation.blocks
-crossings interop scene codegen.forms formulas.structure
-bounds peaks percepts scenefile codegen.scene formulas.groups simulation.approximations simulation.results
-answers formulas.asymptotics simulation.run simulation.text
+expressions codegen.names exact.reals exact.rings formulas.steps numeric.accuracy simulation.descriptor typeset.names
+quantities codegen.languages codegen.printers exact.response exact.wavesums exact.zeros numeric.program simulation.rightmost \
+tex.names typeset.numerals typeset.order
+codegen.code exact.isolation exact.polynomials exact.solutions numeric.balls numeric.floats numeric.stable typeset.formula \
+typeset.quotients
+exact.analytic exact.levels numeric.doubled numeric.machine numeric.magnitudes numeric.pointvalues typeset.layout
+exact.factoring numeric.certified tex.printer typeset.equations typeset.mathml typeset.plain
+exact.roots numeric.values tex.lines
+catalogue jnd exact.stability report.mathematics simulation.fractional simulation.motions simulation.propagate \
+simulation.recordings
+distortion effects environments simulation.blocks simulation.linear simulation.lockin
+crossings interop scene codegen.forms formulas.structure simulation.events
+bounds peaks percepts scenefile codegen.scene formulas.groups simulation.engine simulation.results
+answers formulas.asymptotics simulation.approximations simulation.run simulation.text
 text simulation.simulate
 evaluation simulation.command
 figures.sampling formulas.derivation tex.results
