@@ -18,8 +18,8 @@ errors options symbols report.html simulation.network typeset.boxes
 expressions codegen.names exact.reals exact.rings formulas.steps numeric.accuracy simulation.descriptor typeset.names
 quantities codegen.languages codegen.printers exact.response exact.wavesums exact.zeros numeric.program simulation.rightmost \
 tex.names typeset.numerals typeset.order
-codegen.code exact.isolation exact.polynomials exact.solutions numeric.balls numeric.floats numeric.stable typeset.formula \
-typeset.quotients
+codegen.code codegen.short exact.isolation exact.polynomials exact.solutions numeric.balls numeric.floats numeric.stable \
+typeset.formula typeset.quotients
 exact.analytic exact.levels numeric.doubled numeric.machine numeric.magnitudes numeric.pointvalues typeset.layout
 exact.factoring numeric.certified tex.printer typeset.equations typeset.mathml typeset.plain
 exact.roots numeric.values tex.lines

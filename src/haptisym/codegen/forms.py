@@ -24,17 +24,38 @@ from haptisym.jnd import Part
 from haptisym.numeric.values import Values
 from haptisym.symbols import omega
 
+from .short import program_steps
+
 
 def distortion_steps(distortion: Distortion) -> Steps:
     """Re and Im of dH, of dH/H_env, of H_env and of H_perc, and both ratios: the fields of ``numeric.Values``, in its order.
+
+    The stable straight-line program that ``compile`` runs; closed forms in lowest terms where Re and Im of H_env vanish
+    together or something is infinite at 0, so that limits there are values.
 
     >>> from haptisym.effects import first_order_lag
     >>> from haptisym.environments import kelvin_voigt
     >>> from haptisym.distortion import distort
     >>> steps = distortion_steps(distort(kelvin_voigt(100, 2), first_order_lag(20)))
-    >>> steps.expressions()["relative_real"], steps.operations < 40
-    (-omega**2/(omega**2 + 400), True)
+    >>> steps.at({omega: Integer(10)})["relative_real"], steps.operations < 40
+    (-1/5, True)
     """
+    fields = Values._fields
+    zero = [name for name, f in distortion.functions(fields).items() if f.is_zero]
+    steps = program_steps(distortion.program(fields, zero))
+    return steps if _has_no_limits(distortion, steps) else closed_steps(distortion)
+
+
+def _has_no_limits(distortion: Distortion, steps: Steps) -> bool:
+    """Whether all values are values, none of them a limit: Re and Im of H_env have no zero in common, and nothing is 0/0 at 0."""
+    R, X = (part_of(distortion.env_response, part).function.numerator for part in Part)
+    apart = R.is_zero() or X.is_zero() or R.gcd(X).is_constant()
+    known = {x: Rational(n + 7, 5) for n, x in enumerate(sorted(steps.free_symbols - {omega}, key=str))}
+    return apart and all(x.is_finite for x in steps.at({**known, omega: Integer(0)}).values())
+
+
+def closed_steps(distortion: Distortion) -> Steps:
+    """The same from the closed forms, in lowest terms."""
     forms = _Forms.of(distortion)
     plain = (
         distortion.difference_response,
