@@ -22,26 +22,28 @@ exact.roots exact.solutions typeset.formula typeset.quotients
 catalogue jnd exact.stability typeset.layout
 environments effects distortion simulation.network
 scene crossings interop codegen.code simulation.motions simulation.recordings simulation.propagate simulation.descriptor simulation.fractional simulation.rightmost
-peaks codegen.forms formulas.structure formulas.groups bounds
+peaks codegen.forms formulas.structure formulas.groups bounds family.family measures.freeresponse measures.twoport
 formulas.asymptotics simulation.blocks simulation.linear simulation.lockin simulation.results
 percepts typeset.plain typeset.mathml typeset.equations
 answers scenefile simulation.events simulation.text
-text simulation.engine
-evaluation codegen.scene simulation.approximations simulation.run
+text simulation.engine family.worstcase
+evaluation codegen.scene simulation.approximations simulation.run family.text measures.forms
+family.evaluation measures.measured
+measures.metric measures.disagreements
 formulas.derivation
 formulas.sections
 tex.names figures simulation.simulate
 simulation.command
-simulation.figures
+simulation.figures family.figure
 tex.printer
 tex.lines
 tex.results
 tex.latex
 tex.forms
-tex.document report.mathematics formulas.text
-report.pdf report.results
-report.forms report.figures report.explorer report.scene report.findings
-report.page report.notebook
+tex.document report.mathematics formulas.text measures.text
+report.pdf report.results measures.transparency
+measures.figure report.forms report.figures report.explorer report.scene report.findings
+report.page report.notebook commands.metrics
 cli
 __main__
 """
