@@ -26,16 +26,17 @@ exact.roots numeric.values tex.lines
 catalogue jnd exact.stability report.mathematics simulation.fractional simulation.motions simulation.propagate \
 simulation.recordings
 distortion effects environments simulation.blocks simulation.linear simulation.lockin
-crossings interop scene codegen.forms formulas.structure simulation.events
-bounds peaks percepts scenefile codegen.scene formulas.groups simulation.engine simulation.results
-answers formulas.asymptotics simulation.approximations simulation.run simulation.text
-text simulation.simulate
-evaluation simulation.command
-figures.sampling formulas.derivation tex.results
-figures.style formulas.sections report.results tex.latex
-figures.nyquist figures.ratios formulas.text report.findings report.scene simulation.figures tex.forms
-figures.projections figures.square report.explorer report.forms report.notebook tex.document
-figures.files report.figures report.pdf
+crossings interop scene codegen.forms formulas.structure measures.freeresponse measures.twoport simulation.events
+bounds peaks percepts codegen.scene family.family formulas.groups measures.forms simulation.engine simulation.results
+answers scenefile formulas.asymptotics simulation.approximations simulation.run simulation.text
+text family.worstcase simulation.simulate
+evaluation family.text simulation.command
+family.evaluation figures.sampling formulas.derivation measures.measured tex.results
+family.figure figures.style formulas.sections measures.disagreements measures.metric report.results tex.latex
+figures.nyquist figures.ratios formulas.text measures.figure measures.text report.findings report.scene simulation.figures \
+tex.forms
+figures.projections figures.square measures.transparency report.explorer report.forms report.notebook tex.document
+commands.metrics figures.files report.figures report.pdf
 report.page
 cli
 __main__

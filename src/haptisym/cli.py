@@ -13,10 +13,12 @@ from pathlib import Path
 import click
 
 from . import __version__
-from .errors import HaptisymError, UndecidedError
+from .commands.metrics import metrics
+from .errors import HaptisymError, SceneError, UndecidedError
 from .evaluation import evaluate as evaluate_scene
-from .options import json_option
-from .scenefile import load_scene, scene_names
+from .family.family import SceneFamily
+from .options import environment_option, json_option
+from .scenefile import family_names, load_scene, load_scenes, scene_names
 
 
 class _Sisters(click.Group):
@@ -48,7 +50,15 @@ _OUTPUTS = ("text", "latex", "mathml", "json", *_CODE)
 
 @app.command()
 @click.argument("scene")
+@click.argument("more", nargs=-1, metavar="")
 @json_option
+@environment_option
+@click.option(
+    "--environments",
+    multiple=True,
+    metavar="FILE...",
+    help="Feel the environments of these scenes (files or names) instead, all at once.",
+)
 @click.option(
     "--digits",
     type=click.IntRange(1, 10_000),
@@ -69,7 +79,15 @@ _OUTPUTS = ("text", "latex", "mathml", "json", *_CODE)
     help="Write the report: a page (.html) with an explorer, or a document (.pdf).",
 )
 def evaluate(
-    scene: str, as_json: bool, digits: int, figures: Path | None, latex: Path | None, report: Path | None
+    scene: str,
+    more: tuple[str, ...],
+    as_json: bool,
+    environment: str | None,
+    environments: tuple[str, ...],
+    digits: int,
+    figures: Path | None,
+    latex: Path | None,
+    report: Path | None,
 ) -> None:
     """Find when a display begins to be noticed, and how it is felt, with proof.
 
@@ -78,14 +96,26 @@ def evaluate(
     Step 1 finds every frequency of the band at which r_r = |Re dH|/|H_env| or r_i = |Im dH|/|H_env| meets the JND
     threshold; step 2 says as which mechanical property the distortion is felt beyond it. Frequencies are in rad/s.
 
+    A scene with several environments ([[environments]], or --environments after SCENE) gives a row for each and the worst
+    case: the band that is transparent for all, and which environment and part bind at its ends.
+
     \b
     Examples:
       haptisym evaluate fu2019
+      haptisym evaluate palpation-device
+      haptisym evaluate palpation-device --environment liver
+      haptisym evaluate fu2019 --environments fu2019 helicopter-cyclic my-stick.toml
       haptisym evaluate fu2019 --figures figures --latex fu2019.tex
       haptisym evaluate fu2019 --report fu2019.html
       haptisym evaluate my-device.toml --json --digits 50
     """
-    result = evaluate_scene(load_scene(scene), digits)
+    if more and not environments:
+        raise click.UsageError(f"got an unexpected argument ({more[0]})")
+    family = load_scenes(scene, (*environments, *more))
+    if environment is None and (environments or len(family) > 1):
+        _evaluate_all(family, digits, figures, as_json=as_json, refused=latex or report)
+        return
+    result = evaluate_scene(load_scene(scene, environment) if not environments else family[str(environment)], digits)
     if figures is not None:
         from .figures.files import save_figures
 
@@ -101,6 +131,25 @@ def evaluate(
 
         save_report(result, report)
         click.echo(f"report written to {report}", err=True)
+    click.echo(result.to_json() if as_json else str(result), nl=as_json)
+    if not result.certified:
+        sys.exit(3)
+
+
+def _evaluate_all(
+    family: SceneFamily, digits: int, figures: Path | None, *, as_json: bool, refused: Path | None
+) -> None:
+    """Several environments at once."""
+    from .family.evaluation import evaluate_all
+
+    if refused is not None:
+        raise SceneError(f"{refused}: --latex and --report take one environment: choose with --environment NAME")
+    result = evaluate_all(family, digits)
+    if figures is not None:
+        from .family.figure import save_family_figures
+
+        written = save_family_figures(result, figures)
+        click.echo(f"{len(written)} figures written to {figures}", err=True)
     click.echo(result.to_json() if as_json else str(result), nl=as_json)
     if not result.certified:
         sys.exit(3)
@@ -123,8 +172,17 @@ def evaluate(
 @click.option(
     "--of", "names", multiple=True, metavar="QUANTITY", help="Only this quantity, written out (may be repeated)."
 )
+@environment_option
 @json_option
-def derive(scene: str, mode: str, keep: tuple[str, ...], language: str, names: tuple[str, ...], as_json: bool) -> None:
+def derive(
+    scene: str,
+    mode: str,
+    keep: tuple[str, ...],
+    language: str,
+    names: tuple[str, ...],
+    environment: str | None,
+    as_json: bool,
+) -> None:
     """Derive the formulas of a scene: in steps, written out, solved, dimensionless, and as code.
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
@@ -142,7 +200,7 @@ def derive(scene: str, mode: str, keep: tuple[str, ...], language: str, names: t
     """
     from .formulas.derivation import derive as derive_scene
 
-    loaded = load_scene(scene)
+    loaded = load_scene(scene, environment)
     kept = keep or (None if mode == "symbolic" else ())
     if not as_json and language in _CODE:
         from .codegen.scene import Language, scene_code
@@ -163,10 +221,10 @@ def derive(scene: str, mode: str, keep: tuple[str, ...], language: str, names: t
 @json_option
 def scenes(as_json: bool) -> None:
     """List the scenes that the package ships."""
-    listed = [(name, load_scene(name)) for name in scene_names()]
+    listed = [(name, load_scenes(name)) for name in (*scene_names(), *family_names())]
     if as_json:
-        keys = [(name, x.title, x.source, [e.name for e in x.effects]) for name, x in listed]
-        rows = [dict(zip(("name", "title", "source", "effects"), row, strict=True)) for row in keys]
+        keys = [(name, x.title, x.source, [e.name for e in x.first.effects], len(x)) for name, x in listed]
+        rows = [dict(zip(("name", "title", "source", "effects", "environments"), row, strict=True)) for row in keys]
         click.echo(dumps({"schema": "haptisym.scenes/1", "scenes": rows}, indent=2, ensure_ascii=False))
         return
     width = max(len(name) for name, _ in listed)
@@ -177,6 +235,7 @@ def scenes(as_json: bool) -> None:
 @app.command()
 @click.argument("scene")
 @json_option
+@environment_option
 @click.option(
     "--motion",
     "kind",
@@ -194,7 +253,9 @@ def scenes(as_json: bool) -> None:
 @click.option(
     "--figures", type=click.Path(file_okay=False, path_type=Path), metavar="DIR", help="Write the figures there."
 )
-def simulate(scene: str, as_json: bool, check: bool, figures: Path | None, **options: str | None) -> None:
+def simulate(
+    scene: str, as_json: bool, environment: str | None, check: bool, figures: Path | None, **options: str | None
+) -> None:
     """Simulate a scene in time, and recover from the force what the closed form says.
 
     The force at the hand follows from the equations of motion of the scene's elements (delay lines, sampling clocks, sliding
@@ -208,7 +269,7 @@ def simulate(scene: str, as_json: bool, check: bool, figures: Path | None, **opt
     """
     from .simulation.command import run  # SciPy is loaded for this verb alone
 
-    runs = run(load_scene(scene), check, options)
+    runs = run(load_scene(scene, environment), check, options)
     if figures is not None:
         from .simulation.figures import save_simulation_figures
 
@@ -220,6 +281,9 @@ def simulate(scene: str, as_json: bool, check: bool, figures: Path | None, **opt
     click.echo(dumps(document(runs), indent=2, ensure_ascii=False) if as_json else page(runs), nl=as_json)
     if any(x.agrees is False for x in runs):
         sys.exit(3)
+
+
+app.add_command(metrics)
 
 
 def main() -> None:

@@ -45,9 +45,12 @@ class Chain:
     rendered: Expr
     matrices: tuple[Matrix, ...]
 
-    def distortion(self) -> Distortion:
-        """The closed forms of this chain; SceneError where H_env is zero everywhere or H_perc is not a dynamics."""
-        ring = self.ring
+    def distortion(self, ring: Ring | None = None) -> Distortion:
+        """The closed forms of this chain, in a ring that holds it (the smallest one unless given).
+
+        Raises SceneError where H_env is zero everywhere or H_perc is not a dynamics.
+        """
+        ring = ring or self.ring
         environment = ring.convert(self.environment).reduced()
         if environment.is_zero:
             raise SceneError("the environment is zero at every frequency: there is nothing to feel")
@@ -60,8 +63,11 @@ class Chain:
     def ring(self) -> Ring:
         """The ring that holds them all."""
         # the symbol c comes along so that thresholds may stay symbols; a variable that does not occur costs nothing
-        entries = (entry for matrix in self.matrices for entry in matrix)
-        return Ring.of([self.environment, self.rendered, *entries, threshold])
+        return Ring.of([*self.entries(), threshold])
+
+    def entries(self) -> tuple[Expr, ...]:
+        """All dynamics in it: H_env, what is rendered, and the entries of the matrices."""
+        return self.environment, self.rendered, *(entry for matrix in self.matrices for entry in matrix)
 
     def at(self, values: Mapping[Symbol, Expr]) -> Chain:
         """The same chain with values for some of its symbols."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from decimal import Decimal
 from difflib import get_close_matches
 from importlib.resources import files
@@ -14,6 +15,7 @@ from sympy import Expr, Integer
 
 from .catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
 from .errors import SceneError
+from .family.family import SceneFamily, named
 from .jnd import Threshold
 from .scene import Scene, frequency
 
@@ -25,39 +27,113 @@ _DEFAULT_BAND = (Integer(0), Integer(15))  # rad/s, the band of the paper
 
 
 def scene_names() -> tuple[str, ...]:
-    """The names of the scenes that the package ships.
+    """The names of the scenes with one environment that the package ships.
 
     >>> "fu2019" in scene_names()
     True
     """
-    folder = files("haptisym") / "scenes"
-    return tuple(sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml")))
+    return _shipped("scenes")
 
 
-def load_scene(scene: str | Path) -> Scene:
+def family_names() -> tuple[str, ...]:
+    """The names of the scenes with several environments that the package ships.
+
+    >>> family_names()
+    ('palpation-device',)
+    """
+    return _shipped("families")
+
+
+def _shipped(folder: str) -> tuple[str, ...]:
+    entries = (files("haptisym") / folder).iterdir()
+    return tuple(sorted(entry.name.removesuffix(".toml") for entry in entries if entry.name.endswith(".toml")))
+
+
+def load_scene(scene: str | Path, environment: str | None = None) -> Scene:
     """The scene of that name (one that the package ships) or in that file. SceneError says what is wrong with it.
+
+    ``environment`` : which of several environments; without it a scene that has several is an error that lists them.
 
     >>> load_scene("fu2019").environment.H
     9*s**2/5 + 15*s + 100
+    >>> load_scene("palpation-device", "muscle").environment.H
+    2*s + 290
     """
-    name = str(scene)
-    if name in scene_names():
-        return parse_scene((files("haptisym") / "scenes" / f"{name}.toml").read_text(encoding="utf-8"), name)
-    return parse_scene(_read(Path(name)), Path(name).name)
+    return _chosen(*_text_of(scene), environment)
 
 
-def parse_scene(text: str, name: str = "scene") -> Scene:
-    """The scene that a TOML text describes; ``name`` is what error messages call it.
+def load_scenes(scene: str | Path, environments: Iterable[str | Path] = ()) -> SceneFamily:
+    """The scenes in that file (or of that name), one for each of its environments: one or several.
+
+    ``environments`` : scenes whose environments (each with what is rendered for it) take the place of the scene's own;
+    named after their files. SceneError says what is wrong.
+
+    >>> list(load_scenes("palpation-device")), list(load_scenes("fu2019", ["fu2019", "helicopter-cyclic"]))
+    (['fat', 'muscle', 'liver', 'tumour'], ['fu2019', 'helicopter-cyclic'])
+    """
+    text, name = _text_of(scene)
+    own = parse_scenes(text, name)
+    given = [(label, x) for place in environments for label, x in _labelled(place)]
+    if not given:
+        return own
+    try:
+        return named(((label, _felt_through(own.first, label, x)) for label, x in given), own.title, own.source)
+    except SceneError as error:
+        raise error.within(name) from None
+
+
+def _felt_through(display: Scene, label: str, other: Scene) -> Scene:
+    """The display of one scene with the environment of another."""
+    try:
+        return replace(display, environment=other.environment, rendered=other.rendered)
+    except SceneError as error:
+        raise error.within(label) from None
+
+
+def _labelled(place: str | Path) -> list[tuple[str, Scene]]:
+    """The environments of a scene as scenes, each by its name; the only one by the name of its file."""
+    text, name = _text_of(place)
+    family = parse_scenes(text, name)
+    if len(family) == 1:
+        return [(name.removesuffix(".toml"), family.first)]
+    return list(family.scenes.items())
+
+
+def parse_scene(text: str, name: str = "scene", environment: str | None = None) -> Scene:
+    """The scene that a TOML text describes; ``name`` is what error messages call it, ``environment`` one of several.
 
     >>> parse_scene('environment = { model = "maxwell", k = 100, b = "5 N*s/m" }').band
     (0, 15)
     """
+    return _chosen(text, name, environment)
+
+
+def parse_scenes(text: str, name: str = "scene") -> SceneFamily:
+    """The scenes that a TOML text describes, one for each of its environments; ``name`` is what error messages call it."""
     try:
-        scene = _scene(_toml(text))
-        scene.distortion()  # what is wrong with the dynamics as a whole is wrong with this file
+        family = _scenes(_toml(text))
+        for scene in family.scenes.values():
+            scene.distortion()  # what is wrong with the dynamics as a whole is wrong with this file
     except SceneError as error:
         raise error.within(name) from None
-    return scene
+    return family
+
+
+def _chosen(text: str, name: str, environment: str | None) -> Scene:
+    family = parse_scenes(text, name)
+    try:
+        return family.only() if environment is None else family[environment]
+    except SceneError as error:
+        raise error.within(name) from None
+
+
+def _text_of(scene: str | Path) -> tuple[str, str]:
+    """The text of a shipped scene or of a file, and what error messages call it."""
+    name = str(scene)
+    for folder, known in (("scenes", scene_names), ("families", family_names)):
+        if name in known():
+            return (files("haptisym") / folder / f"{name}.toml").read_text(encoding="utf-8"), name
+    return _read(Path(name)), Path(name).name
 
 
 def _read(path: Path) -> str:
@@ -74,7 +150,7 @@ def _read(path: Path) -> str:
 
 
 def _no_such_scene(path: Path, error: Exception) -> str:
-    known = scene_names()
+    known = scene_names() + family_names()
     close = get_close_matches(path.name.removesuffix(".toml"), known, n=1)
     hint = f'did you mean "{close[0]}"?' if close else f"the package ships {', '.join(known)}"
     reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
@@ -92,21 +168,43 @@ def _toml(text: str) -> Table:
         raise SceneError(f"not valid TOML: {error}") from None
 
 
-def _scene(table: Table) -> Scene:
-    _only(table, ("title", "source", "environment", "rendered", "effects", "evaluation"), "")
-    if "environment" not in table:
-        raise SceneError("[environment] is missing: a scene needs something that should be felt")
+def _scenes(table: Table) -> SceneFamily:
+    _only(table, ("title", "source", "environment", "environments", "rendered", "effects", "evaluation"), "")
     evaluation = _table(table.get("evaluation", {}), "evaluation")
     _only(evaluation, ("band", "jnd"), "evaluation")
-    return Scene(
-        environment=_environment(table["environment"], "environment"),
-        effects=tuple(_effects(table.get("effects", []))),
-        band=_band(evaluation["band"]) if "band" in evaluation else _DEFAULT_BAND,
-        threshold=_threshold(evaluation["jnd"]) if "jnd" in evaluation else Threshold(),
-        rendered=_environment(table["rendered"], "rendered") if "rendered" in table else None,
-        title=_text(table, "title"),
-        source=_text(table, "source"),
-    )
+    effects = tuple(_effects(table.get("effects", [])))
+    band = _band(evaluation["band"]) if "band" in evaluation else _DEFAULT_BAND
+    threshold = _threshold(evaluation["jnd"]) if "jnd" in evaluation else Threshold()
+    title, source = _text(table, "title"), _text(table, "source")
+    rows = _environments(table) if "environments" in table else [_one_environment(table)]
+    scenes = ((name, Scene(own, effects, band, threshold, rendered)) for name, own, rendered in rows)
+    return named(scenes, title, source)
+
+
+def _one_environment(table: Table) -> tuple[str, Environment, Environment | None]:
+    if "environment" not in table:
+        raise SceneError("[environment] is missing: a scene needs something that should be felt")
+    rendered = _environment(table["rendered"], "rendered") if "rendered" in table else None
+    return "environment", _environment(table["environment"], "environment"), rendered
+
+
+def _environments(table: Table) -> Iterable[tuple[str, Environment, Environment | None]]:
+    """Name, environment and what is rendered for it, of each of several."""
+    given = table["environments"]
+    if not isinstance(given, list) or not given:
+        raise SceneError("environments: must be written [[environments]], once for each environment")
+    for key in ("environment", "rendered"):
+        if key in table:
+            raise SceneError(f"{key}: give either [{key}] or [[environments]], each with its own {key}")
+    for position, one in enumerate(given, 1):
+        own = dict(_table(one, f"environments[{position}]"))
+        name, rendered = own.pop("name", None), own.pop("rendered", None)
+        name = str(own.get("model", position)) if name is None else name
+        place = f'environments[{position}] "{str(name)[:60]}"'
+        if not isinstance(name, str) or not name:
+            raise SceneError(f'environments[{position}]: name: "{name}" must be a string that is not empty')
+        environment = _environment(own, place)
+        yield name, environment, None if rendered is None else _environment(rendered, f"{place}: rendered")
 
 
 def _environment(given: Any, place: str) -> Environment:

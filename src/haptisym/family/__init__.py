@@ -1,0 +1,1 @@
+"""Several environments behind one device: the worst case, and which environment binds."""

@@ -1,0 +1,1 @@
+"""The field's measures of transparency beside the JND verdict."""

@@ -1,0 +1,55 @@
+"""One measure of transparency: its closed forms, its proven numbers, its source, and what it says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from haptisym.errors import SceneError
+from haptisym.evaluation import Evaluation
+from haptisym.exact.reals import RealNumber
+
+from .forms import Form
+from .measured import Bands, Measured
+
+
+@dataclass(frozen=True)
+class Value:
+    """One number of a measure, or bands, or a word; None where it is infinite. ``unit`` is empty for a ratio.
+
+    Where there is a tolerance: ``reference`` is the environment's own number, ``kept`` whether the value is near enough.
+    """
+
+    what: str
+    value: RealNumber | int | str | Bands | None
+    unit: str = ""
+    reference: RealNumber | int | None = None
+    tolerance: str = ""
+    kept: bool = True
+
+
+@dataclass(frozen=True)
+class Metric:
+    """A measure: ``forms`` its closed forms, ``values`` its numbers, ``evidence`` how well ``source`` is known to say so."""
+
+    name: str
+    forms: tuple[Form, ...]
+    values: tuple[Value, ...]
+    source: str
+    evidence: str
+    verdict: str
+
+
+@dataclass(frozen=True)
+class MetricRows:
+    """All measures of a scene, its JND evaluation, and where they disagree (``notes``)."""
+
+    evaluation: Evaluation
+    metrics: tuple[Metric, ...]
+    notes: tuple[str, ...]
+    measured: Measured = field(repr=False)
+
+    def __getitem__(self, name: str) -> Metric:
+        for metric in self.metrics:
+            if metric.name == name:
+                return metric
+        raise SceneError(f'no measure is called "{name}": these are {", ".join(x.name for x in self.metrics)}')
