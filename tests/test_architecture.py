@@ -32,9 +32,9 @@ answers scenefile formulas.asymptotics simulation.approximations simulation.run 
 text family.worstcase simulation.simulate
 evaluation family.text simulation.command
 family.evaluation figures.sampling formulas.derivation measures.measured tex.results
-family.figure figures.style formulas.sections measures.disagreements measures.metric report.results tex.latex
-figures.nyquist figures.ratios formulas.text measures.figure measures.text report.findings report.scene simulation.figures \
-tex.forms
+figures.style formulas.sections measures.disagreements measures.metric report.results tex.latex
+family.figure figures.nyquist figures.ratios formulas.text measures.figure measures.text report.findings report.scene \
+simulation.figures tex.forms
 figures.projections figures.square measures.transparency report.explorer report.forms report.notebook tex.document
 commands.metrics figures.files report.figures report.pdf
 report.page
