@@ -15,11 +15,15 @@ SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
 errors symbols typeset.boxes report.html options
-expressions exact.rings exact.reals numeric.values typeset.names formulas.steps codegen.names
+expressions exact.rings exact.reals typeset.names formulas.steps codegen.names numeric.accuracy
 quantities exact.response exact.factors typeset.numerals typeset.order codegen.printers codegen.languages
 exact.levels
 exact.roots exact.solutions typeset.formula typeset.quotients
-catalogue jnd exact.stability typeset.layout
+catalogue jnd exact.stability typeset.layout numeric.program
+numeric.balls numeric.floats numeric.stable
+numeric.doubled numeric.pointvalues numeric.magnitudes numeric.machine
+numeric.certified
+numeric.values
 environments effects distortion simulation.network
 scene crossings interop codegen.code simulation.motions simulation.recordings simulation.propagate simulation.descriptor simulation.fractional simulation.rightmost
 peaks codegen.forms formulas.structure formulas.groups bounds

@@ -14,6 +14,7 @@ from .distortion import Distortion, distort
 from .errors import ExpressionError, HaptisymError, SceneError, UndecidedError
 from .evaluation import Evaluation, evaluate
 from .jnd import Part, Threshold
+from .numeric.accuracy import Accuracy
 from .peaks import Peak, peaks
 from .percepts import Change, Percept, Property
 from .report.notebook import register as _register
@@ -57,6 +58,7 @@ def __getattr__(name: str) -> object:
 
 
 __all__ = [
+    "Accuracy",
     "Change",
     "Crossing",
     "CrossingKind",
