@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import doctest
 from collections.abc import Sequence
 from decimal import ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,7 +18,7 @@ import haptisym as hs
 from haptisym.distortion import Distortion
 from haptisym.effects import compliance, delay, first_order_lag, second_order_lowpass, series, shunt, two_port
 from haptisym.environments import expression, kelvin_voigt, mass_spring_damper, zener
-from haptisym.numeric.values import Values, machine
+from haptisym.numeric.values import Values, machine, stable
 
 RATIOS = ("ratio_real", "ratio_imag")
 m, b, k, omega_n, zeta = hs.symbols("m b k omega_n zeta")
@@ -116,6 +118,26 @@ def test_the_difference_of_the_dynamics_breaks_the_bound_that_certified_values_k
     assert against_truth(d, omega, {}, naive_ratios(omega, **given)).max() > 1e12
 
 
+def test_a_program_of_the_naive_form_loses_its_digits_in_floats_and_is_still_proven(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The bounds do not trust the form: what cancels is left to balls, point by point."""
+    written = stable._Author.results
+
+    def naively(author: Any, H: Any, felt: Any, fraction: Any, relative: Any) -> Any:
+        return written(author, H, felt, (author.minus(felt, H), author.write.constant(1)), None)
+
+    monkeypatch.setattr(stable._Author, "results", naively)
+    chain = hs.load_scene("fu2019").chain  # fresh: no program of it has been written yet
+    values = {p.symbol: p.value for p in hs.load_scene("fu2019").parameters}
+    d = chain.at(values).distortion()
+    omega = np.geomspace(1e-12, 1e-3, 60)
+    assert against_truth(d, omega, {}, d.compile("fast", RATIOS)(omega)._asdict()).max() > 1e12
+    proven = d.compile("certified", RATIOS)
+    assert against_truth(d, omega, {}, proven(omega)._asdict()).max() <= 1.0
+    assert proven.certified.run([omega], omega.size)[1] > 10
+
+
 def naive_ratios(omega: Any, *, m: Any, b: Any, k: Any, omega_n: Any, zeta: Any) -> dict[str, Any]:
     """As one would write it: H G - H in complex floats."""
     s = 1j * omega
@@ -164,6 +186,15 @@ def test_a_fractional_environment_has_its_limit_at_rest() -> None:
     f = hs.distort(expression("k_a*s^0.5", parameters={"k_a": 2}), delay("1 s"), first_order_lag(3)).compile(of=RATIOS)
     assert f([0.0]).ratio_real.tolist() == [0.0]
     assert f([0.0]).ratio_imag.tolist() == [0.0]
+
+
+@pytest.mark.parametrize("accuracy", ["fast", "double-double", "certified"])
+def test_at_negative_frequencies_dynamics_are_conjugate(accuracy: str) -> None:
+    f = hs.distort(expression("2*s^0.5 + s", parameters={}), first_order_lag(3)).compile(accuracy)
+    below, above = f(-2.0), f(2.0)
+    assert (below.real, below.imag, below.ratio_imag) == (above.real, -above.imag, above.ratio_imag)
+    with pytest.raises(hs.SceneError, match="must be >= 0"):
+        f.digits(-2.0, 5)
 
 
 @pytest.mark.parametrize("accuracy", ["fast", "double-double", "certified"])
@@ -232,6 +263,14 @@ def test_parameters_of_effects_that_cancel_each_other_are_not_asked_for() -> Non
 def test_a_wrong_choice_lists_the_right_ones(choice: dict[str, Any], message: str) -> None:
     with pytest.raises(hs.SceneError, match=message):
         hs.load_scene("fu2019").distortion().compile(**choice)
+
+
+def test_arguments_that_are_no_numbers_or_do_not_fit_are_named() -> None:
+    f = hs.distort(mass_spring_damper(k=k), first_order_lag(20)).compile()
+    with pytest.raises(hs.SceneError, match=r"omega: \['fast'\] must be real numbers"):
+        f(["fast"], k=1.0)
+    with pytest.raises(hs.SceneError, match=r"do not broadcast: omega \(2,\), k \(3,\)"):
+        f([1.0, 2.0], k=[1.0, 2.0, 3.0])
 
 
 def test_a_level_is_a_member_or_its_name() -> None:
@@ -308,3 +347,10 @@ def test_a_spring_with_a_maxwell_branch_and_the_rendering_of_another_are_certifi
     d = hs.distort(zener(100, 50, 3), FILTER.with_values({"omega_n": 80, "zeta": "0.5"}), rendered=kelvin_voigt(100, 2))
     omega = np.geomspace(1e-6, 1e6, 15)
     assert against_truth(d, omega, {}, d.compile("certified")(omega)._asdict()).max() <= 1.0
+
+
+def test_the_examples_of_the_page_run() -> None:
+    page = Path(__file__).parent.parent / "docs" / "accuracy-callables.md"
+    result = doctest.testfile(str(page), module_relative=False)
+    assert result.attempted >= 8
+    assert result.failed == 0

@@ -15,6 +15,7 @@ from .exact.rings import RationalFunction, cleared
 from .exact.solutions import solve
 from .jnd import Part
 from .numeric.accuracy import Accuracy, Engine
+from .numeric.balls import Point
 from .numeric.program import Program
 from .numeric.stable import stable_program
 from .numeric.values import Compiled, chosen, compiled
@@ -264,7 +265,11 @@ class Distortion:
         [0.0, -30.0]
         """
         names = chosen(of)
-        program = self.program(names, [name for name in names if self._vanishes(name)])
+        program = self.program(names, ())
+        # a value that is not 0 at some point settles that a field is not 0 everywhere
+        sample = Point(program, tuple(1.25 + n / 8 for n in range(len(program.inputs)))).balls(128)
+        zero = [name for name in names if sample[name].contains(0) and self._vanishes(name)]
+        program = self.program(names, zero) if zero else program
         return compiled(program, lambda values: self.at(values).functions(names), accuracy, engine)
 
     @cached_property

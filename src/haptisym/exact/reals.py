@@ -65,7 +65,7 @@ class RealNumber(ABC):
         >>> ExactNumber(pi).digits(20), ExactNumber(Rational(1, 4)).digits(3)
         ('3.1415926535897932385', '0.250')
         """
-        bits = int(count * 3.33) + 16
+        bits = bits_for(count)
         while True:
             low, high = self.bounds(bits)
             # beyond that many digits more it is a tie
@@ -140,6 +140,11 @@ def expression_ball(value: Expr, known: Mapping[Expr, Ball] = MappingProxyType({
     if value.func in _FUNCTIONS:
         return _FUNCTIONS[value.func](expression_ball(value.args[0], known))
     raise TypeError(f"{value} is not a real number made of rational numbers, pi, roots, sines and cosines")
+
+
+def bits_for(count: int) -> int:
+    """Relative accuracy in bits with which ``count`` decimal digits are tried first."""
+    return int(count * 3.33) + 16
 
 
 def rounded(low: Fraction, high: Fraction, count: int) -> str | None:

@@ -11,6 +11,7 @@ import numpy as np
 from flint import fmpq
 from sympy import Rational
 
+from haptisym.errors import SceneError
 from haptisym.exact.reals import Ball, RealNumber
 from haptisym.exact.response import RealFunction
 
@@ -66,6 +67,11 @@ class Certified:
         """The doubles nearest to results at one point, limits and poles included; not-a-number for inputs that are none."""
         if not np.isfinite(inputs).all():
             return dict.fromkeys(names, float("nan"))
+        if inputs[0] < 0:  # H(-j omega) is the conjugate of H(j omega)
+            mirrored = self.at((-inputs[0], *inputs[1:]), names)
+            return {
+                name: value if name in SQUARED or name.endswith("real") else -value for name, value in mirrored.items()
+            }
         point, found = Point(self.program, inputs), {}
         for bits in _BITS:
             left = [name for name in names if name not in found]
@@ -82,7 +88,9 @@ class Certified:
         return PointValue(self.forms(known)[name], fmpq(*frequency), name in SQUARED)
 
     def number(self, inputs: tuple[float, ...], name: str) -> RealNumber | float:
-        """A result to any precision; a float where it is 0, infinite or not a number."""
+        """A result to any precision; a float where it is 0, infinite or not a number. SceneError for a negative frequency."""
+        if inputs[0] < 0:
+            raise SceneError(f"digits: omega = {inputs[0]} rad/s must be >= 0")
         if not np.isfinite(inputs).all():
             return float("nan")
         value = ProgramValue(Point(self.program, inputs), name)

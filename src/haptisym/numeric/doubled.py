@@ -26,7 +26,7 @@ from haptisym.exact.reals import Ball
 from .balls import FUNCTIONS, constant_ball
 from .program import Operation, Program
 
-BLOCK = 1024
+BLOCK = 4096
 _SPLIT = 134217729.0  # 2^27 + 1
 _STEP, _LOST, _UP = 2.0**-100, 2.0**-1060, 1 + 2.0**-40
 _BITS = 140  # of the balls that stand for sines, cosines and powers

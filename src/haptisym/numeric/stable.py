@@ -47,27 +47,25 @@ class _Author:
         if rendered != environment:
             more = (self.ring.convert(rendered) - self.ring.convert(environment)).reduced()
             felt, dH = self.sum_of_fractions(rendered), self.closed(more)
-        relative: Pair | None = self.pair(0, 0) if rendered == environment else None
-        above, below = dH, self.write.constant(1)  # dH as one fraction, where a division can be saved
-        for run in _runs([[self.ring.convert(entry) for entry in matrix] for matrix in matrices]):
-            fresh = dH == self.pair(0, 0)
-            if _is_series(run[0]):
-                gain, change = self.series([row[0] for row in run])
-                relative = change if fresh and relative is not None else None
-                above, below = (
-                    self.fraction((run[0][0] - self.ring.one).reduced()) if len(run) == 1 else (change, below)
-                )
-                above = self.times(felt, above)
-                felt, dH = (
-                    self.times(felt, gain),
-                    self.over(above, below) if fresh else self.plus(dH, self.times(felt, change)),
-                )
-            else:
-                relative = None
-                felt, dH = self.port(run[0], felt, dH)
-        if self.over(above, below) != dH:
-            above, below = dH, self.write.constant(1)
-        return self.results(H, felt, (above, below), relative)
+        runs = _runs([[self.ring.convert(entry) for entry in matrix] for matrix in matrices])
+        for run in runs:
+            felt, dH = self.after(run, felt, dH)
+        fraction, relative = (dH, self.write.constant(1)), None
+        if rendered == environment and not runs:
+            relative = dH
+        elif rendered == environment and len(runs) == 1 and _is_series(runs[0][0]):
+            relative = self.series([row[0] for row in runs[0]])[1]
+            if len(runs[0]) == 1:  # the one effect's denominator stays below the line: a division less
+                above, below = self.fraction((runs[0][0][0] - self.ring.one).reduced())
+                fraction = self.times(H, above), below
+        return self.results(H, felt, fraction, relative)
+
+    def after(self, run: Sequence[Sequence[RationalFunction]], felt: Pair, dH: Pair) -> tuple[Pair, Pair]:
+        """What is felt, and by how much it differs, behind some more effects."""
+        if not _is_series(run[0]):
+            return self.port(run[0], felt, dH)
+        gain, change = self.series([row[0] for row in run])
+        return self.times(felt, gain), self.plus(dH, self.times(felt, change))
 
     def results(self, H: Pair, felt: Pair, fraction: tuple[Pair, int], relative: Pair | None) -> dict[str, int]:
         w, (R, X), dH = self.write, H, self.over(*fraction)

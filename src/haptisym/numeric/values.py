@@ -182,10 +182,23 @@ class Compiled:
         if sorted(values) != list(self.parameters):
             needed, given = (", ".join(sorted(x)) or "none" for x in (self.parameters, values))
             raise SceneError(f"parameters needed are {needed}; given are {given}")
-        arguments = [np.asarray(x, dtype=float) for x in (omega, *(values[name] for name in self.parameters))]
-        shape = np.broadcast_shapes(*(x.shape for x in arguments))
+        arguments = [_array("omega", omega), *(_array(name, values[name]) for name in self.parameters)]
+        try:
+            shape = np.broadcast_shapes(*(x.shape for x in arguments))
+        except ValueError:
+            shapes = ", ".join(
+                f"{name} {x.shape}" for name, x in zip(("omega", *self.parameters), arguments, strict=True)
+            )
+            raise SceneError(f"the shapes of the arguments do not broadcast: {shapes}") from None
         flat = [float(x.item()) if x.size == 1 else np.broadcast_to(x, shape).ravel() for x in arguments]
         return flat, shape, int(np.prod(shape))
+
+
+def _array(name: str, given: ArrayLike) -> Array:
+    try:
+        return np.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        raise SceneError(f"{name}: {given!r} must be real numbers") from None
 
 
 def _tuple(name: str, fields: Sequence[str]) -> Any:
