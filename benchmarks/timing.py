@@ -31,7 +31,7 @@ def table(title: str, seconds: Mapping[str, float], reference: str) -> None:
 
 def machine() -> str:
     """What was measured on."""
-    names = ("sympy", "python-flint", "numpy", "control", "mpmath")
+    names = ("sympy", "python-flint", "numpy", "numba", "control", "mpmath")
     found = []
     for name in names:
         try:

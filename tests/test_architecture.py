@@ -14,26 +14,31 @@ import haptisym
 SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
-errors symbols typeset.boxes report.html options
-expressions exact.rings exact.reals numeric.values typeset.names formulas.steps codegen.names
+errors symbols typeset.boxes report.html options costs.measurement
+expressions exact.rings exact.reals typeset.names formulas.steps codegen.names numeric.accuracy
 quantities exact.response exact.factors typeset.numerals typeset.order codegen.printers codegen.languages
-exact.levels
+exact.levels costs.stopwatch
 exact.roots exact.solutions typeset.formula typeset.quotients
-catalogue jnd exact.stability typeset.layout
+catalogue jnd exact.stability typeset.layout numeric.program
+numeric.balls numeric.floats numeric.stable
+numeric.doubled numeric.pointvalues numeric.magnitudes numeric.machine
+numeric.certified
+numeric.values
 environments effects distortion simulation.network
 scene crossings interop codegen.code simulation.motions simulation.recordings simulation.propagate simulation.descriptor simulation.fractional simulation.rightmost
 peaks codegen.forms formulas.structure formulas.groups bounds
-formulas.asymptotics simulation.blocks simulation.linear simulation.lockin simulation.results
-percepts typeset.plain typeset.mathml typeset.equations
-answers scenefile simulation.events simulation.text
+formulas.asymptotics simulation.blocks simulation.linear simulation.lockin simulation.results costs.questions
+costs.usual
+percepts typeset.plain typeset.mathml typeset.equations costs.methods costs.hardcases costs.text
+answers scenefile simulation.events simulation.text costs.hardtext costs.tasks
 text simulation.engine
 evaluation codegen.scene simulation.approximations simulation.run
 formulas.derivation
 formulas.sections
 tex.names figures simulation.simulate
-simulation.command
-simulation.figures
-tex.printer
+simulation.command costs.simulated costs.figure costs.hardfigure
+simulation.figures costs.costs costs.hardcosts
+tex.printer commands.cost
 tex.lines
 tex.results
 tex.latex

@@ -14,6 +14,7 @@ from .distortion import Distortion, distort
 from .errors import ExpressionError, HaptisymError, SceneError, UndecidedError
 from .evaluation import Evaluation, evaluate
 from .jnd import Part, Threshold
+from .numeric.accuracy import Accuracy
 from .peaks import Peak, peaks
 from .percepts import Change, Percept, Property
 from .report.notebook import register as _register
@@ -28,6 +29,7 @@ _register()
 __version__ = "0.1.0"
 
 _ON_DEMAND = {
+    "Cost": "costs.costs",
     "Derivation": "formulas.derivation",
     "EncoderQuantisation": "simulation.results",
     "ForceSaturation": "simulation.results",
@@ -35,13 +37,16 @@ _ON_DEMAND = {
     "Simulation": "simulation.simulate",
     "check": "simulation.simulate",
     "chirp": "simulation.motions",
+    "cost": "costs.costs",
     "derive": "formulas.derivation",
     "distortion_code": "codegen.scene",
+    "hard_costs": "costs.hardcosts",
     "interop": "",
     "multisine": "simulation.motions",
     "recording": "simulation.recordings",
     "scene_code": "codegen.scene",
     "simulate": "simulation.simulate",
+    "simulation_cost": "costs.costs",
     "sine": "simulation.motions",
 }
 """What is loaded only when it is used: simulation needs SciPy (the extra ``simulate``), formulas cost time at start."""
@@ -57,6 +62,7 @@ def __getattr__(name: str) -> object:
 
 
 __all__ = [
+    "Accuracy",
     "Change",
     "Crossing",
     "CrossingKind",

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 from sympy import Abs, Expr, I, Rational, Symbol, sqrt
 
 from .catalogue import Effect, Environment, Matrix
 from .errors import SceneError
 from .exact.response import Axis, RealFunction, Response, Ring, on_axis, squared_modulus
-from .exact.rings import RationalFunction
+from .exact.rings import RationalFunction, cleared
 from .exact.solutions import solve
 from .jnd import Part
-from .numeric.values import Values, compiled
-from .symbols import X, c, omega, s
+from .numeric.accuracy import Accuracy, Engine
+from .numeric.balls import Point
+from .numeric.program import Program
+from .numeric.stable import stable_program
+from .numeric.values import Compiled, chosen, compiled
+from .symbols import X, omega, s
+from .symbols import c as threshold
 
 
 def distort(environment: Environment, *effects: Effect, rendered: Environment | None = None) -> Distortion:
@@ -58,7 +62,7 @@ class Chain:
         """The ring that holds them all."""
         # the symbol c comes along so that thresholds may stay symbols; a variable that does not occur costs nothing
         entries = (entry for matrix in self.matrices for entry in matrix)
-        return Ring.of([self.environment, self.rendered, *entries, c])
+        return Ring.of([self.environment, self.rendered, *entries, threshold])
 
     def at(self, values: Mapping[Symbol, Expr]) -> Chain:
         """The same chain with values for some of its symbols."""
@@ -78,14 +82,6 @@ def _through(H: RationalFunction, matrix: Sequence[RationalFunction]) -> Rationa
     if bottom.is_zero():
         raise SceneError("the effects make the perceived dynamics infinite at every frequency (C H + D = 0)")
     return RationalFunction(H.ring, top, bottom)
-
-
-def cleared(matrix: Sequence[RationalFunction]) -> list[Any]:
-    """The entries times their least common denominator, which a Moebius map does not see."""
-    common = matrix[0].denominator
-    for entry in matrix[1:]:
-        common = common * (entry.denominator / common.gcd(entry.denominator))
-    return [entry.numerator * (common / entry.denominator) for entry in matrix]
 
 
 @dataclass(frozen=True)
@@ -240,23 +236,69 @@ class Distortion:
         """Stiffness, mass, damping and force phasors of what is felt."""
         return _properties(self.perc_response)
 
-    def compile(self) -> Callable[..., Values]:
+    def compile(
+        self,
+        accuracy: Accuracy | str = Accuracy.FAST,
+        of: Sequence[str] | None = None,
+        engine: Engine | str = Engine.NUMPY,
+    ) -> Compiled:
         """A NumPy function ``f(omega, m=..., ...)`` of frequencies (rad/s) and the parameters that are still symbols (SI).
 
         It returns a named tuple of arrays (``real``, ``imag``, ``ratio_real``, ``ratio_imag``, ...) of the broadcast
         shape of its arguments, constants included. At a zero of H_env the ratios are their limits.
 
+        accuracy : what is promised of each float, an ``Accuracy`` or its name ("fast", "double-double", "certified").
+        of : the fields wanted, all by default; the named tuple has just these.
+        engine : what runs the level fast, an ``Engine`` or its name: "numpy", or "numba" (the extra ``fast``).
+        ``f.digits(omega, count, ...)`` gives decimal digits instead. Raises SceneError for a choice that there is not.
+
         >>> from haptisym.environments import kelvin_voigt
         >>> from haptisym.effects import first_order_lag
-        >>> f = distort(kelvin_voigt(100, 2), first_order_lag(20)).compile()
+        >>> f = distort(kelvin_voigt(100, 2), first_order_lag(20)).compile(of=["real"])
         >>> f([0.0, 20.0]).real.tolist()
-        [-0.0, -30.0]
+        [0.0, -30.0]
         """
-        squares = [self.squared_ratios[part].stable() for part in Part]  # their roots are taken in floats
-        shown = (self.difference_response, self.relative_response, self.env_response, self.perc_response)
-        real_imag, *others = ([part_of(response, part).stable() for part in Part] for response in shown)
-        forms = [*real_imag, *squares, *(form for pair in others for form in pair)]
-        return compiled(dict(zip(Values._fields, forms, strict=True)), list(self.free_symbols))
+        names = chosen(of)
+        program = self.program(names, ())
+        # a value that is not 0 at some point settles that a field is not 0 everywhere
+        sample = Point(program, tuple(1.25 + n / 8 for n in range(len(program.inputs)))).balls(128)
+        zero = [name for name in names if sample[name].contains(0) and self._vanishes(name)]
+        program = self.program(names, zero) if zero else program
+        return compiled(program, lambda values: self.at(values).functions(names), accuracy, engine)
+
+    @cached_property
+    def program(self) -> Callable[[Sequence[str], Collection[str]], Program]:
+        """What writes the straight-line program of some fields."""
+        parameters = sorted(self.free_symbols, key=str)
+        # parameters of effects that cancel each other may be any number
+        others = sorted(set(self.chain.ring.symbols) - {*parameters, threshold}, key=str)
+        chain = self.chain.at({x: Rational(n + 7, 5) for n, x in enumerate(others)})
+        return stable_program(chain.ring, chain.environment, chain.rendered, chain.matrices, parameters)
+
+    def _vanishes(self, name: str) -> bool:
+        """Whether a field is 0 at all frequencies, whatever the parameters."""
+        kind, _, part = name.rpartition("_")
+        change = self.perc - self.env
+        of = {"relative": change / self.env, "environment": self.env, "perceived": self.perc}.get(kind, change)
+        raw = on_axis(of)
+        return (raw.raw_real if part == "real" else raw.raw_imag).is_zero
+
+    def at(self, values: Mapping[str, Rational]) -> Distortion:
+        """The distortion with exact numbers for the parameters of these names."""
+        known = {x: values[x.name] for x in self.free_symbols}
+        return self.chain.at(known).distortion() if known else self
+
+    def functions(self, names: Sequence[str]) -> dict[str, RealFunction]:
+        """The real functions behind the fields of ``numeric.Values``, in lowest terms; of the ratios their squares."""
+        responses = {"relative": "relative_response", "environment": "env_response", "perceived": "perc_response"}
+        found = {}
+        for name in names:
+            kind, _, part = name.rpartition("_")
+            if kind == "ratio":
+                found[name] = self.squared_ratios[Part(part)]
+            else:
+                found[name] = part_of(getattr(self, responses.get(kind, "difference_response")), Part(part))
+        return found
 
     def parameter_jnd(self, c: Expr) -> ParameterJND:
         """The JNDs of stiffness, damping and mass for a threshold c."""

@@ -3,19 +3,49 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+import time
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, NamedTuple
 
 from .answers import Answers
 from .crossings import Crossing, curves
 from .errors import SceneError
+from .exact.factors import Root, Zero
+from .exact.reals import ExactNumber, bits_for
 from .exact.roots import Interval, chart
 from .exact.stability import is_stable
 from .scene import Scene
 from .text import report
 
 
+class Effort(NamedTuple):
+    """What the crossings' digits took: the method that encloses them, the least working precision, bits, and the time, s."""
+
+    method: str
+    bits: int
+    seconds: float
+
+
+_METHODS = {Root: "certified polynomial roots", Zero: "interval Newton in ball arithmetic", ExactNumber: "closed form"}
+
+
+@dataclass(frozen=True)
 class Evaluation(Answers):
     """The answers for a scene; ``print`` shows them as a page of text, ``to_json`` gives the command line's document."""
+
+    isolation: float = field(default=0.0, repr=False, compare=False)
+    """Seconds in which everything that happens on the band was found and set apart."""
+
+    @cached_property
+    def effort(self) -> Effort:
+        """How the crossings are computed to their digits, and in which time: that of ``isolation`` and of refining them now."""
+        started = time.perf_counter()
+        for crossing in self.crossings:
+            crossing.omega.digits(self.digits)
+        kinds = {_METHODS.get(type(crossing.omega), "bisection") for crossing in self.crossings}
+        seconds = self.isolation + time.perf_counter() - started
+        return Effort(", ".join(sorted(kinds)) or "none needed", bits_for(self.digits), seconds)
 
     def __str__(self) -> str:
         return report(self)
@@ -98,8 +128,10 @@ def evaluate(scene: Scene, digits: int = 15) -> Evaluation:
         )
     distortion = scene.distortion()
     low, high = scene.band
+    started = time.perf_counter()
     table = chart(curves(distortion, scene.threshold), low, high)
-    return Evaluation(scene, distortion, table, is_stable(distortion.perc), digits)
+    found = time.perf_counter() - started
+    return Evaluation(scene, distortion, table, is_stable(distortion.perc), digits, found)
 
 
 def _interval(x: Interval) -> list[float]:

@@ -65,12 +65,13 @@ class RealNumber(ABC):
         >>> ExactNumber(pi).digits(20), ExactNumber(Rational(1, 4)).digits(3)
         ('3.1415926535897932385', '0.250')
         """
-        rounding = Context(prec=count, rounding=ROUND_HALF_EVEN)
-        bits = int(count * 3.33) + 16
+        bits = bits_for(count)
         while True:
-            low, high = (_decimal(x, rounding) for x in self.bounds(bits))
-            if low == high or bits > 4 * (count + 200):  # beyond that it is a tie, within 200 more digits
-                return _plain(low, count)
+            low, high = self.bounds(bits)
+            # beyond that many digits more it is a tie
+            text = rounded(low, low if bits > 4 * (count + 200) else high, count)
+            if text is not None:
+                return text
             bits += 64 + bits // 2
 
     def enclosure(self, count: int = 15) -> tuple[str, str]:
@@ -136,6 +137,24 @@ def expression_ball(value: Expr, known: Mapping[Expr, Ball] = MappingProxyType({
     if value.func in _FUNCTIONS:
         return _FUNCTIONS[value.func](expression_ball(value.args[0], known))
     raise TypeError(f"{value} is not a real number made of rational numbers, pi, roots, sines and cosines")
+
+
+def bits_for(count: int) -> int:
+    """Relative accuracy in bits with which ``count`` decimal digits are tried first."""
+    return int(count * 3.33) + 16
+
+
+def rounded(low: Fraction, high: Fraction, count: int) -> str | None:
+    """What all numbers between two bounds are, rounded to ``count`` significant decimal digits; None if that differs.
+
+    >>> rounded(Fraction(1, 8), Fraction(129, 1024), 2), rounded(Fraction(1, 8), Fraction(1, 7), 2)
+    (None, None)
+    >>> rounded(Fraction(1, 3), Fraction(334, 1000), 2)
+    '0.33'
+    """
+    rounding = Context(prec=count, rounding=ROUND_HALF_EVEN)
+    first, last = (_decimal(x, rounding) for x in (low, high))
+    return _plain(first, count) if first == last else None
 
 
 def bounds(ball: Ball) -> tuple[Fraction, Fraction]:

@@ -374,13 +374,14 @@ class RealFunction:
 
     def ball(self, x: Ball) -> Ball:
         """A ball around the values at a ball of frequencies, at the current working precision; no symbol may be left."""
-        ring = self._in_half_angles.ring
+        ring = self.half_angled.ring
         values = {g: expression_ball(g, {omega: x}) for g in ring.meanings if not g.is_Symbol or g == omega}
-        above, below = self._in_half_angles.numerator, self._in_half_angles.denominator
+        above, below = self.half_angled.numerator, self.half_angled.denominator
         return ring.ball(above, values) / ring.ball(below, values)
 
     @cached_property
-    def _in_half_angles(self) -> RationalFunction:
+    def half_angled(self) -> RationalFunction:
+        """In cos(a/2) and sin(a/2)/omega of its angles a, in lowest terms: nothing cancels that need not."""
         return self.axis.half_angles(self.function).reduced() if self.axis.angles else self.function
 
     @property
@@ -404,4 +405,4 @@ class RealFunction:
 
     def stable(self) -> Expr:
         """The closed form for floats: half angles, so that 1 - cos x is 2 sin(x/2)^2 and keeps its digits."""
-        return self._in_half_angles.factored()
+        return self.half_angled.factored()

@@ -226,6 +226,14 @@ class RationalFunction:
         return self.ring.factored_expression(reduced.numerator) / self.ring.factored_expression(reduced.denominator)
 
 
+def cleared(matrix: Sequence[RationalFunction]) -> list[Any]:
+    """The entries times their least common denominator, which a Moebius map does not see."""
+    common = matrix[0].denominator
+    for entry in matrix[1:]:
+        common = common * (entry.denominator / common.gcd(entry.denominator))
+    return [entry.numerator * (common / entry.denominator) for entry in matrix]
+
+
 def degree_in(polynomials: Sequence[Polynomial], index: int) -> int:
     """The highest degree of any of the polynomials in one variable of their ring."""
     return max((int(p.degrees()[index]) for p in polynomials if not p.is_zero()), default=0)

@@ -18,9 +18,9 @@ from typing import TypeAlias
 
 from sympy import Abs, Add, Expr, Integer, Symbol, count_ops, sqrt
 
-from haptisym.distortion import Chain, Distortion, cleared
+from haptisym.distortion import Chain, Distortion
 from haptisym.exact.response import RealFunction, Ring, on_axis
-from haptisym.exact.rings import Polynomial, RationalFunction, degree_in
+from haptisym.exact.rings import Polynomial, RationalFunction, cleared, degree_in
 from haptisym.numeric.values import Values
 
 from .steps import Steps

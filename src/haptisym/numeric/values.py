@@ -1,18 +1,35 @@
-"""NumPy functions of closed forms: shape kept, limits at 0 by value."""
+"""NumPy functions of closed forms: shape kept, limits by value, as accurate as asked for."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import time
+from collections import Counter, namedtuple
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from sympy import Expr, Float, Integer, Rational, Symbol, lambdify, pi
 
 from haptisym.errors import SceneError
-from haptisym.symbols import omega
+from haptisym.exact.reals import rounded
+
+from .accuracy import Accuracy, Engine
+from .certified import Certified, Forms
+from .doubled import Doubles
+from .floats import Floats
+from .machine import Machine
+from .magnitudes import judge
+from .program import Program
 
 Array: TypeAlias = NDArray[np.float64]
+
+_LEAST = 32  # frequencies that are not taken apart to find those at which a float overflows
+_MOST_DOUBLED = 28  # decimal digits that a double-double can prove
+_ROOM = {True: (53, 1020), False: (107, 900)}  # binary digits and greatest exponent of floats, and of double-doubles
+_FEW = 24  # points for which balls alone are cheaper than an array of double-doubles
 
 
 class Values(NamedTuple):
@@ -30,38 +47,174 @@ class Values(NamedTuple):
     perceived_imag: Array
 
 
-_SQUARED = ("ratio_real", "ratio_imag")
+def chosen(of: Sequence[str] | str | None) -> tuple[str, ...]:
+    """The fields asked for, each once; all of them for None. SceneError for what is no field.
+
+    >>> chosen(["ratio_real", "ratio_imag"])
+    ('ratio_real', 'ratio_imag')
+    """
+    if of is None:
+        return Values._fields
+    names = (of,) if isinstance(of, str) else tuple(of)
+    wrong = [name for name in names if name not in Values._fields or names.count(name) > 1]
+    if wrong or not names:
+        raise SceneError(
+            f"of: {wrong[0] if wrong else 'nothing'} must be some of {', '.join(Values._fields)}, each once"
+        )
+    return names
 
 
-def compiled(forms: Mapping[str, Expr], parameters: list[Symbol]) -> Callable[..., Values]:
+@dataclass(frozen=True, eq=False)
+class Compiled:
     """A function ``f(omega, name=value, ...)`` of frequencies in rad/s and parameters in SI, all of them broadcast.
 
-    ``forms``: a closed form for each field of ``Values``, of the ratios their squares. The function raises SceneError for a
-    missing or unknown parameter.
-    Values have the relative accuracy of floats except near zeros of numerators and denominators.
+    ``fields`` : what it returns, as a named tuple (``Values`` where it is all of them) of arrays of the broadcast shape.
+    ``parameters`` : the names that it must be given. Arguments are exact: the doubles that they are.
+    Steps that could overflow, or lose digits to underflow, are never left to floats: such frequencies are computed as at the
+    level "certified". Values that floats leave undefined (0/0) are limits; poles are infinite; a result beyond the range of
+    doubles is infinite or 0. Frequencies that are not finite give not-a-number.
     """
-    names = sorted(str(p) for p in parameters)
-    ordered = [omega, *sorted(parameters, key=str)]
-    evaluate = lambdify(ordered, [_floats(forms[name]) for name in Values._fields], "numpy", cse=True)
 
-    def function(omega: ArrayLike, **values: ArrayLike) -> Values:
-        if sorted(values) != names:
-            raise SceneError(
-                f"parameters needed are {', '.join(names) or 'none'}; given are {', '.join(sorted(values)) or 'none'}"
-            )
-        arguments = [np.asarray(x, dtype=float) for x in (omega, *(values[name] for name in names))]
+    fields: tuple[str, ...]
+    parameters: tuple[str, ...]
+    accuracy: Accuracy
+    program: Program
+    forms: Forms
+    floats: Floats | Machine
+
+    def __call__(self, omega: ArrayLike, **values: ArrayLike) -> Any:
+        inputs, shape, size = self._inputs(omega, values)
+        out = np.empty((len(self.fields), size))
+        self._fill(inputs, size, out)
+        kind = Values if self.fields == Values._fields else _tuple("Values", self.fields)
+        return kind(*(x.reshape(shape) for x in out))
+
+    def digits(self, omega: ArrayLike, count: int, **values: ArrayLike) -> Any:
+        """Correctly rounded decimal strings with ``count`` significant digits, by the cheapest method that proves them.
+
+        The named tuple has the fields, strings or arrays of strings in the broadcast shape, and besides ``method``, what proved
+        how many of the values, and ``seconds``, what that cost. "0", "inf", "-inf" and "nan" are written so. A tie within 200
+        more digits goes to the even digit.
+        """
+        if not isinstance(count, int) or count < 1:
+            raise SceneError(f"digits: {count} must be a whole number, at least 1")
+        started = time.perf_counter()
+        inputs, shape, size = self._inputs(omega, values)
+        texts, methods = self._texts(inputs, size, count)
+        columns = [
+            texts[name][0] if shape == () else np.array(texts[name], dtype=object).reshape(shape) for name in texts
+        ]
+        method = ", ".join(f"{n} by {name}" for name, n in methods.most_common())
+        return _tuple("Digits", (*self.fields, "method", "seconds"))(*columns, method, time.perf_counter() - started)
+
+    @cached_property
+    def certified(self) -> Certified:
+        """What proves values where floats do not do."""
+        return Certified(self.program, self.forms)
+
+    @cached_property
+    def _doubles(self) -> Doubles:
+        return Doubles(self.program, bounded=False)
+
+    def _fill(self, inputs: Sequence[Any], size: int, out: Any) -> None:
+        fast = self.accuracy is Accuracy.FAST
+        ranges = None if self.accuracy is Accuracy.CERTIFIED else judge(self.program, inputs, *_ROOM[fast])
+        if ranges is not None and ranges.safe:
+            self._compute(inputs, size, out)
+        elif fast:
+            self._watch(inputs, size, out)
+            for x in inputs:
+                out[:, ~np.isfinite(x)] = np.nan
+        else:
+            self._prove(inputs, size, out)
+            return
+        # one sum tells of all whether any is not finite; where they overflow only together, nothing is repaired
+        if not (ranges and ranges.finite) and not _all_finite(out):
+            self._repair(inputs, out)
+
+    def _watch(self, inputs: Sequence[Any], size: int, out: Any) -> None:
+        """In floats wherever the processor sees them keep their digits, and proven elsewhere."""
+        try:
+            Floats(self.program).run(inputs, size, out, watched=True)
+        except FloatingPointError:
+            if size <= _LEAST:
+                self._prove(inputs, size, out)
+                return
+            for part in (slice(0, size // 2), slice(size // 2, size)):
+                self._watch([x if np.ndim(x) == 0 else x[part] for x in inputs], part.stop - part.start, out[:, part])
+
+    def _prove(self, inputs: Sequence[Any], size: int, out: Any) -> None:
+        found, _ = self.certified.run(inputs, size)
+        for row, name in zip(out, self.fields, strict=True):
+            row[...] = found[name]
+
+    def _compute(self, inputs: Sequence[Any], size: int, out: Any) -> None:
+        if self.accuracy is Accuracy.FAST:
+            self.floats.run(inputs, size, out)
+            return
+        found = self._doubles.run(inputs, size)
+        for row, name in zip(out, self.fields, strict=True):
+            row[...] = found[name].hi
+
+    def _repair(self, inputs: Sequence[Any], out: Any) -> None:
+        for n in np.flatnonzero(~np.isfinite(out).all(axis=0)).tolist():
+            names = [name for name, row in zip(self.fields, out, strict=True) if not np.isfinite(row[n])]
+            for name, value in self.certified.at(_point(inputs, n), names).items():
+                out[self.fields.index(name), n] = value
+
+    def _texts(self, inputs: Sequence[Any], size: int, count: int) -> tuple[dict[str, list[str | None]], Counter[str]]:
+        texts: dict[str, list[str | None]] = {name: [None] * size for name in self.fields}
+        methods: Counter[str] = Counter()
+        if count <= _MOST_DOUBLED and size > _FEW:
+            for name, x in self.certified.doubles.run(inputs, size).items():
+                texts[name] = [_decimal(row, count) for row in zip(*(part.tolist() for part in x), strict=True)]
+        for name, row in texts.items():
+            proven = sum(text is not None for text in row)
+            methods["double-double"] += proven
+            for n in (n for n, text in enumerate(row) if text is None):
+                number = self.certified.number(_point(inputs, n), name)
+                row[n] = f"{number:g}" if isinstance(number, float) else number.digits(count)
+                methods["limit" if isinstance(number, float) else "ball arithmetic"] += 1
+        return texts, +methods
+
+    def _inputs(self, omega: ArrayLike, values: Mapping[str, ArrayLike]) -> tuple[list[Any], tuple[int, ...], int]:
+        """Single numbers as floats, everything else as flat arrays of the broadcast shape; that shape, and its size."""
+        if sorted(values) != list(self.parameters):
+            needed, given = (", ".join(sorted(x)) or "none" for x in (self.parameters, values))
+            raise SceneError(f"parameters needed are {needed}; given are {given}")
+        arguments = [np.asarray(x, dtype=float) for x in (omega, *(values[name] for name in self.parameters))]
         shape = np.broadcast_shapes(*(x.shape for x in arguments))
-        with np.errstate(divide="ignore", invalid="ignore"):  # a pole is inf by value, not a warning
-            results = evaluate(*arguments)
-            rooted = [np.sqrt(x) if name in _SQUARED else x for name, x in zip(Values._fields, results, strict=True)]
-        return Values(*(np.broadcast_to(np.asarray(x, dtype=float), shape).copy() for x in rooted))
-
-    return function
+        flat = [float(x.item()) if x.size == 1 else np.broadcast_to(x, shape).ravel() for x in arguments]
+        return flat, shape, int(np.prod(shape))
 
 
-def _floats(form: Expr) -> Expr:
-    """The form with its numbers as floats, so that NumPy never meets a whole number larger than its own."""
-    numbers: dict[Any, Expr] = {
-        x: Float(x, 17) for x in form.atoms(Rational) if not (isinstance(x, Integer) and abs(x) < 100)
-    }
-    return form.xreplace({**numbers, pi: Float(pi, 17)})
+def _tuple(name: str, fields: Sequence[str]) -> Any:
+    return namedtuple(name, fields)
+
+
+def _all_finite(out: Any) -> bool:
+    with np.errstate(all="ignore"):
+        return bool(np.isfinite(out.sum()))
+
+
+def _point(inputs: Sequence[Any], n: int) -> tuple[float, ...]:
+    return tuple(float(x) if np.ndim(x) == 0 else float(x[n]) for x in inputs)
+
+
+def _decimal(row: tuple[float, float, float], count: int) -> str | None:
+    """The decimal digits that a double-double proves; None if it does not."""
+    if not np.isfinite(row).all():
+        return None
+    hi, lo, error = (Fraction(x) for x in row)
+    low, high = hi + lo - error, hi + lo + error
+    return rounded(low, high, count) if low * high > 0 else None
+
+
+def compiled(
+    program: Program, forms: Forms, accuracy: Accuracy | str = Accuracy.FAST, engine: Engine | str = Engine.NUMPY
+) -> Compiled:
+    """The function of a program whose results are fields of ``Values``; SceneError for a wrong level or engine."""
+    level = Accuracy.of(accuracy)
+    floats = Machine(program) if Engine.of(engine) is Engine.NUMBA else Floats(program)
+    names = tuple(x.name for x in program.inputs[1:])
+    return Compiled(tuple(program.results), names, level, program, forms, floats)
