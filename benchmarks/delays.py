@@ -13,13 +13,13 @@ from collections.abc import Callable
 from typing import Any
 
 import sympy
-from evaluate import forget
 from mpmath import iv
 from timing import machine, medians, table
 
 import haptisym as hs
 from haptisym.crossings import Curve, excess, find_crossings
 from haptisym.distortion import part_of
+from haptisym.exact.caches import forget
 from haptisym.exact.roots import chart
 
 Interval = Any  # mpmath's iv.mpf

@@ -17,18 +17,11 @@ from timing import machine, medians, table
 import haptisym as hs
 from haptisym.crossings import Curve, excess, find_crossings
 from haptisym.distortion import part_of
-from haptisym.exact import analytic, polynomials, wavesums, zeros
+from haptisym.exact.caches import forget
 from haptisym.exact.roots import chart
 
 SCENE = hs.load_scene("fu2019")
 NUMBERS = {"m": "9/5", "b": "15", "k": "100", "w": "80", "z": "1/2"}
-
-
-def forget() -> None:
-    """Empty the caches of certified zeros, so that every round does all of the work."""
-    for found in (x for module in (analytic, polynomials, wavesums, zeros) for x in vars(module).values()):
-        if hasattr(found, "cache_clear"):
-            found.cache_clear()
 
 
 def evaluate() -> list[float]:

@@ -14,29 +14,31 @@ import haptisym
 SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
-errors options symbols report.html simulation.network typeset.boxes
+errors options symbols costs.measurement report.html simulation.network typeset.boxes
 expressions codegen.names exact.reals exact.rings formulas.steps numeric.accuracy simulation.descriptor typeset.names
 quantities codegen.languages codegen.printers exact.response exact.wavesums exact.zeros numeric.program simulation.rightmost \
 tex.names typeset.numerals typeset.order
 codegen.code codegen.short exact.isolation exact.polynomials exact.solutions numeric.balls numeric.floats numeric.stable \
 typeset.formula typeset.quotients
 exact.analytic exact.levels numeric.doubled numeric.machine numeric.magnitudes numeric.pointvalues typeset.layout
-exact.factoring numeric.certified tex.printer typeset.equations typeset.mathml typeset.plain
-exact.roots numeric.values tex.lines
+exact.caches exact.factoring numeric.certified tex.printer typeset.equations typeset.mathml typeset.plain
+costs.stopwatch exact.roots numeric.values tex.lines
 catalogue jnd exact.stability report.mathematics simulation.fractional simulation.motions simulation.propagate \
 simulation.recordings
 distortion effects environments simulation.blocks simulation.linear simulation.lockin
 crossings interop scene codegen.forms formulas.structure measures.freeresponse measures.twoport simulation.events
-bounds peaks percepts codegen.scene family.family formulas.groups measures.forms simulation.engine simulation.results
-answers scenefile formulas.asymptotics simulation.approximations simulation.run simulation.text
-text family.worstcase simulation.simulate
-evaluation family.text simulation.command
-family.evaluation figures.sampling formulas.derivation measures.measured tex.results
+bounds peaks percepts codegen.scene costs.text family.family formulas.groups measures.forms simulation.engine \
+simulation.results
+answers scenefile costs.questions formulas.asymptotics simulation.approximations simulation.run simulation.text
+text costs.hardcases costs.usual family.worstcase simulation.simulate
+evaluation costs.hardtext costs.methods family.text simulation.command
+costs.simulated costs.tasks family.evaluation figures.sampling formulas.derivation measures.measured tex.results
 figures.style formulas.sections measures.disagreements measures.metric report.results tex.latex
-family.figure figures.nyquist figures.ratios formulas.text measures.figure measures.text report.findings report.scene \
-simulation.figures tex.forms
-figures.projections figures.square measures.transparency report.explorer report.forms report.notebook tex.document
-commands.metrics figures.files report.figures report.pdf
+costs.figure costs.hardfigure family.figure figures.nyquist figures.ratios formulas.text measures.figure measures.text \
+report.findings report.scene simulation.figures tex.forms
+costs.costs costs.hardcosts figures.projections figures.square measures.transparency report.explorer report.forms \
+report.notebook tex.document
+commands.cost commands.metrics figures.files report.figures report.pdf
 report.page
 cli
 __main__

@@ -21,10 +21,12 @@ def test_the_examples_of_the_readme_run() -> None:
     assert result.failed == 0
 
 
-@pytest.mark.parametrize("page", ["evidence", "formulas", "metrics", "several-environments"])
-def test_the_examples_of_a_page_run(page: str) -> None:
-    result = doctest.testfile(str(ROOT / "docs" / f"{page}.md"), module_relative=False)
-    assert result.attempted >= 6
+PAGES = [path for path in sorted((ROOT / "docs").glob("*.md")) if ">>>" in path.read_text(encoding="utf-8")]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.stem)
+def test_the_examples_of_a_page_run(page: Path) -> None:
+    result = doctest.testfile(str(page), module_relative=False)
     assert result.failed == 0
 
 

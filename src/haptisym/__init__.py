@@ -29,6 +29,7 @@ _register()
 __version__ = "0.1.0"
 
 _ON_DEMAND = {
+    "Cost": "costs.costs",
     "Derivation": "formulas.derivation",
     "EncoderQuantisation": "simulation.results",
     "FamilyEvaluation": "family.evaluation",
@@ -38,10 +39,12 @@ _ON_DEMAND = {
     "Simulation": "simulation.simulate",
     "check": "simulation.simulate",
     "chirp": "simulation.motions",
+    "cost": "costs.costs",
     "derive": "formulas.derivation",
     "evaluate_all": "family.evaluation",
     "family_names": "scenefile",
     "distortion_code": "codegen.scene",
+    "hard_costs": "costs.hardcosts",
     "interop": "",
     "load_scenes": "scenefile",
     "metrics": "measures.transparency",
@@ -50,6 +53,7 @@ _ON_DEMAND = {
     "recording": "simulation.recordings",
     "scene_code": "codegen.scene",
     "simulate": "simulation.simulate",
+    "simulation_cost": "costs.costs",
     "sine": "simulation.motions",
 }
 """What is loaded only when it is used: simulation needs SciPy (the extra ``simulate``), formulas cost time at start."""

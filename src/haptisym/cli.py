@@ -13,6 +13,7 @@ from pathlib import Path
 import click
 
 from . import __version__
+from .commands.cost import cost
 from .commands.metrics import metrics
 from .errors import HaptisymError, SceneError, UndecidedError
 from .evaluation import evaluate as evaluate_scene
@@ -284,6 +285,7 @@ def simulate(
 
 
 app.add_command(metrics)
+app.add_command(cost)
 
 
 def main() -> None:

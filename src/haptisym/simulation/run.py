@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from math import exp, inf, pi
+from math import exp, inf, log, pi
 
 import numpy as np
 
@@ -75,10 +75,10 @@ class Run:
         """Simulate until two windows agree, or as long as is said."""
         assert isinstance(self.motion, Sines)
         period = period_of(self.motion)
-        self.to_windows(length or self.motion.fade + self._settling() + (WINDOW + 1) * period)
+        self.to_windows(length or self.motion.fade + self.settling() + (WINDOW + 1) * period)
         found, before, idle, falling = self.lock(2), inf, 0, self._falling(period)
         while (
-            length is None and idle < _IDLE and self.engine.t < self.motion.fade + self._settling() + _PATIENCE * period
+            length is None and idle < _IDLE and self.engine.t < self.motion.fade + self.settling() + _PATIENCE * period
         ):
             worst = found.relative_drift
             if worst < (_ENOUGH_FRACTIONAL if self.net.fractional else _ENOUGH):
@@ -113,9 +113,9 @@ class Run:
         self.to_windows(until)
         return self.lock(1)
 
-    def _settling(self) -> float:
-        """How long the slowest pole needs to fade to 1e-12, s; what loops with delays need shows only as they run."""
-        return 28.0 / self._slowest if self._slowest else 0.0
+    def settling(self, tolerance: float = 1e-12) -> float:
+        """How long the slowest pole needs to fade to that, s; what loops with delays need shows only as they run."""
+        return -log(tolerance) / self._slowest if self._slowest else 0.0
 
     def _falling(self, period: float) -> float:
         """By which factor the slowest pole fades in a period."""

@@ -1,0 +1,102 @@
+"""``haptisym cost SCENE``: what accuracy costs in time."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from haptisym.errors import SceneError
+from haptisym.options import json_option
+
+if TYPE_CHECKING:
+    from haptisym.costs.costs import Cost
+    from haptisym.costs.hardcosts import HardCosts
+
+FORMATS = (".svg", ".pdf", ".png")
+
+
+@click.command()
+@click.argument("scene", required=False)
+@json_option
+@click.option(
+    "--figure", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE", help="Draw it: .svg, .pdf or .png."
+)
+@click.option("--quick", is_flag=True, help="Fewer methods and repeats, for a first look.")
+@click.option("--simulation", is_flag=True, help="The simulation in time instead: steps, tolerances, periods, effects.")
+@click.option("--hard-cases", is_flag=True, help="Cases on which the usual ways fail, instead of a scene.")
+def cost(
+    scene: str | None,
+    as_json: bool,  # noqa: FBT001
+    figure: Path | None,
+    quick: bool,  # noqa: FBT001
+    simulation: bool,  # noqa: FBT001
+    hard_cases: bool,  # noqa: FBT001
+) -> None:
+    """Measure what accuracy costs in time, for a scene or on hard cases.
+
+    SCENE is a scene file (TOML) or the name of a shipped scene.
+
+    Measured live, in turns, against certified references of higher precision: right decimal digits and seconds of the
+    ratios in floats and to many digits, of the crossings by grids, eigenvalues and proof (with crossings missed and
+    invented counted), of Pade approximants in place of delays, and of each effect left out.
+
+    \b
+    Examples:
+      haptisym cost fu2019
+      haptisym cost my-device.toml --quick --figure cost.png
+      haptisym cost fu2019 --simulation
+      haptisym cost --hard-cases --json
+    """
+    if hard_cases and (scene or quick or simulation):
+        raise SceneError("--hard-cases brings its own scenes: leave out SCENE, --quick and --simulation")
+    if scene is None and not hard_cases:
+        raise SceneError("cost: name a SCENE, or ask for --hard-cases")
+    if figure is not None:
+        _check_figure(figure)
+    with _progress() as told:
+        found = _measured(scene, quick, simulation, told)
+    if figure is not None:
+        found.save_figure(figure)
+        click.echo(f"figure written to {figure}", err=True)
+    click.echo(found.to_json() if as_json else str(found), nl=as_json)
+
+
+def _measured(scene: str | None, quick: bool, simulation: bool, told: Callable[[str, float], None]) -> Cost | HardCosts:  # noqa: FBT001
+    if scene is None:
+        from haptisym.costs.hardcosts import hard_costs
+
+        return hard_costs(told=told)
+    from haptisym.costs.costs import cost, simulation_cost
+    from haptisym.scenefile import load_scene
+
+    measure = simulation_cost if simulation else cost
+    return measure(load_scene(scene), quick=quick, told=told)
+
+
+def _check_figure(path: Path) -> None:
+    """Before a minute of measuring, not after it."""
+    if path.suffix.lower() not in FORMATS:
+        raise SceneError(f"--figure: {path} must end in {', '.join(FORMATS)}")
+    if not os.access(path.parent, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
+        raise SceneError(f"--figure: {path} cannot be written")
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str, float], None]]:
+    """A bar of progress on standard error, where that is a terminal."""
+    if not sys.stderr.isatty():
+        yield lambda what, share: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn
+
+    columns = (BarColumn(), TextColumn("{task.percentage:>3.0f} %  {task.description}"))
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        bar = progress.add_task("", total=1.0)
+        yield lambda what, share: progress.update(bar, description=what, completed=share)

@@ -1,0 +1,68 @@
+"""One measurement of accuracy against time, and what was not measured."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Row:
+    """One measurement.
+
+    ``task`` : evaluate, crossings, delay, effects or simulation. ``digits`` : right decimal digits of the worst number.
+    ``seconds`` : median time; of ``evaluate`` for one frequency, of the other tasks for the whole answer. ``proven`` : whether
+    the answer is proven. ``missed``, ``invented`` : crossings that are there and not found, found and not there.
+    """
+
+    task: str
+    method: str
+    digits: float
+    seconds: float
+    proven: bool
+    missed: int = 0
+    invented: int = 0
+
+    @property
+    def complete(self) -> bool:
+        """Whether no crossing is missed and none invented."""
+        return not (self.missed or self.invented)
+
+
+@dataclass(frozen=True)
+class Omission:
+    """A method that was not measured, and why."""
+
+    task: str
+    method: str
+    reason: str
+
+
+def front(rows: Iterable[Row]) -> tuple[Row, ...]:
+    """The rows that no other one beats in both digits and time, fastest first; those with wrong counts are left out.
+
+    >>> slow, fast, worse = (Row("evaluate", "", n, t, False) for n, t in ((30, 2.0), (15, 1.0), (14, 1.5)))
+    >>> front([slow, fast, worse]) == (fast, slow)
+    True
+    """
+    found: list[Row] = []
+    for row in sorted((x for x in rows if x.complete), key=lambda x: (x.seconds, -x.digits)):
+        if not found or row.digits > found[-1].digits:
+            found.append(row)
+    return tuple(found)
+
+
+@dataclass(frozen=True, kw_only=True)
+class HardRow(Row):
+    """One method's answer to one hard case; ``verdict``: right, how many digits are lost, what is wrong, or why there is none."""
+
+    family: str
+    case: str
+    condition: float
+    ours: bool
+    verdict: str
+
+    @property
+    def answered(self) -> bool:
+        """Whether the method fits the question at all."""
+        return not self.verdict.startswith("cannot")

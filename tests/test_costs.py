@@ -1,0 +1,220 @@
+"""What accuracy costs: the measurements are held against certified truth, and the verb says what is wrong with bad input."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from math import log10
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from matplotlib.colors import to_hex
+from sympy import Symbol
+
+import haptisym as hs
+from haptisym.cli import app
+from haptisym.costs.costs import Cost
+from haptisym.costs.figure import draw, save_figure
+from haptisym.costs.hardcases import hard_cases
+from haptisym.costs.hardfigure import draw as draw_hard
+from haptisym.costs.measurement import Row, front
+from haptisym.costs.methods import CROSSINGS, RATIOS, Method
+from haptisym.costs.questions import DOUBLE, Crossings, Found
+from haptisym.costs.stopwatch import interleaved
+from haptisym.costs.tasks import approximated
+from haptisym.costs.usual import RefusedError
+from haptisym.errors import SceneError
+
+
+@cache
+def found(name: str = "fu2019") -> Cost:
+    return hs.cost(hs.load_scene(name), quick=True)
+
+
+def digits(task: str, name: str = "fu2019") -> dict[str, float]:
+    return {row.method: row.digits for row in found(name).task(task)}
+
+
+# The numbers.
+
+
+def test_what_is_proven_keeps_its_promise() -> None:
+    for row in found().rows:
+        if row.proven:
+            promised = next((x.held for x in (*RATIOS.values(), *CROSSINGS.values()) if x.name == row.method), 15)
+            assert row.complete, row
+            assert row.digits >= promised - 0.01, row
+
+
+def test_only_what_can_prove_is_called_proven() -> None:
+    assert {row.method for row in found().task("evaluate") if row.proven} == {"certified", "30 digits", "100 digits"}
+    assert {row.method for row in found().task("crossings") if not row.proven} == {
+        "grid of 10^2", "grid of 10^3", "grid of 10^4", "grid of 10^5", "grid of 10^4 + Brent", "numpy.roots",
+    }  # fmt: skip
+
+
+def test_a_line_through_two_points_of_a_grid_gains_two_digits_for_ten_times_the_points() -> None:
+    gained = [digits("crossings")[f"grid of 10^{n + 1}"] - digits("crossings")[f"grid of 10^{n}"] for n in (2, 3, 4)]
+    assert all(1.7 < x < 2.5 for x in gained)
+
+
+def test_the_naive_form_loses_twice_the_decades_below_the_filter() -> None:
+    # Re dH/H goes as (omega/omega_n)^2: at 1.5e-5 rad/s of 80, the lowest frequency asked, floats keep 16 - 2 log10(5.3e6)
+    lost = 2 * log10(80 / 1.5e-5)
+    assert digits("evaluate")["H_perc - H_env in floats"] == pytest.approx(DOUBLE - lost, abs=1.5)
+    assert digits("evaluate")["fast"] > 14
+
+
+def test_a_pade_approximant_gains_digits_with_its_order() -> None:
+    rows = {row.method: row for row in found("delayed-spring").task("delay")}
+    orders = [rows[f"Pade, order {n}"].digits for n in range(2, 7)]
+    assert orders == sorted(orders)
+    assert rows["exact delay"].proven
+    assert not any(row.proven for name, row in rows.items() if name != "exact delay")
+
+
+def test_an_approximated_delay_is_the_pade_delay_of_the_catalogue() -> None:
+    spring = hs.environments.mass_spring_damper(k=100)
+    exact, pade = (hs.distort(spring, x) for x in (hs.effects.delay("5 ms"), hs.effects.pade_delay("5 ms", 3)))
+    assert approximated(exact, 3).perc.equals(approximated(pade, 3).perc)
+
+
+def test_a_lead_is_approximated_by_the_inverse_of_a_lag() -> None:
+    waves = hs.load_scene("wave-variable-link").distortion()
+    assert not approximated(waves, 2).perc.ring.lags
+
+
+def test_without_its_only_effect_a_scene_has_no_crossing_to_find() -> None:
+    [row] = [row for row in found().task("effects") if row.method == "without filter"]
+    assert (row.missed, row.invented, row.digits, row.proven) == (2, 0, 0.0, False)
+
+
+def test_missing_and_invented_crossings_are_counted() -> None:
+    question = Crossings.of(hs.load_scene("fu2019"))
+    truth = question.certified(30)
+    real, imag = (truth.omegas[part] for part in hs.Part)
+    fewer = question.score(Found({hs.Part.REAL: [], hs.Part.IMAG: imag}), truth, 15)
+    more = question.score(Found({hs.Part.REAL: [*real, 3.0], hs.Part.IMAG: imag}), truth, 15)
+    assert (fewer.missed, fewer.invented, more.missed, more.invented) == (1, 0, 0, 1)
+
+
+def test_a_simulation_with_longer_steps_has_fewer_right_digits() -> None:
+    rows = {row.method: row.digits for row in hs.simulation_cost(hs.load_scene("fu2019"), quick=True).rows}
+    assert rows["steps of 7.2 rad"] < rows["steps of 3.6 rad"] < rows["steps of 0.9 rad"]
+    assert rows["steps of 0.9 rad"] > 11
+    assert rows["without filter"] < 2
+
+
+# Timing and tables.
+
+
+def test_attempts_take_turns() -> None:
+    turns: list[str] = []
+    interleaved({"a": lambda: turns.append("a"), "b": lambda: turns.append("b")}, 1.0, rounds=2)
+    assert turns == ["a", "b"] * 3
+
+
+def test_the_front_holds_what_nothing_beats() -> None:
+    rows = [Row("crossings", name, n, t, proven=False, missed=missed) for name, n, t, missed in
+            (("fast", 5, 1.0, 0), ("same, slower", 5, 2.0, 0), ("better", 9, 3.0, 0), ("wrong", 99, 0.1, 1))]  # fmt: skip
+    assert [row.method for row in front(rows)] == ["fast", "better"]
+
+
+def test_a_missing_package_is_named_and_left_out() -> None:
+    with pytest.raises(RefusedError, match="no_such_package is not installed"):
+        Method("x", lambda question: lambda: None, packages=("no_such_package.part",)).ready(None)
+
+
+def test_the_page_and_the_document_say_the_same() -> None:
+    document = json.loads(found().to_json())
+    assert document["schema"] == "haptisym.cost/1"
+    assert set(document["rows"][0]) == {"task", "method", "digits", "seconds", "proven", "missed", "invented"}
+    assert document["summary"].startswith("Here all crossings, proven, to 15 digits take ")
+    for row in document["rows"]:
+        assert row["method"] in str(found())
+
+
+# Figures.
+
+
+def test_marks_are_filled_exactly_where_an_answer_is_proven() -> None:
+    rows = found().rows
+    axes = [ax for ax in draw(rows, "").axes if ax.get_title(loc="left")]
+    assert len(axes) == 3
+    for ax, task in zip(axes, ("evaluate", "crossings", "effects"), strict=True):
+        marks = [line for line in ax.get_lines() if line.get_marker() == "o"]
+        filled = [to_hex(line.get_markerfacecolor()) != "#ffffff" for line in marks]
+        assert filled == [row.proven for row in rows if row.task == task]
+
+
+def test_no_name_in_a_figure_covers_another_one() -> None:
+    measured = {
+        "grid of 10^2": (4.8, 5.5e-4), "grid of 10^3": (6.8, 3.6e-4), "grid of 10^4": (8.8, 1.1e-3), "grid of 10^5": (10.8, 5e-2),
+        "grid of 10^6": (14.2, 0.34), "grid of 10^4 + Brent": (15.6, 1.06e-3), "numpy.roots": (15.5, 6e-4),
+        "certified, 15 digits": (15, 2.4e-2), "certified, 50 digits": (50, 2.6e-2), "certified, 100 digits": (100, 3.9e-2),
+        "certified, 300 digits": (300, 3.9e-2), "certified, 1000 digits": (1000, 6.5e-2),
+    }  # fmt: skip
+    rows = [Row("crossings", name, n, t, proven=name.startswith("cert")) for name, (n, t) in measured.items()]
+    others = [
+        Row("evaluate", name, n, t, proven=n > 15) for name, n, t in (("fast", 14, 1e-7), ("certified", 16, 5e-6))
+    ]
+    figure = draw([*rows, *others], "")
+    figure.canvas.draw()
+    names = [text.get_window_extent() for ax in figure.axes for text in ax.texts]
+    assert len(names) == len(rows) + len(others)
+    assert not any(a.overlaps(b) for i, a in enumerate(names) for b in names[:i])
+
+
+def test_the_figure_of_the_hard_cases_has_a_cell_for_every_family_and_method() -> None:
+    costs = hs.hard_costs(hard_cases("identities", "cancelled resonance"))
+    axes = draw_hard(costs.rows).axes
+    assert [len(ax.patches) for ax in axes] == [7, 4]
+    assert "identities" in str(costs)
+
+
+@pytest.mark.parametrize("ending", [".svg", ".pdf", ".png"])
+def test_figures_are_written_as_the_ending_says(tmp_path: Path, ending: str) -> None:
+    place = tmp_path / f"cost{ending}"
+    save_figure(draw(found().rows, ""), place)
+    assert place.read_bytes().startswith({".svg": b"<?xml", ".pdf": b"%PDF", ".png": b"\x89PNG"}[ending])
+
+
+# The verb.
+
+
+def test_the_verb_prints_one_document_and_writes_the_figure(tmp_path: Path) -> None:
+    run = CliRunner().invoke(app, ["cost", "fu2019", "--quick", "--json", "--figure", str(tmp_path / "x.svg")])
+    assert run.exit_code == 0
+    assert json.loads(run.stdout)["schema"] == "haptisym.cost/1"
+    assert (tmp_path / "x.svg").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["no-such-scene"], "no-such-scene"),
+        ([], "name a SCENE"),
+        (["fu2019", "--figure", "cost.gif"], r"cost\.gif must end in \.svg, \.pdf, \.png"),
+        (["fu2019", "--figure", "/no/such/folder/cost.svg"], "cannot be written"),
+        (["fu2019", "--hard-cases"], "leave out SCENE"),
+    ],
+)  # fmt: skip
+def test_wrong_command_lines_are_refused_before_anything_is_measured(arguments: list[str], message: str) -> None:
+    with pytest.raises(SceneError, match=message):
+        CliRunner().invoke(app, ["cost", *arguments], catch_exceptions=False, standalone_mode=False)
+
+
+@pytest.mark.parametrize("measure", [hs.cost, hs.simulation_cost])
+def test_a_scene_with_symbols_is_refused(measure: object) -> None:
+    scene = hs.Scene(
+        hs.environments.mass_spring_damper(k=Symbol("k", positive=True)), (hs.effects.first_order_lag(20),)
+    )
+    with pytest.raises(SceneError, match="k = k is a symbol"):
+        measure(scene)  # type: ignore[operator]
+
+
+def test_a_scene_that_cannot_be_simulated_says_why() -> None:
+    scene = hs.Scene(hs.environments.mass_spring_damper(k=100), (hs.effects.series("1/(s - 1)"),))
+    with pytest.raises(SceneError, match="not stable"):
+        hs.simulation_cost(scene)
