@@ -14,25 +14,28 @@ import haptisym
 SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
-errors symbols typeset.boxes report.html options
+errors symbols typeset.boxes report.html options tolerance.taylormodels
 expressions exact.rings exact.reals numeric.values typeset.names formulas.steps codegen.names
 quantities exact.response exact.factors typeset.numerals typeset.order codegen.printers codegen.languages
 exact.levels
-exact.roots exact.solutions typeset.formula typeset.quotients
+exact.roots exact.solutions typeset.formula typeset.quotients sensitivities.implicit
+ranges
 catalogue jnd exact.stability typeset.layout
 environments effects distortion simulation.network
 scene crossings interop codegen.code simulation.motions simulation.recordings simulation.propagate simulation.descriptor simulation.fractional simulation.rightmost
-peaks codegen.forms formulas.structure formulas.groups bounds
-formulas.asymptotics simulation.blocks simulation.linear simulation.lockin simulation.results
-percepts typeset.plain typeset.mathml typeset.equations
-answers scenefile simulation.events simulation.text
-text simulation.engine
-evaluation codegen.scene simulation.approximations simulation.run
-formulas.derivation
-formulas.sections
+peaks codegen.forms formulas.structure formulas.groups bounds tolerance.box
+formulas.asymptotics simulation.blocks simulation.linear simulation.lockin simulation.results tolerance.excess
+percepts typeset.plain typeset.mathml typeset.equations tolerance.search
+answers scenefile simulation.events simulation.text tolerance.proofs
+text simulation.engine tolerance.quantiles
+evaluation codegen.scene simulation.approximations simulation.run tolerance.text
+formulas.derivation tolerance.answers
+formulas.sections sensitivities.slopes
+sensitivities.text
+sensitivities.answers
 tex.names figures simulation.simulate
-simulation.command
-simulation.figures
+simulation.command sensitivities.figure tolerance.figure
+simulation.figures commands.sensitivity commands.tolerances
 tex.printer
 tex.lines
 tex.results

@@ -40,9 +40,13 @@ _ON_DEMAND = {
     "interop": "",
     "multisine": "simulation.motions",
     "recording": "simulation.recordings",
+    "Sensitivities": "sensitivities.answers",
+    "Tolerances": "tolerance.answers",
     "scene_code": "codegen.scene",
+    "sensitivity": "sensitivities.answers",
     "simulate": "simulation.simulate",
     "sine": "simulation.motions",
+    "tolerances": "tolerance.answers",
 }
 """What is loaded only when it is used: simulation needs SciPy (the extra ``simulate``), formulas cost time at start."""
 

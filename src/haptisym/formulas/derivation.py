@@ -18,6 +18,7 @@ from haptisym.exact.solutions import Solution, solve
 from haptisym.jnd import Part, is_irrational_algebraic
 from haptisym.quantities import Number
 from haptisym.scene import Scene
+from haptisym.sensitivities.implicit import Equation
 from haptisym.symbols import X, c, omega
 
 from .asymptotics import Expansion, expansion
@@ -81,10 +82,25 @@ class Derivation:
         return solve(response.real)
 
     def sensitivity(self, part: Part, parameter: Symbol) -> Expr:
-        """d omega/d parameter at a crossing: -(dF/d parameter)/(dF/d omega) for the equation F = 0 of the crossing."""
-        F = self.excess(part).written
-        equation = F.ring.expression(F.numerator)
-        return -equation.diff(parameter) / equation.diff(omega)
+        """d omega/d parameter at a crossing: -(dF/d parameter)/(dF/d omega) for the equation F = 0 of the crossing.
+
+        At a touch dF/d omega is 0 too and the derivative does not exist: the formula holds at simple crossings only.
+        """
+        return self.equation(part).slope(parameter).expression()
+
+    def equation(self, part: Part) -> Equation:
+        """F = 0 at the crossings: F is the numerator of r^2 - c^2."""
+        return _equation(self.excess(part))
+
+    def factors(self, part: Part) -> tuple[Equation, ...]:
+        """The irreducible factors of that F, each an equation: at a simple crossing just one of them holds."""
+        return _factors(self.excess(part))
+
+    def changeover_factors(self, system: str, *, pole: bool = False) -> tuple[Equation, ...]:
+        """The irreducible factors of what stands above the line of Re H of "env" or "perc"; below it, for a pole."""
+        response = self.distortion.env_response if system == "env" else self.distortion.perc_response
+        real = response.real
+        return _factors(RealFunction(real.axis.one / real.function) if pole else real)
 
     @cached_property
     def groups(self) -> Groups:
@@ -103,6 +119,16 @@ class Derivation:
         False
         """
         return evaluate(self.scene.with_values(values))
+
+
+def _equation(f: RealFunction) -> Equation:
+    written = f.written
+    return Equation(written.ring, written.numerator)
+
+
+def _factors(f: RealFunction) -> tuple[Equation, ...]:
+    _, factors = f.axis.factors(f.function.numerator, in_square=not f.axis.functions)
+    return tuple(_equation(RealFunction(f.axis.function(factor))) for factor, _ in factors)
 
 
 def derive(scene: Scene, keep: Iterable[str] | None = None) -> Derivation:

@@ -72,6 +72,7 @@ def asked(d: Derivation, names: Iterable[str]) -> tuple[Section, ...]:
         key = _key(name)
         if slope:
             rows.append(_sensitivity(d, slope[1], slope[2]))
+            notes += _touches(d, slope[1])
         elif key in _SOLVED:
             solved, said = _answers(_SOLVED[key], _solutions(d, _SOLVED[key]))
             rows += solved
@@ -89,9 +90,21 @@ def _sensitivity(d: Derivation, letter: str, parameter: str) -> Line:
     symbol = next((x for x in d.kept if x.name == parameter), None)
     if symbol is None:
         raise SceneError(f'"{parameter}" is not a parameter that is kept: {", ".join(map(str, d.kept)) or "none is"}')
-    part = next(part for part, ratio in _RATIOS.items() if ratio[-1] == letter)
+    part = _part(letter)
     above, below = (Product((named("d"), named(name))) for name in (f"omega_{letter}", parameter))
     return Line(Fraction(above, below), d.sensitivity(part, symbol))
+
+
+def _part(letter: str) -> Part:
+    return next(part for part, ratio in _RATIOS.items() if ratio[-1] == letter)
+
+
+def _touches(d: Derivation, letter: str) -> list[str]:
+    """Where the formula of a sensitivity does not hold."""
+    crossings = d.at().crossings if not any(p.value.free_symbols for p in d.scene.parameters) else ()
+    places = [x.omega.digits(5) for x in crossings if x.part is _part(letter) and x.multiplicity > 1]
+    at = f", here at {' and '.join(places)} rad/s" if places else ""
+    return [f"d omega_{letter}: at a crossing. Undefined where the display only touches its threshold{at}."]
 
 
 def _solutions(d: Derivation, name: str) -> tuple[Solution, ...]:
