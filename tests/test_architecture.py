@@ -14,31 +14,34 @@ import haptisym
 SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
-errors options symbols costs.measurement report.html simulation.network typeset.boxes
+errors options symbols costs.measurement report.html simulation.network tolerance.taylormodels typeset.boxes
 expressions codegen.names exact.reals exact.rings formulas.steps numeric.accuracy simulation.descriptor typeset.names
-quantities codegen.languages codegen.printers exact.response exact.wavesums exact.zeros numeric.program simulation.rightmost \
-tex.names typeset.numerals typeset.order
+quantities codegen.languages codegen.printers exact.response exact.wavesums exact.zeros numeric.program \
+sensitivities.implicit simulation.rightmost tex.names typeset.numerals typeset.order
 codegen.code codegen.short exact.isolation exact.polynomials exact.solutions numeric.balls numeric.floats numeric.stable \
 typeset.formula typeset.quotients
 exact.analytic exact.levels numeric.doubled numeric.machine numeric.magnitudes numeric.pointvalues typeset.layout
 exact.caches exact.factoring numeric.certified tex.printer typeset.equations typeset.mathml typeset.plain
 costs.stopwatch exact.roots numeric.values tex.lines
-catalogue jnd exact.stability report.mathematics simulation.fractional simulation.motions simulation.propagate \
-simulation.recordings
-distortion effects environments simulation.blocks simulation.linear simulation.lockin
-crossings interop scene codegen.forms formulas.structure measures.freeresponse measures.twoport simulation.events
-bounds peaks percepts codegen.scene costs.text family.family formulas.groups measures.forms simulation.engine \
-simulation.results
-answers scenefile costs.questions formulas.asymptotics simulation.approximations simulation.run simulation.text
-text costs.hardcases costs.usual family.worstcase simulation.simulate
-evaluation costs.hardtext costs.methods family.text simulation.command
-costs.simulated costs.tasks family.evaluation figures.sampling formulas.derivation measures.measured tex.results
-figures.style formulas.sections measures.disagreements measures.metric report.results tex.latex
+ranges exact.stability report.mathematics simulation.fractional simulation.motions simulation.propagate simulation.recordings
+catalogue jnd simulation.linear simulation.lockin
+distortion effects environments simulation.blocks simulation.events
+crossings interop scene codegen.forms formulas.structure measures.freeresponse measures.twoport simulation.engine
+bounds peaks percepts codegen.scene costs.text family.family formulas.groups measures.forms simulation.approximations \
+simulation.results tolerance.box
+answers scenefile costs.questions formulas.asymptotics simulation.run simulation.text tolerance.excess
+text costs.hardcases costs.usual family.worstcase simulation.simulate tolerance.search
+evaluation costs.hardtext costs.methods family.text simulation.command tolerance.proofs
+costs.simulated costs.tasks family.evaluation figures.sampling formulas.derivation measures.measured tex.results \
+tolerance.quantiles
+figures.style formulas.sections measures.disagreements measures.metric report.results sensitivities.slopes tex.latex \
+tolerance.text
 costs.figure costs.hardfigure family.figure figures.nyquist figures.ratios formulas.text measures.figure measures.text \
-report.findings report.scene simulation.figures tex.forms
-costs.costs costs.hardcosts figures.projections figures.square measures.transparency report.explorer report.forms \
-report.notebook tex.document
-commands.cost commands.metrics figures.files report.figures report.pdf
+report.findings report.scene sensitivities.figure sensitivities.text simulation.figures tex.forms tolerance.answers \
+tolerance.figure
+commands.tolerances costs.costs costs.hardcosts figures.projections figures.square measures.transparency report.explorer \
+report.forms report.notebook sensitivities.answers tex.document
+commands.cost commands.metrics commands.sensitivity figures.files report.figures report.pdf
 report.page
 cli
 __main__

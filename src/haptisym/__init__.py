@@ -51,10 +51,14 @@ _ON_DEMAND = {
     "multisine": "simulation.motions",
     "parse_scenes": "scenefile",
     "recording": "simulation.recordings",
+    "Sensitivities": "sensitivities.answers",
+    "Tolerances": "tolerance.answers",
     "scene_code": "codegen.scene",
+    "sensitivity": "sensitivities.answers",
     "simulate": "simulation.simulate",
     "simulation_cost": "costs.costs",
     "sine": "simulation.motions",
+    "tolerances": "tolerance.answers",
 }
 """What is loaded only when it is used: simulation needs SciPy (the extra ``simulate``), formulas cost time at start."""
 

@@ -18,7 +18,8 @@ from sympy import Expr, Float, Integer, Symbol
 from . import expressions
 from .errors import SceneError
 from .exact.roots import sign_of_number
-from .quantities import Dimension, Exponents, Motion, Number, decimal, quantity
+from .quantities import Dimension, Exponents, Motion, Number, decimal
+from .ranges import Interval, ranged
 from .symbols import s
 
 Matrix: TypeAlias = tuple[Expr, Expr, Expr, Expr]
@@ -73,9 +74,11 @@ class Parameter:
     exponents: Exponents | None = None
     """Of the base dimensions, as far as the unit that was given tells."""
     rule: Rule = Rule.ANY
+    interval: Interval | None = None
+    """Where the value may lie, if the scene gives a range; ``value`` is then the nominal one."""
 
     def with_value(self, given: Number) -> Parameter:
-        """The same parameter with another value, checked like the first one."""
+        """The same parameter with another value (in place of a range, too), checked like the first one."""
         slot = Slot(self.dimension, self.rule)
         return replace(_parameter(self.key, given, slot, self.symbol.name), symbol=self.symbol, key=self.key)
 
@@ -260,16 +263,19 @@ def _parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
     if not name.isidentifier() or name in ("s", "omega", "pi", "j"):
         raise SceneError(f'"{name}" cannot name a parameter: use letters, digits and _, and not s, omega, pi or j')
     try:
-        read = quantity(given, slot.dimension)
+        found = ranged(given, slot.dimension)
     except SceneError as error:
         raise error.within(key) from None
+    read = found.nominal
     reserved = {x.name for x in read.value.free_symbols} & {"s", "omega", "X"}
     if reserved:
         raise SceneError(f"{key}: {_shown(given)} contains {min(reserved)}, which has a meaning of its own here")
-    if not slot.rule.allows(read.value):
+    if found.interval and slot.rule is Rule.ORDER:
+        raise SceneError(f"{key}: {_shown(given)} {slot.rule.value}, and no range")
+    if not all(slot.rule.allows(x) for x in (read.value, *(found.interval or ()))):
         raise SceneError(f"{key}: {_shown(given)} {slot.rule.value}")
     symbol = Symbol(name, real=True) if slot.rule is Rule.ANY else Symbol(name, positive=True)
-    return Parameter(symbol, read.value, slot.dimension, read.motion, key, read.exponents, slot.rule)
+    return Parameter(symbol, read.value, slot.dimension, read.motion, key, read.exponents, slot.rule, found.interval)
 
 
 def _parameters(key: str, given: Any, slot: Slot) -> list[Parameter]:

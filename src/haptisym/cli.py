@@ -15,6 +15,8 @@ import click
 from . import __version__
 from .commands.cost import cost
 from .commands.metrics import metrics
+from .commands.sensitivity import sensitivity
+from .commands.tolerances import tolerances
 from .errors import HaptisymError, SceneError, UndecidedError
 from .evaluation import evaluate as evaluate_scene
 from .family.family import SceneFamily
@@ -286,6 +288,8 @@ def simulate(
 
 app.add_command(metrics)
 app.add_command(cost)
+app.add_command(sensitivity)
+app.add_command(tolerances)
 
 
 def main() -> None:

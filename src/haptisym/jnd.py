@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 from sympy import Expr, Rational
 
 from .errors import SceneError
 from .exact.roots import sign_of_number
-from .quantities import Dimension, Number, quantity
+from .quantities import Dimension, Number
+from .ranges import Interval, ranged
 
 
 class Part(Enum):
@@ -34,6 +35,9 @@ class Threshold:
 
     real: Expr = Rational(1, 10)
     imag: Expr = Rational(1, 10)
+    real_interval: Interval | None = field(default=None, repr=False)
+    imag_interval: Interval | None = field(default=None, repr=False)
+    """Where they may lie, if they are given as ranges (``"0.1 +- 20 %"`` or a pair)."""
 
     @classmethod
     def of(cls, real: Number, imag: Number | None = None) -> Threshold:
@@ -41,23 +45,31 @@ class Threshold:
         return cls(real, real if imag is None else imag)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "real", _fraction("real", self.real))
-        object.__setattr__(self, "imag", _fraction("imag", self.imag))
+        for key in ("real", "imag"):
+            value, interval = _fraction(key, getattr(self, key))
+            object.__setattr__(self, key, value)
+            if interval:
+                object.__setattr__(self, f"{key}_interval", interval)
 
     def __getitem__(self, part: Part) -> Expr:
         return self.real if part is Part.REAL else self.imag
 
+    def interval(self, part: Part) -> Interval | None:
+        """The range of a part's threshold, if it has one."""
+        return self.real_interval if part is Part.REAL else self.imag_interval
 
-def _fraction(key: str, given: Number) -> Expr:
+
+def _fraction(key: str, given: Number) -> tuple[Expr, Interval | None]:
     if isinstance(given, Expr) and is_irrational_algebraic(given) and given.evalf() > 0:
-        return given
+        return given, None
     try:
-        value = quantity(given, Dimension.RATIO).value
+        found = ranged(given, Dimension.RATIO)
     except SceneError as error:
         raise error.within(key) from None
-    if value.free_symbols or sign_of_number(value) <= 0:
+    value = found.nominal.value
+    if value.free_symbols or any(sign_of_number(x) <= 0 for x in (value, *(found.interval or ()))):
         raise SceneError(f'{key}: "{given}" must be a number > 0')
-    return value
+    return value, found.interval
 
 
 def is_irrational_algebraic(value: Expr) -> bool:

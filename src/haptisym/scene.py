@@ -18,6 +18,7 @@ from .errors import SceneError
 from .exact.roots import sign_of_number
 from .jnd import Threshold
 from .quantities import Dimension, Motion, Number, quantity
+from .ranges import spread
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,25 @@ class Scene:
     def parameters(self) -> tuple[Parameter, ...]:
         """Every parameter of the scene, with symbols that are unique in it."""
         return tuple(chain.from_iterable(element.parameters for _, element in self.elements()))
+
+    @property
+    def nominal_note(self) -> str:
+        """That parameters vary and only their nominal values are looked at; empty where none does."""
+        c = self.threshold
+        limits = [("c", c.real, c.real_interval)]
+        if c.imag_interval != c.real_interval:
+            limits = [("c_real", c.real, c.real_interval), ("c_imag", c.imag, c.imag_interval)]
+        rows = [*((p.symbol.name, p.value, p.interval) for p in self.parameters), *limits]
+        told: dict[str, list[str]] = {}
+        for name, value, interval in rows:
+            if interval:
+                told.setdefault(spread(value, interval), []).append(name)
+        if not told:
+            return ""
+        listed = "; ".join(
+            f"{', '.join(names)} var{'y' if len(names) > 1 else 'ies'} {by}" for by, names in told.items()
+        )
+        return f"{listed}: this is the nominal scene; see `haptisym tolerances`."
 
     @property
     def motion(self) -> Motion | None:

@@ -33,7 +33,7 @@ def report(e: Answers) -> str:
 
 
 def _heading(e: Answers) -> str:
-    lines = [e.scene.title or "Untitled scene", e.scene.source]
+    lines = [e.scene.title or "Untitled scene", e.scene.source, e.scene.nominal_note]
     return "\n".join(fill(line, WIDTH) for line in lines if line)
 
 
@@ -51,7 +51,7 @@ def _dynamics(e: Answers) -> str:
         ("perceived", f"{_equation('H_perc', d.perc, s)}  {unit}"),
         ("distortion", _equation("Re dH", d.difference_response.real.written, omega)),
         ("", _equation("Im dH", d.difference_response.imag.written, omega)),
-        ("band", f"{_both(low)} to {_both(high)}"),
+        ("band", f"{both(low)} to {both(high)}"),
         ("threshold", f"{limits} of |H_env|"),
     ]
     return "\n".join(fill(text, WIDTH, initial_indent=f"  {key:<13}", subsequent_indent=" " * 19) for key, text in rows)
@@ -97,13 +97,13 @@ def _transparency(e: Answers) -> str:
     if e.bandwidth is None:
         return f"From the low end of the band on. The display is perceptually transparent only {pieces}."
     if len(e.transparent) == 1:
-        return f"At {_both(e.bandwidth)}. Below that the display is perceptually transparent: this is its bandwidth."
-    return f"At {_both(e.bandwidth)}, its bandwidth. The display is perceptually transparent {pieces}."
+        return f"At {both(e.bandwidth)}. Below that the display is perceptually transparent: this is its bandwidth."
+    return f"At {both(e.bandwidth)}, its bandwidth. The display is perceptually transparent {pieces}."
 
 
 def _span(x: Interval) -> str:
     if x.low is x.high:
-        return f"at {_both(x.low.omega)} alone"
+        return f"at {both(x.low.omega)} alone"
     return f"from {_short(x.low.omega)} to {_short(x.high.omega)} rad/s"
 
 
@@ -115,7 +115,7 @@ def _crossings(e: Answers) -> str:
         return "  No ratio meets its threshold on the band."
     headings = ("part", "ω (rad/s)", "Hz", "what happens", "distortion")
     rows = [(c.part.value, c.omega.digits(e.digits), _hertz(c.omega), _event(e, c), _sense(c)) for c in e.crossings]
-    return _table(headings, rows)
+    return table(headings, rows)
 
 
 def _event(e: Answers, c: Crossing) -> str:
@@ -134,7 +134,7 @@ def _step_2(e: Answers) -> str:
         rows = [
             (f"{_short(p.band.low.omega)} to {_short(p.band.high.omega)}", p.part.value, _felt(p)) for p in e.percepts
         ]
-        lines += [_table(("band (rad/s)", "part", "felt as"), rows), ""]
+        lines += [table(("band (rad/s)", "part", "felt as"), rows), ""]
     else:
         lines += ["  No percept of stiffness, mass or damping is changed on the band.", ""]
     notes = [*_changeover_note(e), *_activity_note(e), *_unbounded_note(e), _stability_note(e)]
@@ -203,7 +203,8 @@ def _listed(items: Iterable[str]) -> str:
     return listed[0] if len(listed) == 1 else f"{', '.join(listed[:-1])} and {listed[-1]}" if listed else ""
 
 
-def _both(x: RealNumber) -> str:
+def both(x: RealNumber) -> str:
+    """A frequency in rad/s and in Hz."""
     return f"{_short(x)} rad/s ({_hertz(x)} Hz)"
 
 
@@ -227,7 +228,7 @@ def _indented(text: str) -> str:
     return fill(text, WIDTH, initial_indent="  ", subsequent_indent="  ")
 
 
-def _table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+def table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A table as lines of text."""
     from rich import box  # Rich is loaded only where a page of text is wanted
     from rich.console import Console

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 import flint
 from flint import arb, fmpq
-from sympy import Add, Expr, Integer, Mul, Pow, Rational, cos, pi, sin, sinc
+from sympy import Add, Expr, Integer, Mul, Pow, Rational, cos, log, pi, sin, sinc
 
 from haptisym.errors import UndecidedError
 
@@ -114,11 +114,11 @@ class SquareRoot(RealNumber):
             return self.square.ball(bits).max(arb(0)).sqrt()
 
 
-_FUNCTIONS: dict[Any, Callable[[Ball], Ball]] = {cos: arb.cos, sin: arb.sin, sinc: arb.sinc}
+_FUNCTIONS: dict[Any, Callable[[Ball], Ball]] = {cos: arb.cos, sin: arb.sin, sinc: arb.sinc, log: arb.log}
 
 
 def expression_ball(value: Expr, known: Mapping[Expr, Ball] = MappingProxyType({})) -> Ball:
-    """A ball around a number made of rational numbers, pi, roots, sines and cosines, at the current working precision.
+    """A ball around a number made of rational numbers, pi, roots, logarithms and sines, at the current working precision.
 
     ``known``: balls that symbols stand for.
     """
@@ -132,14 +132,14 @@ def expression_ball(value: Expr, known: Mapping[Expr, Ball] = MappingProxyType({
         return reduce(add if isinstance(value, Add) else mul, (expression_ball(x, known) for x in value.args))
     if isinstance(value, Pow) and isinstance(value.exp, Integer):
         return expression_ball(value.base, known) ** int(value.exp)
-    if isinstance(value, Pow) and isinstance(value.exp, Rational):
+    if isinstance(value, Pow):
         base = expression_ball(value.base, known)
-        if base.is_zero() and value.exp > 0:  # where the logarithm ends
+        if base.is_zero() and value.exp.is_positive:  # where the logarithm ends
             return base
-        return (base.log() * expression_ball(value.exp)).exp()
+        return (base.log() * expression_ball(value.exp, known)).exp()
     if value.func in _FUNCTIONS:
         return _FUNCTIONS[value.func](expression_ball(value.args[0], known))
-    raise TypeError(f"{value} is not a real number made of rational numbers, pi, roots, sines and cosines")
+    raise TypeError(f"{value} is not a real number made of rational numbers, pi, roots, logarithms, sines and cosines")
 
 
 def bits_for(count: int) -> int:

@@ -10,7 +10,7 @@ from haptisym.crossings import Curve
 from haptisym.exact.reals import RealNumber
 from haptisym.exact.roots import Interval
 from haptisym.jnd import Part
-from haptisym.text import WIDTH, _both, _listed, _percent, _short, _span, _table
+from haptisym.text import WIDTH, _listed, _percent, _short, _span, both, table
 
 from .worstcase import Binding, WorstCase
 
@@ -29,7 +29,7 @@ def _heading(w: WorstCase) -> str:
     limits = _percent(c.real) if c.real == c.imag else f"{_percent(c.real)} (real) and {_percent(c.imag)} (imaginary)"
     rows = [
         ("effects", ", ".join(effect.name for effect in w.family.first.effects) or "none"),
-        ("band", f"{_both(low)} to {_both(high)}"),
+        ("band", f"{both(low)} to {both(high)}"),
         ("threshold", f"{limits} of |H_env|"),
     ]
     lines = [fill(x, WIDTH) for x in (w.family.title or "Untitled scene", w.family.source) if x]
@@ -40,7 +40,7 @@ def _heading(w: WorstCase) -> str:
 def _each(w: WorstCase) -> str:
     headings = ("environment", "r_r > c from", "r_i > c from", "bandwidth", "felt as")
     rows = [(name, *(_first(x, part) for part in Part), _bandwidth(x), _felt(x)) for name, x in w.answers.items()]
-    return f"Each environment (rad/s)\n\n{_table(headings, rows)}"
+    return f"Each environment (rad/s)\n\n{table(headings, rows)}"
 
 
 def _first(e: Answers, part: Part) -> str:
@@ -88,7 +88,7 @@ def _transparency(w: WorstCase) -> str:
     pieces = _listed(_span(x) for x in w.transparent)
     if w.bandwidth is None:
         return f"Only {pieces}."
-    return f"Up to {_both(w.bandwidth)}, the common bandwidth." + (
+    return f"Up to {both(w.bandwidth)}, the common bandwidth." + (
         "" if len(w.transparent) == 1 else f" All of it: {pieces}."
     )
 

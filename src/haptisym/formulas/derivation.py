@@ -10,7 +10,7 @@ from types import MappingProxyType
 from sympy import Expr, I, Symbol, count_ops
 
 from haptisym.crossings import excess
-from haptisym.distortion import Distortion, part_of
+from haptisym.distortion import Chain, Distortion, part_of
 from haptisym.errors import SceneError
 from haptisym.evaluation import Evaluation, evaluate
 from haptisym.exact.response import RealFunction
@@ -18,6 +18,7 @@ from haptisym.exact.solutions import Solution, solve
 from haptisym.jnd import Part, is_irrational_algebraic
 from haptisym.quantities import Number
 from haptisym.scene import Scene
+from haptisym.sensitivities.implicit import Equation
 from haptisym.symbols import X, c, omega
 
 from .asymptotics import Expansion, expansion
@@ -39,19 +40,22 @@ class Derivation:
     symbolic_threshold: bool = True
 
     @cached_property
+    def chain(self) -> Chain:
+        """The dynamics with the scene's values for all parameters that are not kept."""
+        return self.scene.chain.at({p.symbol: p.value for p in self.scene.parameters if p.symbol not in self.kept})
+
+    @cached_property
     def distortion(self) -> Distortion:
         """The closed forms, exact."""
-        fixed = {p.symbol: p.value for p in self.scene.parameters if p.symbol not in self.kept}
-        return self.scene.chain.at(fixed).distortion()
+        return self.chain.distortion()
 
     @cached_property
     def steps(self) -> Steps:
         """The distortion in named steps, which stay short as devices are cascaded."""
-        fixed = {p.symbol: p.value for p in self.scene.parameters if p.symbol not in self.kept}
-        return structure(self.scene.chain.at(fixed))
+        return structure(self.chain)
 
     def __getitem__(self, name: str) -> Expr:
-        key = _KEYS.get(_plain(name))
+        key = listed_name(name)
         if key is None:
             raise SceneError(f'"{name}" is not a quantity: these are {", ".join(QUANTITIES)}')
         return QUANTITIES[key](self)
@@ -81,10 +85,25 @@ class Derivation:
         return solve(response.real)
 
     def sensitivity(self, part: Part, parameter: Symbol) -> Expr:
-        """d omega/d parameter at a crossing: -(dF/d parameter)/(dF/d omega) for the equation F = 0 of the crossing."""
-        F = self.excess(part).written
-        equation = F.ring.expression(F.numerator)
-        return -equation.diff(parameter) / equation.diff(omega)
+        """d omega/d parameter at a crossing: -(dF/d parameter)/(dF/d omega) for the equation F = 0 of the crossing.
+
+        At a touch dF/d omega is 0 too and the derivative does not exist: the formula holds at simple crossings only.
+        """
+        return self.equation(part).slope(parameter).expression()
+
+    def equation(self, part: Part) -> Equation:
+        """F = 0 at the crossings: F is the numerator of r^2 - c^2."""
+        return _equation(self.excess(part))
+
+    def factors(self, part: Part) -> tuple[Equation, ...]:
+        """The irreducible factors of that F, each an equation: at a simple crossing just one of them holds."""
+        return _factors(self.excess(part))
+
+    def changeover_factors(self, system: str, *, pole: bool = False) -> tuple[Equation, ...]:
+        """The irreducible factors of what stands above the line of Re H of "env" or "perc"; below it, for a pole."""
+        response = self.distortion.env_response if system == "env" else self.distortion.perc_response
+        real = response.real
+        return _factors(RealFunction(real.axis.one / real.function) if pole else real)
 
     @cached_property
     def groups(self) -> Groups:
@@ -103,6 +122,16 @@ class Derivation:
         False
         """
         return evaluate(self.scene.with_values(values))
+
+
+def _equation(f: RealFunction) -> Equation:
+    written = f.written
+    return Equation(written.ring, written.numerator)
+
+
+def _factors(f: RealFunction) -> tuple[Equation, ...]:
+    _, factors = f.axis.factors(f.function.numerator, in_square=not f.axis.functions)
+    return tuple(_equation(RealFunction(f.axis.function(factor))) for factor, _ in factors)
 
 
 def derive(scene: Scene, keep: Iterable[str] | None = None) -> Derivation:
@@ -182,9 +211,15 @@ QUANTITIES: Mapping[str, Callable[[Derivation], Expr]] = MappingProxyType(
 """The closed forms that a derivation has, by name."""
 
 
-def _plain(name: str) -> str:
-    """A name without what a shell or a typist leaves out."""
+def bare(name: str) -> str:
+    """A name without what a shell or a typist leaves out.
+
+    >>> bare("|H_env|^2"), bare("Re dH")
+    ('henv2', 'redh')
+    """
     return "".join(x for x in name.casefold() if x.isalnum())
 
 
-_KEYS = {_plain(name): name for name in QUANTITIES}
+def listed_name(name: str) -> str | None:
+    """The quantity that a name stands for, as it is listed; None if it is none."""
+    return next((known for known in QUANTITIES if bare(known) == bare(name)), None)

@@ -19,7 +19,7 @@ from haptisym.typeset.equations import quantity
 from haptisym.typeset.layout import layout
 from haptisym.typeset.names import named
 
-from .derivation import QUANTITIES, Derivation
+from .derivation import QUANTITIES, Derivation, bare, listed_name
 from .groups import Groups
 from .steps import Steps
 from .structure import structure
@@ -79,9 +79,10 @@ def asked(d: Derivation, names: Iterable[str]) -> tuple[Section, ...]:
     notes: list[Phrase] = []
     for name in names:
         slope = _SLOPE.fullmatch("".join(name.split()))
-        key = _key(name)
+        key = bare(name)
         if slope:
             rows.append(_sensitivity(d, slope[1], slope[2]))
+            notes += _touches(d, slope[1])
         elif key in _SOLVED:
             solved, said = _answers(_SOLVED[key], _solutions(d, _SOLVED[key]))
             rows += solved
@@ -99,9 +100,22 @@ def _sensitivity(d: Derivation, letter: str, parameter: str) -> Line:
     symbol = next((x for x in d.kept if x.name == parameter), None)
     if symbol is None:
         raise SceneError(f'"{parameter}" is not a parameter that is kept: {", ".join(map(str, d.kept)) or "none is"}')
-    part = next(part for part, ratio in _RATIOS.items() if ratio[-1] == letter)
+    part = _part(letter)
     above, below = (Product((named("d"), named(name))) for name in (f"omega_{letter}", parameter))
     return Line(Fraction(above, below), d.sensitivity(part, symbol))
+
+
+def _part(letter: str) -> Part:
+    return next(part for part, ratio in _RATIOS.items() if ratio[-1] == letter)
+
+
+def _touches(d: Derivation, letter: str) -> list[Phrase]:
+    """Where the formula of a sensitivity does not hold."""
+    crossings = d.at().crossings if not any(p.value.free_symbols for p in d.scene.parameters) else ()
+    places = [x.omega.digits(5) for x in crossings if x.part is _part(letter) and x.multiplicity > 1]
+    at = f", here at {' and '.join(places)} rad/s" if places else ""
+    said = f": at a crossing. Undefined where the display only touches its threshold{at}."
+    return [("d ", named(f"omega_{letter}"), said)]
 
 
 def _solutions(d: Derivation, name: str) -> tuple[Solution, ...]:
@@ -111,19 +125,14 @@ def _solutions(d: Derivation, name: str) -> tuple[Solution, ...]:
 
 def canonical(name: str) -> str:
     """The name of a quantity as it is listed; SceneError for any other."""
-    for known in QUANTITIES:
-        if _key(known) == _key(name):
-            return known
-    valid = ", ".join([*QUANTITIES, *_SOLVED.values(), "d omega_r/d PARAMETER", "d omega_i/d PARAMETER"])
-    raise SceneError(f'"{name}" is not a quantity: these are {valid}')
+    known = listed_name(name)
+    if known is None:
+        valid = ", ".join([*QUANTITIES, *_SOLVED.values(), "d omega_r/d PARAMETER", "d omega_i/d PARAMETER"])
+        raise SceneError(f'"{name}" is not a quantity: these are {valid}')
+    return known
 
 
-def _key(name: str) -> str:
-    """A name without what a shell or a typist leaves out."""
-    return "".join(x for x in name.casefold() if x.isalnum())
-
-
-_SOLVED = {_key(name): name for name in ("omega_r", "omega_i", "omega_env", "omega_perc")}
+_SOLVED = {bare(name): name for name in ("omega_r", "omega_i", "omega_env", "omega_perc")}
 """Quantities that are solutions of an equation."""
 
 

@@ -29,7 +29,7 @@ def as_text(d: Derivation, sections: Iterable[Section]) -> str:
 
 def _heading(d: Derivation) -> str:
     rows = [f"  {p.symbol!s:<12} {_meaning(p, d.scene.motion):<34} {_state(d, p)}" for p in d.scene.parameters]
-    title = [fill(x, WIDTH) for x in (d.scene.title or "Untitled scene", d.scene.source) if x]
+    title = [fill(x, WIDTH) for x in (d.scene.title or "Untitled scene", d.scene.source, d.scene.nominal_note) if x]
     return "\n".join([*title, "", *rows])
 
 

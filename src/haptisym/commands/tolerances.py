@@ -1,0 +1,57 @@
+"""The verb ``haptisym tolerances``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from haptisym.options import json_option
+from haptisym.scenefile import load_scene
+
+
+@click.command()
+@click.argument("scene")
+@json_option
+@click.option(
+    "--samples",
+    type=click.IntRange(0, 100_000),
+    default=200,
+    show_default=True,
+    help="Sets of values to draw for the estimates.",
+)
+@click.option("--seed", type=int, default=2019, show_default=True, help="Of the random numbers of the estimates.")
+@click.option(
+    "--figure",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Write enclosures and samples as a figure (.svg, .pdf or .png).",
+)
+def tolerances(scene: str, as_json: bool, samples: int, seed: int, figure: Path | None) -> None:  # noqa: FBT001
+    """Tell what holds for all values of parameters that are known as ranges.
+
+    SCENE is a scene file (TOML) or the name of a shipped scene; a parameter in it may be written "1.8 kg +- 5 %",
+    "1.8 kg +- 0.1 kg" or ["1.7 kg", "1.9 kg"], the threshold likewise.
+
+    Proven by branch and bound: whether the display is transparent on the band for all values, for none or for some, and
+    between which frequencies (rad/s) each crossing stays. Estimated, and said so: quantiles over values drawn at random. Exit
+    status 3 if the verdict stayed undecided within the work budget.
+
+    \b
+    Examples:
+      haptisym tolerances fu2019-tolerances
+      haptisym tolerances my-device.toml --samples 1000 --figure tolerances.pdf
+      haptisym tolerances my-device.toml --json
+    """
+    from haptisym.tolerance.answers import tolerances as of
+
+    found = of(load_scene(scene), samples, seed)
+    if figure is not None:
+        from haptisym.tolerance.figure import save_tolerances
+
+        save_tolerances(found, figure)
+        click.echo(f"figure written to {figure}", err=True)
+    click.echo(found.to_json() if as_json else str(found), nl=as_json)
+    if not found.certified:
+        sys.exit(3)

@@ -1,0 +1,1 @@
+"""How crossings, changeovers and the bandwidth move with each parameter."""

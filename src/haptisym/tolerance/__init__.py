@@ -1,0 +1,1 @@
+"""What holds for all values of parameters that are known as ranges."""

@@ -1,0 +1,189 @@
+"""How frequencies move with parameters: the certified numbers against differences of certified crossings, and against laws."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from marks import often
+from sympy import Expr, Rational
+
+import haptisym as hs
+from haptisym.cli import app
+from haptisym.quantities import dimension_exponents
+from haptisym.sensitivities.answers import Sensitivities, sensitivity
+from haptisym.sensitivities.slopes import TOUCH, Sensitive
+
+STEP = Rational(1, 10**15)
+SCENES = ["fu2019", "delayed-spring", "organ-tissue", "position-force-teleoperation", "sidestick"]
+
+
+def changed(scene: hs.Scene, name: str, value: Expr) -> hs.Evaluation:
+    return hs.evaluate(scene.with_values({name: value}))
+
+
+def slope(before: str, after: str, step: Expr) -> float:
+    return float((Rational(after) - Rational(before)) / (2 * step))
+
+
+@pytest.mark.parametrize("name", often(SCENES, {"fu2019", "delayed-spring", "sidestick"}.__contains__))
+def test_a_sensitivity_is_the_slope_of_certified_crossings(name: str) -> None:
+    scene = hs.load_scene(name)
+    found = sensitivity(scene).crossings[0]
+    values = {p.symbol.name: p.value for p in scene.parameters} | {"c": scene.threshold.real}
+    for row in found.parameters:
+        here = values["c" if row.name.startswith("c_") else row.name]
+        if here == 0 or row.name.startswith("c_"):
+            continue
+        down, up = (changed(scene, row.name, here * (1 + n * STEP)).crossings[0].omega.digits(60) for n in (-1, 1))
+        assert float(row.derivative) == pytest.approx(slope(down, up, here * STEP), rel=1e-12, abs=1e-18)
+        assert float(row.elasticity) == pytest.approx(
+            float(here) * float(row.derivative) / float(found.omega), rel=1e-13
+        )
+
+
+def test_changeovers_move_as_certified_changeovers_do() -> None:
+    scene = hs.load_scene("fu2019")
+    found = sensitivity(scene)
+    for system in ("changeovers_environment", "changeovers_perceived"):
+        for p in scene.parameters:
+            ends = [changed(scene, p.symbol.name, p.value * (1 + n * STEP)) for n in (-1, 1)]
+            down, up = (getattr(e, system)[0].omega.digits(60) for e in ends)
+            row = getattr(found, system)[0][p.symbol.name]
+            assert float(row.derivative) == pytest.approx(slope(down, up, p.value * STEP), rel=1e-12, abs=1e-25)
+
+
+def sums(scene: hs.Scene, x: Sensitive) -> dict[str, Fraction]:
+    """Of the elasticities, each times its parameter's power of a base unit, to 25 digits."""
+    total = dict.fromkeys(("mass", "time", "length"), Fraction(0))
+    for p in scene.parameters:
+        for base, n in dimension_exponents(p.dimension, scene.motion) or p.exponents or ():
+            total[base] += n * Fraction(x[p.symbol.name].elasticity.digits(25))
+    return total
+
+
+@pytest.mark.parametrize("name", [*SCENES[:2], "steering-wheel", "stick-with-friction", "two-mass-resonance"])
+def test_elasticities_keep_the_sum_rules_of_dimensional_analysis(name: str) -> None:
+    """Forces scaled leave every frequency alone; a time unit u times as long makes it u times as large a number."""
+    scene = hs.load_scene(name)
+    found = sensitivity(scene)
+    for x in (*found.crossings, *found.changeovers_environment, *found.changeovers_perceived):
+        total = sums(scene, x)
+        assert abs(total["mass"]) < Fraction(1, 10**20)
+        assert abs(total["length"]) < Fraction(1, 10**20)
+        assert abs(total["time"] + 1) < Fraction(1, 10**20)
+
+
+POSITIVE = st.fractions(Fraction(1, 20), Fraction(20), max_denominator=50)
+
+
+@settings(max_examples=8, deadline=None)
+@given(
+    m=POSITIVE,
+    b=POSITIVE,
+    k=POSITIVE,
+    omega_n=POSITIVE,
+    zeta=st.fractions(Fraction(1, 10), Fraction(2), max_denominator=20),
+)
+def test_the_sum_rules_hold_for_any_values(
+    m: Fraction, b: Fraction, k: Fraction, omega_n: Fraction, zeta: Fraction
+) -> None:
+    env = hs.environments.mass_spring_damper(m, b, k)
+    found = sensitivity(hs.Scene(env, (hs.effects.second_order_lowpass(omega_n, zeta),), (0, 50)))
+    for x in found.crossings:
+        if not x.reason:
+            assert abs(sums(found.evaluation.scene, x)["time"] + 1) < Fraction(1, 10**20)
+
+
+def test_a_delay_alone_has_elasticity_minus_one() -> None:
+    found = sensitivity(hs.load_scene("delayed-spring")).crossings[0]
+    assert found["tau"].elasticity.digits(30) == "-1.00000000000000000000000000000"
+    assert float(found["k"].elasticity) == 0  # behind a delay, a spring of any stiffness is noticed alike
+
+
+def test_a_parameter_that_is_zero_has_elasticity_zero_and_the_right_derivative() -> None:
+    """A mass beside a spring: |m| omega^2/k = c, with a further shunt mass of 0 the crossing moves by -omega/(2 m)."""
+    effects = (hs.effects.shunt(m=2, name="own"), hs.effects.shunt(m=0, name="further"))
+    found = sensitivity(hs.Scene(hs.environments.mass_spring_damper(k=100), effects)).crossings[0]
+    name = next(p.name for p in found.parameters if "further" in p.path)
+    assert float(found[name].elasticity) == 0
+    assert float(found[name].derivative) == pytest.approx(-float(found.omega) / 4, rel=1e-15)
+
+
+def touching() -> hs.Scene:
+    """|dH/H| has its largest real part, 1/5, at 3 rad/s exactly: the threshold is touched there."""
+    effect = hs.effects.series("1 + a*s/(s^2 + 2*s + 9)", parameters={"a": "0.4"})
+    return hs.Scene(hs.environments.mass_spring_damper(k=100), (effect,), (0, 15), hs.Threshold.of(Rational(1, 5), 1))
+
+
+def test_at_a_touch_there_is_no_derivative_and_it_is_said() -> None:
+    found = sensitivity(touching())
+    [x] = found.crossings
+    assert (x.kind, x.reason) == (hs.CrossingKind.TOUCHES, TOUCH)
+    assert all(p.derivative is None and p.elasticity is None for p in x.parameters)
+    assert "the display touches its threshold here" in str(found)
+    row = found.to_dict()["crossings"][0]["parameters"][0]
+    assert (row["derivative"], row["elasticity"], row["reason"]) == (None, None, TOUCH)
+    assert "within the bandwidth" in found.bandwidth.reason
+
+
+def test_the_formula_says_where_it_does_not_hold() -> None:
+    from haptisym.formulas.derivation import derive
+    from haptisym.formulas.sections import asked
+
+    [section] = asked(derive(touching(), ["a"]), ["d omega_r/d a"])
+    assert "here at 3.0000 rad/s" in section.notes[0]
+
+
+def test_a_bandwidth_that_is_the_whole_band_does_not_move() -> None:
+    found = sensitivity(hs.load_scene("fu2019").with_band(0, 5))
+    assert all(float(p.derivative) == 0 for p in found.bandwidth.parameters)
+
+
+def test_factors_that_meet_for_the_scenes_values_do_no_harm() -> None:
+    """Re H_perc = (k - m omega^2) times something: that zero moves with m and k alone."""
+    found = sensitivity(hs.load_scene("undamped-resonance")).changeovers_perceived[0]
+    assert {p.name: float(p.elasticity) for p in found.parameters} == {"m": -0.5, "k": 0.5, "omega_n": 0, "zeta": 0}
+
+
+def test_the_formula_and_the_numbers_are_one() -> None:
+    found = sensitivity(hs.load_scene("fu2019"))
+    values = {p.symbol: p.value for p in found.evaluation.scene.parameters}
+    x = found.crossings[1]
+    known = {**values, hs.omega: Rational(x.omega.digits(60)), hs.symbols("c"): Rational(1, 10)}
+    for name in ("m", "zeta", "c"):
+        form = found.formula(hs.Part.IMAG, name)
+        assert float(form.subs(known).evalf(30)) == pytest.approx(float(x[name].derivative), rel=1e-14)
+
+
+def test_the_command_line_prints_the_document(runner) -> None:  # type: ignore[no-untyped-def]
+    done = runner.invoke(app, ["sensitivity", "fu2019", "--json", "--digits", "30"])
+    document = json.loads(done.stdout)
+    assert (done.exit_code, document["schema"]) == (0, "haptisym.sensitivity/1")
+    row = document["crossings"][0]["parameters"][3]
+    assert (row["path"], row["unit"]) == ("effects.filter.omega_n", "rad/s")
+    assert len(row["digits"]["elasticity"]) == 31
+    assert document["bandwidth"]["omega"] == document["crossings"][0]["omega"]
+
+
+def test_a_figure_is_written(tmp_path, runner) -> None:  # type: ignore[no-untyped-def]
+    path = tmp_path / "bars.svg"
+    assert runner.invoke(app, ["sensitivity", "fu2019", "--figure", str(path)]).exit_code == 0
+    assert path.read_text(encoding="utf-8").count("<svg") == 1
+    with pytest.raises(hs.SceneError, match="must end in"):
+        runner.invoke(app, ["sensitivity", "fu2019", "--figure", str(tmp_path / "bars.doc")], catch_exceptions=False)
+
+
+@pytest.fixture
+def runner():  # type: ignore[no-untyped-def]
+    from click.testing import CliRunner
+
+    return CliRunner()
+
+
+def test_public_names() -> None:
+    assert hs.sensitivity is sensitivity
+    assert hs.Sensitivities is Sensitivities
