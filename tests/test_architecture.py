@@ -14,9 +14,9 @@ import haptisym
 SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
-errors symbols typeset.boxes report.html options
-expressions exact.rings exact.reals numeric.values typeset.names formulas.steps codegen.names
-quantities exact.response exact.factors typeset.numerals typeset.order codegen.printers codegen.languages
+errors symbols typeset.boxes report.html options sweeps.batch
+expressions exact.rings exact.reals numeric.values typeset.names formulas.steps codegen.names sweeps.bernstein
+quantities sweeps.families exact.response exact.factors typeset.numerals typeset.order codegen.printers codegen.languages
 exact.levels
 exact.roots exact.solutions typeset.formula typeset.quotients
 catalogue jnd exact.stability typeset.layout
@@ -25,14 +25,14 @@ scene crossings interop codegen.code simulation.motions simulation.recordings si
 peaks codegen.forms formulas.structure formulas.groups bounds
 formulas.asymptotics simulation.blocks simulation.linear simulation.lockin simulation.results
 percepts typeset.plain typeset.mathml typeset.equations
-answers scenefile simulation.events simulation.text
-text simulation.engine
-evaluation codegen.scene simulation.approximations simulation.run
-formulas.derivation
-formulas.sections
-tex.names figures simulation.simulate
-simulation.command
-simulation.figures
+answers scenefile simulation.events simulation.text sweeps.exactly
+text simulation.engine sweeps.curves sweeps.axes
+evaluation codegen.scene simulation.approximations simulation.run sweeps.kernel sweeps.text
+formulas.derivation sweeps.blocks
+formulas.sections sweeps.store
+tex.names figures simulation.simulate sweeps.designspace
+simulation.command sweeps.figure
+simulation.figures commands.sweep
 tex.printer
 tex.lines
 tex.results

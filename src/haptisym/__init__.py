@@ -43,6 +43,7 @@ _ON_DEMAND = {
     "scene_code": "codegen.scene",
     "simulate": "simulation.simulate",
     "sine": "simulation.motions",
+    "sweep": "sweeps.designspace",
 }
 """What is loaded only when it is used: simulation needs SciPy (the extra ``simulate``), formulas cost time at start."""
 
