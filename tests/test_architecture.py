@@ -14,10 +14,11 @@ import haptisym
 SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
-errors options symbols costs.measurement report.html simulation.network tolerance.taylormodels typeset.boxes
-expressions codegen.names exact.reals exact.rings formulas.steps numeric.accuracy simulation.descriptor typeset.names
+errors options symbols costs.measurement report.html simulation.network sweeps.batch tolerance.taylormodels typeset.boxes
+expressions codegen.names exact.reals exact.rings formulas.steps numeric.accuracy simulation.descriptor sweeps.bernstein \
+typeset.names
 quantities codegen.languages codegen.printers exact.response exact.wavesums exact.zeros numeric.program \
-sensitivities.implicit simulation.rightmost tex.names typeset.numerals typeset.order
+sensitivities.implicit simulation.rightmost sweeps.families tex.names typeset.numerals typeset.order
 codegen.code codegen.short exact.isolation exact.polynomials exact.solutions numeric.balls numeric.floats numeric.stable \
 typeset.formula typeset.quotients
 exact.analytic exact.levels numeric.doubled numeric.machine numeric.magnitudes numeric.pointvalues typeset.layout
@@ -29,18 +30,18 @@ distortion effects environments simulation.blocks simulation.events
 crossings interop scene codegen.forms formulas.structure measures.freeresponse measures.twoport simulation.engine
 bounds peaks percepts codegen.scene costs.text family.family formulas.groups measures.forms simulation.approximations \
 simulation.results tolerance.box
-answers scenefile costs.questions formulas.asymptotics simulation.run simulation.text tolerance.excess
-text costs.hardcases costs.usual family.worstcase simulation.simulate tolerance.search
-evaluation costs.hardtext costs.methods family.text simulation.command tolerance.proofs
-costs.simulated costs.tasks family.evaluation figures.sampling formulas.derivation measures.measured tex.results \
-tolerance.quantiles
-figures.style formulas.sections measures.disagreements measures.metric report.results sensitivities.slopes tex.latex \
-tolerance.text
+answers scenefile costs.questions formulas.asymptotics simulation.run simulation.text sweeps.exactly tolerance.excess
+text costs.hardcases costs.usual family.worstcase simulation.simulate sweeps.axes sweeps.curves tolerance.search
+evaluation costs.hardtext costs.methods family.text simulation.command sweeps.kernel sweeps.text tolerance.proofs
+costs.simulated costs.tasks family.evaluation figures.sampling formulas.derivation measures.measured sweeps.blocks \
+tex.results tolerance.quantiles
+figures.style formulas.sections measures.disagreements measures.metric report.results sensitivities.slopes sweeps.store \
+tex.latex tolerance.text
 costs.figure costs.hardfigure family.figure figures.nyquist figures.ratios formulas.text measures.figure measures.text \
-report.findings report.scene sensitivities.figure sensitivities.text simulation.figures tex.forms tolerance.answers \
-tolerance.figure
-commands.tolerances costs.costs costs.hardcosts figures.projections figures.square measures.transparency report.explorer \
-report.forms report.notebook sensitivities.answers tex.document
+report.findings report.scene sensitivities.figure sensitivities.text simulation.figures sweeps.designspace sweeps.figure \
+tex.forms tolerance.answers tolerance.figure
+commands.sweep commands.tolerances costs.costs costs.hardcosts figures.projections figures.square measures.transparency \
+report.explorer report.forms report.notebook sensitivities.answers tex.document
 commands.cost commands.metrics commands.sensitivity figures.files report.figures report.pdf
 report.page
 cli

@@ -59,6 +59,7 @@ _ON_DEMAND = {
     "simulation_cost": "costs.costs",
     "sine": "simulation.motions",
     "tolerances": "tolerance.answers",
+    "sweep": "sweeps.designspace",
 }
 """What is loaded only when it is used: simulation needs SciPy (the extra ``simulate``), formulas cost time at start."""
 

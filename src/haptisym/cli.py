@@ -16,6 +16,7 @@ from . import __version__
 from .commands.cost import cost
 from .commands.metrics import metrics
 from .commands.sensitivity import sensitivity
+from .commands.sweep import sweep
 from .commands.tolerances import tolerances
 from .errors import HaptisymError, SceneError, UndecidedError
 from .evaluation import evaluate as evaluate_scene
@@ -290,6 +291,7 @@ app.add_command(metrics)
 app.add_command(cost)
 app.add_command(sensitivity)
 app.add_command(tolerances)
+app.add_command(sweep)
 
 
 def main() -> None:

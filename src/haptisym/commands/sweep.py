@@ -1,0 +1,149 @@
+"""``haptisym sweep``: a scene for every combination of values of some of its parameters."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from importlib import import_module
+from json import dumps
+from pathlib import Path
+from typing import Any
+
+import click
+
+from haptisym.errors import SceneError
+from haptisym.options import json_option
+from haptisym.scenefile import load_scene
+
+
+@click.command()
+@click.argument("scene")
+@click.option(
+    "--vary",
+    "vary",
+    multiple=True,
+    required=True,
+    metavar="PATH=LO:HI:N[:log]",
+    help='N values of a parameter, as in "effects.filter.omega_n=40 rad/s:200 rad/s:100"; bare numbers are SI and rad/s. '
+    "May be repeated.",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Stream to FILE.zarr or FILE.nc; what is there of this sweep already is kept.",
+)
+@json_option
+@click.option(
+    "--figure",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Write the design chart (.svg, .pdf or .png); for one or two parameters.",
+)
+@click.option("--workers", type=click.IntRange(1, 1024), metavar="N", help="Processes on this machine; 1 if not given.")
+@click.option("--cluster", metavar="ADDRESS", help='A dask scheduler, as "tcp://10.0.0.1:8786".')
+def sweep(
+    scene: str,
+    vary: tuple[str, ...],
+    out: Path | None,
+    as_json: bool,  # noqa: FBT001 - a flag of the command line
+    figure: Path | None,
+    workers: int | None,
+    cluster: str | None,
+) -> None:
+    """Evaluate a scene for every combination of parameter values, with proof.
+
+    SCENE is a scene file (TOML) or the name of a shipped scene. PATH is effects.NAME.KEY, environment.KEY or evaluation.jnd.
+
+    For each set: the first crossing and the number of crossings of each part, the bandwidth, the transparent fraction of the
+    band, and the changeovers. Counts are proven, frequencies are proven to a relative 1e-10. A sweep that was interrupted is
+    continued by the same command.
+
+    \b
+    Examples:
+      haptisym sweep fu2019 --vary effects.filter.omega_n=20:200:100 --figure bandwidth.svg
+      haptisym sweep fu2019 --vary "effects.filter.omega_n=5 Hz:50 Hz:1000:log" \\
+          --vary environment.m=0.5:5:1000 --out design.zarr --workers 2
+    """
+    if workers and cluster:
+        raise SceneError("--workers and --cluster exclude each other")
+    if (workers or cluster) and out is None:
+        raise SceneError("--workers and --cluster need --out FILE, to which the workers write")
+    from haptisym.sweeps.axes import spaced
+    from haptisym.sweeps.designspace import sweep as sweep_scene
+
+    loaded = load_scene(scene)
+    asked = [spaced(text, loaded) for text in vary]
+    if len({path for path, _ in asked}) < len(asked):
+        raise SceneError("--vary: each path may be given only once")
+    if figure is not None and (len(asked) > 2 or figure.suffix not in (".svg", ".pdf", ".png")):
+        raise SceneError(
+            f"--figure {figure}: a chart shows one or two parameters, in a file that ends in .svg, .pdf or .png"
+        )
+    with ExitStack() as stack:
+        stack.enter_context(_engine(workers, cluster))
+        progress = stack.enter_context(_progress())
+        found = sweep_scene(loaded, dict(asked), out=out, progress=progress)
+    if figure is not None:
+        from haptisym.sweeps.figure import save_sweep_figure
+
+        click.echo(f"chart written to {save_sweep_figure(found, figure)}", err=True)
+    from haptisym.sweeps.text import document, page
+
+    told = document(found, out)
+    click.echo(dumps(told, indent=2, ensure_ascii=False) if as_json else page(told), nl=as_json)
+    if told["open"]:
+        sys.exit(3)
+
+
+@contextmanager
+def _engine(workers: int | None, cluster: str | None) -> Iterator[None]:
+    """What computes the blocks: this process, some processes of this machine, or a cluster."""
+    if not workers and not cluster:
+        with _in_this_process():
+            yield
+        return
+    try:
+        distributed: Any = import_module("distributed")
+    except ImportError:
+        raise SceneError('distributed is missing: --workers and --cluster need "pip install haptisym[sweep]"') from None
+    with ExitStack() as stack:
+        address: Any = cluster
+        if workers:
+            address = stack.enter_context(
+                distributed.LocalCluster(
+                    n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs=40
+                )
+            )
+        try:
+            stack.enter_context(distributed.Client(address, timeout="10s"))
+        except (OSError, ValueError):
+            raise SceneError(f"--cluster {cluster}: no dask scheduler answers there") from None
+        yield
+
+
+@contextmanager
+def _in_this_process() -> Iterator[None]:
+    try:
+        from dask import config
+    except ImportError:  # only needed for a file, where its absence is told
+        yield
+        return
+    with config.set(scheduler="synchronous", num_workers=1):
+        yield
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[int, int], None] | None]:
+    """A bar on standard error, on a terminal only."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn("{task.completed:,.0f} of {task.total:,.0f} sets"), BarColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("", total=None)
+        yield lambda done, sets: bar.update(task, completed=done, total=sets)

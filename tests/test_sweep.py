@@ -1,0 +1,384 @@
+"""Sweeps: every number against an evaluation, every engine against every other, and nothing lost when a sweep is killed."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from strategies import Seeded, case, scene
+from sympy import Rational
+
+import haptisym as hs
+from haptisym.cli import main
+from haptisym.sweeps.axes import axes, paths, spaced
+from haptisym.sweeps.exactly import COUNTS, FLOATS, exact_answers
+from haptisym.sweeps.kernel import TOLERANCE, Kernel
+
+xr = pytest.importorskip("xarray")
+pytest.importorskip("dask")
+pytest.importorskip("zarr")
+
+PAPER = hs.load_scene("fu2019")
+NATURAL, MASS = "effects.filter.omega_n", "environment.m"
+SMALL = {NATURAL: np.linspace(25.0, 200.0, 30).tolist(), MASS: np.linspace(0.3, 5.0, 21).tolist()}
+
+
+@pytest.fixture(scope="module")
+def small() -> Any:
+    return hs.sweep(PAPER, SMALL)
+
+
+def exactly(x: float) -> Rational:
+    return Rational(*Fraction(x).as_integer_ratio())
+
+
+def evaluated(swept: hs.Scene) -> dict[str, float]:
+    """The variables of a sweep, read off an evaluation."""
+    e = hs.evaluate(swept)
+    low, high = map(float, swept.band)
+    row: dict[str, float] = {
+        "bandwidth": np.nan if e.bandwidth is None else float(e.bandwidth),
+        "transparent": sum(float(x.high.omega) - float(x.low.omega) for x in e.transparent) / (high - low),
+    }
+    for part in hs.Part:
+        own = [float(c.omega) for c in e.crossings if c.part is part]
+        row[f"crossings_{part.value}"], row[f"first_crossing_{part.value}"] = len(own), min(own, default=np.nan)
+    for name, points in (("environment", e.changeovers_environment), ("perceived", e.changeovers_perceived)):
+        row[f"changeovers_{name}"] = len(points)
+        row[f"changeover_{name}"] = float(points[0].omega) if points else np.nan
+    return row
+
+
+def agrees(found: Any, truth: dict[str, float]) -> None:
+    for name in COUNTS:
+        assert int(found[name]) == truth[name], name
+    for name in FLOATS:
+        # a fraction is a sum over crossings that are each that accurate
+        limit = 1e-10 if name == "transparent" else 1.0001 * TOLERANCE * abs(truth[name])
+        assert np.isnan(truth[name]) == np.isnan(found[name]), name
+        assert np.isnan(truth[name]) or abs(float(found[name]) - truth[name]) <= limit, name
+
+
+# --- what is answered ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("band", "jnd"), [(("0", "15"), "0.1"), (("2 rad/s", "5 Hz"), "0.05"), (("1 Hz", "100 Hz"), "0.2")]
+)
+def test_every_set_is_what_its_evaluation_says(band: tuple[str, str], jnd: str) -> None:
+    given = PAPER.with_band(*band).with_values({"c": jnd})
+    found = hs.sweep(given, {NATURAL: [25.0, 55.1, 91.0, 160.0], MASS: [0.3, 1.8, 4.9]})
+    assert (found.method == 0).all()
+    for at in np.ndindex(4, 3):
+        one = found[{NATURAL: at[0], MASS: at[1]}]
+        values = {"omega_n": exactly(float(one[NATURAL])), "m": exactly(float(one[MASS]))}
+        agrees(one, evaluated(given.with_values(values)))
+
+
+def test_thresholds_are_swept_together_or_apart() -> None:
+    together = hs.sweep(PAPER, {"evaluation.jnd": [0.05, 0.125]})
+    apart = hs.sweep(PAPER, {"evaluation.jnd.real": [0.05, 0.125], "evaluation.jnd.imag": [0.05, 0.125]})
+    for i, c in enumerate((0.05, 0.125)):
+        agrees(together[{"evaluation.jnd": i}], evaluated(PAPER.with_values({"c": exactly(c)})))
+        diagonal = apart[{"evaluation.jnd.real": i, "evaluation.jnd.imag": i}]
+        assert all(float(diagonal[name]) == float(together[name][i]) for name in COUNTS)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_random_scenes_agree_with_the_exact_answers(seed: int) -> None:
+    pick = Seeded(1000 + seed)
+    given = scene(case(pick, order=5))
+    names = [path for path, p in paths(given).items() if p.value.is_Rational and p.value > 0][:2]
+    known = paths(given)
+    ranges = {path: float(known[path].value) * np.geomspace(0.2, 5.0, 9) for path in names}
+    checked = axes(given, ranges)
+    kernel = Kernel.of(given, [axis.swept for axis in checked])
+    mesh = np.stack([x.ravel() for x in np.meshgrid(*ranges.values(), indexing="ij")])
+    columns = kernel.answers(mesh)
+    assert kernel.is_polynomial
+    assert (columns["method"] == 0).mean() > 0.5
+    for i in (columns["method"] == 0).nonzero()[0][:: max(1, mesh.shape[1] // 12)]:
+        truth = exact_answers(given, kernel.swept, mesh[:, i].tolist())
+        agrees({name: column[i] for name, column in columns.items()}, truth)
+
+
+def test_hard_parameters_are_never_counted_wrong() -> None:
+    rng = np.random.default_rng(3)
+    spans = {MASS: (1e-3, 1e3), "environment.b": (1e-6, 1e3), NATURAL: (1.0, 1e4), "effects.filter.zeta": (1e-3, 1.0)}
+    checked = axes(PAPER, {path: list(span) for path, span in spans.items()})
+    kernel = Kernel.of(PAPER.with_band(0, 300), [axis.swept for axis in checked])
+    sets = np.exp([rng.uniform(*np.log(span), 120) for span in spans.values()])
+    columns = kernel.answers(sets)
+    in_floats = (columns["method"] == 0).nonzero()[0]
+    assert len(in_floats) > 60
+    for i in in_floats:
+        agrees({n: x[i] for n, x in columns.items()}, exact_answers(kernel.scene, kernel.swept, sets[:, i].tolist()))
+
+
+def test_values_are_the_binary_numbers_that_they_are() -> None:
+    """With r = c exactly at the band's end for the decimal 0.1, the double next to it decides."""
+    lag = hs.effects.series("g", parameters={"g": "9/10"})
+    flat = hs.Scene(hs.environments.mass_spring_damper(k=100), (lag,), (0, 10), "0.1")
+    found = hs.sweep(flat, {"effects.series.g": [0.9]})
+    assert float(found.transparent[0]) == float(Fraction(0.9) >= Fraction(9, 10))
+
+
+def test_a_touch_is_left_to_the_exact_path_and_counted_once() -> None:
+    """r_i = omega/(omega^2 + 1) has its largest value 1/2 at 1 rad/s; 1/2 is a double."""
+    given = hs.Scene(hs.environments.mass_spring_damper(k=100), (hs.effects.first_order_lag(1),), (0, 10), "1/2")
+    found = hs.sweep(given, {"effects.first-order-lag.omega_c": [1.0, 2.0]})
+    assert found.method.values.tolist() == [1, 1]
+    assert found.crossings_imag.values.tolist() == [1, 1]
+    assert found.first_crossing_imag.values.tolist() == [1.0, 2.0]
+
+
+def test_where_the_environment_vanishes_the_exact_path_answers() -> None:
+    """An undamped environment is zero at its resonance, where a shunt's ratio is unbounded."""
+    given = hs.Scene(hs.environments.mass_spring_damper(m=1, b=0, k=100), (hs.effects.shunt(b=1),), (0, 20), "0.1")
+    found = hs.sweep(given, {"environment.b": [0.0, 1.0]})
+    assert found.method.values.tolist() == [1, 0]
+    agrees(found[{"environment.b": 0}], evaluated(given))
+
+
+def test_a_scene_with_a_delay_is_answered_exactly_throughout() -> None:
+    given = hs.load_scene("delayed-spring")
+    [path] = [path for path in paths(given) if path.endswith("tau")]
+    found = hs.sweep(given, {path: ["10 ms", "20 ms"]})
+    assert (found.method == 1).all()
+    assert "every set is answered exactly" in found.attrs["floats"]
+    agrees(found[{path: 1}], evaluated(given.with_values({"tau": exactly(float(found[path][1]))})))
+
+
+def test_a_set_without_dynamics_says_so_and_stops_nothing() -> None:
+    given = hs.Scene(hs.environments.mass_spring_damper(k=100), (hs.effects.first_order_lag(20),))
+    found = hs.sweep(given, {"environment.k": [0.0, 100.0]})
+    assert found.method.values.tolist() == [2, 0]
+    assert found.crossings_real.values.tolist() == [-1, 1]
+    assert np.isnan(found.bandwidth[0])
+
+
+def test_numbers_far_beyond_any_device_are_not_trusted_to_floats() -> None:
+    kernel = Kernel.of(PAPER, [axis.swept for axis in axes(PAPER, {MASS: [1.0]})])
+    assert kernel.answers(np.array([[1e-200, 1.0]]))["method"].tolist() == [1, 0]
+
+
+def test_units_are_read() -> None:
+    found = hs.sweep(PAPER, {NATURAL: ["10 Hz", 80]})
+    assert found[NATURAL].values.tolist() == [20 * np.pi, 80.0]
+    assert found[NATURAL].attrs["units"] == "rad/s"
+    assert spaced(f"{NATURAL}=40 rad/s:160:3:log", PAPER)[1] == pytest.approx([40, 80, 160], rel=1e-15)
+
+
+# --- every engine gives the same -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("block", [1, 37, 10_000])
+def test_blocks_change_nothing(small: Any, block: int) -> None:
+    part = {path: values[:7] for path, values in SMALL.items()}
+    assert hs.sweep(PAPER, part, block=block).equals(small.isel({path: slice(7) for path in SMALL}))
+
+
+def test_dask_threads_give_the_same(small: Any) -> None:
+    lazy = hs.sweep(PAPER, SMALL, lazy=True, block=100)
+    assert lazy.bandwidth.chunks is not None
+    assert lazy.compute(scheduler="threads").identical(small)
+
+
+@pytest.fixture
+def cluster() -> Iterator[Any]:
+    distributed = pytest.importorskip("distributed")
+    quiet = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
+    with distributed.LocalCluster(**quiet) as found, distributed.Client(found) as client:
+        yield client
+
+
+@pytest.mark.slow  # starting the processes takes longer than all other tests
+@pytest.mark.filterwarnings("ignore")  # of the cluster's own making
+def test_two_processes_of_a_cluster_give_the_same(small: Any, cluster: Any, tmp_path: Path) -> None:
+    assert hs.sweep(PAPER, SMALL, lazy=True, block=100).compute().identical(small)
+    told: list[tuple[int, int]] = []
+    stored = hs.sweep(PAPER, SMALL, out=tmp_path / "a.zarr", block=100, progress=lambda *x: told.append(x))
+    assert stored.load().identical(small)
+    assert told[-1] == (630, 630)
+
+
+# --- files -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["a.zarr", "a.nc"])
+def test_a_file_holds_the_same(small: Any, tmp_path: Path, name: str) -> None:
+    if name.endswith(".nc"):
+        pytest.importorskip("h5py")
+    with hs.sweep(PAPER, SMALL, out=tmp_path / name, block=100) as stored:
+        assert stored.load().identical(small)
+    with hs.sweep(PAPER, SMALL, out=tmp_path / name) as again:
+        assert again.load().identical(small)
+    assert [x.name for x in tmp_path.iterdir()] == [name]
+
+
+def test_a_killed_sweep_continues_where_it_was(small: Any, tmp_path: Path) -> None:
+    out = tmp_path / "killed.zarr"
+    script = (
+        "import sys, time, haptisym as hs, dask\n"
+        "dask.config.set(scheduler='synchronous', num_workers=1)\n"
+        f"vary = {SMALL!r}\n"
+        "def slowly(done, sets):\n"
+        "    print(done, flush=True)\n"
+        "    time.sleep(0.05)\n"
+        f"hs.sweep(hs.load_scene('fu2019'), vary, out={str(out)!r}, block=21, progress=slowly)\n"
+    )
+    child = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True)
+    assert child.stdout is not None
+    with child, child.stdout as lines:
+        for line in lines:
+            if int(line) >= 150:
+                os.kill(child.pid, signal.SIGKILL)
+                break
+    half = xr.open_zarr(out, consolidated=False)
+    done = int((half.method != -1).sum())
+    half.close()
+    assert 150 <= done < 630
+    told: list[int] = []
+    found = hs.sweep(PAPER, SMALL, out=out, progress=lambda n, _: told.append(n), block=21)
+    assert told[0] == done
+    assert found.load().identical(small)
+
+
+def test_another_sweep_is_not_mixed_in(tmp_path: Path) -> None:
+    hs.sweep(PAPER, {MASS: [1.0, 2.0]}, out=tmp_path / "a.zarr")
+    with pytest.raises(hs.SceneError, match="another sweep"):
+        hs.sweep(PAPER, {MASS: [1.0, 3.0]}, out=tmp_path / "a.zarr")
+    with pytest.raises(hs.SceneError, match="another sweep"):
+        hs.sweep(PAPER.with_values({"c": "0.2"}), {MASS: [1.0, 2.0]}, out=tmp_path / "a.zarr")
+
+
+# --- what is refused -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("vary", "message"),
+    [
+        ({}, "needs something to vary"),
+        ({"effects.filter.omega": [1.0]}, "nothing called"),
+        ({MASS: []}, "no values"),
+        ({MASS: [1.0, 1.0]}, "only once"),
+        ({MASS: [-1.0, 1.0]}, "must be >= 0"),
+        ({MASS: [float("nan")]}, "finite"),
+        ({MASS: ["1 N/m"]}, "not a mass"),
+        ({MASS: ["1 kg*m^2"]}, "rotational"),
+        ({NATURAL: [0.0]}, "must be > 0"),
+        ({"evaluation.jnd": [0.1], "evaluation.jnd.real": [0.1]}, "both thresholds"),
+    ],
+)
+def test_what_cannot_be_swept_is_told(vary: dict[str, Any], message: str) -> None:
+    with pytest.raises(hs.SceneError, match=message):
+        hs.sweep(PAPER, vary)
+
+
+@pytest.mark.parametrize("text", ["environment.m", "environment.m=1:2", "environment.m=1:2:x", "environment.m=1:2:1",
+                                  "environment.m=0:2:3:log", "environment.m=1:2:3:4"])  # fmt: skip
+def test_a_span_that_is_none_is_told(text: str) -> None:
+    with pytest.raises(hs.SceneError):
+        spaced(text, PAPER)
+
+
+def test_a_missing_package_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(hs.SceneError, match=r"pip install haptisym\[sweep\]"):
+        hs.sweep(PAPER, {MASS: [1.0]})
+
+
+def test_importing_the_package_loads_neither_xarray_nor_dask() -> None:
+    # Pint itself loads dask.base wherever dask is installed; it is hidden here, so that what is left is our own doing
+    probe = (
+        "import sys; sys.modules['dask'] = None; import haptisym; from haptisym import cli\n"
+        "assert not {'xarray', 'distributed', 'zarr'} & set(sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", probe], check=True)
+
+
+# --- the command -----------------------------------------------------------------------------------------------------
+
+
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
+    monkeypatch.setattr(sys, "argv", ["haptisym", "sweep", *words])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    out, err = capsys.readouterr()
+    return int(ended.value.code or 0), out, err
+
+
+def test_the_command_writes_document_store_and_chart(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    vary = ["--vary", f"{NATURAL}=40 rad/s:20 Hz:4", "--vary", f"{MASS}=0.5:2:3:log"]
+    files = ["--out", str(tmp_path / "a.zarr"), "--figure", str(tmp_path / "a.svg")]
+    status, out, _ = run(monkeypatch, capsys, "fu2019", *vary, *files, "--json")
+    told = json.loads(out)
+    assert status == 0
+    assert told["schema"] == "haptisym.sweep/1"
+    assert told["sets"] == told["certified_in_floats"] == 12
+    assert (tmp_path / "a.svg").read_text(encoding="utf-8").startswith("<?xml")
+    stored = xr.open_zarr(tmp_path / "a.zarr", consolidated=False)
+    assert told["ranges"]["bandwidth"] == [float(stored.bandwidth.min()), float(stored.bandwidth.max())]
+    stored.close()
+
+
+def test_the_command_tells_sets_without_answer_with_status_3(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    file = tmp_path / "spring.toml"
+    file.write_text(
+        '[environment]\nmodel = "mass-spring-damper"\nk = 100\n[[effects]]\nmodel = "first-order-lag"\nomega_c = 20\n',
+        encoding="utf-8",
+    )
+    status, out, _ = run(monkeypatch, capsys, str(file), "--vary", "environment.k=0:100:2")
+    assert status == 3
+    assert "NOT ANSWERED: 1 sets" in out
+    assert "environment.k = 0" in out
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("fu2019", "--vary", "environment.m=1:2"),
+        ("fu2019", "--vary", "environment.q=1:2:3"),
+        ("fu2019", "--vary", "environment.m=1:2:3", "--workers", "2"),
+        ("fu2019", "--vary", "environment.m=1:2:3", "--figure", "a.gif"),
+        ("fu2019", "--vary", "environment.m=1:2:3", "--out", "a.csv"),
+        ("fu2019", "--vary", "environment.m=1:2:3", "--vary", "environment.m=1:2:3"),
+        ("fu2019",),
+    ],
+)
+def test_a_wrong_command_line_is_one_message_and_status_2(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: tuple[str, ...]
+) -> None:
+    status, out, err = run(monkeypatch, capsys, *words)
+    assert (status, out) == (2, "")
+    assert "rror" in err
+
+
+def test_charts_are_drawn_on_the_axes_given(small: Any) -> None:
+    from matplotlib.figure import Figure
+
+    from haptisym.sweeps.figure import draw_curves, draw_map
+
+    ax = Figure().add_subplot()
+    draw_map(ax, small)
+    assert ax.get_xlabel() == "environment.m (kg)"
+    assert ax.get_xlim() == (0.3, 5.0)
+    ax = Figure().add_subplot()
+    draw_curves(ax, small.isel({MASS: 3}, drop=True))
+    drawn = ax.get_lines()[1].get_ydata()
+    assert np.asarray(drawn).tolist() == small.bandwidth.isel({MASS: 3}).values.tolist()
+    with pytest.raises(hs.SceneError, match="one or two parameters"):
+        draw_map(ax, small.isel({MASS: 3}, drop=True))
