@@ -19,14 +19,18 @@ expressions exact.rings exact.reals numeric.values typeset.names formulas.steps 
 quantities exact.response exact.factors typeset.numerals typeset.order codegen.printers codegen.languages
 exact.levels
 exact.roots exact.solutions typeset.formula typeset.quotients
-catalogue jnd exact.stability typeset.layout
+catalogue jnd exact.stability typeset.layout requirement.strips
 environments effects distortion simulation.network
 scene crossings interop codegen.code simulation.motions simulation.recordings simulation.propagate simulation.descriptor simulation.fractional simulation.rightmost
-peaks codegen.forms formulas.structure formulas.groups bounds
+peaks codegen.forms formulas.structure formulas.groups bounds requirement.feasible requirement.touches requirement.closedforms
 formulas.asymptotics simulation.blocks simulation.linear simulation.lockin simulation.results
-percepts typeset.plain typeset.mathml typeset.equations
-answers scenefile simulation.events simulation.text
-text simulation.engine
+percepts typeset.plain typeset.mathml typeset.equations requirement.places
+answers scenefile simulation.events simulation.text requirement.freeparameter
+text simulation.engine requirement.criticalvalues requirement.cells
+requirement.required
+requirement.text
+requirement.question
+requirement.designmap
 evaluation codegen.scene simulation.approximations simulation.run
 formulas.derivation
 formulas.sections
@@ -37,7 +41,8 @@ tex.printer
 tex.lines
 tex.results
 tex.latex
-tex.forms
+tex.forms requirement.figures
+commands.require
 tex.document report.mathematics formulas.text
 report.pdf report.results
 report.forms report.figures report.explorer report.scene report.findings

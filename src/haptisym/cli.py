@@ -13,6 +13,7 @@ from pathlib import Path
 import click
 
 from . import __version__
+from .commands.require import require
 from .errors import HaptisymError, UndecidedError
 from .evaluation import evaluate as evaluate_scene
 from .options import json_option
@@ -220,6 +221,9 @@ def simulate(scene: str, as_json: bool, check: bool, figures: Path | None, **opt
     click.echo(dumps(document(runs), indent=2, ensure_ascii=False) if as_json else page(runs), nl=as_json)
     if any(x.agrees is False for x in runs):
         sys.exit(3)
+
+
+app.add_command(require)
 
 
 def main() -> None:

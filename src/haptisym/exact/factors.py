@@ -174,7 +174,7 @@ class PolynomialFactor(Factor):
         except ValueError:
             return None
         polynomial, slope = _at_precision(self, bits)
-        return _positive([_tightened(x.lower(), x.upper(), bits, polynomial, slope) for x in isolated])
+        return _positive([tightened(x.lower(), x.upper(), bits, polynomial, slope) for x in isolated])
 
 
 def polynomial_factors(coefficients: list[fmpq]) -> tuple[int, int, list[tuple[PolynomialFactor, int]]]:
@@ -223,7 +223,7 @@ def _meet(z: Ball, other: Ball) -> bool:
     return bool(z.real.overlaps(other.real) and z.imag.overlaps(other.imag))
 
 
-def _tightened(low: Ball, high: Ball, bits: int, value: Callable[[Ball], Ball], slope: Callable[[Ball], Ball]) -> Ball:
+def tightened(low: Ball, high: Ball, bits: int, value: Callable[[Ball], Ball], slope: Callable[[Ball], Ball]) -> Ball:
     """The enclosure of the one simple zero between two exact numbers, as tight as that many bits allow.
 
     Interval Newton where the slope is clear of 0, bisection elsewhere. The ends stay exact numbers: a ball around them
@@ -301,8 +301,7 @@ class AnalyticFactor(Factor):
         return self._hash
 
     def value(self, x: Ball) -> Ball:
-        compiled = _compiled(self, flint.ctx.prec)
-        return compiled.total(x, [p(x) for _, _, p in compiled.terms])
+        return _compiled(self, flint.ctx.prec).value(x)
 
     def taylor(self, x: Ball, order: int) -> Ball:
         """A ball around the Taylor coefficient of that order about every point of a ball of frequencies."""
@@ -310,26 +309,11 @@ class AnalyticFactor(Factor):
 
     def series(self, x: Ball, length: int) -> arb_series:
         """Taylor coefficients of the function about every point of a ball: value, slope, half curvature, ..."""
-        compiled, derivatives = _compiled(self, flint.ctx.prec), _derivatives(self, flint.ctx.prec, length)
-        cap, flint.ctx.cap = flint.ctx.cap, length  # FLINT cuts series at this length, and what is cut off reads as 0
-        try:
-            polynomials = [arb_series([p(x) for p in row], length) for row in derivatives]
-            return compiled.total(arb_series([x, 1], length), polynomials)
-        finally:
-            flint.ctx.cap = cap
+        return _compiled(self, flint.ctx.prec).series(x, length)
 
     def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
-        """Enclosures of value, slope and half curvature over a ball of frequencies.
-
-        Taylor's theorem about the middle m, f(m + h) = c_0 + c_1 h + ... + c(xi) h^n, with the last coefficient enclosed over the
-        whole ball: tight as soon as the ball is shorter than what the function does, however much its terms cancel.
-        """
-        about = self.series(box.mid(), _TAYLOR_ORDER)
-        last = self.series(box, _TAYLOR_ORDER + 1)[_TAYLOR_ORDER]
-        taylor = arb_poly([*(about[i] for i in range(_TAYLOR_ORDER)), last])
-        slope = taylor.derivative()
-        h = box - box.mid()
-        return taylor(h), slope(h), slope.derivative()(h) / 2
+        """Enclosures of value, slope and half curvature over a ball of frequencies."""
+        return _compiled(self, flint.ctx.prec).over(box)
 
     def steady_sign(self, low: Expr, high: Expr) -> int:
         with flint.ctx.workprec(128):
@@ -376,9 +360,9 @@ _Number: TypeAlias = Any  # flint.arb or flint.arb_series: both know sin_cos, lo
 _Key: TypeAlias = tuple[tuple[int, ...], tuple[int, ...]]
 
 
-@dataclass(frozen=True)
-class _Compiled:
-    """An analytic factor with balls of one precision for its constants: waves of constant angles are among the coefficients.
+@dataclass(frozen=True, eq=False)
+class Compiled:
+    """An analytic function with balls of one precision for its constants: waves of constant angles are among the coefficients.
 
     ``rates``, ``degrees``: of the half angles that turn. ``terms``: sine powers, powers of omega^alpha, polynomial.
     """
@@ -387,6 +371,32 @@ class _Compiled:
     degrees: tuple[int, ...]
     exponents: tuple[Ball, ...]
     terms: tuple[tuple[tuple[int, ...], tuple[int, ...], arb_poly], ...]
+
+    def value(self, x: Ball) -> Ball:
+        """A ball around the value at a ball of frequencies."""
+        return self.total(x, [p(x) for _, _, p in self.terms])
+
+    def series(self, x: Ball, length: int) -> arb_series:
+        """Taylor coefficients of the function about every point of a ball: value, slope, half curvature, ..."""
+        cap, flint.ctx.cap = flint.ctx.cap, length  # FLINT cuts series at this length, and what is cut off reads as 0
+        try:
+            polynomials = [arb_series([p(x) for p in row], length) for row in _derivatives(self, length)]
+            return self.total(arb_series([x, 1], length), polynomials)
+        finally:
+            flint.ctx.cap = cap
+
+    def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
+        """Enclosures of value, slope and half curvature over a ball of frequencies.
+
+        Taylor's theorem about the middle m, f(m + h) = c_0 + c_1 h + ... + c(xi) h^n, with the last coefficient enclosed over the
+        whole ball: tight as soon as the ball is shorter than what the function does, however much its terms cancel.
+        """
+        about = self.series(box.mid(), _TAYLOR_ORDER)
+        last = self.series(box, _TAYLOR_ORDER + 1)[_TAYLOR_ORDER]
+        taylor = arb_poly([*(about[i] for i in range(_TAYLOR_ORDER)), last])
+        slope = taylor.derivative()
+        h = box - box.mid()
+        return taylor(h), slope(h), slope.derivative()(h) / 2
 
     def total(self, at: _Number, polynomials: Sequence[_Number]) -> _Number:
         """The sum of the terms, given the value (or the series) of each one's polynomial."""
@@ -420,7 +430,7 @@ def _powers(x: _Number, most: int) -> list[_Number]:
 
 
 @lru_cache(maxsize=512)
-def _compiled(factor: AnalyticFactor, bits: int) -> _Compiled:
+def _compiled(factor: AnalyticFactor, bits: int) -> Compiled:
     with flint.ctx.workprec(bits):
         halves = [expression_ball(rate) / 2 for rate, _ in factor.rates]
         turning = [i for i, (_, constant) in enumerate(factor.rates) if not constant]
@@ -432,7 +442,7 @@ def _compiled(factor: AnalyticFactor, bits: int) -> _Compiled:
                 polynomial = polynomial * wave[term.turns[i]]
             key = tuple(term.turns[i] for i in turning), term.powers
             terms[key] = terms[key] + polynomial if key in terms else polynomial
-        return _Compiled(
+        return Compiled(
             tuple(halves[i] for i in turning),
             tuple(factor.degrees[i] for i in turning),
             tuple(expression_ball(order) for order in factor.orders),
@@ -441,14 +451,13 @@ def _compiled(factor: AnalyticFactor, bits: int) -> _Compiled:
 
 
 @lru_cache(maxsize=512)
-def _derivatives(factor: AnalyticFactor, bits: int, length: int) -> list[list[arb_poly]]:
+def _derivatives(compiled: Compiled, length: int) -> list[list[arb_poly]]:
     """For the polynomial p of each term p, p', p''/2, ...: its Taylor coefficients as functions of where."""
-    with flint.ctx.workprec(bits):
-        rows = [[p] for _, _, p in _compiled(factor, bits).terms]
-        for row in rows:
-            for k in range(1, length):
-                row.append(row[-1].derivative() * (arb(1) / k))
-        return rows
+    rows = [[p] for _, _, p in compiled.terms]
+    for row in rows:
+        for k in range(1, length):
+            row.append(row[-1].derivative() * (arb(1) / k))
+    return rows
 
 
 @dataclass(frozen=True)
@@ -494,7 +503,7 @@ def _refined(zero: Zero, low: Ball, high: Ball, bits: int) -> Ball:
             closer = low.max(rough.lower()), high.min(rough.upper())
             if all(_is_clear(value(x)) for x in closer):
                 low, high = closer
-        return _tightened(low, high, bits, value, slope)
+        return tightened(low, high, bits, value, slope)
 
 
 def _isolated(factor: AnalyticFactor, low: Ball, high: Ball) -> list[RealNumber]:

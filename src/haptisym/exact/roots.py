@@ -326,13 +326,13 @@ def _places(factors: set[Factor], low: Expr, high: Expr) -> list[_Place]:
     for f in factors - done:
         for number in f.zeros(low, high):
             zeros.setdefault(number, {})[f] = f.multiplicity(number)
-    ordered = _in_order([*ends, *zeros])
+    ordered = in_order([*ends, *zeros])
     inside = ordered[ordered.index(ends[0]) + 1 : ordered.index(ends[1])]
     middle = [_Place(x, zeros[x], undecided=frozenset(zeros[x] if isinstance(x, Undecided) else ())) for x in inside]
     return [_Place(ends[0], at_ends[0], is_zero=low == 0), *middle, _Place(ends[1], at_ends[1])]
 
 
-def _in_order(numbers: list[RealNumber]) -> list[RealNumber]:
+def in_order(numbers: list[RealNumber]) -> list[RealNumber]:
     """Different numbers in ascending order, told apart by enclosures as tight as it takes."""
     bits = 64
     while bits <= MOST_BITS * (1 if any(isinstance(x, Zero | Undecided) for x in numbers) else 128):
