@@ -20,28 +20,33 @@ typeset.names
 quantities codegen.languages codegen.printers exact.response exact.wavesums exact.zeros numeric.program \
 sensitivities.implicit simulation.rightmost sweeps.families tex.names typeset.numerals typeset.order
 codegen.code codegen.short exact.isolation exact.polynomials exact.solutions numeric.balls numeric.floats numeric.stable \
-typeset.formula typeset.quotients
-exact.analytic exact.levels numeric.doubled numeric.machine numeric.magnitudes numeric.pointvalues typeset.layout
+requirement.strips requirement.touches typeset.formula typeset.quotients
+exact.analytic exact.levels numeric.doubled numeric.machine numeric.magnitudes numeric.pointvalues requirement.closedforms \
+typeset.layout
 exact.caches exact.factoring numeric.certified tex.printer typeset.equations typeset.mathml typeset.plain
 costs.stopwatch exact.roots numeric.values tex.lines
 ranges exact.stability report.mathematics simulation.fractional simulation.motions simulation.propagate simulation.recordings
 catalogue jnd simulation.linear simulation.lockin
-distortion effects environments simulation.blocks simulation.events
-crossings interop scene codegen.forms formulas.structure measures.freeresponse measures.twoport simulation.engine
+distortion effects environments requirement.feasible simulation.blocks simulation.events
+crossings interop scene codegen.forms formulas.structure measures.freeresponse measures.twoport requirement.places \
+simulation.engine
 bounds peaks percepts codegen.scene costs.text family.family formulas.groups measures.forms simulation.approximations \
 simulation.results tolerance.box
-answers scenefile costs.questions formulas.asymptotics simulation.run simulation.text sweeps.exactly tolerance.excess
-text costs.hardcases costs.usual family.worstcase simulation.simulate sweeps.axes sweeps.curves tolerance.search
-evaluation costs.hardtext costs.methods family.text simulation.command sweeps.kernel sweeps.text tolerance.proofs
-costs.simulated costs.tasks family.evaluation figures.sampling formulas.derivation measures.measured sweeps.blocks \
-tex.results tolerance.quantiles
-figures.style formulas.sections measures.disagreements measures.metric report.results sensitivities.slopes sweeps.store \
-tex.latex tolerance.text
+answers scenefile costs.questions formulas.asymptotics requirement.freeparameter simulation.run simulation.text \
+sweeps.exactly tolerance.excess
+text costs.hardcases costs.usual family.worstcase requirement.cells requirement.criticalvalues requirement.required \
+simulation.simulate sweeps.axes sweeps.curves tolerance.search
+evaluation costs.hardtext costs.methods family.text requirement.text simulation.command sweeps.kernel sweeps.text \
+tolerance.proofs
+costs.simulated costs.tasks family.evaluation figures.sampling formulas.derivation measures.measured requirement.question \
+sweeps.blocks tex.results tolerance.quantiles
+figures.style formulas.sections measures.disagreements measures.metric report.results requirement.designmap \
+sensitivities.slopes sweeps.store tex.latex tolerance.text
 costs.figure costs.hardfigure family.figure figures.nyquist figures.ratios formulas.text measures.figure measures.text \
-report.findings report.scene sensitivities.figure sensitivities.text simulation.figures sweeps.designspace sweeps.figure \
-tex.forms tolerance.answers tolerance.figure
-commands.sweep commands.tolerances costs.costs costs.hardcosts figures.projections figures.square measures.transparency \
-report.explorer report.forms report.notebook sensitivities.answers tex.document
+report.findings report.scene requirement.figures sensitivities.figure sensitivities.text simulation.figures \
+sweeps.designspace sweeps.figure tex.forms tolerance.answers tolerance.figure
+commands.require commands.sweep commands.tolerances costs.costs costs.hardcosts figures.projections figures.square \
+measures.transparency report.explorer report.forms report.notebook sensitivities.answers tex.document
 commands.cost commands.metrics commands.sensitivity figures.files report.figures report.pdf
 report.page
 cli

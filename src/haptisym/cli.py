@@ -15,6 +15,7 @@ import click
 from . import __version__
 from .commands.cost import cost
 from .commands.metrics import metrics
+from .commands.require import require
 from .commands.sensitivity import sensitivity
 from .commands.sweep import sweep
 from .commands.tolerances import tolerances
@@ -292,6 +293,7 @@ app.add_command(cost)
 app.add_command(sensitivity)
 app.add_command(tolerances)
 app.add_command(sweep)
+app.add_command(require)
 
 
 def main() -> None:

@@ -40,7 +40,7 @@ def _heading(e: Answers) -> str:
 def _dynamics(e: Answers) -> str:
     unit = "N m/rad" if e.scene.motion is Motion.ROTATION else "N/m"
     c = e.scene.threshold
-    limits = _percent(c.real) if c.real == c.imag else f"{_percent(c.real)} (real) and {_percent(c.imag)} (imaginary)"
+    limits = percent(c.real) if c.real == c.imag else f"{percent(c.real)} (real) and {percent(c.imag)} (imaginary)"
     low, high = (e.chart.points[i].omega for i in (0, -1))
     d = e.distortion
     rendered = d.env.ring.convert(e.scene.rendered.H) if e.scene.rendered else None
@@ -82,16 +82,16 @@ def _any_environment(e: Answers) -> list[str]:
     upto = (
         "With no environment for certain"
         if below is None
-        else f"With any environment whatever, up to {_short(below)} rad/s"
+        else f"With any environment whatever, up to {short(below)} rad/s"
     )
-    beyond = "" if above is None else f"; with none, above {_short(above)} rad/s"
+    beyond = "" if above is None else f"; with none, above {short(above)} rad/s"
     return [f"{upto} these effects in series stay unnoticed{beyond}."]
 
 
 def _transparency(e: Answers) -> str:
     if not e.transparent:
         return "At every frequency of the band: the display is transparent nowhere."
-    pieces = _listed(_span(x) for x in e.transparent)
+    pieces = listed(span(x) for x in e.transparent)
     if len(e.transparent) == 1 and e.bandwidth is not None and e.transparent[0].high is e.chart.points[-1]:
         return "Never on this band: the display is perceptually transparent on the whole of it."
     if e.bandwidth is None:
@@ -101,10 +101,10 @@ def _transparency(e: Answers) -> str:
     return f"At {both(e.bandwidth)}, its bandwidth. The display is perceptually transparent {pieces}."
 
 
-def _span(x: Interval) -> str:
+def span(x: Interval) -> str:
     if x.low is x.high:
         return f"at {both(x.low.omega)} alone"
-    return f"from {_short(x.low.omega)} to {_short(x.high.omega)} rad/s"
+    return f"from {short(x.low.omega)} to {short(x.high.omega)} rad/s"
 
 
 _VERB = {"exceeds": "rises above", "returns": "falls below", "touches": "touches"}
@@ -121,7 +121,7 @@ def _crossings(e: Answers) -> str:
 def _event(e: Answers, c: Crossing) -> str:
     ratio = "r_r" if c.part is Part.REAL else "r_i"
     times = f" ({c.multiplicity}-fold)" if c.multiplicity > 1 else ""
-    return f"{ratio} {_VERB[c.kind.value]} {_percent(e.scene.threshold[c.part])}{times}"
+    return f"{ratio} {_VERB[c.kind.value]} {percent(e.scene.threshold[c.part])}{times}"
 
 
 def _sense(c: Crossing) -> str:
@@ -132,7 +132,7 @@ def _step_2(e: Answers) -> str:
     lines = ["Step 2. How is it felt?", ""]
     if e.percepts:
         rows = [
-            (f"{_short(p.band.low.omega)} to {_short(p.band.high.omega)}", p.part.value, _felt(p)) for p in e.percepts
+            (f"{short(p.band.low.omega)} to {short(p.band.high.omega)}", p.part.value, _felt(p)) for p in e.percepts
         ]
         lines += [table(("band (rad/s)", "part", "felt as"), rows), ""]
     else:
@@ -159,7 +159,7 @@ def _changeover_note(e: Answers) -> Iterable[str]:
 
 def _activity_note(e: Answers) -> Iterable[str]:
     if e.outside_model:
-        where = _listed(_span(x) for x in e.outside_model)
+        where = listed(span(x) for x in e.outside_model)
         yield f"The display is active (Im H_perc < 0) {where}: outside the model, so no damping is named there."
 
 
@@ -180,7 +180,7 @@ def _stability_note(e: Answers) -> str:
 
 def _certain(e: Answers) -> str:
     if e.undecided:
-        where = _listed(f"{_short(point.omega)} rad/s ({part.value})" for part, point in e.undecided)
+        where = listed(f"{short(point.omega)} rad/s ({part.value})" for part, point in e.undecided)
         return fill(
             f"UNDECIDED at the precision limit: whether a ratio touches its threshold, crosses it twice or stays clear of it "
             f"near {where}. Everything else is proven.",
@@ -194,21 +194,23 @@ def _certain(e: Answers) -> str:
 
 
 def _places(points: Iterable[Point]) -> str:
-    found = [_short(p.omega) for p in points]
-    return f"{_listed(found)} rad/s" if found else ""
+    found = [short(p.omega) for p in points]
+    return f"{listed(found)} rad/s" if found else ""
 
 
-def _listed(items: Iterable[str]) -> str:
-    listed = list(items)
-    return listed[0] if len(listed) == 1 else f"{', '.join(listed[:-1])} and {listed[-1]}" if listed else ""
+def listed(items: Iterable[str], word: str = "and") -> str:
+    """Items in a sentence: "one, two and three"."""
+    *first, last = [*items] or [""]
+    return f"{', '.join(first)} {word} {last}" if first else last
 
 
 def both(x: RealNumber) -> str:
-    """A frequency in rad/s and in Hz."""
-    return f"{_short(x)} rad/s ({_hertz(x)} Hz)"
+    """A frequency in rad/s and Hz."""
+    return f"{short(x)} rad/s ({_hertz(x)} Hz)"
 
 
-def _short(x: RealNumber) -> str:
+def short(x: RealNumber) -> str:
+    """A number with the digits that a sentence takes."""
     return _trimmed(x.digits(_DIGITS))
 
 
@@ -220,7 +222,7 @@ def _trimmed(digits: str) -> str:
     return digits.rstrip("0").rstrip(".") if "." in digits and "E" not in digits else digits
 
 
-def _percent(c: Expr) -> str:
+def percent(c: Expr) -> str:
     return f"{float(100 * c):.6g} %"
 
 
@@ -234,12 +236,12 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     from rich.console import Console
     from rich.table import Table
 
-    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 2, 0, 0))
+    made = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 2, 0, 0))
     for heading in headings:
-        table.add_column(heading, overflow="fold")
+        made.add_column(heading, overflow="fold")
     for row in rows:
-        table.add_row(*row)
+        made.add_row(*row)
     console = Console(file=StringIO(), width=WIDTH - 2, color_system=None, legacy_windows=False)
     with console.capture() as captured:
-        console.print(table)
+        console.print(made)
     return "\n".join(f"  {line}".rstrip() for line in captured.get().rstrip("\n").splitlines())

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
 from functools import reduce
+from math import ceil, floor
 from operator import add, mul
 from types import MappingProxyType
 from typing import Any, TypeAlias
@@ -186,3 +187,93 @@ def _plain(x: Decimal, count: int | None = None) -> str:
     if count is not None:
         x = x.quantize(Decimal(1).scaleb(x.adjusted() - count + 1), context=Context(prec=count + 2))
     return f"{x:f}" if -6 < x.adjusted() < 21 else str(x)
+
+
+@dataclass(frozen=True, slots=True)
+class Negative(RealNumber):
+    """The opposite of a number.
+
+    >>> Negative(ExactNumber(Integer(2))).digits(3)
+    '-2.00'
+    """
+
+    number: RealNumber
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            return -self.number.ball(bits)
+
+
+def rational_between(low: RealNumber | None, high: RealNumber | None) -> Rational:
+    """The simplest rational number strictly between two different numbers; None stands for no bound on that side.
+
+    >>> rational_between(ExactNumber(Rational(1, 3)), ExactNumber(Rational(2, 3))), rational_between(ExactNumber(pi), None)
+    (1/2, 4)
+    """
+    if low is None or high is None:
+        return _integer_beyond(low, high)
+    bits = 16
+    while bits < _MOST_BITS:
+        below, above = low.bounds(bits)[1], high.bounds(bits)[0]
+        if below < above:
+            found = _simplest(below, above)
+            return Rational(found.numerator, found.denominator)
+        bits *= 2
+    raise UndecidedError("whether two numbers are different")
+
+
+def _integer_beyond(low: RealNumber | None, high: RealNumber | None) -> Integer:
+    if low is not None:
+        return Integer(floor(low.bounds(16)[1]) + 1)
+    return Integer(0) if high is None else Integer(ceil(high.bounds(16)[0]) - 1)
+
+
+def _simplest(low: Fraction, high: Fraction) -> Fraction:
+    """The fraction with the smallest denominator strictly between two others: their continued fractions up to where they part."""
+    if low < 0:
+        return Fraction(0) if high > 0 else -_simplest(-high, -low)
+    whole = floor(low)
+    if whole + 1 < high:
+        return Fraction(whole + 1)
+    if low == whole:
+        return whole + Fraction(1, floor(1 / (high - whole)) + 1)
+    return whole + 1 / _simplest(1 / (high - whole), 1 / (low - whole))
+
+
+def dyadic(x: Fraction) -> Ball:
+    """A dyadic fraction as an exact ball.
+
+    >>> dyadic(Fraction(3, 8))
+    0.375000000000000
+    """
+    return arb(x.numerator) * arb(2) ** (1 - x.denominator.bit_length())
+
+
+@dataclass(frozen=True, slots=True)
+class Sliver(RealNumber):
+    """Some number between two others, of which no more is known."""
+
+    low: Fraction
+    high: Fraction
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            return dyadic(self.low).union(dyadic(self.high))
+
+    def bounds(self, bits: int) -> tuple[Fraction, Fraction]:
+        return self.low, self.high
+
+    def __float__(self) -> float:
+        return float((self.low + self.high) / 2)
+
+    def digits(self, count: int = 15) -> str:
+        """The digits that are known, at most ``count``.
+
+        >>> Sliver(Fraction(1, 4), Fraction(1, 4) + Fraction(1, 2**40)).digits(30)
+        '0.25000000000'
+        """
+        for n in range(count, 0, -1):
+            low, high = (_decimal(x, Context(prec=n, rounding=ROUND_HALF_EVEN)) for x in (self.low, self.high))
+            if low == high:
+                return _plain(low, n)
+        return _plain(_decimal(self.low, Context(prec=1)), 1)

@@ -10,7 +10,7 @@ from haptisym.crossings import Curve
 from haptisym.exact.reals import RealNumber
 from haptisym.exact.roots import Interval
 from haptisym.jnd import Part
-from haptisym.text import WIDTH, _listed, _percent, _short, _span, both, table
+from haptisym.text import WIDTH, both, listed, percent, short, span, table
 
 from .worstcase import Binding, WorstCase
 
@@ -26,7 +26,7 @@ def page(w: WorstCase) -> str:
 def _heading(w: WorstCase) -> str:
     low, high = (w.chart.points[i].omega for i in (0, -1))
     c = w.family.threshold
-    limits = _percent(c.real) if c.real == c.imag else f"{_percent(c.real)} (real) and {_percent(c.imag)} (imaginary)"
+    limits = percent(c.real) if c.real == c.imag else f"{percent(c.real)} (real) and {percent(c.imag)} (imaginary)"
     rows = [
         ("effects", ", ".join(effect.name for effect in w.family.first.effects) or "none"),
         ("band", f"{both(low)} to {both(high)}"),
@@ -46,7 +46,7 @@ def _each(w: WorstCase) -> str:
 def _first(e: Answers, part: Part) -> str:
     """Where a part is first noticed."""
     noticed = first_noticed(e, part)
-    return "never" if noticed is None else _short(noticed)
+    return "never" if noticed is None else short(noticed)
 
 
 def first_noticed(e: Answers, part: Part) -> RealNumber | None:
@@ -63,7 +63,7 @@ def noticed_bands(e: Answers, part: Part) -> tuple[Interval, ...]:
 def _bandwidth(e: Answers) -> str:
     if e.bandwidth is None:
         return "none"
-    return "whole band" if e.bandwidth is e.chart.points[-1].omega else _short(e.bandwidth)
+    return "whole band" if e.bandwidth is e.chart.points[-1].omega else short(e.bandwidth)
 
 
 def _felt(e: Answers) -> str:
@@ -85,7 +85,7 @@ def _transparency(w: WorstCase) -> str:
         return "Nowhere on the band."
     if whole:
         return "On the whole band."
-    pieces = _listed(_span(x) for x in w.transparent)
+    pieces = listed(span(x) for x in w.transparent)
     if w.bandwidth is None:
         return f"Only {pieces}."
     return f"Up to {both(w.bandwidth)}, the common bandwidth." + (
@@ -102,8 +102,8 @@ def _grouped(binding: Iterable[Binding]) -> list[tuple[RealNumber, list[Binding]
 
 def _bound(place: tuple[RealNumber, list[Binding]]) -> str:
     omega, rows = place
-    who = _listed(f"{x.environment} ({x.part.value} part, {_LETTER[x.part]})" for x in rows)
-    return f"At {_short(omega)} rad/s {who} {'binds' if len(rows) == 1 else 'bind'}."
+    who = listed(f"{x.environment} ({x.part.value} part, {_LETTER[x.part]})" for x in rows)
+    return f"At {short(omega)} rad/s {who} {'binds' if len(rows) == 1 else 'bind'}."
 
 
 def _certain(w: WorstCase) -> str:

@@ -11,7 +11,7 @@ from haptisym.exact.reals import RealNumber
 from haptisym.tex.lines import Names, Row, align
 from haptisym.tex.names import escape
 from haptisym.tex.printer import tex
-from haptisym.text import WIDTH, _listed, _percent, _short, _span
+from haptisym.text import WIDTH, listed, percent, short, span
 from haptisym.typeset.plain import text
 
 from .forms import Form
@@ -42,7 +42,7 @@ def jnd_verdict(m: MetricRows) -> str:
     """What the JND evaluation says, in a line."""
     e = m.evaluation
     c = e.scene.threshold
-    limits = _percent(c.real) if c.real == c.imag else f"{_percent(c.real)} and {_percent(c.imag)}"
+    limits = percent(c.real) if c.real == c.imag else f"{percent(c.real)} and {percent(c.imag)}"
     if not e.transparent:
         return f"transparent nowhere on the band (c = {limits})"
     return f"transparent {_bands(e.transparent)} (c = {limits})"
@@ -80,11 +80,11 @@ def shown(x: Value) -> str:
 
 
 def _number(x: RealNumber | int | str) -> str:
-    return _short(x) if isinstance(x, RealNumber) else str(x)
+    return short(x) if isinstance(x, RealNumber) else str(x)
 
 
 def _bands(bands: Bands) -> str:
-    return _listed(_span(x) for x in bands)
+    return listed(span(x) for x in bands)
 
 
 def _notes(m: MetricRows) -> str:

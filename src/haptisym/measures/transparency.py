@@ -14,7 +14,7 @@ from haptisym.exact.rings import RationalFunction
 from haptisym.exact.roots import Point, chart
 from haptisym.peaks import largest
 from haptisym.scene import Scene
-from haptisym.text import _short
+from haptisym.text import short
 
 from .disagreements import disagreements
 from .forms import Forms
@@ -100,7 +100,7 @@ def _ratio(m: Measured, forms: Forms) -> Metric:
 
 def _beside_bandwidth(m: Measured, edges: list[Point]) -> str:
     """The first edge against the JND's."""
-    first, bandwidth = f"first edge at {_short(edges[0].omega)} rad/s", m.evaluation.bandwidth
+    first, bandwidth = f"first edge at {short(edges[0].omega)} rad/s", m.evaluation.bandwidth
     if bandwidth is None or float(bandwidth) == 0:
         return f"{first}; the JND test finds no transparent band that begins at the band's low end"
     if bandwidth is m.evaluation.chart.points[-1].omega:
@@ -202,7 +202,7 @@ def _absolute(m: Measured, forms: Forms) -> Metric:
 def _effective(m: Measured, forms: Forms) -> Metric:
     names = {"k": "stiffness", "m": "mass", "b": "damping"}
     values = [
-        Value(f"{names[key]} at {_short(w)} rad/s", x, m.units[key]) for w, row in m.effective for key, x in row.items()
+        Value(f"{names[key]} at {short(w)} rad/s", x, m.units[key]) for w, row in m.effective for key, x in row.items()
     ]
     return Metric(
         "effective impedance",

@@ -1,0 +1,92 @@
+"""The verb ``haptisym require``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from haptisym.options import json_option
+
+
+@click.command()
+@click.argument("scene")
+@click.option(
+    "--free",
+    "paths",
+    multiple=True,
+    required=True,
+    metavar="PATH",
+    help="The parameter asked for, as effects.filter.omega_n, environment.m, evaluation.jnd, or its symbol; twice for a map.",
+)
+@click.option(
+    "--range",
+    "ranges",
+    multiple=True,
+    nargs=2,
+    metavar="LO HI",
+    help='The values asked about, as "50 rad/s" "30 Hz"; bare numbers in SI. All that the model allows if not given.',
+)
+@click.option("--part", "name", type=click.Choice(["real", "imag"]), help="Ask for the condition of one part only.")
+@click.option("--any-environment", is_flag=True, help="Ask for |G - 1| <= c, for every environment at once.")
+@json_option
+@click.option(
+    "--digits",
+    type=click.IntRange(1, 10_000),
+    default=15,
+    show_default=True,
+    help="Correct decimal digits of each end.",
+)
+@click.option(
+    "--figure", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE", help="Draw it: .svg, .pdf or .png."
+)
+@click.option("--slices", type=click.IntRange(3, 2000), default=41, show_default=True, help="Exact slices of a map.")
+def require(
+    scene: str,
+    paths: tuple[str, ...],
+    ranges: tuple[tuple[str, str], ...],
+    name: str | None,
+    any_environment: bool,  # noqa: FBT001
+    as_json: bool,  # noqa: FBT001
+    digits: int,
+    figure: Path | None,
+    slices: int,
+) -> None:
+    """Find all values of a parameter for which a display is transparent on its whole band.
+
+    SCENE is a scene file (TOML) or the name of a shipped scene. The answer is a union of intervals, with proof, and says what
+    binds at each end: which part, at the band's edge or at a touch inside, at which frequency.
+
+    \b
+    Examples:
+      haptisym require fu2019 --free effects.filter.omega_n
+      haptisym require fu2019 --free zeta --range 0 1 --json --digits 50
+      haptisym require delayed-spring --free tau --any-environment
+      haptisym require fu2019 --free omega_n --free zeta --range 60 200 --range 0.1 1 --figure map.svg
+    """
+    from haptisym.errors import SceneError
+    from haptisym.jnd import Part
+    from haptisym.requirement.designmap import DesignMap, design_map
+    from haptisym.requirement.question import Requirement
+    from haptisym.requirement.question import require as ask
+    from haptisym.scenefile import load_scene
+
+    if len(paths) > 2 or (ranges and len(ranges) != len(paths)):
+        raise SceneError("--free may be given once or twice, and --range not at all or as often, in the same order")
+    loaded, part = load_scene(scene), Part(name) if name else None
+    found: DesignMap | Requirement
+    if len(paths) == 2:
+        if not ranges:
+            raise SceneError("a map of two parameters needs a --range for each")
+        found = design_map(loaded, paths, ranges, part=part, any_environment=any_environment, slices=slices)
+    else:
+        found = ask(loaded, paths[0], *ranges, part=part, any_environment=any_environment, digits=digits)
+    if figure is not None:
+        from haptisym.requirement.figures import save_requirement
+
+        save_requirement(found, figure)
+        click.echo(f"figure written to {figure}", err=True)
+    click.echo(found.to_json() if as_json else str(found), nl=as_json)
+    if not found.certified:
+        sys.exit(3)

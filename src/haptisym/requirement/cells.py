@@ -1,0 +1,203 @@
+"""For which values of one parameter a condition holds all over a band, for scenes with delays and powers: by balls.
+
+The values are cut into cells. A cell is *broken* if at one frequency the condition is broken for all its values, *kept* if
+it holds for all its values on all of the band, both shown in ball arithmetic. Around an end of the set neither can be; there
+the condition is shown to be decided by one place alone, the band's edge or one maximum over frequency, and to change along
+the parameter one way only: then there is one end, a zero of a real function, known to any number of digits. What shows
+neither way is cut in two, down to cells that are 1e-13 of their values wide.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from math import sqrt
+
+import flint
+from flint import arb
+from sympy import Expr, Symbol, pi
+
+from haptisym.exact.reals import ExactNumber, RealNumber, dyadic
+from haptisym.exact.response import RealFunction
+from haptisym.exact.roots import Interval, chart
+from haptisym.jnd import Part
+
+from .feasible import Binding, Kind
+from .freeparameter import Conditions
+from .places import Edge, MaximumAt, Place, Strip, Summit, Verdict, places
+from .strips import Shape
+
+BITS = 128
+_NARROW = 1e-13
+"""Of a cell that is cut no further, relative to its values."""
+_MOST_CELLS = 800
+_DOUBLINGS = 12
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """Values of the parameter between two numbers, None without bound, and what is known of them.
+
+    ``value``: of a leaf in which the set ends, where; ``verdict`` is then that of the values below it, ``above`` that above.
+    """
+
+    low: Fraction | None
+    high: Fraction | None
+    verdict: Verdict
+    above: Verdict | None = None
+    value: RealNumber | None = None
+    binding: Binding | None = None
+
+
+@dataclass(frozen=True)
+class Search:
+    """Conditions in omega and one parameter, on a band; ``scale``: a usual size of the parameter."""
+
+    conditions: Conditions
+    free: Symbol
+    band: tuple[Expr, Expr]
+    scale: Fraction
+
+    def leaves(self, low: Fraction | None, high: Fraction | None) -> list[Leaf]:
+        """The values from ``low`` to ``high``, cut into leaves in order."""
+        found: list[Leaf] = []
+        start, end = low, high
+        if low is None:
+            below = self._tail(-1, -self.scale if high is None else min(-self.scale, 2 * high))
+            start = below.high
+            found.append(below)
+        if high is None:
+            above = self._tail(1, self.scale if low is None else max(self.scale, 2 * low))
+            end = above.low
+        assert start is not None
+        assert end is not None
+        found += self._cut(start, end)
+        return [*found, above] if high is None else found
+
+    def _cut(self, low: Fraction, high: Fraction) -> Iterator[Leaf]:
+        """The leaves between two numbers, in order."""
+        waiting, count = [(low, high)], 0
+        while waiting:
+            a, b = waiting.pop()
+            leaf, count = self._judged(a, b), count + 1
+            if leaf.verdict is not Verdict.OPEN or count > _MOST_CELLS or self._is_narrow(a, b):
+                yield leaf
+            else:
+                middle = _middle(a, b)
+                waiting += [(middle, b), (a, middle)]
+
+    def _is_narrow(self, low: Fraction, high: Fraction) -> bool:
+        return high - low < _NARROW * max(abs(low), abs(high), self.scale / 1000)
+
+    def _judged(self, low: Fraction, high: Fraction) -> Leaf:
+        """What balls tell of the values between two numbers."""
+        with flint.ctx.workprec(BITS):
+            a, b = dyadic(low), dyadic(high)
+            strips = {part: Strip.of(shape, a, b) for part, shape in self._shapes.items()}
+            return self._leaf(low, high, strips)
+
+    @cached_property
+    def _shapes(self) -> dict[Part | None, Shape]:
+        return {part: Shape.of(condition, self.free) for part, condition in self.conditions.items()}
+
+    def _leaf(self, low: Fraction, high: Fraction, strips: dict[Part | None, Strip]) -> Leaf:
+        crossing: list[tuple[Part | None, Place, int]] = []
+        for part, strip in strips.items():
+            found = places(strip, self.band)
+            if isinstance(found, Verdict):
+                return Leaf(low, high, found)
+            for place in found:
+                signs = strip.signs(place)
+                if signs is None:
+                    return Leaf(low, high, Verdict.OPEN)
+                if signs == (1, 1):
+                    return Leaf(low, high, Verdict.BROKEN)
+                if signs != (-1, -1):
+                    crossing.append((part, place, signs[0]))
+        if not crossing:
+            return Leaf(low, high, Verdict.KEPT)
+        if len(crossing) > 1:
+            return Leaf(low, high, Verdict.OPEN)
+        [(part, place, before)] = crossing
+        value = strips[part].crossing(place)
+        verdicts = (Verdict.BROKEN, Verdict.KEPT) if before > 0 else (Verdict.KEPT, Verdict.BROKEN)
+        return Leaf(low, high, *verdicts, value, _binding(part, place, value))
+
+    # Values without bound
+
+    def _tail(self, sign: int, start: Fraction) -> Leaf:
+        """The values beyond a number, the first of its doubles for which they show to be alike."""
+        turned = self._tail_by_phase(sign)
+        if turned is not None:
+            return turned
+        bound = start
+        for _ in range(_DOUBLINGS):
+            verdict = self._beyond(sign, bound)
+            if verdict is not Verdict.OPEN:
+                break
+            bound *= 2
+        return Leaf(bound, None, verdict) if sign > 0 else Leaf(None, bound, verdict)
+
+    def _beyond(self, sign: int, bound: Fraction) -> Verdict:
+        with flint.ctx.workprec(BITS):
+            inverse = arb(0).union(sign / abs(dyadic(bound)))
+            verdicts = set()
+            for shape in self._shapes.values():
+                found = places(Strip.beyond(shape, inverse), self.band)
+                if found is Verdict.BROKEN:
+                    return Verdict.BROKEN
+                verdicts.add(found if isinstance(found, Verdict) else Verdict.OPEN if found else Verdict.KEPT)
+            return Verdict.OPEN if Verdict.OPEN in verdicts else Verdict.KEPT
+
+    def _tail_by_phase(self, sign: int) -> Leaf | None:
+        """Of a parameter that only turns a phase: a long delay has any phase somewhere in any piece of the band."""
+        if sign < 0:
+            return None
+        for condition in self.conditions.values():
+            bound = _bound_by_phase(condition, self.free, self.band)
+            if bound is not None:
+                return Leaf(bound, None, Verdict.BROKEN)
+        return None
+
+
+def _bound_by_phase(condition: RealFunction, free: Symbol, band: tuple[Expr, Expr]) -> Fraction | None:
+    """From where on a delay breaks a condition: at one phase it is broken on a piece of the band, which holds all phases."""
+    axis, numerator = condition.axis, condition.function.numerator
+    turning = [i for i, angle in enumerate(axis.angles) if angle.rate.has(free)]
+    if len(turning) != 1 or numerator.degrees()[axis.meanings.index(free)]:
+        return None
+    index, rate = axis.size + turning[0], axis.angles[turning[0]].rate.diff(free)
+    if axis.angles[turning[0]].constant:
+        return None
+    found: list[Interval] = []
+    for tangent in (1, -1, 3, -3):
+        at = numerator.subs({f"x{index}": tangent})
+        table = chart({"excess": RealFunction(axis.function(at))}, *band)
+        found += table.where(lambda signs: signs["excess"] > 0)
+    lengths = [float(x.high.omega) - float(x.low.omega) for x in found]
+    if not lengths or not max(lengths) > 0:
+        return None
+    # a hundredth off the length makes up for the rounding of floats
+    return Fraction(2 * float(pi) / (float(rate) * max(lengths) * 0.99))
+
+
+def _binding(part: Part | None, place: Place, value: RealNumber) -> Binding:
+    if place.kind is Kind.TOUCH:
+        assert isinstance(value, Summit)
+        return Binding(part, MaximumAt(value), place.kind)
+    assert isinstance(value, Edge)
+    return Binding(part, ExactNumber(value.place), place.kind)
+
+
+def _middle(low: Fraction, high: Fraction) -> Fraction:
+    """A dyadic number inside, between numbers of one sign nearer their geometric mean; never a simple one."""
+    a, b = float(low), float(high)
+    if a >= 0 and (a == 0 or b / a > 4):
+        cut = sqrt(a * b) if a > 0 else b / 16
+    elif b <= 0 and (b == 0 or a / b > 4):
+        cut = -sqrt(a * b) if b < 0 else a / 16
+    else:
+        cut = a + (b - a) * 0.4970703125
+    return Fraction(cut) if a < cut < b else (low + high) / 2

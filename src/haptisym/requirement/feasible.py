@@ -1,0 +1,70 @@
+"""Sets of values of one parameter for which something holds, with what binds at each end: values only."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+from itertools import groupby
+
+from haptisym.exact.reals import RealNumber
+from haptisym.jnd import Part
+
+
+class Kind(Enum):
+    """Where on the band a condition binds."""
+
+    EDGE = "band-edge"
+    """At the band's high end."""
+    START = "start"
+    """At the band's low end."""
+    TOUCH = "tangency"
+    """Inside: a ratio touches its threshold there."""
+
+
+@dataclass(frozen=True)
+class Binding:
+    """A condition that holds with equality at the end of a set: of which part, where on the band, rad/s.
+
+    ``part``: None for the condition of every environment. ``omega``: None where the frequency of a degenerate touch
+    was not isolated.
+    """
+
+    part: Part | None
+    omega: RealNumber | None
+    kind: Kind
+
+
+@dataclass(frozen=True)
+class End:
+    """An end of an interval of values; ``bindings``: what binds there, empty where the range that was asked about ends."""
+
+    value: RealNumber | None
+    closed: bool = False
+    bindings: tuple[Binding, ...] = ()
+
+
+@dataclass(frozen=True)
+class Span:
+    """An interval of values of the parameter: a single value if both ends are the same."""
+
+    low: End
+    high: End
+
+
+def runs(at: Sequence[bool], between: Sequence[bool]) -> list[tuple[int, int, bool, bool]]:
+    """The longest runs of a set along a line of points, given whether it holds each point and each gap between two.
+
+    Each run: the numbers of its first and last point, and whether these belong to it.
+
+    >>> runs([False, True, False, True], [True, True, False])
+    [(0, 2, False, False), (3, 3, True, True)]
+    """
+    line = [x for pair in zip(at, [*between, False], strict=True) for x in pair][:-1]
+    found = []
+    for inside, group in groupby(range(len(line)), key=lambda i: line[i]):
+        places = list(group)
+        if inside:
+            first, last = places[0], places[-1]
+            found.append((first // 2, (last + 1) // 2, first % 2 == 0, last % 2 == 0))
+    return found

@@ -1,0 +1,155 @@
+"""Inverse design: for which values of a parameter a display is transparent on its whole band, and what binds at the ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import cached_property, partial
+
+from sympy import Expr, Rational
+
+from haptisym.catalogue import values
+from haptisym.errors import SceneError
+from haptisym.exact.reals import ExactNumber, RealNumber, Sliver
+from haptisym.jnd import Part
+from haptisym.quantities import Number
+from haptisym.scene import Scene
+
+from .cells import Leaf, Search
+from .criticalvalues import Problem
+from .feasible import End, Span, runs
+from .freeparameter import Conditions, Domain, Free, any_environment_condition, conditions, domain, free_parameter
+from .places import Verdict
+from .required import Required
+from .text import page
+
+_SLIVER = Fraction(1, 10**9)
+"""Relative width of values that may be given as an end by their enclosure alone."""
+
+
+class Requirement(Required):
+    """The values of one parameter for which a scene is transparent; ``print`` shows them as a page of text."""
+
+    def __str__(self) -> str:
+        return page(self)
+
+
+def require(
+    scene: Scene,
+    path: str,
+    range: tuple[Number, Number] | None = None,  # noqa: A002 - the word that the question uses
+    *,
+    part: Part | None = None,
+    any_environment: bool = False,
+    digits: int = 15,
+) -> Requirement:
+    """The values of one parameter for which r_r <= c_real and r_i <= c_imag on the whole band: all of them, exactly.
+
+    ``path`` : of the parameter, as ``effects.filter.omega_n``, ``environment.m``, ``evaluation.jnd``, or its symbol.
+    ``range`` : the values asked about, numbers in SI or strings with a unit; all that the model allows if not given.
+    ``part`` : ask for one part's condition only. ``any_environment`` : ask for |G - 1| <= c instead, which series effects G
+    must keep to go unnoticed with every environment.
+
+    For a rational scene the answer is exact and always complete. With delays, holds or powers of s it is certified by ball
+    arithmetic; what that leaves open is in ``undecided``. SceneError where the path, the range or the scene is not fit.
+
+    >>> from haptisym.scenefile import load_scene
+    >>> found = require(load_scene("fu2019"), "effects.filter.omega_n")
+    >>> [(x.low.value.digits(12), x.high.value) for x in found.feasible]
+    [('122.355814770', None)]
+    """
+    if not isinstance(digits, int) or digits < 1:
+        raise SceneError(f"digits: {digits} must be a whole number, at least 1")
+    if part is not None and any_environment:
+        raise SceneError("for any environment there are no parts: ask for one or the other")
+    free = free_parameter(scene, path)
+    asked = domain(free, range)
+    keys = (part,) if part else tuple(Part)
+    found = any_environment_condition(scene, [free]) if any_environment else conditions(scene, [free], keys)
+    start = Requirement(scene, free, asked, (), (), tuple(found), digits)
+    if not any(f.axis.functions for f in found.values()):
+        problem = Problem(found, free.symbol, scene.band, asked, partial(_allowed, scene, free))
+        return replace(start, feasible=problem.solve())
+    return _by_balls(start, found)
+
+
+def _allowed(scene: Scene, free: Free, value: Expr) -> bool:
+    """Whether the scene exists at a value of the parameter."""
+    try:
+        free.put(scene, value).distortion()
+    except SceneError:
+        return False
+    return True
+
+
+def _by_balls(start: Requirement, found: Conditions) -> Requirement:
+    asked, scene, free = start.domain, start.scene, start.free
+    own = values(scene.parameters).get(free.symbol, scene.threshold.real)
+    search = Search(found, free.symbol, scene.band, Fraction(abs(float(own)) or 1.0))
+    low, high = (None if x is None else Fraction(float(x)) for x in (asked.low, asked.high))
+    line = _Line(search.leaves(low, high), asked, partial(_allowed, scene, free))
+    return replace(start, feasible=line.spans(), undecided=line.undecided)
+
+
+@dataclass(frozen=True)
+class _Line:
+    """The leaves of a search as points and gaps between them."""
+
+    leaves: list[Leaf]
+    domain: Domain
+    allowed: Callable[[Expr], bool] = field(repr=False)
+
+    @cached_property
+    def _merged(self) -> list[Leaf]:
+        """The leaves with neighbours of one verdict joined, and narrow open ones between two verdicts made ends."""
+        joined: list[Leaf] = []
+        for leaf in self.leaves:
+            last = joined[-1] if joined else None
+            if last and last.above is None and leaf.above is None and last.verdict is leaf.verdict:
+                joined[-1] = replace(last, high=leaf.high)
+            else:
+                joined.append(leaf)
+        return [self._as_end(i, joined) for i in range(len(joined))]
+
+    def _as_end(self, i: int, leaves: list[Leaf]) -> Leaf:
+        leaf = leaves[i]
+        if leaf.verdict is not Verdict.OPEN or not 0 < i < len(leaves) - 1:
+            return leaf
+        before, after = leaves[i - 1].above or leaves[i - 1].verdict, leaves[i + 1].verdict
+        assert leaf.low is not None
+        assert leaf.high is not None
+        if before is after or leaf.high - leaf.low > _SLIVER * max(abs(leaf.low), abs(leaf.high)):
+            return leaf
+        return replace(leaf, verdict=before, above=after, value=Sliver(leaf.low, leaf.high))
+
+    def spans(self) -> tuple[Span, ...]:
+        """The values for which the conditions are kept."""
+        low, high = self.domain.low, self.domain.high
+        points: list[End] = [End(None if low is None else ExactNumber(low))]
+        gaps: list[Verdict] = []
+        for leaf in self._merged:
+            if leaf.above is not None:
+                gaps.append(leaf.verdict)
+                points.append(End(leaf.value, bindings=(leaf.binding,) if leaf.binding else ()))
+            gaps.append(leaf.above or leaf.verdict)
+            points.append(End(None if leaf.high is None else ExactNumber(_rational(leaf.high))))
+        points[-1] = End(None if high is None else ExactNumber(high))
+        kept = [gap is Verdict.KEPT for gap in gaps]
+        at = [bool(near) for near in (any(kept[max(i - 1, 0) : i + 1]) for i in range(len(points)))]
+        at[0] = at[0] and low is not None and self.domain.holds_low and self.allowed(low)
+        at[-1] = at[-1] and high is not None and self.domain.holds_high and self.allowed(high)
+        return tuple(Span(replace(points[i], closed=a), replace(points[j], closed=b)) for i, j, a, b in runs(at, kept))
+
+    @property
+    def undecided(self) -> tuple[tuple[RealNumber | None, RealNumber | None], ...]:
+        """The values about which nothing is proven."""
+        return tuple((_number(leaf.low), _number(leaf.high)) for leaf in self._merged if leaf.verdict is Verdict.OPEN)
+
+
+def _number(x: Fraction | None) -> RealNumber | None:
+    return None if x is None else ExactNumber(_rational(x))
+
+
+def _rational(x: Fraction) -> Rational:
+    return Rational(x.numerator, x.denominator)

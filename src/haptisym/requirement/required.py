@@ -1,0 +1,144 @@
+"""What a parameter must be: the values that were found, with a formula where there is one, and as a document."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from sympy import Expr, Symbol
+
+from haptisym.bounds import relative_square
+from haptisym.catalogue import values
+from haptisym.crossings import excess, level
+from haptisym.exact.reals import RealNumber, Sliver
+from haptisym.exact.response import RealFunction
+from haptisym.jnd import Part
+from haptisym.scene import Scene
+from haptisym.symbols import c
+
+from .closedforms import closed_form
+from .feasible import Binding, End, Kind, Span
+from .freeparameter import Domain, Free
+
+_NAMES = {Kind.EDGE: Symbol("omega_max", positive=True), Kind.START: Symbol("omega_min", positive=True)}
+
+
+@dataclass(frozen=True)
+class Required:
+    """All values of one parameter for which a scene is transparent on its whole band, certified.
+
+    ``feasible``: intervals of values, SI, in order; () means proved that none will do. Each end says what binds there: which
+    part, where on the band. ``undecided``: intervals of values about which nothing is proven; empty for every rational scene.
+    ``domain``: the values that were asked about. ``keys``: the parts that were asked about; None for any environment.
+    """
+
+    scene: Scene
+    free: Free
+    domain: Domain
+    feasible: tuple[Span, ...]
+    undecided: tuple[tuple[RealNumber | None, RealNumber | None], ...] = ()
+    keys: tuple[Part | None, ...] = tuple(Part)
+    digits: int = 15
+
+    @property
+    def certified(self) -> bool:
+        """Whether every end is proven and nothing was left undecided."""
+        return not self.undecided
+
+    @property
+    def ends(self) -> tuple[End, ...]:
+        """The ends at which a condition binds, in order."""
+        listed = (end for span in self.feasible for end in dict.fromkeys((span.low, span.high)))
+        return tuple(end for end in listed if end.bindings)
+
+    def form(self, end: End) -> Expr | None:
+        """The value at an end as a formula in the scene's symbols, ``c`` and ``omega_max``; None where none is readable."""
+        if end.value is None or isinstance(end.value, Sliver) or float(end.value) <= 0:
+            return None
+        for binding in end.bindings:
+            place = _NAMES.get(binding.kind)
+            if place is not None and binding.omega is not None and float(binding.omega) > 0:
+                condition = self._symbolic(binding.part)
+                known = self._known(binding.part) | {place: self.scene.band[binding.kind is Kind.EDGE]}
+                found = closed_form(condition, self.free.symbol, place, known, end.value.digits(60))
+                if found is not None:
+                    return found
+        return None
+
+    @cached_property
+    def forms(self) -> tuple[Expr | None, ...]:
+        """The formulas of ``ends``, None for each that has none."""
+        return tuple(self.form(end) for end in self.ends)
+
+    def _symbolic(self, part: Part | None) -> RealFunction:
+        d = self.scene.symbolic_distortion()
+        square = relative_square(d) if part is None else None
+        found = level(square, c**2) if square is not None else excess(d, c, part or Part.REAL)
+        assert isinstance(found, RealFunction)
+        return found
+
+    def _known(self, part: Part | None) -> dict[Symbol, Expr]:
+        limits = self.scene.threshold
+        own = min(limits.real, limits.imag) if part is None else limits[part]
+        return {**values(self.scene.parameters), c: own}
+
+    def to_dict(self) -> dict[str, Any]:
+        """The document of ``haptisym require --json``, schema ``haptisym.requirement/1``."""
+        forms = dict(zip(self.ends, self.forms, strict=True))
+        low, high = (None if x is None else float(x) for x in (self.domain.low, self.domain.high))
+        return {
+            "schema": "haptisym.requirement/1",
+            "title": self.scene.title,
+            "free": self.free.path,
+            "unit": self.free.unit,
+            "range": [low, high],
+            "band": [float(x) for x in self.scene.band],
+            "condition": [x.value if x else "any environment" for x in self.keys],
+            "feasible": [[_float(x.low), _float(x.high)] for x in self.feasible],
+            "ends": [[self._end(x.low), self._end(x.high)] for x in self.feasible],
+            "binding": [
+                {"at": _float(end), **_binding(b), "closed_form": None if forms[end] is None else str(forms[end])}
+                for end in self.ends
+                for b in end.bindings
+            ],
+            "closed_form": self.closed_form,
+            "undecided": [[None if x is None else float(x) for x in pair] for pair in self.undecided],
+            "certified": self.certified,
+        }
+
+    @property
+    def closed_form(self) -> str | None:
+        """The requirement as a formula where each end has one, such as ``tau <= asin(c)/omega_max``."""
+        forms = dict(zip(self.ends, self.forms, strict=True))
+        if not forms or any(form is None for form in forms.values()):
+            return None
+        return " or ".join(x for x in (self._inequality(span, forms) for span in self.feasible) if x)
+
+    def _inequality(self, span: Span, forms: dict[End, Expr | None]) -> str:
+        name = self.free.symbol.name
+        if span.low is span.high:
+            return f"{name} = {forms[span.low]}"
+        low = [f"{name} >= {forms[span.low]}"] if span.low in forms else []
+        high = [f"{name} <= {forms[span.high]}"] if span.high in forms else []
+        return " and ".join(low + high)
+
+    def _end(self, end: End) -> dict[str, Any] | None:
+        if end.value is None:
+            return None
+        enclosure = list(end.value.enclosure(self.digits))
+        return {"digits": end.value.digits(self.digits), "enclosure": enclosure, "closed": end.closed}
+
+    def to_json(self) -> str:
+        """The document of ``haptisym require --json`` as text."""
+        return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
+
+
+def _float(end: End) -> float | None:
+    return None if end.value is None else float(end.value)
+
+
+def _binding(b: Binding) -> dict[str, Any]:
+    omega = None if b.omega is None else float(b.omega)
+    return {"part": b.part.value if b.part else None, "omega": omega, "kind": b.kind.value}

@@ -1,0 +1,117 @@
+"""A requirement as a page of text: the answer in a sentence, what binds at each end, what is certain."""
+
+from __future__ import annotations
+
+from textwrap import fill
+
+from haptisym.exact.reals import ExactNumber, RealNumber, Sliver
+from haptisym.jnd import Part
+from haptisym.text import WIDTH, both, listed, short, table
+from haptisym.typeset.plain import plain
+
+from .feasible import Binding, Kind, Span
+from .required import Required
+
+
+def page(r: Required) -> str:
+    """The whole page."""
+    parts = [_heading(r), _question(r), _answer(r), _ends(r), _formula(r), _certain(r)]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _heading(r: Required) -> str:
+    return fill(r.scene.title or "Untitled scene", WIDTH)
+
+
+def _question(r: Required) -> str:
+    low, high = (both(x) for x in _band(r))
+    kept = {None: "|G - 1| <= c", Part.REAL: "r_r <= c_real", Part.IMAG: "r_i <= c_imag"}
+    rows = [
+        ("free", f"{r.free.path} ({r.free.symbol.name}), in {r.free.unit}"),
+        ("asked", _asked(r)),
+        ("band", f"{low} to {high}"),
+        ("condition", f"{' and '.join(kept[part] for part in r.keys)} on the whole band"),
+    ]
+    return "\n".join(f"  {key:<11} {text}" for key, text in rows)
+
+
+def _band(r: Required) -> list[RealNumber]:
+    return [ExactNumber(x) for x in r.scene.band]
+
+
+def _asked(r: Required) -> str:
+    low, high = r.domain.low, r.domain.high
+    if low is None:
+        return "all values" if high is None else f"values up to {float(high):.6g}"
+    if high is None:
+        return f"all values {'>=' if r.domain.holds_low else '>'} {float(low):.6g}"
+    return f"values from {float(low):.6g} to {float(high):.6g}"
+
+
+def _answer(r: Required) -> str:
+    who = "with any environment whatever" if r.keys == (None,) else "on the whole band"
+    name = r.free.symbol.name
+    if not r.feasible:
+        known = "No value that was asked about makes" if r.certified else "No value is proven to make"
+        return fill(f"{known} the display transparent {who}.", WIDTH)
+    pieces = listed([_span(x, name, r.free.unit) for x in r.feasible], "or")
+    return fill(f"The display is transparent {who} exactly for {pieces}.", WIDTH)
+
+
+def _span(x: Span, name: str, unit: str) -> str:
+    unit = "" if unit == "1" else f" {unit}"
+    low, high = x.low.value, x.high.value
+    if low is None and high is None:
+        return f"every value of {name}"
+    if x.low is x.high or (low is not None and low is high):
+        return f"{name} = {short(low)}{unit} alone" if low is not None else name
+    left = "" if low is None else f"{short(low)} {'<=' if x.low.closed else '<'} "
+    right = "" if high is None else f" {'<=' if x.high.closed else '<'} {short(high)}"
+    if low is not None and high is None:
+        return f"{name} {'>=' if x.low.closed else '>'} {short(low)}{unit}"
+    return f"{left}{name}{right}{unit}"
+
+
+def _ends(r: Required) -> str:
+    rows = [(end.value.digits(r.digits), _part(b), _where(b)) for end in r.ends for b in end.bindings if end.value]
+    if not rows:
+        return "  Nothing binds at an end." if r.feasible else ""
+    return table((f"{r.free.symbol.name} ({r.free.unit})", "binds", "where"), rows)
+
+
+def _part(b: Binding) -> str:
+    return "|G - 1|" if b.part is None else "r_r (real)" if b.part is Part.REAL else "r_i (imag)"
+
+
+def _where(b: Binding) -> str:
+    place = "" if b.omega is None else f", {both(b.omega)}"
+    return {Kind.EDGE: "the band's high end", Kind.START: "the band's low end", Kind.TOUCH: "a touch inside the band"}[
+        b.kind
+    ] + place
+
+
+def _formula(r: Required) -> str:
+    name = r.free.symbol.name
+    forms = [f"{name} = {plain(form)}" for form in r.forms if form is not None]
+    if not forms:
+        return ""
+    rows = [fill(form, WIDTH, initial_indent="  ", subsequent_indent=" " * 8) for form in forms]
+    return "\n".join(["Closed form, from the condition at the end of the band:", *rows])
+
+
+def _certain(r: Required) -> str:
+    if r.undecided:
+        where = listed([f"{_limit(a)} to {_limit(b)}" for a, b in r.undecided], "and")
+        return fill(f"UNDECIDED at the precision limit: the values from {where}. Everything else is proven.", WIDTH)
+    if any(isinstance(end.value, Sliver) for span in r.feasible for end in (span.low, span.high)):
+        return fill(
+            "Certain: each end lies within the enclosure that is given; of some no more digits are known.", WIDTH
+        )
+    return fill(
+        "Certain: these are all such values, none is missed and none invented; every digit is proven, not sampled.",
+        WIDTH,
+    )
+
+
+def _limit(x: RealNumber | None) -> str:
+    return "infinity" if x is None else f"{float(x):.6g}"
