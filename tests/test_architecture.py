@@ -14,7 +14,7 @@ import haptisym
 SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
-errors symbols typeset.boxes report.html options
+errors symbols typeset.boxes report.html options pruning.suprema
 expressions exact.rings exact.reals numeric.values typeset.names formulas.steps codegen.names
 quantities exact.response exact.factors typeset.numerals typeset.order codegen.printers codegen.languages
 exact.levels
@@ -22,17 +22,19 @@ exact.roots exact.solutions typeset.formula typeset.quotients
 catalogue jnd exact.stability typeset.layout
 environments effects distortion simulation.network
 scene crossings interop codegen.code simulation.motions simulation.recordings simulation.propagate simulation.descriptor simulation.fractional simulation.rightmost
-peaks codegen.forms formulas.structure formulas.groups bounds
-formulas.asymptotics simulation.blocks simulation.linear simulation.lockin simulation.results
-percepts typeset.plain typeset.mathml typeset.equations
+peaks codegen.forms formulas.structure formulas.groups bounds pruning.ballchain
+formulas.asymptotics simulation.blocks simulation.linear simulation.lockin simulation.results pruning.differences
+percepts typeset.plain typeset.mathml typeset.equations pruning.subsets
+pruning.relevance
 answers scenefile simulation.events simulation.text
 text simulation.engine
+pruning.text
 evaluation codegen.scene simulation.approximations simulation.run
 formulas.derivation
 formulas.sections
 tex.names figures simulation.simulate
-simulation.command
-simulation.figures
+simulation.command pruning.figure
+simulation.figures commands.effects
 tex.printer
 tex.lines
 tex.results

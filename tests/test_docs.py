@@ -21,7 +21,7 @@ def test_the_examples_of_the_readme_run() -> None:
     assert result.failed == 0
 
 
-@pytest.mark.parametrize("page", ["evidence", "formulas"])
+@pytest.mark.parametrize("page", ["evidence", "formulas", "relevance"])
 def test_the_examples_of_a_page_run(page: str) -> None:
     result = doctest.testfile(str(ROOT / "docs" / f"{page}.md"), module_relative=False)
     assert result.attempted >= 6

@@ -13,6 +13,7 @@ from pathlib import Path
 import click
 
 from . import __version__
+from .commands.effects import effects
 from .errors import HaptisymError, UndecidedError
 from .evaluation import evaluate as evaluate_scene
 from .options import json_option
@@ -56,6 +57,7 @@ _OUTPUTS = ("text", "latex", "mathml", "json", *_CODE)
     show_default=True,
     help="Correct decimal digits of each crossing.",
 )
+@click.option("--tolerance", metavar="X", help="Leave out the effects that change the ratios by at most that, jointly.")
 @click.option(
     "--figures", type=click.Path(file_okay=False, path_type=Path), metavar="DIR", help="Write the figures there."
 )
@@ -69,7 +71,13 @@ _OUTPUTS = ("text", "latex", "mathml", "json", *_CODE)
     help="Write the report: a page (.html) with an explorer, or a document (.pdf).",
 )
 def evaluate(
-    scene: str, as_json: bool, digits: int, figures: Path | None, latex: Path | None, report: Path | None
+    scene: str,
+    as_json: bool,
+    digits: int,
+    tolerance: str | None,
+    figures: Path | None,
+    latex: Path | None,
+    report: Path | None,
 ) -> None:
     """Find when a display begins to be noticed, and how it is felt, with proof.
 
@@ -84,8 +92,9 @@ def evaluate(
       haptisym evaluate fu2019 --figures figures --latex fu2019.tex
       haptisym evaluate fu2019 --report fu2019.html
       haptisym evaluate my-device.toml --json --digits 50
+      haptisym evaluate control-stick-in-detail --tolerance 0.01
     """
-    result = evaluate_scene(load_scene(scene), digits)
+    result = evaluate_scene(load_scene(scene), digits, tolerance=tolerance)
     if figures is not None:
         from .figures import save_figures
 
@@ -220,6 +229,9 @@ def simulate(scene: str, as_json: bool, check: bool, figures: Path | None, **opt
     click.echo(dumps(document(runs), indent=2, ensure_ascii=False) if as_json else page(runs), nl=as_json)
     if any(x.agrees is False for x in runs):
         sys.exit(3)
+
+
+app.add_command(effects)
 
 
 def main() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -48,10 +48,14 @@ class Chain:
         environment = ring.convert(self.environment).reduced()
         if environment.is_zero:
             raise SceneError("the environment is zero at every frequency: there is nothing to feel")
-        perceived = ring.convert(self.rendered)
-        for matrix in self.matrices:
-            perceived = _through(perceived, [ring.convert(entry) for entry in matrix])
-        return Distortion(environment, perceived.reduced(), self)
+        return Distortion(environment, self.perceived(range(len(self.matrices))), self)
+
+    def perceived(self, places: Iterable[int]) -> RationalFunction:
+        """H_perc in lowest terms, of the effects at these places alone, in the ring of all."""
+        found = self.ring.convert(self.rendered)
+        for i in places:
+            found = _through(found, [self.ring.convert(entry) for entry in self.matrices[i]])
+        return found.reduced()
 
     @cached_property
     def ring(self) -> Ring:

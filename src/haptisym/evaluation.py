@@ -10,6 +10,9 @@ from .crossings import Crossing, curves
 from .errors import SceneError
 from .exact.roots import Interval, chart
 from .exact.stability import is_stable
+from .pruning.relevance import relevance
+from .pruning.text import pruned
+from .quantities import Number
 from .scene import Scene
 from .text import report
 
@@ -49,6 +52,7 @@ class Evaluation(Answers):
             "any_environment": self._any_environment(),
             "certified": self.certified,
             **self._undecided(),
+            **self._relevance(),
         }
 
     def _any_environment(self) -> dict[str, float | None] | None:
@@ -62,6 +66,14 @@ class Evaluation(Answers):
         """The key ``undecided``, present only where something is."""
         rows = [{"part": part.value, "enclosure": list(p.omega.enclosure(self.digits))} for part, p in self.undecided]
         return {"undecided": rows} if rows else {}
+
+    def _relevance(self) -> dict[str, Any]:
+        """The key ``relevance``, present only where a tolerance was given: what was left out, and the proven bound on it."""
+        r = self.relevance
+        if r is None:
+            return {}
+        names = {"kept": [e.name for e in r.pruned.effects], "dropped": [e.name for e in r.dropped]}
+        return {"relevance": {"tolerance": float(r.tolerance), **names, **pruned(r)}}
 
     def _crossing(self, c: Crossing) -> dict[str, Any]:
         return {
@@ -79,9 +91,11 @@ class Evaluation(Answers):
         return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
 
 
-def evaluate(scene: Scene, digits: int = 15) -> Evaluation:
+def evaluate(scene: Scene, digits: int = 15, *, tolerance: Number | None = None) -> Evaluation:
     """Evaluate a scene with numbers for all parameters; ``digits`` decimal digits of each crossing, as many as wanted.
 
+    ``tolerance`` : if given, only the effects that matter for it are used (see ``relevance``); the answers are those of the scene
+    without the others, and ``relevance`` says by how much the full scene's ratios may differ, and where its crossings are.
     Raises SceneError if a parameter is still a symbol.
 
     >>> from haptisym import effects, environments
@@ -96,10 +110,12 @@ def evaluate(scene: Scene, digits: int = 15) -> Evaluation:
         raise SceneError(
             f"{free[0].key} = {free[0].value} is a symbol: an evaluation needs numbers; use distort for formulas"
         )
-    distortion = scene.distortion()
-    low, high = scene.band
-    table = chart(curves(distortion, scene.threshold), low, high)
-    return Evaluation(scene, distortion, table, is_stable(distortion.perc), digits)
+    found = None if tolerance is None else relevance(scene, tolerance)
+    used = scene if found is None else found.pruned
+    distortion = used.distortion()
+    low, high = used.band
+    table = chart(curves(distortion, used.threshold), low, high)
+    return Evaluation(used, distortion, table, is_stable(distortion.perc), digits, found)
 
 
 def _interval(x: Interval) -> list[float]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from decimal import ROUND_CEILING, Context
 from io import StringIO
-from math import pi
+from math import inf, pi
 from textwrap import fill
 
 from sympy import Expr, Symbol
@@ -28,13 +29,42 @@ _DIGITS = 5  # of frequencies in sentences; the table of crossings shows all tha
 
 def report(e: Answers) -> str:
     """The whole page."""
-    parts = [_heading(e), _dynamics(e), _step_1(e), _step_2(e), _certain(e)]
+    parts = [_heading(e), _pruned(e), _dynamics(e), _step_1(e), _step_2(e), _certain(e)]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
 def _heading(e: Answers) -> str:
     lines = [e.scene.title or "Untitled scene", e.scene.source]
     return "\n".join(fill(line, WIDTH) for line in lines if line)
+
+
+def _pruned(e: Answers) -> str:
+    """What was left out of the scene, and what that changes at most."""
+    r = e.relevance
+    if r is None or not r.dropped:
+        return ""
+    bounds = (
+        f"r_r by at most {rounded_up(r.bound[Part.REAL].most)} and r_i by at most {rounded_up(r.bound[Part.IMAG].most)}"
+    )
+    spans = listed(f"{_rounded(x.bounds)} ({x.part.value})" for x in r.crossings)
+    crossings = f"Its crossings lie in {spans} rad/s" if spans else "It has no crossings on the band"
+    return fill(
+        f"Without {listed(x.name for x in r.dropped)}: leaving them out changes {bounds} anywhere on the band, proven "
+        f"(tolerance {float(r.tolerance):g}). What follows is exact for the scene without them. The full scene differs by no "
+        f"more than that. {crossings}.",
+        WIDTH,
+    )
+
+
+def rounded_up(value: float) -> str:
+    """Three digits, rounded up, so that a bound stays one."""
+    if value == inf:
+        return "unbounded"
+    return f"{Context(prec=3, rounding=ROUND_CEILING).create_decimal_from_float(value):.3g}"
+
+
+def _rounded(ends: tuple[float, float]) -> str:
+    return f"[{ends[0]:.6g}, {ends[1]:.6g}]"
 
 
 def _dynamics(e: Answers) -> str:
@@ -91,7 +121,7 @@ def _any_environment(e: Answers) -> list[str]:
 def _transparency(e: Answers) -> str:
     if not e.transparent:
         return "At every frequency of the band: the display is transparent nowhere."
-    pieces = _listed(_span(x) for x in e.transparent)
+    pieces = listed(_span(x) for x in e.transparent)
     if len(e.transparent) == 1 and e.bandwidth is not None and e.transparent[0].high is e.chart.points[-1]:
         return "Never on this band: the display is perceptually transparent on the whole of it."
     if e.bandwidth is None:
@@ -115,7 +145,7 @@ def _crossings(e: Answers) -> str:
         return "  No ratio meets its threshold on the band."
     headings = ("part", "ω (rad/s)", "Hz", "what happens", "distortion")
     rows = [(c.part.value, c.omega.digits(e.digits), _hertz(c.omega), _event(e, c), _sense(c)) for c in e.crossings]
-    return _table(headings, rows)
+    return table(headings, rows)
 
 
 def _event(e: Answers, c: Crossing) -> str:
@@ -134,7 +164,7 @@ def _step_2(e: Answers) -> str:
         rows = [
             (f"{_short(p.band.low.omega)} to {_short(p.band.high.omega)}", p.part.value, _felt(p)) for p in e.percepts
         ]
-        lines += [_table(("band (rad/s)", "part", "felt as"), rows), ""]
+        lines += [table(("band (rad/s)", "part", "felt as"), rows), ""]
     else:
         lines += ["  No percept of stiffness, mass or damping is changed on the band.", ""]
     notes = [*_changeover_note(e), *_activity_note(e), *_unbounded_note(e), _stability_note(e)]
@@ -159,7 +189,7 @@ def _changeover_note(e: Answers) -> Iterable[str]:
 
 def _activity_note(e: Answers) -> Iterable[str]:
     if e.outside_model:
-        where = _listed(_span(x) for x in e.outside_model)
+        where = listed(_span(x) for x in e.outside_model)
         yield f"The display is active (Im H_perc < 0) {where}: outside the model, so no damping is named there."
 
 
@@ -180,7 +210,7 @@ def _stability_note(e: Answers) -> str:
 
 def _certain(e: Answers) -> str:
     if e.undecided:
-        where = _listed(f"{_short(point.omega)} rad/s ({part.value})" for part, point in e.undecided)
+        where = listed(f"{_short(point.omega)} rad/s ({part.value})" for part, point in e.undecided)
         return fill(
             f"UNDECIDED at the precision limit: whether a ratio touches its threshold, crosses it twice or stays clear of it "
             f"near {where}. Everything else is proven.",
@@ -195,10 +225,11 @@ def _certain(e: Answers) -> str:
 
 def _places(points: Iterable[Point]) -> str:
     found = [_short(p.omega) for p in points]
-    return f"{_listed(found)} rad/s" if found else ""
+    return f"{listed(found)} rad/s" if found else ""
 
 
-def _listed(items: Iterable[str]) -> str:
+def listed(items: Iterable[str]) -> str:
+    """Items in a row, as in a sentence."""
     listed = list(items)
     return listed[0] if len(listed) == 1 else f"{', '.join(listed[:-1])} and {listed[-1]}" if listed else ""
 
@@ -227,7 +258,7 @@ def _indented(text: str) -> str:
     return fill(text, WIDTH, initial_indent="  ", subsequent_indent="  ")
 
 
-def _table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+def table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A table as lines of text."""
     from rich import box  # Rich is loaded only where a page of text is wanted
     from rich.console import Console

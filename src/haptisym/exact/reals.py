@@ -132,7 +132,8 @@ def expression_ball(value: Expr, known: Mapping[Expr, Ball] = MappingProxyType({
     if isinstance(value, Pow) and isinstance(value.exp, Integer):
         return expression_ball(value.base, known) ** int(value.exp)
     if isinstance(value, Pow) and isinstance(value.exp, Rational):
-        return (expression_ball(value.base, known).log() * expression_ball(value.exp)).exp()
+        base = expression_ball(value.base, known)
+        return arb(0) if base == 0 and value.exp > 0 else (base.log() * expression_ball(value.exp)).exp()
     if value.func in _FUNCTIONS:
         return _FUNCTIONS[value.func](expression_ball(value.args[0], known))
     raise TypeError(f"{value} is not a real number made of rational numbers, pi, roots, sines and cosines")
