@@ -14,7 +14,8 @@ import haptisym
 SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
-errors options symbols costs.measurement report.html simulation.network sweeps.batch tolerance.taylormodels typeset.boxes
+errors options symbols costs.measurement pruning.suprema report.html simulation.network sweeps.batch tolerance.taylormodels \
+typeset.boxes
 expressions codegen.names exact.reals exact.rings formulas.steps numeric.accuracy simulation.descriptor sweeps.bernstein \
 typeset.names
 quantities codegen.languages codegen.printers exact.response exact.wavesums exact.zeros numeric.program \
@@ -30,23 +31,24 @@ catalogue jnd simulation.linear simulation.lockin
 distortion effects environments requirement.feasible simulation.blocks simulation.events
 crossings interop scene codegen.forms formulas.structure measures.freeresponse measures.twoport requirement.places \
 simulation.engine
-bounds peaks percepts codegen.scene costs.text family.family formulas.groups measures.forms simulation.approximations \
-simulation.results tolerance.box
-answers scenefile costs.questions formulas.asymptotics requirement.freeparameter simulation.run simulation.text \
+bounds peaks percepts codegen.scene costs.text family.family formulas.groups measures.forms pruning.ballchain \
+simulation.approximations simulation.results tolerance.box
+scenefile costs.questions formulas.asymptotics pruning.differences requirement.freeparameter simulation.run simulation.text \
 sweeps.exactly tolerance.excess
-text costs.hardcases costs.usual family.worstcase requirement.cells requirement.criticalvalues requirement.required \
+costs.hardcases costs.usual pruning.subsets requirement.cells requirement.criticalvalues requirement.required \
 simulation.simulate sweeps.axes sweeps.curves tolerance.search
-evaluation costs.hardtext costs.methods family.text requirement.text simulation.command sweeps.kernel sweeps.text \
-tolerance.proofs
-costs.simulated costs.tasks family.evaluation figures.sampling formulas.derivation measures.measured requirement.question \
-sweeps.blocks tex.results tolerance.quantiles
-figures.style formulas.sections measures.disagreements measures.metric report.results requirement.designmap \
-sensitivities.slopes sweeps.store tex.latex tolerance.text
+costs.hardtext costs.methods pruning.relevance simulation.command sweeps.kernel tolerance.proofs
+answers costs.simulated costs.tasks sweeps.blocks tolerance.quantiles
+text family.worstcase sweeps.store
+family.text pruning.text requirement.text sweeps.designspace sweeps.text tolerance.text
+evaluation requirement.question tolerance.answers
+family.evaluation figures.sampling formulas.derivation measures.measured requirement.designmap tex.results
+figures.style formulas.sections measures.disagreements measures.metric report.results sensitivities.slopes tex.latex
 costs.figure costs.hardfigure family.figure figures.nyquist figures.ratios formulas.text measures.figure measures.text \
-report.findings report.scene requirement.figures sensitivities.figure sensitivities.text simulation.figures \
-sweeps.designspace sweeps.figure tex.forms tolerance.answers tolerance.figure
-commands.require commands.sweep commands.tolerances costs.costs costs.hardcosts figures.projections figures.square \
-measures.transparency report.explorer report.forms report.notebook sensitivities.answers tex.document
+pruning.figure report.findings report.scene requirement.figures sensitivities.figure sensitivities.text simulation.figures \
+sweeps.figure tex.forms tolerance.figure
+commands.effects commands.require commands.sweep commands.tolerances costs.costs costs.hardcosts figures.projections \
+figures.square measures.transparency report.explorer report.forms report.notebook sensitivities.answers tex.document
 commands.cost commands.metrics commands.sensitivity figures.files report.figures report.pdf
 report.page
 cli

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from .bounds import AnyEnvironment, any_environment
 from .crossings import Crossing, Curve, find_crossings, transparent_set, unbounded_points
@@ -13,6 +14,9 @@ from .exact.roots import Chart, Interval, Point
 from .jnd import Part
 from .percepts import Percept, changeovers, find_percepts, outside_model
 from .scene import Scene
+
+if TYPE_CHECKING:
+    from .pruning.relevance import Relevance  # loaded where a tolerance is given
 
 
 @dataclass(frozen=True)
@@ -24,6 +28,7 @@ class Answers:
     exceeds. ``outside_model``: where Im H_perc < 0. ``unbounded``: where a ratio is infinite. ``stable``: whether all
     poles of H_perc lie in the open left half plane. ``digits``: decimal digits shown of each crossing. ``undecided``: where
     something stayed open at the precision limit (a tangency of a scene with delays): empty for every rational scene.
+    ``relevance`` : what was left out, where a tolerance was given; all answers are then those of the pruned scene, ``scene``.
     """
 
     scene: Scene
@@ -31,6 +36,7 @@ class Answers:
     chart: Chart = field(repr=False)
     stable: bool | None
     digits: int = 15
+    relevance: Relevance | None = field(default=None, repr=False)
 
     @cached_property
     def crossings(self) -> tuple[Crossing, ...]:

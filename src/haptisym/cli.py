@@ -14,6 +14,7 @@ import click
 
 from . import __version__
 from .commands.cost import cost
+from .commands.effects import effects
 from .commands.metrics import metrics
 from .commands.require import require
 from .commands.sensitivity import sensitivity
@@ -71,6 +72,7 @@ _OUTPUTS = ("text", "latex", "mathml", "json", *_CODE)
     show_default=True,
     help="Correct decimal digits of each crossing.",
 )
+@click.option("--tolerance", metavar="X", help="Leave out the effects that change the ratios by at most that, jointly.")
 @click.option(
     "--figures", type=click.Path(file_okay=False, path_type=Path), metavar="DIR", help="Write the figures there."
 )
@@ -90,6 +92,7 @@ def evaluate(
     environment: str | None,
     environments: tuple[str, ...],
     digits: int,
+    tolerance: str | None,
     figures: Path | None,
     latex: Path | None,
     report: Path | None,
@@ -113,6 +116,7 @@ def evaluate(
       haptisym evaluate fu2019 --figures figures --latex fu2019.tex
       haptisym evaluate fu2019 --report fu2019.html
       haptisym evaluate my-device.toml --json --digits 50
+      haptisym evaluate control-stick-in-detail --tolerance 0.01
     """
     if more and not environments:
         raise click.UsageError(f"got an unexpected argument ({more[0]})")
@@ -120,7 +124,9 @@ def evaluate(
     if environment is None and (environments or len(family) > 1):
         _evaluate_all(family, digits, figures, as_json=as_json, refused=latex or report)
         return
-    result = evaluate_scene(load_scene(scene, environment) if not environments else family[str(environment)], digits)
+    result = evaluate_scene(
+        load_scene(scene, environment) if not environments else family[str(environment)], digits, tolerance=tolerance
+    )
     if figures is not None:
         from .figures.files import save_figures
 
@@ -294,6 +300,7 @@ app.add_command(sensitivity)
 app.add_command(tolerances)
 app.add_command(sweep)
 app.add_command(require)
+app.add_command(effects)
 
 
 def main() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -55,10 +55,15 @@ class Chain:
         environment = ring.convert(self.environment).reduced()
         if environment.is_zero:
             raise SceneError("the environment is zero at every frequency: there is nothing to feel")
-        perceived = ring.convert(self.rendered)
-        for matrix in self.matrices:
-            perceived = _through(perceived, [ring.convert(entry) for entry in matrix])
-        return Distortion(environment, perceived.reduced(), self)
+        return Distortion(environment, self.perceived(range(len(self.matrices)), ring), self)
+
+    def perceived(self, places: Iterable[int], ring: Ring | None = None) -> RationalFunction:
+        """H_perc in lowest terms, of the effects at these places alone, in the ring of all unless given another."""
+        ring = ring or self.ring
+        found = ring.convert(self.rendered)
+        for i in places:
+            found = _through(found, [ring.convert(entry) for entry in self.matrices[i]])
+        return found.reduced()
 
     @cached_property
     def ring(self) -> Ring:

@@ -6,7 +6,7 @@ import json
 import time
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from haptisym.exact.polynomials import Root
 from haptisym.exact.zeros import Zero
@@ -17,8 +17,12 @@ from .errors import SceneError
 from .exact.reals import ExactNumber, bits_for
 from .exact.roots import Interval, chart
 from .exact.stability import is_stable
+from .quantities import Number
 from .scene import Scene
 from .text import report
+
+if TYPE_CHECKING:
+    from .pruning.relevance import Relevance
 
 
 class Effort(NamedTuple):
@@ -81,6 +85,7 @@ class Evaluation(Answers):
             "any_environment": self._any_environment(),
             "certified": self.certified,
             **self._undecided(),
+            **self._relevance(),
         }
 
     def _any_environment(self) -> dict[str, float | None] | None:
@@ -94,6 +99,16 @@ class Evaluation(Answers):
         """The key ``undecided``, present only where something is."""
         rows = [{"part": part.value, "enclosure": list(p.omega.enclosure(self.digits))} for part, p in self.undecided]
         return {"undecided": rows} if rows else {}
+
+    def _relevance(self) -> dict[str, Any]:
+        """The key ``relevance``, present only where a tolerance was given: what was left out, and the proven bound on it."""
+        r = self.relevance
+        if r is None:
+            return {}
+        from .pruning.text import pruned  # loaded where it is asked for
+
+        names = {"kept": [e.name for e in r.pruned.effects], "dropped": [e.name for e in r.dropped]}
+        return {"relevance": {"tolerance": float(r.tolerance), **names, **pruned(r)}}
 
     def _crossing(self, c: Crossing) -> dict[str, Any]:
         return {
@@ -111,9 +126,11 @@ class Evaluation(Answers):
         return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
 
 
-def evaluate(scene: Scene, digits: int = 15) -> Evaluation:
+def evaluate(scene: Scene, digits: int = 15, *, tolerance: Number | None = None) -> Evaluation:
     """Evaluate a scene with numbers for all parameters; ``digits`` decimal digits of each crossing, as many as wanted.
 
+    ``tolerance`` : if given, only the effects that matter for it are used (see ``relevance``); the answers are those of the scene
+    without the others, and ``relevance`` says by how much the full scene's ratios may differ, and where its crossings are.
     Raises SceneError if a parameter is still a symbol.
 
     >>> from haptisym import effects, environments
@@ -128,12 +145,19 @@ def evaluate(scene: Scene, digits: int = 15) -> Evaluation:
         raise SceneError(
             f"{free[0].key} = {free[0].value} is a symbol: an evaluation needs numbers; use distort for formulas"
         )
-    distortion = scene.distortion()
-    low, high = scene.band
+    found = None if tolerance is None else _relevance(scene, tolerance)
+    used = scene if found is None else found.pruned
+    distortion = used.distortion()
     started = time.perf_counter()
-    table = chart(curves(distortion, scene.threshold), low, high)
-    found = time.perf_counter() - started
-    return Evaluation(scene, distortion, table, is_stable(distortion.perc), digits, found)
+    table = chart(curves(distortion, used.threshold), *used.band)
+    isolation = time.perf_counter() - started
+    return Evaluation(used, distortion, table, is_stable(distortion.perc), digits, found, isolation)
+
+
+def _relevance(scene: Scene, tolerance: Number) -> Relevance:
+    from .pruning.relevance import relevance  # loaded where it is asked for
+
+    return relevance(scene, tolerance)
 
 
 def _interval(x: Interval) -> list[float]:

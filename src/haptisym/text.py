@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from decimal import ROUND_CEILING, Context
 from io import StringIO
-from math import pi
+from math import inf, pi
 from textwrap import fill
 
 from sympy import Expr, Symbol
@@ -28,13 +29,42 @@ _DIGITS = 5  # of frequencies in sentences; the table of crossings shows all tha
 
 def report(e: Answers) -> str:
     """The whole page."""
-    parts = [_heading(e), _dynamics(e), _step_1(e), _step_2(e), _certain(e)]
+    parts = [_heading(e), _pruned(e), _dynamics(e), _step_1(e), _step_2(e), _certain(e)]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
 def _heading(e: Answers) -> str:
     lines = [e.scene.title or "Untitled scene", e.scene.source, e.scene.nominal_note]
     return "\n".join(fill(line, WIDTH) for line in lines if line)
+
+
+def _pruned(e: Answers) -> str:
+    """What was left out of the scene, and what that changes at most."""
+    r = e.relevance
+    if r is None or not r.dropped:
+        return ""
+    bounds = (
+        f"r_r by at most {rounded_up(r.bound[Part.REAL].most)} and r_i by at most {rounded_up(r.bound[Part.IMAG].most)}"
+    )
+    spans = listed(f"{_rounded(x.bounds)} ({x.part.value})" for x in r.crossings)
+    crossings = f"Its crossings lie in {spans} rad/s" if spans else "It has no crossings on the band"
+    return fill(
+        f"Without {listed(x.name for x in r.dropped)}: leaving them out changes {bounds} anywhere on the band, proven "
+        f"(tolerance {float(r.tolerance):g}). What follows is exact for the scene without them. The full scene differs by no "
+        f"more than that. {crossings}.",
+        WIDTH,
+    )
+
+
+def rounded_up(value: float) -> str:
+    """Three digits, rounded up, so that a bound stays one."""
+    if value == inf:
+        return "unbounded"
+    return f"{Context(prec=3, rounding=ROUND_CEILING).create_decimal_from_float(value):.3g}"
+
+
+def _rounded(ends: tuple[float, float]) -> str:
+    return f"[{ends[0]:.6g}, {ends[1]:.6g}]"
 
 
 def _dynamics(e: Answers) -> str:

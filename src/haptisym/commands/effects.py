@@ -1,0 +1,55 @@
+"""``haptisym effects``: which effects of a scene matter."""
+
+from __future__ import annotations
+
+from json import dumps
+from pathlib import Path
+
+import click
+
+from haptisym.options import json_option
+
+
+@click.command()
+@click.argument("scene")
+@json_option
+@click.option(
+    "--tolerance",
+    metavar="X",
+    default="0.01",
+    show_default=True,
+    help="Largest change of r_r and r_i that leaving out effects may make.",
+)
+@click.option(
+    "--figure",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Draw the influences along the band (.svg, .pdf or .png).",
+)
+def effects(scene: str, as_json: bool, tolerance: str, figure: Path | None) -> None:  # noqa: FBT001 - click names them
+    """Find which effects of a scene matter, with proof.
+
+    SCENE is a scene file (TOML) or the name of a shipped scene.
+
+    Of each effect: the largest change of r_r and r_i anywhere on the band if it is left out. Of all together: the fewest
+    effects with which both ratios stay within the tolerance of the full scene's, what that changes at most, how much shorter
+    the formulas get, and intervals that hold all crossings of the full scene. Ratios are fractions of |H_env|, frequencies
+    in rad/s.
+
+    \b
+    Examples:
+      haptisym effects control-stick-in-detail
+      haptisym effects sidestick --tolerance 0.1 --figure influences.pdf
+      haptisym effects my-device.toml --json
+    """
+    from haptisym.pruning.relevance import relevance
+    from haptisym.pruning.text import document, page
+    from haptisym.scenefile import load_scene
+
+    found = relevance(load_scene(scene), tolerance)
+    if figure is not None:
+        from haptisym.pruning.figure import save_influences
+
+        save_influences(found, figure)
+        click.echo(f"figure written to {figure}", err=True)
+    click.echo(dumps(document(found), indent=2, ensure_ascii=False) if as_json else page(found), nl=as_json)

@@ -1,0 +1,75 @@
+"""The largest value of a function on an interval, between two proven bounds: by branch and bound."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from heapq import heappop, heappush
+from itertools import count
+from math import inf
+from typing import Protocol, Self, TypeAlias, TypeVar
+
+Bounds: TypeAlias = tuple[float, float]
+
+WIDTH = 1e-6
+"""Of the enclosure of a supremum, relative to it."""
+_NOTHING = 1e-12  # a supremum below it is known well enough
+_MOST_CELLS = 1 << 16
+
+
+class Cell(Protocol):
+    """A part of the domain that can be halved."""
+
+    def halves(self) -> tuple[Self, Self]: ...
+
+
+C = TypeVar("C", bound=Cell)
+
+
+@dataclass(frozen=True, slots=True)
+class Supremum:
+    """A proven enclosure of the least upper bound of a function >= 0; both ends are infinite if it is unbounded."""
+
+    least: float
+    most: float
+
+    @property
+    def is_finite(self) -> bool:
+        return self.most < inf
+
+
+def supremum(whole: C, bounds: Callable[[C], Bounds], limit: float | None = None) -> Supremum:
+    """The supremum of a function over ``whole``.
+
+    ``bounds`` : of a cell, a value that the function reaches on it and one that it does not exceed there (both infinite only if
+    it is proven to be unbounded). The cell with the highest bound is halved until the enclosure is narrow, or, with a ``limit``,
+    until it is proven on which side of it the supremum lies (equal counts as below).
+
+    >>> @dataclass(frozen=True)
+    ... class Span:
+    ...     low: float
+    ...     high: float
+    ...     def halves(self):
+    ...         middle = (self.low + self.high) / 2
+    ...         return Span(self.low, middle), Span(middle, self.high)
+    >>> found = supremum(Span(0, 3), lambda x: (max(x.low * (2 - x.low), 0), max(x.high * (2 - x.low), 0)))
+    >>> found.least <= 1 <= found.most < 1.00001
+    True
+    """
+    order = count()
+    least, most = bounds(whole)
+    cells: list[tuple[float, int, C]] = [(-most, next(order), whole)]
+    while least < most and not _is_enough(least, most, limit) and next(order) < _MOST_CELLS:
+        _, _, cell = heappop(cells)
+        for half in cell.halves():
+            reached, bound = bounds(half)
+            least = max(least, reached)
+            heappush(cells, (-bound, next(order), half))
+        most = max(least, -cells[0][0])
+    return Supremum(least, most)
+
+
+def _is_enough(least: float, most: float, limit: float | None) -> bool:
+    if limit is not None and (most <= limit or least > limit):
+        return True
+    return most - least <= max(WIDTH * least, _NOTHING)
