@@ -14,7 +14,7 @@ import haptisym
 SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
-errors options symbols costs.measurement pruning.suprema report.html simulation.network sweeps.batch tolerance.taylormodels \
+errors symbols costs.measurement pruning.suprema report.html simulation.network sweeps.batch tolerance.taylormodels \
 typeset.boxes
 expressions codegen.names exact.reals exact.rings formulas.steps numeric.accuracy simulation.descriptor sweeps.bernstein \
 typeset.names
@@ -35,9 +35,9 @@ bounds peaks percepts codegen.scene costs.text family.family formulas.groups mea
 simulation.approximations simulation.results tolerance.box
 scenefile costs.questions formulas.asymptotics pruning.differences requirement.freeparameter simulation.run simulation.text \
 sweeps.exactly tolerance.excess
-costs.hardcases costs.usual pruning.subsets requirement.cells requirement.criticalvalues requirement.required \
-simulation.simulate sweeps.axes sweeps.curves tolerance.search
-costs.hardtext costs.methods pruning.relevance simulation.command sweeps.kernel tolerance.proofs
+commands.options costs.hardcases costs.usual pruning.subsets requirement.cells requirement.criticalvalues \
+requirement.required simulation.simulate sweeps.axes sweeps.curves tolerance.search
+commands.scenes costs.hardtext costs.methods pruning.relevance simulation.command sweeps.kernel tolerance.proofs
 answers costs.simulated costs.tasks sweeps.blocks tolerance.quantiles
 text family.worstcase sweeps.store
 family.text pruning.text requirement.text sweeps.designspace sweeps.text tolerance.text
@@ -47,10 +47,12 @@ figures.style formulas.sections measures.disagreements measures.metric report.re
 costs.figure costs.hardfigure family.figure figures.nyquist figures.ratios formulas.text measures.figure measures.text \
 pruning.figure report.findings report.scene requirement.figures sensitivities.figure sensitivities.text simulation.figures \
 sweeps.figure tex.forms tolerance.figure
-commands.effects commands.require commands.sweep commands.tolerances costs.costs costs.hardcosts figures.projections \
-figures.square measures.transparency report.explorer report.forms report.notebook sensitivities.answers tex.document
+commands.derive commands.effects commands.require commands.simulate commands.sweep commands.tolerances costs.costs \
+costs.hardcosts figures.projections figures.square measures.transparency report.explorer report.forms report.notebook \
+sensitivities.answers tex.document
 commands.cost commands.metrics commands.sensitivity figures.files report.figures report.pdf
 report.page
+commands.evaluate
 cli
 __main__
 """

@@ -12,7 +12,10 @@ from typing import TYPE_CHECKING
 import click
 
 from haptisym.errors import SceneError
-from haptisym.options import json_option
+from haptisym.scene import Scene
+from haptisym.scenefile import load_scene
+
+from .options import environment_option, figure_option, json_option, written
 
 if TYPE_CHECKING:
     from haptisym.costs.costs import Cost
@@ -23,20 +26,20 @@ FORMATS = (".svg", ".pdf", ".png")
 
 @click.command()
 @click.argument("scene", required=False)
+@environment_option
 @json_option
-@click.option(
-    "--figure", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE", help="Draw it: .svg, .pdf or .png."
-)
+@figure_option("digits against time")
 @click.option("--quick", is_flag=True, help="Fewer methods and repeats, for a first look.")
 @click.option("--simulation", is_flag=True, help="The simulation in time instead: steps, tolerances, periods, effects.")
 @click.option("--hard-cases", is_flag=True, help="Cases on which the usual ways fail, instead of a scene.")
 def cost(
     scene: str | None,
-    as_json: bool,  # noqa: FBT001
+    environment: str | None,
+    as_json: bool,
     figure: Path | None,
-    quick: bool,  # noqa: FBT001
-    simulation: bool,  # noqa: FBT001
-    hard_cases: bool,  # noqa: FBT001
+    quick: bool,
+    simulation: bool,
+    hard_cases: bool,
 ) -> None:
     """Measure what accuracy costs in time, for a scene or on hard cases.
 
@@ -60,23 +63,24 @@ def cost(
     if figure is not None:
         _check_figure(figure)
     with _progress() as told:
-        found = _measured(scene, quick, simulation, told)
+        found = _measured(load_scene(scene, environment) if scene else None, quick, simulation, told)
     if figure is not None:
         found.save_figure(figure)
-        click.echo(f"figure written to {figure}", err=True)
+        written("figure", figure)
     click.echo(found.to_json() if as_json else str(found), nl=as_json)
 
 
-def _measured(scene: str | None, quick: bool, simulation: bool, told: Callable[[str, float], None]) -> Cost | HardCosts:  # noqa: FBT001
+def _measured(
+    scene: Scene | None, quick: bool, simulation: bool, told: Callable[[str, float], None]
+) -> Cost | HardCosts:
     if scene is None:
         from haptisym.costs.hardcosts import hard_costs
 
         return hard_costs(told=told)
     from haptisym.costs.costs import cost, simulation_cost
-    from haptisym.scenefile import load_scene
 
     measure = simulation_cost if simulation else cost
-    return measure(load_scene(scene), quick=quick, told=told)
+    return measure(scene, quick=quick, told=told)
 
 
 def _check_figure(path: Path) -> None:

@@ -7,11 +7,13 @@ from pathlib import Path
 
 import click
 
-from haptisym.options import json_option
+from haptisym.scene import Scene
+
+from .options import figure_option, json_option, scene_argument, written
 
 
 @click.command()
-@click.argument("scene")
+@scene_argument
 @json_option
 @click.option(
     "--tolerance",
@@ -20,13 +22,8 @@ from haptisym.options import json_option
     show_default=True,
     help="Largest change of r_r and r_i that leaving out effects may make.",
 )
-@click.option(
-    "--figure",
-    type=click.Path(dir_okay=False, path_type=Path),
-    metavar="FILE",
-    help="Draw the influences along the band (.svg, .pdf or .png).",
-)
-def effects(scene: str, as_json: bool, tolerance: str, figure: Path | None) -> None:  # noqa: FBT001 - click names them
+@figure_option("the influences along the band")
+def effects(scene: Scene, as_json: bool, tolerance: str, figure: Path | None) -> None:
     """Find which effects of a scene matter, with proof.
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
@@ -44,12 +41,11 @@ def effects(scene: str, as_json: bool, tolerance: str, figure: Path | None) -> N
     """
     from haptisym.pruning.relevance import relevance
     from haptisym.pruning.text import document, page
-    from haptisym.scenefile import load_scene
 
-    found = relevance(load_scene(scene), tolerance)
+    found = relevance(scene, tolerance)
     if figure is not None:
         from haptisym.pruning.figure import save_influences
 
         save_influences(found, figure)
-        click.echo(f"figure written to {figure}", err=True)
+        written("figure", figure)
     click.echo(dumps(document(found), indent=2, ensure_ascii=False) if as_json else page(found), nl=as_json)

@@ -7,28 +7,23 @@ from pathlib import Path
 
 import click
 
-from haptisym.options import environment_option, json_option
+from haptisym.scene import Scene
+
+from .options import figure_option, json_option, scene_argument, written
 
 
 @click.command()
-@click.argument("scene")
-@environment_option
+@scene_argument
 @click.option(
     "--to", "language", type=click.Choice(["text", "latex"]), default="text", show_default=True, help="What to write."
 )
-@click.option(
-    "--figure",
-    type=click.Path(dir_okay=False, path_type=Path),
-    metavar="FILE",
-    help="Draw the measures over the band (.svg, .pdf or .png).",
-)
+@figure_option("the measures over the band")
 @json_option
 def metrics(
-    scene: str,
-    environment: str | None,
+    scene: Scene,
     language: str,
     figure: Path | None,
-    as_json: bool,  # noqa: FBT001 - a flag of the command line
+    as_json: bool,
 ) -> None:
     """Compare the measures of transparency that the field uses with what a hand notices.
 
@@ -46,14 +41,13 @@ def metrics(
     """
     from haptisym.measures import text as metricstext
     from haptisym.measures.transparency import metrics as measure
-    from haptisym.scenefile import load_scene
 
-    found = measure(load_scene(scene, environment))
+    found = measure(scene)
     if figure is not None:
         from haptisym.measures.figure import save_metrics_figure
 
         save_metrics_figure(found, figure)
-        click.echo(f"figure written to {figure}", err=True)
+        written("figure", figure)
     write = metricstext.as_json if as_json else metricstext.as_latex if language == "latex" else metricstext.as_text
     click.echo(write(found), nl=as_json)
     if not found.measured.certified:

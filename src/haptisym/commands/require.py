@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import click
 
-from haptisym.options import json_option
+from haptisym.scene import Scene
+
+from .options import figure_option, hand_over, json_option, scene_argument, written
 
 
 @click.command()
-@click.argument("scene")
+@scene_argument
 @click.option(
     "--free",
     "paths",
@@ -38,17 +39,15 @@ from haptisym.options import json_option
     show_default=True,
     help="Correct decimal digits of each end.",
 )
-@click.option(
-    "--figure", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE", help="Draw it: .svg, .pdf or .png."
-)
+@figure_option("the set, or the map")
 @click.option("--slices", type=click.IntRange(3, 2000), default=41, show_default=True, help="Exact slices of a map.")
 def require(
-    scene: str,
+    scene: Scene,
     paths: tuple[str, ...],
     ranges: tuple[tuple[str, str], ...],
     name: str | None,
-    any_environment: bool,  # noqa: FBT001
-    as_json: bool,  # noqa: FBT001
+    any_environment: bool,
+    as_json: bool,
     digits: int,
     figure: Path | None,
     slices: int,
@@ -70,23 +69,20 @@ def require(
     from haptisym.requirement.designmap import DesignMap, design_map
     from haptisym.requirement.question import Requirement
     from haptisym.requirement.question import require as ask
-    from haptisym.scenefile import load_scene
 
     if len(paths) > 2 or (ranges and len(ranges) != len(paths)):
         raise SceneError("--free may be given once or twice, and --range not at all or as often, in the same order")
-    loaded, part = load_scene(scene), Part(name) if name else None
+    part = Part(name) if name else None
     found: DesignMap | Requirement
     if len(paths) == 2:
         if not ranges:
             raise SceneError("a map of two parameters needs a --range for each")
-        found = design_map(loaded, paths, ranges, part=part, any_environment=any_environment, slices=slices)
+        found = design_map(scene, paths, ranges, part=part, any_environment=any_environment, slices=slices)
     else:
-        found = ask(loaded, paths[0], *ranges, part=part, any_environment=any_environment, digits=digits)
+        found = ask(scene, paths[0], *ranges, part=part, any_environment=any_environment, digits=digits)
     if figure is not None:
         from haptisym.requirement.figures import save_requirement
 
         save_requirement(found, figure)
-        click.echo(f"figure written to {figure}", err=True)
-    click.echo(found.to_json() if as_json else str(found), nl=as_json)
-    if not found.certified:
-        sys.exit(3)
+        written("figure", figure)
+    hand_over(found, as_json=as_json)

@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import click
 
-from haptisym.options import json_option
-from haptisym.scenefile import load_scene
+from haptisym.scene import Scene
+
+from .options import figure_option, hand_over, json_option, scene_argument, written
 
 
 @click.command()
-@click.argument("scene")
+@scene_argument
 @json_option
 @click.option(
     "--digits", type=click.IntRange(1, 1000), default=15, show_default=True, help="Correct decimal digits in --json."
 )
-@click.option(
-    "--figure",
-    type=click.Path(dir_okay=False, path_type=Path),
-    metavar="FILE",
-    help="Write bars of the elasticities (.svg, .pdf or .png).",
-)
-def sensitivity(scene: str, as_json: bool, digits: int, figure: Path | None) -> None:  # noqa: FBT001
+@figure_option("bars of the elasticities")
+def sensitivity(scene: Scene, as_json: bool, digits: int, figure: Path | None) -> None:
     """Tell how each frequency moves with each parameter, exactly.
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
@@ -40,12 +35,10 @@ def sensitivity(scene: str, as_json: bool, digits: int, figure: Path | None) -> 
     """
     from haptisym.sensitivities.answers import sensitivity as of
 
-    found = of(load_scene(scene), digits)
+    found = of(scene, digits)
     if figure is not None:
         from haptisym.sensitivities.figure import save_elasticities
 
         save_elasticities(found, figure)
-        click.echo(f"figure written to {figure}", err=True)
-    click.echo(found.to_json() if as_json else str(found), nl=as_json)
-    if not found.certified:
-        sys.exit(3)
+        written("figure", figure)
+    hand_over(found, as_json=as_json)

@@ -13,12 +13,13 @@ from typing import Any
 import click
 
 from haptisym.errors import SceneError
-from haptisym.options import json_option
-from haptisym.scenefile import load_scene
+from haptisym.scene import Scene
+
+from .options import figure_option, json_option, scene_argument, written
 
 
 @click.command()
-@click.argument("scene")
+@scene_argument
 @click.option(
     "--vary",
     "vary",
@@ -35,19 +36,14 @@ from haptisym.scenefile import load_scene
     help="Stream to FILE.zarr or FILE.nc; what is there of this sweep already is kept.",
 )
 @json_option
-@click.option(
-    "--figure",
-    type=click.Path(dir_okay=False, path_type=Path),
-    metavar="FILE",
-    help="Write the design chart (.svg, .pdf or .png); for one or two parameters.",
-)
+@figure_option("the design chart of one or two parameters")
 @click.option("--workers", type=click.IntRange(1, 1024), metavar="N", help="Processes on this machine; 1 if not given.")
 @click.option("--cluster", metavar="ADDRESS", help='A dask scheduler, as "tcp://10.0.0.1:8786".')
 def sweep(
-    scene: str,
+    scene: Scene,
     vary: tuple[str, ...],
     out: Path | None,
-    as_json: bool,  # noqa: FBT001 - a flag of the command line
+    as_json: bool,
     figure: Path | None,
     workers: int | None,
     cluster: str | None,
@@ -73,8 +69,7 @@ def sweep(
     from haptisym.sweeps.axes import spaced
     from haptisym.sweeps.designspace import sweep as sweep_scene
 
-    loaded = load_scene(scene)
-    asked = [spaced(text, loaded) for text in vary]
+    asked = [spaced(text, scene) for text in vary]
     if len({path for path, _ in asked}) < len(asked):
         raise SceneError("--vary: each path may be given only once")
     if figure is not None and (len(asked) > 2 or figure.suffix not in (".svg", ".pdf", ".png")):
@@ -84,11 +79,11 @@ def sweep(
     with ExitStack() as stack:
         stack.enter_context(_engine(workers, cluster))
         progress = stack.enter_context(_progress())
-        found = sweep_scene(loaded, dict(asked), out=out, progress=progress)
+        found = sweep_scene(scene, dict(asked), out=out, progress=progress)
     if figure is not None:
         from haptisym.sweeps.figure import save_sweep_figure
 
-        click.echo(f"chart written to {save_sweep_figure(found, figure)}", err=True)
+        written("chart", save_sweep_figure(found, figure))
     from haptisym.sweeps.text import document, page
 
     told = document(found, out)

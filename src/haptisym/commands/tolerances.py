@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import click
 
-from haptisym.options import json_option
-from haptisym.scenefile import load_scene
+from haptisym.scene import Scene
+
+from .options import figure_option, hand_over, json_option, scene_argument, written
 
 
 @click.command()
-@click.argument("scene")
+@scene_argument
 @json_option
 @click.option(
     "--samples",
@@ -22,13 +22,8 @@ from haptisym.scenefile import load_scene
     help="Sets of values to draw for the estimates.",
 )
 @click.option("--seed", type=int, default=2019, show_default=True, help="Of the random numbers of the estimates.")
-@click.option(
-    "--figure",
-    type=click.Path(dir_okay=False, path_type=Path),
-    metavar="FILE",
-    help="Write enclosures and samples as a figure (.svg, .pdf or .png).",
-)
-def tolerances(scene: str, as_json: bool, samples: int, seed: int, figure: Path | None) -> None:  # noqa: FBT001
+@figure_option("enclosures and samples")
+def tolerances(scene: Scene, as_json: bool, samples: int, seed: int, figure: Path | None) -> None:
     """Tell what holds for all values of parameters that are known as ranges.
 
     SCENE is a scene file (TOML) or the name of a shipped scene; a parameter in it may be written "1.8 kg +- 5 %",
@@ -46,12 +41,10 @@ def tolerances(scene: str, as_json: bool, samples: int, seed: int, figure: Path 
     """
     from haptisym.tolerance.answers import tolerances as of
 
-    found = of(load_scene(scene), samples, seed)
+    found = of(scene, samples, seed)
     if figure is not None:
         from haptisym.tolerance.figure import save_tolerances
 
         save_tolerances(found, figure)
-        click.echo(f"figure written to {figure}", err=True)
-    click.echo(found.to_json() if as_json else str(found), nl=as_json)
-    if not found.certified:
-        sys.exit(3)
+        written("figure", figure)
+    hand_over(found, as_json=as_json)

@@ -1,0 +1,71 @@
+"""The verb ``haptisym derive``: the formulas of a scene."""
+
+from __future__ import annotations
+
+import click
+
+from haptisym.scene import Scene
+
+from .options import json_option, scene_argument
+
+_CODE = ("numpy", "c", "octave", "julia", "javascript")
+_OUTPUTS = ("text", "latex", "mathml", "json", *_CODE)
+
+
+@click.command()
+@scene_argument
+@click.option(
+    "--symbolic", "mode", flag_value="symbolic", default="symbolic", help="Keep every parameter a symbol (the default)."
+)
+@click.option("--numeric", "mode", flag_value="numeric", help="Put the scene's number in for every parameter.")
+@click.option(
+    "--keep",
+    "keep",
+    multiple=True,
+    metavar="NAME",
+    help="Keep this parameter only (may be repeated; c is the threshold).",
+)
+@click.option("--to", "language", type=click.Choice(_OUTPUTS), default="text", show_default=True, help="What to write.")
+@click.option(
+    "--of", "names", multiple=True, metavar="QUANTITY", help="Only this quantity, written out (may be repeated)."
+)
+@json_option
+def derive(
+    scene: Scene,
+    mode: str,
+    keep: tuple[str, ...],
+    language: str,
+    names: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Derive the formulas of a scene: in steps, written out, solved, dimensionless, and as code.
+
+    SCENE is a scene file (TOML) or the name of a shipped scene.
+
+    Quantities for --of: H_env, H_perc, dH, Re dH, Im dH, |H_env|^2, r_r, r_i, Re(dH/H_env), Im(dH/H_env), the threshold
+    polynomials p_r and p_i, the perceived properties k_env, m_env, b_env, k_perc, m_perc, b_perc, the force phasors F_si_env,
+    F_d_env, F_si_perc, F_d_perc, jnd k, jnd b, jnd m, the crossings omega_r and omega_i, the changeovers omega_env and
+    omega_perc, and the sensitivities d omega_r/d NAME and d omega_i/d NAME of a crossing to a parameter.
+
+    \b
+    Examples:
+      haptisym derive fu2019
+      haptisym derive fu2019 --keep omega_n --of "Re dH" --to latex
+      haptisym derive fu2019 --to c > distortion.c
+    """
+    from haptisym.formulas.derivation import derive as derive_scene
+
+    kept = keep or (None if mode == "symbolic" else ())
+    if not as_json and language in _CODE:
+        from haptisym.codegen.scene import Language, scene_code
+
+        names_kept = None if kept is None else [x for x in kept if x != "c"]
+        click.echo(scene_code(scene, Language[language.upper()], parameters=names_kept), nl=False)
+        return
+    from haptisym.formulas import text as derivationtext
+    from haptisym.formulas.sections import asked, sections
+
+    d = derive_scene(scene, kept)
+    found = asked(d, names) if names else sections(d)
+    write = getattr(derivationtext, f"as_{'json' if as_json else language}")
+    click.echo(write(d, found), nl=as_json or language == "json")

@@ -1,0 +1,116 @@
+"""The verb ``haptisym evaluate``: when a display is noticed, and how it is felt."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from haptisym.errors import SceneError
+from haptisym.evaluation import evaluate as evaluate_scene
+from haptisym.family.family import SceneFamily
+from haptisym.scenefile import load_scene, load_scenes
+
+from .options import environment_option, figures_option, hand_over, json_option, written
+
+
+@click.command()
+@click.argument("scene")
+@click.argument("more", nargs=-1, metavar="")
+@json_option
+@environment_option
+@click.option(
+    "--environments",
+    multiple=True,
+    metavar="FILE...",
+    help="Feel the environments of these scenes (files or names) instead, all at once.",
+)
+@click.option(
+    "--digits",
+    type=click.IntRange(1, 10_000),
+    default=15,
+    show_default=True,
+    help="Correct decimal digits of each crossing.",
+)
+@click.option("--tolerance", metavar="X", help="Leave out the effects that change the ratios by at most that, jointly.")
+@figures_option
+@click.option(
+    "--latex", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE", help="Write the derivation as LaTeX."
+)
+@click.option(
+    "--report",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Write the report: a page (.html) with an explorer, or a document (.pdf).",
+)
+def evaluate(
+    scene: str,
+    more: tuple[str, ...],
+    as_json: bool,
+    environment: str | None,
+    environments: tuple[str, ...],
+    digits: int,
+    tolerance: str | None,
+    figures: Path | None,
+    latex: Path | None,
+    report: Path | None,
+) -> None:
+    """Find when a display begins to be noticed, and how it is felt, with proof.
+
+    SCENE is a scene file (TOML) or the name of a shipped scene.
+
+    Step 1 finds every frequency of the band at which r_r = |Re dH|/|H_env| or r_i = |Im dH|/|H_env| meets the JND
+    threshold; step 2 says as which mechanical property the distortion is felt beyond it. Frequencies are in rad/s.
+
+    A scene with several environments ([[environments]], or --environments after SCENE) gives a row for each and the worst
+    case: the band that is transparent for all, and which environment and part bind at its ends.
+
+    \b
+    Examples:
+      haptisym evaluate fu2019
+      haptisym evaluate palpation-device
+      haptisym evaluate palpation-device --environment liver
+      haptisym evaluate fu2019 --environments fu2019 helicopter-cyclic my-stick.toml
+      haptisym evaluate fu2019 --figures figures --latex fu2019.tex
+      haptisym evaluate fu2019 --report fu2019.html
+      haptisym evaluate my-device.toml --json --digits 50
+      haptisym evaluate control-stick-in-detail --tolerance 0.01
+    """
+    if more and not environments:
+        raise click.UsageError(f"got an unexpected argument ({more[0]})")
+    family = load_scenes(scene, (*environments, *more))
+    if environment is None and (environments or len(family) > 1):
+        refused = {"--latex": latex, "--report": report, "--tolerance": tolerance}
+        _evaluate_all(family, digits, figures, as_json, [name for name, given in refused.items() if given is not None])
+        return
+    chosen = family[str(environment)] if environments else load_scene(scene, environment)
+    result = evaluate_scene(chosen, digits, tolerance=tolerance)
+    if figures is not None:
+        from haptisym.figures.files import save_figures
+
+        written(f"{len(save_figures(result, figures))} figures", figures)
+    if latex is not None:
+        from haptisym.tex.document import document
+
+        latex.write_text(document(result), encoding="utf-8")
+        written("LaTeX", latex)
+    if report is not None:
+        from haptisym.report.page import save_report
+
+        save_report(result, report)
+        written("report", report)
+    hand_over(result, as_json=as_json)
+
+
+def _evaluate_all(family: SceneFamily, digits: int, figures: Path | None, as_json: bool, refused: list[str]) -> None:
+    """Several environments at once."""
+    from haptisym.family.evaluation import evaluate_all
+
+    if refused:
+        raise SceneError(f"{refused[0]} takes one environment: choose it with --environment NAME")
+    result = evaluate_all(family, digits)
+    if figures is not None:
+        from haptisym.family.figure import save_family_figures
+
+        written(f"{len(save_family_figures(result, figures))} figures", figures)
+    hand_over(result, as_json=as_json)

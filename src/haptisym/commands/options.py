@@ -1,0 +1,74 @@
+"""What the verbs of the command line share: the scene that they are about, options alike, and how an answer is handed over."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from functools import wraps
+from pathlib import Path
+from typing import Any, Protocol
+
+import click
+
+from haptisym.scenefile import load_scene
+
+Command = Callable[..., Any]
+
+
+class Answer(Protocol):
+    """What a verb answers: a page of text, a document, and whether it is proven."""
+
+    @property
+    def certified(self) -> bool:
+        """Whether nothing stayed undecided."""
+
+    def to_json(self) -> str:
+        """The document."""
+
+
+def scene_argument(command: Command) -> Command:
+    """SCENE and, of a scene with several environments, ``--environment NAME``: the command gets the loaded scene."""
+
+    @click.argument("scene")
+    @environment_option
+    @wraps(command)
+    def loaded(*args: Any, scene: str, environment: str | None, **options: Any) -> Any:
+        return command(*args, scene=load_scene(scene, environment), **options)
+
+    return loaded
+
+
+def environment_option(command: Command) -> Command:
+    """The option ``--environment NAME``."""
+    return click.option(
+        "--environment", "environment", metavar="NAME", help="Of a scene with several environments, only this one."
+    )(command)
+
+
+def json_option(command: Command) -> Command:
+    """The option ``--json``."""
+    return click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")(command)
+
+
+def figure_option(what: str) -> Callable[[Command], Command]:
+    """The option ``--figure FILE``, for a drawing of what is said."""
+    kind = click.Path(dir_okay=False, path_type=Path)
+    return click.option("--figure", type=kind, metavar="FILE", help=f"Draw {what} (.svg, .pdf or .png).")
+
+
+def figures_option(command: Command) -> Command:
+    """The option ``--figures DIR``."""
+    kind = click.Path(file_okay=False, path_type=Path)
+    return click.option("--figures", type=kind, metavar="DIR", help="Write the figures there.")(command)
+
+
+def written(what: str, path: Path) -> None:
+    """Tell on standard error that a file is there."""
+    click.echo(f"{what} written to {path}", err=True)
+
+
+def hand_over(found: Answer, *, as_json: bool) -> None:
+    """Print an answer; exit status 3 where something in it stayed undecided."""
+    click.echo(found.to_json() if as_json else str(found), nl=as_json)
+    if not found.certified:
+        sys.exit(3)

@@ -1,0 +1,26 @@
+"""The verb ``haptisym scenes``: what the package ships."""
+
+from __future__ import annotations
+
+from json import dumps
+
+import click
+
+from haptisym.scenefile import family_names, load_scenes, scene_names
+
+from .options import json_option
+
+
+@click.command()
+@json_option
+def scenes(as_json: bool) -> None:
+    """List the scenes that the package ships."""
+    listed = [(name, load_scenes(name)) for name in (*scene_names(), *family_names())]
+    if as_json:
+        keys = [(name, x.title, x.source, [e.name for e in x.first.effects], len(x)) for name, x in listed]
+        rows = [dict(zip(("name", "title", "source", "effects", "environments"), row, strict=True)) for row in keys]
+        click.echo(dumps({"schema": "haptisym.scenes/1", "scenes": rows}, indent=2, ensure_ascii=False))
+        return
+    width = max(len(name) for name, _ in listed)
+    for name, x in listed:
+        click.echo(f"{name:<{width}}  {x.title}")
