@@ -10,7 +10,7 @@ import haptisym as hs
 from haptisym.formulas.asymptotics import expansion
 from haptisym.peaks import largest
 
-NAMES = [name for name in hs.scene_names() if name not in ("admittance-display",)]
+NAMES = [name for name in hs.scene_names() if name not in ("admittance-display", "control-stick-in-detail")]
 
 
 def test_a_fast_filter_adds_its_damping_and_takes_inertia_in_proportion() -> None:

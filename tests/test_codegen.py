@@ -26,7 +26,7 @@ from sympy import I, Integer, Rational, Symbol, cosh, exp, pi, sin, sinc, sinh, 
 import haptisym as hs
 from haptisym import effects, environments
 from haptisym.codegen.code import About, Argument, Language, code
-from haptisym.codegen.forms import distortion_steps
+from haptisym.codegen.forms import closed_steps
 from haptisym.codegen.names import comment, identifiers
 from haptisym.codegen.printers import nearest_double
 from haptisym.codegen.scene import distortion_code, scene_code, scene_program
@@ -62,7 +62,9 @@ OTHERS = {
     "spring-pots in a row": hs.Scene(environments.spring_pot(80, "0.3", 100), (effects.series(10 / (10 + hs.s ** Rational(3, 4))), effects.coulomb_friction("0.2 N", "5 cm"))),
     "no effect": hs.Scene(MSD),
 }  # fmt: skip
-SCENES = {**{name: hs.load_scene(name) for name in hs.scene_names()}, **OTHERS}
+# written out in all symbols of its ten effects, the formula of the detailed stick would fill a book
+NAMES = [name for name in hs.scene_names() if name != "control-stick-in-detail"]
+SCENES = {**{name: hs.load_scene(name) for name in NAMES}, **OTHERS}
 
 
 # --- the witness -----------------------------------------------------------------------------------------------------
@@ -375,12 +377,11 @@ def test_there_is_no_code_for_an_effect_that_is_absent(language):
 
 
 @pytest.mark.parametrize("language", Language, ids=lambda x: x.name)
-@pytest.mark.parametrize("name", hs.scene_names())
+@pytest.mark.parametrize("name", NAMES)
 def test_the_documentation_lists_every_argument_with_meaning_and_unit(name, language):
     scene = hs.load_scene(name)
     text = " ".join(
-        re.sub(r"^\s*(#|%|\*)", "", line).strip()
-        for line in source(2 * hs.scene_names().index(name), language).splitlines()
+        re.sub(r"^\s*(#|%|\*)", "", line).strip() for line in source(2 * NAMES.index(name), language).splitlines()
     )
     assert "rad/s" in text
     for p in scene.parameters:
@@ -402,7 +403,7 @@ def test_the_documentation_lists_every_argument_with_meaning_and_unit(name, lang
 
 @pytest.mark.parametrize("language", Language, ids=lambda x: x.name)
 def test_the_file_needs_no_haptisym_and_its_lines_fit_a_page(language):
-    text = source(2 * hs.scene_names().index("steering-wheel"), language)
+    text = source(2 * NAMES.index("steering-wheel"), language)
     assert "import haptisym" not in text
     assert max(map(len, code_only(text, language).splitlines())) <= 110
 
@@ -510,7 +511,7 @@ def test_no_text_ends_a_comment(text):
 
 def test_the_steps_are_exactly_the_closed_forms():
     d = hs.load_scene("fu2019").symbolic_distortion()
-    steps = distortion_steps(d).expressions()
+    steps = closed_steps(d).expressions()
     wanted = {
         "real": d.real,
         "imag": d.imag,

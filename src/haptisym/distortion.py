@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -74,6 +74,20 @@ class Chain:
     def entries(self) -> tuple[Expr, ...]:
         """All dynamics in it: H_env, what is rendered, and the entries of the matrices."""
         return self.environment, self.rendered, *(entry for matrix in self.matrices for entry in matrix)
+
+    @property
+    def parameters(self) -> tuple[Symbol, ...]:
+        """The symbols in it, in the order of their names."""
+        return tuple(sorted(set(self.ring.symbols) - {threshold}, key=str))
+
+    def program(self, fields: Sequence[str]) -> Program:
+        """The straight-line program of some fields of ``numeric.Values``; what is 0 everywhere is written as 0."""
+        write = stable_program(self.ring, self.environment, self.rendered, self.matrices, self.parameters)
+        program = write(fields, ())
+        # a value that is not 0 at some point settles that a field is not 0 everywhere
+        sample = Point(program, tuple(1.25 + n / 8 for n in range(len(program.inputs)))).balls(128)
+        zero = [name for name in fields if sample[name].contains(0) and self.distortion().vanishes(name)]
+        return write(fields, zero) if zero else program
 
     def at(self, values: Mapping[Symbol, Expr]) -> Chain:
         """The same chain with values for some of its symbols."""
@@ -270,23 +284,16 @@ class Distortion:
         [0.0, -30.0]
         """
         names = chosen(of)
-        program = self.program(names, ())
-        # a value that is not 0 at some point settles that a field is not 0 everywhere
-        sample = Point(program, tuple(1.25 + n / 8 for n in range(len(program.inputs)))).balls(128)
-        zero = [name for name in names if sample[name].contains(0) and self._vanishes(name)]
-        program = self.program(names, zero) if zero else program
+        program = self.needed_chain.program(names)
         return compiled(program, lambda values: self.at(values).functions(names), accuracy, engine)
 
     @cached_property
-    def program(self) -> Callable[[Sequence[str], Collection[str]], Program]:
-        """What writes the straight-line program of some fields."""
-        parameters = sorted(self.free_symbols, key=str)
-        # parameters of effects that cancel each other may be any number
-        others = sorted(set(self.chain.ring.symbols) - {*parameters, threshold}, key=str)
-        chain = self.chain.at({x: Rational(n + 7, 5) for n, x in enumerate(others)})
-        return stable_program(chain.ring, chain.environment, chain.rendered, chain.matrices, parameters)
+    def needed_chain(self) -> Chain:
+        """The chain with numbers for parameters that cancel: those of effects that undo each other may be any number."""
+        others = sorted(set(self.chain.parameters) - self.free_symbols, key=str)
+        return self.chain.at({x: Rational(n + 7, 5) for n, x in enumerate(others)})
 
-    def _vanishes(self, name: str) -> bool:
+    def vanishes(self, name: str) -> bool:
         """Whether a field is 0 at all frequencies, whatever the parameters."""
         kind, _, part = name.rpartition("_")
         change = self.perc - self.env

@@ -16,8 +16,8 @@ from typing import Any
 
 from sympy import Abs, Add, Expr, Integer, Mul, Rational, Symbol, cos, sqrt
 
-from haptisym.distortion import Distortion, part_of
-from haptisym.exact.response import Axis, RealFunction
+from haptisym.distortion import Chain, Distortion, part_of
+from haptisym.exact.response import Axis, RealFunction, on_axis
 from haptisym.exact.rings import Polynomial, PolynomialRing, RationalFunction
 from haptisym.formulas.steps import Steps
 from haptisym.jnd import Part
@@ -27,7 +27,7 @@ from haptisym.symbols import omega
 from .short import program_steps
 
 
-def distortion_steps(distortion: Distortion) -> Steps:
+def chain_steps(chain: Chain) -> Steps:
     """Re and Im of dH, of dH/H_env, of H_env and of H_perc, and both ratios: the fields of ``numeric.Values``, in its order.
 
     The stable straight-line program that ``compile`` runs; closed forms in lowest terms where Re and Im of H_env vanish
@@ -36,19 +36,18 @@ def distortion_steps(distortion: Distortion) -> Steps:
     >>> from haptisym.effects import first_order_lag
     >>> from haptisym.environments import kelvin_voigt
     >>> from haptisym.distortion import distort
-    >>> steps = distortion_steps(distort(kelvin_voigt(100, 2), first_order_lag(20)))
+    >>> steps = chain_steps(distort(kelvin_voigt(100, 2), first_order_lag(20)).chain)
     >>> steps.at({omega: Integer(10)})["relative_real"], steps.operations < 40
     (-1/5, True)
     """
-    fields = Values._fields
-    zero = [name for name, f in distortion.functions(fields).items() if f.is_zero]
-    steps = program_steps(distortion.program(fields, zero))
-    return steps if _has_no_limits(distortion, steps) else closed_steps(distortion)
+    steps = program_steps(chain.program(Values._fields))
+    return steps if _has_no_limits(chain, steps) else closed_steps(chain.distortion())
 
 
-def _has_no_limits(distortion: Distortion, steps: Steps) -> bool:
+def _has_no_limits(chain: Chain, steps: Steps) -> bool:
     """Whether all values are values, none of them a limit: Re and Im of H_env have no zero in common, and nothing is 0/0 at 0."""
-    R, X = (part_of(distortion.env_response, part).function.numerator for part in Part)
+    environment = on_axis(chain.ring.convert(chain.environment).reduced())
+    R, X = (part_of(environment, part).function.numerator for part in Part)
     apart = R.is_zero() or X.is_zero() or R.gcd(X).is_constant()
     known = {x: Rational(n + 7, 5) for n, x in enumerate(sorted(steps.free_symbols - {omega}, key=str))}
     return apart and all(x.is_finite for x in steps.at({**known, omega: Integer(0)}).values())

@@ -15,7 +15,7 @@ from haptisym.symbols import omega
 from haptisym.typeset.plain import plain
 
 from .code import About, Argument, Language, Program
-from .forms import distortion_steps
+from .forms import chain_steps
 from .printers import nearest_double
 
 __all__ = ["Language", "distortion_code", "scene_code", "scene_program"]
@@ -73,11 +73,11 @@ def scene_program(scene: Scene, parameters: Iterable[str] | None = None) -> Prog
         if x not in names:
             raise SceneError(f'the scene has no parameter "{x}": it has {", ".join(names) or "none"}')
     fixed = {p.symbol: p.value for p in scene.parameters if p.symbol.name not in free}
-    distortion = scene.chain.at(fixed).distortion()
+    chain = scene.chain.at(fixed)
     arguments = [a for a in _scene_arguments(scene) if a.symbol.name in free]
-    arguments += [Argument(x) for x in sorted(distortion.free_symbols - {a.symbol for a in arguments}, key=str)]
+    arguments += [Argument(x) for x in chain.parameters if x not in {a.symbol for a in arguments}]
     about = About(scene.title or "Distortion of a haptic display", _scene_notes(scene, fixed), _results(scene.motion))
-    return Program(distortion_steps(distortion), (FREQUENCY, *arguments), about)
+    return Program(chain_steps(chain), (FREQUENCY, *arguments), about)
 
 
 def distortion_code(distortion: Distortion, language: Language, *, name: str = "distortion") -> str:
@@ -92,7 +92,7 @@ def distortion_code(distortion: Distortion, language: Language, *, name: str = "
     arguments = [FREQUENCY, *(Argument(x) for x in sorted(distortion.free_symbols, key=str))]
     notes = (f"H_env(s) = {_formula(distortion.environment)}", f"H_perc(s) = {_formula(distortion.perceived)}", *_NOTES)
     about = About("Distortion of a haptic display", notes, _results(None))
-    return Program(distortion_steps(distortion), tuple(arguments), about).code(language, name=name)
+    return Program(chain_steps(distortion.needed_chain), tuple(arguments), about).code(language, name=name)
 
 
 def _results(motion: Motion | None) -> dict[str, tuple[str, str]]:

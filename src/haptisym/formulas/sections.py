@@ -278,6 +278,8 @@ def _in_x(found: Groups, steps: Steps) -> Steps:
 
 
 def _fast(d: Derivation) -> Iterator[Section]:
+    if d.steps.operations > _MOST_STEPS:
+        return
     try:
         found = d.expansion()
     except SceneError:
