@@ -16,8 +16,8 @@ SOURCE = Path(haptisym.__file__).parent
 LAYERS = """
 errors symbols costs.measurement pruning.suprema report.html simulation.network sweeps.batch tolerance.taylormodels \
 typeset.boxes
-expressions codegen.names exact.reals exact.rings formulas.steps numeric.accuracy simulation.descriptor sweeps.bernstein \
-typeset.names
+expressions codegen.names exact.reals exact.rings figures.kinds formulas.steps numeric.accuracy simulation.descriptor \
+sweeps.bernstein typeset.names
 quantities codegen.languages codegen.printers exact.response exact.wavesums exact.zeros numeric.program \
 sensitivities.implicit simulation.rightmost sweeps.families tex.names typeset.numerals typeset.order
 codegen.code codegen.short exact.isolation exact.polynomials exact.solutions numeric.balls numeric.floats numeric.stable \

@@ -54,7 +54,7 @@ OWN = {
     ),
 }  # fmt: skip
 EVERY = (*SHIPPED, *OWN)
-PAGES = often(EVERY, {"fu2019", "hostile", "tangency"}.__contains__)
+CASES = often(EVERY, {"fu2019", "hostile", "tangency"}.__contains__)
 
 
 @cache
@@ -97,7 +97,7 @@ def flat(document: object) -> Iterator[float]:
 # The page as a document.
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", CASES)
 def test_the_page_is_well_formed_and_small(name: str) -> None:
     text = written(name)
     read = Page(text)
@@ -113,7 +113,7 @@ def test_the_page_is_well_formed_and_small(name: str) -> None:
         assert used in read.ids
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", CASES)
 def test_the_page_refers_to_nothing_outside_of_itself(name: str) -> None:
     read = Page(written(name))
     assert read.loads == []
@@ -121,7 +121,7 @@ def test_the_page_refers_to_nothing_outside_of_itself(name: str) -> None:
     assert "default-src 'none'" in unescape(written(name))
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", CASES)
 def test_every_number_of_the_page_is_one_of_the_document(name: str) -> None:
     result, text = evaluated(name), written(name)
     document, read = result.to_dict(), Page(text)
@@ -152,7 +152,7 @@ def test_text_is_escaped_by_construction() -> None:
     assert Page(script("x = '</script>'; // <!--")).tags == ["script"]
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", CASES)
 def test_every_control_has_a_name(name: str) -> None:
     read = Page(written(name))
     inputs = [x for x in read.controls if x["type"] in ("range", "number")]
@@ -200,7 +200,7 @@ NAMED = {
 }
 
 
-@pytest.mark.parametrize("name", [x for x in PAGES if x != "hostile"])
+@pytest.mark.parametrize("name", [x for x in CASES if x != "hostile"])
 @pytest.mark.parametrize("omega", [4.5, 11.25])
 def test_every_formula_of_the_page_has_the_value_that_the_physics_has(name: str, omega: float) -> None:
     """Long formulas are broken in lines and named in parts: read together again, nothing is lost and no sign is turned."""
@@ -346,7 +346,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
         yield show
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", CASES)
 def test_the_page_loads_without_a_complaint_and_asks_for_nothing(name: str, shown: Any) -> None:
     opened = shown(name)
     assert opened.complaints() == []

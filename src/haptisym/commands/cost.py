@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -20,8 +19,6 @@ from .options import environment_option, figure_option, json_option, written
 if TYPE_CHECKING:
     from haptisym.costs.costs import Cost
     from haptisym.costs.hardcosts import HardCosts
-
-FORMATS = (".svg", ".pdf", ".png")
 
 
 @click.command()
@@ -60,8 +57,6 @@ def cost(
         raise SceneError("--hard-cases brings its own scenes: leave out SCENE, --quick and --simulation")
     if scene is None and not hard_cases:
         raise SceneError("cost: name a SCENE, or ask for --hard-cases")
-    if figure is not None:
-        _check_figure(figure)
     with _progress() as told:
         found = _measured(load_scene(scene, environment) if scene else None, quick, simulation, told)
     if figure is not None:
@@ -81,14 +76,6 @@ def _measured(
 
     measure = simulation_cost if simulation else cost
     return measure(scene, quick=quick, told=told)
-
-
-def _check_figure(path: Path) -> None:
-    """Before a minute of measuring, not after it."""
-    if path.suffix.lower() not in FORMATS:
-        raise SceneError(f"--figure: {path} must end in {', '.join(FORMATS)}")
-    if not os.access(path.parent, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
-        raise SceneError(f"--figure: {path} cannot be written")
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable
 from functools import wraps
@@ -10,6 +11,8 @@ from typing import Any, Protocol
 
 import click
 
+from haptisym.errors import SceneError
+from haptisym.figures.kinds import checked
 from haptisym.scenefile import load_scene
 
 Command = Callable[..., Any]
@@ -51,9 +54,18 @@ def json_option(command: Command) -> Command:
 
 
 def figure_option(what: str) -> Callable[[Command], Command]:
-    """The option ``--figure FILE``, for a drawing of what is said."""
+    """The option ``--figure FILE``, for a drawing of what is said; a path that will not do is refused before the work begins."""
     kind = click.Path(dir_okay=False, path_type=Path)
-    return click.option("--figure", type=kind, metavar="FILE", help=f"Draw {what} (.svg, .pdf or .png).")
+    help_text = f"Draw {what} (.svg, .pdf or .png)."
+    return click.option("--figure", type=kind, metavar="FILE", callback=_writable, help=help_text)
+
+
+def _writable(_context: click.Context, _option: click.Parameter, path: Path | None) -> Path | None:
+    if path is None:
+        return None
+    if not os.access(path.parent, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
+        raise SceneError(f"figure: {path} cannot be written")
+    return checked(path)
 
 
 def figures_option(command: Command) -> Command:

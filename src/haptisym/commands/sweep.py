@@ -72,10 +72,8 @@ def sweep(
     asked = [spaced(text, scene) for text in vary]
     if len({path for path, _ in asked}) < len(asked):
         raise SceneError("--vary: each path may be given only once")
-    if figure is not None and (len(asked) > 2 or figure.suffix not in (".svg", ".pdf", ".png")):
-        raise SceneError(
-            f"--figure {figure}: a chart shows one or two parameters, in a file that ends in .svg, .pdf or .png"
-        )
+    if figure is not None and len(asked) > 2:
+        raise SceneError(f"figure: {figure} would show one or two parameters, not {len(asked)}")
     with ExitStack() as stack:
         stack.enter_context(_engine(workers, cluster))
         progress = stack.enter_context(_progress())

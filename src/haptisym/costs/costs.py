@@ -70,9 +70,11 @@ class Cost:
 
     def save_figure(self, path: str | Path) -> None:
         """Write the figure: right digits over time, a panel for each task; .svg, .pdf or .png."""
-        from .figure import draw, save_figure
+        from haptisym.figures.style import save_as
 
-        save_figure(draw(self.rows, self.scene.title), Path(path))
+        from .figure import draw
+
+        save_as(draw(self.rows, self.scene.title), path)
 
 
 def cost(scene: Scene, *, quick: bool = False, told: Told = lambda what, share: None) -> Cost:

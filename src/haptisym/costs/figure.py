@@ -6,20 +6,17 @@ both. Answers with a wrong number of crossings, or without a right digit, stand 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from pathlib import Path
 from textwrap import fill, wrap
 from typing import Any
 
-import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-from haptisym.errors import SceneError
 from haptisym.figures.style import GREY, INK, SHADE, SMALL, TEXT
 
 from .measurement import Row, front
@@ -227,12 +224,3 @@ def _handles(rows: Sequence[Row]) -> list[Any]:
         Line2D([], [], color=GREY, linewidth=0.9, linestyle=_DASHED, label="best of all"),
         Patch(facecolor=SHADE, label="no digit right, or a wrong count"),
     ]
-
-
-def save_figure(figure: Figure, path: Path) -> None:
-    """Write a figure as the ending of the path says; SceneError for any other ending than .svg, .pdf and .png."""
-    undated: Mapping[str, Any] = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {"Software": None}}
-    if path.suffix.lower() not in undated:
-        raise SceneError(f'--figure: "{path}" must end in {", ".join(undated)}')
-    with mpl.rc_context({"svg.hashsalt": "haptisym", "pdf.fonttype": 42}):
-        figure.savefig(path, metadata=undated[path.suffix.lower()], dpi=300)

@@ -68,10 +68,11 @@ class HardCosts:
 
     def save_figure(self, path: str | Path) -> None:
         """Write the figure: families against methods; .svg, .pdf or .png."""
-        from .figure import save_figure
+        from haptisym.figures.style import save_as
+
         from .hardfigure import draw
 
-        save_figure(draw(self.rows), Path(path))
+        save_as(draw(self.rows), path)
 
 
 def hard_costs(

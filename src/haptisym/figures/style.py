@@ -23,6 +23,7 @@ from haptisym.jnd import Part
 from haptisym.numeric.values import Array
 from haptisym.quantities import Motion
 
+from .kinds import UNDATED, checked
 from .sampling import ends_of
 
 WIDTH = 3.4
@@ -149,16 +150,16 @@ def entry(label: str) -> Line2D:
 
 
 def save(stem: Path, figure: Figure) -> list[Path]:
-    undated: dict[str, dict[str, Any]] = {
-        "svg": {"Date": None},
-        "pdf": {"CreationDate": None},
-        "png": {"Software": None},
-    }
-    paths = [stem.with_name(f"{stem.name}.{kind}") for kind in undated]
-    for path, metadata in zip(paths, undated.values(), strict=True):
-        with mpl.rc_context({"svg.hashsalt": "haptisym", "pdf.fonttype": 42}):
-            figure.savefig(path, metadata=metadata, dpi=400)
-    return paths
+    """The figure as SVG, PDF and PNG."""
+    return [save_as(figure, stem.with_name(f"{stem.name}{kind}")) for kind in UNDATED]
+
+
+def save_as(figure: Figure, path: str | Path) -> Path:
+    """The figure in one file, as its ending says, the same file for the same figure; SceneError for any other ending."""
+    target = checked(path)
+    with mpl.rc_context({"svg.hashsalt": "haptisym", "pdf.fonttype": 42}):
+        figure.savefig(target, metadata=dict(UNDATED[target.suffix.lower()]), dpi=400)
+    return target
 
 
 def one_column(height: float, draw: Callable[[Axes], None]) -> Figure:

@@ -25,6 +25,7 @@ from .steps import Steps
 from .structure import structure
 
 LONGEST = 120  # operations of a closed form that is written out unasked
+_MOST_PARAMETERS = 20  # beyond which groups are many, and take long to prove
 _MOST_STEPS = 150  # operations of the steps beyond which closed forms would fill pages
 _RATIOS = {Part.REAL: "r_r", Part.IMAG: "r_i"}
 _SHOWN = {
@@ -250,6 +251,8 @@ def _changeovers(d: Derivation) -> Section:
 
 def _dimensionless(d: Derivation) -> Iterator[Section]:
     title = ("Without dimensions",)
+    if len(d.scene.parameters) > _MOST_PARAMETERS:
+        return
     try:
         found = d.groups
     except SceneError as error:

@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from haptisym.errors import SceneError
 from haptisym.figures.sampling import ends_of, sampled
 from haptisym.figures.style import (
     BLUE,
@@ -25,6 +24,7 @@ from haptisym.figures.style import (
     dress,
     handle,
     legend,
+    save_as,
 )
 from haptisym.jnd import Part
 from haptisym.numeric.values import Array
@@ -32,17 +32,10 @@ from haptisym.numeric.values import Array
 from .measured import Bands
 from .metric import MetricRows
 
-_KINDS = (".svg", ".pdf", ".png")
-
 
 def save_metrics_figure(m: MetricRows, path: str | Path) -> Path:
     """The figure in a file; its ending says as what. SceneError for an ending other than .svg, .pdf and .png."""
-    target = Path(path)
-    if target.suffix not in _KINDS:
-        raise SceneError(f"{target.name}: a figure is written as {', '.join(_KINDS)}")
-    target.parent.mkdir(parents=True, exist_ok=True)
-    metrics_figure(m).savefig(target, dpi=400)
-    return target
+    return save_as(metrics_figure(m), path)
 
 
 def metrics_figure(m: MetricRows) -> Figure:

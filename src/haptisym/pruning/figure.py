@@ -5,13 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from haptisym.errors import SceneError
-from haptisym.figures.style import GREY, INK, SHADE, SMALL, TEXT, WIDTH, _spread, dress, text_width
+from haptisym.figures.style import GREY, INK, SHADE, SMALL, TEXT, WIDTH, _spread, dress, save_as, text_width
 from haptisym.jnd import Part
 from haptisym.numeric.values import Array
 
@@ -21,7 +20,6 @@ from .relevance import Relevance
 _DEPTH = 8  # 2^8 samples along the band
 _DECADES = 3.5  # below the tolerance that are shown
 _STYLES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (5, 1.5, 1, 1.5)))
-_KINDS: dict[str, dict[str, Any]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": {"Software": None}}
 
 
 def draw_influences(ax: Axes, found: Relevance, part: Part) -> None:
@@ -63,10 +61,6 @@ def draw_dominance(ax: Axes, found: Relevance) -> None:
 
 def save_influences(found: Relevance, path: str | Path) -> Path:
     """The figure of both parts as .svg, .pdf or .png, by the ending of the file's name; SceneError for any other."""
-    target = Path(path)
-    kind = target.suffix.lower().removeprefix(".")
-    if kind not in _KINDS:
-        raise SceneError(f'figure: "{target.name}" must end in .svg, .pdf or .png')
     if not found.effects:
         raise SceneError("figure: the scene has no effects to draw")
     figure = Figure(figsize=(1.3 * WIDTH, 4.3))
@@ -77,9 +71,7 @@ def save_influences(found: Relevance, path: str | Path) -> Path:
         draw_influences(ax, found, part)
     real.tick_params(labelbottom=False)
     imag.set_xlabel(r"$\omega$ (rad/s)", fontsize=TEXT)
-    with mpl.rc_context({"svg.hashsalt": "haptisym", "pdf.fonttype": 42}):
-        figure.savefig(target, metadata=_KINDS[kind], dpi=400)
-    return target
+    return save_as(figure, path)
 
 
 def _sampled(found: Relevance, part: Part) -> tuple[Array, list[Array]]:

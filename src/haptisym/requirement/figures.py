@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 from sympy import Symbol
 
 from haptisym.catalogue import values
-from haptisym.errors import SceneError
-from haptisym.figures.style import BLUE, GREY, INK, RED, SHADE, SMALL, TEXT, WIDTH
+from haptisym.figures.style import BLUE, GREY, INK, RED, SHADE, SMALL, TEXT, WIDTH, dress, save_as
 from haptisym.jnd import Part
 from haptisym.numeric.values import Array
 from haptisym.tex.latex import latex
@@ -27,16 +26,13 @@ _GRID, _VALUES = 600, 400
 _COLOUR = {Part.REAL: BLUE, Part.IMAG: RED, None: INK}
 _NAME = {Part.REAL: "real part", Part.IMAG: "imaginary part", None: "any environment"}
 _STYLE = {Kind.EDGE: "-", Kind.START: ":", Kind.TOUCH: (0, (4, 1.6))}
-_ENDINGS = (".svg", ".pdf", ".png")
 
 
 def save_requirement(found: Requirement | DesignMap, path: Path) -> None:
     """Write the figure of a requirement or of a design map; SceneError for an ending other than .svg, .pdf, .png."""
-    if path.suffix.lower() not in _ENDINGS:
-        raise SceneError(f'"{path.name}": a figure is written as {", ".join(_ENDINGS)}')
     figure = Figure(figsize=(WIDTH, 0.75 * WIDTH), layout="constrained")
     _draw(found, figure.add_subplot())
-    figure.savefig(path, dpi=300)
+    save_as(figure, path)
 
 
 @singledispatch
@@ -58,7 +54,8 @@ def draw_requirement(found: Requirement, ax: Axes) -> None:
     ax.plot(ends, [1.0] * len(ends), "o", color=INK, markersize=3.6, zorder=4)
     ax.axhline(1, color=GREY, linewidth=0.6)
     ax.set(xlim=(low, high), ylim=(0, 3))
-    _dress(ax, found.free.symbol.name, found.free.unit)
+    dress(ax)
+    ax.set_xlabel(_label(found.free.symbol.name, found.free.unit), fontsize=TEXT)
     ax.set_ylabel("worst case on the band, $r/c$", fontsize=TEXT)
     ax.legend(fontsize=SMALL, frameon=False)
 
@@ -125,7 +122,8 @@ def draw_map(found: DesignMap, ax: Axes) -> None:
                 )
     ax.set(xlim=(a, b), ylim=(low, high))
     first, second = found.free
-    _dress(ax, first.symbol.name, first.unit)
+    dress(ax)
+    ax.set_xlabel(_axis(first), fontsize=TEXT)
     ax.set_ylabel(_axis(second), fontsize=TEXT)
     if labelled:
         ax.legend(fontsize=SMALL, frameon=False)
@@ -135,13 +133,6 @@ def _of(left: tuple[Binding, ...], right: tuple[Binding, ...]) -> Binding | None
     """What binds between two slices: what binds at one of them; nothing where the range itself ends at both."""
     found = [*left, *right] if left and right else []
     return found[0] if found else None
-
-
-def _dress(ax: Axes, name: str, unit: str) -> None:
-    ax.tick_params(labelsize=SMALL, direction="in", width=0.6, length=3)
-    for spine in ax.spines.values():
-        spine.set_linewidth(0.6)
-    ax.set_xlabel(_label(name, unit), fontsize=TEXT)
 
 
 def _axis(free: Free) -> str:

@@ -7,17 +7,18 @@ from pathlib import Path
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from sympy import Symbol
 
 from haptisym.errors import SceneError
-from haptisym.figures.style import BLUE, GREY, INK, RED, SMALL, TEXT, WIDTH
+from haptisym.figures.style import BLUE, GREY, INK, RED, SMALL, TEXT, WIDTH, save_as
 from haptisym.jnd import Part
+from haptisym.tex.printer import formula
 
 from .slopes import Sensitive, Slopes
 
 _MOST = 12  # bars of one frequency; the text has them all
 _MOST_FREQUENCIES = 6
 _TITLES = {Part.REAL: r"$r_\mathrm{r}$ meets its threshold", Part.IMAG: r"$r_\mathrm{i}$ meets its threshold"}
-_FORMATS = (".svg", ".pdf", ".png")
 
 
 def draw_elasticities(ax: Axes, found: Sensitive, title: str) -> None:
@@ -26,7 +27,7 @@ def draw_elasticities(ax: Axes, found: Sensitive, title: str) -> None:
     values = [float(x.elasticity) for x in rows if x.elasticity is not None]
     ax.barh(range(len(rows)), values, height=0.62, color=[BLUE if v > 0 else RED for v in values])
     ax.axvline(0, color=INK, linewidth=0.6)
-    ax.set_yticks(range(len(rows)), [x.name for x in rows], fontsize=SMALL)
+    ax.set_yticks(range(len(rows)), [f"${formula(Symbol(x.name))}$" for x in rows], fontsize=SMALL)
     ax.invert_yaxis()
     ax.tick_params(labelsize=SMALL, length=2, width=0.5, color=INK)
     ax.tick_params(axis="y", length=0)
@@ -42,8 +43,6 @@ def draw_elasticities(ax: Axes, found: Sensitive, title: str) -> None:
 
 def save_elasticities(found: Slopes, path: Path) -> None:
     """The bars of all crossings in one file; SceneError for an ending that is not .svg, .pdf or .png."""
-    if path.suffix.lower() not in _FORMATS:
-        raise SceneError(f"{path}: a figure's name must end in {', '.join(_FORMATS)}")
     panels = _panels(found)
     if not panels:
         raise SceneError("there is no crossing nor changeover on the band: nothing to draw")
@@ -53,7 +52,7 @@ def save_elasticities(found: Slopes, path: Path) -> None:
     for ax, (title, x) in zip(axes, panels, strict=True):
         draw_elasticities(ax, x, title)
     axes[-1].set_xlabel(r"elasticity, $(p/\omega)\,\mathrm{d}\omega/\mathrm{d}p$", fontsize=TEXT)
-    figure.savefig(path, dpi=300, metadata={"CreationDate": None} if path.suffix.lower() == ".pdf" else None)
+    save_as(figure, path)
 
 
 def _panels(found: Slopes) -> Sequence[tuple[str, Sensitive]]:

@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
 from haptisym.errors import SceneError
-from haptisym.figures.style import BLUE, GREY, INK, RED, SMALL, TEXT, dress, handle, legend, one_column, save
+from haptisym.figures.style import BLUE, GREY, INK, RED, SMALL, TEXT, dress, handle, legend, one_column, save_as
 from haptisym.numeric.values import Array
 
 if TYPE_CHECKING:
@@ -96,26 +96,13 @@ def _hatched(ax: Axes, x: Array, y: Array, where: Any, hatch: str) -> None:
 
 def save_sweep_figure(data: xr.Dataset, file: str | Path) -> Path:
     """The chart of a sweep over one or two parameters, as the file's ending says (.svg, .pdf, .png)."""
-    path = Path(file)
-    if path.suffix not in (".svg", ".pdf", ".png"):
-        raise SceneError(f"{path}: a figure must end in .svg, .pdf or .png")
-    return _write(sweep_figure(data), path)
+    return save_as(sweep_figure(data), file)
 
 
 def sweep_figure(data: xr.Dataset) -> Figure:
     """The chart of a sweep over one or two parameters, one column (3.4 in) wide."""
     one = len(data.bandwidth.dims) == 1
     return one_column(2.2 if one else 2.8, lambda ax: (draw_curves if one else draw_map)(ax, data))
-
-
-def _write(figure: Figure, path: Path) -> Path:
-    """Only the one file that was asked for, with the same settings as all figures."""
-    from tempfile import TemporaryDirectory
-
-    with TemporaryDirectory() as folder:
-        written = {x.suffix: x for x in save(Path(folder) / "chart", figure)}
-        path.write_bytes(written[path.suffix].read_bytes())
-    return path
 
 
 def _dimensions(data: xr.Dataset, count: int) -> list[str]:

@@ -7,13 +7,11 @@ from pathlib import Path
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from haptisym.errors import SceneError
-from haptisym.figures.style import BLUE, INK, SHADE, SMALL, TEXT, WIDTH
+from haptisym.figures.style import BLUE, INK, SHADE, SMALL, TEXT, WIDTH, save_as
 from haptisym.jnd import Part
 
 from .proofs import BoxAnswers
 
-_FORMATS = (".svg", ".pdf", ".png")
 _NAMES = {Part.REAL: r"$r_\mathrm{r} = c$", Part.IMAG: r"$r_\mathrm{i} = c$"}
 
 
@@ -41,8 +39,6 @@ def draw_tolerances(ax: Axes, a: BoxAnswers) -> None:
 
 def save_tolerances(a: BoxAnswers, path: Path) -> None:
     """The figure in a file; SceneError for an ending that is not .svg, .pdf or .png."""
-    if path.suffix.lower() not in _FORMATS:
-        raise SceneError(f"{path}: a figure's name must end in {', '.join(_FORMATS)}")
     figure = Figure(figsize=(WIDTH + 0.6, 1.6), layout="constrained")
     draw_tolerances(figure.subplots(), a)
-    figure.savefig(path, dpi=300, metadata={"CreationDate": None} if path.suffix.lower() == ".pdf" else None)
+    save_as(figure, path)
