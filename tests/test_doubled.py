@@ -12,11 +12,11 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from sympy import Symbol
 
+from haptisym.numeric import doubled
 from haptisym.numeric.doubled import Doubled, two_product, two_sum
 from haptisym.numeric.floats import Floats
 from haptisym.numeric.magnitudes import judge
 from haptisym.numeric.program import Writer
-from haptisym.numeric.values import doubled
 
 numbers = st.floats(min_value=-1e100, max_value=1e100).filter(lambda x: x == 0 or abs(x) > 1e-100)
 pairs = st.tuples(numbers, st.floats(-0.5, 0.5), st.floats(0, 1e-20))

@@ -18,7 +18,8 @@ import haptisym as hs
 from haptisym.distortion import Distortion
 from haptisym.effects import compliance, delay, first_order_lag, second_order_lowpass, series, shunt, two_port
 from haptisym.environments import expression, kelvin_voigt, mass_spring_damper, zener
-from haptisym.numeric.values import Values, machine, stable
+from haptisym.numeric import machine, stable
+from haptisym.numeric.values import Values
 
 RATIOS = ("ratio_real", "ratio_imag")
 m, b, k, omega_n, zeta = hs.symbols("m b k omega_n zeta")
