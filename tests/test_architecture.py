@@ -45,12 +45,12 @@ evaluation requirement.question tolerance.answers
 family.evaluation figures.sampling formulas.derivation measures.measured requirement.designmap tex.results
 figures.style formulas.sections measures.disagreements measures.metric report.results sensitivities.slopes tex.latex
 costs.figure costs.hardfigure family.figure figures.nyquist figures.ratios formulas.text measures.figure measures.text \
-pruning.figure report.findings report.scene requirement.figures sensitivities.figure sensitivities.text simulation.figures \
-sweeps.figure tex.forms tolerance.figure
-commands.derive commands.effects commands.require commands.simulate commands.sweep commands.tolerances costs.costs \
-costs.hardcosts figures.projections figures.square measures.transparency report.explorer report.forms report.notebook \
-sensitivities.answers tex.document
-commands.cost commands.metrics commands.sensitivity figures.files report.figures report.pdf
+pruning.figure report.design report.findings report.scene requirement.figures sensitivities.figure sensitivities.text \
+simulation.figures tex.forms tolerance.figure
+commands.derive commands.effects commands.require commands.simulate commands.tolerances costs.costs costs.hardcosts \
+figures.projections figures.square measures.transparency report.explorer report.forms report.notebook sensitivities.answers \
+sweeps.figure tex.document
+commands.cost commands.metrics commands.sensitivity commands.sweep figures.files report.figures report.pdf
 report.page
 commands.evaluate
 cli

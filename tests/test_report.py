@@ -496,3 +496,13 @@ def test_the_printed_page_leaves_the_explorer_out(shown: Any) -> None:
         assert opened.printed().startswith(b"%PDF")
     finally:
         opened.call("Emulation.setEmulatedMedia", media="")
+
+
+def test_the_page_says_which_values_of_each_parameter_would_do() -> None:
+    """The paper's example: a filter from 122.36 rad/s on, and no mass, damping or stiffness at all."""
+    shown = " ".join(Page(written("fu2019")).texts)
+    assert "Which values would do?" in shown
+    assert shown.count("no value") == 3
+    for end in ("≥ 122.36 rad/s", "≤ 0.26435", "≥ 0.15542"):
+        assert end in shown
+    assert "Which values would do?" not in " ".join(Page(written("tangency")).texts)

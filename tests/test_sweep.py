@@ -382,3 +382,28 @@ def test_charts_are_drawn_on_the_axes_given(small: Any) -> None:
     assert np.asarray(drawn).tolist() == small.bandwidth.isel({MASS: 3}).values.tolist()
     with pytest.raises(hs.SceneError, match="one or two parameters"):
         draw_map(ax, small.isel({MASS: 3}, drop=True))
+
+
+def test_the_exact_boundary_divides_the_sets_of_a_sweep() -> None:
+    """Two engines on one plane: critical values slice by slice, and Bernstein coefficients set by set."""
+    scene = hs.load_scene("fu2019")
+    exact = hs.design_map(scene, ["environment.m", "effects.filter.omega_n"], [(0.5, 5), (20, 200)], slices=7)
+    masses = [float(x.at) for x in exact.slices]
+    found = hs.sweep(scene, {"environment.m": masses, "effects.filter.omega_n": np.linspace(21, 199, 90)})
+    for x in exact.slices:
+        [span] = x.requirement.feasible
+        column = found.bandwidth.sel({"environment.m": float(x.at)})
+        above = column["effects.filter.omega_n"].values >= float(span.low.value)
+        assert ((column.values == 15) == above).all()
+
+
+def test_a_map_draws_the_exact_boundary_where_that_is_quick(tmp_path: Path) -> None:
+    from haptisym.sweeps.figure import sweep_figure
+
+    scene = hs.load_scene("fu2019")
+    found = hs.sweep(scene, {"effects.filter.omega_n": [60, 100, 140, 180], "environment.m": [0.5, 1, 2, 4]})
+    [ax] = sweep_figure(found, scene).axes
+    labels = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert {"real part, band-edge", "imaginary part, band-edge"} <= set(labels)
+    [ax] = sweep_figure(found).axes
+    assert not any("band-edge" in text.get_text() for text in ax.get_legend().get_texts())

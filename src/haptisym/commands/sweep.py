@@ -81,7 +81,7 @@ def sweep(
     if figure is not None:
         from haptisym.sweeps.figure import save_sweep_figure
 
-        written("chart", save_sweep_figure(found, figure))
+        written("chart", save_sweep_figure(found, figure, scene))
     from haptisym.sweeps.text import document, page
 
     told = document(found, out)

@@ -13,6 +13,7 @@ from haptisym.evaluation import Evaluation
 from haptisym.jnd import Part
 from haptisym.tex.forms import SceneForms
 
+from .design import design
 from .explorer import explorer
 from .figures import nyquist_figure, projection_figure, ratio_figure, square_figure
 from .findings import findings
@@ -86,12 +87,15 @@ def _sections(e: Evaluation) -> Iterator[Html]:
         "Scene": list(scene_parts(e.scene, forms.short_names)),
         "Step 1: when is it noticed?": list(_when(e)),
         "Step 2: how is it felt?": list(_how(e)),
+        "Which values would do?": list(design(e)),
         "Explorer": [explorer(e, forms)],
         "Derivation": [derivation(forms)],
         "Certainty": list(_certain(e)),
     }
     for title, contents in parts.items():
-        name = title.partition(":")[0].lower().replace(" ", "-")
+        if not contents:
+            continue
+        name = title.partition(":")[0].lower().replace(" ", "-").rstrip("?")
         yield element("section", element("h2", title), *contents, given={"id": name})
     yield data(json.dumps(e.to_dict(), ensure_ascii=True), "evaluation")
 

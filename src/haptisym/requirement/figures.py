@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import singledispatch
 from itertools import pairwise
 from pathlib import Path
@@ -9,10 +10,11 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from sympy import Symbol
 
 from haptisym.catalogue import values
-from haptisym.figures.style import BLUE, GREY, INK, RED, SHADE, SMALL, TEXT, WIDTH, dress, save_as
+from haptisym.figures.style import BLUE, GREY, INK, RED, SHADE, SMALL, TEXT, WIDTH, dress, handle, save_as
 from haptisym.jnd import Part
 from haptisym.numeric.values import Array
 from haptisym.tex.latex import latex
@@ -100,33 +102,47 @@ def _threshold(found: Requirement, part: Part | None, t: Array) -> Array:
 @_draw.register
 def draw_map(found: DesignMap, ax: Axes) -> None:
     """The transparent region in grey, its boundary by part and kind."""
-    labelled: set[tuple[Part | None, Kind]] = set()
-    (a, b), (low, high) = ((float(x) for x in pair) for pair in found.ranges)
-    for one, other in pairwise(found.slices):
-        spans = (one.requirement.feasible, other.requirement.feasible)
-        if len(spans[0]) != len(spans[1]):
-            continue
-        at = (float(one.at), float(other.at))
-        for left, right in zip(*spans, strict=True):
-            (y0, y1), (z0, z1) = _limits(left, low, high), _limits(right, low, high)
-            ax.fill_between(at, (y0, z0), (y1, z1), color=SHADE, linewidth=0, antialiased=False)
-            for y, z, binding in ((y0, z0, _of(left.low.bindings, right.low.bindings)),
-                                  (y1, z1, _of(left.high.bindings, right.high.bindings))):  # fmt: skip
-                if binding is None:
-                    continue
-                key = binding.part, binding.kind
-                label = None if key in labelled else f"{_NAME[binding.part]}, {binding.kind.value}"
-                labelled.add(key)
-                ax.plot(
-                    at, (y, z), color=_COLOUR[binding.part], linestyle=_STYLE[binding.kind], linewidth=1.1, label=label
-                )
+    (a, b), (low, high) = _window_of(found)
+    for at, left, right in _pieces(found):
+        (y0, y1), (z0, z1) = (_limits(span, low, high) for span in (left, right))
+        ax.fill_between(at, (y0, z0), (y1, z1), color=SHADE, linewidth=0, antialiased=False)
+    labelled = draw_boundary(found, ax)
     ax.set(xlim=(a, b), ylim=(low, high))
     first, second = found.free
     dress(ax)
     ax.set_xlabel(_axis(first), fontsize=TEXT)
     ax.set_ylabel(_axis(second), fontsize=TEXT)
     if labelled:
-        ax.legend(fontsize=SMALL, frameon=False)
+        ax.legend(handles=labelled, fontsize=SMALL, frameon=False)
+
+
+def draw_boundary(found: DesignMap, ax: Axes, width: float = 1.1) -> list[Line2D]:
+    """The boundary of the transparent region, by what binds there; entries for a legend."""
+    _, (low, high) = _window_of(found)
+    entries: dict[tuple[Part | None, Kind], Line2D] = {}
+    for at, left, right in _pieces(found):
+        (y0, y1), (z0, z1) = (_limits(span, low, high) for span in (left, right))
+        for y, z, one, other in ((y0, z0, left.low, right.low), (y1, z1, left.high, right.high)):
+            binding = _of(one.bindings, other.bindings)
+            if binding is not None:
+                color, style = _COLOUR[binding.part], _STYLE[binding.kind]
+                ax.plot(at, (y, z), color=color, linestyle=style, linewidth=width)
+                label = f"{_NAME[binding.part]}, {binding.kind.value}"
+                entries.setdefault((binding.part, binding.kind), handle(color, style, label, width))
+    return list(entries.values())
+
+
+def _window_of(found: DesignMap) -> tuple[tuple[float, float], tuple[float, float]]:
+    (a, b), (low, high) = ((float(x) for x in pair) for pair in found.ranges)
+    return (a, b), (low, high)
+
+
+def _pieces(found: DesignMap) -> Iterator[tuple[tuple[float, float], Span, Span]]:
+    """Between neighbouring slices with as many intervals: where they are, and the intervals that belong together."""
+    for one, other in pairwise(found.slices):
+        spans = (one.requirement.feasible, other.requirement.feasible)
+        if len(spans[0]) == len(spans[1]):
+            yield from (((float(one.at), float(other.at)), *pair) for pair in zip(*spans, strict=True))
 
 
 def _of(left: tuple[Binding, ...], right: tuple[Binding, ...]) -> Binding | None:

@@ -10,8 +10,10 @@ from functools import cached_property, partial
 from sympy import Expr, Rational
 
 from haptisym.catalogue import values
+from haptisym.crossings import excess
 from haptisym.errors import SceneError
 from haptisym.exact.reals import ExactNumber, RealNumber, Sliver
+from haptisym.exact.response import RealFunction
 from haptisym.jnd import Part
 from haptisym.quantities import Number
 from haptisym.scene import Scene
@@ -153,3 +155,24 @@ def _number(x: Fraction | None) -> RealNumber | None:
 
 def _rational(x: Fraction) -> Rational:
     return Rational(x.numerator, x.denominator)
+
+
+def is_quick(scene: Scene) -> bool:
+    """Whether exact sets take milliseconds: low order, no delays nor powers of s, rational numbers.
+
+    >>> from haptisym.scenefile import load_scene
+    >>> is_quick(load_scene("fu2019")), is_quick(load_scene("delayed-spring"))
+    (True, False)
+    """
+    d = scene.distortion()
+    for part in Part:
+        f = excess(d, scene.threshold[part], part)
+        if not isinstance(f, RealFunction) or f.axis.functions:
+            return False
+        coefficients = f.axis.univariate(f.function.numerator)
+        if coefficients is None or len(coefficients) > _QUICK_DEGREE + 1:
+            return False
+    return True
+
+
+_QUICK_DEGREE = 12  # of the threshold polynomial in omega: a device of order 2

@@ -50,12 +50,17 @@ def _asked(r: Required) -> str:
 
 def _answer(r: Required) -> str:
     who = "with any environment whatever" if r.keys == (None,) else "on the whole band"
-    name = r.free.symbol.name
     if not r.feasible:
         known = "No value that was asked about makes" if r.certified else "No value is proven to make"
         return fill(f"{known} the display transparent {who}.", WIDTH)
-    pieces = listed([_span(x, name, r.free.unit) for x in r.feasible], "or")
-    return fill(f"The display is transparent {who} exactly for {pieces}.", WIDTH)
+    return fill(f"The display is transparent {who} exactly for {sets(r)}.", WIDTH)
+
+
+def sets(r: Required) -> str:
+    """The values, as in a sentence: "omega_n >= 122.36 rad/s"; "no value" for none."""
+    if not r.feasible:
+        return "no value"
+    return listed([_span(x, r.free.symbol.name, r.free.unit) for x in r.feasible], "or")
 
 
 def _span(x: Span, name: str, unit: str) -> str:

@@ -18,13 +18,17 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocato
 from haptisym.errors import SceneError
 from haptisym.figures.style import BLUE, GREY, INK, RED, SMALL, TEXT, dress, handle, legend, one_column, save_as
 from haptisym.numeric.values import Array
+from haptisym.requirement.designmap import DesignMap, design_map
+from haptisym.requirement.figures import draw_boundary
+from haptisym.requirement.question import is_quick
+from haptisym.scene import Scene
 
 if TYPE_CHECKING:
     import xarray as xr
 
 _SOLID, _DASHED = "-", (0, (4, 1.6))
 _MOST_PIXELS = 1200  # along an axis; a chart in print shows no more
-_LEVELS = 7
+_LEVELS, _SLICES = 7, 31
 _MAP = LinearSegmentedColormap.from_list("bandwidth", ["#5b7fa6", "#a9c0d6", "#f4f7fa"])  # monotone in grey, too
 
 
@@ -57,10 +61,11 @@ def _broken(x: Array, crossing: Array, counts: Any, high: float) -> tuple[Array,
     return np.insert(x, jumps, np.nan), np.insert(crossing, jumps, np.nan)
 
 
-def draw_map(ax: Axes, data: xr.Dataset) -> None:
+def draw_map(ax: Axes, data: xr.Dataset, exact: DesignMap | None = None) -> None:
     """The bandwidth over the two parameters of a sweep, the first upwards: contour lines in rad/s on a quiet map.
 
     Hatched where the display is not transparent at the band's low end; no shade is darker than the ink of the lines.
+    ``exact`` : the same plane by exact slices, whose boundary of the transparent region is drawn.
     """
     upwards, along = _dimensions(data, 2)
     data = _thinned(data, (upwards, along)).sortby([upwards, along])
@@ -75,7 +80,8 @@ def draw_map(ax: Axes, data: xr.Dataset) -> None:
     ax.set(xlim=(x.min(), x.max()), ylim=(y.min(), y.max()))
     ax.set_xlabel(_name(data, along), fontsize=TEXT)
     ax.set_ylabel(_name(data, upwards), fontsize=TEXT)
-    legend(ax, [handle(INK, _SOLID, "bandwidth (rad/s)", 0.7), *_plateaus(ax, x, y, z, high)])
+    boundary = draw_boundary(exact, ax, 1.6) if exact else []
+    legend(ax, [handle(INK, _SOLID, "bandwidth (rad/s)", 0.7), *_plateaus(ax, x, y, z, high), *boundary])
 
 
 def _plateaus(ax: Axes, x: Array, y: Array, z: Array, high: float) -> list[Any]:
@@ -94,15 +100,26 @@ def _hatched(ax: Axes, x: Array, y: Array, where: Any, hatch: str) -> None:
     found.set(edgecolor=GREY, linewidth=0.0)
 
 
-def save_sweep_figure(data: xr.Dataset, file: str | Path) -> Path:
-    """The chart of a sweep over one or two parameters, as the file's ending says (.svg, .pdf, .png)."""
-    return save_as(sweep_figure(data), file)
+def save_sweep_figure(data: xr.Dataset, file: str | Path, scene: Scene | None = None) -> Path:
+    """The chart of a sweep over one or two parameters, as the file's ending says (.svg, .pdf, .png).
+
+    ``scene`` : what was swept; where that takes moments, the exact boundary of the transparent region is drawn on a map.
+    """
+    return save_as(sweep_figure(data, scene), file)
 
 
-def sweep_figure(data: xr.Dataset) -> Figure:
+def sweep_figure(data: xr.Dataset, scene: Scene | None = None) -> Figure:
     """The chart of a sweep over one or two parameters, one column (3.4 in) wide."""
-    one = len(data.bandwidth.dims) == 1
-    return one_column(2.2 if one else 2.8, lambda ax: (draw_curves if one else draw_map)(ax, data))
+    if len(data.bandwidth.dims) == 1:
+        return one_column(2.2, lambda ax: draw_curves(ax, data))
+    exact = _exact(data, scene) if scene is not None and is_quick(scene) else None
+    return one_column(2.8, lambda ax: draw_map(ax, data, exact))
+
+
+def _exact(data: xr.Dataset, scene: Scene) -> DesignMap:
+    upwards, along = _dimensions(data, 2)
+    ranges = [tuple(float(x) for x in (data[path].min(), data[path].max())) for path in (along, upwards)]
+    return design_map(scene, (along, upwards), [(low, high) for low, high in ranges], slices=_SLICES)
 
 
 def _dimensions(data: xr.Dataset, count: int) -> list[str]:
