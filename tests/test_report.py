@@ -227,7 +227,7 @@ def test_every_formula_of_the_page_has_the_value_that_the_physics_has(name: str,
     assert {"H_envs", "ReDeltaHomegaj", "ImDeltaHomegaj", "|H_envomegaj|2"} <= checked
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize("name", often(SHIPPED, {"fu2019", "undamped-resonance"}.__contains__))
 def test_the_threshold_functions_are_positive_exactly_where_a_ratio_exceeds(name: str) -> None:
     scene = evaluated(name).scene
     forms = {left: sides[-1][1] for left, sides in equations(written(name)) if left in ("p_romega", "p_iomega")}
@@ -418,7 +418,7 @@ def bands(opened: Browser) -> list[list[float]]:
     return [[low, low + width] for low, width in opened.value(script)]
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize("name", often(SHIPPED, {"fu2019", "undamped-resonance"}.__contains__))
 def test_at_the_scenes_values_the_explorer_draws_the_proven_bands(name: str, shown: Any) -> None:
     proven = [x for x in evaluated(name).to_dict()["transparent"] if x[0] < x[1]]
     assert bands(shown(name)) == [pytest.approx(x, rel=1e-9, abs=1e-9) for x in proven]

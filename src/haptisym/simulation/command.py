@@ -8,7 +8,7 @@ from math import pi
 from time import monotonic
 
 from rich.console import Console
-from rich.status import Status
+from rich.progress import BarColumn, Progress, TextColumn
 
 from haptisym.errors import SceneError
 from haptisym.quantities import Dimension
@@ -69,23 +69,25 @@ def _extras(options: Mapping[str, str | None]) -> tuple[Extra, ...]:
 
 
 class _Progress:
-    """The simulated time on standard error, once a run takes long, and only on a terminal."""
+    """A bar on standard error, once a run takes long, and only on a terminal."""
 
     def __init__(self) -> None:
         self.began = monotonic()
-        self.status: Status | None = None
+        self.bar: Progress | None = None
 
     def __enter__(self) -> _Progress:
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self.status is not None:
-            self.status.stop()
+        if self.bar is not None:
+            self.bar.stop()
 
-    def show(self, time: float) -> None:
+    def show(self, time: float, until: float) -> None:
         if monotonic() - self.began < _PATIENCE or not sys.stderr.isatty():
             return
-        if self.status is None:
-            self.status = Console(stderr=True).status("simulating")
-            self.status.start()
-        self.status.update(f"simulated {time:.3g} s")
+        if self.bar is None:
+            columns = (BarColumn(), TextColumn("{task.completed:.3g} of {task.total:.3g} s simulated"))
+            self.bar = Progress(*columns, console=Console(stderr=True), transient=True)
+            self.bar.start()
+            self.bar.add_task("")
+        self.bar.update(self.bar.task_ids[0], completed=time, total=until)

@@ -43,9 +43,10 @@ class Run:
         motion: Motion,
         extras: Sequence[Extra],
         step: float,
-        progress: Callable[[float], None] | None,
+        progress: Callable[[float, float], None] | None,
     ) -> None:
         self.scene, self.motion, self.extras, self.progress = scene, motion, tuple(extras), progress
+        self.until = 0.0  # where the simulation is known to go on to, s
         self.net = Network(motion.span)
         self.ports = _build(self.net, scene, motion, self.extras)
         outputs = [(name_of(signal), 0) for port in (self.ports[0], self.ports[-1]) for signal in port]
@@ -55,7 +56,7 @@ class Run:
         _check_clocks(self.net, motion)
 
     def advance(self, until: float) -> None:
-        steps = (until - self.engine.t) / self.engine.longest
+        steps, self.until = (until - self.engine.t) / self.engine.longest, max(until, self.until)
         if steps > _MOST_STEPS:
             raise SceneError(
                 f"duration: {until:.4g} s in steps of {self.engine.longest:.3g} s are more than {_MOST_STEPS} steps; "
@@ -69,7 +70,7 @@ class Run:
         for end in [*whole[:-1], *(ends[-1:] if to_the_point else whole[-1:])]:
             self.engine.advance(float(end))
             if self.progress is not None:
-                self.progress(self.engine.t)
+                self.progress(self.engine.t, self.until)
 
     def locked(self, length: float | None) -> Lock:
         """Simulate until two windows agree, or as long as is said."""
@@ -97,7 +98,7 @@ class Run:
 
     def to_windows(self, until: float) -> None:
         """Simulate up to a time, with steps that end where windows end: half a step would spoil their quadrature."""
-        period = period_of(self.motion)
+        period, self.until = period_of(self.motion), max(until, self.until)
         for back in range(WINDOW + 1, -1, -1):
             self.advance(max(until - back * period, self.engine.t))
 

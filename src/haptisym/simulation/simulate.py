@@ -54,13 +54,14 @@ def simulate(
     *,
     duration: Number | None = None,
     extras: Sequence[Extra] = (),
-    progress: Callable[[float], None] | None = None,
+    progress: Callable[[float, float], None] | None = None,
 ) -> Simulation:
     """The force at the hand for a prescribed motion, and H_perc recovered from it at the frequencies of the motion.
 
     ``duration``: s, or with a unit (a step is not cut short); as long as transient and lock-in need if not given. ``extras``:
-    encoder quantisation or force saturation. ``progress`` is called with the simulated time, s. Guaranteed: events are hit
-    exactly, and linear parts are integrated without a stability limit; the error of each estimate is estimated, not proven.
+    encoder quantisation or force saturation. ``progress`` is called with the simulated time and, as far as it is known, the
+    time to simulate, s. Guaranteed: events are hit exactly, and linear parts are integrated without a stability limit; the
+    error of each estimate is estimated, not proven.
     Raises SceneError for scenes that are not stable or not causal, for symbols, for motions whose derivatives do not exist or
     whose unit does not fit, and at and beyond the Nyquist frequency of a clock.
 
@@ -83,7 +84,11 @@ def simulate(
 
 
 def check(
-    scene: Scene, *, amplitude: Number | None = None, count: int = 10, progress: Callable[[float], None] | None = None
+    scene: Scene,
+    *,
+    amplitude: Number | None = None,
+    count: int = 10,
+    progress: Callable[[float, float], None] | None = None,
 ) -> tuple[Simulation, ...]:
     """Simulate along the band of a scene, at ``count`` frequencies: all at once, or, with friction, one after the other.
 
