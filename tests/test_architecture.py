@@ -24,13 +24,13 @@ codegen.code codegen.short exact.isolation exact.polynomials exact.solutions num
 requirement.strips requirement.touches typeset.formula typeset.quotients
 exact.analytic exact.levels numeric.doubled numeric.machine numeric.magnitudes numeric.pointvalues requirement.closedforms \
 typeset.layout
-exact.caches exact.factoring numeric.certified tex.printer typeset.equations typeset.mathml typeset.plain
-costs.stopwatch exact.roots numeric.values tex.lines
-ranges exact.stability report.mathematics simulation.fractional simulation.motions simulation.propagate simulation.recordings
-catalogue jnd simulation.linear simulation.lockin
-distortion effects environments requirement.feasible simulation.blocks simulation.events
-crossings interop scene codegen.forms formulas.structure measures.freeresponse measures.twoport requirement.places \
-simulation.engine
+exact.caches exact.periodic numeric.certified tex.printer typeset.equations typeset.mathml typeset.plain
+costs.stopwatch exact.factoring numeric.values tex.lines
+exact.roots report.mathematics simulation.fractional simulation.motions simulation.propagate simulation.recordings
+ranges exact.stability simulation.linear simulation.lockin
+catalogue jnd simulation.events
+distortion effects environments requirement.feasible simulation.blocks simulation.engine
+crossings interop scene codegen.forms formulas.structure measures.freeresponse measures.twoport requirement.places
 bounds peaks percepts codegen.scene costs.text family.family formulas.groups measures.forms pruning.ballchain \
 simulation.approximations simulation.results tolerance.box
 scenefile costs.questions formulas.asymptotics pruning.differences requirement.freeparameter simulation.run simulation.text \

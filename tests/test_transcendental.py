@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from marks import often
 from scan import FAMILIES, Draw, disagreements
-from sympy import Integer, Rational
+from sympy import Integer, Rational, pi
 
 import haptisym as hs
+from haptisym.exact import factoring
+from haptisym.exact.analytic import AnalyticFactor
 from haptisym.exact.stability import is_stable
 
 E, F = hs.environments, hs.effects
@@ -117,3 +119,17 @@ def test_a_band_may_end_where_the_delay_has_made_half_a_turn() -> None:
 
 def test_fractional_tissue_has_no_changeover() -> None:
     assert hs.evaluate(hs.Scene(E.spring_pot(100, "1/4"), (), (Integer(0), Integer(5)))).changeovers_environment == ()
+
+
+@pytest.mark.parametrize("places", [("0", "15"), ("1", "400"), ("20*pi", "60*pi")])
+def test_functions_of_one_angle_have_the_zeros_that_a_search_finds(
+    places: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A delayed spring: arctangents on one path, subdivision and interval Newton on the other."""
+    low, high = (Rational(x) if "pi" not in x else Rational(x[:2]) * pi for x in places)
+    asked = hs.Scene(hs.environments.mass_spring_damper(k=100), (hs.effects.delay("0.05"),), (low, high), "0.3")
+    by_angle = [c.omega.digits(20) for c in hs.evaluate(asked).crossings]
+    monkeypatch.setattr(factoring, "PeriodicFactor", AnalyticFactor)
+    searched = hs.evaluate(hs.Scene(asked.environment, asked.effects, asked.band, asked.threshold))
+    assert [c.omega.digits(20) for c in searched.crossings] == by_angle
+    assert by_angle

@@ -12,6 +12,7 @@ from sympy import Expr, Integer
 
 from .analytic import AnalyticFactor
 from .levels import Level
+from .periodic import PeriodicFactor
 from .polynomials import PolynomialFactor, polynomial_factors
 from .response import Axis, RealFunction
 from .rings import Polynomial, RationalFunction
@@ -137,12 +138,19 @@ def _analytic_factor(factor: Polynomial, axis: Axis) -> AnalyticFactor:
         own = [int(n) for n in exponents]
         groups.setdefault(tuple(own[axis.size :]), []).append(((own[0], own[1]), int(value.p)))
     terms = tuple(Term(waves[:angles], waves[angles:], _rows(found)) for waves, found in sorted(groups.items()))
-    degrees = tuple(int(n) for n in factor.degrees()[axis.size : axis.size + angles])
-    return AnalyticFactor(terms, tuple((angle.rate, angle.constant) for angle in axis.angles), degrees, axis.orders)
+    return _made(terms, tuple(int(n) for n in factor.degrees()[axis.size : axis.size + angles]), axis)
 
 
 def _cosine(axis: Axis, index: int) -> AnalyticFactor:
     """The cosine of a half angle, which homogeneous forms of different degrees leave behind."""
     degrees = tuple(int(i == index) for i in range(len(axis.angles)))
-    term = Term((0,) * len(axis.angles), (0,) * len(axis.orders), ((1,),))
-    return AnalyticFactor((term,), tuple((angle.rate, angle.constant) for angle in axis.angles), degrees, axis.orders)
+    return _made((Term((0,) * len(axis.angles), (0,) * len(axis.orders), ((1,),)),), degrees, axis)
+
+
+def _made(terms: tuple[Term, ...], degrees: tuple[int, ...], axis: Axis) -> AnalyticFactor:
+    """The factor, of the kind that knows most about its zeros."""
+    turning = [angle for angle, degree in zip(axis.angles, degrees, strict=True) if degree]
+    rational = all(len(term.coefficients) == 1 and len(term.coefficients[0]) == 1 for term in terms)
+    alone = len(turning) == 1 and not turning[0].constant and not any(any(term.powers) for term in terms)
+    kind = PeriodicFactor if alone and rational else AnalyticFactor
+    return kind(terms, tuple((angle.rate, angle.constant) for angle in axis.angles), degrees, axis.orders)
