@@ -7,8 +7,13 @@ from typing import Any
 
 import pytest
 
+import haptisym as hs
+
 QUICK_SCENES = {"fu2019", "delayed-spring", "undamped-resonance", "sidestick", "stick-with-friction"}
 """Shipped scenes whose formulas are short: a rational one, a delay, a cancelled resonance, a rotation, friction."""
+
+WRITTEN_OUT = tuple(name for name in hs.scene_names() if name != "control-stick-in-detail")
+"""Shipped scenes whose closed forms are written out in all symbols: that of ten effects would fill a book."""
 
 
 def often(cases: Iterable[Any], quick: Callable[[Any], bool]) -> list[Any]:

@@ -21,6 +21,7 @@ from pathlib import Path
 import mpmath
 import numpy as np
 import pytest
+from marks import WRITTEN_OUT
 from sympy import I, Integer, Rational, Symbol, cosh, exp, pi, sin, sinc, sinh, sqrt
 
 import haptisym as hs
@@ -62,8 +63,7 @@ OTHERS = {
     "spring-pots in a row": hs.Scene(environments.spring_pot(80, "0.3", 100), (effects.series(10 / (10 + hs.s ** Rational(3, 4))), effects.coulomb_friction("0.2 N", "5 cm"))),
     "no effect": hs.Scene(MSD),
 }  # fmt: skip
-# written out in all symbols of its ten effects, the formula of the detailed stick would fill a book
-NAMES = [name for name in hs.scene_names() if name != "control-stick-in-detail"]
+NAMES = list(WRITTEN_OUT)
 SCENES = {**{name: hs.load_scene(name) for name in NAMES}, **OTHERS}
 
 

@@ -13,7 +13,7 @@ import pytest
 import sympy as sp
 from formulas import ATOMS, EXPRESSIONS
 from hypothesis import given
-from marks import QUICK_SCENES, often
+from marks import QUICK_SCENES, WRITTEN_OUT, often
 from sympy import Abs, Float, I, Integer, Rational, Symbol, cos, exp, pi, sqrt
 from sympy.printing.latex import LatexPrinter
 from texreader import equations, value
@@ -213,11 +213,7 @@ def read_values(aligned: str, known: dict[str, float]) -> dict[str, list[float]]
     }
 
 
-# written out in all symbols of its ten effects, the formula of the detailed stick would fill a book
-SHORT = [name for name in scene_names() if name != "control-stick-in-detail"]
-
-
-@pytest.mark.parametrize("name", [*SYMBOLIC, *SHORT])
+@pytest.mark.parametrize("name", [*SYMBOLIC, *WRITTEN_OUT])
 def test_every_printed_closed_form_has_the_value_that_it_stands_for(name):
     d = SYMBOLIC.get(name) or load_scene(name).symbolic_distortion()
     known = assumed(d)

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import pytest
 from formulas import EXPRESSIONS, are_identical, by_key, closed_forms, value_at
 from hypothesis import given, settings
-from marks import QUICK_SCENES, often
+from marks import QUICK_SCENES, WRITTEN_OUT, often
 from mathreader import SPACE, expression
 from sympy import (
     Abs,
@@ -130,7 +130,7 @@ def test_other_things_have_no_mathml():
 # What is marked up is what it stands for.
 
 
-@pytest.mark.parametrize("name", often(hs.scene_names(), QUICK_SCENES.__contains__))
+@pytest.mark.parametrize("name", often(WRITTEN_OUT, QUICK_SCENES.__contains__))
 def test_every_closed_form_of_a_shipped_scene_reads_back_exactly(name):
     for form in closed_forms(name):
         assert are_identical(expression(mathml(form), by_key(form)), form), form
