@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from enum import Enum
+from typing import TypeVar
 
 from haptisym.errors import SceneError
+
+Choice = TypeVar("Choice", bound=Enum)
 
 
 class Accuracy(Enum):
@@ -25,12 +28,7 @@ class Accuracy(Enum):
     @classmethod
     def of(cls, given: Accuracy | str) -> Accuracy:
         """The level, or the level of that name; SceneError for any other."""
-        known = {level.value: level for level in cls}
-        if isinstance(given, cls):
-            return given
-        if given not in known:
-            raise SceneError(f"accuracy: {given!r} is none of {', '.join(known)}")
-        return known[given]
+        return _member(cls, "accuracy", given)
 
 
 class Engine(Enum):
@@ -42,9 +40,13 @@ class Engine(Enum):
     @classmethod
     def of(cls, given: Engine | str) -> Engine:
         """The engine, or the engine of that name; SceneError for any other."""
-        known = {engine.value: engine for engine in cls}
-        if isinstance(given, cls):
-            return given
-        if given not in known:
-            raise SceneError(f"engine: {given!r} is none of {', '.join(known)}")
-        return known[given]
+        return _member(cls, "engine", given)
+
+
+def _member(kind: type[Choice], what: str, given: Choice | str) -> Choice:
+    if isinstance(given, kind):
+        return given
+    known = {member.value: member for member in kind}
+    if given not in known:
+        raise SceneError(f"{what}: {given!r} is none of {', '.join(known)}")
+    return known[given]
