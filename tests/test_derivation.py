@@ -121,7 +121,9 @@ def test_code_keeps_the_parameters_that_are_asked_for(language: str, call) -> No
     assert "zeta = 0.5" in out
 
 
-@pytest.mark.parametrize("arguments", [("--keep", "q"), ("--of", "Re dQ"), ("--to", "fortran"), ("--keep",)])
+@pytest.mark.parametrize(
+    "arguments", [("--keep", "q"), ("--of", "Re dQ"), ("--to", "fortran"), ("--keep",), ("--to", "c", "--of", "dH")]
+)
 def test_a_wrong_request_is_one_clear_message(arguments: tuple[str, ...], call) -> None:  # type: ignore[no-untyped-def]  # noqa: F811
     status, out, err = call("derive", "fu2019", *arguments)
     assert (status, out) == (2, "")

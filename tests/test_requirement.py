@@ -410,6 +410,16 @@ def test_undecided_values_are_status_3(tmp_path, capsys, monkeypatch) -> None:  
     status, out, _ = call(*arguments, capsys=capsys, monkeypatch=monkeypatch)
     assert status == 3
     assert "UNDECIDED" in out
+    assert "exactly" not in out
+
+
+def test_what_one_part_breaks_is_settled_whatever_is_open_of_the_other() -> None:
+    """A delay beside a hold: r_r of short delays is hard to enclose, but r_i alone is above its threshold."""
+    wheel = hs.environments.mass_spring_damper("0.05 kg*m^2", "0.3 N*m*s/rad", "5 N*m/rad")
+    held = (hs.effects.delay("8 ms"), hs.effects.zero_order_hold("2 ms"))
+    scene = hs.Scene(wheel, held, ("0.1 Hz", "6 Hz"), hs.Threshold.of("0.12", "0.15"))
+    found = hs.require(scene, "tau", ("5 ms", "40 ms"))
+    assert (found.feasible, found.undecided) == ((), ())
 
 
 def test_a_path_and_a_symbol_name_the_same_parameter() -> None:

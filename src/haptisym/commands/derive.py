@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from haptisym.errors import SceneError
 from haptisym.scene import Scene
 
 from .options import json_option, scene_argument
@@ -59,6 +60,10 @@ def derive(
     if not as_json and language in _CODE:
         from haptisym.codegen.scene import Language, scene_code
 
+        if names:
+            raise SceneError(
+                f"--of chooses among formulas, and --to {language} writes all quantities: leave out one of them"
+            )
         names_kept = None if kept is None else [x for x in kept if x != "c"]
         click.echo(scene_code(scene, Language[language.upper()], parameters=names_kept), nl=False)
         return

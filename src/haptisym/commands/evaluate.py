@@ -11,7 +11,7 @@ from haptisym.evaluation import evaluate as evaluate_scene
 from haptisym.family.family import SceneFamily
 from haptisym.scenefile import load_scene, load_scenes
 
-from .options import environment_option, figures_option, hand_over, json_option, written
+from .options import environment_option, figures_option, file_option, hand_over, json_option, written
 
 
 @click.command()
@@ -34,15 +34,8 @@ from .options import environment_option, figures_option, hand_over, json_option,
 )
 @click.option("--tolerance", metavar="X", help="Leave out the effects that change the ratios by at most that, jointly.")
 @figures_option
-@click.option(
-    "--latex", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE", help="Write the derivation as LaTeX."
-)
-@click.option(
-    "--report",
-    type=click.Path(dir_okay=False, path_type=Path),
-    metavar="FILE",
-    help="Write the report: a page (.html) with an explorer, or a document (.pdf).",
-)
+@file_option("latex", "Write the derivation as LaTeX.")
+@file_option("report", "Write the report: a page (.html) with an explorer, or a document (.pdf).")
 def evaluate(
     scene: str,
     more: tuple[str, ...],

@@ -61,11 +61,23 @@ def figure_option(what: str) -> Callable[[Command], Command]:
 
 
 def _writable(_context: click.Context, _option: click.Parameter, path: Path | None) -> Path | None:
-    if path is None:
-        return None
+    return None if path is None else checked(_can_be_written("figure", path))
+
+
+def file_option(name: str, help_text: str) -> Callable[[Command], Command]:
+    """An option that names a file to be written; a path that will not do is refused before the work begins."""
+
+    def writable(_context: click.Context, _option: click.Parameter, path: Path | None) -> Path | None:
+        return None if path is None else _can_be_written(name, path)
+
+    kind = click.Path(dir_okay=False, path_type=Path)
+    return click.option(f"--{name}", type=kind, metavar="FILE", callback=writable, help=help_text)
+
+
+def _can_be_written(what: str, path: Path) -> Path:
     if not os.access(path.parent, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
-        raise SceneError(f"figure: {path} cannot be written")
-    return checked(path)
+        raise SceneError(f"{what}: {path} cannot be written")
+    return path
 
 
 def figures_option(command: Command) -> Command:

@@ -45,7 +45,8 @@ class SceneFamily:
 
     def __getitem__(self, name: str) -> Scene:
         if name not in self.scenes:
-            raise SceneError(f'there is no environment "{name}": these are {self.listed()}')
+            these = "these are" if len(self) > 1 else "there is only"
+            raise SceneError(f'there is no environment "{name}": {these} {self.listed()}')
         return self.scenes[name]
 
     def __iter__(self) -> Iterator[str]:

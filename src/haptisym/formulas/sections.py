@@ -100,7 +100,9 @@ def _sensitivity(d: Derivation, letter: str, parameter: str) -> Line:
     """d omega/d parameter at a crossing, in omega and the parameters."""
     symbol = next((x for x in d.kept if x.name == parameter), None)
     if symbol is None:
-        raise SceneError(f'"{parameter}" is not a parameter that is kept: {", ".join(map(str, d.kept)) or "none is"}')
+        raise SceneError(
+            f'"{parameter}" is not a parameter that stays a symbol: {", ".join(map(str, d.kept)) or "none does"}'
+        )
     part = _part(letter)
     above, below = (Product((named("d"), named(name))) for name in (f"omega_{letter}", parameter))
     return Line(Fraction(above, below), d.sensitivity(part, symbol))

@@ -9,10 +9,10 @@ neither way is cut in two, down to cells that are 1e-13 of their values wide.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from heapq import heappop, heappush
 from math import sqrt
 
 import flint
@@ -32,6 +32,8 @@ from .strips import Shape
 BITS = 128
 _NARROW = 1e-13
 """Of a cell that is cut no further, relative to its values."""
+_COARSE = Fraction(1, 32)
+"""Relative width up to which cells are cut widest first; narrower ones in order."""
 _MOST_CELLS = 800
 _DOUBLINGS = 12
 
@@ -76,20 +78,26 @@ class Search:
         found += self._cut(start, end)
         return [*found, above] if high is None else found
 
-    def _cut(self, low: Fraction, high: Fraction) -> Iterator[Leaf]:
-        """The leaves between two numbers, in order."""
-        waiting, count = [(low, high)], 0
-        while waiting:
-            a, b = waiting.pop()
-            leaf, count = self._judged(a, b), count + 1
-            if leaf.verdict is not Verdict.OPEN or count > _MOST_CELLS or self._is_narrow(a, b):
-                yield leaf
-            else:
-                middle = _middle(a, b)
-                waiting += [(middle, b), (a, middle)]
+    def _cut(self, low: Fraction, high: Fraction) -> list[Leaf]:
+        """The leaves between two numbers, in order; wide cells are cut first, so that no easy one stays open for a hard one."""
+        found, waiting = list[Leaf](), [(_COARSE, low, high)]
+        for _ in range(_MOST_CELLS):
+            if not waiting:
+                break
+            _, a, b = heappop(waiting)
+            leaf = self._judged(a, b)
+            if leaf.verdict is not Verdict.OPEN or self._width(a, b) < _NARROW:
+                found.append(leaf)
+                continue
+            middle = _middle(a, b)
+            for x, y in ((a, middle), (middle, b)):
+                heappush(waiting, (-max(self._width(x, y), _COARSE), x, y))
+        found += [Leaf(a, b, Verdict.OPEN) for _, a, b in waiting]
+        return sorted(found, key=lambda leaf: leaf.low or 0)
 
-    def _is_narrow(self, low: Fraction, high: Fraction) -> bool:
-        return high - low < _NARROW * max(abs(low), abs(high), self.scale / 1000)
+    def _width(self, low: Fraction, high: Fraction) -> Fraction:
+        """The width of a cell, relative to its values."""
+        return (high - low) / max(abs(low), abs(high), self.scale / 1000)
 
     def _judged(self, low: Fraction, high: Fraction) -> Leaf:
         """What balls tell of the values between two numbers."""
@@ -104,22 +112,24 @@ class Search:
 
     def _leaf(self, low: Fraction, high: Fraction, strips: dict[Part | None, Strip]) -> Leaf:
         crossing: list[tuple[Part | None, Place, int]] = []
+        is_open = False  # of one part; the other may be broken for all values
         for part, strip in strips.items():
             found = places(strip, self.band)
-            if isinstance(found, Verdict):
-                return Leaf(low, high, found)
-            for place in found:
+            if found is Verdict.BROKEN:
+                return Leaf(low, high, Verdict.BROKEN)
+            is_open |= isinstance(found, Verdict)
+            for place in () if isinstance(found, Verdict) else found:
                 signs = strip.signs(place)
-                if signs is None:
-                    return Leaf(low, high, Verdict.OPEN)
                 if signs == (1, 1):
                     return Leaf(low, high, Verdict.BROKEN)
-                if signs != (-1, -1):
+                if signs is None:
+                    is_open = True
+                elif signs != (-1, -1):
                     crossing.append((part, place, signs[0]))
+        if is_open or len(crossing) > 1:
+            return Leaf(low, high, Verdict.OPEN)
         if not crossing:
             return Leaf(low, high, Verdict.KEPT)
-        if len(crossing) > 1:
-            return Leaf(low, high, Verdict.OPEN)
         [(part, place, before)] = crossing
         value = strips[part].crossing(place)
         verdicts = (Verdict.BROKEN, Verdict.KEPT) if before > 0 else (Verdict.KEPT, Verdict.BROKEN)

@@ -6,6 +6,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from textwrap import fill
 from typing import Any
 
 from sympy import Expr
@@ -14,7 +15,7 @@ from haptisym.errors import SceneError
 from haptisym.jnd import Part
 from haptisym.quantities import Number
 from haptisym.scene import Scene
-from haptisym.text import listed
+from haptisym.text import WIDTH, listed
 
 from .criticalvalues import edge_polynomial, touch_polynomial
 from .feasible import Kind
@@ -105,7 +106,7 @@ class DesignMap:
             f"The boundary is a {listed(kinds)} curve." if kinds else "",
             "Certain: every boundary point is proven." if self.certified else "UNDECIDED in some slices: see --json.",
         ]
-        return "\n".join(line for line in lines if line) + "\n"
+        return "\n".join(fill(line, WIDTH) for line in lines if line) + "\n"
 
 
 def design_map(

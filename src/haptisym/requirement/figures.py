@@ -49,6 +49,10 @@ def draw_requirement(found: Requirement, ax: Axes) -> None:
     for span in found.feasible:
         a, b = _limits(span, low, high)
         ax.axvspan(a, b, color=SHADE, linewidth=0)
+    for i, (start, end) in enumerate(found.undecided):
+        a, b = low if start is None else float(start), high if end is None else float(end)
+        name = "" if i else "undecided"
+        ax.axvspan(a, b, facecolor="none", edgecolor=GREY, hatch="///", linewidth=0, label=name)
     t = np.linspace(low, high, _VALUES + 1)[1:]
     for part, worst in _worst(found, t).items():
         ax.plot(t, worst, color=_COLOUR[part], linewidth=1.1, label=_NAME[part])

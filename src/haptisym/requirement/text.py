@@ -27,12 +27,16 @@ def _question(r: Required) -> str:
     low, high = (both(x) for x in _band(r))
     kept = {None: "|G - 1| <= c", Part.REAL: "r_r <= c_real", Part.IMAG: "r_i <= c_imag"}
     rows = [
-        ("free", f"{r.free.path} ({r.free.symbol.name}), in {r.free.unit}"),
+        ("free", f"{r.free.path} ({r.free.symbol.name}), {_unit(r.free.unit)}"),
         ("asked", _asked(r)),
         ("band", f"{low} to {high}"),
         ("condition", f"{' and '.join(kept[part] for part in r.keys)} on the whole band"),
     ]
     return "\n".join(f"  {key:<11} {text}" for key, text in rows)
+
+
+def _unit(unit: str) -> str:
+    return "a plain number" if unit == "1" else f"in {unit}"
 
 
 def _band(r: Required) -> list[RealNumber]:
@@ -53,7 +57,8 @@ def _answer(r: Required) -> str:
     if not r.feasible:
         known = "No value that was asked about makes" if r.certified else "No value is proven to make"
         return fill(f"{known} the display transparent {who}.", WIDTH)
-    return fill(f"The display is transparent {who} exactly for {sets(r)}.", WIDTH)
+    known = f"The display is transparent {who}"
+    return fill(f"{known} exactly for {sets(r)}." if r.certified else f"{known}, proven, for {sets(r)}.", WIDTH)
 
 
 def sets(r: Required) -> str:
@@ -107,7 +112,7 @@ def _formula(r: Required) -> str:
 def _certain(r: Required) -> str:
     if r.undecided:
         where = listed([f"{_limit(a)} to {_limit(b)}" for a, b in r.undecided], "and")
-        return fill(f"UNDECIDED at the precision limit: the values from {where}. Everything else is proven.", WIDTH)
+        return fill(f"UNDECIDED: for the values from {where} neither is proven. About all others everything is.", WIDTH)
     if any(isinstance(end.value, Sliver) for span in r.feasible for end in (span.low, span.high)):
         return fill(
             "Certain: each end lies within the enclosure that is given; of some no more digits are known.", WIDTH

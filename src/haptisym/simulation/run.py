@@ -155,12 +155,12 @@ def _build_extra(net: Network, extra: Extra, far: Port, scene: Scene) -> Port:
     """A quantiser or a limit between the environment and the port; the port that is left for the environment."""
     if isinstance(extra, EncoderQuantisation):
         measured = net.signal("measured")
-        size = _sized("resolution", extra.resolution, Dimension.DISPLACEMENT, scene)
+        size = _sized("resolution of the encoder", extra.resolution, Dimension.DISPLACEMENT, scene)
         net.steps.append(Step(name_of(far.X), name_of(measured), size, "encoder-quantisation"))
         net.built.append("encoder-quantisation")
         return Port(far.F, measured)
     wanted = net.signal("wanted-force")
-    limit = _sized("limit", extra.limit, Dimension.FORCE, scene)
+    limit = _sized("limit of the force", extra.limit, Dimension.FORCE, scene)
     closed = wanted - far.F
     net.switches.append(Switch(name_of(far.F), closed, name_of(wanted), limit, limit, "force-saturation"))
     net.built.append("force-saturation")
