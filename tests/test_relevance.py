@@ -206,6 +206,18 @@ def test_an_unbounded_influence_is_told_and_never_left_out_but_a_bounded_differe
     assert "unbounded" in page(found)
 
 
+def test_a_bounded_difference_of_ratios_that_are_unbounded_at_omega_0_takes_few_pieces(monkeypatch) -> None:  # type: ignore[no-untyped-def]
+    lags = (hs.effects.first_order_lag(20), hs.effects.pade_delay("100 ms", 1), hs.effects.first_order_lag(2))
+    scene = hs.Scene(hs.environments.mass_spring_damper(m=2), lags, (0, 2), rendered=hs.environments.kelvin_voigt(9, 1))
+    witness, pieces, look = Witness(scene), [], Difference.range
+    monkeypatch.setattr(Difference, "range", lambda self, piece: pieces.append(piece) or look(self, piece))
+    kept = frozenset({1, 2})
+    found = Difference(scene, BallChain(scene), kept, hs.Part.REAL).supremum()
+    assert found.most - found.least <= WIDTH * found.most
+    assert float(witness.changes(MP.mpf(10) ** -9, kept)[0]) == pytest.approx(found.most, rel=1e-6)
+    assert len(pieces) < 2000  # 607; each is a few chains
+
+
 ELSEWHERE = {
     "a free mass with delay": hs.Scene(
         hs.environments.mass_spring_damper(m=2), (hs.effects.delay("5 ms"), hs.effects.shunt(m="0.1 kg"))

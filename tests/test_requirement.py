@@ -263,6 +263,13 @@ def test_a_hold_on_a_spring() -> None:
     assert (15 * float(span.high.value)) == pytest.approx(0.20067, abs=1e-5)
 
 
+def test_a_threshold_of_one_part_beside_a_hold_leaves_the_other_part_as_it_is() -> None:
+    fluid = hs.Scene(environments.maxwell(2, 9), (effects.zero_order_hold("30 ms"),), (0, "2/3"))
+    one, both = (hs.require(fluid, path) for path in ("evaluation.jnd.imag", "evaluation.jnd"))
+    assert one.certified
+    assert [x.low.value.digits(12) for x in one.feasible] == [x.low.value.digits(12) for x in both.feasible]
+
+
 # --- many scenes -----------------------------------------------------------------------------------------------------
 
 

@@ -28,7 +28,8 @@ from .ballchain import TERMS, BallChain, Kept, Piece, Series, series_arithmetic
 from .suprema import Supremum, supremum
 
 _NOTHING = 1e-20  # in the middle of some pieces: then it is asked whether the functions are zero
-_DEEPEST = 24  # halvings until a piece that ball arithmetic cannot bound is looked at exactly
+_DEEP = 8  # halvings until a piece that ball arithmetic cannot bound is looked at exactly; near its zero all pieces are loose
+_DEEPEST = 24  # halvings until that must tell
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,7 @@ class Difference:
 
     def _bounds(self, piece: Piece) -> tuple[float, float]:
         found = self.range(piece)
-        if found.most == inf and piece.depth >= _DEEPEST:
+        if found.most == inf and piece.depth >= _DEEP:
             return self._exact_bounds(piece)
         return found.reached, found.most
 
@@ -103,6 +104,8 @@ class Difference:
         points = chart(dict(enumerate(self.squares)), low, high).points
         if any(all(p.orders.get(i, 0) < 0 for i in (0, 1)) for p in points):
             return inf, inf
+        if piece.depth < _DEEPEST:
+            return 0.0, inf
         raise UndecidedError(f"whether a difference of ratios is bounded near {float(low):.10g} rad/s")
 
     @cached_property

@@ -44,7 +44,7 @@ class Shape:
 
     @cached_property
     def change(self) -> Shape | None:
-        """The derivative in the parameter; None where the parameter is the order of a power.
+        """The derivative in the parameter; None where it is the order of a power, or where nothing depends on it.
 
         d tan(a/2) = (1 + tan(a/2)^2) da/2, and d cos(a/2)^n = -n tan(a/2) cos(a/2)^n da/2.
         """
@@ -59,7 +59,7 @@ class Shape:
                 rate = axis.convert(angle.rate.diff(self.free) / 2)  # a number, as delays are multiples of one time
                 half = axis.variable * rate.numerator / rate.denominator
                 total += ((1 + t**2) * self.polynomial.derivative(i) - n * t * self.polynomial) * half
-        return Shape(total, axis, self.free, self.degrees)
+        return None if total.is_zero() else Shape(total, axis, self.free, self.degrees)
 
     @cached_property
     def order_at_zero(self) -> int:
