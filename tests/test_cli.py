@@ -146,3 +146,12 @@ def test_the_installed_command_runs() -> None:
     command = Path(sys.executable).with_name("haptisym")
     shown = subprocess.run([command, "--version"], capture_output=True, text=True, check=True)
     assert shown.stdout == f"haptisym {hs.__version__}\n"
+
+
+def test_a_shipped_scene_can_be_copied_and_is_the_same(call, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    status, text, _ = call("scenes", "fu2019")
+    (tmp_path / "my.toml").write_text(text, encoding="utf-8")
+    copied = call("evaluate", str(tmp_path / "my.toml"), "--json")
+    assert status == 0
+    assert copied == call("evaluate", "fu2019", "--json")
+    assert call("scenes", "no-such-scene")[0] == 2

@@ -44,7 +44,8 @@ def app() -> None:
     Begin with:
       haptisym evaluate fu2019              the example of Fu, van Paassen and Mulder (2019)
       haptisym scenes                       what else the package ships
-      haptisym evaluate my-device.toml      your own; copy a shipped scene to start
+      haptisym scenes fu2019 > my.toml      a copy to start your own from
+      haptisym evaluate my.toml
     """
 
 

@@ -59,7 +59,7 @@ def load_scene(scene: str | Path, environment: str | None = None) -> Scene:
     >>> load_scene("palpation-device", "muscle").environment.H
     2*s + 290
     """
-    return _chosen(*_text_of(scene), environment)
+    return _chosen(*scene_text(scene), environment)
 
 
 def load_scenes(scene: str | Path, environments: Iterable[str | Path] = ()) -> SceneFamily:
@@ -71,7 +71,7 @@ def load_scenes(scene: str | Path, environments: Iterable[str | Path] = ()) -> S
     >>> list(load_scenes("palpation-device")), list(load_scenes("fu2019", ["fu2019", "helicopter-cyclic"]))
     (['fat', 'muscle', 'liver', 'tumour'], ['fu2019', 'helicopter-cyclic'])
     """
-    text, name = _text_of(scene)
+    text, name = scene_text(scene)
     own = parse_scenes(text, name)
     given = [(label, x) for place in environments for label, x in _labelled(place)]
     if not given:
@@ -92,7 +92,7 @@ def _felt_through(display: Scene, label: str, other: Scene) -> Scene:
 
 def _labelled(place: str | Path) -> list[tuple[str, Scene]]:
     """The environments of a scene as scenes, each by its name; the only one by the name of its file."""
-    text, name = _text_of(place)
+    text, name = scene_text(place)
     family = parse_scenes(text, name)
     if len(family) == 1:
         return [(name.removesuffix(".toml"), family.first)]
@@ -122,12 +122,15 @@ def parse_scenes(text: str, name: str = "scene") -> SceneFamily:
 def _chosen(text: str, name: str, environment: str | None) -> Scene:
     family = parse_scenes(text, name)
     try:
-        return family.only() if environment is None else family[environment]
+        if environment is None:
+            return family.only()
+        chosen = family[environment]
     except SceneError as error:
         raise error.within(name) from None
+    return replace(chosen, title=f"{chosen.title or 'Untitled scene'}: {environment}")
 
 
-def _text_of(scene: str | Path) -> tuple[str, str]:
+def scene_text(scene: str | Path) -> tuple[str, str]:
     """The text of a shipped scene or of a file, and what error messages call it."""
     name = str(scene)
     for folder, known in (("scenes", scene_names), ("families", family_names)):

@@ -6,15 +6,28 @@ from json import dumps
 
 import click
 
-from haptisym.scenefile import family_names, load_scenes, scene_names
+from haptisym.errors import SceneError
+from haptisym.scenefile import family_names, load_scenes, scene_names, scene_text
 
 from .options import json_option
 
 
 @click.command()
+@click.argument("name", required=False)
 @json_option
-def scenes(as_json: bool) -> None:
-    """List the scenes that the package ships."""
+def scenes(name: str | None, as_json: bool) -> None:
+    """List the scenes that the package ships, or print the file of one, to start your own from.
+
+    \b
+    Examples:
+      haptisym scenes
+      haptisym scenes fu2019 > my-device.toml
+    """
+    if name is not None:
+        if as_json:
+            raise SceneError("--json lists the scenes: a scene file is TOML, leave out --json")
+        click.echo(scene_text(name)[0], nl=False)
+        return
     listed = [(name, load_scenes(name)) for name in (*scene_names(), *family_names())]
     if as_json:
         keys = [(name, x.title, x.source, [e.name for e in x.first.effects], len(x)) for name, x in listed]

@@ -11,12 +11,13 @@ from haptisym.requirement.freeparameter import THRESHOLD, Free
 from haptisym.requirement.question import Requirement, is_quick, require
 from haptisym.requirement.text import sets
 from haptisym.scene import Scene
+from haptisym.text import both
 from haptisym.typeset.layout import layout
 from haptisym.typeset.numerals import rounded
 
 from .html import Html, element, joined, listed, table
 from .mathematics import inline
-from .results import RATIOS, both
+from .results import RATIOS
 
 _MOST_PARAMETERS = 8  # for more, ``haptisym require`` has the time
 
@@ -63,7 +64,7 @@ def _unit(free: Free) -> str:
 def _binding(r: Requirement) -> Html:
     ends = [(end, b) for end in r.ends for b in end.bindings if b.part is not None]
     rows = [
-        joined([RATIOS[b.part], " at ", both(b.omega)]) if b.omega is not None else RATIOS[b.part]
+        joined([RATIOS[b.part], f" at {both(b.omega)}"]) if b.omega is not None else RATIOS[b.part]
         for _, b in ends
         if b.part is not None
     ]
