@@ -331,6 +331,16 @@ def test_the_function_of_the_code_agrees_with_that_of_the_package():
         np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-9)
 
 
+def test_names_longer_than_a_line_leave_the_code_valid():
+    names = {"a" * 60: "2", "b" * 60: "3"}
+    product = "*".join(names)
+    scene = hs.Scene(MSD, (effects.series(f"1/(1 + s*{product})^2", parameters=names),))
+    f = function_of(scene_code(scene, Language.NUMPY))
+    given = {p.symbol.name: float(p.value) for p in scene.parameters}
+    expected = scene.distortion().compile("certified", of=("ratio_real",))(7.0)
+    assert float(f(7.0, **given).ratio_real) == pytest.approx(float(expected.ratio_real), rel=1e-12)
+
+
 def test_a_resonance_without_damping_to_speak_of_gives_no_nan():
     m, b, k = hs.symbols("m b k")
     d = hs.distort(environments.mass_spring_damper(m, b, k), effects.first_order_lag(50))

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from .names import Language
 
 _WIDTH = 100  # columns
+_EQUALS = "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}"
 
 
 @dataclass(frozen=True)
@@ -220,10 +221,20 @@ def _statements(
 
 
 def _wrapped(line: str, indent: str, continued: str = "") -> list[str]:
-    """A line of code on as many lines as it needs, broken at spaces, each but the last with what continues a line."""
+    """A line of code on as many lines as it needs, broken at spaces, each but the last with what continues a line.
+
+    Never at a line's first equals sign, after which Python must see an open bracket.
+    """
     if len(line) <= _WIDTH:
         return [line]
+    own = line.lstrip()
     lines = textwrap.wrap(
-        line, _WIDTH, subsequent_indent=f"{indent}    ", break_long_words=False, break_on_hyphens=False
+        own.replace(" = ", _EQUALS, 1),
+        _WIDTH,
+        initial_indent=line[: -len(own)],
+        subsequent_indent=f"{indent}    ",
+        break_long_words=False,
+        break_on_hyphens=False,
     )
+    lines = [x.replace(_EQUALS, " = ") for x in lines]
     return [*(f"{x}{continued}" for x in lines[:-1]), lines[-1]]
