@@ -194,7 +194,7 @@ def test_the_document_holds_each_evaluation_and_the_worst_case(call) -> None:  #
     assert (status, err, document["schema"]) == (0, "", "haptisym.evaluations/1")
     for row in document["environments"]:
         alone = hs.evaluate(hs.load_scene("palpation-device", row["name"])).to_dict()
-        assert row == {"name": row["name"], **alone}
+        assert row == {"name": row["name"], **alone, "title": "Palpation device (Touch) on four tissues"}
     [bound] = document["binding"]
     assert (bound["at"], bound["environment"], bound["part"]) == (document["bandwidth"], "fat", "real")
     assert document["transparent"] == [[0.0, document["bandwidth"]]]
