@@ -9,7 +9,11 @@ import haptisym as hs
 
 @pytest.mark.parametrize(
     ("name", "method"),
-    [("fu2019", "certified polynomial roots"), ("delayed-spring", "interval Newton in ball arithmetic")],
+    [
+        ("fu2019", "certified polynomial roots"),
+        ("delayed-spring", "arctangents of certified polynomial roots"),
+        ("satellite-contact", "interval Newton in ball arithmetic"),
+    ],
 )
 def test_the_effort_names_the_method_and_grows_with_the_digits(name: str, method: str) -> None:
     few, many = (hs.evaluate(hs.load_scene(name), digits=n).effort for n in (15, 300))

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from haptisym.exact.periodic import Turned
 from haptisym.exact.polynomials import Root
 from haptisym.exact.zeros import Zero
 
@@ -33,7 +34,12 @@ class Effort(NamedTuple):
     seconds: float
 
 
-_METHODS = {Root: "certified polynomial roots", Zero: "interval Newton in ball arithmetic", ExactNumber: "closed form"}
+_METHODS = {
+    Root: "certified polynomial roots",
+    Turned: "arctangents of certified polynomial roots",
+    Zero: "interval Newton in ball arithmetic",
+    ExactNumber: "closed form",
+}
 
 
 @dataclass(frozen=True)
