@@ -155,3 +155,10 @@ def test_a_shipped_scene_can_be_copied_and_is_the_same(call, tmp_path: Path) -> 
     assert status == 0
     assert copied == call("evaluate", "fu2019", "--json")
     assert call("scenes", "no-such-scene")[0] == 2
+
+
+def test_a_package_that_a_verb_needs_and_that_is_missing_is_named_with_its_extra() -> None:
+    probe = "import sys; sys.modules['scipy'] = None; sys.argv = ['haptisym', 'simulate', 'fu2019']; from haptisym.cli import main; main()"
+    done = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == 'error: scipy is missing: this needs pip install "haptisym[simulate]"\n'

@@ -55,6 +55,10 @@ for verb in (
     app.add_command(verb)
 
 
+_EXTRAS = {"scipy": "simulate", "xarray": "sweep", "dask": "sweep", "zarr": "sweep", "numba": "fast"}
+"""Packages that only some verbs need, and the extra of each."""
+
+
 def main() -> None:
     """Run the command line: exit status 0 done, 2 wrong scene or command line, 3 undecided."""
     try:
@@ -68,6 +72,11 @@ def main() -> None:
         _fail(f"undecided: {error}", 3)
     except HaptisymError as error:
         _fail(f"error: {error}", 2)
+    except ModuleNotFoundError as error:
+        package = (error.name or "").split(".")[0]
+        if package not in _EXTRAS:
+            raise
+        _fail(f'error: {package} is missing: this needs pip install "haptisym[{_EXTRAS[package]}]"', 2)
     except OSError as error:
         _fail(f"error: {error.filename}: {error.strerror}", 2)
 
