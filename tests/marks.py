@@ -1,7 +1,8 @@
-"""Which cases of a large family are run every time, and which only in CI (``-m slow``)."""
+"""Which cases of a large family are run every time and which only in CI (``-m slow``); programs that a test needs."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -23,3 +24,11 @@ def often(cases: Iterable[Any], quick: Callable[[Any], bool]) -> list[Any]:
 
 def _listed(case: Any) -> tuple[Any, ...]:
     return case if isinstance(case, tuple) else (case,)
+
+
+def required(program: str, found: object) -> None:
+    """Skip a test whose program is missing on a user's machine; in CI nothing may be missing."""
+    if not found:
+        if os.environ.get("CI"):
+            pytest.fail(f"{program} is missing: CI must run it")
+        pytest.skip(f"{program} is missing")

@@ -7,7 +7,6 @@ s = j omega: no closed form, no real or imaginary part of one, no simplification
 from __future__ import annotations
 
 import json
-import os
 import random
 import re
 import shutil
@@ -21,7 +20,7 @@ from pathlib import Path
 import mpmath
 import numpy as np
 import pytest
-from marks import WRITTEN_OUT
+from marks import WRITTEN_OUT, required
 from sympy import I, Integer, Rational, Symbol, cosh, exp, pi, sin, sinc, sinh, sqrt
 
 import haptisym as hs
@@ -259,10 +258,7 @@ def program(n: int):
 def computed(language: Language, folder: Path) -> list[list[list[float]]]:
     """For each case, the rows of values that the code of a language computes: everything in one run."""
     program_name, runner = RUNNERS[language]
-    if program_name and shutil.which(program_name) is None:
-        if os.environ.get("CI"):
-            pytest.fail(f"{program_name} is missing: CI must run the generated code")
-        pytest.skip(f"{program_name} is missing")
+    required(program_name, not program_name or shutil.which(program_name))
     lines = iter(runner({case.name: source(n, language) for n, case in enumerate(CASES)}, folder).splitlines())
     rows = [[[float(x) for x in next(lines).split()] for _ in case.points] for case in CASES]
     assert next(lines, None) is None

@@ -9,7 +9,6 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 from marks import QUICK_SCENES, often
 from sympy import Rational, sqrt
-from test_cli import call  # noqa: F401 - a fixture
 from test_latex import check_layout, compiled
 
 import haptisym as hs
@@ -87,7 +86,7 @@ def test_a_wrong_value_is_an_error_that_names_it(values: dict[str, object], word
 
 
 @pytest.mark.parametrize("name", often(hs.scene_names(), QUICK_SCENES.__contains__))
-def test_every_shipped_scene_has_a_page_in_each_form(name: str, call) -> None:  # type: ignore[no-untyped-def]  # noqa: F811
+def test_every_shipped_scene_has_a_page_in_each_form(name: str, call) -> None:  # type: ignore[no-untyped-def]
     for form in ("text", "latex", "mathml", "json"):
         status, out, err = call("derive", name, "--to", form)
         assert (status, err) == (0, "")
@@ -97,7 +96,7 @@ def test_every_shipped_scene_has_a_page_in_each_form(name: str, call) -> None:  
             ElementTree.fromstring(f"<div>{out}</div>")
 
 
-def test_the_json_of_a_page_says_the_same_as_its_text(call) -> None:  # type: ignore[no-untyped-def]  # noqa: F811
+def test_the_json_of_a_page_says_the_same_as_its_text(call) -> None:  # type: ignore[no-untyped-def]
     d = derive(hs.load_scene("fu2019"))
     document = to_dict(d, sections(d))
     assert json.loads(call("derive", "fu2019", "--json")[1]) == document
@@ -108,14 +107,14 @@ def test_the_json_of_a_page_says_the_same_as_its_text(call) -> None:  # type: ig
 
 
 @pytest.mark.parametrize("name", ["fu2019", "steering-wheel", "four-channel-teleoperation", "organ-tissue"])
-def test_the_latex_of_a_page_compiles(name: str, call, tmp_path) -> None:  # type: ignore[no-untyped-def]  # noqa: F811
+def test_the_latex_of_a_page_compiles(name: str, call, tmp_path) -> None:  # type: ignore[no-untyped-def]
     body = call("derive", name, "--to", "latex")[1]
     head = r"\documentclass[a4paper,11pt]{article}\usepackage{amsmath}\usepackage[margin=2.5cm]{geometry}"
     check_layout(compiled(rf"{head}\begin{{document}}{body}\end{{document}}", tmp_path))
 
 
 @pytest.mark.parametrize("language", ["numpy", "c", "octave", "julia", "javascript"])
-def test_code_keeps_the_parameters_that_are_asked_for(language: str, call) -> None:  # type: ignore[no-untyped-def]  # noqa: F811
+def test_code_keeps_the_parameters_that_are_asked_for(language: str, call) -> None:  # type: ignore[no-untyped-def]
     out = call("derive", "fu2019", "--to", language, "--keep", "omega_n")[1]
     assert "omega_n" in out
     assert "zeta = 0.5" in out
@@ -124,7 +123,7 @@ def test_code_keeps_the_parameters_that_are_asked_for(language: str, call) -> No
 @pytest.mark.parametrize(
     "arguments", [("--keep", "q"), ("--of", "Re dQ"), ("--to", "fortran"), ("--keep",), ("--to", "c", "--of", "dH")]
 )
-def test_a_wrong_request_is_one_clear_message(arguments: tuple[str, ...], call) -> None:  # type: ignore[no-untyped-def]  # noqa: F811
+def test_a_wrong_request_is_one_clear_message(arguments: tuple[str, ...], call) -> None:  # type: ignore[no-untyped-def]
     status, out, err = call("derive", "fu2019", *arguments)
     assert (status, out) == (2, "")
     assert len(err.strip()) > 20
@@ -132,14 +131,14 @@ def test_a_wrong_request_is_one_clear_message(arguments: tuple[str, ...], call) 
 
 
 @pytest.mark.parametrize("name", ["omega_env", "omega_perc", "omega_i", "d omega_r/d m", "F_si_perc", "F_d_env"])
-def test_solutions_slopes_and_forces_can_be_asked_for(name: str, call) -> None:  # type: ignore[no-untyped-def]  # noqa: F811
+def test_solutions_slopes_and_forces_can_be_asked_for(name: str, call) -> None:  # type: ignore[no-untyped-def]
     status, out, err = call("derive", "delayed-spring" if name == "omega_i" else "fu2019", "--of", name)
     assert (status, err) == (0, "")
     shown = out.replace("ω", "omega").replace("(d m)", "d m").replace("F_si_perc(omega j)", "F_si_perc")
     assert name in shown
 
 
-def test_quantities_answer_to_names_as_a_shell_likes_them(call) -> None:  # type: ignore[no-untyped-def]  # noqa: F811
+def test_quantities_answer_to_names_as_a_shell_likes_them(call) -> None:  # type: ignore[no-untyped-def]
     one, two = (call("derive", "fu2019", "--of", name)[1] for name in ("Re dH", "re_dh"))
     assert one == two
     assert "Re dH = " in one

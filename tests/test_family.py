@@ -14,22 +14,8 @@ from sympy import Rational
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.cli import main
 
 TISSUES = {"fat": (120, "1.5"), "muscle": (290, "2"), "tumour": (900, "4")}
-
-
-def run(*arguments: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> tuple[int, str, str]:
-    monkeypatch.setattr("sys.argv", ["haptisym", *arguments])
-    with pytest.raises(SystemExit) as stop:
-        main()
-    out, err = capsys.readouterr()
-    return int(stop.value.code or 0), out, err
-
-
-@pytest.fixture
-def call(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):  # type: ignore[no-untyped-def]
-    return lambda *arguments: run(*arguments, capsys=capsys, monkeypatch=monkeypatch)
 
 
 def palpated(name: str, omega: mpmath.mpf, mp: mpmath.ctx_mp.MPContext) -> tuple[mpmath.mpf, mpmath.mpf]:

@@ -16,7 +16,6 @@ from sympy import Expr, Rational, lambdify
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.cli import main
 from haptisym.measures.measured import Measured
 from haptisym.measures.text import as_latex
 from haptisym.measures.transparency import Metrics
@@ -296,19 +295,6 @@ def test_a_heavy_filtered_device_fails_the_free_response_while_the_jnd_is_kept()
 
 
 # Output
-
-
-def run(*arguments: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> tuple[int, str, str]:
-    monkeypatch.setattr("sys.argv", ["haptisym", *arguments])
-    with pytest.raises(SystemExit) as stop:
-        main()
-    out, err = capsys.readouterr()
-    return int(stop.value.code or 0), out, err
-
-
-@pytest.fixture
-def call(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):  # type: ignore[no-untyped-def]
-    return lambda *arguments: run(*arguments, capsys=capsys, monkeypatch=monkeypatch)
 
 
 def test_the_document_of_the_papers_example(call) -> None:  # type: ignore[no-untyped-def]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 import shutil
 import subprocess
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from marks import required
 from pagereader import Page, equations, value
 from sympy import Integer, Rational, pi, sqrt
 
@@ -70,10 +70,7 @@ for (const [name, text, displayMode] of JSON.parse(require("fs").readFileSync(0,
 
 
 def test_katex_reads_every_formula() -> None:
-    if not (KATEX.exists() and shutil.which("node")):
-        if os.environ.get("CI"):
-            pytest.fail("katex or node is missing: CI must read the formulas")
-        pytest.skip("katex or node is missing")
+    required("katex or node", KATEX.exists() and shutil.which("node"))
     listed = []
     for name, shown in FORMULAS.items():
         found = re.fullmatch(r"\$\$(.*)\$\$|\$(.*)\$", shown._repr_latex_(), re.DOTALL)

@@ -320,7 +320,6 @@ def test_digits_of_special_values_and_of_single_numbers() -> None:
 
 @pytest.mark.parametrize("name", often(["fu2019", "delayed-spring", "organ-tissue"], lambda name: name == "fu2019"))
 def test_machine_code_gives_the_same_doubles(name: str) -> None:
-    pytest.importorskip("numba")
     d = hs.load_scene(name).distortion()
     omega = np.concatenate([[0.0], np.geomspace(1e-9, 1e9, 1001)])
     ours, theirs = d.compile(of=RATIOS)(omega), d.compile(of=RATIOS, engine="numba")(omega)
@@ -332,7 +331,6 @@ def test_machine_code_gives_the_same_doubles(name: str) -> None:
 
 
 def test_machine_code_leaves_arrays_of_parameters_to_numpy() -> None:
-    pytest.importorskip("numba")
     omega, values = drawn(FAMILIES["filter"], 20, 5)
     ours, theirs = (FAMILIES["filter"].compile(engine=x)(omega, **values) for x in ("numpy", "numba"))
     assert (np.array(ours) == np.array(theirs)).all()

@@ -19,7 +19,7 @@ import browser
 import numpy as np
 import pytest
 from browser import Browser
-from marks import often
+from marks import often, required
 from pagereader import Page, equations, value
 from sympy import Rational, lambdify
 
@@ -321,13 +321,6 @@ def command(monkeypatch: pytest.MonkeyPatch, capsys: Any, *options: str) -> tupl
         main()
     out, err = capsys.readouterr()
     return int(stop.value.code or 0), out, err
-
-
-def required(name: str, found: object) -> None:
-    if not found:
-        if os.environ.get("CI"):
-            pytest.fail(f"{name} is missing: CI must run it")
-        pytest.skip(f"{name} is missing")
 
 
 # In a browser.

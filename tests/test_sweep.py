@@ -12,8 +12,10 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import distributed
 import numpy as np
 import pytest
+import xarray as xr
 from strategies import Seeded, case, scene
 from sympy import Rational
 
@@ -22,10 +24,6 @@ from haptisym.cli import main
 from haptisym.sweeps.axes import axes, paths, spaced
 from haptisym.sweeps.exactly import COUNTS, FLOATS, exact_answers
 from haptisym.sweeps.kernel import TOLERANCE, Kernel
-
-xr = pytest.importorskip("xarray")
-pytest.importorskip("dask")
-pytest.importorskip("zarr")
 
 PAPER = hs.load_scene("fu2019")
 NATURAL, MASS = "effects.filter.omega_n", "environment.m"
@@ -195,7 +193,6 @@ def test_dask_threads_give_the_same(small: Any) -> None:
 
 @pytest.fixture
 def cluster() -> Iterator[Any]:
-    distributed = pytest.importorskip("distributed")
     quiet = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
     with distributed.LocalCluster(**quiet) as found, distributed.Client(found) as client:
         yield client
@@ -216,8 +213,6 @@ def test_two_processes_of_a_cluster_give_the_same(small: Any, cluster: Any, tmp_
 
 @pytest.mark.parametrize("name", ["a.zarr", "a.nc"])
 def test_a_file_holds_the_same(small: Any, tmp_path: Path, name: str) -> None:
-    if name.endswith(".nc"):
-        pytest.importorskip("h5py")
     with hs.sweep(PAPER, SMALL, out=tmp_path / name, block=100) as stored:
         assert stored.load().identical(small)
     with hs.sweep(PAPER, SMALL, out=tmp_path / name) as again:
