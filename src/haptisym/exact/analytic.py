@@ -91,7 +91,7 @@ def _clear_of_zero_with_powers(factor: AnalyticFactor) -> Ball:
                 order = part.order_at(Integer(0))
                 rise = expression_ball(exponents[powers] - lowest)
                 factor_range = arb(1) if exponents[powers] == lowest else arb(0).union((rise * reach.log()).exp())
-                total = total + factor_range * part.series(piece, order + 1)[order]
+                total = total + factor_range * part.taylor(piece, order)
             if is_clear(total):
                 return reach
             reach = reach / 16

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from . import analytic, polynomials, wavesums, zeros
 
+_CACHES = [
+    found
+    for module in (analytic, polynomials, wavesums, zeros)
+    for found in vars(module).values()
+    if hasattr(found, "cache_clear")
+]
+
 
 def forget() -> None:
     """Empty the caches of certified zeros, so that what is timed does all of the work."""
-    for module in (analytic, polynomials, wavesums, zeros):
-        for found in vars(module).values():
-            if hasattr(found, "cache_clear"):
-                found.cache_clear()
+    for cache in _CACHES:
+        cache.cache_clear()

@@ -64,7 +64,7 @@ def _factored(polynomial: Polynomial, axis: Axis) -> Factored:
         return own_sign, Integer(lowest), [*simple]
     # where sines meet odd powers of omega not all functions are even: then none is factored in omega^2, so that one
     # frequency is never the zero of two different factors
-    number, factors = axis.factors(polynomial, in_square=not axis.functions)
+    number, factors = axis.factors(_without_circles(polynomial, axis), in_square=not axis.functions)
     sign, power = (1 if number > 0 else -1), Integer(0)
     found: list[tuple[Factor, int]] = []
     for factor, exponent in factors:
@@ -73,8 +73,6 @@ def _factored(polynomial: Polynomial, axis: Axis) -> Factored:
             power += exponent * exponents
             continue
         made = _factor(factor, axis)
-        if made is None:
-            continue
         if not _changes(factor, axis):
             sign *= made.sign_at(lambda _: arb(1)) ** exponent
         else:
@@ -105,14 +103,20 @@ def _turning(polynomial: Polynomial, axis: Axis) -> list[int]:
     return [0 if angle.constant else n for angle, n in zip(axis.angles, degrees, strict=False)]
 
 
-def _factor(factor: Polynomial, axis: Axis) -> Factor | None:
-    """An irreducible polynomial of the axis as a factor; None for 1 + tan^2, which becomes cos^2 + sin^2 = 1."""
+def _without_circles(polynomial: Polynomial, axis: Axis) -> Polynomial:
+    """A polynomial without its factors 1 + tan^2, which become cos^2 + sin^2 = 1."""
+    for tangent in axis.context.gens()[axis.size : axis.size + len(axis.angles)]:
+        quotient, rest = divmod(polynomial, tangent**2 + 1)
+        while rest.is_zero():
+            polynomial = quotient
+            quotient, rest = divmod(polynomial, tangent**2 + 1)
+    return polynomial
+
+
+def _factor(factor: Polynomial, axis: Axis) -> Factor:
+    """An irreducible polynomial of the axis as a factor."""
     degrees = [int(n) for n in factor.degrees()]
-    if not any(degrees[axis.size :]):
-        return _polynomial_factor(factor)
-    if any(factor == g**2 + 1 for g in axis.context.gens()[axis.size : axis.size + len(axis.angles)]):
-        return None
-    return _analytic_factor(factor, axis)
+    return _analytic_factor(factor, axis) if any(degrees[axis.size :]) else _polynomial_factor(factor)
 
 
 def _polynomial_factor(factor: Polynomial) -> PolynomialFactor:
@@ -132,11 +136,11 @@ def _rows(terms: Iterable[tuple[tuple[int, int], int]]) -> tuple[tuple[int, ...]
 
 
 def _analytic_factor(factor: Polynomial, axis: Axis) -> AnalyticFactor:
-    angles = len(axis.angles)
+    angles, first = len(axis.angles), axis.size - 2
     groups: dict[tuple[int, ...], list[tuple[tuple[int, int], int]]] = {}
-    for exponents, value in factor.to_dict().items():
-        own = [int(n) for n in exponents]
-        groups.setdefault(tuple(own[axis.size :]), []).append(((own[0], own[1]), int(value.p)))
+    for exponents, value in zip(factor.monoms(), factor.coeffs(), strict=True):
+        power, of_pi, *own = map(int, exponents)
+        groups.setdefault(tuple(own[first:]), []).append(((power, of_pi), int(value.p)))
     terms = tuple(Term(waves[:angles], waves[angles:], _rows(found)) for waves, found in sorted(groups.items()))
     return _made(terms, tuple(int(n) for n in factor.degrees()[axis.size : axis.size + angles]), axis)
 

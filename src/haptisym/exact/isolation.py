@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 
 import flint
-from flint import arb, arb_series
+from flint import arb
 from sympy import Expr
 
 from haptisym.errors import UndecidedError
@@ -16,13 +16,6 @@ from .zeros import MOST_BITS, SmoothFactor, Undecided, Zero, is_clear
 
 class SeriesFactor(SmoothFactor):
     """A factor that has all its Taylor coefficients."""
-
-    @abstractmethod
-    def series(self, x: Ball, length: int) -> arb_series:
-        """Taylor coefficients of the function about every point of a ball: value, slope, half curvature, ..."""
-
-    def taylor(self, x: Ball, order: int) -> Ball:
-        return self.series(x, order + 1)[order] if order else self.value(x)
 
     @abstractmethod
     def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
@@ -65,7 +58,7 @@ def _sign(f: SeriesFactor, x: Ball, derivative: int = 0) -> int:
     bits = 128
     while bits <= MOST_BITS:
         with flint.ctx.workprec(bits):
-            value = f.series(x, derivative + 1)[derivative]
+            value = f.taylor(x, derivative)
             if value > 0 or value < 0:
                 return 1 if value > 0 else -1
         bits *= 2
@@ -120,7 +113,7 @@ def clear_of(f: SeriesFactor, place: Expr, order: int, *, above: bool) -> Ball:
         for _ in range(200):
             end = (centre + (reach if above else -reach)).mid()
             piece = (centre.lower() if above else centre.upper()).union(end)
-            if is_clear(f.series(piece, order + 1)[order]):
+            if is_clear(f.taylor(piece, order)):
                 return end
             reach = reach / 4
     raise UndecidedError(f"whether a function vanishes again near omega = {place} rad/s")

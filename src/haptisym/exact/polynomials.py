@@ -49,9 +49,10 @@ class PolynomialFactor(SmoothFactor):
     def value(self, x: Ball) -> Ball:
         return _at_precision(self, flint.ctx.prec)[0](x**self.step)
 
-    def taylor(self, x: Ball, order: int) -> Ball:
-        if order == 0:
-            return self.value(x)
+    def series(self, x: Ball, start: int, stop: int) -> list[Ball]:
+        return [(self.value, self._slope)[n](x) for n in range(start, stop)]  # all that a simple zero asks for
+
+    def _slope(self, x: Ball) -> Ball:
         return _at_precision(self, flint.ctx.prec)[1](x**self.step) * self.step * x ** (self.step - 1)
 
     def steady_sign(self, low: Expr, high: Expr) -> int:
@@ -109,8 +110,12 @@ class PolynomialFactor(SmoothFactor):
             isolated = _real_ones(acb_poly(_at_precision(self, bits)[0]).roots(maxprec=4 * bits))
         except ValueError:
             return None
-        polynomial, slope = _at_precision(self, bits)
-        return _positive([tightened(x.lower(), x.upper(), bits, polynomial, slope) for x in isolated])
+        both = _at_precision(self, bits)
+
+        def jet(x: Ball, count: int) -> list[Ball]:
+            return [p(x) for p in both[:count]]
+
+        return _positive([tightened(x.lower(), x.upper(), bits, jet) for x in isolated])
 
 
 @dataclass(frozen=True)

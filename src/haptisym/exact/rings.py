@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
+from itertools import count
 from math import gcd, lcm
 from operator import add, mul
 from typing import Any, TypeAlias
@@ -139,8 +140,9 @@ class PolynomialRing:
         strides, shifts = polynomial.deflation_index()
         lowest, step = int(shifts[0]), 2 if in_square and int(strides[0]) % 2 == 0 else 1
         squares = [step, *[1] * (len(self.meanings) - 1)]
-        unit, factors = self._split((polynomial / self.variable**lowest).deflate(squares))
-        inflated = [(factor.inflate(squares), int(n)) for factor, n in factors]
+        rest = polynomial / self.variable**lowest if lowest else polynomial
+        unit, factors = self._split(rest.deflate(squares) if step > 1 else rest)
+        inflated = [(factor.inflate(squares) if step > 1 else factor, int(n)) for factor, n in factors]
         own = [(self.variable, lowest)] if lowest else []
         return Rational(int(unit.p), int(unit.q)), own + inflated
 
@@ -149,11 +151,34 @@ class PolynomialRing:
         degrees = [int(n) for n in polynomial.degrees()]
         used = [i for i, n in enumerate(degrees) if n]
         if len(used) != 1:
-            return polynomial.factor()  # type: ignore[no-any-return]
+            return (self._irreducible(polynomial, used) if used else None) or polynomial.factor()
         terms = {int(exponents[used[0]]): value for exponents, value in polynomial.to_dict().items()}
         unit, factors = fmpq_poly([terms.get(n, fmpq(0)) for n in range(max(terms) + 1)]).factor()
         place = [tuple(n if i == used[0] else 0 for i in range(len(degrees))) for n in range(max(terms) + 1)]
         return unit, [(self.context.from_dict(dict(zip(place, f.coeffs(), strict=False))), n) for f, n in factors]
+
+    def _irreducible(self, polynomial: Polynomial, used: list[int]) -> tuple[fmpq, list[tuple[Polynomial, int]]] | None:
+        """A polynomial as its only factor, where that is quickly proven; None where it is not.
+
+        At numbers for all variables but one it keeps its degree and is irreducible: of two factors one would be free of that
+        variable. At two numbers for that variable it has no factor in common: there is none that is free of it. Most numbers
+        show both (Hilbert), in a fraction of the time that factoring takes.
+        """
+        degrees = polynomial.degrees()
+        main, *others = sorted(used, key=lambda i: int(degrees[i]))  # the shortest is the cheapest
+        special = polynomial.subs({f"x{i}": number for i, number in zip(others, count(2))}).to_dict()
+        row = {int(exponents[main]): value for exponents, value in special.items()}
+        if max(row, default=0) < int(degrees[main]):
+            return None
+        _, factors = fmpq_poly([row.get(n, 0) for n in range(max(row) + 1)]).factor()
+        if len(factors) != 1 or factors[0][1] != 1:
+            return None
+        two = (polynomial.subs({f"x{main}": number}) for number in (2, 3))
+        if not next(two).gcd(next(two)).is_constant():
+            return None
+        values = polynomial.coeffs()
+        unit = fmpq(gcd(*(int(c.p) for c in values)), lcm(*(int(c.q) for c in values))) * (1 if values[0] > 0 else -1)
+        return unit, [(polynomial / unit, 1)]
 
     def without_common_functions(self, polynomial: Polynomial) -> tuple[Expr, Polynomial]:
         """A polynomial without the further functions that all its terms share, and those in front."""

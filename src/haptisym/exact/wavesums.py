@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import flint
-from flint import arb, arb_poly, arb_series, fmpz_poly
+from flint import arb, arb_mat, arb_poly, fmpz_poly
 from sympy import Expr
 
+from .bernstein import range_of
 from .reals import Ball, expression_ball
 
-_TAYLOR_ORDER = 6
+_TAYLOR_ORDER = 8
 
 
 @dataclass(frozen=True)
@@ -52,17 +53,19 @@ class WaveSum:
         """A ball around the value at a ball of frequencies, at the current working precision."""
         return _compiled(self, flint.ctx.prec).value(x)
 
-    def series(self, x: Ball, length: int) -> arb_series:
-        """Taylor coefficients of the function about every point of a ball: value, slope, half curvature, ..."""
-        return _compiled(self, flint.ctx.prec).series(x, length)
+    def series(self, x: Ball, start: int, stop: int) -> list[Ball]:
+        """Balls around the Taylor coefficients of orders from ``start`` to before ``stop`` about every point of a ball."""
+        return _compiled(self, flint.ctx.prec).series(x, start, stop)
 
     def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
         """Enclosures of value, slope and half curvature over a ball of frequencies."""
         return _compiled(self, flint.ctx.prec).over(box)
 
 
-_Number: TypeAlias = Any  # flint.arb or flint.arb_series: both know sin_cos, log and exp
-_Key: TypeAlias = tuple[tuple[int, ...], tuple[int, ...]]
+_Turns: TypeAlias = tuple[int, ...]
+_Key: TypeAlias = tuple[_Turns, tuple[int, ...]]
+_Blocks: TypeAlias = Mapping[_Turns, arb_mat]
+"""Coefficients of powers of omega (columns) times waves of the last angle (rows), by the turns of the other angles."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,20 +78,15 @@ class Compiled:
     rates: tuple[Ball, ...]
     degrees: tuple[int, ...]
     exponents: tuple[Ball, ...]
-    terms: tuple[tuple[tuple[int, ...], tuple[int, ...], arb_poly], ...]
+    terms: tuple[tuple[_Turns, tuple[int, ...], arb_poly], ...]
 
     def value(self, x: Ball) -> Ball:
         """A ball around the value at a ball of frequencies."""
-        return self._total(x, [p(x) for _, _, p in self.terms])
+        return self.taylor(x, 0)
 
-    def series(self, x: Ball, length: int) -> arb_series:
-        """Taylor coefficients of the function about every point of a ball: value, slope, half curvature, ..."""
-        cap, flint.ctx.cap = flint.ctx.cap, length  # FLINT cuts series at this length, and what is cut off reads as 0
-        try:
-            polynomials = [arb_series([p(x) for p in row[:length]], length) for row in self._derivatives]
-            return self._total(arb_series([x, 1], length), polynomials)
-        finally:
-            flint.ctx.cap = cap
+    def taylor(self, x: Ball, order: int) -> Ball:
+        """A ball around the Taylor coefficient of that order about every point of a ball of frequencies."""
+        return self.series(x, order, order + 1)[0]
 
     def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
         """Enclosures of value, slope and half curvature over a ball of frequencies.
@@ -96,62 +94,147 @@ class Compiled:
         Taylor's theorem about the middle m, f(m + h) = c_0 + c_1 h + ... + c(xi) h^n, with the last coefficient enclosed over the
         whole ball: tight as soon as the ball is shorter than what the function does, however much its terms cancel.
         """
-        about = self.series(box.mid(), _TAYLOR_ORDER)
-        last = self.series(box, _TAYLOR_ORDER + 1)[_TAYLOR_ORDER]
-        taylor = arb_poly([*(about[i] for i in range(_TAYLOR_ORDER)), last])
-        slope = taylor.derivative()
-        h = box - box.mid()
-        return taylor(h), slope(h), slope.derivative()(h) / 2
+        middle, reach = box.mid(), _powers(box.rad(), _TAYLOR_ORDER + 1)
+        row = [*self.series(middle, 0, _TAYLOR_ORDER), self.taylor(box, _TAYLOR_ORDER)]
+        slopes = [n * c for n, c in enumerate(row)][1:]
+        bends = [n * c / 2 for n, c in enumerate(slopes)][1:]
+        return range_of(row, reach), range_of(slopes, reach), range_of(bends, reach)
+
+    def series(self, x: Ball, start: int, stop: int) -> list[Ball]:
+        """Balls around the Taylor coefficients of orders from ``start`` to before ``stop`` about every point of a ball."""
+        outer, last = self._waves(x)
+        columns = arb_mat(self._width, 1, _powers(x, self._width))
+        found = [arb(0)] * (stop - start)
+        for powers, sums in self._sums.items():
+            first = start if not any(powers) else 0
+            own = [_entry(sums.blocks(n), outer, last, columns) for n in range(first, stop)]
+            if any(powers):
+                exponent = sum((a * n for a, n in zip(self.exponents, powers, strict=True)), arb(0))
+                own = _product(own, _power_series(x, exponent, stop))[start:]
+            found = [a + b for a, b in zip(found, own, strict=True)]
+        return found
+
+    def _waves(self, x: Ball) -> tuple[dict[_Turns, Ball | None], arb_mat]:
+        """All products of sines and cosines: of all half angles but the last, by turns, and of the last one in a row."""
+        *others, last = [_waves(rate * x, n) for rate, n in zip(self.rates, self.degrees, strict=True)] or [[arb(1)]]
+        outer: dict[_Turns, Ball | None] = {(): None}  # no factor
+        for waves in others:
+            outer = {
+                (*turns, k): wave if known is None else known * wave
+                for turns, known in outer.items()
+                for k, wave in enumerate(waves)
+            }
+        return outer, arb_mat(1, len(last), last)
 
     @cached_property
-    def _derivatives(self) -> list[list[arb_poly]]:
-        """For the polynomial p of each term p, p', p''/2, ...: its Taylor coefficients as functions of where."""
-        rows = [[p] for _, _, p in self.terms]
-        for row in rows:
-            for k in range(1, row[0].degree() + 1):
-                row.append(row[-1].derivative() * (arb(1) / k))
-        return rows
+    def _width(self) -> int:
+        return max(1, *(1 + int(polynomial.degree()) for _, _, polynomial in self.terms))
 
-    def _total(self, at: _Number, polynomials: Sequence[_Number]) -> _Number:
-        """The sum of the terms, given the value (or the series) of each one's polynomial."""
-        waves = [_Waves(rate * at, degree) for rate, degree in zip(self.rates, self.degrees, strict=True)]
-        roots = [_Powers((at.log() * a).exp()) for a in self.exponents]
-        total: _Number = 0
-        for (turns, powers, _), polynomial in zip(self.terms, polynomials, strict=True):
-            term = polynomial
-            for wave, k in zip(waves, turns, strict=True):
-                term = term * wave[k]
-            for root, n in zip(roots, powers, strict=True):
-                if n:
-                    term = term * root[n]
-            total = term + total
-        return total
+    @cached_property
+    def _sums(self) -> Mapping[tuple[int, ...], _Derivatives]:
+        """By powers of omega^alpha, what stands before them."""
+        groups: dict[tuple[int, ...], dict[_Turns, arb_poly]] = {}
+        for turns, powers, polynomial in self.terms:
+            groups.setdefault(powers, {})[turns] = polynomial
+        rates, degrees = self.rates or (arb(0),), self.degrees or (0,)
+        return {
+            powers: _Derivatives(rates, degrees, self._width, own if self.rates else {(0,): own[()]})
+            for powers, own in groups.items()
+        }
 
 
-class _Powers(dict[int, Any]):
-    """Powers of a number or a series, each computed once and only when it is asked for."""
+class _Derivatives:
+    """A sum of polynomials times waves and its derivatives over n!, which are of the same kind: exact, and no longer.
 
-    def __init__(self, x: _Number) -> None:
-        super().__init__({0: x**0, 1: x})
+    d sin(a)^k cos(a)^(n - k) = (k sin(a)^(k - 1) cos(a)^(n - k + 1) - (n - k) sin(a)^(k + 1) cos(a)^(n - k - 1)) da.
+    """
 
-    def __missing__(self, n: int) -> _Number:
-        half = self[n // 2]
-        self[n] = half * half * self[1] if n % 2 else half * half
-        return self[n]
+    def __init__(
+        self, rates: Sequence[Ball], degrees: Sequence[int], width: int, terms: Mapping[_Turns, arb_poly]
+    ) -> None:
+        self._outer = list(zip(rates, degrees, strict=True))[:-1]
+        self._turn = _turning(rates[-1], degrees[-1])
+        self._shift = _shift(width)
+        entries: dict[_Turns, list[Ball]] = {}
+        for (*others, k), polynomial in terms.items():
+            block = entries.setdefault(tuple(others), [arb(0)] * (width * (degrees[-1] + 1)))
+            own = polynomial.coeffs()
+            block[k * width : k * width + len(own)] = own
+        self._known: list[_Blocks] = [{o: arb_mat(degrees[-1] + 1, width, block) for o, block in entries.items()}]
+
+    def blocks(self, order: int) -> _Blocks:
+        """Those of the Taylor coefficient of an order."""
+        while len(self._known) <= order:
+            self._known.append(self._derived(self._known[-1], len(self._known)))
+        return self._known[order]
+
+    def _derived(self, blocks: _Blocks, order: int) -> _Blocks:
+        found: dict[_Turns, arb_mat] = {}
+        for others, block in blocks.items():
+            parts = [(others, block * self._shift + self._turn * block)]
+            for i, (rate, degree) in enumerate(self._outer):
+                k = others[i]
+                if k:
+                    parts.append(((*others[:i], k - 1, *others[i + 1 :]), block * (rate * k)))
+                if k < degree:
+                    parts.append(((*others[:i], k + 1, *others[i + 1 :]), block * (rate * (k - degree))))
+            for turns, part in parts:
+                found[turns] = found[turns] + part if turns in found else part
+        return {turns: block * (arb(1) / order) for turns, block in found.items()}
 
 
-class _Waves(dict[int, Any]):
-    """sin^k cos^(degree - k) of a half angle for each k, likewise."""
+@lru_cache(maxsize=64)
+def _shift(width: int) -> arb_mat:
+    """What d/d omega does to the coefficients of 1, omega, omega^2, ... in a row: whole numbers, exact at any precision."""
+    shift = arb_mat(width, width)
+    for n in range(1, width):
+        shift[n, n - 1] = n
+    return shift
 
-    def __init__(self, half: _Number, degree: int) -> None:
-        super().__init__()
-        sine, cosine = half.sin_cos()
-        self.degree, self.sines, self.cosines = degree, _Powers(sine), _Powers(cosine)
 
-    def __missing__(self, k: int) -> _Number:
-        rest = self.degree - k
-        self[k] = self.cosines[rest] if not k else self.sines[k] if not rest else self.sines[k] * self.cosines[rest]
-        return self[k]
+def _turning(rate: Ball, degree: int) -> arb_mat:
+    """What d/d omega does to the coefficients of sin^k cos^(degree - k), k = 0 ... degree, of one half angle."""
+    turn = arb_mat(degree + 1, degree + 1)
+    for k in range(degree):
+        turn[k, k + 1] = rate * (k + 1)
+        turn[k + 1, k] = rate * (k - degree)
+    return turn
+
+
+def _entry(blocks: _Blocks, outer: Mapping[_Turns, Ball | None], last: arb_mat, columns: arb_mat) -> Ball:
+    """The sum of blocks, given the waves and the powers of omega."""
+    total = arb(0)
+    for turns, block in blocks.items():
+        entry, wave = (last * block * columns)[0, 0], outer[turns]
+        total = total + (entry if wave is None else entry * wave)
+    return total
+
+
+def _powers(x: Ball, count: int) -> list[Ball]:
+    """1, x, x^2, ..."""
+    found = [arb(1)]
+    for _ in range(count - 1):
+        found.append(found[-1] * x)
+    return found
+
+
+def _waves(half: Ball, degree: int) -> list[Ball]:
+    """sin^k cos^(degree - k) of a half angle, k = 0 ... degree."""
+    sines, cosines = (_powers(wave, degree + 1) for wave in half.sin_cos())
+    return [a * b for a, b in zip(sines, reversed(cosines), strict=True)]
+
+
+def _power_series(x: Ball, exponent: Ball, length: int) -> list[Ball]:
+    """The Taylor coefficients of x^exponent."""
+    found = [(x.log() * exponent).exp()]
+    for n in range(length - 1):
+        found.append(found[-1] * (exponent - n) / (x * (n + 1)))
+    return found
+
+
+def _product(a: Sequence[Ball], b: Sequence[Ball]) -> list[Ball]:
+    """The product of two Taylor series, as long as they are."""
+    return [sum((a[m] * b[n - m] for m in range(n + 1)), arb(0)) for n in range(len(a))]
 
 
 @lru_cache(maxsize=512)
@@ -159,10 +242,10 @@ def _compiled(waves: WaveSum, bits: int) -> Compiled:
     with flint.ctx.workprec(bits):
         halves = [expression_ball(rate) / 2 for rate, _ in waves.rates]
         turning = [i for i, (_, constant) in enumerate(waves.rates) if not constant]
-        fixed = {i: _Waves(halves[i], waves.degrees[i]) for i, (_, constant) in enumerate(waves.rates) if constant}
+        fixed = {i: _waves(halves[i], waves.degrees[i]) for i, (_, constant) in enumerate(waves.rates) if constant}
         terms: dict[_Key, arb_poly] = {}
         for term in waves.terms:
-            polynomial = arb_poly([fmpz_poly(list(c))(arb.pi()) for c in term.coefficients])
+            polynomial = arb_poly([_in_pi(c) for c in term.coefficients])
             for i, wave in fixed.items():
                 polynomial = polynomial * wave[term.turns[i]]
             key = tuple(term.turns[i] for i in turning), term.powers
@@ -173,3 +256,8 @@ def _compiled(waves: WaveSum, bits: int) -> Compiled:
             tuple(expression_ball(order) for order in waves.orders),
             tuple((*key, polynomial) for key, polynomial in terms.items()),
         )
+
+
+def _in_pi(row: Sequence[int]) -> Ball:
+    """The value of a polynomial in pi."""
+    return arb(row[0]) if len(row) == 1 else fmpz_poly(list(row))(arb.pi())

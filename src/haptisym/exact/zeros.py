@@ -8,12 +8,13 @@ cannot be told from simple pairs. A factor knows all its zeros in an interval, i
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any
+from typing import Any, TypeAlias
 
 import flint
+from flint import arb
 from sympy import Expr
 
 from haptisym.errors import UndecidedError
@@ -79,8 +80,12 @@ class SmoothFactor(Factor):
     """A factor whose Taylor coefficients are known."""
 
     @abstractmethod
+    def series(self, x: Ball, start: int, stop: int) -> list[Ball]:
+        """Balls around the Taylor coefficients of orders from ``start`` to before ``stop`` about every point of a ball."""
+
     def taylor(self, x: Ball, order: int) -> Ball:
         """A ball around the Taylor coefficient of that order about every point of a ball of frequencies."""
+        return self.series(x, order, order + 1)[0]
 
 
 @dataclass(frozen=True)
@@ -114,31 +119,36 @@ def _refined(zero: Zero, low: Ball, high: Ball, bits: int) -> Ball:
     """An enclosure as tight as that many bits allow: interval Newton, with bisection where the slope is not clear of 0."""
     k = zero.derivative
 
-    def value(x: Ball) -> Ball:
-        return zero.factor.taylor(x, k)
-
-    def slope(x: Ball) -> Ball:
-        return (k + 1) * zero.factor.taylor(x, k + 1)
+    def jet(x: Ball, count: int) -> Sequence[Ball]:
+        row = zero.factor.series(x, k, k + count)
+        return [c * (k + 1) ** n for n, c in enumerate(row)]
 
     with flint.ctx.workprec(bits):
         if bits > 128:
             rough = _refined(zero, low, high, bits // 2)
             closer = low.max(rough.lower()), high.min(rough.upper())
-            if all(is_clear(value(x)) for x in closer):
+            if all(is_clear(jet(x, 1)[0]) for x in closer):
                 low, high = closer
-        return tightened(low, high, bits, value, slope)
+        return tightened(low, high, bits, jet)
 
 
-def tightened(low: Ball, high: Ball, bits: int, value: Callable[[Ball], Ball], slope: Callable[[Ball], Ball]) -> Ball:
+Jet: TypeAlias = Callable[[Ball, int], Sequence[Ball]]
+"""The value of a function at a ball, or value and slope, as the number asks for."""
+
+
+def tightened(low: Ball, high: Ball, bits: int, jet: Jet) -> Ball:
     """The enclosure of the one simple zero between two exact numbers, as tight as that many bits allow.
 
     Interval Newton where the slope is clear of 0, bisection elsewhere. The ends stay exact numbers: a ball around them
     reaches a little beyond, where a twin of the zero may lie.
     """
-    left = value(low)
+    near = _approached(low, high, bits, jet)
+    if near is not None:
+        return near
+    left = jet(low, 1)[0]
     while True:
         box, middle = low.union(high), ((low + high) / 2).mid()
-        at, steep = value(middle), slope(box)
+        at, steep = jet(middle, 1)[0], jet(box, 2)[1]
         floor = not is_clear(at) or not is_clear(left)  # the working precision shows no more
         before = high - low
         if is_clear(steep):
@@ -148,3 +158,24 @@ def tightened(low: Ball, high: Ball, bits: int, value: Callable[[Ball], Ball], s
             return low.union(high)
         if not floor and not (high - low) < before / 2 and low < middle < high:
             low, high = (middle, high) if (at > 0) == (left > 0) else (low, middle)
+
+
+def _approached(low: Ball, high: Ball, bits: int, jet: Jet) -> Ball | None:
+    """The same where Newton's steps from point to point, which prove nothing, find it, and signs beside it prove it."""
+    x = ((low + high) / 2).mid()
+    for _ in range(_MOST_STEPS):
+        value, slope = jet(x, 2)
+        step = (value / slope).mid()
+        x = (x - step).mid()
+        if not low < x < high:
+            return None
+        if abs(step) < abs(x) * arb(2) ** -(bits // 2):  # the next step would be at most about the square of it
+            reach = abs(x) * arb(2) ** -(bits - 22)
+            ends = (x - reach).mid(), (x + reach).mid()
+            signs = [jet(end, 1)[0] for end in ends]
+            certain = all(map(is_clear, signs)) and (signs[0] > 0) != (signs[1] > 0)
+            return ends[0].union(ends[1]) if certain and low < ends[0] and ends[1] < high else None
+    return None
+
+
+_MOST_STEPS = 12

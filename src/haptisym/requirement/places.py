@@ -96,10 +96,10 @@ class Strip:
     def _over_zero(self, box: Ball) -> Ball:
         """The values over a power of omega that is a factor: f(x)/x^k is a k-th Taylor coefficient in between."""
         k = self.shape.order_at_zero
-        value = self.whole.series(box, k + 1)[k]
+        value = self.whole.taylor(box, k)
         if value < 0 or self.middle is None or self.change is None:
             return value
-        return _both(value, self.middle.series(box, k + 1)[k] + self.change.series(box, k + 1)[k] * self._reach)
+        return _both(value, self.middle.taylor(box, k) + self.change.taylor(box, k) * self._reach)
 
     def broken_in_the_middle(self, x: Ball) -> bool:
         """Whether the condition is broken at a frequency for the middle of the cell; without bound, for all of it."""
@@ -154,13 +154,10 @@ class Edge(RealNumber):
         with flint.ctx.workprec(bits):
             at = expression_ball(self.place)
 
-            def value(t: Ball) -> Ball:
-                return self.shape.over(t).value(at)
+            def jet(t: Ball, count: int) -> list[Ball]:
+                return [f.over(t).value(at) for f in (self.shape, change)[:count]]
 
-            def slope(t: Ball) -> Ball:
-                return change.over(t).value(at)
-
-            return tightened(self.low, self.high, bits, value, slope)
+            return tightened(self.low, self.high, bits, jet)
 
 
 @dataclass(frozen=True)
@@ -177,13 +174,11 @@ class Summit(RealNumber):
         assert change is not None
         with flint.ctx.workprec(bits):
 
-            def value(t: Ball) -> Ball:
-                return self.shape.over(t).over(maximum(self.shape, t, self.between, bits))[0]
+            def jet(t: Ball, count: int) -> list[Ball]:
+                at = maximum(self.shape, t, self.between, bits)
+                return [f.over(t).over(at)[0] for f in (self.shape, change)[:count]]
 
-            def slope(t: Ball) -> Ball:
-                return change.over(t).over(maximum(self.shape, t, self.between, bits))[0]
-
-            return tightened(self.low, self.high, bits, value, slope)
+            return tightened(self.low, self.high, bits, jet)
 
 
 @dataclass(frozen=True)
@@ -201,7 +196,7 @@ class MaximumAt(RealNumber):
 def maximum(shape: Shape, t: Ball, between: tuple[Ball, Ball], bits: int) -> Ball:
     """Where the slope in omega vanishes between two frequencies, for a ball of values of the parameter."""
     strip = shape.over(t)
-    return tightened(*between, bits, lambda x: strip.series(x, 2)[1], lambda x: 2 * strip.series(x, 3)[2])
+    return tightened(*between, bits, lambda x, count: [n * c for n, c in enumerate(strip.series(x, 1, count + 1), 1)])
 
 
 # Where a condition can bind
@@ -297,4 +292,4 @@ def _place(strip: Strip, cluster: list[_Box], low: Ball, high: Ball, band: tuple
 
 
 def _slope(strip: Strip, x: Ball) -> int:
-    return _sign(strip.whole.series(x, 2)[1])
+    return _sign(strip.whole.taylor(x, 1))

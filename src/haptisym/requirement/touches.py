@@ -53,8 +53,7 @@ class Touch(RealNumber):
                 self.low,
                 self.high,
                 bits,
-                lambda x: surface.ball(surface.slope, x, at),
-                lambda x: surface.ball(surface.bend, x, at),
+                lambda x, count: [surface.ball(f, x, at) for f in (surface.slope, surface.bend)[:count]],
             )
 
 
