@@ -137,8 +137,8 @@ def _cut(
         if not len(sets):
             return found
         middle = ((np.sqrt(low) + np.sqrt(high)) / 2) ** 2  # half way in frequency, if the variable is its square
+        signs = _signs_on_halves(p.of(sets), low, middle, high)
         sets, low, high = np.tile(sets, 2), np.concatenate([low, middle]), np.concatenate([middle, high])
-        signs = _signs_on(p.of(sets), low, high)
         none, one = _classified(signs)
         lost = (signs[0] == 0) | (signs[-1] == 0) | ~(low < high)
         doubtful[sets[lost]] = True
@@ -151,11 +151,16 @@ def _cut(
     return found
 
 
-def _signs_on(p: Batch, low: Array, high: Array) -> Array:
-    """Signs of the Bernstein coefficients of each polynomial on a segment of its own."""
-    values, sizes = (_bernstein(x, low.astype(x.dtype), high.astype(x.dtype)) for x in (p.values, p.sizes))
-    # to shift, n products, n sums with them and n sums in passing; 2 n for the powers of the width; n + 2 for the last sums
-    return _certain_signs(values, error(sizes, p.roundings + 6 * p.degree + 2))
+def _signs_on_halves(p: Batch, low: Array, middle: Array, high: Array) -> Array:
+    """Signs of the Bernstein coefficients of each polynomial on a segment of its own: below its middle, then above it."""
+    ends = [x.astype(p.values.dtype) for x in (low, middle, high)]
+    sizes, signs = [_horner(p.sizes, x) for x in ends], []
+    for (a, b), (least, most) in zip(pairwise(ends), pairwise(sizes), strict=True):
+        bound = np.empty_like(p.sizes)
+        bound[0], bound[1:] = least, most  # sizes grow; the one at the low end alone must be tight, where p may be small
+        # to shift, n products, n sums with them and n sums in passing; 2 n for powers of the width; n + 2 for the last sums
+        signs.append(_certain_signs(_bernstein(p.values, a, b), error(bound, p.roundings + 6 * p.degree + 2)))
+    return np.concatenate(signs, axis=1)
 
 
 def _bernstein(coefficients: Array, low: Array, high: Array) -> Array:
