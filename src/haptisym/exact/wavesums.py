@@ -114,16 +114,17 @@ class Compiled:
             found = [a + b for a, b in zip(found, own, strict=True)]
         return found
 
-    def _waves(self, x: Ball) -> tuple[dict[_Turns, Ball | None], arb_mat]:
+    @property
+    def _angles(self) -> list[tuple[Ball, int]]:
+        """Rate and degree of the half angles that turn; one that stands still where there is none."""
+        return list(zip(self.rates, self.degrees, strict=True)) or [(arb(0), 0)]
+
+    def _waves(self, x: Ball) -> tuple[dict[_Turns, Ball], arb_mat]:
         """All products of sines and cosines: of all half angles but the last, by turns, and of the last one in a row."""
-        *others, last = [_waves(rate * x, n) for rate, n in zip(self.rates, self.degrees, strict=True)] or [[arb(1)]]
-        outer: dict[_Turns, Ball | None] = {(): None}  # no factor
+        *others, last = [_waves(rate * x, degree) for rate, degree in self._angles]
+        outer: dict[_Turns, Ball] = {(): arb(1)}
         for waves in others:
-            outer = {
-                (*turns, k): wave if known is None else known * wave
-                for turns, known in outer.items()
-                for k, wave in enumerate(waves)
-            }
+            outer = {(*turns, k): known * wave for turns, known in outer.items() for k, wave in enumerate(waves)}
         return outer, arb_mat(1, len(last), last)
 
     @cached_property
@@ -135,12 +136,8 @@ class Compiled:
         """By powers of omega^alpha, what stands before them."""
         groups: dict[tuple[int, ...], dict[_Turns, arb_poly]] = {}
         for turns, powers, polynomial in self.terms:
-            groups.setdefault(powers, {})[turns] = polynomial
-        rates, degrees = self.rates or (arb(0),), self.degrees or (0,)
-        return {
-            powers: _Derivatives(rates, degrees, self._width, own if self.rates else {(0,): own[()]})
-            for powers, own in groups.items()
-        }
+            groups.setdefault(powers, {})[turns or (0,)] = polynomial
+        return {powers: _Derivatives(self._angles, self._width, own) for powers, own in groups.items()}
 
 
 class _Derivatives:
@@ -149,18 +146,15 @@ class _Derivatives:
     d sin(a)^k cos(a)^(n - k) = (k sin(a)^(k - 1) cos(a)^(n - k + 1) - (n - k) sin(a)^(k + 1) cos(a)^(n - k - 1)) da.
     """
 
-    def __init__(
-        self, rates: Sequence[Ball], degrees: Sequence[int], width: int, terms: Mapping[_Turns, arb_poly]
-    ) -> None:
-        self._outer = list(zip(rates, degrees, strict=True))[:-1]
-        self._turn = _turning(rates[-1], degrees[-1])
-        self._shift = _shift(width)
+    def __init__(self, angles: Sequence[tuple[Ball, int]], width: int, terms: Mapping[_Turns, arb_poly]) -> None:
+        *self._outer, (rate, degree) = angles
+        self._turn, self._shift = _turning(rate, degree), _shift(width)
         entries: dict[_Turns, list[Ball]] = {}
         for (*others, k), polynomial in terms.items():
-            block = entries.setdefault(tuple(others), [arb(0)] * (width * (degrees[-1] + 1)))
+            block = entries.setdefault(tuple(others), [arb(0)] * (width * (degree + 1)))
             own = polynomial.coeffs()
             block[k * width : k * width + len(own)] = own
-        self._known: list[_Blocks] = [{o: arb_mat(degrees[-1] + 1, width, block) for o, block in entries.items()}]
+        self._known: list[_Blocks] = [{o: arb_mat(degree + 1, width, block) for o, block in entries.items()}]
 
     def blocks(self, order: int) -> _Blocks:
         """Those of the Taylor coefficient of an order."""
@@ -201,13 +195,9 @@ def _turning(rate: Ball, degree: int) -> arb_mat:
     return turn
 
 
-def _entry(blocks: _Blocks, outer: Mapping[_Turns, Ball | None], last: arb_mat, columns: arb_mat) -> Ball:
+def _entry(blocks: _Blocks, outer: Mapping[_Turns, Ball], last: arb_mat, columns: arb_mat) -> Ball:
     """The sum of blocks, given the waves and the powers of omega."""
-    total = arb(0)
-    for turns, block in blocks.items():
-        entry, wave = (last * block * columns)[0, 0], outer[turns]
-        total = total + (entry if wave is None else entry * wave)
-    return total
+    return sum((outer[turns] * (last * block * columns)[0, 0] for turns, block in blocks.items()), arb(0))
 
 
 def _powers(x: Ball, count: int) -> list[Ball]:

@@ -157,7 +157,10 @@ def _signs_on_halves(p: Batch, low: Array, middle: Array, high: Array) -> Array:
     sizes, signs = [_horner(p.sizes, x) for x in ends], []
     for (a, b), (least, most) in zip(pairwise(ends), pairwise(sizes), strict=True):
         bound = np.empty_like(p.sizes)
-        bound[0], bound[1:] = least, most  # sizes grow; the one at the low end alone must be tight, where p may be small
+        bound[0], bound[1:] = (
+            least,
+            most,
+        )  # sizes grow; the one at the low end alone must be tight, where p may be small
         # to shift, n products, n sums with them and n sums in passing; 2 n for powers of the width; n + 2 for the last sums
         signs.append(_certain_signs(_bernstein(p.values, a, b), error(bound, p.roundings + 6 * p.degree + 2)))
     return np.concatenate(signs, axis=1)
