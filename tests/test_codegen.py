@@ -60,6 +60,7 @@ OTHERS = {
     "position-position": hs.Scene(MSD, (effects.position_position_teleoperator(1, 20, 400, 2, 30, 500, "10 ms"),)),
     "spring-pot alone, whole numbers only": hs.Scene(environments.spring_pot(80, "1/2"), (effects.first_order_lag(20),)),
     "spring-pots in a row": hs.Scene(environments.spring_pot(80, "0.3", 100), (effects.series(10 / (10 + hs.s ** Rational(3, 4))), effects.coulomb_friction("0.2 N", "5 cm"))),
+    "hold alone": hs.Scene(environments.mass_spring_damper(k=150), (effects.zero_order_hold("1 ms"),)),
     "no effect": hs.Scene(MSD),
 }  # fmt: skip
 NAMES = list(WRITTEN_OUT)
@@ -281,6 +282,8 @@ def test_the_code_has_the_values_of_the_physics(language, tmp_path):
     for n, rows in enumerate(computed(language, tmp_path)):
         for point, row, wanted in zip(CASES[n].points, rows, truth(n), strict=True):
             for name, value, (exact, size) in zip(FIELDS, row, wanted, strict=True):
+                if LABELS[n].startswith("hold alone") and name.startswith("ratio"):
+                    size = abs(exact)  # it keeps its digits, also at 1e-6 rad/s, where r_r is 1e-19
                 if not agrees(value, exact, size):
                     wrong.append((LABELS[n], name, point, value, MP.nstr(exact, 17)))
     assert wrong == []

@@ -16,7 +16,16 @@ from marks import QUICK_SCENES, often
 
 import haptisym as hs
 from haptisym.distortion import Distortion
-from haptisym.effects import compliance, delay, first_order_lag, second_order_lowpass, series, shunt, two_port
+from haptisym.effects import (
+    compliance,
+    delay,
+    first_order_lag,
+    second_order_lowpass,
+    series,
+    shunt,
+    two_port,
+    zero_order_hold,
+)
 from haptisym.environments import expression, kelvin_voigt, mass_spring_damper, zener
 from haptisym.numeric import machine, stable
 from haptisym.numeric.values import Values
@@ -313,6 +322,16 @@ def test_digits_of_special_values_and_of_single_numbers() -> None:
     assert tie.perceived_real == "1.2"  # 1.25: to the even digit
     with pytest.raises(hs.SceneError, match="whole number, at least 1"):
         f.digits(1.0, 0)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+def test_a_sample_and_hold_keeps_its_digits_far_below_its_sampling_rate(engine: str) -> None:
+    """Where r_r is (omega T)^2/6: the difference sin(x)/x - 1 would lose all its digits."""
+    for scene in (hs.Scene(mass_spring_damper(k=100), (zero_order_hold("1 ms"),)), hs.load_scene("sampled-wall")):
+        d = scene.distortion()
+        omega = np.concatenate([np.geomspace(1e-9, 1e3, 60), [1999.0, 2001.0]])
+        found = d.compile(of=RATIOS, engine=engine)(omega)._asdict()
+        assert against_truth(d, omega, {}, found).max() <= 16.0
 
 
 # --- machine code ----------------------------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ from sympy import Symbol, pi, sinc
 from haptisym import __version__
 from haptisym.errors import SceneError
 from haptisym.formulas.steps import Steps
+from haptisym.numeric.program import sincm1
 
 from .languages import Described, Routine, laid_out
 from .names import Language, comment, function_name, identifiers
@@ -87,9 +88,9 @@ def code(
     _check(steps, listed)
     own = function_name(name, language)
     symbols = [*(a.symbol for a in listed), *(x for x, _ in steps.definitions)]
-    helper = f"{own}_sinc"
-    chosen = identifiers((x.name for x in symbols), language, {own, helper, f"{own}_values"})
-    writer = printer(language, {x: chosen[x.name] for x in symbols}, helper)
+    helpers = {kind.__name__: f"{own}_{kind.__name__}" for kind in (sinc, sincm1)}
+    chosen = identifiers((x.name for x in symbols), language, {own, *helpers.values(), f"{own}_values"})
+    writer = printer(language, {x: chosen[x.name] for x in symbols}, helpers)
     written = [(x, in_doubles(value)) for x, value in steps.definitions]
     values = {x: in_doubles(value) for x, value in steps.results.items()}
     everything = [*(value for _, value in written), *values.values()]
@@ -102,7 +103,7 @@ def code(
         definitions=tuple((chosen[x.name], writer.text(value)) for x, value in written),
         values=tuple((x, writer.text(value)) for x, value in values.items()),
         unused=tuple(chosen[a.symbol.name] for a in listed if a.symbol not in steps.free_symbols),
-        sinc=helper if any(e.has(sinc) for e in everything) else "",
+        helpers={f.__name__: helpers[f.__name__] for f in (sinc, sincm1) if any(e.has(f) for e in everything)},
         uses_pi=any(e.has(pi) for e in everything),
     )
     return laid_out(routine, language)

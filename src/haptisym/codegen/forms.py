@@ -134,17 +134,8 @@ class _Forms:
 
     @cached_property
     def _moduli(self) -> list[_Modulus]:
-        """What |R + j X|^2 is as a polynomial, for each factor of the dynamics; cos^2 + sin^2 is 1."""
-        gens = self._ring.context.gens()
-        waves = gens[self._ring.size + len(self.axis.orders) :]
-        units = [
-            c**2 + (x if angle.constant else gens[0] * x) ** 2
-            for angle, c, x in zip(self.axis.angles, waves[::2], waves[1::2], strict=True)
-        ]
-        return [
-            *(_Modulus(p, self._ring.constant(1).leading_coefficient(), Integer(1)) for p in units),
-            *self._squares(),
-        ]
+        """What |R + j X|^2 is as a polynomial, for each factor of the dynamics."""
+        return list(self._squares())
 
     def _squares(self) -> Iterator[_Modulus]:
         for p in self.dynamics:

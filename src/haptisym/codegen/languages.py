@@ -6,9 +6,12 @@ import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from haptisym.numeric.program import LAST, SMALL
+
 from .names import Language
 
 _WIDTH = 100  # columns
+_SINC, _SINCM1 = "sin(x)/x, and 1 at x = 0", "sin(x)/x - 1, by its series for small x"
 _EQUALS = "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}"
 
 
@@ -26,7 +29,7 @@ class Routine:
 
     ``heading`` : what the function computes, in a line. ``notes`` : paragraphs, what there is to know and where it comes from.
     ``definitions`` and ``values`` : names (or results) and expressions as text. ``unused`` : arguments on which nothing
-    depends. ``sinc`` : the name of the helper sin(x)/x, empty where no result needs it; ``uses_pi`` likewise.
+    depends. ``helpers`` : what sin(x)/x (``sinc``) and sin(x)/x - 1 (``sincm1``) are called, where a result needs them.
     """
 
     name: str
@@ -37,7 +40,7 @@ class Routine:
     definitions: tuple[tuple[str, str], ...]
     values: tuple[tuple[str, str], ...]
     unused: tuple[str, ...]
-    sinc: str
+    helpers: Mapping[str, str]
     uses_pi: bool
 
     @property
@@ -58,9 +61,19 @@ def _numpy(r: Routine) -> Iterable[str]:
     yield from (f"class {values}(NamedTuple):", '    """Arrays of the broadcast shape of the arguments."""', "")
     yield from (f"    {x.name}: np.ndarray  # {x.words}" for x in r.results)
     yield from ("", "")
-    if r.sinc:
-        yield from (f"def {r.sinc}(x):", '    """sin(x)/x, and 1 at x = 0."""')
+    if name := r.helpers.get("sinc"):
+        yield from (f"def {name}(x):", f'    """{_SINC}."""')
         yield from ("    return np.where(x == 0.0, 1.0, np.sin(x) / np.where(x == 0.0, 1.0, x))", "", "")
+    if name := r.helpers.get("sincm1"):
+        yield from (
+            f"def {name}(x):",
+            f'    """{_SINCM1}."""',
+            f"    near = np.minimum(np.abs(x), {SMALL})",
+            "    y = 0.0",
+        )
+        yield from (f"    for n in range({LAST}, 1, -2):", "        y = -near*near/(n*(n - 1))*(1.0 + y)")
+        yield from (f"    far = np.where(np.abs(x) > {SMALL}, x, 1.0)",)
+        yield from (f"    return np.where(np.abs(x) > {SMALL}, np.sin(far)/far - 1.0, y)", "", "")
     yield from _wrapped(f"def {r.name}({r.listed}):", "    ")
     yield from (f'    """{r.heading}', "", "    Parameters", "    ----------")
     yield from _documented(r.arguments, "    ", " : array_like")
@@ -99,9 +112,13 @@ def _c(r: Routine) -> Iterable[str]:
         "",
     )
     yield from ("#include <math.h>", "")
-    if r.sinc:
-        yield from ("/* sin(x)/x, and 1 at x = 0 */", f"static double {r.sinc}(double x)", "{")
+    if name := r.helpers.get("sinc"):
+        yield from (f"/* {_SINC} */", f"static double {name}(double x)", "{")
         yield from ("    return x == 0.0 ? 1.0 : sin(x)/x;", "}", "")
+    if name := r.helpers.get("sincm1"):
+        yield from (f"/* {_SINCM1} */", f"static double {name}(double x)", "{", "    double n, y = 0.0;")
+        yield from (f"    if (fabs(x) > {SMALL}) return sin(x)/x - 1.0;", f"    for (n = {LAST}.0; n > 1.0; n -= 2.0)")
+        yield from ("        y = -x*x/(n*(n - 1.0))*(1.0 + y);", "    return y;", "}", "")
     yield from (*_wrapped(prototype, ""), "{")
     if r.uses_pi:
         yield "    const double pi = 3.141592653589793;"
@@ -121,16 +138,35 @@ def _octave(r: Routine) -> Iterable[str]:
     yield from _wrapped(f"  zero = zeros(size({' + '.join(x.name for x in r.arguments)}));", "  ", " ...")
     yield from _statements(r.definitions, "  {} = {};", "  ", continued=" ...")
     yield from (*_statements(r.values, "  values.{} = zero + ({});", "  ", continued=" ..."), "end")
-    if r.sinc:
-        yield from ("", f"function y = {r.sinc}(x)", "% sin(x)/x, and 1 at x = 0", "  y = ones(size(x));")
+    if name := r.helpers.get("sinc"):
+        yield from ("", f"function y = {name}(x)", f"% {_SINC}", "  y = ones(size(x));")
         yield from ("  other = x ~= 0;", "  y(other) = sin(x(other))./x(other);", "end")
+    if name := r.helpers.get("sincm1"):
+        yield from ("", f"function y = {name}(x)", f"% {_SINCM1}", "  y = zeros(size(x));", f"  for n = {LAST}:-2:3")
+        yield from ("    y = -x.*x/(n*(n - 1)).*(1 + y);", "  end", f"  other = abs(x) > {SMALL};")
+        yield from ("  y(other) = sin(x(other))./x(other) - 1;", "end")
 
 
 def _julia(r: Routine) -> Iterable[str]:
     yield from _paragraphs(r, "# ")
     yield ""
-    if r.sinc:
-        yield from ("# sin(x)/x, and 1 at x = 0", f"{r.sinc}(x) = iszero(x) ? one(x) : sin(x)/x", "")
+    if name := r.helpers.get("sinc"):
+        yield from (f"# {_SINC}", f"{name}(x) = iszero(x) ? one(x) : sin(x)/x", "")
+    if name := r.helpers.get("sincm1"):
+        yield from (
+            f"# {_SINCM1}",
+            f"function {name}(x)",
+            f"    abs(x) > {SMALL} && return sin(x)/x - 1",
+            "    y = zero(x)",
+        )
+        yield from (
+            f"    for n in {LAST}:-2:3",
+            "        y = -x*x/(n*(n - 1))*(1 + y)",
+            "    end",
+            "    return y",
+            "end",
+            "",
+        )
     yield from ('"""', f"    {r.name}({r.listed})", "", r.heading.replace("$", "\\$"), "")
     yield f"For arrays, call `{r.name}.({r.listed})`."
     yield from ("", "# Arguments", *(f"- `{x.name}`: {x.words}".replace("$", "\\$") for x in r.arguments), "")
@@ -150,11 +186,18 @@ def _julia(r: Routine) -> Iterable[str]:
 def _javascript(r: Routine) -> Iterable[str]:
     values = f"{r.name[0].upper()}{r.name[1:]}Values"
     yield from ("/*", *_paragraphs(r, " * "), " */", "")
-    if r.sinc:
+    if name := r.helpers.get("sinc"):
+        yield from (f"/** {_SINC} */", f"function {name}(x) {{", "  return x === 0 ? 1 : Math.sin(x)/x;", "}", "")
+    if name := r.helpers.get("sincm1"):
         yield from (
-            "/** sin(x)/x, and 1 at x = 0 */",
-            f"function {r.sinc}(x) {{",
-            "  return x === 0 ? 1 : Math.sin(x)/x;",
+            f"/** {_SINCM1} */",
+            f"function {name}(x) {{",
+            f"  if (Math.abs(x) > {SMALL}) return Math.sin(x)/x - 1;",
+        )
+        yield from (
+            "  let y = 0;",
+            f"  for (let n = {LAST}; n > 1; n -= 2) y = -x*x/(n*(n - 1))*(1 + y);",
+            "  return y;",
             "}",
             "",
         )

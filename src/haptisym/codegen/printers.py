@@ -6,6 +6,7 @@ Every printer is made for one piece of code and thrown away: SymPy's own printer
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 
 from flint import ctx
 from sympy import Add, Expr, Float, Integer, Pow, Symbol, pi, preorder_traversal
@@ -34,9 +35,9 @@ class _Written:
     whole_numbers = True
     """Whether a whole number may be written without a point."""
 
-    def __init__(self, names: Mapping[Symbol, str], sinc: str) -> None:
+    def __init__(self, names: Mapping[Symbol, str], helpers: Mapping[str, str]) -> None:
         super().__init__()
-        self.names, self.sinc = names, sinc
+        self.names, self.helpers = names, helpers
 
     def text(self, expression: Expr) -> str:
         """The expression in this language; its numbers are taken as ``in_doubles`` leaves them."""
@@ -63,7 +64,9 @@ class _Written:
         return text
 
     def _print_sinc(self, function: Expr) -> str:
-        return f"{self.sinc}({self._print(function.args[0])})"  # type: ignore[attr-defined]
+        return f"{self.helpers[type(function).__name__]}({self._print(function.args[0])})"  # type: ignore[attr-defined]
+
+    _print_sincm1 = _print_sinc
 
 
 class _NumPy(_Written, NumPyPrinter):  # type: ignore[misc]  # SymPy ships no types
@@ -110,20 +113,22 @@ _PRINTERS: Mapping[Language, type[_Written]] = {
 }
 
 
-def printer(language: Language, names: Mapping[Symbol, str], sinc: str) -> _Written:
-    """A printer for one piece of code; ``sinc`` is what the function sin(x)/x is called there.
+def printer(
+    language: Language, names: Mapping[Symbol, str], helpers: Mapping[str, str] = MappingProxyType({})
+) -> _Written:
+    """A printer for one piece of code; ``helpers`` : what the functions ``sinc`` and ``sincm1`` are called there.
 
     >>> from sympy import Rational, sqrt, symbols
     >>> a, b = symbols("a b")
     >>> for language in Language:
-    ...     printer(language, {a: "a", b: "b"}, "sinc").text(in_doubles(a**2 / (3 * sqrt(b)) + pi))
+    ...     printer(language, {a: "a", b: "b"}).text(in_doubles(a**2 / (3 * sqrt(b)) + pi))
     '0.3333333333333333*(a*a)/np.sqrt(b) + np.pi'
     '0.3333333333333333*(a*a)/sqrt(b) + pi'
     '0.3333333333333333*(a.*a)./sqrt(b) + pi'
     '0.3333333333333333*(a*a)/sqrt(b) + pi'
     '0.3333333333333333*(a*a)/Math.sqrt(b) + Math.PI'
     """
-    return _PRINTERS[language](names, sinc)
+    return _PRINTERS[language](names, helpers)
 
 
 def _is_product(expression: Expr) -> bool:

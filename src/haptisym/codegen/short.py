@@ -10,7 +10,7 @@ from types import MappingProxyType
 from sympy import Abs, Expr, Pow, Rational, Symbol, cos, sin, sinc, sqrt
 
 from haptisym.formulas.steps import Steps
-from haptisym.numeric.program import Operation, Program
+from haptisym.numeric.program import Operation, Program, sincm1
 
 _MADE: Mapping[str, Callable[..., Expr]] = MappingProxyType(
     {
@@ -25,6 +25,7 @@ _MADE: Mapping[str, Callable[..., Expr]] = MappingProxyType(
         "cos": cos,
         "sin": sin,
         "sinc": sinc,
+        "sincm1": sincm1,
     }
 )
 

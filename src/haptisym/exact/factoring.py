@@ -64,7 +64,7 @@ def _factored(polynomial: Polynomial, axis: Axis) -> Factored:
         return own_sign, Integer(lowest), [*simple]
     # where sines meet odd powers of omega not all functions are even: then none is factored in omega^2, so that one
     # frequency is never the zero of two different factors
-    number, factors = axis.factors(_without_circles(polynomial, axis), in_square=not axis.functions)
+    number, factors = axis.factors(axis.without_circles(polynomial)[0], in_square=not axis.functions)
     sign, power = (1 if number > 0 else -1), Integer(0)
     found: list[tuple[Factor, int]] = []
     for factor, exponent in factors:
@@ -101,16 +101,6 @@ def _turning(polynomial: Polynomial, axis: Axis) -> list[int]:
     """The degree in the half-angle tangent of each angle, 0 for the constant ones."""
     degrees = [int(n) for n in polynomial.degrees()[axis.size :]]
     return [0 if angle.constant else n for angle, n in zip(axis.angles, degrees, strict=False)]
-
-
-def _without_circles(polynomial: Polynomial, axis: Axis) -> Polynomial:
-    """A polynomial without its factors 1 + tan^2, which become cos^2 + sin^2 = 1."""
-    for tangent in axis.context.gens()[axis.size : axis.size + len(axis.angles)]:
-        quotient, rest = divmod(polynomial, tangent**2 + 1)
-        while rest.is_zero():
-            polynomial = quotient
-            quotient, rest = divmod(polynomial, tangent**2 + 1)
-    return polynomial
 
 
 def _factor(factor: Polynomial, axis: Axis) -> Factor:

@@ -259,6 +259,18 @@ class Axis(PolynomialRing):
             total += term
         return total
 
+    def without_circles(self, polynomial: Polynomial) -> tuple[Polynomial, list[int]]:
+        """A polynomial without its factors 1 + tan^2, and how many there were of each angle: cos^2 + sin^2 is 1."""
+        counts = [0] * len(self.angles)
+        if polynomial.is_zero():
+            return polynomial, counts
+        for i, tangent in enumerate(self.context.gens()[self.size : self.size + len(self.angles)]):
+            quotient, rest = divmod(polynomial, tangent**2 + 1)
+            while rest.is_zero():
+                polynomial, counts[i] = quotient, counts[i] + 1
+                quotient, rest = divmod(polynomial, tangent**2 + 1)
+        return polynomial, counts
+
     def half_angles(self, function: RationalFunction) -> RationalFunction:
         """The function in half angles, cos(a/2) and sin(a/2)/omega: without cancellation at low frequencies, nor 0/0 at 0."""
         degrees = [
@@ -268,12 +280,14 @@ class Axis(PolynomialRing):
         target = PolynomialRing(omega, self.symbols, [*self.functions[len(self.angles) :], *waves])
 
         def homogeneous(polynomial: Polynomial) -> Polynomial:
+            polynomial, circles = self.without_circles(polynomial)
+            tops = [n - 2 * circle for n, circle in zip(degrees, circles, strict=True)]
             terms = {}
             for exponents, coefficient in polynomial.to_dict().items():
                 own = [int(n) for n in exponents]
                 turns, powers = own[self.size : self.size + len(degrees)], own[self.size + len(degrees) :]
                 own[0] += sum(k for k, angle in zip(turns, self.angles, strict=True) if not angle.constant)
-                halves = [n for k, top in zip(turns, degrees, strict=True) for n in (top - k, k)]
+                halves = [n for k, top in zip(turns, tops, strict=True) for n in (top - k, k)]
                 terms[(*own[: self.size], *powers, *halves)] = coefficient
             return target.context.from_dict(terms)
 

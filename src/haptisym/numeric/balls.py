@@ -20,6 +20,16 @@ def power(x: Ball, exponent: Ball) -> Ball:
     return arb(0) if x.is_zero() else (x.log() * exponent).exp()
 
 
+def sincm1(x: Ball) -> Ball:
+    """sin(x)/x - 1 with as many digits where x is small: between -x^2/6 and 0."""
+    if x.contains(0):
+        return arb(0).union(-(x * x).upper() / 6)
+    mantissa, exponent = abs(x).mid().man_exp()
+    lost = max(0, -2 * (int(exponent) + int(mantissa).bit_length()))
+    with flint.ctx.workprec(flint.ctx.prec + lost):
+        return x.sinc() - 1
+
+
 FUNCTIONS: dict[str, Callable[..., Ball]] = {
     "add": lambda x, y: x + y,
     "sub": lambda x, y: x - y,
@@ -31,6 +41,7 @@ FUNCTIONS: dict[str, Callable[..., Ball]] = {
     "cos": arb.cos,
     "sin": arb.sin,
     "sinc": arb.sinc,
+    "sincm1": sincm1,
     "power": power,
 }
 

@@ -12,7 +12,7 @@ from flint import fmpq
 
 from haptisym.exact.reals import ExactNumber
 
-from .program import Operation, Program
+from .program import LAST, SMALL, Operation, Program
 
 BLOCK = 8192
 
@@ -21,6 +21,19 @@ def _sinc(x: Any, out: Any = None) -> Any:
     """sin(x)/x, and 1 at 0."""
     value = np.sin(x) / x
     found = np.where(x == 0, 1.0, value)
+    if out is None:
+        return found
+    out[...] = found
+    return out
+
+
+def _sincm1(x: Any, out: Any = None) -> Any:
+    """sin(x)/x - 1, by its series while it is small."""
+    near = np.minimum(np.abs(x), SMALL)
+    square, series = near * near, 0.0 * near
+    for n in range(LAST, 1, -2):
+        series = -square / (n * (n - 1)) * (1.0 + series)
+    found = np.where(np.abs(x) <= SMALL, series, np.sin(x) / x - 1.0)
     if out is None:
         return found
     out[...] = found
@@ -38,9 +51,10 @@ UFUNCS: dict[str, Callable[..., Any]] = {
     "cos": np.cos,
     "sin": np.sin,
     "sinc": _sinc,
+    "sincm1": _sincm1,
     "power": np.power,
 }
-_SELDOM = frozenset({"sinc"})
+_SELDOM = frozenset({"sinc", "sincm1"})
 
 
 def nearest(value: Any) -> np.float64:

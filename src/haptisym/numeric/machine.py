@@ -14,7 +14,7 @@ from sympy import Abs, Add, Expr, Float, Mul, Pow, Symbol, cos, lambdify, sin, s
 from haptisym.errors import SceneError
 
 from .floats import Floats, nearest
-from .program import Operation, Program
+from .program import LAST, SMALL, Operation, Program, sincm1
 
 _WRITTEN: dict[str, Callable[..., Expr]] = {
     "add": lambda x, y: Add(x, y, evaluate=False),
@@ -27,6 +27,7 @@ _WRITTEN: dict[str, Callable[..., Expr]] = {
     "cos": cos,
     "sin": sin,
     "sinc": sinc,
+    "sincm1": sincm1,
     "power": lambda x, y: Pow(x, y, evaluate=False),
 }
 
@@ -86,11 +87,20 @@ def _step(program: Program, results: tuple[int, ...]) -> Any:
     def wave(x: float) -> float:
         return np.sin(x) / x if x != 0.0 else 1.0
 
+    def less_one(x: float) -> float:
+        if abs(x) > SMALL:
+            return float(np.sin(x) / x - 1.0)
+        series = 0.0
+        for n in range(LAST, 1, -2):
+            series = -x * x / (n * (n - 1)) * (1.0 + series)
+        return series
+
     names = [Symbol(f"x{i}") for i in range(len(program.operations))]
     arguments = [Symbol(f"given{i}") for i in range(len(program.inputs))]
     needed = program.needed(results)
     steps = [(names[i], _written(program.operations[i], names, arguments)) for i in needed]
-    library = {"sinc": numba.njit(wave, error_model="numpy")}
+    waves = {"sinc": wave, "sincm1": less_one}
+    library = {name: numba.njit(f, error_model="numpy") for name, f in waves.items()}
     found = tuple(names[x] for x in results)
     # lambdify prints the steps as they are, in their order: they are the common subexpressions, and there is no more
     source = lambdify(arguments, found, [library, "math"], cse=lambda _: (steps, found))

@@ -83,6 +83,8 @@ def _step(name: str, arguments: Sequence[int], of: Sequence[Range], digits: int)
         return Range(x.low / 2 - 1, x.high / 2 + 1, positive=True, nonzero=x.nonzero)
     if name in ("sin", "cos", "sinc"):
         return Range(-_SINE - (max(x.high, 0.0) if name == "sinc" else 0.0), 0.0)
+    if name == "sincm1":  # between -x^2/6 and -x^2/8 for abs(x) <= 2, between -5/4 and -1/2 beyond
+        return Range(min(2 * x.low - 3, -1.0), min(2 * x.high - 2, 1.0), nonzero=x.nonzero)
     y = of[1]
     both = x.nonzero and y.nonzero
     if name == "mul":

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from flint import fmpq
-from sympy import Add, Expr, Mul, Pow, Rational, Symbol, cos, sin, sinc
+from sympy import Add, Expr, Function, Mul, Pow, Rational, Symbol, cos, sin, sinc
 
 from haptisym.errors import SceneError
 from haptisym.exact.rings import Polynomial, PolynomialRing
@@ -15,9 +15,21 @@ from haptisym.exact.rings import Polynomial, PolynomialRing
 _ZERO, _ONE = fmpq(0), fmpq(1)
 
 
+class sincm1(Function):  # type: ignore[misc]  # noqa: N801 - named as SymPy names functions
+    """sin(x)/x - 1, and 0 at x = 0: for floats, in which the difference would lose its digits where x is small."""
+
+    @classmethod
+    def eval(cls, x: Expr) -> Expr | None:
+        return x if x.is_zero else None
+
+
+SMALL, LAST = 2.0, 27
+"""Up to which x floats sum the series of sin(x)/x - 1, and to which term x^(LAST - 1)/LAST!: less than 2^-65 is left out."""
+
+
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """One step: ``name`` is add, sub, mul, div, neg, abs, sqrt, cos, sin, sinc, power, input or constant.
+    """One step: ``name`` is add, sub, mul, div, neg, abs, sqrt, cos, sin, sinc, sincm1, power, input or constant.
 
     ``arguments`` : indices of earlier steps; for an input its index. ``value`` : of a constant, an ``fmpq`` or a SymPy number.
     """
@@ -177,7 +189,7 @@ class Writer:
             return whole if given.exp > 0 else self.div(self.constant(1), whole)
         if isinstance(given, Pow):
             return self._step("power", self.expression(given.base), self.expression(given.exp))
-        for kind in (cos, sin, sinc):
+        for kind in (cos, sin, sinc, sincm1):
             if isinstance(given, kind):
                 return self._step(kind.__name__, self.expression(given.args[0]))
         raise SceneError(f"{given} has no floats: it is not made of + - * /, powers, sines and cosines")

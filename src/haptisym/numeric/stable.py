@@ -18,7 +18,7 @@ from haptisym.exact.response import RealFunction, Ring, on_axis
 from haptisym.exact.rings import Polynomial, RationalFunction, cleared, degree_in
 from haptisym.symbols import omega
 
-from .program import Program, Writer
+from .program import Program, Writer, sincm1
 
 Pair: TypeAlias = tuple[int, int]
 """Steps for real and imaginary part."""
@@ -168,6 +168,10 @@ class _Author:
         return self.write.product(self.ring.axis, polynomial)
 
     def quotient(self, real: RealFunction) -> int:
+        hold = _without_sinc_less_one(real)
+        if hold is not None:
+            angle, rest = hold
+            return self.write.mul(self.write.expression(sincm1(angle)), self.quotient(rest))
         f = real.half_angled
         if f.denominator.is_constant():
             return self.write.product(f.ring, f.numerator / f.denominator.leading_coefficient())
@@ -190,6 +194,21 @@ class _Author:
 
     def over(self, x: Pair, y: int) -> Pair:
         return self.write.div(x[0], y), self.write.div(x[1], y)
+
+
+def _without_sinc_less_one(real: RealFunction) -> tuple[Expr, RealFunction] | None:
+    """An angle a and a function f, where f (sin(a)/a - 1) is the given one: what a sample-and-hold brings."""
+    axis, f = real.axis, real.function
+    for angle, t in zip(axis.angles, axis.context.gens()[axis.size :], strict=False):
+        if angle.constant or f.is_zero:
+            continue
+        a = axis.convert(angle.rate * omega)
+        factor = 2 * t * a.denominator - (1 + t**2) * a.numerator  # sin a = 2 t/(1 + t^2), t = tan(a/2)
+        above, remainder = divmod(f.numerator, factor)
+        if remainder.is_zero():
+            other = axis.function(above * (1 + t**2) * a.numerator, f.denominator)
+            return angle.rate * omega, RealFunction(other.reduced())
+    return None
 
 
 def _runs(matrices: Sequence[Sequence[RationalFunction]]) -> list[list[tuple[RationalFunction, ...]]]:
