@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import factorial
 from typing import Any
 
 import numpy as np
@@ -27,13 +28,19 @@ def _sinc(x: Any, out: Any = None) -> Any:
     return out
 
 
+_SERIES = [(-1) ** (n // 2) / factorial(n) for n in range(LAST, 1, -2)]  # of sin(x)/x - 1, the highest power first
+
+
 def _sincm1(x: Any, out: Any = None) -> Any:
     """sin(x)/x - 1, by its series while it is small."""
-    near = np.minimum(np.abs(x), SMALL)
-    square, series = near * near, 0.0 * near
-    for n in range(LAST, 1, -2):
-        series = -square / (n * (n - 1)) * (1.0 + series)
-    found = np.where(np.abs(x) <= SMALL, series, np.sin(x) / x - 1.0)
+    size = np.abs(x)
+    square = np.minimum(size, SMALL) ** 2
+    series = np.full_like(square, _SERIES[0])
+    for c in _SERIES[1:]:
+        series *= square
+        series += c
+    series *= square
+    found = np.where(size <= SMALL, series, np.sin(x) / x - 1.0)
     if out is None:
         return found
     out[...] = found
