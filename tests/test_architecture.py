@@ -18,12 +18,12 @@ errors symbols costs.measurement pruning.suprema report.html simulation.network 
 typeset.boxes
 expressions codegen.names exact.reals exact.rings figures.kinds formulas.steps numeric.accuracy simulation.descriptor \
 sweeps.bernstein typeset.names
-quantities codegen.languages codegen.printers exact.bernstein exact.response exact.zeros numeric.program \
-sensitivities.implicit simulation.rightmost sweeps.families tex.names typeset.numerals typeset.order
-codegen.code codegen.short exact.isolation exact.polynomials exact.solutions exact.wavesums numeric.balls numeric.floats \
+quantities codegen.printers exact.bernstein exact.response exact.zeros numeric.program sensitivities.implicit \
+simulation.rightmost sweeps.families tex.names typeset.numerals typeset.order
+codegen.languages codegen.short exact.isolation exact.polynomials exact.solutions exact.wavesums numeric.balls numeric.floats \
 numeric.stable requirement.touches typeset.formula typeset.quotients
-exact.analytic exact.levels numeric.doubled numeric.machine numeric.magnitudes numeric.pointvalues requirement.closedforms \
-requirement.strips typeset.layout
+codegen.code exact.analytic exact.levels numeric.doubled numeric.machine numeric.magnitudes numeric.pointvalues \
+requirement.closedforms requirement.strips typeset.layout
 exact.caches exact.periodic numeric.certified tex.printer typeset.equations typeset.mathml typeset.plain
 costs.stopwatch exact.factoring numeric.values tex.lines
 exact.roots report.mathematics simulation.fractional simulation.motions simulation.propagate simulation.recordings

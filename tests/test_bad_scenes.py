@@ -63,7 +63,7 @@ BAD = {
     "unit alone": (env("model='mass-spring-damper'\nm='kg'"), ["environment", "m", "kg", "number"]),
     "empty value": (env("model='mass-spring-damper'\nm=''"), ["environment", "m", "number"]),
     "a list for a number": (env("model='mass-spring-damper'\nm=[1, 2, 3]"), ["environment", "m", "[1, 2, 3]", "pair"]),
-    "true for a number": (env("model='mass-spring-damper'\nm=true"), ["environment", "m", "True"]),
+    "true for a number": (env("model='mass-spring-damper'\nm=true"), ["environment", "m", "m: true"]),
     "a date for a number": (env("model='mass-spring-damper'\nm=2019-01-01"), ["environment", "m", "2019-01-01"]),
     # values
     "negative mass": (env("model='mass-spring-damper'\nm='-3 kg'"), ["environment", "m", "-3 kg", ">= 0"]),

@@ -148,3 +148,37 @@ def test_a_package_that_a_verb_needs_and_that_is_missing_is_named_with_its_extra
     done = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == 'error: scipy is missing: this needs pip install "haptisym[simulate]"\n'
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["derive", "fu2019", "--keep", "m", "--symbolic"], "--keep says which parameters stay symbols"),
+        (["derive", "fu2019", "--json", "--to", "c"], "--json is one document"),
+        (["require", "fu2019", "--free", "zeta", "--slices", "5"], "--slices is about a map of two parameters"),
+    ],
+)
+def test_options_that_contradict_each_other_are_refused(call, words: list[str], said: str) -> None:  # type: ignore[no-untyped-def]
+    status, out, err = call(*words)
+    assert (status, out) == (2, "")
+    assert said in err
+
+
+TRANSPARENT = '[environment]\nmodel = "mass-spring-damper"\nk = {k}\n[[effects]]\nmodel = "delay"\ntau = "1 us"\n'
+
+
+@pytest.mark.parametrize(("verb", "k"), [("sensitivity", "100"), ("tolerances", '"100 N/m +- 5 %"')])
+def test_an_answer_with_nothing_to_draw_is_given_all_the_same(call, tmp_path: Path, verb: str, k: str) -> None:  # type: ignore[no-untyped-def]
+    scene, figure = tmp_path / "clear.toml", tmp_path / "figure.svg"
+    scene.write_text(TRANSPARENT.format(k=k), encoding="utf-8")
+    status, out, err = call(verb, str(scene), "--figure", str(figure))
+    assert status == 0
+    assert "No ratio meets its threshold" in out
+    assert err.startswith("no figure: ")
+    assert not figure.exists()
+
+
+def test_what_is_wrong_with_a_band_is_said_in_the_units_it_was_given_in(call, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    scene = tmp_path / "band.toml"
+    scene.write_text(TRANSPARENT.format(k=100) + '[evaluation]\nband = ["3 Hz", "2 Hz"]\n', encoding="utf-8")
+    assert '"2 Hz", must be above the low end, "3 Hz"' in call("evaluate", str(scene))[2]

@@ -19,5 +19,9 @@ class ExpressionError(SceneError):
     """A formula in a scene is not in the grammar; the message points at the place."""
 
 
+class NothingToDrawError(SceneError):
+    """An answer holds nothing that its figure would show."""
+
+
 class UndecidedError(HaptisymError):
     """A question stayed open at the precision limit; no guess is returned instead (exit status 3)."""

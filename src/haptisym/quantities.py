@@ -93,7 +93,8 @@ def quantity(given: Number, dimension: Dimension) -> Quantity:
         return Quantity(Rational(given.numerator, given.denominator))
     if isinstance(given, int | float | Decimal) and not isinstance(given, bool):
         return Quantity(decimal(str(given)))
-    raise SceneError(f"{_shown(given)} is not a number, nor a string of a number and a unit")
+    shown = str(given).lower() if isinstance(given, bool) else _shown(given)  # as TOML writes it
+    raise SceneError(f"{shown} is not a number, nor a string of a number and a unit")
 
 
 def decimal(text: str) -> Rational:

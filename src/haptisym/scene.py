@@ -46,14 +46,15 @@ class Scene:
     def __post_init__(self) -> None:
         if len(self.band) != 2:
             raise SceneError(f"band: {self.band} must be a low and a high end")
+        shown = [f'"{x}"' if isinstance(x, str) else f"{x} rad/s" for x in self.band]
         low, high = (frequency("band", x) for x in self.band)
         object.__setattr__(self, "band", (low, high))
         if not isinstance(self.threshold, Threshold):
             object.__setattr__(self, "threshold", Threshold.of(self.threshold))
         if sign_of_number(low) < 0:
-            raise SceneError(f"band: the low end, {low} rad/s, must be >= 0")
+            raise SceneError(f"band: the low end, {shown[0]}, must be >= 0")
         if sign_of_number(high - low) <= 0:
-            raise SceneError(f"band: the high end, {high} rad/s, must be above the low end, {low} rad/s")
+            raise SceneError(f"band: the high end, {shown[1]}, must be above the low end, {shown[0]}")
         _one_motion(self.elements())
         effects = _with_names(self.effects)
         names = _symbol_names([("", self.environment), ("rendered", self.rendered), *((e.name, e) for e in effects)])

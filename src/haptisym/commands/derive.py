@@ -15,9 +15,7 @@ _OUTPUTS = ("text", "latex", "mathml", "json", *_CODE)
 
 @click.command()
 @scene_argument
-@click.option(
-    "--symbolic", "mode", flag_value="symbolic", default="symbolic", help="Keep every parameter a symbol (the default)."
-)
+@click.option("--symbolic", "mode", flag_value="symbolic", help="Keep every parameter a symbol (the default).")
 @click.option("--numeric", "mode", flag_value="numeric", help="Put the scene's number in for every parameter.")
 @click.option(
     "--keep",
@@ -33,7 +31,7 @@ _OUTPUTS = ("text", "latex", "mathml", "json", *_CODE)
 @json_option
 def derive(
     scene: Scene,
-    mode: str,
+    mode: str | None,
     keep: tuple[str, ...],
     language: str,
     names: tuple[str, ...],
@@ -56,8 +54,14 @@ def derive(
     """
     from haptisym.formulas.derivation import derive as derive_scene
 
-    kept = keep or (None if mode == "symbolic" else ())
-    if not as_json and language in _CODE:
+    if keep and mode:
+        raise SceneError(f"--keep says which parameters stay symbols, and so does --{mode}: leave out one of them")
+    if as_json and language not in ("text", "json"):
+        raise SceneError(
+            f"--json is one document of all formulas, and --to {language} another output: leave out one of them"
+        )
+    kept = keep or (() if mode == "numeric" else None)
+    if language in _CODE:
         from haptisym.codegen.scene import Language, scene_code
 
         if names:

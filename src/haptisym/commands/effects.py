@@ -9,7 +9,7 @@ import click
 
 from haptisym.scene import Scene
 
-from .options import figure_option, json_option, scene_argument, written
+from .options import drawn, figure_option, json_option, scene_argument
 
 
 @click.command()
@@ -46,6 +46,5 @@ def effects(scene: Scene, as_json: bool, tolerance: str, figure: Path | None) ->
     if figure is not None:
         from haptisym.pruning.figure import save_influences
 
-        save_influences(found, figure)
-        written("figure", figure)
+        drawn(save_influences, found, figure)
     click.echo(dumps(document(found), indent=2, ensure_ascii=False) if as_json else page(found), nl=as_json)

@@ -9,7 +9,7 @@ import click
 
 from haptisym.scene import Scene
 
-from .options import figure_option, json_option, scene_argument, written
+from .options import drawn, figure_option, json_option, scene_argument
 
 
 @click.command()
@@ -46,8 +46,7 @@ def metrics(
     if figure is not None:
         from haptisym.measures.figure import save_metrics_figure
 
-        save_metrics_figure(found, figure)
-        written("figure", figure)
+        drawn(save_metrics_figure, found, figure)
     write = metricstext.as_json if as_json else metricstext.as_latex if language == "latex" else metricstext.as_text
     click.echo(write(found), nl=as_json)
     if not found.measured.certified:

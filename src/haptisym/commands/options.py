@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 import click
 
-from haptisym.errors import SceneError
+from haptisym.errors import NothingToDrawError, SceneError
 from haptisym.figures.kinds import checked
 from haptisym.scenefile import load_scene
 
@@ -89,6 +89,16 @@ def figures_option(command: Command) -> Command:
 def written(what: str, path: Path) -> None:
     """Tell on standard error that a file is there."""
     click.echo(f"{what} written to {path}", err=True)
+
+
+def drawn(save: Callable[..., Any], found: Any, path: Path) -> None:
+    """Write a figure of an answer, and tell so on standard error; or tell that there is nothing in it to draw."""
+    try:
+        save(found, path)
+    except NothingToDrawError as error:
+        click.echo(f"no figure: {error}", err=True)
+    else:
+        written("figure", path)
 
 
 def hand_over(found: Answer, *, as_json: bool) -> None:

@@ -8,7 +8,7 @@ import click
 
 from haptisym.scene import Scene
 
-from .options import figure_option, hand_over, json_option, scene_argument, written
+from .options import drawn, figure_option, hand_over, json_option, scene_argument
 
 
 @click.command()
@@ -40,7 +40,7 @@ from .options import figure_option, hand_over, json_option, scene_argument, writ
     help="Correct decimal digits of each end.",
 )
 @figure_option("the set, or the map")
-@click.option("--slices", type=click.IntRange(3, 2000), default=41, show_default=True, help="Exact slices of a map.")
+@click.option("--slices", type=click.IntRange(3, 2000), help="Exact slices of a map.  [default: 41]")
 def require(
     scene: Scene,
     paths: tuple[str, ...],
@@ -50,7 +50,7 @@ def require(
     as_json: bool,
     digits: int,
     figure: Path | None,
-    slices: int,
+    slices: int | None,
 ) -> None:
     """Find all values of a parameter for which a display is transparent on its whole band.
 
@@ -72,17 +72,18 @@ def require(
 
     if len(paths) > 2 or (ranges and len(ranges) != len(paths)):
         raise SceneError("--free may be given once or twice, and --range not at all or as often, in the same order")
+    if slices is not None and len(paths) == 1:
+        raise SceneError("--slices is about a map of two parameters: give --free twice, or leave it out")
     part = Part(name) if name else None
     found: DesignMap | Requirement
     if len(paths) == 2:
         if not ranges:
             raise SceneError("a map of two parameters needs a --range for each")
-        found = design_map(scene, paths, ranges, part=part, any_environment=any_environment, slices=slices)
+        found = design_map(scene, paths, ranges, part=part, any_environment=any_environment, slices=slices or 41)
     else:
         found = ask(scene, paths[0], *ranges, part=part, any_environment=any_environment, digits=digits)
     if figure is not None:
         from haptisym.requirement.figures import save_requirement
 
-        save_requirement(found, figure)
-        written("figure", figure)
+        drawn(save_requirement, found, figure)
     hand_over(found, as_json=as_json)

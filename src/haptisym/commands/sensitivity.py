@@ -8,7 +8,7 @@ import click
 
 from haptisym.scene import Scene
 
-from .options import figure_option, hand_over, json_option, scene_argument, written
+from .options import drawn, figure_option, hand_over, json_option, scene_argument
 
 
 @click.command()
@@ -39,6 +39,5 @@ def sensitivity(scene: Scene, as_json: bool, digits: int, figure: Path | None) -
     if figure is not None:
         from haptisym.sensitivities.figure import save_elasticities
 
-        save_elasticities(found, figure)
-        written("figure", figure)
+        drawn(save_elasticities, found, figure)
     hand_over(found, as_json=as_json)

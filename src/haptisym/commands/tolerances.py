@@ -8,7 +8,7 @@ import click
 
 from haptisym.scene import Scene
 
-from .options import figure_option, hand_over, json_option, scene_argument, written
+from .options import drawn, figure_option, hand_over, json_option, scene_argument
 
 
 @click.command()
@@ -45,6 +45,5 @@ def tolerances(scene: Scene, as_json: bool, samples: int, seed: int, figure: Pat
     if figure is not None:
         from haptisym.tolerance.figure import save_tolerances
 
-        save_tolerances(found, figure)
-        written("figure", figure)
+        drawn(save_tolerances, found, figure)
     hand_over(found, as_json=as_json)

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from sympy import Symbol
 
-from haptisym.errors import SceneError
+from haptisym.errors import NothingToDrawError
 from haptisym.figures.style import BLUE, GREY, INK, RED, SMALL, TEXT, WIDTH, save_as
 from haptisym.jnd import Part
 from haptisym.tex.printer import formula
@@ -42,10 +42,10 @@ def draw_elasticities(ax: Axes, found: Sensitive, title: str) -> None:
 
 
 def save_elasticities(found: Slopes, path: Path) -> None:
-    """The bars of all crossings in one file; SceneError for an ending that is not .svg, .pdf or .png."""
+    """The bars of all crossings in one file; SceneError for another ending than .svg, .pdf or .png, or where there are none."""
     panels = _panels(found)
     if not panels:
-        raise SceneError("there is no crossing nor changeover on the band: nothing to draw")
+        raise NothingToDrawError("there is no crossing nor changeover on the band that parameters could move")
     rows = [min(sum(bool(p.elasticity and float(p.elasticity)) for p in x.parameters), _MOST) for _, x in panels]
     figure = Figure(figsize=(WIDTH, sum(0.19 * n + 0.62 for n in rows) + 0.3), layout="constrained")
     axes = figure.subplots(len(panels), 1, squeeze=False, sharex=True, height_ratios=[n + 1 for n in rows])[:, 0]

@@ -7,6 +7,7 @@ from pathlib import Path
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from haptisym.errors import NothingToDrawError
 from haptisym.figures.style import BLUE, INK, SHADE, SMALL, TEXT, WIDTH, save_as
 from haptisym.jnd import Part
 
@@ -38,7 +39,9 @@ def draw_tolerances(ax: Axes, a: BoxAnswers) -> None:
 
 
 def save_tolerances(a: BoxAnswers, path: Path) -> None:
-    """The figure in a file; SceneError for an ending that is not .svg, .pdf or .png."""
+    """The figure in a file; SceneError for another ending than .svg, .pdf or .png, or where no values bring a crossing."""
+    if not a.enclosures and not any(x.crossings[part] for x in (a.nominal, *a.samples) for part in Part):
+        raise NothingToDrawError("no ratio meets its threshold on the band, for any values within the ranges")
     figure = Figure(figsize=(WIDTH + 0.6, 1.6), layout="constrained")
     draw_tolerances(figure.subplots(), a)
     save_as(figure, path)
