@@ -18,19 +18,20 @@ errors symbols costs.measurement pruning.suprema report.html simulation.network 
 typeset.boxes
 expressions codegen.names exact.reals exact.rings figures.kinds formulas.steps numeric.accuracy simulation.descriptor \
 sweeps.bernstein typeset.names
-quantities codegen.printers exact.bernstein exact.response exact.zeros numeric.program sensitivities.implicit \
+quantities codegen.printers exact.axis exact.bernstein exact.zeros numeric.program sensitivities.implicit \
 simulation.rightmost sweeps.families tex.names typeset.numerals typeset.order
-codegen.languages codegen.short exact.isolation exact.polynomials exact.solutions exact.wavesums numeric.balls numeric.floats \
-numeric.stable requirement.touches typeset.formula typeset.quotients
-codegen.code exact.analytic exact.levels numeric.doubled numeric.machine numeric.magnitudes numeric.pointvalues \
-requirement.closedforms requirement.strips typeset.layout
-exact.caches exact.periodic numeric.certified tex.printer typeset.equations typeset.mathml typeset.plain
-costs.stopwatch exact.factoring numeric.values tex.lines
-exact.roots report.mathematics simulation.fractional simulation.motions simulation.propagate simulation.recordings
-ranges exact.stability simulation.linear simulation.lockin
-catalogue jnd simulation.events
-distortion effects environments requirement.feasible simulation.blocks simulation.engine
-crossings interop scene codegen.forms formulas.structure measures.freeresponse measures.twoport requirement.places
+codegen.languages codegen.short exact.dynamics exact.isolation exact.polynomials exact.wavesums numeric.balls numeric.floats \
+typeset.formula typeset.quotients
+codegen.code exact.analytic exact.response numeric.doubled numeric.machine numeric.magnitudes typeset.layout
+exact.caches exact.levels exact.periodic exact.solutions numeric.pointvalues numeric.stable requirement.strips \
+requirement.touches tex.printer typeset.equations typeset.mathml typeset.plain
+costs.stopwatch exact.factoring numeric.certified requirement.closedforms tex.lines
+exact.roots numeric.values report.mathematics
+ranges exact.stability simulation.fractional simulation.motions simulation.propagate simulation.recordings
+catalogue jnd simulation.linear simulation.lockin
+distortion effects environments requirement.feasible simulation.blocks simulation.events
+crossings interop scene codegen.forms formulas.structure measures.freeresponse measures.twoport requirement.places \
+simulation.engine
 bounds peaks percepts codegen.scene costs.text family.family formulas.groups measures.forms pruning.ballchain \
 simulation.approximations simulation.results tolerance.box
 scenefile costs.questions formulas.asymptotics pruning.differences requirement.freeparameter simulation.run simulation.text \

@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 from oracles import MP, rounded
 from sympy import Expr, Integer, Rational, pi
 
+from haptisym.exact.dynamics import Ring
 from haptisym.exact.reals import ExactNumber, RealNumber
-from haptisym.exact.response import RealFunction, Ring
+from haptisym.exact.response import RealFunction
 from haptisym.exact.roots import chart
 from haptisym.symbols import omega
 

@@ -15,7 +15,8 @@ from sympy import Abs, Expr, I, Symbol, cancel, expand, sin, sqrt, together
 import haptisym as hs
 from haptisym.effects import compliance, first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import kelvin_voigt, mass_spring_damper
-from haptisym.exact.response import Ring, on_axis, squared_modulus
+from haptisym.exact.dynamics import Ring
+from haptisym.exact.response import on_axis, squared_modulus
 from haptisym.exact.rings import RationalFunction
 from haptisym.symbols import omega, s
 

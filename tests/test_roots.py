@@ -13,7 +13,8 @@ from sympy import Expr, Integer, Poly, Rational, Symbol, expand, pi
 from sympy.abc import x
 
 import haptisym as hs
-from haptisym.exact.response import RealFunction, Ring
+from haptisym.exact.dynamics import Ring
+from haptisym.exact.response import RealFunction
 from haptisym.exact.roots import Chart, chart, sign_of_number
 from haptisym.symbols import omega
 

@@ -15,7 +15,7 @@ from sympy import Expr, Rational, expand, lambdify, pi
 import haptisym as hs
 from haptisym.effects import compliance, second_order_lowpass, series, zero_order_hold
 from haptisym.environments import kelvin_voigt, mass_spring_damper
-from haptisym.exact.response import Ring
+from haptisym.exact.dynamics import Ring
 from haptisym.exact.stability import is_stable
 from haptisym.symbols import s
 

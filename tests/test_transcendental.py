@@ -93,7 +93,7 @@ def test_a_delayed_loop_is_stable_up_to_a_quarter_turn(a: str) -> None:
     """s + a exp(-s) has all its zeros in the open left half plane exactly for 0 < a < pi/2."""
     from sympy import exp
 
-    from haptisym.exact.response import Ring
+    from haptisym.exact.dynamics import Ring
 
     f = 1 / (hs.s + Rational(a) * exp(-hs.s))
     assert is_stable(Ring.of([f]).convert(f).reduced()) is (float(a) < np.pi / 2)

@@ -10,7 +10,9 @@ from sympy import Abs, Expr, I, Rational, Symbol, sqrt
 
 from .catalogue import Effect, Environment, Matrix
 from .errors import SceneError
-from .exact.response import Axis, RealFunction, Response, Ring, on_axis, squared_modulus
+from .exact.axis import Axis
+from .exact.dynamics import Ring
+from .exact.response import RealFunction, Response, on_axis, squared_modulus
 from .exact.rings import RationalFunction, cleared
 from .exact.solutions import solve
 from .jnd import Part

@@ -21,8 +21,8 @@ from sympy import Add, Expr, Float, I, Integer, Matrix
 from . import effects, environments
 from .catalogue import Effect, Environment
 from .errors import SceneError
+from .exact.dynamics import Ring
 from .exact.reals import ExactNumber
-from .exact.response import Ring
 from .exact.rings import PolynomialRing, RationalFunction, degree_in
 from .quantities import Dimension, decimal, quantity
 from .symbols import s

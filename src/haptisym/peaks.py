@@ -80,7 +80,7 @@ def peaks(scene: Scene) -> tuple[Peak, ...]:
 def largest(f: RealFunction, low: Expr, high: Expr) -> RealNumber | None:
     """The largest value of a real function on a closed band, certified; None where it is unbounded.
 
-    >>> from haptisym.exact.response import Ring
+    >>> from haptisym.exact.dynamics import Ring
     >>> from haptisym.symbols import omega
     >>> from sympy import Integer
     >>> largest(RealFunction(Ring().axis.convert(omega / (omega**2 + 4))), Integer(0), Integer(5)).digits(5)

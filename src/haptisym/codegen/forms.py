@@ -17,7 +17,8 @@ from typing import Any
 from sympy import Abs, Add, Expr, Integer, Mul, Rational, Symbol, cos, sqrt
 
 from haptisym.distortion import Chain, Distortion, part_of
-from haptisym.exact.response import Axis, RealFunction, on_axis
+from haptisym.exact.axis import Axis
+from haptisym.exact.response import RealFunction, on_axis
 from haptisym.exact.rings import Polynomial, PolynomialRing, RationalFunction
 from haptisym.formulas.steps import Steps
 from haptisym.jnd import Part

@@ -11,10 +11,11 @@ from flint import arb
 from sympy import Expr, Integer
 
 from .analytic import AnalyticFactor
+from .axis import Axis
 from .levels import Level
 from .periodic import PeriodicFactor
 from .polynomials import PolynomialFactor, polynomial_factors
-from .response import Axis, RealFunction
+from .response import RealFunction
 from .rings import Polynomial, RationalFunction
 from .wavesums import Term
 from .zeros import Factor

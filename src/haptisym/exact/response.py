@@ -1,323 +1,22 @@
-"""Dynamics in ``s`` and the real functions that they become on ``s = j omega``.
+"""The real functions that dynamics become on ``s = j omega``.
 
-On ``s = j omega`` even powers of ``s`` are real and odd ones imaginary, so that real part, imaginary part and squared
-modulus are had by polynomial arithmetic alone: no complex numbers, no ``as_real_imag``, no ``simplify``. A delay is an
-all-pass of the real variable t = tan(omega tau/2), exp(-j omega tau) = (1 - j t)/(1 + j t), and s^alpha is omega^alpha
-times a constant of the same kind: they too become quotients of polynomials, exact, with exact cancellation.
+There even powers of ``s`` are real and odd ones imaginary, so that real part, imaginary part and squared modulus are had by
+polynomial arithmetic alone: no complex numbers, no ``as_real_imag``, no ``simplify``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, reduce
-from math import comb
-from typing import TypeAlias
+from functools import cached_property
 
-from flint import fmpq
-from sympy import (
-    Add,
-    Expr,
-    I,
-    Integer,
-    Pow,
-    Rational,
-    Symbol,
-    cos,
-    cosh,
-    exp,
-    gcd,
-    pi,
-    preorder_traversal,
-    sin,
-    sinc,
-    sinh,
-)
+from sympy import Expr
 
-from haptisym.errors import SceneError
-from haptisym.symbols import omega, s
+from haptisym.symbols import omega
 
+from .axis import Axis
+from .dynamics import Ring
 from .reals import Ball, expression_ball
-from .rings import Polynomial, PolynomialRing, RationalFunction, degree_in
-
-Pair: TypeAlias = tuple[Polynomial, Polynomial]
-"""Real and imaginary part."""
-
-_MOST_MULTIPLE = 32  # of a common unit delay; beyond it commensurable delays are treated as independent of each other
-
-
-class Ring(PolynomialRing):
-    """Dynamics: polynomials in ``s``, pi, the parameters, and the delays ``exp(-s tau)`` and powers ``s^alpha`` of a scene.
-
-    >>> m, k = Symbol("m"), Symbol("k")
-    >>> ring = Ring.of([m * s**2 + k])
-    >>> response = on_axis(ring.convert(m * s**2 + k))
-    >>> response.real.expression(), response.imag.expression()
-    (k - m*omega**2, 0)
-    """
-
-    def __init__(
-        self, symbols: Iterable[Symbol] = (), lags: Sequence[Expr] = (), orders: Sequence[Expr] = (), *, j: bool = False
-    ) -> None:
-        self.lags, self.orders = tuple(lags), tuple(orders)
-        functions = [*(exp(-s * lag) for lag in lags), *(s**order for order in orders), *([I] if j else [])]
-        super().__init__(s, symbols, functions)
-
-    @classmethod
-    def of(cls, expressions: Iterable[Expr]) -> Ring:
-        """The smallest ring that holds the given expressions."""
-        found = {x for e in expressions for x in preorder_traversal(_exponentials(e))}
-        symbols = {x for x in found if isinstance(x, Symbol)} - {s}
-        lags = {lag for x in found if isinstance(x, exp) for lag in _lags(x)}
-        orders = {_order(x)[1] for x in found if isinstance(x, Pow) and x.base == s and not x.exp.is_Integer}
-        return cls(symbols, _units(lags), sorted(orders, key=str), j=I in found)
-
-    def convert(self, expression: Expr) -> RationalFunction:
-        if isinstance(expression, cosh | sinh):
-            return self.convert(_exponentials(expression))
-        if isinstance(expression, exp):
-            return reduce(lambda x, y: x * y, (self._delayed(lag, n) for lag, n in _lags(expression).items()))
-        if isinstance(expression, Pow) and expression.base == s and not expression.exp.is_Integer:
-            whole, order, sign = _order(expression)
-            return self.function(self.variable) ** whole * self.function(self.generators[s**order]) ** sign
-        return super().convert(expression)
-
-    def _delayed(self, lag: Expr, sign: int) -> RationalFunction:
-        """exp(-s lag) as a power of the unit delay that it is a multiple of."""
-        for unit in self.lags:
-            multiple = lag / unit
-            if multiple.is_Integer:
-                return self.function(self.generators[exp(-s * unit)]) ** (sign * int(multiple))
-        raise SceneError(f"the delay {lag} is not in this ring")
-
-    @cached_property
-    def axis(self) -> Axis:
-        """The ring of real functions of omega that these dynamics become."""
-        return Axis(self)
-
-
-def _exponentials(expression: Expr) -> Expr:
-    """Hyperbolic functions as exponentials."""
-    if not expression.has(cosh, sinh):
-        return expression
-    return expression.replace(cosh, lambda x: (exp(x) + exp(-x)) / 2).replace(sinh, lambda x: (exp(x) - exp(-x)) / 2)
-
-
-def _lags(exponential: Expr) -> dict[Expr, int]:
-    """The delays in exp(-s (tau_1 + tau_2 - ...)), each with its sign."""
-    argument = exponential.args[0].expand()
-    rate = argument.coeff(s)
-    if rate.has(s) or argument - rate * s != 0:
-        raise SceneError(f"{exponential} is not a delay: the exponent must be -s times a time")
-    found = {}
-    for term in Add.make_args(-rate):
-        number, rest = term.as_coeff_Mul()
-        found[abs(number) * rest] = 1 if number > 0 else -1
-    return found
-
-
-def _units(lags: set[Expr]) -> list[Expr]:
-    """Unit delays: of the rational multiples of one time, their greatest common divisor where that is not too fine."""
-    classes: dict[Expr, list[Rational]] = {}
-    for lag in lags:
-        number, rest = lag.as_coeff_Mul()
-        classes.setdefault(rest, []).append(number)
-    units = []
-    for rest, numbers in sorted(classes.items(), key=str):
-        unit = reduce(gcd, numbers)
-        alone = max(numbers) / unit > _MOST_MULTIPLE
-        units += [number * rest for number in sorted(numbers)] if alone else [unit * rest]
-    return units
-
-
-def _order(power: Expr) -> tuple[int, Expr, int]:
-    """s^p as s^whole (s^order)^sign, with 0 < order < 1 where it is a number."""
-    whole, order = power.exp.as_coeff_Add()
-    if power.exp.is_Rational:
-        whole = power.exp.floor() if hasattr(power.exp, "floor") else Integer(power.exp.p // power.exp.q)
-        return int(whole), power.exp - whole, 1
-    number, rest = order.as_coeff_Mul()
-    if not whole.is_Integer or order.has(s):
-        raise SceneError(f"{power}: a power of s must be a number or a symbol")
-    return int(whole), abs(number) * rest, 1 if number > 0 else -1
-
-
-@dataclass(frozen=True)
-class Angle:
-    """An angle whose half-angle tangent is a variable: omega tau of a delay, or the constant alpha pi/2 of ``s^alpha``."""
-
-    rate: Expr
-    """Radians per rad/s; for a constant angle, radians."""
-    constant: bool = False
-
-    @property
-    def value(self) -> Expr:
-        return self.rate if self.constant else self.rate * omega
-
-
-class Axis(PolynomialRing):
-    """Real functions on ``s = j omega``: polynomials in omega, pi, the parameters, tan(angle/2) and omega^alpha."""
-
-    def __init__(self, dynamics: Ring) -> None:
-        self.angles = (
-            *(Angle(lag) for lag in dynamics.lags),
-            *(Angle(pi * x / 2, constant=True) for x in dynamics.orders),
-        )
-        self.orders = dynamics.orders
-        # a name, not tan(...) itself, which SymPy would evaluate at a known angle
-        tangents = [Symbol(f"tan({angle.value}/2)") for angle in self.angles]
-        super().__init__(omega, dynamics.symbols, [*tangents, *(omega**order for order in dynamics.orders)])
-        self.delays, self.complex = len(dynamics.lags), I in dynamics.generators
-        assert dynamics.size == self.size
-
-    def parts(self, polynomials: Sequence[Polynomial]) -> list[Pair]:
-        """Real and imaginary part of each polynomial in the dynamics' ring, all times the same factor that is not zero."""
-        if not self.functions and not self.complex:
-            return [self._even_and_odd(p) for p in polynomials]
-        highest = [degree_in(polynomials, self.size + i) for i in range(len(self.angles))]
-        return [self._turned(p, highest) for p in polynomials]
-
-    def _even_and_odd(self, polynomial: Polynomial) -> Pair:
-        split: tuple[dict[object, object], dict[object, object]] = ({}, {})
-        for exponents, coefficient in polynomial.to_dict().items():
-            power = int(exponents[0])
-            split[power % 2][exponents] = -coefficient if power % 4 >= 2 else coefficient
-        return self.context.from_dict(split[0]), self.context.from_dict(split[1])
-
-    def _turned(self, polynomial: Polynomial, highest: Sequence[int]) -> Pair:
-        """Each monomial s^n E^k A^l j^i is j^(n+i) times all-passes in the half-angle tangents."""
-        real, imag = self.constant(0), self.constant(0)
-        gens = self.context.gens()
-        for exponents, coefficient in polynomial.to_dict().items():
-            own = [int(n) for n in exponents]
-            turns = own[self.size : self.size + len(self.angles)]
-            base = self.context.from_dict({(*own[: self.size], *[0] * (len(gens) - self.size)): coefficient})
-            quarter = own[0] + (own[-1] if self.complex else 0)
-            x, y = (base, self.constant(0)) if quarter % 2 == 0 else (self.constant(0), base)
-            if quarter % 4 >= 2:
-                x, y = -x, -y
-            for i, (turn, most) in enumerate(zip(turns, highest, strict=True)):
-                a, b = self._all_pass(i, turn, most)
-                x, y = x * a - y * b, x * b + y * a
-            for i, turn in enumerate(turns[self.delays :]):
-                power = gens[self.size + len(self.angles) + i] ** turn
-                x, y = x * power, y * power
-            real, imag = real + x, imag + y
-        return real, imag
-
-    @lru_cache(maxsize=256)  # noqa: B019 - a ring lives as long as its functions
-    def _all_pass(self, index: int, turn: int, most: int) -> Pair:
-        """exp(-j k angle) (1 + j t)^most = (1 - j t)^k (1 + j t)^(most - k); the angle of s^alpha turns the other way."""
-        t = self.context.gens()[self.size + index]
-        sense = -1 if index < self.delays else 1
-        x, y = self.constant(1), self.constant(0)
-        for factor in [sense * t] * turn + [-sense * t] * (most - turn):
-            x, y = x - y * factor, y + x * factor
-        return x, y
-
-    def derivative(self, polynomial: Polynomial) -> RationalFunction:
-        """d/d omega, with d tan(a/2) = (1 + tan(a/2)^2)/2 da and d omega^alpha = alpha omega^(alpha - 1) d omega."""
-        total = self.function(polynomial.derivative(0))
-        for i, angle in enumerate(self.angles, self.size):
-            if not angle.constant:
-                turned = (1 + self.context.gens()[i] ** 2) * polynomial.derivative(i)
-                total += self.convert(angle.rate / 2) * self.function(turned)
-        for i, order in enumerate(self.orders, self.size + len(self.angles)):
-            raised = self.context.gens()[i] * polynomial.derivative(i)
-            total += self.convert(order) * self.function(raised, self.variable)
-        return total
-
-    def trigonometric(self, function: RationalFunction) -> RationalFunction:
-        """The function in cosines and sines of the angles and their multiples, as a person would write it."""
-        degrees = [
-            degree_in([function.numerator, function.denominator], self.size + i) for i in range(len(self.angles))
-        ]
-        even = [n + n % 2 for n in degrees]
-        waves = [
-            (cos(n * a.value), sin(n * a.value))
-            for a, top in zip(self.angles, even, strict=True)
-            for n in range(1, top // 2 + 1)
-        ]
-        powers = self.functions[len(self.angles) :]
-        target = PolynomialRing(omega, self.symbols, [*powers, *(wave for pair in waves for wave in pair)])
-        return target.function(*(self._waves(p, even, target) for p in (function.numerator, function.denominator)))
-
-    def _waves(self, polynomial: Polynomial, even: Sequence[int], target: PolynomialRing) -> Polynomial:
-        total = target.constant(0)
-        gens = target.context.gens()
-        first = target.size + len(self.orders)
-        for exponents, coefficient in polynomial.to_dict().items():
-            own = [int(n) for n in exponents]
-            turns, powers = own[self.size : self.size + len(even)], own[self.size + len(even) :]
-            term = target.context.from_dict({(*own[: self.size], *powers, *[0] * (len(gens) - first)): coefficient})
-            start = first
-            for k, top in zip(turns, even, strict=True):
-                term *= sum(
-                    (c * (gens[start + i] if i >= 0 else 1) for i, c in _harmonics(k, top).items()), target.constant(0)
-                )
-                start += top
-            total += term
-        return total
-
-    def without_circles(self, polynomial: Polynomial) -> tuple[Polynomial, list[int]]:
-        """A polynomial without its factors 1 + tan^2, and how many there were of each angle: cos^2 + sin^2 is 1."""
-        counts = [0] * len(self.angles)
-        if polynomial.is_zero():
-            return polynomial, counts
-        for i, tangent in enumerate(self.context.gens()[self.size : self.size + len(self.angles)]):
-            quotient, rest = divmod(polynomial, tangent**2 + 1)
-            while rest.is_zero():
-                polynomial, counts[i] = quotient, counts[i] + 1
-                quotient, rest = divmod(polynomial, tangent**2 + 1)
-        return polynomial, counts
-
-    def half_angles(self, function: RationalFunction) -> RationalFunction:
-        """The function in half angles, cos(a/2) and sin(a/2)/omega: without cancellation at low frequencies, nor 0/0 at 0."""
-        degrees = [
-            degree_in([function.numerator, function.denominator], self.size + i) for i in range(len(self.angles))
-        ]
-        waves = [wave for angle in self.angles for wave in _half_waves(angle)]
-        target = PolynomialRing(omega, self.symbols, [*self.functions[len(self.angles) :], *waves])
-
-        def homogeneous(polynomial: Polynomial) -> Polynomial:
-            polynomial, circles = self.without_circles(polynomial)
-            tops = [n - 2 * circle for n, circle in zip(degrees, circles, strict=True)]
-            terms = {}
-            for exponents, coefficient in polynomial.to_dict().items():
-                own = [int(n) for n in exponents]
-                turns, powers = own[self.size : self.size + len(degrees)], own[self.size + len(degrees) :]
-                own[0] += sum(k for k, angle in zip(turns, self.angles, strict=True) if not angle.constant)
-                halves = [n for k, top in zip(turns, tops, strict=True) for n in (top - k, k)]
-                terms[(*own[: self.size], *powers, *halves)] = coefficient
-            return target.context.from_dict(terms)
-
-        return target.function(homogeneous(function.numerator), homogeneous(function.denominator))
-
-
-def _half_waves(angle: Angle) -> tuple[Expr, Expr]:
-    half = angle.value / 2
-    return cos(half), sin(half) if angle.constant else angle.rate / 2 * sinc(half)
-
-
-@lru_cache(maxsize=1024)
-def _harmonics(k: int, top: int) -> dict[int, fmpq]:
-    """sin(x/2)^k cos(x/2)^(top - k), top even, as a sum of waves: -1 the constant, 2 (n - 1) is cos n x, 2 n - 1 is sin n x."""
-    # z = exp(j x/2): sin = (z - 1/z)/(2 j), cos = (z + 1/z)/2, and j^k only turns the result
-    coefficients: dict[int, int] = {}
-    for a in range(k + 1):
-        for b in range(top - k + 1):
-            n = top - 2 * (a + b)
-            coefficients[n] = coefficients.get(n, 0) + (-1) ** a * comb(k, a) * comb(top - k, b)
-    sign = (-1) ** (k // 2)
-    found = {}
-    for n, c in coefficients.items():
-        if c == 0 or n < 0:
-            continue
-        if n == 0:
-            found[-1] = fmpq(sign * c, 2**top)
-        else:  # even k pairs up to 2 cos, odd k to 2 j sin, over j^k
-            found[n - 2 if k % 2 == 0 else n - 1] = fmpq(2 * sign * c, 2**top)
-    return found
+from .rings import RationalFunction
 
 
 @dataclass(frozen=True)
@@ -337,7 +36,14 @@ class Response:
 
 
 def on_axis(dynamics: RationalFunction) -> Response:
-    """The values of a dynamics on ``s = j omega``, as real functions of omega."""
+    """The values of a dynamics on ``s = j omega``, as real functions of omega.
+
+    >>> from sympy.abc import k, m
+    >>> from haptisym.symbols import s
+    >>> response = on_axis(Ring.of([m * s**2 + k]).convert(m * s**2 + k))
+    >>> response.real.expression(), response.imag.expression()
+    (k - m*omega**2, 0)
+    """
     axis = _axis(dynamics)
     (a, b), (c, d) = axis.parts([dynamics.numerator, dynamics.denominator])
     modulus = c * c + d * d

@@ -112,7 +112,7 @@ def chart(functions: Mapping[Any, RealFunction | Level], low: Expr, high: Expr) 
     functions, so that tangencies, and nothing else, may stay undecided; their points say so. UndecidedError where even
     the order of two points, or what happens at an end of the band, stays open.
 
-    >>> from haptisym.exact.response import Ring
+    >>> from haptisym.exact.dynamics import Ring
     >>> from sympy import Integer
     >>> f = RealFunction(Ring().axis.convert((omega**2 - 2) ** 2 * (omega**2 - 9)))
     >>> for point in chart({"f": f}, Integer(0), Integer(9)).points:

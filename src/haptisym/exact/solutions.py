@@ -13,7 +13,8 @@ from typing import TypeAlias
 
 from sympy import Expr, Integer, Pow, S, acos, asin, atan, cos, factor, factor_terms, pi, sqrt
 
-from .response import Axis, RealFunction
+from .axis import Axis
+from .response import RealFunction
 from .rings import Polynomial, PolynomialRing
 
 
@@ -52,7 +53,7 @@ def solve(function: RealFunction) -> tuple[Solution, ...]:
     """All positive zeros of a real function, as formulas where there are readable ones.
 
     >>> from sympy import symbols
-    >>> from haptisym.exact.response import Ring
+    >>> from haptisym.exact.dynamics import Ring
     >>> from haptisym.symbols import omega
     >>> m, k = symbols("m k", positive=True)
     >>> f = RealFunction(Ring([m, k]).axis.convert(k - m * omega**2))

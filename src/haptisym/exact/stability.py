@@ -11,7 +11,9 @@ from sympy import Expr, I, Integer, Rational
 
 from haptisym.errors import UndecidedError
 
-from .response import Axis, RealFunction, Ring
+from .axis import Axis
+from .dynamics import Ring
+from .response import RealFunction
 from .rings import Polynomial, PolynomialRing, RationalFunction, degree_in
 from .roots import Chart, Point, chart, sign_of_number
 

@@ -9,7 +9,7 @@ from itertools import chain, count
 from sympy import Expr
 
 from haptisym.errors import SceneError
-from haptisym.exact.response import Ring
+from haptisym.exact.dynamics import Ring
 from haptisym.jnd import Threshold
 from haptisym.scene import Scene
 from haptisym.symbols import c

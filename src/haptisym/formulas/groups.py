@@ -19,7 +19,7 @@ from sympy import Dummy, Expr, Integer, Matrix, Mul, Rational, Symbol, linsolve,
 from haptisym.catalogue import Parameter
 from haptisym.distortion import Chain, Distortion
 from haptisym.errors import SceneError
-from haptisym.exact.response import Ring
+from haptisym.exact.dynamics import Ring
 from haptisym.quantities import Dimension, Motion, dimension_exponents
 from haptisym.scene import Scene
 from haptisym.symbols import omega, s

@@ -19,7 +19,8 @@ from typing import TypeAlias
 from sympy import Abs, Add, Expr, Integer, Symbol, count_ops, sqrt
 
 from haptisym.distortion import Chain, Distortion
-from haptisym.exact.response import RealFunction, Ring, on_axis
+from haptisym.exact.dynamics import Ring
+from haptisym.exact.response import RealFunction, on_axis
 from haptisym.exact.rings import Polynomial, RationalFunction, cleared, degree_in
 from haptisym.numeric.values import Values
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from haptisym.distortion import Chain
-from haptisym.exact.response import Ring
+from haptisym.exact.dynamics import Ring
 from haptisym.exact.rings import Polynomial, RationalFunction, cleared
 
 

@@ -30,7 +30,7 @@ class PointValue(RealNumber):
 
     ``special`` says it where it is 0, infinite or not a number. At omega = 0 it is the limit from above.
 
-    >>> from haptisym.exact.response import Ring
+    >>> from haptisym.exact.dynamics import Ring
     >>> f = RealFunction(Ring().axis.convert(omega / (omega**2 + 1)))
     >>> float(PointValue(f, fmpq(3))), float(PointValue(f, fmpq(3), rooted=True)), PointValue(f, fmpq(0)).special
     (0.3, 0.5477225575051661, 0.0)

@@ -14,7 +14,8 @@ from typing import TypeAlias
 
 from sympy import Add, Expr, Symbol
 
-from haptisym.exact.response import RealFunction, Ring, on_axis
+from haptisym.exact.dynamics import Ring
+from haptisym.exact.response import RealFunction, on_axis
 from haptisym.exact.rings import Polynomial, RationalFunction, cleared, degree_in
 from haptisym.symbols import omega
 

@@ -20,8 +20,8 @@ from flint import acb, acb_series, arb, arb_series
 from sympy import Expr, Pow, Rational, exp
 
 from haptisym.distortion import Chain
+from haptisym.exact.dynamics import Ring
 from haptisym.exact.reals import Ball, expression_ball
-from haptisym.exact.response import Ring
 from haptisym.exact.rings import Polynomial, RationalFunction, cleared
 from haptisym.jnd import Part
 from haptisym.scene import Scene

@@ -6,7 +6,9 @@ from collections.abc import Mapping
 
 from sympy import Abs, Expr, Float, Symbol
 
-from haptisym.exact.response import Axis, RealFunction, Ring
+from haptisym.exact.axis import Axis
+from haptisym.exact.dynamics import Ring
+from haptisym.exact.response import RealFunction
 from haptisym.exact.rings import Polynomial
 from haptisym.exact.solutions import solve
 from haptisym.symbols import omega

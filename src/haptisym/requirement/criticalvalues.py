@@ -21,9 +21,10 @@ from flint import arb, fmpq
 from sympy import Expr, Integer, Rational, Symbol, pi
 
 from haptisym.errors import SceneError, UndecidedError
+from haptisym.exact.axis import Axis
 from haptisym.exact.polynomials import PolynomialFactor, Root
 from haptisym.exact.reals import Ball, ExactNumber, Negative, RealNumber, rational_between
-from haptisym.exact.response import Axis, RealFunction
+from haptisym.exact.response import RealFunction
 from haptisym.exact.rings import Polynomial, PolynomialRing, RationalFunction
 from haptisym.exact.roots import Interval, chart, in_order, sign_of_number
 from haptisym.jnd import Part

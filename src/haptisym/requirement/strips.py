@@ -17,8 +17,9 @@ from flint import arb, arb_poly
 from sympy import Symbol
 
 from haptisym.errors import SceneError
+from haptisym.exact.axis import Axis
 from haptisym.exact.reals import Ball, expression_ball
-from haptisym.exact.response import Axis, RealFunction
+from haptisym.exact.response import RealFunction
 from haptisym.exact.rings import Polynomial
 from haptisym.exact.wavesums import Compiled
 

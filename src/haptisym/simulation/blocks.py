@@ -15,7 +15,7 @@ from sympy import Expr, I, exp
 
 from haptisym.catalogue import Effect, Environment
 from haptisym.errors import SceneError
-from haptisym.exact.response import Ring
+from haptisym.exact.dynamics import Ring
 from haptisym.exact.rings import Polynomial
 
 from .network import Exact, Hold, Network, Sum, Switch, exact, name_of

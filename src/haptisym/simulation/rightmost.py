@@ -16,7 +16,7 @@ def rightmost_pole(dynamics: RationalFunction) -> complex | None:
     """The pole with the largest real part that Newton's method finds from a grid of starts; None if it finds none.
 
     >>> from sympy import exp
-    >>> from haptisym.exact.response import Ring
+    >>> from haptisym.exact.dynamics import Ring
     >>> pole = rightmost_pole(Ring.of([exp(-s)]).convert(1 / (s + 2 * exp(-s))).reduced())
     >>> round(pole.real, 4), round(abs(pole.imag), 4)
     (0.1728, 1.6737)

@@ -14,7 +14,7 @@ from sympy import Basic, Expr, I, Mul, S, Symbol, sqrt
 from haptisym.distortion import Distortion, magnitude, part_of
 from haptisym.evaluation import Evaluation
 from haptisym.exact import response
-from haptisym.exact.response import Ring
+from haptisym.exact.dynamics import Ring
 from haptisym.exact.rings import Polynomial, RationalFunction
 from haptisym.jnd import Part
 from haptisym.symbols import X, omega
@@ -140,7 +140,7 @@ def at_s(system: str) -> str:
 def on_axis(function: RationalFunction, part: Part) -> Expr:
     """Real or imaginary part on s = j omega, over the squared modulus of the denominator.
 
-    >>> from haptisym.exact.response import Ring
+    >>> from haptisym.exact.dynamics import Ring
     >>> from haptisym.symbols import s
     >>> on_axis(Ring().convert(1 / (s**2 + s + 4)), Part.REAL)
     (4 - omega**2)/(omega**2 + (4 - omega**2)**2)
@@ -159,7 +159,7 @@ def on_axis(function: RationalFunction, part: Part) -> Expr:
 def squared_modulus(function: RationalFunction) -> Expr:
     """|f(j omega)|^2 as sums of two squares.
 
-    >>> from haptisym.exact.response import Ring
+    >>> from haptisym.exact.dynamics import Ring
     >>> from haptisym.symbols import s
     >>> squared_modulus(Ring().convert(s**2 + s + 4))
     omega**2 + (4 - omega**2)**2

@@ -11,8 +11,8 @@ import numpy as np
 from flint import arb
 from sympy import Add, Expr, I, Integer, Mul, Pow, Rational, Symbol, pi
 
+from haptisym.exact.dynamics import Ring
 from haptisym.exact.reals import expression_ball
-from haptisym.exact.response import Ring
 from haptisym.exact.rings import Polynomial
 from haptisym.jnd import Part, is_irrational_algebraic
 from haptisym.symbols import omega, s
