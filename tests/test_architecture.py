@@ -25,7 +25,7 @@ typeset.formula typeset.quotients
 codegen.code exact.analytic exact.response numeric.doubled numeric.machine numeric.magnitudes typeset.layout
 exact.caches exact.levels exact.periodic exact.solutions numeric.pointvalues numeric.stable requirement.strips \
 requirement.touches tex.printer typeset.equations typeset.mathml typeset.plain
-costs.stopwatch exact.factoring numeric.certified requirement.closedforms tex.lines
+properties costs.stopwatch exact.factoring numeric.certified requirement.closedforms tex.lines
 exact.roots numeric.values report.mathematics
 ranges exact.stability simulation.fractional simulation.motions simulation.propagate simulation.recordings
 catalogue jnd simulation.linear simulation.lockin

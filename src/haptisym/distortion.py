@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from sympy import Abs, Expr, I, Rational, Symbol, sqrt
+from sympy import Abs, Expr, Rational, Symbol, sqrt
 
 from .catalogue import Effect, Environment, Matrix
 from .errors import SceneError
@@ -14,15 +14,15 @@ from .exact.axis import Axis
 from .exact.dynamics import Ring
 from .exact.response import RealFunction, Response, on_axis, squared_modulus
 from .exact.rings import RationalFunction, cleared
-from .exact.solutions import solve
 from .jnd import Part
 from .numeric.accuracy import Accuracy, Engine
 from .numeric.balls import Point
 from .numeric.program import Program
 from .numeric.stable import stable_program
 from .numeric.values import Compiled, chosen, compiled
-from .symbols import X, omega, s
+from .properties import ParameterJND, Properties, first_changeover, properties
 from .symbols import c as threshold
+from .symbols import omega, s
 
 
 def distort(environment: Environment, *effects: Effect, rendered: Environment | None = None) -> Distortion:
@@ -109,52 +109,6 @@ def _through(H: RationalFunction, matrix: Sequence[RationalFunction]) -> Rationa
     if bottom.is_zero():
         raise SceneError("the effects make the perceived dynamics infinite at every frequency (C H + D = 0)")
     return RationalFunction(H.ring, top, bottom)
-
-
-@dataclass(frozen=True)
-class Properties:
-    """What a person makes of a dynamics at a frequency (section 2.3): closed forms in omega.
-
-    ``real``, ``imag``: Re H and Im H, N/m. ``stiffness`` = Re H, N/m; ``mass`` = -Re H/omega^2, kg; ``damping`` =
-    Im H/omega, N s/m. ``spring_inertia_force`` = X Re H (eq. 5) and ``damping_force`` = j X Im H (eq. 6): phasors of
-    the force, N, for a motion of complex amplitude X. For a rotation read N m/rad, kg m^2, N m s/rad and N m.
-    """
-
-    real: Expr
-    imag: Expr
-
-    @property
-    def stiffness(self) -> Expr:
-        return self.real
-
-    @property
-    def mass(self) -> Expr:
-        return -self.real / omega**2
-
-    @property
-    def damping(self) -> Expr:
-        return self.imag / omega
-
-    @property
-    def spring_inertia_force(self) -> Expr:
-        return X * self.real
-
-    @property
-    def damping_force(self) -> Expr:
-        return I * X * self.imag
-
-
-@dataclass(frozen=True)
-class ParameterJND:
-    """How much a single parameter must change to be noticed: dk = c|H|, db = c|H|/omega, dm = c|H|/omega^2.
-
-    N/m, N s/m and kg (for a rotation N m/rad, N m s/rad, kg m^2). Derived from eq. (4): a change of one parameter by p moves
-    Re H by dk or -omega^2 dm, or Im H by omega db.
-    """
-
-    stiffness: Expr
-    damping: Expr
-    mass: Expr
 
 
 @dataclass(frozen=True)
@@ -256,12 +210,12 @@ class Distortion:
     @cached_property
     def environment_properties(self) -> Properties:
         """Stiffness, mass, damping and force phasors of the environment."""
-        return _properties(self.env_response)
+        return properties(self.env_response)
 
     @cached_property
     def perceived_properties(self) -> Properties:
         """Stiffness, mass, damping and force phasors of what is felt."""
-        return _properties(self.perc_response)
+        return properties(self.perc_response)
 
     def compile(
         self,
@@ -336,12 +290,12 @@ class Distortion:
         >>> distort(mass_spring_damper(*symbols("m b k"))).changeover_environment
         sqrt(k)/sqrt(m)
         """
-        return _first_changeover(self.env_response.real)
+        return first_changeover(self.env_response.real)
 
     @property
     def changeover_perceived(self) -> Expr | None:
         """The lowest frequency at which Re H_perc changes sign, in square roots; None where it has no such form."""
-        return _first_changeover(self.perc_response.real)
+        return first_changeover(self.perc_response.real)
 
 
 def part_of(response: Response, part: Part) -> RealFunction:
@@ -375,29 +329,5 @@ def _is_definite(dynamics: RationalFunction) -> bool:
     axis = on_axis(dynamics).raw_real.ring
     assert isinstance(axis, Axis)
     c, d = axis.parts([dynamics.denominator])[0]
-    _, factors = axis.factors(c * c + d * d)
-    units = [g * g + 1 for g in axis.context.gens()[axis.size : axis.size + len(axis.angles)]]
-    return all(n % 2 or factor in (*units, axis.variable) for factor, n in factors)
-
-
-def _properties(response: Response) -> Properties:
-    return Properties(response.real.factored(), response.imag.factored())
-
-
-def _first_changeover(f: RealFunction) -> Expr | None:
-    """The lowest zero or pole of odd order, where every one has a readable formula and the lowest is known."""
-    if f.is_zero or any(angle.constant for angle in f.axis.angles):
-        return None  # with s^alpha the sign of a root depends on the order, which may be a symbol
-    # a denominator is a squared modulus and changes no sign, but where its zeros meet those of the numerator
-    numeric = not (f.expression().free_symbols - {omega})
-    poles = solve(RealFunction(f.axis.one / f.function)) if numeric else ()
-    odd = [x for x in (*solve(f), *poles) if x.order % 2]
-    found = [x.omega for x in odd if x.omega is not None]
-    if not found or len(found) < len(odd):
-        return None
-    if all(x.is_number for x in found):
-        return min(found)
-    lowest = [x for x in found if all(x is other or (x - other).is_negative for other in found)]
-    if lowest:
-        return lowest[0]
-    return found[0] if len({x.equation for x in odd}) == 1 else None
+    _, factors = axis.factors(axis.without_circles(c * c + d * d)[0])
+    return all(n % 2 or factor == axis.variable for factor, n in factors)
