@@ -18,7 +18,7 @@ errors symbols costs.measurement pruning.suprema report.html simulation.network 
 typeset.boxes
 expressions codegen.names exact.reals exact.rings figures.kinds formulas.steps numeric.accuracy simulation.descriptor \
 sweeps.bernstein typeset.names
-quantities codegen.printers exact.axis exact.bernstein exact.zeros numeric.program sensitivities.implicit \
+quantities codegen.printers exact.axis exact.bernstein exact.eliminants exact.zeros numeric.program sensitivities.implicit \
 simulation.rightmost sweeps.families tex.names typeset.numerals typeset.order
 codegen.languages codegen.short exact.dynamics exact.isolation exact.polynomials exact.wavesums numeric.balls numeric.floats \
 typeset.formula typeset.quotients

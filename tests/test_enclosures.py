@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from math import prod
+from typing import Any
 
 import flint
 import mpmath
 import pytest
 from flint import arb, fmpq
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from sympy import Expr, Rational, factor_list, symbols
 
 from haptisym.exact.bernstein import range_of
+from haptisym.exact.eliminants import discriminant, resultant
 from haptisym.exact.rings import PolynomialRing
 from haptisym.exact.wavesums import Term, WaveSum
 
@@ -110,3 +112,30 @@ def test_factors_are_those_of_sympy(f: Expr, g: Expr, power: int) -> None:
 
 def _up_to_sign(x: Expr) -> frozenset[Expr]:
     return frozenset({x, (-x).expand()})
+
+
+context = flint.fmpq_mpoly_ctx.get(("x", "a", "b", "c"), flint.Ordering.lex)
+
+
+@st.composite
+def in_three_variables(draw: st.DrawFn, least: int, most: int) -> Any:
+    """Of a degree in x from least to most, with whole numbers of up to 60 bits."""
+    degree = draw(st.integers(least, most))
+    key = st.tuples(st.integers(0, degree), st.integers(0, 3), st.just(0), st.integers(0, 2))
+    terms = draw(st.dictionaries(key, st.integers(-(2**60), 2**60).filter(bool), min_size=1, max_size=14))
+    lead = draw(st.tuples(st.just(degree), st.integers(0, 2), st.just(0), st.integers(0, 1)))
+    return context.from_dict({**{e: fmpq(c) for e, c in terms.items()}, lead: fmpq(draw(st.integers(1, 9)))})
+
+
+@settings(max_examples=60)
+@given(in_three_variables(2, 6), in_three_variables(1, 5))
+def test_discriminants_and_resultants_by_values_are_those_of_polynomial_arithmetic(f: Any, g: Any) -> None:
+    assert discriminant(f, 0) == f.discriminant("x")
+    assert resultant(f, g, 0) == f.resultant(g, "x")
+
+
+def test_a_leading_coefficient_that_vanishes_on_the_first_grid_moves_it() -> None:
+    x, a, _, c = context.gens()
+    f = (a - 1) * (c - 2) * x**6 + (a + c**2) * x**5 + 7 * x**2 - a * c
+    assert discriminant(f, 0) == f.discriminant("x")
+    assert discriminant(f**2, 0).is_zero()

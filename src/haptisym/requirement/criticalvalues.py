@@ -22,6 +22,7 @@ from sympy import Expr, Integer, Rational, Symbol, pi
 
 from haptisym.errors import SceneError, UndecidedError
 from haptisym.exact.axis import Axis
+from haptisym.exact.eliminants import discriminant, resultant
 from haptisym.exact.polynomials import PolynomialFactor, Root
 from haptisym.exact.reals import Ball, ExactNumber, Negative, RealNumber, rational_between
 from haptisym.exact.response import RealFunction
@@ -113,7 +114,7 @@ class Problem:
 
     def _critical(self, part: Part | None, condition: RealFunction) -> Iterator[tuple[Reason, Polynomial]]:
         """The polynomials in pi and the parameter whose roots are critical."""
-        ring, name = condition.axis, "x0"
+        ring = condition.axis
         yield None, condition.function.denominator.term_content()
         for factor, _ in _factors(condition.function.denominator):
             if not factor.degrees()[0]:
@@ -123,11 +124,11 @@ class Problem:
             for kind, end in zip((Kind.START, Kind.EDGE), self.band, strict=True):
                 yield (part, kind), substituted(f, 0, ring.convert(end))
             if f.degrees()[0] > (2 if _is_even(f) else 1):
-                yield (part, Kind.TOUCH), _in_square(f).discriminant(name)
+                yield (part, Kind.TOUCH), discriminant(_in_square(f), 0)
         for f, g in combinations([f for f in factors if f.degrees()[0] and f != ring.variable], 2):
             if _is_even(f) and _is_even(g):
                 f, g = _in_square(f), _in_square(g)
-            yield (part, Kind.TOUCH), f.resultant(g, name)
+            yield (part, Kind.TOUCH), resultant(f, g, 0)
 
     def _roots(self, factor: Polynomial) -> Iterator[RealNumber]:
         """The real roots of an irreducible polynomial in pi and the parameter that the domain may hold."""
@@ -220,7 +221,7 @@ class Problem:
         root = value.number if isinstance(value, Negative) else value
         assert isinstance(root, Root)
         minimal = _polynomial(self._ring, self._index, root.factor, mirrored=root is not value)
-        norm = self.conditions[part].function.numerator.resultant(minimal, f"x{self._index}")
+        norm = resultant(self.conditions[part].function.numerator, minimal, self._index)
         places = [x.omega for x in chart({part: RealFunction(self._ring.function(norm))}, *self.band).points]
         if norm.is_zero():
             return False
@@ -364,7 +365,7 @@ def touch_polynomial(condition: RealFunction) -> Expr:
     axis = _without_functions(condition)
     found = axis.constant(1)
     for f in (f for f, n in _factors(condition.function.numerator) if n % 2 and f.degrees()[0]):
-        found *= _in_square(f).discriminant("x0") if f.degrees()[0] > (2 if _is_even(f) else 1) else 1
+        found *= discriminant(_in_square(f), 0) if f.degrees()[0] > (2 if _is_even(f) else 1) else 1
     return axis.factored_expression(found)
 
 
