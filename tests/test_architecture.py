@@ -32,7 +32,7 @@ catalogue jnd simulation.linear simulation.lockin
 distortion effects environments requirement.feasible simulation.blocks simulation.events
 crossings interop scene codegen.forms formulas.structure measures.freeresponse measures.twoport requirement.places \
 simulation.engine
-bounds peaks percepts codegen.scene costs.text family.family formulas.groups measures.forms pruning.ballchain \
+bounds caveats peaks percepts codegen.scene costs.text family.family formulas.groups measures.forms pruning.ballchain \
 simulation.approximations simulation.results tolerance.box
 scenefile costs.questions formulas.asymptotics pruning.differences requirement.freeparameter simulation.run simulation.text \
 sweeps.exactly tolerance.excess

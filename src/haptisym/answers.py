@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from .bounds import AnyEnvironment, any_environment
+from .caveats import caveats
 from .crossings import Crossing, Curve, find_crossings, transparent_set, unbounded_points
 from .distortion import Distortion
 from .exact.reals import RealNumber
@@ -26,7 +27,8 @@ class Answers:
     ``crossings``: where r_r or r_i meets its threshold. ``transparent``: where neither exceeds it, a union of closed
     intervals. ``changeovers``: where Re H_env and Re H_perc change sign. ``percepts``: what is felt where a ratio
     exceeds. ``outside_model``: where Im H_perc < 0. ``unbounded``: where a ratio is infinite. ``stable``: whether all
-    poles of H_perc lie in the open left half plane. ``digits``: decimal digits shown of each crossing. ``undecided``: where
+    poles of H_perc lie in the open left half plane; None where that is not decided, or does not tell it (a sampled loop).
+    ``digits``: decimal digits shown of each crossing. ``undecided``: where
     something stayed open at the precision limit (a tangency of a scene with delays): empty for every rational scene.
     ``relevance`` : what was left out, where a tolerance was given; all answers are then those of the pruned scene, ``scene``.
     """
@@ -81,6 +83,11 @@ class Answers:
     def any_environment(self) -> AnyEnvironment | None:
         """What the scene's effects do to every environment at once; None unless all of them are in series."""
         return any_environment(self.scene)
+
+    @property
+    def caveats(self) -> tuple[str, ...]:
+        """Where the scene's formulas stand for more than they hold, a sentence each."""
+        return caveats(self.scene)
 
     @property
     def certified(self) -> bool:

@@ -13,6 +13,7 @@ from haptisym.exact.polynomials import Root
 from haptisym.exact.zeros import Zero
 
 from .answers import Answers
+from .caveats import sampled_loop
 from .crossings import Crossing, curves
 from .errors import SceneError
 from .exact.reals import ExactNumber, bits_for
@@ -90,6 +91,7 @@ class Evaluation(Answers):
             "stable": self.stable,
             "any_environment": self._any_environment(),
             "certified": self.certified,
+            **({"caveats": list(self.caveats)} if self.caveats else {}),
             **self._undecided(),
             **self._relevance(),
         }
@@ -157,7 +159,8 @@ def evaluate(scene: Scene, digits: int = 15, *, tolerance: Number | None = None)
     started = time.perf_counter()
     table = chart(curves(distortion, used.threshold), *used.band)
     isolation = time.perf_counter() - started
-    return Evaluation(used, distortion, table, is_stable(distortion.perc), digits, found, isolation)
+    stable = None if sampled_loop(used) else is_stable(distortion.perc)
+    return Evaluation(used, distortion, table, stable, digits, found, isolation)
 
 
 def _relevance(scene: Scene, tolerance: Number) -> Relevance:

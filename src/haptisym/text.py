@@ -29,7 +29,7 @@ _DIGITS = 5  # of frequencies in sentences; the table of crossings shows all tha
 
 def report(e: Answers) -> str:
     """The whole page."""
-    parts = [_heading(e), _pruned(e), _dynamics(e), _step_1(e), _step_2(e), _certain(e)]
+    parts = [_heading(e), _pruned(e), _dynamics(e), _step_1(e), _step_2(e), _caveats(e), _certain(e)]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
@@ -206,6 +206,10 @@ def _stability_note(e: Answers) -> str:
         if e.stable
         else "The perceived dynamics are NOT stable: some pole has Re s >= 0."
     )
+
+
+def _caveats(e: Answers) -> str:
+    return "\n".join(fill(f"But: {caveat}", WIDTH) for caveat in e.caveats)
 
 
 def _certain(e: Answers) -> str:

@@ -241,4 +241,4 @@ def certainty(e: Evaluation) -> Html:
         "Assumed: that the dynamics are linear, and the threshold of human perception (Fu, van Paassen and Mulder, 2019, "
         "eq. 4)."
     )
-    return joined([proven, assumed])
+    return joined([proven, assumed, *(joined([" ", element("strong", "But: "), caveat]) for caveat in e.caveats)])

@@ -14,6 +14,7 @@ from haptisym.exact.roots import Interval, Point
 from haptisym.jnd import Part, is_irrational_algebraic
 from haptisym.percepts import Percept, Property
 
+from .names import escape
 from .printer import formula
 
 RATIOS = {Part.REAL: "r_r", Part.IMAG: "r_i"}
@@ -161,10 +162,11 @@ def certainty(e: Evaluation) -> str:
     """What is proven and what is assumed."""
     if not e.certified:
         return "The numbers in this document are estimates; they are not proven."
+    but = "".join(rf" \textbf{{But:}} {escape(caveat)}" for caveat in e.caveats)
     return (
         "Proven: the tables list all crossings and all percepts on the band; every digit, sign and interval follows from "
         "exact polynomials and ball arithmetic, nothing was sampled, and each number is correctly rounded. Assumed: that "
-        "the dynamics are linear, and the threshold of human perception (Fu, van Paassen and Mulder, 2019, eq.~4)."
+        f"the dynamics are linear, and the threshold of human perception (Fu, van Paassen and Mulder, 2019, eq.~4).{but}"
     )
 
 
