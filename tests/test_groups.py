@@ -17,7 +17,7 @@ def test_the_papers_five_parameters_become_three_groups() -> None:
     m, b, k, omega_n, zeta = symbols("m b k omega_n zeta", positive=True)
     found = groups(hs.load_scene("fu2019"))
     assert {g.symbol.name: g.value for g in (found.frequency, *found.groups)} == {
-        "x": hs.omega * sqrt(m) / sqrt(k), "zeta": b / (2 * sqrt(k * m)), "rho": omega_n * sqrt(m) / sqrt(k), "zeta_f": zeta,
+        "x": hs.omega * sqrt(m) / sqrt(k), "zeta_env": b / (2 * sqrt(k * m)), "rho": omega_n * sqrt(m) / sqrt(k), "zeta": zeta,
     }  # fmt: skip
 
 

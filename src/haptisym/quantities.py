@@ -59,6 +59,15 @@ class Dimension(Enum):
         return rotation if motion is Motion.ROTATION else translation
 
 
+def unit_text(unit: str) -> str:
+    """A unit as it is printed.
+
+    >>> unit_text("kg*m^2")
+    'kg·m²'
+    """
+    return unit.replace("*", "·").replace("^2", "²")
+
+
 @dataclass(frozen=True, slots=True)
 class Quantity:
     """An exact SI value (rational times a power of pi, or a symbolic expression) and the motion its unit implies."""

@@ -77,7 +77,7 @@ def groups(scene: Scene) -> Groups:
     >>> from haptisym.scenefile import load_scene
     >>> found = groups(load_scene("fu2019"))
     >>> [(g.symbol, g.value) for g in (found.frequency, *found.groups)]
-    [(x, sqrt(m)*omega/sqrt(k)), (zeta, b/(2*sqrt(k)*sqrt(m))), (rho, sqrt(m)*omega_n/sqrt(k)), (zeta_f, zeta)]
+    [(x, sqrt(m)*omega/sqrt(k)), (zeta_env, b/(2*sqrt(k)*sqrt(m))), (rho, sqrt(m)*omega_n/sqrt(k)), (zeta, zeta)]
     """
     orders = {x for order in scene.chain.ring.orders for x in order.free_symbols}
     fixed = {p.symbol: p.value for p in scene.parameters if p.symbol in orders}
@@ -170,13 +170,16 @@ def _named(
 ) -> list[tuple[Group, int]]:
     """The group of each parameter, and how many times it is the parameter in the units of the base."""
     letters = [_letter(p, base, sizes, scene) for p in others]
+    taken, environment = {p.symbol.name for p in scene.parameters}, {p.symbol for p in scene.environment.parameters}
     found: list[tuple[Group, int]] = []
     for p, letter in zip(others, letters, strict=True):
         own = p.symbol.name
         if not letter:
-            name = f"{own}_{_place(p, scene)}" if own in letters else own
+            name = own
         else:
             name = letter if letters.count(letter) == 1 else f"{letter}_{_index(own)}"
+            if name in taken:  # a parameter's name stays that parameter's
+                name = f"{letter}_{'env' if p.symbol in environment else own}"
         name = name if all(name != group.symbol.name for group, _ in found) else f"{name}_{own}"
         factor = 2 if letter == "zeta" else 1
         symbol = Symbol(name, positive=True) if p.symbol.is_positive else Symbol(name, real=True)
@@ -206,9 +209,3 @@ def _kind(size: _Size, motion: Motion | None) -> Dimension:
     """The dimension with these exponents."""
     plain = {name: n for name, n in size.items() if n}
     return next((d for d in _LETTERS if d is not Dimension.ANY and _exponents(d, motion) == plain), Dimension.ANY)
-
-
-def _place(p: Parameter, scene: Scene) -> str:
-    """The first letter of what a parameter belongs to."""
-    place = next(place for place, element in scene.elements() if p in element.parameters)
-    return place.rpartition(".")[2][0]

@@ -260,7 +260,8 @@ def _dimensionless(d: Derivation) -> Iterator[Section]:
     except SceneError as error:
         yield Section(title, (), ((f"Not possible: {error}.",),))
         return
-    rows = [_defined(group.symbol, group.value) for group in (found.frequency, *found.groups)]
+    named = [x for x in (found.frequency, *found.groups) if x.symbol.name != str(x.value)]  # what stays is not told
+    rows = [_defined(group.symbol, group.value) for group in named]
     before, after = (_counted(len(x), what) for x, what in ((d.scene.parameters, "parameter"), (found.groups, "group")))
     note = (
         f"{before} and ", layout(omega), " become ", layout(found.frequency.symbol), f" and {after}; H is in units of ",

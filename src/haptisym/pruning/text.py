@@ -108,7 +108,7 @@ def _says(x: Enclosure) -> str:
 
 def _certain(r: Relevance) -> str:
     smallest = (
-        "No smaller set of effects stays within the tolerance."
+        f"No smaller set of effects stays within the tolerance, {float(r.tolerance):g}."
         if r.smallest
         else "This is the smallest set found; that no smaller one does is not proven."
     )

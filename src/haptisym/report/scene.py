@@ -9,7 +9,7 @@ from sympy import Expr, Symbol
 from haptisym.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Parameter
 from haptisym.exact.reals import ExactNumber
 from haptisym.jnd import Threshold
-from haptisym.quantities import Dimension, Motion
+from haptisym.quantities import Dimension, Motion, unit_text
 from haptisym.scene import Scene
 from haptisym.typeset.boxes import Equation
 from haptisym.typeset.layout import layout
@@ -60,7 +60,7 @@ def _link(place: str, part: Environment | Effect) -> Html:
 
 def _parameter(scene: Scene, short_names: Mapping[Symbol, Symbol], place: str, p: Parameter) -> list[str]:
     quantity = "" if p.dimension is Dimension.ANY else p.dimension.name.lower()
-    unit = p.dimension.unit(scene.motion or Motion.TRANSLATION).replace("*", "·").replace("^2", "²")
+    unit = unit_text(p.dimension.unit(scene.motion or Motion.TRANSLATION))
     symbol = inline(named(short_names.get(p.symbol, p.symbol).name))
     return [symbol, place.removeprefix("effects."), p.key, quantity, _value(p.value), unit or "SI"]
 

@@ -15,13 +15,15 @@ from haptisym.errors import SceneError
 from haptisym.jnd import Part
 from haptisym.quantities import Number
 from haptisym.scene import Scene
-from haptisym.text import WIDTH, listed
+from haptisym.text import WIDTH, listed, table
 
 from .criticalvalues import edge_polynomial, touch_polynomial
 from .feasible import Kind
 from .freeparameter import Free, any_environment_condition, conditions, domain, free_parameter
 from .question import Requirement, require
+from .text import sets
 
+_MOST_ROWS = 10  # of slices that the text lists; --json has them all
 _CLOSER = 6
 """Times that the gap between two slices that differ in kind is halved."""
 
@@ -104,9 +106,24 @@ class DesignMap:
             self.scene.title or "Untitled scene",
             f"{len(self.slices)} exact slices along {a.symbol.name}: {where}.",
             f"The boundary is a {listed(kinds)} curve." if kinds else "",
-            "Certain: every boundary point is proven." if self.certified else "UNDECIDED in some slices: see --json.",
         ]
-        return "\n".join(fill(line, WIDTH) for line in lines if line) + "\n"
+        certain = (
+            "Certain: every value of a slice is proven. Between slices the figure draws straight lines, which prove nothing; "
+            "--slices N gives more of them."
+        )
+        last = certain if self.certified else "UNDECIDED in some slices: see --json."
+        head = "\n".join(fill(line, WIDTH) for line in lines if line)
+        return "\n\n".join((head, self._table(), fill(last, WIDTH))) + "\n"
+
+    def _table(self) -> str:
+        """Some of the slices, the first and the last one among them."""
+        a = self.free[0]
+        step = max(1, -(-(len(self.slices) - 1) // _MOST_ROWS))
+        shown = [*self.slices[:-1:step], self.slices[-1]]
+        unit = "" if a.unit == "1" else f" ({a.unit})"
+        return table(
+            (f"{a.symbol.name}{unit}", "transparent for"), [(f"{float(x.at):.6g}", sets(x.requirement)) for x in shown]
+        )
 
 
 def design_map(

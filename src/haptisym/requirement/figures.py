@@ -17,6 +17,7 @@ from haptisym.catalogue import values
 from haptisym.figures.style import BLUE, GREY, INK, RED, SHADE, SMALL, TEXT, WIDTH, dress, handle, save_as
 from haptisym.jnd import Part
 from haptisym.numeric.values import Array
+from haptisym.quantities import unit_text
 from haptisym.tex.latex import latex
 
 from .designmap import DesignMap
@@ -54,12 +55,16 @@ def draw_requirement(found: Requirement, ax: Axes) -> None:
         name = "" if i else "undecided"
         ax.axvspan(a, b, facecolor="none", edgecolor=GREY, hatch="///", linewidth=0, label=name)
     t = np.linspace(low, high, _VALUES + 1)[1:]
-    for part, worst in _worst(found, t).items():
+    curves = _worst(found, t)
+    for part, worst in curves.items():
         ax.plot(t, worst, color=_COLOUR[part], linewidth=1.1, label=_NAME[part])
     ends = [float(end.value) for end in found.ends if end.value is not None]
     ax.plot(ends, [1.0] * len(ends), "o", color=INK, markersize=3.6, zorder=4)
     ax.axhline(1, color=GREY, linewidth=0.6)
-    ax.set(xlim=(low, high), ylim=(0, 3))
+    lowest = [float(np.min(worst[np.isfinite(worst)], initial=np.inf)) for worst in curves.values()]
+    ax.set(
+        xlim=(low, high), ylim=(0, max(3.0, *(1.5 * x for x in lowest if x < np.inf)))
+    )  # each curve is seen somewhere
     dress(ax)
     ax.set_xlabel(_label(found.free.symbol.name, found.free.unit), fontsize=TEXT)
     ax.set_ylabel("worst case on the band, $r/c$", fontsize=TEXT)
@@ -161,4 +166,4 @@ def _axis(free: Free) -> str:
 
 def _label(name: str, unit: str) -> str:
     shown = f"${latex(Symbol(name))}$"
-    return shown if unit == "1" else f"{shown} ({unit})"
+    return shown if unit == "1" else f"{shown} ({unit_text(unit)})"

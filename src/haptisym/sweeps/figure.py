@@ -18,6 +18,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocato
 from haptisym.errors import SceneError
 from haptisym.figures.style import BLUE, GREY, INK, RED, SMALL, TEXT, dress, handle, legend, one_column, save_as
 from haptisym.numeric.values import Array
+from haptisym.quantities import unit_text
 from haptisym.requirement.designmap import DesignMap, design_map
 from haptisym.requirement.figures import draw_boundary
 from haptisym.requirement.question import is_quick
@@ -139,7 +140,7 @@ def _thinned(data: xr.Dataset, names: tuple[str, str]) -> xr.Dataset:
 
 def _name(data: xr.Dataset, path: str) -> str:
     unit = data[path].attrs.get("units", "")
-    return f"{path} ({unit})" if unit not in ("", "1") else path
+    return f"{path} ({unit_text(unit)})" if unit not in ("", "1") else path
 
 
 def _is_logarithmic(x: Array) -> bool:

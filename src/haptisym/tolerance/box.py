@@ -11,6 +11,7 @@ from sympy import Expr, Rational
 
 from haptisym.errors import SceneError
 from haptisym.jnd import Part, Threshold
+from haptisym.quantities import Motion
 from haptisym.scene import Scene
 
 
@@ -21,6 +22,7 @@ class Side:
     name: str
     low: Expr
     high: Expr
+    unit: str = "1"
 
     def at(self, share: Fraction) -> Expr:
         """The exact value that share of the way from the lowest to the highest."""
@@ -41,7 +43,7 @@ class Box:
     def _sides(self) -> Iterator[Side]:
         for p in self.scene.parameters:
             if p.interval:
-                yield Side(p.symbol.name, *p.interval)
+                yield Side(p.symbol.name, *p.interval, p.dimension.unit(self.scene.motion or Motion.TRANSLATION))
         c = self.scene.threshold
         if c.real_interval and c.real_interval == c.imag_interval:
             yield Side("c", *c.real_interval)

@@ -40,10 +40,16 @@ def _heading(a: BoxAnswers) -> str:
 def _varying(a: BoxAnswers) -> str:
     nominal = a.nominal.values
     rows = [
-        (x.name, f"{float(x.low):.6g}", f"{float(x.high):.6g}", spread(nominal[x.name], (x.low, x.high)))
+        (
+            x.name,
+            f"{float(x.low):.6g}",
+            f"{float(x.high):.6g}",
+            "" if x.unit == "1" else x.unit,
+            spread(nominal[x.name], (x.low, x.high)),
+        )
         for x in a.box.sides
     ]
-    return table(("varies", "from", "to", ""), rows)
+    return table(("varies", "from", "to", "", ""), rows)
 
 
 def _verdict(a: BoxAnswers) -> str:
