@@ -16,7 +16,7 @@ from typing import Annotated, Any, TypeAlias, get_args, get_type_hints
 from sympy import Expr, Float, Integer, Symbol
 
 from . import expressions
-from .errors import SceneError
+from .errors import SceneError, meant
 from .exact.roots import sign_of_number
 from .quantities import Dimension, Exponents, Motion, Number, decimal
 from .ranges import Interval, ranged
@@ -250,7 +250,7 @@ def _given(
     given = {**dict(zip(slots, args, strict=False)), **kwargs}
     for key in given:
         if key not in slots:
-            raise SceneError(f'unknown parameter "{key}": valid are {", ".join(valid)}')
+            raise SceneError(f'unknown parameter "{key}": {meant(key, valid)}valid are {", ".join(valid)}')
     missing = [key for key, slot in slots.items() if slot.required and key not in given]
     if missing:
         raise SceneError(

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from difflib import get_close_matches
+
 
 class HaptisymError(ValueError):
     """Base of all errors that haptisym raises on purpose; the command line prints its text and exits with status 2."""
@@ -25,3 +28,14 @@ class NothingToDrawError(SceneError):
 
 class UndecidedError(HaptisymError):
     """A question stayed open at the precision limit; no guess is returned instead (exit status 3)."""
+
+
+def meant(given: str, valid: Iterable[str]) -> str:
+    """A question to stand before the list of valid names: what a name that is none of them is close to, or the end of.
+
+    >>> meant("zta", ["zeta", "omega_n"]), meant("zeta", ["effects.filter.zeta"]), meant("x", ["zeta"])
+    ('did you mean "zeta"? ', 'did you mean "effects.filter.zeta"? ', '')
+    """
+    names = list(valid)
+    close = [x for x in names if x.endswith(f".{given}")][:1] or get_close_matches(given, names, n=1)
+    return f'did you mean "{close[0]}"? ' if close else ""

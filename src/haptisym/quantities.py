@@ -136,6 +136,8 @@ def _from_text(text: str, dimension: Dimension) -> Quantity:
     match = _NUMBER.fullmatch(text)
     if match is None:
         raise SceneError(f"{_shown(text)} does not start with a finite number{_expected(dimension)}")
+    if match[3] and re.match(r",\d", match[3]):
+        raise SceneError(f"{_shown(text)}: decimals are written with a point, as in {text.replace(',', '.', 1)}")
     value, unit = _rational(match, text), match[3]
     if not unit:
         return Quantity(value)

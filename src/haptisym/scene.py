@@ -14,7 +14,7 @@ from sympy import Expr, Integer, Symbol
 
 from .catalogue import Effect, Environment, Parameter
 from .distortion import Chain, Distortion, distort
-from .errors import SceneError
+from .errors import SceneError, meant
 from .exact.roots import sign_of_number
 from .jnd import Threshold
 from .quantities import Dimension, Motion, Number, quantity
@@ -131,7 +131,9 @@ class Scene:
         known = {p.symbol.name for p in self.parameters} | {"c"}
         unknown = next((name for name in values if name not in known), None)
         if unknown is not None:
-            raise SceneError(f'the scene has no parameter "{unknown}": it has {", ".join(sorted(known))}')
+            raise SceneError(
+                f'the scene has no parameter "{unknown}": {meant(unknown, known)}it has {", ".join(sorted(known))}'
+            )
         return replace(
             self,
             environment=self.environment.with_values(values),

@@ -6,7 +6,6 @@ import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from decimal import Decimal
-from difflib import get_close_matches
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -14,7 +13,7 @@ from typing import Any, TypeAlias
 from sympy import Integer
 
 from .catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
-from .errors import SceneError
+from .errors import SceneError, meant
 from .family.family import SceneFamily, named
 from .jnd import Threshold
 from .scene import Scene, frequency
@@ -154,17 +153,29 @@ def _read(path: Path) -> str:
 
 def _no_such_scene(path: Path, error: Exception) -> str:
     known = scene_names() + family_names()
-    close = get_close_matches(path.name.removesuffix(".toml"), known, n=1)
-    hint = f'did you mean "{close[0]}"?' if close else f"the package ships {', '.join(known)}"
+    files = sorted(x.name for x in path.parent.glob("*.toml"))
+    hint = (
+        meant(path.name, files)
+        or meant(path.name.removesuffix(".toml"), known)
+        or f"the package ships {', '.join(known)}"
+    )
     reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-    return f"neither a scene file ({reason.lower()}) nor a scene of the package; {hint}"
+    return f"neither a scene file ({reason.lower()}) nor a scene of the package; {hint.rstrip()}"
+
+
+_TOML_HINTS = {
+    "Expected newline or end of document": '; a value with a unit goes in quotes, as in k = "100 N/m"',
+    "Invalid value": '; a value with a unit goes in quotes, as in k = "100 N/m"',
+    "('effects',) twice": "; each effect begins with [[effects]]",
+}
 
 
 def _toml(text: str) -> Table:
     try:
         return tomllib.loads(text, parse_float=Decimal)
     except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"not valid TOML: {error}") from None
+        hint = next((hint for words, hint in _TOML_HINTS.items() if words in str(error)), "")
+        raise SceneError(f"not valid TOML: {error}{hint}") from None
     except RecursionError:
         raise SceneError("not valid TOML: nested too deeply") from None
     except ValueError as error:  # a whole number with thousands of digits
@@ -234,8 +245,7 @@ def _model(given: Any, catalogue: Mapping[str, Model], place: str) -> tuple[Mode
     if name is None:
         raise SceneError(f"{place}: model is missing: valid are {', '.join(catalogue)}")
     if not isinstance(name, str) or name not in catalogue:
-        close = get_close_matches(str(name), catalogue, n=1)
-        hint = f'did you mean "{close[0]}"? ' if close else ""
+        hint = meant(str(name), catalogue)
         raise SceneError(f'{place}: unknown model "{str(name)[:60]}": {hint}valid are {", ".join(catalogue)}')
     return catalogue[name], table
 
@@ -289,4 +299,4 @@ def _only(table: Table, valid: tuple[str, ...], place: str) -> None:
     for key in table:
         if key not in valid:
             where = f"{place}: " if place else ""
-            raise SceneError(f'{where}unknown key "{key[:60]}": valid are {", ".join(valid)}')
+            raise SceneError(f'{where}unknown key "{key[:60]}": {meant(key, valid)}valid are {", ".join(valid)}')

@@ -75,8 +75,10 @@ def file_option(name: str, help_text: str) -> Callable[[Command], Command]:
 
 
 def _can_be_written(what: str, path: Path) -> Path:
+    if not path.parent.is_dir():
+        raise SceneError(f"{what}: {path} cannot be written: there is no folder {path.parent}")
     if not os.access(path.parent, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
-        raise SceneError(f"{what}: {path} cannot be written")
+        raise SceneError(f"{what}: {path} cannot be written: permission denied")
     return path
 
 

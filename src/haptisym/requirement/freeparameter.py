@@ -11,7 +11,7 @@ from haptisym.bounds import relative_square
 from haptisym.catalogue import Rule, values
 from haptisym.crossings import excess, level
 from haptisym.distortion import Distortion
-from haptisym.errors import SceneError
+from haptisym.errors import SceneError, meant
 from haptisym.exact.response import RealFunction
 from haptisym.exact.roots import sign_of_number
 from haptisym.jnd import Part, Threshold
@@ -69,7 +69,9 @@ def free_parameter(scene: Scene, path: str) -> Free:
         return named[path]
     if path == "c":
         return known[THRESHOLD]
-    raise SceneError(f'no parameter "{path}" can be free in this scene: valid are {", ".join(known)}')
+    raise SceneError(
+        f'no parameter "{path}" can be free in this scene: {meant(path, known)}valid are {", ".join(known)}'
+    )
 
 
 def _all(scene: Scene) -> dict[str, Free]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
+from decimal import Decimal
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from sympy import Integer, Symbol
 
 from haptisym.catalogue import Parameter, Rule
-from haptisym.errors import SceneError
+from haptisym.errors import SceneError, meant
 from haptisym.exact.reals import ExactNumber
 from haptisym.jnd import Part
 from haptisym.quantities import Dimension, quantity
@@ -59,7 +59,7 @@ def paths(scene: Scene) -> dict[str, Parameter]:
 def _axis(scene: Scene, path: str, values: Values) -> Axis:
     parameter = _THRESHOLD if path in _THRESHOLDS else paths(scene).get(path)
     if parameter is None:
-        raise SceneError(f'the scene has nothing called "{path}" to vary: {_listed(scene)}')
+        raise SceneError(f'the scene has nothing called "{path}" to vary: {meant(path, paths(scene))}{_listed(scene)}')
     try:
         floats = np.array([_float(parameter, x, scene) for x in _each(values)], dtype=np.float64)
         _checked(parameter, floats)
@@ -100,7 +100,7 @@ def _checked(parameter: Parameter, values: NDArray[np.float64]) -> None:
     if len(np.unique(values)) < len(values):
         raise SceneError("each value may be given only once")
     for extreme in (values.min(), values.max()):  # every rule is one about an interval
-        parameter.with_value(Fraction(float(extreme)))
+        parameter.with_value(Decimal(repr(float(extreme))))
 
 
 def spaced(text: str, scene: Scene) -> tuple[str, list[float]]:
