@@ -327,9 +327,10 @@ def test_digits_of_special_values_and_of_single_numbers() -> None:
 @pytest.mark.parametrize("engine", ["numpy", "numba"])
 def test_a_sample_and_hold_keeps_its_digits_far_below_its_sampling_rate(engine: str) -> None:
     """Where r_r is (omega T)^2/6: the difference sin(x)/x - 1 would lose all its digits."""
-    for scene in (hs.Scene(mass_spring_damper(k=100), (zero_order_hold("1 ms"),)), hs.load_scene("sampled-wall")):
-        d = scene.distortion()
-        omega = np.concatenate([np.geomspace(1e-9, 1e3, 60), [1999.0, 2001.0]])
+    spring, hold = mass_spring_damper(k=100), zero_order_hold("1 ms")
+    for effects in ((hold,), (hold, zero_order_hold("2 ms", name="second")), (hold, delay("0.3 ms")), None):
+        d = (hs.Scene(spring, effects) if effects else hs.load_scene("sampled-wall")).distortion()
+        omega = np.geomspace(1e-12, 300, 60)
         found = d.compile(of=RATIOS, engine=engine)(omega)._asdict()
         assert against_truth(d, omega, {}, found).max() <= 16.0
 

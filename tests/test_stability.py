@@ -134,9 +134,10 @@ def winding(scene: hs.Scene) -> int:
 
 
 @pytest.mark.parametrize("seed", range(24))
-def test_a_hold_in_a_loop_is_judged_as_the_winding_number_says(seed: int) -> None:
-    """Its pole at 0 is removable: 1 - exp(-s T) vanishes there as well."""
+def test_the_closed_form_of_a_hold_in_a_loop_is_judged_as_the_winding_number_says(seed: int) -> None:
+    """Its pole at 0 is removable: 1 - exp(-s T) vanishes there as well. (An evaluation leaves the sampled loop open.)"""
     k, b, T = 100 * (1 + seed % 6), 1 + 3 * (seed % 4), Rational(1 + 7 * (seed % 5), 200)
     coupling = compliance(k=300 + 400 * (seed % 3), b=1 + 9 * (seed % 2))
     scene = hs.Scene(kelvin_voigt(k, b), (zero_order_hold(T), coupling))
-    assert hs.evaluate(scene).stable == (winding(scene) == 0)
+    assert is_stable(scene.distortion().perc) == (winding(scene) == 0)
+    assert hs.evaluate(scene).stable is None

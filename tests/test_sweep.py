@@ -402,3 +402,23 @@ def test_a_map_draws_the_exact_boundary_where_that_is_quick(tmp_path: Path) -> N
     assert {"real part, band-edge", "imaginary part, band-edge"} <= set(labels)
     [ax] = sweep_figure(found).axes
     assert not any("band-edge" in text.get_text() for text in ax.get_legend().get_texts())
+
+
+def test_two_coefficients_of_unknown_sign_between_two_runs_are_not_one_change() -> None:
+    """They may bring three zeros: here 0.098, 2.2373 and 2.2513 rad/s, of which floats once saw the first alone, as proven."""
+    given = hs.Scene(
+        hs.environments.two_mass(m1="8.1", b1="5.8", k1="41", m2="0.041", b2="2.7", k2="45"),
+        (
+            hs.effects.admittance_display("w^2/(s^2+w*s+w^2)", parameters={"w": "4.9"}),
+            hs.effects.series("g", parameters={"g": "0.045"}),
+            hs.effects.series("g", parameters={"g": "0.02"}),
+        ),
+        (0, 4000),
+        hs.Threshold.of(1, 1),
+    )
+    w, b = 882710825641131 / 2**53, 8887457865645333 / 2**56
+    found = hs.sweep(given, {"effects.admittance-display.w": [w], "environment.b1": [b]})
+    values = {"w": Rational(*Fraction(w).as_integer_ratio()), "b1": Rational(*Fraction(b).as_integer_ratio())}
+    real = [c for c in hs.evaluate(given.with_values(values)).crossings if c.part is hs.Part.REAL]
+    assert found.crossings_real.item() == len(real) == 3
+    assert found.first_crossing_real.item() == pytest.approx(float(real[0].omega), rel=1e-10)

@@ -133,3 +133,32 @@ def test_functions_of_one_angle_have_the_zeros_that_a_search_finds(
     searched = hs.evaluate(hs.Scene(asked.environment, asked.effects, asked.band, asked.threshold))
     assert [c.omega.digits(20) for c in searched.crossings] == by_angle
     assert by_angle
+
+
+@pytest.mark.parametrize(("long", "short"), [("10 ms", "0.01 ms"), ("10 s", "1 ns")])
+def test_a_delay_that_is_thousands_of_another_one_keeps_a_variable_of_its_own(long: str, short: str) -> None:
+    """Not a power of the short one's, of degree 1000 and more: a delay of next to nothing moves the crossings by as little."""
+    wall = hs.environments.mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m")
+    both, alone = (
+        hs.evaluate(hs.Scene(wall, effects, (0, 3))).crossings
+        for effects in ((hs.effects.delay(long), hs.effects.delay(short)), (hs.effects.delay(long),))
+    )
+    assert [c.part for c in both] == [c.part for c in alone]
+    for one, other in zip(both, alone, strict=True):
+        assert float(one.omega) == pytest.approx(float(other.omega), rel=2e-3)
+
+
+@pytest.mark.parametrize("band", [("25 Hz", "75 Hz"), ("0 Hz", "25 Hz"), ("12.5 Hz", "100 Hz")])
+@pytest.mark.parametrize(
+    "environment", [hs.environments.mass_spring_damper(k=100), hs.environments.spring_pot(100, "0.3")]
+)
+def test_a_band_may_end_where_the_phase_of_a_delay_is_a_quarter_turn(
+    environment: hs.Environment, band: tuple[str, str]
+) -> None:
+    """There Re H_perc of a spring vanishes exactly: an end of the band is a zero, not an undecided sign."""
+    found = hs.evaluate(hs.Scene(environment, (hs.effects.delay("10 ms"),), band))
+    assert found.certified
+    wider = hs.evaluate(hs.Scene(environment, (hs.effects.delay("10 ms"),), ("0 Hz", "101 Hz"))).crossings
+    low, high = (float(x) for x in found.scene.band)
+    inside = [float(c.omega) for c in wider if low <= float(c.omega) <= high]
+    assert [float(c.omega) for c in found.crossings] == pytest.approx(inside, rel=1e-12)

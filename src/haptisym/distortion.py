@@ -84,7 +84,7 @@ class Chain:
 
     def program(self, fields: Sequence[str]) -> Program:
         """The straight-line program of some fields of ``numeric.Values``; what is 0 everywhere is written as 0."""
-        write = stable_program(self.ring, self.environment, self.rendered, self.matrices, self.parameters)
+        write = stable_program(self.environment, self.rendered, self.matrices, self.parameters)
         program = write(fields, ())
         # a value that is not 0 at some point settles that a field is not 0 everywhere
         sample = Point(program, tuple(1.25 + n / 8 for n in range(len(program.inputs)))).balls(128)

@@ -22,6 +22,8 @@ from haptisym.exact.response import RealFunction, on_axis
 from haptisym.exact.rings import Polynomial, PolynomialRing, RationalFunction
 from haptisym.formulas.steps import Steps
 from haptisym.jnd import Part
+from haptisym.numeric.program import sincm1
+from haptisym.numeric.stable import without_sinc_less_one
 from haptisym.numeric.values import Values
 from haptisym.symbols import omega
 
@@ -94,6 +96,10 @@ class _Forms:
 
     def quotient(self, f: RealFunction) -> Expr:
         """A real function as numerator over denominator."""
+        hold = without_sinc_less_one(f)
+        if hold is not None:
+            angle, rest = hold
+            return sincm1(angle) * self.quotient(rest)
         top, bottom = (
             Mul(unit, *(form**n for form, n, _ in factors)) for unit, factors in map(self._factors, self._parted(f))
         )
@@ -101,6 +107,11 @@ class _Forms:
 
     def root(self, square: RealFunction) -> Expr:
         """The root of a real function that is nowhere negative: of each square, its magnitude."""
+        hold = without_sinc_less_one(square)
+        twice = hold and without_sinc_less_one(hold[1])
+        if twice:
+            angle, rest = twice
+            return Abs(sincm1(angle)) * self.root(rest)
         top, bottom = (
             Mul(sqrt(unit), *(_root(form if positive else Abs(form), n) for form, n, positive in factors))
             for unit, factors in map(self._factors, self._parted(square))

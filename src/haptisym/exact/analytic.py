@@ -49,6 +49,11 @@ class AnalyticFactor(WaveSum, SeriesFactor):
 def _order_at(factor: AnalyticFactor, place: Expr) -> Any:
     if place == 0 and factor.orders:
         return min((_exponent(factor, powers, part) for powers, part in _by_powers(factor).items()), key=float)
+    if factor.orders:
+        least = min(int(part.order_at(place)) for part in _by_powers(factor).values())
+        with flint.ctx.workprec(128):
+            if is_clear(factor.taylor(expression_ball(place), least)):
+                return least
     exact = _exact_waves(factor, place)
     if exact is None:
         factor.sign_at(lambda bits: expression_ball(place))
@@ -98,22 +103,24 @@ def _clear_of_zero_with_powers(factor: AnalyticFactor) -> Ball:
     raise UndecidedError("whether a function vanishes near omega = 0")
 
 
+_EIGHTHS = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1))
 Wave: TypeAlias = tuple[int, int] | None
 
 
 def _exact_waves(factor: AnalyticFactor, place: Expr) -> list[Wave] | None:
-    """Cosine and sine of the half angles where all are 0 or +-1 (at multiples of a quarter turn); None if not.
+    """Cosine and sine of the half angles, up to a factor, at multiples of an eighth of a turn; None if one is at another angle.
 
-    The entry of a constant angle is None: its cosine and sine stay symbols.
+    In all terms of a factor the powers of both add up to the same, so that a common factor is none of the zeros' business. The
+    entry of a constant angle is None: its cosine and sine stay symbols.
     """
     if place != 0 and (factor.orders or (place.is_Rational and any(rate.is_Rational for rate, _ in factor.rates))):
         return None  # a rational angle, but 0, is no part of a turn
     found: list[Wave] = []
     for rate, constant in factor.rates:
-        quarters = Integer(0) if constant else rate * place / pi
-        if not quarters.is_Integer:
+        eighths = Integer(0) if constant else 2 * rate * place / pi
+        if not eighths.is_Integer:
             return None
-        found.append(None if constant else ((1, 0), (0, 1), (-1, 0), (0, -1))[int(quarters) % 4])
+        found.append(None if constant else _EIGHTHS[int(eighths) % 8])
     return found
 
 

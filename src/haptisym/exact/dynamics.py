@@ -53,7 +53,7 @@ class Ring(PolynomialRing):
 
     def _delayed(self, lag: Expr, sign: int) -> RationalFunction:
         """exp(-s lag) as a power of the unit delay that it is a multiple of."""
-        for unit in self.lags:
+        for unit in reversed(self.lags):  # the longest first: a delay of its own before a thousand of another one
             multiple = lag / unit
             if multiple.is_Integer:
                 return self.function(self.generators[exp(-s * unit)]) ** (sign * int(multiple))

@@ -16,7 +16,7 @@ from sympy import Add, Expr, Symbol
 
 from haptisym.exact.dynamics import Ring
 from haptisym.exact.response import RealFunction, on_axis
-from haptisym.exact.rings import Polynomial, RationalFunction, cleared, degree_in
+from haptisym.exact.rings import RationalFunction, cleared, degree_in
 from haptisym.symbols import omega
 
 from .program import Program, Writer, sincm1
@@ -26,29 +26,30 @@ Pair: TypeAlias = tuple[int, int]
 
 
 def stable_program(
-    ring: Ring, environment: Expr, rendered: Expr, matrices: Sequence[Sequence[Expr]], inputs: Sequence[Symbol]
+    environment: Expr, rendered: Expr, matrices: Sequence[Sequence[Expr]], inputs: Sequence[Symbol]
 ) -> Callable[[Sequence[str], Collection[str]], Program]:
     """What writes the program of some fields of ``numeric.Values``, some of them known to be 0, for a chain of dynamics.
 
-    ``ring`` holds the dynamics; ``inputs`` : the parameters, after omega.
+    Each matrix is taken in a ring of its own: the angles of one effect are no multiples of those of another, and stay short.
+    ``inputs`` : the parameters, after omega.
     """
-    author = _Author(ring, Writer((omega, *inputs)))
+    author = _Author(Writer((omega, *inputs)))
     found, nothing = author.fields(environment, rendered, matrices), author.write.constant(0)
     return lambda of, zero: author.write.program({name: nothing if name in zero else found[name] for name in of})
 
 
 @dataclass
 class _Author:
-    ring: Ring
     write: Writer
 
     def fields(self, environment: Expr, rendered: Expr, matrices: Sequence[Sequence[Expr]]) -> dict[str, int]:
         H = self.sum_of_fractions(environment)
         felt, dH = H, self.pair(0, 0)
         if rendered != environment:
-            more = (self.ring.convert(rendered) - self.ring.convert(environment)).reduced()
+            ring = Ring.of([rendered, environment])
+            more = (ring.convert(rendered) - ring.convert(environment)).reduced()
             felt, dH = self.sum_of_fractions(rendered), self.closed(more)
-        runs = _runs([[self.ring.convert(entry) for entry in matrix] for matrix in matrices])
+        runs = _runs([list(map(Ring.of(matrix).convert, matrix)) for matrix in matrices])
         for run in runs:
             felt, dH = self.after(run, felt, dH)
         fraction, relative = (dH, self.write.constant(1)), None
@@ -57,7 +58,7 @@ class _Author:
         elif rendered == environment and len(runs) == 1 and _is_series(runs[0][0]):
             relative = self.series([row[0] for row in runs[0]])[1]
             if len(runs[0]) == 1:  # the one effect's denominator stays below the line: a division less
-                above, below = self.fraction((runs[0][0][0] - self.ring.one).reduced())
+                above, below = self.fraction(_less_one(runs[0][0][0]))
                 fraction = self.times(H, above), below
         return self.results(H, felt, fraction, relative)
 
@@ -87,8 +88,9 @@ class _Author:
 
     def sum_of_fractions(self, H: Expr) -> Pair:
         """The polynomial of a dynamics and each of its fractions for itself, as they are written in the model."""
-        terms = [self.ring.convert(term).reduced() for term in Add.make_args(H)]
-        whole, total = self.ring.zero, self.pair(0, 0)
+        ring = Ring.of([H])
+        terms = [ring.convert(term).reduced() for term in Add.make_args(H)]
+        whole, total = ring.zero, self.pair(0, 0)
         for term in terms:
             if term.denominator.is_constant():
                 whole = whole + term
@@ -100,7 +102,7 @@ class _Author:
         """G and G - 1 of effects in a row."""
         G, (P, Q) = self.pair(1, 0), self.pair(0, 0)
         for gain in gains:
-            own, (p, q) = self.closed(gain), self.closed((gain - self.ring.one).reduced())
+            own, (p, q) = self.closed(gain), self.closed(_less_one(gain))
             if self.pair(0, 0) == (P, Q):
                 G, (P, Q) = (own[0], q), (p, q)
                 continue
@@ -111,7 +113,7 @@ class _Author:
 
     def port(self, matrix: Sequence[RationalFunction], felt: Pair, dH: Pair) -> tuple[Pair, Pair]:
         """(A H + B)/(C H + D), and what it adds, ((A - D) H + B - C H^2)/(C H + D)."""
-        A, B, C, D = (self.ring.function(p) for p in cleared(matrix))
+        A, B, C, D = map(matrix[0].ring.function, cleared(matrix))
         if C.is_zero:  # beside the environment
             Z = self.closed((B / D).reduced())
             if (A - D).is_zero:
@@ -133,11 +135,11 @@ class _Author:
         """An entry of a chain matrix, a polynomial: the product of its factors."""
         if entry.is_zero:
             return self.pair(0, 0)
-        unit, factors = self.ring.factors(entry.numerator, in_square=False)
+        unit, factors = entry.ring.factors(entry.numerator, in_square=False)
         total: Pair = (self.write.expression(unit), self.write.constant(0))
         for factor, n in factors:
             for _ in range(n):
-                total = self.times(total, self.closed(self.ring.function(factor)))
+                total = self.times(total, self.closed(entry.ring.function(factor)))
         return total
 
     def closed(self, f: RationalFunction) -> Pair:
@@ -146,7 +148,7 @@ class _Author:
 
     def fraction(self, f: RationalFunction) -> tuple[Pair, int]:
         """The same, over the squared modulus U^2 + V^2 of its denominator, or over 1 where that is no common one."""
-        axis, f, one = self.ring.axis, f.cleared(), self.write.constant(1)
+        axis, f, one = _ring(f).axis, f.cleared(), self.write.constant(1)
         if f.is_zero:
             return self.pair(0, 0), one
         if self.has_functions(f):
@@ -159,17 +161,14 @@ class _Author:
             return (self.quotient(response.real), self.quotient(response.imag)), one
         U, V = (self.write.polynomial(axis, x) for x in (u, v))
         M = self.write.add(self.write.mul(U, U), self.write.mul(V, V))
-        return (self.product(above[0]), self.product(above[1])), M
+        return (self.write.product(axis, above[0]), self.write.product(axis, above[1])), M
 
     def has_functions(self, f: RationalFunction) -> bool:
-        later = range(self.ring.size, len(self.ring.meanings))
+        later = range(f.ring.size, len(f.ring.meanings))
         return any(degree_in([f.numerator, f.denominator], i) for i in later)
 
-    def product(self, polynomial: Polynomial) -> int:
-        return self.write.product(self.ring.axis, polynomial)
-
     def quotient(self, real: RealFunction) -> int:
-        hold = _without_sinc_less_one(real)
+        hold = without_sinc_less_one(real)
         if hold is not None:
             angle, rest = hold
             return self.write.mul(self.write.expression(sincm1(angle)), self.quotient(rest))
@@ -197,7 +196,7 @@ class _Author:
         return self.write.div(x[0], y), self.write.div(x[1], y)
 
 
-def _without_sinc_less_one(real: RealFunction) -> tuple[Expr, RealFunction] | None:
+def without_sinc_less_one(real: RealFunction) -> tuple[Expr, RealFunction] | None:
     """An angle a and a function f, where f (sin(a)/a - 1) is the given one: what a sample-and-hold brings."""
     axis, f = real.axis, real.function
     for angle, t in zip(axis.angles, axis.context.gens()[axis.size :], strict=False):
@@ -210,6 +209,15 @@ def _without_sinc_less_one(real: RealFunction) -> tuple[Expr, RealFunction] | No
             other = axis.function(above * (1 + t**2) * a.numerator, f.denominator)
             return angle.rate * omega, RealFunction(other.reduced())
     return None
+
+
+def _ring(f: RationalFunction) -> Ring:
+    assert isinstance(f.ring, Ring)
+    return f.ring
+
+
+def _less_one(gain: RationalFunction) -> RationalFunction:
+    return (gain - gain.ring.one).reduced()
 
 
 def _runs(matrices: Sequence[Sequence[RationalFunction]]) -> list[list[tuple[RationalFunction, ...]]]:

@@ -3,8 +3,9 @@
 On a segment [a, b] a polynomial p of degree n is written in Bernstein's basis; its coefficients c_0 ... c_n have
 c_0 = p(a), c_n = p(b), and the number of zeros between a and b, with multiplicities, is the number of their sign changes or
 an even number less (Descartes' rule). Hence: no sign change, no zero; one sign change, exactly one zero, a simple one.
-Signs count only where the coefficient exceeds its error bound (``batch.error``); a coefficient whose sign is not known is
-harmless between a positive run and a negative run, because whatever its sign, there is one change. All else is undecided
+Signs count only where the coefficient exceeds its error bound (``batch.error``); one coefficient whose sign is not known is
+harmless between a positive run and a negative run, because whatever its sign, there is one change. (Two might make three.) All
+else is undecided
 and cut in two. An end whose own sign is not certain cannot be helped by cutting: such a set stays undecided.
 
 c_j = sum_i p_i e_i/binomial(n, i), e_i the i-th elementary symmetric function of n - j times a and j times b. As 0 <= a, b <= 1,
@@ -104,7 +105,8 @@ def _classified(signs: Array) -> tuple[Array, Array]:
     steps = (signs[..., :-1, :] - signs[..., 1:, :]) * first[..., None, :]
     falls = (steps >= 0).all(axis=-2)  # +...+ 0...0 -...-, or its opposite
     agreement = first * last
-    return falls & (agreement > 0), falls & (agreement < 0)
+    sure = np.count_nonzero(signs, axis=-2) >= signs.shape[-2] - 1  # at most one of them is not known
+    return falls & (agreement > 0), falls & sure & (agreement < 0)
 
 
 @lru_cache(maxsize=64)
