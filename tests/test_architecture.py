@@ -51,7 +51,8 @@ simulation.figures tex.forms tolerance.figure
 commands.derive commands.effects commands.require commands.simulate commands.tolerances costs.costs costs.hardcosts \
 figures.projections figures.square measures.transparency report.explorer report.forms report.notebook sensitivities.answers \
 sweeps.figure tex.document
-commands.cost commands.metrics commands.sensitivity commands.sweep figures.files report.figures report.pdf
+commands.cost commands.metrics commands.sensitivity commands.sweep figures.files report.figures
+report.pdf
 report.page
 commands.evaluate
 cli

@@ -27,6 +27,7 @@ import haptisym as hs
 from haptisym import Part
 from haptisym.cli import main
 from haptisym.crossings import Curve
+from haptisym.report import pdf as report_pdf
 from haptisym.report.html import Html, element, script
 from haptisym.report.page import page, save_report
 from haptisym.symbols import s
@@ -294,6 +295,24 @@ def test_the_command_writes_a_pdf(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert len(target.read_bytes()) > 50_000
 
 
+def test_the_pdf_shows_all_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    required("pdflatex", shutil.which("pdflatex"))
+    seen: list[tuple[str, set[str]]] = []
+
+    def kept(program: str, folder: str) -> None:
+        seen.append(
+            ((Path(folder) / "report.tex").read_text(encoding="ascii"), {x.name for x in Path(folder).glob("*.pdf")})
+        )
+        run(program, folder)
+
+    run = report_pdf._run
+    monkeypatch.setattr(report_pdf, "_run", kept)
+    save_report(evaluated("fu2019"), tmp_path / "x.pdf")
+    text, files = seen[0]
+    assert len(files) == 5
+    assert all(f"{{{name}}}" in text for name in files)
+
+
 def test_other_names_and_a_missing_program_are_errors_that_say_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
 ) -> None:
@@ -309,7 +328,7 @@ def test_other_names_and_a_missing_program_are_errors_that_say_so(
 def test_a_document_that_latex_refuses_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     required("pdflatex", shutil.which("pdflatex"))
     monkeypatch.setattr(
-        "haptisym.report.pdf.document", lambda _: r"\documentclass{article}\begin{document}\no\end{document}"
+        "haptisym.report.pdf.document", lambda *_: r"\documentclass{article}\begin{document}\no\end{document}"
     )
     with pytest.raises(hs.SceneError, match="could not set the document: ! Undefined control sequence"):
         save_report(evaluated("fu2019"), tmp_path / "x.pdf")

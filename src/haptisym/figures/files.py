@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from matplotlib.axes import Axes
@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from haptisym.evaluation import Evaluation
 from haptisym.jnd import Part
 
+from .kinds import UNDATED
 from .nyquist import draw_nyquist
 from .projections import draw_projections
 from .ratios import draw_ratios
@@ -18,8 +19,8 @@ from .square import draw_jnd_square
 from .style import one_column, save
 
 
-def save_figures(evaluation: Evaluation, directory: str | Path) -> list[Path]:
-    """All figures as SVG, PDF and PNG, one column (3.4 in) wide, in a directory that is made if need be.
+def save_figures(evaluation: Evaluation, directory: str | Path, kinds: Iterable[str] = tuple(UNDATED)) -> list[Path]:
+    """All figures as SVG, PDF and PNG, or as some of them, one column (3.4 in) wide, in a directory that is made if need be.
 
     The same evaluation gives the same files, byte for byte.
     """
@@ -32,7 +33,11 @@ def save_figures(evaluation: Evaluation, directory: str | Path) -> list[Path]:
         "projections-imag": (2.0, lambda ax: draw_projections(ax, evaluation, Part.IMAG)),
         "jnd-square": (2.6, lambda ax: draw_jnd_square(ax, evaluation, _telling_frequency(evaluation))),
     }
-    return [path for name, (height, draw) in drawings.items() for path in save(folder / name, one_column(height, draw))]
+    return [
+        path
+        for name, (height, draw) in drawings.items()
+        for path in save(folder / name, one_column(height, draw), kinds)
+    ]
 
 
 def _telling_frequency(evaluation: Evaluation) -> float:

@@ -149,9 +149,9 @@ def entry(label: str) -> Line2D:
     return handle(INK, "none", label)
 
 
-def save(stem: Path, figure: Figure) -> list[Path]:
-    """The figure as SVG, PDF and PNG."""
-    return [save_as(figure, stem.with_name(f"{stem.name}{kind}")) for kind in UNDATED]
+def save(stem: Path, figure: Figure, kinds: Iterable[str] = tuple(UNDATED)) -> list[Path]:
+    """The figure as SVG, PDF and PNG, or as some of them."""
+    return [save_as(figure, stem.with_name(f"{stem.name}{kind}")) for kind in kinds]
 
 
 def save_as(figure: Figure, path: str | Path) -> Path:

@@ -9,6 +9,7 @@ from tempfile import TemporaryDirectory
 
 from haptisym.errors import SceneError
 from haptisym.evaluation import Evaluation
+from haptisym.figures.files import save_figures
 from haptisym.tex.document import document
 
 _RUNS = 2  # the second one knows the numbers of the tables
@@ -24,7 +25,8 @@ def pdf(evaluation: Evaluation) -> bytes:
             "an .html report needs nothing"
         )
     with TemporaryDirectory() as folder:
-        (Path(folder) / "report.tex").write_text(document(evaluation), encoding="ascii")
+        files = {path.stem: path.name for path in save_figures(evaluation, folder, [".pdf"])}
+        (Path(folder) / "report.tex").write_text(document(evaluation, files), encoding="ascii")
         for _ in range(_RUNS):
             _run(program, folder)
         return (Path(folder) / "report.pdf").read_bytes()

@@ -17,7 +17,7 @@ from haptisym.tex.printer import formula
 from .slopes import Sensitive, Slopes
 
 _MOST = 12  # bars of one frequency; the text has them all
-_MOST_FREQUENCIES = 6
+_MOST_FREQUENCIES = 12
 _TITLES = {Part.REAL: r"$r_\mathrm{r}$ meets its threshold", Part.IMAG: r"$r_\mathrm{i}$ meets its threshold"}
 
 
@@ -51,7 +51,9 @@ def save_elasticities(found: Slopes, path: Path) -> None:
     axes = figure.subplots(len(panels), 1, squeeze=False, sharex=True, height_ratios=[n + 1 for n in rows])[:, 0]
     for ax, (title, x) in zip(axes, panels, strict=True):
         draw_elasticities(ax, x, title)
-    axes[-1].set_xlabel(r"elasticity, $(p/\omega)\,\mathrm{d}\omega/\mathrm{d}p$", fontsize=TEXT)
+    more = len(found.crossings) + len(found.changeovers_environment) + len(found.changeovers_perceived) - len(panels)
+    rest = f"\n({more} more frequencies in the text)" if more > 0 else ""
+    axes[-1].set_xlabel(rf"elasticity, $(p/\omega)\,\mathrm{{d}}\omega/\mathrm{{d}}p${rest}", fontsize=TEXT)
     save_as(figure, path)
 
 

@@ -2,8 +2,9 @@ r"""A scene's evaluation as a complete LaTeX document: definitions, formulas, th
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 
 from haptisym.catalogue import Effect, Parameter
 from haptisym.evaluation import Evaluation
@@ -32,8 +33,10 @@ from .results import (
 )
 
 
-def document(evaluation: Evaluation) -> str:
+def document(evaluation: Evaluation, figures: Mapping[str, str] = MappingProxyType({})) -> str:
     """The whole document, for pdflatex with article, amsmath, booktabs and geometry; plain ASCII.
+
+    ``figures`` : files of the figures of ``haptisym.figures.files``, by their names; with any, graphicx is needed too.
 
     >>> from haptisym import effects, environments
     >>> from haptisym.evaluation import evaluate
@@ -47,20 +50,25 @@ def document(evaluation: Evaluation) -> str:
         "Scene": body.scene(),
         "Dynamics": body.dynamics(),
         "Distortion": body.distortion(),
-        "Step 1: when is it noticed?": body.when(),
-        "Step 2: how is it felt?": body.how(),
+        "Step 1: when is it noticed?": [*body.when(), *_drawn(figures, "ratios")],
+        "Step 2: how is it felt?": [
+            *body.how(),
+            *_drawn(figures, "projections-real", "projections-imag"),
+            *_drawn(figures, "nyquist", "jnd-square"),
+        ],
         "Stability and certainty": [stability(evaluation), certainty(evaluation)],
     }
     text = "\n\n".join(f"\\section{{{title}}}\n\n{_joined(paragraphs)}" for title, paragraphs in sections.items())
     source = f"Source of the scene: {escape(scene.source.rstrip('. '))}.\n\n" if scene.source else ""
-    return _TEMPLATE % (escape(scene.title or "Untitled scene"), source, text)
+    graphics = "\\usepackage{graphicx}\n" if figures else ""
+    return _TEMPLATE % (graphics, escape(scene.title or "Untitled scene"), source, text)
 
 
 _TEMPLATE = r"""\documentclass[a4paper]{article}
 \usepackage[margin=2.5cm]{geometry}
 \usepackage{amsmath}
 \usepackage{booktabs}
-\allowdisplaybreaks
+%s\allowdisplaybreaks
 \emergencystretch=3em
 \setlength{\parindent}{0pt}
 \setlength{\parskip}{\medskipamount}
@@ -78,6 +86,28 @@ _TEMPLATE = r"""\documentclass[a4paper]{article}
 
 \end{document}
 """
+_CAPTIONS = {
+    "ratios": "Distortion ratios over the band. Grey: neither exceeds its threshold, the display is transparent.",
+    "projections-real": "Magnitude of the real part of the environment and of what is felt: bold where it is noticed.",
+    "projections-imag": "Magnitude of the imaginary part of both: bold where it is noticed.",
+    "nyquist": "Environment (solid) and what is felt (dashed) in the complex plane, towards higher frequencies.",
+    "jnd-square": "Both at one frequency; the grey region holds the changes that are not noticed.",
+}
+
+
+def _drawn(figures: Mapping[str, str], *names: str) -> Iterator[str]:
+    """Those of some figures that there are, side by side, each above its caption."""
+    here = [name for name in names if name in figures]
+    if here:
+        columns = "\\hfill\n".join(
+            "\\begin{minipage}[t]{0.48\\linewidth}\\centering\n"
+            f"\\includegraphics[width=\\linewidth]{{{figures[name]}}}\\\\\n"
+            f"{{\\small {_CAPTIONS[name]}}}\n\\end{{minipage}}"
+            for name in here
+        )
+        yield f"\\begin{{center}}\n{columns}\n\\end{{center}}"
+
+
 _VALUES = r"the values of Table~\ref{tab:parameters}"
 
 
