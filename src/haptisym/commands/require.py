@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
+from click.core import ParameterSource
 
 from haptisym.scene import Scene
 
@@ -40,8 +41,10 @@ from .options import drawn, figure_option, hand_over, json_option, scene_argumen
     help="Correct decimal digits of each end.",
 )
 @figure_option("the set, or the map")
-@click.option("--slices", type=click.IntRange(3, 2000), help="Exact slices of a map.  [default: 41]")
+@click.option("--slices", type=click.IntRange(3, 2000), default=41, show_default=True, help="Exact slices of a map.")
+@click.pass_context
 def require(
+    context: click.Context,
     scene: Scene,
     paths: tuple[str, ...],
     ranges: tuple[tuple[str, str], ...],
@@ -50,7 +53,7 @@ def require(
     as_json: bool,
     digits: int,
     figure: Path | None,
-    slices: int | None,
+    slices: int,
 ) -> None:
     """Find all values of a parameter for which a display is transparent on its whole band.
 
@@ -72,14 +75,14 @@ def require(
 
     if len(paths) > 2 or (ranges and len(ranges) != len(paths)):
         raise SceneError("--free may be given once or twice, and --range not at all or as often, in the same order")
-    if slices is not None and len(paths) == 1:
+    if context.get_parameter_source("slices") is ParameterSource.COMMANDLINE and len(paths) == 1:
         raise SceneError("--slices is about a map of two parameters: give --free twice, or leave it out")
     part = Part(name) if name else None
     found: DesignMap | Requirement
     if len(paths) == 2:
         if not ranges:
             raise SceneError("a map of two parameters needs a --range for each")
-        found = design_map(scene, paths, ranges, part=part, any_environment=any_environment, slices=slices or 41)
+        found = design_map(scene, paths, ranges, part=part, any_environment=any_environment, slices=slices)
     else:
         found = ask(scene, paths[0], *ranges, part=part, any_environment=any_environment, digits=digits)
     if figure is not None:

@@ -16,7 +16,7 @@ from .isolation import SeriesFactor, clear_of, isolated
 from .reals import Ball, RealNumber, expression_ball
 from .rings import Polynomial, PolynomialRing, RationalFunction
 from .wavesums import Term, WaveSum
-from .zeros import around, is_clear
+from .zeros import MOST_BITS, around, is_clear
 
 
 class AnalyticFactor(WaveSum, SeriesFactor):
@@ -49,20 +49,25 @@ class AnalyticFactor(WaveSum, SeriesFactor):
 def _order_at(factor: AnalyticFactor, place: Expr) -> Any:
     if place == 0 and factor.orders:
         return min((_exponent(factor, powers, part) for powers, part in _by_powers(factor).items()), key=float)
+    with flint.ctx.workprec(128):
+        if is_clear(factor.value(expression_ball(place))):
+            return 0
     if factor.orders:
-        least = min(int(part.order_at(place)) for part in _by_powers(factor).values())
-        with flint.ctx.workprec(128):
-            if is_clear(factor.taylor(expression_ball(place), least)):
-                return least
+        return _order_with_powers(factor, place)
     exact = _exact_waves(factor, place)
     if exact is None:
         factor.sign_at(lambda bits: expression_ball(place))
         return 0
-    if not factor.orders:
-        with flint.ctx.workprec(128):
-            if is_clear(factor.value(expression_ball(place))):
-                return 0
     return _exact_order(factor, place, exact)
+
+
+def _order_with_powers(factor: AnalyticFactor, place: Expr) -> int:
+    """Away from 0: all Taylor coefficients vanish that vanish in every part; the next one must not."""
+    least = min(int(part.order_at(place)) for part in _by_powers(factor).values())
+    with flint.ctx.workprec(MOST_BITS):
+        if is_clear(factor.taylor(expression_ball(place), least)):
+            return least
+    raise UndecidedError(f"the order of a zero at omega = {place} rad/s")
 
 
 def _by_powers(factor: AnalyticFactor) -> dict[tuple[int, ...], AnalyticFactor]:
@@ -113,7 +118,7 @@ def _exact_waves(factor: AnalyticFactor, place: Expr) -> list[Wave] | None:
     In all terms of a factor the powers of both add up to the same, so that a common factor is none of the zeros' business. The
     entry of a constant angle is None: its cosine and sine stay symbols.
     """
-    if place != 0 and (factor.orders or (place.is_Rational and any(rate.is_Rational for rate, _ in factor.rates))):
+    if place != 0 and place.is_Rational and any(rate.is_Rational for rate, _ in factor.rates):
         return None  # a rational angle, but 0, is no part of a turn
     found: list[Wave] = []
     for rate, constant in factor.rates:

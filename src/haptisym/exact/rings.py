@@ -173,8 +173,8 @@ class PolynomialRing:
         _, factors = fmpq_poly([row.get(n, 0) for n in range(max(row) + 1)]).factor()
         if len(factors) != 1 or factors[0][1] != 1:
             return None
-        two = (polynomial.subs({f"x{main}": number}) for number in (2, 3))
-        if not next(two).gcd(next(two)).is_constant():
+        one, other = (polynomial.subs({f"x{main}": number}) for number in (2, 3))
+        if not one.gcd(other).is_constant():
             return None
         values = polynomial.coeffs()
         unit = fmpq(gcd(*(int(c.p) for c in values)), lcm(*(int(c.q) for c in values))) * (1 if values[0] > 0 else -1)

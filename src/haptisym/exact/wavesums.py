@@ -129,7 +129,7 @@ class Compiled:
 
     @cached_property
     def _width(self) -> int:
-        return max(1, *(1 + int(polynomial.degree()) for _, _, polynomial in self.terms))
+        return 1 + max([0, *(int(polynomial.degree()) for _, _, polynomial in self.terms)])
 
     @cached_property
     def _sums(self) -> Mapping[tuple[int, ...], _Derivatives]:

@@ -6,6 +6,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from math import ceil
 from textwrap import fill
 from typing import Any
 
@@ -118,7 +119,7 @@ class DesignMap:
     def _table(self) -> str:
         """Some of the slices, the first and the last one among them."""
         a = self.free[0]
-        step = max(1, -(-(len(self.slices) - 1) // _MOST_ROWS))
+        step = ceil((len(self.slices) - 1) / _MOST_ROWS)
         shown = [*self.slices[:-1:step], self.slices[-1]]
         unit = "" if a.unit == "1" else f" ({a.unit})"
         return table(

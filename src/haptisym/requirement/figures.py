@@ -62,9 +62,8 @@ def draw_requirement(found: Requirement, ax: Axes) -> None:
     ax.plot(ends, [1.0] * len(ends), "o", color=INK, markersize=3.6, zorder=4)
     ax.axhline(1, color=GREY, linewidth=0.6)
     lowest = [float(np.min(worst[np.isfinite(worst)], initial=np.inf)) for worst in curves.values()]
-    ax.set(
-        xlim=(low, high), ylim=(0, max(3.0, *(1.5 * x for x in lowest if x < np.inf)))
-    )  # each curve is seen somewhere
+    top = max([3.0, *(1.5 * x for x in lowest if x < np.inf)])  # each curve is seen somewhere
+    ax.set(xlim=(low, high), ylim=(0, top))
     dress(ax)
     ax.set_xlabel(_label(found.free.symbol.name, found.free.unit), fontsize=TEXT)
     ax.set_ylabel("worst case on the band, $r/c$", fontsize=TEXT)

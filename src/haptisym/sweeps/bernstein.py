@@ -4,9 +4,8 @@ On a segment [a, b] a polynomial p of degree n is written in Bernstein's basis; 
 c_0 = p(a), c_n = p(b), and the number of zeros between a and b, with multiplicities, is the number of their sign changes or
 an even number less (Descartes' rule). Hence: no sign change, no zero; one sign change, exactly one zero, a simple one.
 Signs count only where the coefficient exceeds its error bound (``batch.error``); one coefficient whose sign is not known is
-harmless between a positive run and a negative run, because whatever its sign, there is one change. (Two might make three.) All
-else is undecided
-and cut in two. An end whose own sign is not certain cannot be helped by cutting: such a set stays undecided.
+harmless between a positive run and a negative run, because whatever its sign, there is one change; two might make three. All else
+is undecided and cut in two. An end whose own sign is not certain cannot be helped by cutting: such a set stays undecided.
 
 c_j = sum_i p_i e_i/binomial(n, i), e_i the i-th elementary symmetric function of n - j times a and j times b. As 0 <= a, b <= 1,
 all weights lie between 0 and 1, so that sizes are mapped like values; whatever underflows along the way is smaller than
@@ -159,10 +158,8 @@ def _signs_on_halves(p: Batch, low: Array, middle: Array, high: Array) -> Array:
     sizes, signs = [_horner(p.sizes, x) for x in ends], []
     for (a, b), (least, most) in zip(pairwise(ends), pairwise(sizes), strict=True):
         bound = np.empty_like(p.sizes)
-        bound[0], bound[1:] = (
-            least,
-            most,
-        )  # sizes grow; the one at the low end alone must be tight, where p may be small
+        bound[0] = least  # tight where p may be small, at the low end; sizes grow, and elsewhere the last one will do
+        bound[1:] = most
         # to shift, n products, n sums with them and n sums in passing; 2 n for powers of the width; n + 2 for the last sums
         signs.append(_certain_signs(_bernstein(p.values, a, b), error(bound, p.roundings + 6 * p.degree + 2)))
     return np.concatenate(signs, axis=1)

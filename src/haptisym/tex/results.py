@@ -160,9 +160,9 @@ def stability(e: Evaluation) -> str:
 
 def certainty(e: Evaluation) -> str:
     """What is proven and what is assumed."""
-    if not e.certified:
-        return "The numbers in this document are estimates; they are not proven."
     but = "".join(rf" \textbf{{But:}} {escape(caveat)}" for caveat in e.caveats)
+    if not e.certified:
+        return f"The numbers in this document are estimates; they are not proven.{but}"
     return (
         "Proven: the tables list all crossings and all percepts on the band; every digit, sign and interval follows from "
         "exact polynomials and ball arithmetic, nothing was sampled, and each number is correctly rounded. Assumed: that "
