@@ -88,3 +88,15 @@ def test_importing_the_package_loads_no_plotting_library() -> None:
     """).split()
     assert "haptisym.evaluation" in loaded
     assert not {"matplotlib", "pandas", "IPython", "tkinter", "control"} & set(loaded)
+
+
+def test_a_certified_evaluation_needs_neither_arrays_nor_figures_nor_a_registry_of_units() -> None:
+    """Each of them takes as long to load as SymPy's own core; a command line in a loop pays for none."""
+    script = """
+        import sys
+        import haptisym as hs
+        hs.evaluate(hs.load_scene("fu2019")).to_json()
+        print(*({"numpy", "pint", "matplotlib", "dask", "scipy", "rich"} & set(sys.modules)))
+    """
+    done = subprocess.run([sys.executable, "-c", dedent(script)], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from sympy import Expr, I, Rational, nan, oo, pi, zoo
 
 import haptisym as hs
-from haptisym.quantities import Dimension, Motion, decimal, quantity
+from haptisym.quantities import _USUAL, Dimension, Motion, _measured, decimal, quantity
 
 EXACT: list[tuple[str, Dimension, Expr]] = [
     ("1.8 kg", Dimension.MASS, Rational(9, 5)),
@@ -204,3 +204,9 @@ def test_thresholds_are_positive_fractions() -> None:
             hs.Threshold.of(bad)  # type: ignore[arg-type]
     with pytest.raises(hs.SceneError, match="imag"):
         hs.Threshold.of("0.1", 0)
+
+
+@pytest.mark.parametrize("unit", sorted(_USUAL))
+def test_the_units_that_are_known_by_heart_are_those_of_pint(unit: str) -> None:
+    factor, exponents = _measured(unit, unit, unit, Dimension.ANY)
+    assert _USUAL[unit] == (factor, exponents)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from sympy import Abs, Expr, Rational, Symbol, sqrt
 
@@ -19,10 +20,12 @@ from .numeric.accuracy import Accuracy, Engine
 from .numeric.balls import Point
 from .numeric.program import Program
 from .numeric.stable import stable_program
-from .numeric.values import Compiled, chosen, compiled
 from .properties import ParameterJND, Properties, first_changeover, properties
 from .symbols import c as threshold
 from .symbols import omega, s
+
+if TYPE_CHECKING:
+    from .numeric.values import Compiled  # brings NumPy, which a certified answer does not need
 
 
 def distort(environment: Environment, *effects: Effect, rendered: Environment | None = None) -> Distortion:
@@ -239,6 +242,8 @@ class Distortion:
         >>> f([0.0, 20.0]).real.tolist()
         [0.0, -30.0]
         """
+        from .numeric.values import chosen, compiled
+
         names = chosen(of)
         program = self.needed_chain.program(names)
         return compiled(program, lambda values: self.at(values).functions(names), accuracy, engine)

@@ -9,13 +9,15 @@ from enum import Enum
 from fractions import Fraction
 from functools import cache
 from importlib.resources import as_file, files
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
-import pint
 from sympy import Expr, Float, I, Integer, Pow, Rational, nan, oo, pi, preorder_traversal, zoo
 
 from .errors import ExpressionError, SceneError
 from .expressions import evaluate
+
+if TYPE_CHECKING:
+    import pint  # costs as much time as SymPy: loaded where a unit is not among the usual ones
 
 Number: TypeAlias = "str | int | float | Decimal | Fraction | Expr"
 
@@ -148,9 +150,41 @@ def _from_text(text: str, dimension: Dimension) -> Quantity:
 
 _PLAIN = str.maketrans({"·": "*", "×": "*", "⋅": "*", "²": "^2", "³": "^3"})
 
+_USUAL: dict[str, tuple[Expr, dict[str, int]]] = {
+    "1": (Integer(1), {}),
+    "%": (Rational(1, 100), {}),
+    "rad": (Integer(1), {}),
+    "kg": (Integer(1), {"mass": 1}),
+    "g": (Rational(1, 1000), {"mass": 1}),
+    "m": (Integer(1), {"length": 1}),
+    "mm": (Rational(1, 1000), {"length": 1}),
+    "s": (Integer(1), {"time": 1}),
+    "ms": (Rational(1, 1000), {"time": 1}),
+    "rad/s": (Integer(1), {"time": -1}),
+    "Hz": (2 * pi, {"time": -1}),
+    "N": (Integer(1), {"mass": 1, "length": 1, "time": -2}),
+    "N/m": (Integer(1), {"mass": 1, "time": -2}),
+    "N*s/m": (Integer(1), {"mass": 1, "time": -1}),
+    "N*m": (Integer(1), {"mass": 1, "length": 2, "time": -2}),
+    "N*m/rad": (Integer(1), {"mass": 1, "length": 2, "time": -2}),
+    "N*m*s/rad": (Integer(1), {"mass": 1, "length": 2, "time": -1}),
+    "kg*m^2": (Integer(1), {"mass": 1, "length": 2}),
+}
+"""The units that nearly every scene is written in, SI value and dimensions, as Pint has them."""
+
 
 def _unit(unit: str, text: str, dimension: Dimension) -> tuple[Expr, dict[str, Fraction]]:
     plain = _JUXTAPOSED.sub("*", unit.translate(_PLAIN))
+    if plain in _USUAL:
+        factor, exponents = _USUAL[plain]
+        return factor, {name: Fraction(power) for name, power in exponents.items()}
+    return _measured(plain, unit, text, dimension)
+
+
+def _measured(plain: str, unit: str, text: str, dimension: Dimension) -> tuple[Expr, dict[str, Fraction]]:
+    """A unit's factor and dimensions from Pint's registry."""
+    import pint
+
     try:
         measured = evaluate(plain, number=_unit_number, name=_named_unit, sums=False)
         base = measured.to_root_units()
@@ -173,6 +207,8 @@ def _unit_number(text: str) -> pint.Quantity[Fraction]:
 
 
 def _named_unit(name: str) -> pint.Quantity[Fraction]:
+    import pint
+
     try:
         return _registry().Quantity(Fraction(1), name)
     except (pint.PintError, ValueError):
@@ -240,5 +276,7 @@ def _shown(given: object) -> str:
 
 @cache
 def _registry() -> pint.UnitRegistry:
+    import pint
+
     with as_file(files("haptisym") / "data" / "units.txt") as path:
         return pint.UnitRegistry(str(path), non_int_type=Fraction, cache_folder=None)
