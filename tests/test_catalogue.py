@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import cmath
+import json
 from collections.abc import Callable, Mapping
 from math import comb, factorial, pi
 from typing import Any
@@ -320,9 +321,16 @@ def test_symbols_of_a_scene_are_unique(which: str) -> None:
     assert (substituted - scene.distortion().perceived).equals(0)
 
 
-def test_a_band_beyond_the_largest_float_is_refused_or_shown() -> None:
+def test_a_band_beyond_the_largest_float_is_refused() -> None:
     scene = hs.Scene(environments.mass_spring_damper(k=2))
-    try:
-        hs.evaluate(scene.with_band(0, "1e300 THz")).to_json()
-    except hs.SceneError:
-        return
+    with pytest.raises(
+        hs.SceneError, match=r'band: "1e300 THz": in SI units the number must lie between 1e-300 and 1e300'
+    ):
+        scene.with_band(0, "1e300 THz")
+
+
+def test_a_band_up_to_nearly_the_largest_float_is_shown() -> None:
+    scene = hs.Scene(environments.mass_spring_damper(k=2))
+    shown = json.loads(hs.evaluate(scene.with_band(0, "1e280 THz")).to_json())
+    assert shown["band"] == [0.0, 6.283185307179587e292]  # 2 pi 10^292 rad/s
+    assert shown["bandwidth"] == shown["band"][1]

@@ -47,11 +47,26 @@ SYMBOLIC = {
 
 
 def golden(name: str, text: str) -> None:
-    """Compare with a file that a person has read; ``UPDATE_GOLDEN=1`` writes it, to be read again."""
+    """Compare with a file that a person has read; ``UPDATE_GOLDEN=1`` writes it, to be read again, but never under CI."""
     path = GOLDEN / name
     if os.environ.get("UPDATE_GOLDEN"):
+        assert not os.environ.get("CI"), "golden files are not refreshed under CI: what nobody reads proves nothing"
         path.write_text(text + "\n", encoding="ascii")
     assert text + "\n" == path.read_text(encoding="ascii")
+
+
+def test_golden_files_are_written_on_request_but_never_under_ci(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(golden.__globals__, "GOLDEN", tmp_path)
+    monkeypatch.setenv("UPDATE_GOLDEN", "1")
+    monkeypatch.setenv("CI", "true")
+    with pytest.raises(AssertionError, match="under CI"):
+        golden("new.tex", "x")
+    assert not [*tmp_path.iterdir()]
+    monkeypatch.delenv("CI")
+    golden("new.tex", "x")
+    assert (tmp_path / "new.tex").read_text() == "x\n"
 
 
 @cache
