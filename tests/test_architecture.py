@@ -32,9 +32,11 @@ catalogue jnd simulation.linear simulation.lockin
 distortion effects environments requirement.feasible simulation.blocks simulation.events
 crossings interop scene codegen.forms formulas.structure measures.freeresponse measures.twoport requirement.places \
 simulation.engine
-bounds caveats peaks percepts codegen.scene costs.text family.family formulas.groups measures.forms pruning.ballchain \
+family.family
+scenefile
+bounds caveats peaks percepts codegen.scene costs.text formulas.groups measures.forms pruning.ballchain \
 simulation.approximations simulation.results tolerance.box
-scenefile costs.questions formulas.asymptotics pruning.differences requirement.freeparameter simulation.run simulation.text \
+costs.questions formulas.asymptotics pruning.differences requirement.freeparameter simulation.run simulation.text \
 sweeps.exactly tolerance.excess
 commands.options costs.hardcases costs.usual pruning.subsets requirement.cells requirement.criticalvalues \
 requirement.required simulation.simulate sweeps.axes sweeps.curves tolerance.search

@@ -6,6 +6,7 @@ import json
 import time
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from haptisym.exact.periodic import Turned
@@ -21,6 +22,7 @@ from .exact.roots import Interval, chart
 from .exact.stability import is_stable
 from .quantities import Number
 from .scene import Scene
+from .scenefile import as_scene
 from .text import report
 
 if TYPE_CHECKING:
@@ -134,7 +136,7 @@ class Evaluation(Answers):
         return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
 
 
-def evaluate(scene: Scene, digits: int = 15, *, tolerance: Number | None = None) -> Evaluation:
+def evaluate(scene: Scene | str | Path, digits: int = 15, *, tolerance: Number | None = None) -> Evaluation:
     """Evaluate a scene with numbers for all parameters; ``digits`` decimal digits of each crossing, as many as wanted.
 
     ``tolerance`` : if given, only the effects that matter for it are used (see ``relevance``); the answers are those of the scene
@@ -146,6 +148,7 @@ def evaluate(scene: Scene, digits: int = 15, *, tolerance: Number | None = None)
     >>> [c.omega.digits(20) for c in evaluate(scene).crossings]
     ['7.9789167901747077028', '11.937310924322057781']
     """
+    scene = as_scene(scene)
     if not isinstance(digits, int) or digits < 1:
         raise SceneError(f"digits: {digits} must be a whole number, at least 1")
     free = [p for p in scene.parameters if p.value.free_symbols]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, reduce
+from pathlib import Path
 
 import flint
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
@@ -18,6 +19,7 @@ from .exact.roots import chart
 from .exact.zeros import Zero
 from .jnd import Part
 from .scene import Scene
+from .scenefile import as_scene
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,7 @@ class Peak:
         return sqrt(_algebraic(_eliminated(top, bottom, zero), ValueAt(self.square, self.omega).ball))
 
 
-def peaks(scene: Scene) -> tuple[Peak, ...]:
+def peaks(scene: Scene | str | Path) -> tuple[Peak, ...]:
     """All local maxima of r_r and r_i inside the band, in ascending order: proven, none missed, none invented.
 
     >>> from haptisym import effects, environments
@@ -66,6 +68,7 @@ def peaks(scene: Scene) -> tuple[Peak, ...]:
     >>> [(p.part.value, p.omega.digits(3), p.ratio.digits(3), p.threshold) for p in peaks(spring)]
     [('imag', '2.16', '0.100', 1/10), ('real', '3.00', '0.200', 1/5), ('imag', '4.16', '0.100', 1/10)]
     """
+    scene = as_scene(scene)
     squares = scene.distortion().squared_ratios
     slopes = {part: square.derivative() for part, square in squares.items()}
     points = chart(slopes, *scene.band).points[1:-1]

@@ -13,6 +13,7 @@ from typing import Any, TypeAlias
 from sympy import Integer
 
 from .catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
+from .distortion import Distortion
 from .errors import SceneError, meant
 from .family.family import SceneFamily, named
 from .jnd import Threshold
@@ -81,6 +82,28 @@ def load_scenes(scene: str | Path, environments: Iterable[str | Path] = ()) -> S
         raise error.within(name) from None
 
 
+def as_scene(given: Scene | str | Path) -> Scene:
+    """A scene as it is, or the one of that name or in that file: what every question about a scene begins with.
+
+    >>> as_scene("fu2019").environment.H
+    9*s**2/5 + 15*s + 100
+    >>> as_scene(load_scene("fu2019").environment)
+    Traceback (most recent call last):
+      ...
+    haptisym.errors.SceneError: Environment is not a scene: make one with Scene(environment, effects, band, threshold)
+    """
+    return given if isinstance(given, Scene) else load_scene(given)
+
+
+def as_family(given: SceneFamily | Scene | str | Path) -> SceneFamily:
+    """Scenes as they are, or those of that name or in that file; a scene is a family of one."""
+    if isinstance(given, SceneFamily):
+        return given
+    if isinstance(given, Scene):
+        return named([("environment", given)], given.title, given.source)
+    return load_scenes(given)
+
+
 def _felt_through(display: Scene, label: str, other: Scene) -> Scene:
     """The display of one scene with the environment of another."""
     try:
@@ -131,11 +154,32 @@ def _chosen(text: str, name: str, environment: str | None) -> Scene:
 
 def scene_text(scene: str | Path) -> tuple[str, str]:
     """The text of a shipped scene or of a file, and what error messages call it."""
+    if not isinstance(scene, str | Path) or "\n" in str(scene):
+        raise SceneError(_instead(scene))
     name = str(scene)
     for folder, known in (("scenes", scene_names), ("families", family_names)):
         if name in known():
             return (files("haptisym") / folder / f"{name}.toml").read_text(encoding="utf-8"), name
     return _read(Path(name)), Path(name).name
+
+
+def _instead(given: object) -> str:
+    """What to call with something that is neither the name of a scene nor a path."""
+    if isinstance(given, str):
+        return "this is a scene's text, not its name or path: read it with parse_scene(text)"
+    if isinstance(given, Scene):
+        return "this is a scene already, not the name or path of one"
+    if isinstance(given, SceneFamily):
+        way = f'choose one, as in scenes["{next(iter(given))}"], or ask for all with evaluate_all(scenes)'
+    elif isinstance(given, Distortion):
+        way = "it has no band and no threshold; make one with Scene(environment, effects, band, threshold)"
+    elif isinstance(given, Environment | Effect):
+        way = "make one with Scene(environment, effects, band, threshold)"
+    elif isinstance(getattr(given, "scene", None), Scene):
+        way = "its attribute scene is one"
+    else:
+        way = "give a Scene, the name of one that the package ships, or the path of a scene file"
+    return f"{type(given).__name__} is not a scene: {way}"
 
 
 def _read(path: Path) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 
 from sympy import Expr, Pow, Symbol
 
@@ -11,6 +12,7 @@ from haptisym.distortion import Distortion
 from haptisym.errors import SceneError
 from haptisym.quantities import Dimension, Motion
 from haptisym.scene import Scene
+from haptisym.scenefile import as_scene
 from haptisym.symbols import omega
 from haptisym.typeset.plain import plain
 
@@ -41,7 +43,7 @@ _NOTES = (
 
 
 def scene_code(
-    scene: Scene, language: Language, *, name: str = "distortion", parameters: Iterable[str] | None = None
+    scene: Scene | str | Path, language: Language, *, name: str = "distortion", parameters: Iterable[str] | None = None
 ) -> str:
     """The closed forms of a scene as a function of omega and of its parameters.
 
@@ -61,13 +63,14 @@ def scene_code(
     return scene_program(scene, parameters).code(language, name=name)
 
 
-def scene_program(scene: Scene, parameters: Iterable[str] | None = None) -> Program:
+def scene_program(scene: Scene | str | Path, parameters: Iterable[str] | None = None) -> Program:
     """What ``scene_code`` prints, with the same parameters, derived once for several languages.
 
     >>> from haptisym.scenefile import load_scene
     >>> [x.symbol.name for x in scene_program(load_scene("delayed-spring")).arguments]
     ['omega', 'k', 'tau']
     """
+    scene = as_scene(scene)
     names = [p.symbol.name for p in scene.parameters]
     free = names if parameters is None else list(parameters)
     for x in free:

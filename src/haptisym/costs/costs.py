@@ -12,6 +12,7 @@ from typing import Any
 
 from haptisym.errors import HaptisymError
 from haptisym.scene import Scene
+from haptisym.scenefile import as_scene
 
 from .measurement import Omission, Row
 from .methods import Method
@@ -77,7 +78,7 @@ class Cost:
         save_as(draw(self.rows, self.scene.title), path)
 
 
-def cost(scene: Scene, *, quick: bool = False, told: Told = lambda what, share: None) -> Cost:
+def cost(scene: Scene | str | Path, *, quick: bool = False, told: Told = lambda what, share: None) -> Cost:
     """Measure what accuracy costs for a scene with numbers: the ratios, the crossings, delays, and each effect left out.
 
     ``quick`` : fewer methods and fewer repeats, for a first look. ``told`` : called as it goes on. The equations are given to
@@ -90,6 +91,7 @@ def cost(scene: Scene, *, quick: bool = False, told: Told = lambda what, share: 
     >>> sorted({row.task for row in found.rows}), all(row.complete for row in found.rows if row.proven)
     (['crossings', 'effects', 'evaluate'], True)
     """
+    scene = as_scene(scene)
     check_numbers(scene)
     tasks = [
         evaluate_task(scene, quick=quick),
@@ -100,7 +102,7 @@ def cost(scene: Scene, *, quick: bool = False, told: Told = lambda what, share: 
     return _measured(scene, tasks, 0.1 if quick else 1.0, told)
 
 
-def simulation_cost(scene: Scene, *, quick: bool = False, told: Told = lambda what, share: None) -> Cost:
+def simulation_cost(scene: Scene | str | Path, *, quick: bool = False, told: Told = lambda what, share: None) -> Cost:
     """Measure what accuracy costs a simulation in time: H_perc recovered along the band, against its closed form.
 
     Steps, what is left of the transient, and the periods of the lock-in are varied one at a time; then each effect is left out.
@@ -111,6 +113,7 @@ def simulation_cost(scene: Scene, *, quick: bool = False, told: Told = lambda wh
     >>> max(row.digits for row in rows) > 11, min(row.digits for row in rows) < 4
     (True, True)
     """
+    scene = as_scene(scene)
     check_numbers(scene)
     from .simulated import Recovery, simulation_methods
 

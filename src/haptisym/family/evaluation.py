@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 from haptisym.evaluation import evaluate
+from haptisym.scene import Scene
+from haptisym.scenefile import as_family
 
 from .family import SceneFamily
 from .text import page
@@ -47,7 +50,7 @@ class FamilyEvaluation(WorstCase):
         return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
 
 
-def evaluate_all(family: SceneFamily, digits: int = 15) -> FamilyEvaluation:
+def evaluate_all(family: SceneFamily | Scene | str | Path, digits: int = 15) -> FamilyEvaluation:
     """Evaluate one display with several environments: each, the band on which all are transparent, and who binds there.
 
     ``digits`` : decimal digits of each crossing. Guaranteed: the common transparent set is the intersection of the
@@ -59,5 +62,6 @@ def evaluate_all(family: SceneFamily, digits: int = 15) -> FamilyEvaluation:
     >>> [(x.omega.digits(6), x.environment, x.part.value) for x in found.binding]
     [('7.97892', 'fu2019', 'real')]
     """
+    family = as_family(family)
     answers = {name: evaluate(scene, digits) for name, scene in family.scenes.items()}
     return FamilyEvaluation(family, answers, common_chart(family), digits)

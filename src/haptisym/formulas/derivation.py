@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from types import MappingProxyType
 
 from sympy import Expr, I, Symbol, count_ops
@@ -18,6 +19,7 @@ from haptisym.exact.solutions import Solution, solve
 from haptisym.jnd import Part, is_irrational_algebraic
 from haptisym.quantities import Number
 from haptisym.scene import Scene
+from haptisym.scenefile import as_scene
 from haptisym.sensitivities.implicit import Equation
 from haptisym.symbols import X, c, omega
 
@@ -134,7 +136,7 @@ def _factors(f: RealFunction) -> tuple[Equation, ...]:
     return tuple(_equation(RealFunction(f.axis.function(factor))) for factor, _ in factors)
 
 
-def derive(scene: Scene, keep: Iterable[str] | None = None) -> Derivation:
+def derive(scene: Scene | str | Path, keep: Iterable[str] | None = None) -> Derivation:
     """The formulas of a scene.
 
     ``keep`` : the names of the parameters that stay symbols; None for all of them and the threshold, () for none. A name
@@ -147,6 +149,7 @@ def derive(scene: Scene, keep: Iterable[str] | None = None) -> Derivation:
     >>> [x.omega for x in derive(load_scene("fu2019")).changeovers("env")]
     [sqrt(k)/sqrt(m)]
     """
+    scene = as_scene(scene)
     known = {p.symbol.name: p.symbol for p in scene.parameters}
     if keep is None:
         return Derivation(scene, tuple(known.values()))

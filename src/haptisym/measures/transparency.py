@@ -5,6 +5,8 @@ Each with its closed form, proven numbers, its source and how well that is known
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from sympy import Integer
 
 from haptisym.evaluation import evaluate
@@ -14,6 +16,7 @@ from haptisym.exact.rings import RationalFunction
 from haptisym.exact.roots import Point, chart
 from haptisym.peaks import largest
 from haptisym.scene import Scene
+from haptisym.scenefile import as_scene
 from haptisym.text import short
 
 from .disagreements import disagreements
@@ -38,7 +41,7 @@ class Metrics(MetricRows):
         return as_json(self)
 
 
-def metrics(scene: Scene) -> Metrics:
+def metrics(scene: Scene | str | Path) -> Metrics:
     """The measures of transparency of a scene with numbers for all parameters: each proven on its band.
 
     Transmitted impedance ratio and relative distortion, Z_min, Z_max and Z_width, sensitivity, passivity and absolute
@@ -49,6 +52,7 @@ def metrics(scene: Scene) -> Metrics:
     >>> [x.value.digits(6) for x in found["transmitted impedance ratio"].values if x.what.startswith("-3 dB")]
     ['101.762']
     """
+    scene = as_scene(scene)
     m = Measured(evaluate(scene))
     forms = Forms(scene)
     rows = (_ratio, _relative, _range, _sensitivity, _passivity, _absolute, _effective, _free)

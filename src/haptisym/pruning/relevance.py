@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import groupby
 from math import inf, nextafter
+from pathlib import Path
 
 from sympy import Expr, Rational
 
@@ -23,6 +24,7 @@ from haptisym.formulas.structure import structure
 from haptisym.jnd import Part
 from haptisym.quantities import Dimension, Number, quantity
 from haptisym.scene import Scene
+from haptisym.scenefile import as_scene
 
 from .ballchain import BallChain, Piece, series_arithmetic
 from .differences import Difference, Range
@@ -159,7 +161,7 @@ class Relevance:
         return Range(max(real.least, imag.least), max(real.reached, imag.reached), max(real.most, imag.most))
 
 
-def relevance(scene: Scene, tolerance: Number = TOLERANCE) -> Relevance:
+def relevance(scene: Scene | str | Path, tolerance: Number = TOLERANCE) -> Relevance:
     """Find which effects of a scene matter: the fewest with which r_r and r_i stay within a tolerance of the full scene's.
 
     ``tolerance`` : a number >= 0, of the ratios. Guaranteed: the bound holds at every frequency of the band for both
@@ -172,6 +174,7 @@ def relevance(scene: Scene, tolerance: Number = TOLERANCE) -> Relevance:
     >>> [e.name for e in found.pruned.effects], found.bound[Part.REAL].most < 1e-5
     (['first-order-lag'], True)
     """
+    scene = as_scene(scene)
     limit = _tolerance(tolerance)
     free = next((p for p in scene.parameters if p.value.free_symbols), None)
     if free is not None:

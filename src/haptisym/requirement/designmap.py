@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil
+from pathlib import Path
 from textwrap import fill
 from typing import Any
 
@@ -16,6 +17,7 @@ from haptisym.errors import SceneError
 from haptisym.jnd import Part
 from haptisym.quantities import Number
 from haptisym.scene import Scene
+from haptisym.scenefile import as_scene
 from haptisym.text import WIDTH, listed, table
 
 from .criticalvalues import edge_polynomial, touch_polynomial
@@ -128,7 +130,7 @@ class DesignMap:
 
 
 def design_map(
-    scene: Scene,
+    scene: Scene | str | Path,
     paths: Sequence[str],
     ranges: Sequence[tuple[Number, Number]],
     *,
@@ -145,6 +147,7 @@ def design_map(
     >>> [x.requirement.feasible[0].low.value.digits(6) for x in found.slices]
     ['103.831', '122.356', '141.462']
     """
+    scene = as_scene(scene)
     first, second = (free_parameter(scene, path) for path in paths)
     if first.symbol == second.symbol:
         raise SceneError(f"{first.path} is asked for twice: a map needs two different parameters")

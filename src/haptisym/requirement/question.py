@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property, partial
+from pathlib import Path
 
 from sympy import Expr, Rational
 
@@ -17,6 +18,7 @@ from haptisym.exact.response import RealFunction
 from haptisym.jnd import Part
 from haptisym.quantities import Number
 from haptisym.scene import Scene
+from haptisym.scenefile import as_scene
 
 from .cells import Leaf, Search
 from .criticalvalues import Problem
@@ -38,7 +40,7 @@ class Requirement(Required):
 
 
 def require(
-    scene: Scene,
+    scene: Scene | str | Path,
     path: str,
     range: tuple[Number, Number] | None = None,  # noqa: A002 - the word that the question uses
     *,
@@ -61,6 +63,7 @@ def require(
     >>> [(x.low.value.digits(12), x.high.value) for x in found.feasible]
     [('122.355814770', None)]
     """
+    scene = as_scene(scene)
     if not isinstance(digits, int) or digits < 1:
         raise SceneError(f"digits: {digits} must be a whole number, at least 1")
     if part is not None and any_environment:

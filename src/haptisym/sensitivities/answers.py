@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 from sympy import Expr
@@ -11,6 +12,7 @@ from haptisym.evaluation import evaluate
 from haptisym.formulas.derivation import derive
 from haptisym.jnd import Part
 from haptisym.scene import Scene
+from haptisym.scenefile import as_scene
 from haptisym.symbols import c
 
 from .slopes import Sensitive, Sensitivity, Slopes
@@ -61,7 +63,7 @@ class Sensitivities(Slopes):
         return {"path": p.path, "name": p.name, "unit": p.unit, **floats, "digits": digits, **reason}
 
 
-def sensitivity(scene: Scene, digits: int = 15) -> Sensitivities:
+def sensitivity(scene: Scene | str | Path, digits: int = 15) -> Sensitivities:
     """How each crossing, changeover and the bandwidth of a scene moves with each parameter and the threshold.
 
     Guaranteed: every number is a certified enclosure of the exact derivative, to as many ``digits`` as wanted; None, with the
@@ -73,4 +75,5 @@ def sensitivity(scene: Scene, digits: int = 15) -> Sensitivities:
     >>> [(x.name, x.elasticity.digits(4)) for x in first.ranked[:2]]
     [('omega_n', '1.265'), ('zeta', '-1.245')]
     """
+    scene = as_scene(scene)
     return Sensitivities(evaluate(scene, digits))

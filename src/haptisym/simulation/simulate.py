@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ import numpy as np
 from haptisym.numeric.values import Array
 from haptisym.quantities import Dimension, Number
 from haptisym.scene import Scene
+from haptisym.scenefile import as_scene
 
 from .approximations import why_approximate
 from .lockin import Lock
@@ -49,7 +51,7 @@ class Simulation(Simulated):
 
 
 def simulate(
-    scene: Scene,
+    scene: Scene | str | Path,
     motion: Motion,
     *,
     duration: Number | None = None,
@@ -71,6 +73,7 @@ def simulate(
     >>> run.agrees, bool(abs(estimate.simulated - estimate.closed) < 1e-6 * abs(estimate.closed))
     (True, True)
     """
+    scene = as_scene(scene)
     check_scene(scene, motion)
     length = motion.duration if duration is None else positive("duration", duration, Dimension.TIME)
     fine = Run(scene, motion, extras, STEP, progress)
@@ -84,7 +87,7 @@ def simulate(
 
 
 def check(
-    scene: Scene,
+    scene: Scene | str | Path,
     *,
     amplitude: Number | None = None,
     count: int = 10,
@@ -97,6 +100,7 @@ def check(
     >>> len(run.estimates), run.agrees
     (4, True)
     """
+    scene = as_scene(scene)
     size = default_amplitude(scene) if amplitude is None else amplitude
     omegas = band_frequencies(scene, count)
     if any(effect.model == "coulomb-friction" for effect in scene.effects):

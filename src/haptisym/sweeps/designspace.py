@@ -11,6 +11,7 @@ import numpy as np
 
 from haptisym.errors import SceneError
 from haptisym.scene import Scene
+from haptisym.scenefile import as_scene
 
 from .axes import Values, axes
 from .batch import Array
@@ -25,7 +26,7 @@ Progress = Callable[[int, int], None]
 
 
 def sweep(
-    scene: Scene,
+    scene: Scene | str | Path,
     vary: Mapping[str, Values],
     *,
     out: str | Path | None = None,
@@ -59,6 +60,7 @@ def sweep(
     array([[ 4.944 ,  7.725 ],
            [ 7.9789, 15.    ]])
     """
+    scene = as_scene(scene)
     xarray = _needed("xarray")
     grid = Grid.of(scene, axes(scene, vary), _whole(block))
     if out is not None:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from sympy import Expr
 
 from haptisym.errors import SceneError
 from haptisym.scene import Scene
+from haptisym.scenefile import as_scene
 
 from .box import box_of
 from .proofs import BoxAnswers, Enclosure, One, drawn
@@ -61,7 +63,7 @@ class Tolerances(BoxAnswers):
         return {"samples": len(self.samples), "seed": self.seed, **shown, "transparent": q.transparent}
 
 
-def tolerances(scene: Scene, samples: int = 200, seed: int = SEED) -> Tolerances:
+def tolerances(scene: Scene | str | Path, samples: int = 200, seed: int = SEED) -> Tolerances:
     """What holds for all values of a scene's parameters within their ranges.
 
     Guaranteed: the verdict where it is not ``Verdict.UNDECIDED``; that crossings lie in the enclosures and nowhere else; how many
@@ -75,6 +77,7 @@ def tolerances(scene: Scene, samples: int = 200, seed: int = SEED) -> Tolerances
     >>> found.verdict.value, [(x.part.value, x.low.digits(5), x.high.digits(5), x.count) for x in found.enclosures]
     ('none', [('imag', '3.6367', '4.4449', 1), ('real', '12.000', '14.667', 1)])
     """
+    scene = as_scene(scene)
     if not isinstance(samples, int) or samples < 0:
         raise SceneError(f"samples: {samples} must be a whole number, at least 0")
     box = box_of(scene)
