@@ -14,7 +14,7 @@ import haptisym
 SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
-errors symbols costs.measurement pruning.suprema report.html simulation.network sweeps.batch tolerance.taylormodels \
+errors symbols commands.progress costs.measurement pruning.suprema report.html simulation.network sweeps.batch tolerance.taylormodels \
 typeset.boxes
 expressions codegen.names exact.reals exact.rings figures.kinds formulas.steps numeric.accuracy simulation.descriptor \
 sweeps.bernstein typeset.names

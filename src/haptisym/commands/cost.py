@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +13,7 @@ from haptisym.scene import Scene
 from haptisym.scenefile import load_scene
 
 from .options import environment_option, figure_option, json_option, written
+from .progress import progress
 
 if TYPE_CHECKING:
     from haptisym.costs.costs import Cost
@@ -57,8 +56,13 @@ def cost(
         raise SceneError("--hard-cases brings its own scenes: leave out SCENE, --quick and --simulation")
     if scene is None and not hard_cases:
         raise SceneError("cost: name a SCENE, or ask for --hard-cases")
-    with _progress() as told:
-        found = _measured(load_scene(scene, environment) if scene else None, quick, simulation, told)
+    with progress() as told:
+        found = _measured(
+            load_scene(scene, environment) if scene else None,
+            quick,
+            simulation,
+            lambda what, share: told(share, 1.0, what),
+        )
     if figure is not None:
         found.save_figure(figure)
         written("figure", figure)
@@ -76,18 +80,3 @@ def _measured(
 
     measure = simulation_cost if simulation else cost
     return measure(scene, quick=quick, told=told)
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[str, float], None]]:
-    """A bar of progress on standard error, where that is a terminal."""
-    if not sys.stderr.isatty():
-        yield lambda what, share: None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn
-
-    columns = (BarColumn(), TextColumn("{task.percentage:>3.0f} %  {task.description}"))
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
-        bar = progress.add_task("", total=1.0)
-        yield lambda what, share: progress.update(bar, description=what, completed=share)

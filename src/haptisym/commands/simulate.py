@@ -11,6 +11,7 @@ import click
 from haptisym.scene import Scene
 
 from .options import figures_option, json_option, scene_argument, written
+from .progress import progress
 
 
 @click.command()
@@ -45,7 +46,8 @@ def simulate(scene: Scene, as_json: bool, check: bool, figures: Path | None, **o
     """
     from haptisym.simulation.command import run  # SciPy is loaded for this verb alone
 
-    runs = run(scene, check, options)
+    with progress("s simulated") as told:
+        runs = run(scene, check, options, told)
     if figures is not None:
         from haptisym.simulation.figures import save_simulation_figures
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from importlib import import_module
 from json import dumps
@@ -16,6 +16,7 @@ from haptisym.errors import SceneError
 from haptisym.scene import Scene
 
 from .options import figure_option, json_option, scene_argument, written
+from .progress import progress
 
 
 @click.command()
@@ -76,17 +77,17 @@ def sweep(
         raise SceneError(f"figure: {figure} would show one or two parameters, not {len(asked)}")
     with ExitStack() as stack:
         stack.enter_context(_engine(workers, cluster))
-        progress = stack.enter_context(_progress())
-        found = sweep_scene(scene, dict(asked), out=out, progress=progress)
+        told = stack.enter_context(progress("sets"))
+        found = sweep_scene(scene, dict(asked), out=out, progress=told)
     if figure is not None:
         from haptisym.sweeps.figure import save_sweep_figure
 
         written("chart", save_sweep_figure(found, figure, scene))
     from haptisym.sweeps.text import document, page
 
-    told = document(found, out)
-    click.echo(dumps(told, indent=2, ensure_ascii=False) if as_json else page(told), nl=as_json)
-    if told["open"]:
+    answer = document(found, out)
+    click.echo(dumps(answer, indent=2, ensure_ascii=False) if as_json else page(answer), nl=as_json)
+    if answer["open"]:
         sys.exit(3)
 
 
@@ -125,18 +126,3 @@ def _in_this_process() -> Iterator[None]:
         return
     with config.set(scheduler="synchronous", num_workers=1):
         yield
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[int, int], None] | None]:
-    """A bar on standard error, on a terminal only."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-    columns = (TextColumn("{task.completed:,.0f} of {task.total:,.0f} sets"), BarColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("", total=None)
-        yield lambda done, sets: bar.update(task, completed=done, total=sets)

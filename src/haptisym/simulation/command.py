@@ -1,14 +1,9 @@
-"""What ``haptisym simulate`` asks for, as simulations; with a bar of progress for long ones."""
+"""What ``haptisym simulate`` asks for, as simulations."""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from math import pi
-from time import monotonic
-
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn
 
 from haptisym.errors import SceneError
 from haptisym.quantities import Dimension
@@ -19,21 +14,21 @@ from .recordings import recording
 from .results import EncoderQuantisation, Extra, ForceSaturation
 from .simulate import Simulation, band_frequencies, check, default_amplitude, simulate
 
-_PATIENCE = 1.0  # s; shorter runs show no progress
 
-
-def run(scene: Scene, along_band: bool, options: Mapping[str, str | None]) -> tuple[Simulation, ...]:  # noqa: FBT001
-    """The runs of one call: one, or with ``along_band`` those of a check along the band."""
+def run(
+    scene: Scene,
+    along_band: bool,  # noqa: FBT001
+    options: Mapping[str, str | None],
+    progress: Callable[[float, float], None] | None = None,
+) -> tuple[Simulation, ...]:
+    """The runs of one call: one, or with ``along_band`` those of a check along the band. ``progress`` as in ``simulate``."""
     refused = [key for key in ("omega", "duration", "quantise", "saturate") if along_band and options.get(key)]
     if along_band and (refused or options.get("kind") not in (None, "sine")):
         raise SceneError(f"--check chooses motion and time itself: leave out --{(refused or ['motion'])[0]}")
-    with _Progress() as progress:
-        if along_band:
-            return check(scene, amplitude=options.get("amplitude"), progress=progress.show)
-        made = motion(scene, options)
-        return (
-            simulate(scene, made, duration=options.get("duration"), extras=_extras(options), progress=progress.show),
-        )
+    if along_band:
+        return check(scene, amplitude=options.get("amplitude"), progress=progress)
+    made = motion(scene, options)
+    return (simulate(scene, made, duration=options.get("duration"), extras=_extras(options), progress=progress),)
 
 
 def motion(scene: Scene, options: Mapping[str, str | None]) -> Motion:
@@ -66,28 +61,3 @@ def _extras(options: Mapping[str, str | None]) -> tuple[Extra, ...]:
     if limit:
         extras.append(ForceSaturation(limit))
     return tuple(extras)
-
-
-class _Progress:
-    """A bar on standard error, once a run takes long, and only on a terminal."""
-
-    def __init__(self) -> None:
-        self.began = monotonic()
-        self.bar: Progress | None = None
-
-    def __enter__(self) -> _Progress:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self.bar is not None:
-            self.bar.stop()
-
-    def show(self, time: float, until: float) -> None:
-        if monotonic() - self.began < _PATIENCE or not sys.stderr.isatty():
-            return
-        if self.bar is None:
-            columns = (BarColumn(), TextColumn("{task.completed:.3g} of {task.total:.3g} s simulated"))
-            self.bar = Progress(*columns, console=Console(stderr=True), transient=True)
-            self.bar.start()
-            self.bar.add_task("")
-        self.bar.update(self.bar.task_ids[0], completed=time, total=until)
