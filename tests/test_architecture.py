@@ -14,11 +14,11 @@ import haptisym
 SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
-errors symbols commands.progress costs.measurement pruning.suprema report.html simulation.network sweeps.batch tolerance.taylormodels \
-typeset.boxes
+errors symbols commands.progress costs.measurement pruning.suprema report.html simulation.network simulation.threads sweeps.batch \
+tolerance.taylormodels typeset.boxes
 expressions codegen.names exact.reals exact.rings figures.kinds formulas.steps numeric.accuracy simulation.descriptor \
 sweeps.bernstein typeset.names
-quantities codegen.printers exact.axis exact.bernstein exact.eliminants exact.zeros numeric.program sensitivities.implicit \
+quantities simulation.rest codegen.printers exact.axis exact.bernstein exact.eliminants exact.zeros numeric.program sensitivities.implicit \
 simulation.rightmost sweeps.families tex.names typeset.numerals typeset.order
 codegen.languages codegen.short exact.dynamics exact.isolation exact.polynomials exact.wavesums numeric.balls numeric.floats \
 typeset.formula typeset.quotients
@@ -27,8 +27,8 @@ exact.caches exact.levels exact.periodic exact.solutions numeric.pointvalues num
 requirement.touches tex.printer typeset.equations typeset.mathml typeset.plain
 properties costs.stopwatch exact.factoring numeric.certified requirement.closedforms tex.lines
 exact.roots numeric.values report.mathematics
-ranges exact.stability simulation.fractional simulation.motions simulation.propagate simulation.recordings
-catalogue jnd simulation.linear simulation.lockin
+ranges exact.stability simulation.fractional simulation.motions simulation.propagate
+catalogue jnd simulation.linear simulation.lockin simulation.recordings
 distortion effects environments requirement.feasible simulation.blocks simulation.events
 crossings interop scene codegen.forms formulas.structure measures.freeresponse measures.twoport requirement.places \
 simulation.engine

@@ -20,6 +20,8 @@ import haptisym as hs
 from haptisym import effects, environments
 from haptisym.catalogue import EFFECTS, ENVIRONMENTS
 from haptisym.cli import main
+from haptisym.simulation.recordings import Recording
+from haptisym.simulation.threads import one_thread
 
 MSD = environments.mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m")
 SOFT = environments.kelvin_voigt(200, 5)
@@ -457,3 +459,112 @@ def test_a_band_that_begins_above_zero_is_covered() -> None:
     [run] = hs.check(scene, count=5)
     assert min(x.omega for x in run.estimates) >= 6
     assert max(x.omega for x in run.estimates) == 15
+
+
+# Threads of the linear algebra
+
+
+def threads() -> list[int]:
+    return [x["num_threads"] for x in pytest.importorskip("threadpoolctl").threadpool_info() if x["user_api"] == "blas"]
+
+
+def test_linear_algebra_has_one_thread_while_it_simulates_and_the_users_number_after() -> None:
+    limits = pytest.importorskip("threadpoolctl").threadpool_limits
+    seen: list[int] = []
+    with limits(2, user_api="blas"):
+        before = threads()
+        hs.simulate(hs.Scene(MSD), hs.sine("1 cm", 5), duration=1, progress=lambda *_: seen.extend(threads()))
+        with pytest.raises(hs.SceneError):
+            hs.simulate(hs.Scene(environments.expression("1/(s - 2)")), hs.sine("1 cm", 5))
+        assert (set(seen), threads()) == ({1}, before)
+
+
+def test_simulations_that_overlap_in_any_order_give_the_users_number_of_threads_back() -> None:
+    limits = pytest.importorskip("threadpoolctl").threadpool_limits
+    with limits(2, user_api="blas"):
+        before = threads()
+        first, second = one_thread(), one_thread()
+        first.__enter__()
+        second.__enter__()
+        first.__exit__(None, None, None)
+        assert set(threads()) == {1}
+        second.__exit__(None, None, None)
+        assert threads() == before
+
+
+def test_without_threadpoolctl_the_numbers_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = hs.Scene(MSD, (effects.delay("37 ms"), effects.first_order_lag(30)))
+    one = hs.simulate(scene, hs.sine("1 cm", 5), duration=1)
+    monkeypatch.setitem(sys.modules, "threadpoolctl", None)
+    other = hs.simulate(scene, hs.sine("1 cm", 5), duration=1)
+    assert other.force == pytest.approx(one.force, rel=1e-12, abs=1e-14)
+
+
+# Recordings that begin somewhere, and noisy ones
+
+
+def wave(t: np.ndarray) -> np.ndarray:
+    """2 mm, and from 0.5 s on a growing sine about it."""
+    late = np.maximum(t - 0.5, 0)
+    return 0.002 + 0.01 * late**6 / (0.1 + late**6) * np.sin(9 * late)
+
+
+def fade(t: np.ndarray) -> np.ndarray:
+    x = np.clip(t, 0, 1)
+    return x**6 * (462 - 1980 * x + 3465 * x**2 - 3080 * x**3 + 1386 * x**4 - 252 * x**5)
+
+
+REST = {
+    "a lag": (MSD, (effects.first_order_lag(9),)),
+    "a mass on a cable": (environments.two_mass("0.5", 4, 200, "0.3", 3, 120), (effects.compliance(300, 5),)),
+    "a delay in a loop": (SOFT, (effects.delay("50 ms"), effects.first_order_lag(40), effects.compliance(2000, 40))),
+    "wave variables": (SOFT, (effects.wave_variables(25, "20 ms"),)),
+    "a clock": (SOFT, (effects.first_order_lag(40), effects.zero_order_hold("50 ms"), effects.first_order_lag(40))),
+    "a teleoperator": (SOFT, (effects.four_channel_teleoperator(**TELEOPERATOR, **MASTER),)),
+    "a torn-off end": (environments.maxwell(100, 20), (effects.first_order_lag(30),)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", REST)
+def test_a_recording_that_begins_at_2_mm_goes_on_as_one_that_has_long_rested_there(name: str) -> None:
+    scene = hs.Scene(*REST[name])
+    t, lead = np.arange(0, 1.5001, 0.01), 15.0
+    long = np.arange(0, lead + 1.5001, 0.01)
+    whole = np.where(long < lead, 0.002 * fade(long / 2), wave(np.maximum(long - lead, 0)))
+    started = hs.simulate(scene, Recording(t, wave(t)))
+    rested = hs.simulate(scene, Recording(long, whole))
+    late = rested.time > lead
+    before = np.interp(started.time + lead, rested.time[late], rested.force[late])
+    inside = (started.time > 0.01) & (started.time < 1.4)
+    if name != "a clock":
+        assert started.force[inside] == pytest.approx(before[inside], abs=2e-3 * np.abs(started.force).max())
+    still = started.time < 0.4
+    assert started.force[still] == pytest.approx(started.force[0], abs=1e-6 * np.abs(started.force).max())
+    assert started.force[0] == pytest.approx(before[5], abs=1e-4 * np.abs(started.force).max())
+
+
+def test_an_encoder_knows_from_the_first_moment_where_the_hand_is() -> None:
+    t = np.arange(0, 1.001, 0.01)
+    spring = hs.Scene(environments.mass_spring_damper(k=100))
+    run = hs.simulate(spring, Recording(t, wave(t)), extras=[hs.EncoderQuantisation("0.1 mm")])
+    steps = run.environment_force / 100 / 1e-4
+    assert steps == pytest.approx(np.round(steps), abs=1e-9)
+    assert np.abs(run.force / 100 - run.displacement).max() <= 0.5e-4 * (1 + 1e-6)
+    assert run.force[0] == pytest.approx(0.2)
+
+
+def test_a_noisy_recording_through_an_encoder_is_the_staircase_next_to_it() -> None:
+    t, noise = np.arange(0, 0.3, 0.001), np.random.default_rng(5).normal(0, 5e-5, 300)
+    spring = hs.Scene(environments.mass_spring_damper(k=100), (effects.first_order_lag(500),))
+    run = hs.simulate(spring, Recording(t, 0.001 + noise), extras=[hs.EncoderQuantisation("0.1 mm")])
+    steps = run.environment_force / 100 / 1e-4
+    assert steps == pytest.approx(np.round(steps), abs=1e-9)
+    assert np.abs(run.environment_force / 100 - run.displacement).max() <= 0.5e-4 * (1 + 1e-6)
+    assert len(np.unique(np.round(steps))) > 2
+
+
+def test_a_simulation_that_switches_too_often_stops_and_says_what_helps(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("haptisym.simulation.engine._MOST_EVENTS", 20)
+    spring = hs.Scene(environments.mass_spring_damper(k=100))
+    with pytest.raises(hs.SceneError, match=r"encoder-quantisation: more than 20 switches before 0\.\d+ s.*--lowpass"):
+        hs.simulate(spring, hs.sine("1 cm", 5), extras=[hs.EncoderQuantisation("0.1 mm")])

@@ -8,7 +8,7 @@ polynomials of the step in which they fall.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import cached_property, lru_cache, reduce
 from heapq import heappop, heappush
@@ -25,6 +25,7 @@ from .linear import Drive, Linear, Reading, linear_systems
 from .motions import Motion
 from .network import MOTION, Network, Step, Switch
 from .propagate import NODES, Record, at_end
+from .rest import at_rest
 
 _MOST_AT_ONCE = 256
 _GENERATIONS = 4  # of break points that a jump leaves behind delay lines: each passage through a filter smooths it
@@ -32,6 +33,7 @@ _FINEST = 64  # steps to the shortest delay; delays with no such common measure 
 _TINY = 1e-12  # of a step: closer instants are the same one
 _UNBOUNDED = 1e15  # m, N: beyond any display
 _MOST_EVENTS_AT_ONCE = 12
+_MOST_EVENTS = 100_000
 
 
 class Engine:
@@ -54,8 +56,25 @@ class Engine:
         self.t, self.samples = 0.0, [0] * len(net.holds)
         self.due: list[float] = []
         self.longest = self._regular(longest)
-        self.stalled = (0.0, 0)
+        self.stalled, self.events, self.calm = (0.0, 0), 0, _MOST_AT_ONCE
         self._update_forces()
+        self._begin(float(motion.derivatives(np.zeros(1), 0)[0, 0]))
+
+    def _begin(self, position: float) -> None:
+        """The hand has rested at its first position for so long that everything else rests too."""
+        if not position:
+            return
+        rest = at_rest(self.net, position)
+        self.record.before = np.array([rest.get(name, 0.0) if k == 0 else 0.0 for name, k in self.system.readings])
+        for hold in self.net.holds:
+            self.held[hold.target] = rest[hold.source]
+        for step in self.net.steps:
+            self.held[step.target] = step.resolution * round(rest[step.source] / step.resolution)
+        everything = {(name, k): rest.get(name, 0.0) if k == 0 else 0.0 for name, k in self.system.exact.columns}
+        keys = list(self.system.exact.columns)
+        known = rest | self.held
+        inputs = [0.0 if k else (rest if x.lag else known)[x.name] for x, k in self.system.drives]
+        self.z = np.array([everything[keys[i]] for i in self.system.exact.chosen]) - self.system.back @ inputs
 
     # What is where
 
@@ -100,15 +119,17 @@ class Engine:
 
     # Going on
 
-    def advance(self, until: float) -> None:
-        """Simulate up to a time, s."""
+    def advance(self, until: float, watch: Callable[[float], None] | None = None) -> None:
+        """Simulate up to a time, s; ``watch`` is called with the time that is reached."""
         while self.t < until * (1 - 1e-15):
+            if watch is not None:
+                watch(self.t)
             self._sample()
             end = min([until, *self._clock_ticks(), *self._next_break(), *self._next_on_grid()])
             whole = int((end - self.t) / self.longest + 1e-9)
             h = self.longest if whole else float(f"{end - self.t:.13e}")  # equal steps are recognised as equal
             # no step may read a delay line where it has not been written yet
-            chunk = max(1, min(whole, _MOST_AT_ONCE, int(self._lags[0] / h + 1e-9) if self._lags else whole))
+            chunk = max(1, min(whole, self.calm, int(self._lags[0] / h + 1e-9) if self._lags else whole))
             arrived = self.t + chunk * h
             self._take(chunk, h, end if abs(arrived - end) < _TINY * h else arrived)
 
@@ -117,8 +138,12 @@ class Engine:
         event = self._first_event(values, h)
         if event is None:
             self._accept(h, values, after, end)
+            self.calm = min(2 * self.calm, _MOST_AT_ONCE)
             return
         step, place, guard = event
+        self.calm = max(
+            1, step
+        )  # what lies beyond an event is computed in vain: where they are frequent, look less far
         if step:
             _, after = self.system.propagator.march(self.z, w[:step], h)
             self._accept(h, values[:step], after, self.t + step * h)
@@ -194,7 +219,7 @@ class Engine:
 
     def _now(self, name: str, order: int = 0) -> float:
         if self.record.count == 0:
-            return 0.0
+            return float(self.record.before[self.column(name, order)])
         last = self.record.values[self.record.count - 1, :, self.column(name, order)]
         return float(at_end(last[:, None])[0])
 
@@ -242,6 +267,12 @@ class Engine:
         )
 
     def _react(self, guard: Guard) -> None:
+        self.events += 1
+        if self.events > _MOST_EVENTS:
+            raise SceneError(
+                f"{guard.element.name}: more than {_MOST_EVENTS} switches before {self.t:.4g} s: noise that crosses its "
+                "steps, or a loop that chatters; smooth a recording (--lowpass), or simulate a shorter time"
+            )
         at, count = self.stalled
         self.stalled = (self.t, count + 1 if self.t - at < _TINY * self.longest else 0)
         if self.stalled[1] > _MOST_EVENTS_AT_ONCE:

@@ -78,26 +78,29 @@ class Propagator:
 
         The inputs are a varying one's values node by node, then the steady ones.
         """
-        extended, from_values = self._extended(h)
+        unchanged, per_second, from_values = self._extended
         n, scale = len(self.M), self._balance
-        whole = expm(np.multiply.outer([*NODES, 1.0], extended))
+        whole = expm(np.multiply.outer([*NODES, 1.0], unchanged + h * per_second))
         free = whole[:, :n, :n] * scale[:, None] / scale[None, :]
-        return free, whole[:, :n, n:] @ from_values * scale[:, None]
+        return free, whole[:, :n, n:] @ (h * from_values) * scale[:, None]
 
-    def _extended(self, h: float) -> tuple[Array, Array]:
-        """The equation extended by the inputs' Legendre coefficients, and the way from values at the nodes to these."""
+    @cached_property
+    def _extended(self) -> tuple[Array, Array, Array]:
+        """The equation extended by the inputs' Legendre coefficients, without and with the factor h of a step's length; and the
+        way from values at the nodes to these, which has that factor too."""
         scale, (varying, steady) = self._balance, self._driving
-        M, N = self.M / scale[:, None] * scale[None, :] * h, self.N / scale[:, None] * h
+        N = self.N / scale[:, None]
         size = np.abs(N).max(axis=0, initial=0.0)  # a large input would cost the exponential its small entries
-        n, m, count = len(M), len(varying), len(varying) * POINTS
-        extended = np.zeros((n + count + len(steady),) * 2)
-        extended[:n, :n] = M
-        extended[:n, n : n + count] = np.kron(_LEFT_ENDS, N[:, varying] / size[varying])
-        extended[:n, n + count :] = N[:, steady] / size[steady]
-        extended[n : n + count, n : n + count] = np.kron(_DERIVATIVE, np.eye(m))
+        n, m, count = len(self.M), len(varying), len(varying) * POINTS
+        unchanged = np.zeros((n + count + len(steady),) * 2)
+        unchanged[:n, n : n + count] = np.kron(_LEFT_ENDS, N[:, varying] / size[varying])
+        unchanged[:n, n + count :] = N[:, steady] / size[steady]
+        unchanged[n : n + count, n : n + count] = np.kron(_DERIVATIVE, np.eye(m))
+        per_second = np.zeros_like(unchanged)
+        per_second[:n, :n] = self.M / scale[:, None] * scale[None, :]
         from_values = np.diag(np.concatenate([np.zeros(count), size[steady]]))
         from_values[:count, :count] = np.kron(_TO_LEGENDRE, np.diag(size[varying]))
-        return extended, from_values
+        return unchanged, per_second, from_values
 
     def march(self, z: Array, w: Array, h: float) -> tuple[Array, Array]:
         """The states at all nodes of as many steps as ``w`` has (steps, nodes, inputs), and the state after the last."""
@@ -118,9 +121,11 @@ class Propagator:
 
 @dataclass
 class Record:
-    """Signals as polynomials, step by step: appended to at the end, read anywhere before it; zero before the start."""
+    """Signals as polynomials, step by step: appended to at the end, read anywhere before it; constant before the start."""
 
     width: int
+    before: Array = field(init=False)
+    """What they were before the start; 0 if not said."""
     times: Array = field(default_factory=lambda: np.zeros(1024))
     lengths: Array = field(default_factory=lambda: np.zeros(1024))
     values: Array = field(default_factory=lambda: np.zeros((0, POINTS, 0)))
@@ -128,6 +133,7 @@ class Record:
     count: int = 0
 
     def __post_init__(self) -> None:
+        self.before = np.zeros(self.width)
         self.values = np.zeros((1024, POINTS, self.width))
         self.coefficients = np.zeros((1024, POINTS, self.width))
 
@@ -147,14 +153,14 @@ class Record:
             setattr(self, name, np.concatenate([old, np.zeros_like(old)]))
 
     def at(self, t: Array, columns: Sequence[int]) -> Array:
-        """Signals at given times, along a new last axis; zero before the first step."""
+        """Signals at given times, along a new last axis; what they were before, before the first step."""
         if self.count == 0:
-            return np.zeros((*t.shape, len(columns)))
+            return np.broadcast_to(self.before[list(columns)], (*t.shape, len(columns)))
         last = np.maximum(np.searchsorted(self.times[: self.count], t, side="right") - 1, 0)
         place = np.clip(2 * (t - self.times[last]) / self.lengths[last] - 1, -1.0, 1.0)
         basis = np.power.outer(place, _POWERS)[..., None, :]
         found = (basis @ self.coefficients[last][..., columns])[..., 0, :]
-        return np.where((t < self.times[0])[..., None], 0.0, found)
+        return np.where((t < self.times[0])[..., None], self.before[list(columns)], found)
 
     @property
     def instants(self) -> Array:

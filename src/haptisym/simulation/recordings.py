@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -12,10 +13,49 @@ import numpy as np
 
 from haptisym.errors import SceneError
 from haptisym.numeric.values import Array
-from haptisym.quantities import Dimension, quantity
+from haptisym.quantities import Dimension, Number, quantity
 from haptisym.quantities import Motion as Kind
 
+from .motions import positive
+
 _GAP = 1.5  # of the usual spacing of samples; a longer one is a gap
+
+
+@dataclass(frozen=True)
+class Lowpass:
+    """A zero-phase low-pass: a Butterworth filter of half the ``order``, run forth and then back over the recording.
+
+    |G| = 1/(1 + (tan(omega dt/2)/tan(cutoff dt/2))^order (sqrt(2) - 1)): 3 dB less at the ``cutoff``, rad/s, and no delay.
+    A causal filter would delay the motion, and with it all that the scene says about phase; a recording is whole, so that
+    none is needed. Beyond both ends the recording is continued, turned about its end points.
+    """
+
+    cutoff: float
+    order: int
+
+    @classmethod
+    def of(cls, cutoff: Number, order: int) -> Lowpass:
+        if order not in (2, 4, 6, 8):
+            raise SceneError(f"order of the low-pass: {order} is none of 2, 4, 6, 8 (it runs forth and back)")
+        return cls(positive("lowpass", cutoff, Dimension.FREQUENCY), order)
+
+    def smoothed(self, made: Recording) -> Recording:
+        """The recording at even spacing, smoothed. Raises SceneError for a cutoff that its spacing cannot hold."""
+        from scipy.signal import butter, sosfiltfilt
+
+        count = len(made.times)
+        times = np.linspace(0.0, made.times[-1], count)
+        dt = times[1]
+        if self.cutoff >= pi / dt or self.cutoff * made.times[-1] < 2 * pi:
+            raise SceneError(
+                f"lowpass: {self.cutoff:.6g} rad/s must lie between one period in the whole recording, "
+                f"{2 * pi / made.times[-1]:.4g} rad/s, and its Nyquist frequency, {pi / dt:.4g} rad/s"
+            )
+        each = np.tan(self.cutoff * dt / 2) / (2**0.5 - 1) ** (1 / self.order)  # twice this is 3 dB at the cutoff
+        sections = butter(self.order // 2, 2 * np.arctan(each) / pi, output="sos")
+        even = made.derivatives(times, 0)[0]
+        pad = min(count - 1, int(np.ceil(3 * 2 * pi / self.cutoff / dt)))
+        return replace(made, times=times, values=sosfiltfilt(sections, even, padlen=pad), lowpass=self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +68,14 @@ class Recording:
     kind: Kind | None = None
     omegas: tuple[float, ...] = ()
     smoothness: int = 4
+    lowpass: Lowpass | None = None
+    """What smoothed it."""
+
+    @cached_property
+    def _spline(self) -> Any:
+        from scipy.interpolate import make_interp_spline
+
+        return make_interp_spline(self.times, self.values, k=5)
 
     @property
     def amplitude(self) -> float:
@@ -42,22 +90,25 @@ class Recording:
         return float(self.times[-1])
 
     def derivatives(self, t: Array, order: int) -> Array:
-        from scipy.interpolate import make_interp_spline
-
-        spline: Any = make_interp_spline(self.times, self.values, k=5)
-        inside = np.clip(t, self.times[0], self.times[-1])
+        spline, inside = self._spline, np.clip(t, self.times[0], self.times[-1])
         # before its first sample the hand is at rest there
         return np.stack(
             [np.where((t >= self.times[0]) | (k == 0), spline(inside, nu=k), 0.0) for k in range(order + 1)]
         )
 
 
-def recording(path: str | Path) -> Recording:
+def recording(path: str | Path, *, lowpass: Number | None = None, order: int = 4) -> Recording:
     """A motion from a CSV file: two columns, time and displacement, with units in the header (``t [s], x [mm]``).
 
-    Without a unit they are s and m (or rad). SceneError names the line of what is missing, not a number, or not in order,
-    and gaps: spacings more than 1.5 times the usual one.
+    Without a unit they are s and m (or rad). ``lowpass``: cutoff, rad/s or with a unit, of a smoothing of that ``order`` (see
+    ``Lowpass``); as recorded if not given. SceneError names the line of what is missing, not a number, or not in order, and
+    gaps: spacings more than 1.5 times the usual one.
     """
+    made = _read(path)
+    return made if lowpass is None else Lowpass.of(lowpass, order).smoothed(made)
+
+
+def _read(path: str | Path) -> Recording:
     rows = _rows(Path(path))
     units = [_unit(path, header) for header in rows[0]] if not _is_number(rows[0][0]) else ["", ""]
     body = rows[1:] if not _is_number(rows[0][0]) else rows

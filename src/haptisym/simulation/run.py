@@ -68,9 +68,11 @@ class Run:
         whole = np.ceil(ends / grid - 1e-9) * grid
         to_the_point = self.net.jumps or not isinstance(self.motion, Sines)
         for end in [*whole[:-1], *(ends[-1:] if to_the_point else whole[-1:])]:
-            self.engine.advance(float(end))
-            if self.progress is not None:
-                self.progress(self.engine.t, self.until)
+            self.engine.advance(float(end), self._watch)
+
+    def _watch(self, time: float) -> None:
+        if self.progress is not None:
+            self.progress(time, self.until)
 
     def locked(self, length: float | None) -> Lock:
         """Simulate until two windows agree, or as long as is said."""

@@ -29,6 +29,7 @@ from .network import Network, name_of
 from .results import Estimate, Extra, Simulated, document
 from .run import Run, check_scene, least_duration
 from .text import page
+from .threads import one_thread
 
 STEP = 0.9
 """Radians of the highest frequency on a step; the error estimate compares with steps that are half as long again."""
@@ -73,7 +74,17 @@ def simulate(
     >>> run.agrees, bool(abs(estimate.simulated - estimate.closed) < 1e-6 * abs(estimate.closed))
     (True, True)
     """
-    scene = as_scene(scene)
+    with one_thread():
+        return _simulated(as_scene(scene), motion, duration, extras, progress)
+
+
+def _simulated(
+    scene: Scene,
+    motion: Motion,
+    duration: Number | None,
+    extras: Sequence[Extra],
+    progress: Callable[[float, float], None] | None,
+) -> Simulation:
     check_scene(scene, motion)
     length = motion.duration if duration is None else positive("duration", duration, Dimension.TIME)
     fine = Run(scene, motion, extras, STEP, progress)
