@@ -46,10 +46,10 @@ text family.worstcase sweeps.store
 family.text pruning.text requirement.text sweeps.designspace sweeps.text tolerance.text
 evaluation requirement.question tolerance.answers
 family.evaluation figures.sampling formulas.derivation measures.measured requirement.designmap tex.results
-figures.style formulas.sections measures.disagreements measures.metric report.results sensitivities.slopes tex.latex
-costs.figure costs.hardfigure family.figure figures.nyquist figures.ratios formulas.text measures.figure measures.text \
-pruning.figure report.design report.findings report.scene requirement.figures sensitivities.figure sensitivities.text \
-simulation.figures tex.forms tolerance.figure
+figures.scales formulas.sections measures.disagreements measures.metric report.results sensitivities.slopes tex.latex
+figures.style formulas.text measures.text report.design report.findings report.scene sensitivities.text tex.forms
+costs.figure costs.hardfigure family.figure figures.nyquist figures.ratios measures.figure pruning.figure requirement.figures \
+sensitivities.figure simulation.figures tolerance.figure
 commands.derive commands.effects commands.require commands.simulate commands.tolerances costs.costs costs.hardcosts \
 figures.projections figures.square measures.transparency report.explorer report.forms report.notebook sensitivities.answers \
 sweeps.figure tex.document

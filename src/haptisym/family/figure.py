@@ -8,12 +8,15 @@ from typing import Any, TypeAlias
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from haptisym.figures.sampling import broken, sampled
+from haptisym.figures.scales import RADIANS, Scale, band_scale
 from haptisym.figures.style import (
     BLUE,
-    FREQUENCY,
+    DASHED,
+    DOTTED,
     GREY,
     INK,
     RED,
@@ -26,6 +29,7 @@ from haptisym.figures.style import (
     handle,
     label_above,
     legend,
+    name_frequency,
     save,
     shade,
 )
@@ -35,34 +39,41 @@ from haptisym.numeric.values import Array
 from .evaluation import FamilyEvaluation
 
 _NAMES = {Part.REAL: "r", Part.IMAG: "i"}
-_BINDING = (BLUE, RED, "#2c7a4b", "#8a5a00")
-"""Colours of the environments that bind, in the order in which they do."""
+_BINDING: tuple[tuple[str, Any], ...] = ((BLUE, SOLID), (RED, DASHED), ("#6fb0b8", SOLID), ("#d0701f", DASHED))
+"""Colours and strokes of the environments that bind, in the order in which they do."""
 
 
 Ratios: TypeAlias = dict[str, Array]
 """r_r and r_i in two columns, by the name of the environment."""
 
 
-def draw_envelope(ax: Axes, evaluation: FamilyEvaluation, part: Part, omega: Array, sampled: Ratios) -> None:
+def draw_envelope(
+    ax: Axes, evaluation: FamilyEvaluation, part: Part, omega: Array, sampled: Ratios, scale: Scale = RADIANS
+) -> list[Line2D]:
     """r_r or r_i of each environment as a thin line, the largest as a thick one, the binding environments in colour.
 
     Grey: where every environment is transparent in both parts. A dot marks each end of that at which this part binds.
+    ``omega`` : rad/s; drawn in the unit of ``scale``. Returns the line of each environment.
     """
     ratios = {name: both[:, 0 if part is Part.REAL else 1] for name, both in sampled.items()}
     envelope = np.max(np.nan_to_num(np.stack(list(ratios.values())), nan=np.inf), axis=0)
-    c = float(evaluation.family.threshold[part])
-    colors = binding_colors(evaluation)
-    shade(ax, evaluation.transparent)
-    ax.axhline(c, color=GREY, linewidth=0.6)
+    c, at = float(evaluation.family.threshold[part]), scale.of(omega)
+    looks = binding_looks(evaluation)
+    shade(ax, evaluation.transparent, scale)
+    ax.axhline(c, color=GREY, linewidth=0.6, linestyle=DOTTED)
+    lines = []
     for name, values in ratios.items():
-        ax.plot(omega, values, color=colors.get(name, GREY), linewidth=1.0 if name in colors else 0.6, zorder=3)
-    ax.plot(omega, envelope, color=INK, linewidth=2.2, alpha=0.35, zorder=2, solid_capstyle="butt")
-    bound = [x for x in evaluation.binding if x.part is part]
-    for x in bound:
-        ax.plot([float(x.omega)], [c], marker="o", markersize=3.8, color=colors[x.environment], zorder=4, clip_on=False)
-    ax.set(xlim=(omega[0], omega[-1]), ylim=(0, _height(envelope, c)))
+        color, style = looks.get(name, (GREY, SOLID))
+        width = 1.1 if name in looks else 0.6
+        lines += ax.plot(at, values, color=color, linestyle=style, linewidth=width, zorder=3)
+    ax.plot(at, envelope, color=INK, linewidth=2.2, alpha=0.35, zorder=2, solid_capstyle="butt")
+    for x in (x for x in evaluation.binding if x.part is part):
+        color, place = looks[x.environment][0], scale.of(float(x.omega))
+        ax.plot([place], [c], marker="o", markersize=3.8, color=color, zorder=4, clip_on=False)
+    ax.set(xlim=(at[0], at[-1]), ylim=(0, _height(envelope, c)))
     dress(ax)
     ax.set_ylabel(rf"$r_\mathrm{{{_NAMES[part]}}}$", fontsize=TEXT)
+    return lines
 
 
 def _height(envelope: Array, c: float) -> float:
@@ -86,8 +97,8 @@ def _sampled(evaluation: FamilyEvaluation, omega: Array) -> Ratios:
     return found
 
 
-def binding_colors(evaluation: FamilyEvaluation) -> dict[str, str]:
-    """The colour of each environment that binds somewhere."""
+def binding_looks(evaluation: FamilyEvaluation) -> dict[str, tuple[str, Any]]:
+    """The colour and stroke of each environment that binds somewhere."""
     names = list(dict.fromkeys(x.environment for x in evaluation.binding))
     return {name: _BINDING[i % len(_BINDING)] for i, name in enumerate(names)}
 
@@ -104,14 +115,14 @@ def family_figure(evaluation: FamilyEvaluation) -> Figure:
     height = 3.3
     figure = Figure(figsize=(WIDTH, height), layout="compressed")
     upper, lower = figure.subplots(2, 1, sharex=True)
-    omega = _common_grid(evaluation)
+    omega, scale = _common_grid(evaluation), band_scale(evaluation.family.first.band)
     sampled = _sampled(evaluation, omega)
     for ax, part in ((upper, Part.REAL), (lower, Part.IMAG)):
-        draw_envelope(ax, evaluation, part, omega, sampled)
+        draw_envelope(ax, evaluation, part, omega, sampled, scale)
     upper.tick_params(labelbottom=False)
-    lower.set_xlabel(FREQUENCY, fontsize=TEXT)
+    name_frequency(lower, scale)
     ends = dict.fromkeys(x.omega for x in evaluation.binding)
-    label_above(upper, [(float(x), x.digits(4)) for x in ends])
+    label_above(upper, [(scale.of(float(x)), scale.digits(x, 4)) for x in ends])
     legend(upper, _handles(evaluation), lines=1)
     figure.draw_without_rendering()
     figure.set_figheight(height + _legend_height(upper))
@@ -121,8 +132,16 @@ def family_figure(evaluation: FamilyEvaluation) -> Figure:
 
 
 def _handles(evaluation: FamilyEvaluation) -> list[Any]:
-    colors = binding_colors(evaluation)
-    bound = [handle(color, SOLID, f"{name} binds", 1.0, marker="o", markersize=3.8) for name, color in colors.items()]
-    others = [] if len(colors) == len(evaluation.family) else [handle(GREY, SOLID, "others", 0.6)]
+    looks = binding_looks(evaluation)
+    bound = [
+        handle(color, style, f"{name} binds", 1.1, marker="o", markersize=3.8) for name, (color, style) in looks.items()
+    ]
+    others = [] if len(looks) == len(evaluation.family) else [handle(GREY, SOLID, "others", 0.6)]
     shade = [Patch(facecolor=SHADE, label="all transparent")] if evaluation.transparent else []
-    return [handle(INK, SOLID, "largest", 2.2, alpha=0.35), *bound, *others, *shade]
+    return [
+        handle(INK, SOLID, "largest", 2.2, alpha=0.35),
+        *bound,
+        *others,
+        handle(GREY, DOTTED, "threshold", 0.6),
+        *shade,
+    ]

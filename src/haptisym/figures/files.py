@@ -26,7 +26,7 @@ def save_figures(evaluation: Evaluation, directory: str | Path, kinds: Iterable[
     """
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
-    drawings: dict[str, tuple[float, Callable[[Axes], None]]] = {
+    drawings: dict[str, tuple[float, Callable[[Axes], object]]] = {
         "ratios": (2.1, lambda ax: draw_ratios(ax, evaluation)),
         "nyquist": (2.6, lambda ax: draw_nyquist(ax, evaluation)),
         "projections-real": (2.0, lambda ax: draw_projections(ax, evaluation, Part.REAL)),

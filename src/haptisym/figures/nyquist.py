@@ -13,35 +13,63 @@ from haptisym.evaluation import Evaluation
 from haptisym.numeric.values import Array, Values
 
 from .sampling import band_of, broken, evenly, in_window, poles_of, refined, sampled
-from .style import BLUE, CURVES, GREY, INK, curve_handles, dress, legend, name_dynamics
+from .scales import Scale, band_scale
+from .style import GREY, INK, Look, curve_handles, curves, dress, entries, handle, legend, limit, name_dynamics, number
 
 
-def draw_nyquist(ax: Axes, evaluation: Evaluation, marks: Sequence[float] | None = None) -> None:
+def draw_nyquist(
+    ax: Axes,
+    evaluation: Evaluation,
+    marks: Sequence[float] | None = None,
+    *,
+    color: str | None = None,
+    label: str = "",
+) -> list[Line2D]:
     """H_env and H_perc in the complex plane over the band (the paper's Fig. 6), with arrows towards higher frequencies.
 
     ``marks``: frequencies, rad/s, marked alike on both curves; about a third, two thirds and the end of the band if not
-    given. Where a dynamics is infinite, or far from where it is on most of the band, its curve leaves the axes.
+    given, and none for a further scene on the same axes. Where a dynamics is infinite, or far from where it is on most of the
+    band, its curve leaves the axes.
+    ``color``, ``label`` : of the scene: both curves are drawn in the one, their entries in the legend end with the other.
+    Returns the curves of H_env and H_perc.
+
+    >>> from haptisym import evaluate, load_scene
+    >>> from matplotlib.figure import Figure
+    >>> ax = Figure().add_subplot()
+    >>> scene = load_scene("fu2019")
+    >>> for omega_n in (80, 40):
+    ...     lines = draw_nyquist(ax, evaluate(scene.with_values({"omega_n": omega_n})), label=f"{omega_n} rad/s")
+    >>> [line.get_linestyle() for line in lines]
+    ['-', '--']
     """
+    look = Look.on(ax, "$H_\\mathrm{env}$", color, label)
     f, grid = evaluation.distortion.compile(), sampled(evaluation)
     low, high = _window(responses(f, grid), responses(f, evenly(evaluation)))
     omega = refined(lambda w: in_window(responses(f, w), np.tile(low, 2), np.tile(high, 2)), grid)
     values = broken(responses(f, omega), omega, poles_of(evaluation))
-    ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
-    ax.axvline(0, color=GREY, linewidth=0.4, zorder=0)
-    marked = np.asarray(_default_marks(evaluation, f, (low, high)) if marks is None else marks, dtype=float)
-    for points, (color, style, _), share in zip(_points(values), CURVES, (0.42, 0.58), strict=True):
-        ax.plot(*points.T, color=color, linestyle=style, linewidth=1.1)
+    if not look.number:
+        ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
+        ax.axvline(0, color=GREY, linewidth=0.4, zorder=0)
+    chosen = marks if marks is not None else () if look.number else _default_marks(evaluation, f, (low, high))
+    marked, lines = np.asarray(chosen, dtype=float), list[Line2D]()
+    for points, (colour, style, _), share in zip(_points(values), curves(look), (0.42, 0.58), strict=True):
+        lines += ax.plot(*points.T, color=colour, linestyle=style, linewidth=1.1)
         length = _visible_length((points - low) / (high - low))
         for tail, head in _directions(length, np.interp(marked, omega, length), share):
-            arrow(ax, points[tail], points[head], color)
-    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-    width, height = high - low
-    if 0.25 < width / height < 4:
-        ax.set_aspect("equal", adjustable="box")
+            arrow(ax, points[tail], points[head], colour)
+    limit(ax, (low[0], high[0]), (low[1], high[1]), number=look.number)
+    width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
+    ax.set_aspect("equal" if 0.25 < width / height < 4 else "auto", adjustable="box")
     dress(ax)
     name_dynamics(ax.xaxis, r"\mathrm{Re}\,H", evaluation)
     name_dynamics(ax.yaxis, r"\mathrm{Im}\,H", evaluation)
-    legend(ax, [*curve_handles("", ""), *_mark_frequencies(ax, f, marked)])
+    handles = curve_handles(look)
+    for line, one in zip(lines, handles, strict=True):
+        line.set_label(str(one.get_label()))
+    directions = [handle(INK, "none", "rising frequency", marker=">", markersize=4.2)] if ax.texts else []
+    marking = _mark_frequencies(ax, f, marked, look, band_scale(evaluation.scene.band))
+    legend(ax, [*handles, *directions, *marking])
+    return lines
 
 
 def responses(f: Callable[..., Values], omega: Array) -> Array:
@@ -88,32 +116,46 @@ def _directions(length: Array, marked: Array, share: float) -> list[tuple[int, i
     return [(int(np.searchsorted(length, head - 0.01)) - 1, int(np.searchsorted(length, head))) for head in heads]
 
 
+HEAD = 6.5
+"""Points: the length of an arrow's head."""
+
+
 def arrow(ax: Axes, tail: Array, head: Array, color: str) -> None:
-    head_style = "-|>, head_length=0.65, head_width=0.27"
+    head_style = f"-|>, head_length={HEAD / 10}, head_width=0.27"
     style = {"arrowstyle": head_style, "color": color, "linewidth": 0, "mutation_scale": 10, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", xy=(head[0], head[1]), xytext=(tail[0], tail[1]), arrowprops=style)
 
 
 def _default_marks(evaluation: Evaluation, f: Callable[..., Values], window: tuple[Array, Array]) -> tuple[float, ...]:
     """About a third, two thirds and the end of the frequencies at which both curves are on the axes, as short numbers."""
-    low, high = band_of(evaluation)
+    factor = band_scale(evaluation.scene.band).factor
+    low, high = (x / factor for x in band_of(evaluation))
     omega = evenly(evaluation)
     places = in_window(responses(f, omega), np.tile(window[0], 2), np.tile(window[1], 2))
     inside = omega[(np.abs(places - 0.5) <= 0.5).all(axis=1)]
     step = 10.0 ** (np.floor(np.log10(high - low)) - 1)
+    inside = inside / factor
     chosen = inside[[round(share * (len(inside) - 1)) for share in (1 / 3, 2 / 3, 1)]]
     rounded = np.minimum(np.round(chosen / step), np.floor(inside[-1] / step + 1e-9)) * step
-    return tuple(dict.fromkeys(max(low, float(f"{x:.12g}")) for x in rounded))
+    return tuple(dict.fromkeys(max(low, float(f"{x:.12g}")) * factor for x in rounded))
 
 
-def _mark_frequencies(ax: Axes, f: Callable[..., Values], marks: Array) -> list[Line2D]:
-    """The same marker on both curves at each frequency, and what the legend says of it."""
-    handles = []
-    for omega, marker in zip(marks, "osDv^*" * len(marks), strict=False):
-        look: dict[str, Any] = {"marker": marker, "markersize": 4.2, "markeredgewidth": 0.9, "linestyle": "none"}
-        for [point], (color, _, _), face in zip(
-            _points(responses(f, np.array([omega]))), CURVES, (BLUE, "white"), strict=True
+def _mark_frequencies(ax: Axes, f: Callable[..., Values], marks: Array, look: Look, scale: Scale) -> list[Line2D]:
+    """The same marker on both curves at each frequency, filled on H_env, and what the legend says of it."""
+    handles, told = [], entries(ax)
+    free = [
+        marker
+        for marker in "osDv^*phPX"
+        if marker not in {str(x.get_marker()) for x in told.values() if isinstance(x, Line2D)}
+    ]
+    for omega, marker in zip(marks, free * len(marks), strict=False):
+        label = f"{number(scale.of(omega))} {scale.unit}"
+        shape = told[label].get_marker() if label in told else marker
+        style: dict[str, Any] = {"marker": shape, "markersize": 4.2, "markeredgewidth": 0.9, "linestyle": "none"}
+        colours = [colour for colour, _, _ in curves(look)]
+        for [point], colour, face in zip(
+            _points(responses(f, np.array([omega]))), colours, (colours[0], "white"), strict=True
         ):
-            ax.plot(*point, color=color, markerfacecolor=face, zorder=4, **look)
-        handles.append(Line2D([], [], color=INK, markerfacecolor="none", label=f"{omega:g} rad/s", **look))
+            ax.plot(*point, color=colour, markerfacecolor=face, zorder=4, **style)
+        handles.append(Line2D([], [], color=INK, markerfacecolor="none", label=label, **style))
     return handles

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from haptisym.crossings import Curve
 from haptisym.evaluation import Evaluation
@@ -19,25 +18,27 @@ from haptisym.numeric.values import Array, Values
 
 from .nyquist import responses
 from .sampling import band_of, broken, ends_of, evenly, in_window, poles_of, refined, sampled, top_of
+from .scales import Scale, scale_of
 from .style import (
-    CURVES,
     DOTTED,
-    FREQUENCY,
     GREY,
     INK,
     LEADER,
     MOST_NUMBERS,
-    SHADE,
     SMALL,
-    TEXT,
+    Look,
     _share,
     _spread,
+    bars,
     curve_handles,
+    curves,
     dress,
     entry,
     handle,
     legend,
+    limit,
     name_dynamics,
+    name_frequency,
     plate,
     shade,
     text_width,
@@ -54,50 +55,84 @@ class _Label:
     words: str
 
 
-def draw_projections(ax: Axes, evaluation: Evaluation, part: Part) -> None:
+def draw_projections(
+    ax: Axes,
+    evaluation: Evaluation,
+    part: Part,
+    *,
+    color: str | None = None,
+    label: str = "",
+    hertz: bool | None = None,
+) -> list[Line2D]:
     """``|Re|`` or ``|Im|`` of H_env and H_perc over the band (the paper's Fig. 7a and 7b).
 
     Bold where the part's ratio exceeds its threshold, with the percept in words; thin on grey where it does not.
+
+    ``color``, ``label``, ``hertz`` : as of ``draw_ratios``; the percepts of a further scene on the same axes are not written.
+    Returns the lines, of H_env bold and thin, then of H_perc.
+
+    >>> from haptisym import Part, evaluate, load_scene
+    >>> from matplotlib.figure import Figure
+    >>> lines = draw_projections(Figure().add_subplot(), evaluate(load_scene("fu2019")), Part.REAL)
+    >>> [line.get_linewidth() for line in lines]
+    [1.6, 0.7, 1.6, 0.7]
     """
-    f, grid, labels = evaluation.distortion.compile(), sampled(evaluation), _percept_labels(evaluation, part)
+    name = rf"\mathrm{{{'Re' if part is Part.REAL else 'Im'}}}"
+    first = rf"$|{name}\,H_\mathrm{{env}}|$"
+    look, scale = Look.on(ax, first, color, label), scale_of(ax, evaluation.scene.band, hertz=hertz)
+    f, grid = evaluation.distortion.compile(), sampled(evaluation)
     noticed = evaluation.chart.where(lambda signs: signs[Curve.EXCESS, part] > 0)
     unnoticed = evaluation.chart.where(lambda signs: signs[Curve.EXCESS, part] <= 0)
     top = 1.3 * top_of(_magnitudes(f, grid, part), _magnitudes(f, evenly(evaluation), part)) or 1.0
     omega = refined(lambda w: in_window(_magnitudes(f, w, part), 0, top), grid)
     values = broken(_magnitudes(f, omega, part), omega, poles_of(evaluation))
-    shade(ax, unnoticed)
-    for magnitude, (color, style, _) in zip(values.T, CURVES, strict=True):
-        for weight, where in ((1.6, noticed), (0.7, unnoticed)):
-            shown = np.where(_within(omega, where), magnitude, np.nan)
-            ax.plot(omega, shown, color=color, linestyle=style, linewidth=weight)
-    ax.set(xlim=band_of(evaluation), ylim=(0, top))
-    name = rf"\mathrm{{{'Re' if part is Part.REAL else 'Im'}}}"
+    where = f"not noticed{look.suffix}"
+    spans = bars(ax, unnoticed, look, scale, where) if look.number else shade(ax, unnoticed, scale, where)
+    handles, lines = curve_handles(look, rf"|{name}\,", "|"), list[Line2D]()
+    for magnitude, (colour, style, _), one in zip(values.T, curves(look), handles, strict=True):
+        for weight, among in ((1.6, noticed), (0.7, unnoticed)):
+            shown = np.where(_within(omega, among), magnitude, np.nan)
+            lines += ax.plot(scale.of(omega), shown, color=colour, linestyle=style, linewidth=weight)
+        lines[-2].set_label(str(one.get_label()))
+    low, high = band_of(evaluation)
+    limit(ax, (scale.of(low), scale.of(high)), (0, top), number=look.number)
     dress(ax)
-    ax.set_xlabel(FREQUENCY, fontsize=TEXT)
+    name_frequency(ax, scale)
     name_dynamics(ax.yaxis, rf"|{name}\,H|", evaluation)
-    shaded = [Patch(facecolor=SHADE, label="not noticed")] if unnoticed else []
+    numbered = _write_all(ax, _percept_labels(evaluation, part, scale)) if not look.number else []
+    legend(ax, [*handles, *spans[:1], *numbered])
+    return lines
+
+
+def _write_all(ax: Axes, labels: Sequence[_Label]) -> list[Line2D]:
+    """All percepts, or that there are none; what the legend says of those that have only a number."""
     _draw_boundaries(ax, labels)
-    numbered = _write_percepts(ax, labels)
-    legend(ax, [*curve_handles(rf"|{name}\,", "|"), *shaded, *numbered])
     if not labels:
         write_note(ax, "never exceeds the threshold")
+    return _write_percepts(ax, labels)
 
 
 def _magnitudes(f: Callable[..., Values], omega: Array, part: Part) -> Array:
     return np.abs(responses(f, omega)[:, (0 if part is Part.REAL else 1) :: 2])
 
 
-def _percept_labels(evaluation: Evaluation, part: Part) -> list[_Label]:
+def _percept_labels(evaluation: Evaluation, part: Part, scale: Scale) -> list[_Label]:
     """The percepts of a part, and where it is noticed but active, so that the paper's model has no percept for it."""
     percepts = [
-        _Label(*ends_of(p.band), f"{p.property.value}, {p.change.value}") for p in evaluation.percepts if p.part is part
+        _on(scale, p.band, f"{p.property.value}, {p.change.value}") for p in evaluation.percepts if p.part is part
     ]
     active = evaluation.chart.where(
         lambda signs: signs[Curve.EXCESS, part] > 0 and part is Part.IMAG and signs[Curve.PERCEIVED, part] < 0
     )
     return sorted(
-        [*percepts, *(_Label(*ends_of(x), "active, no percept") for x in active)], key=lambda label: label.low
+        [*percepts, *(_on(scale, x, "active, no percept") for x in active)],
+        key=lambda label: label.low,
     )
+
+
+def _on(scale: Scale, band: Interval, words: str) -> _Label:
+    low, high = ends_of(band)
+    return _Label(scale.of(low), scale.of(high), words)
 
 
 def _within(omega: Array, intervals: Iterable[Interval]) -> Any:

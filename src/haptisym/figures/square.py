@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.patches import Patch, Rectangle
+from matplotlib.patches import Rectangle
 
 from haptisym.crossings import Curve
 from haptisym.errors import SceneError
@@ -15,32 +16,77 @@ from haptisym.evaluation import Evaluation
 from haptisym.jnd import Part
 from haptisym.numeric.values import Array
 
-from .nyquist import arrow, responses, stacked
+from .nyquist import HEAD, arrow, responses, stacked
 from .sampling import band_of, limits_of
-from .style import CURVES, DOTTED, FULL_NAMES, GREY, SHADE, SMALL, TEXT, curve_handles, dress, legend, name_dynamics
+from .scales import band_scale
+from .style import (
+    DOTTED,
+    FULL_NAMES,
+    GREY,
+    INK,
+    SHADE,
+    SMALL,
+    TEXT,
+    Look,
+    curve_handles,
+    curves,
+    dress,
+    handle,
+    legend,
+    limit,
+    name_dynamics,
+    number,
+)
 
 
-def draw_jnd_square(ax: Axes, evaluation: Evaluation, omega: float) -> None:
+def draw_jnd_square(
+    ax: Axes, evaluation: Evaluation, omega: float, *, color: str | None = None, label: str = ""
+) -> list[Artist]:
     """H_env and H_perc at one frequency of the band, rad/s, with the region of changes that are not noticed (Fig. 2).
 
     The region is c_real ``|H_env|`` wide and c_imag ``|H_env|`` high to each side of the tip of H_env; its projections are
     bars on the axes. Raises SceneError outside the band and where H_env or H_perc is infinite.
+
+    ``color``, ``label`` : of the scene; the verdict stands in the title, that of a further scene in the legend.
+    Returns the region and the two arrows.
+
+    >>> from haptisym import evaluate, load_scene
+    >>> from matplotlib.figure import Figure
+    >>> ax = Figure().add_subplot()
+    >>> region, *arrows = draw_jnd_square(ax, evaluate(load_scene("fu2019")), 10)
+    >>> ax.get_title()
+    '$\\\\omega$ = 10 rad/s: noticed in the real part'
     """
     noticed = [part for part in Part if _sign_at(evaluation, omega, (Curve.EXCESS, part)) > 0]
     tips = stacked(responses(evaluation.distortion.compile(), np.array([omega])))
     if not np.isfinite(tips).all():
         raise SceneError(f"omega: the dynamics are infinite at {omega:g} rad/s")
+    look = Look.on(ax, r"$H_\mathrm{env}$", color, label)
     reach = np.array(limits_of(evaluation)) * np.hypot(*tips[0])
-    _draw_region(ax, tips[0], reach)
-    for tip, (color, style, _) in zip(tips, CURVES, strict=True):
-        _draw_vector(ax, tip, color, style)
-    _frame(ax, np.array([[0, 0], *tips, tips[0] - reach, tips[0] + reach]))
+    region = _draw_region(ax, tips[0], reach, look)
+    frame = _frame(np.array([[0, 0], *tips, tips[0] - reach, tips[0] + reach]))
+    limit(ax, *frame, number=look.number)
+    ax.set_aspect("equal", adjustable="box")
+    arrows = [_draw_vector(ax, tip, colour, style) for tip, (colour, style, _) in zip(tips, curves(look), strict=True)]
     dress(ax)
     name_dynamics(ax.xaxis, r"\mathrm{Re}\,H", evaluation)
     name_dynamics(ax.yaxis, r"\mathrm{Im}\,H", evaluation)
-    region = Patch(facecolor=SHADE, edgecolor=GREY, linewidth=0.6, label="not noticed")
-    legend(ax, [*curve_handles("", ""), region])
-    ax.set_title(rf"$\omega$ = {omega:.4g} rad/s: {_verdict(noticed)}", fontsize=TEXT, pad=2.2 * SMALL)
+    handles = curve_handles(look)
+    scale = band_scale(evaluation.scene.band)
+    at = rf"$\omega$ = {number(omega, 4)} rad/s" if scale.factor == 1 else f"{number(scale.of(omega), 4)} Hz"
+    if look.number:
+        handles[1].set_label(f"{handles[1].get_label()}: {_verdict(noticed)}")
+    title = ax.get_title() if look.number else f"{at}: {_verdict(noticed)}"
+    rows = legend(ax, [*handles, region, *_projected()])
+    ax.set_title(title, fontsize=TEXT, pad=(0.8 + 1.42 * rows) * SMALL)
+    return [region, *arrows]
+
+
+def _projected() -> list[Artist]:
+    return [
+        handle(INK, DOTTED, "projections", 0.6),
+        handle(GREY, "-", "not noticed in one part", 3, alpha=0.5, solid_capstyle="butt"),
+    ]
 
 
 def _verdict(noticed: Sequence[Part]) -> str:
@@ -60,31 +106,38 @@ def _sign_at(evaluation: Evaluation, omega: float, key: tuple[Curve, Part]) -> i
     return below[-1].at[key] if float(below[-1].omega) == omega else below[-1].after[key]
 
 
-def _draw_region(ax: Axes, tip: Array, reach: Array) -> None:
-    """The region of changes that are not noticed, and its projections on the axes."""
-    ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
-    ax.axvline(0, color=GREY, linewidth=0.4, zorder=0)
+def _draw_region(ax: Axes, tip: Array, reach: Array, look: Look) -> Rectangle:
+    """The region of changes that are not noticed, and its projections on the axes; of a further scene its outline alone."""
     corner, size = tip - reach, 2 * reach
-    ax.add_patch(Rectangle((corner[0], corner[1]), *size, facecolor=SHADE, edgecolor=GREY, linewidth=0.6, zorder=1))
-    bar: dict[str, Any] = {"color": GREY, "alpha": 0.5, "linewidth": 3, "solid_capstyle": "butt", "zorder": 1}
-    ax.plot([corner[0], corner[0] + size[0]], [0, 0], **bar)
-    ax.plot([0, 0], [corner[1], corner[1] + size[1]], **bar)
+    style: dict[str, Any] = {"facecolor": SHADE, "edgecolor": GREY, "label": "not noticed"}
+    if look.number:
+        style = {"facecolor": "none", "edgecolor": look.color, "label": f"not noticed{look.suffix}"}
+    region = Rectangle((corner[0], corner[1]), *size, linewidth=0.6, zorder=1, **style)
+    ax.add_patch(region)
+    if not look.number:
+        ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
+        ax.axvline(0, color=GREY, linewidth=0.4, zorder=0)
+        bar: dict[str, Any] = {"color": GREY, "alpha": 0.5, "linewidth": 3, "solid_capstyle": "butt", "zorder": 1}
+        ax.plot([corner[0], corner[0] + size[0]], [0, 0], **bar)
+        ax.plot([0, 0], [corner[1], corner[1] + size[1]], **bar)
+    return region
 
 
-def _draw_vector(ax: Axes, tip: Array, color: str, style: Any) -> None:
-    """An arrow from the origin, and the projections of its tip on both axes."""
+def _draw_vector(ax: Axes, tip: Array, color: str, style: Any) -> Artist:
+    """An arrow from the origin whose shaft ends where its head begins, and the projections of its tip on both axes."""
     ax.plot([tip[0], tip[0], 0], [0, tip[1], tip[1]], color=color, linewidth=0.6, linestyle=DOTTED, zorder=2)
-    ax.plot([0, tip[0]], [0, tip[1]], color=color, linewidth=1.2, linestyle=style, zorder=3)
-    if tip.any():
-        arrow(ax, 0.95 * tip, tip, color)
-    else:
-        ax.plot([0], [0], color=color, marker="o", markersize=3.6, zorder=3)
+    if not tip.any():
+        [spot] = ax.plot([0], [0], color=color, marker="o", markersize=3.6, zorder=3)
+        return spot
+    shaft = {"arrowstyle": "-", "color": color, "linewidth": 1.2, "linestyle": style, "shrinkA": 0, "shrinkB": HEAD}
+    made = ax.annotate("", xy=(tip[0], tip[1]), xytext=(0, 0), arrowprops=shaft, zorder=3)
+    arrow(ax, 0.95 * tip, tip, color)
+    return made
 
 
-def _frame(ax: Axes, points: Array) -> None:
+def _frame(points: Array) -> tuple[tuple[float, float], tuple[float, float]]:
     """Limits that hold the points with a margin, at equal scales, neither very wide nor very high."""
     low, high = points.min(axis=0), points.max(axis=0)
     half = 0.57 * np.maximum(high - low, 0.6 * np.max(high - low) or 1.0)
     low, high = (low + high) / 2 - half, (low + high) / 2 + half
-    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-    ax.set_aspect("equal", adjustable="box")
+    return (low[0], high[0]), (low[1], high[1])

@@ -4,27 +4,33 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.text import Annotation
 from matplotlib.ticker import FuncFormatter, MaxNLocator, ScalarFormatter
 from matplotlib.transforms import ScaledTranslation
+from sympy import Symbol
 
 from haptisym.evaluation import Evaluation
 from haptisym.exact.roots import Interval
 from haptisym.jnd import Part
 from haptisym.numeric.values import Array
-from haptisym.quantities import Motion
+from haptisym.quantities import Motion, unit_text
+from haptisym.tex.printer import formula
 
 from .kinds import UNDATED, checked
 from .sampling import ends_of
+from .scales import RADIANS, Scale
 
 WIDTH = 3.4
 """Inches: one column of a journal."""
@@ -36,9 +42,36 @@ DASHED: Any = (0, (4, 1.6))
 DOTTED: Any = (0, (1, 2))
 LEADER = {"arrowstyle": "-", "linewidth": 0.5, "color": GREY, "shrinkA": 0, "shrinkB": 0}
 CURVES = ((BLUE, SOLID, r"H_\mathrm{env}"), (RED, DASHED, r"H_\mathrm{perc}"))
-FREQUENCY = r"$\omega$ (rad/s)"
 FULL_NAMES = {Part.REAL: "real", Part.IMAG: "imaginary"}
+SCENES = (INK, "#d0701f", BLUE, "#6fb0b8", "#7d4a8c")
+"""Colours of the first, second, ... scene that is drawn on the same axes."""
 MOST_LABELS, MOST_NUMBERS = 4, 8
+
+
+@dataclass(frozen=True)
+class Look:
+    """How one of perhaps several scenes is drawn on the same axes.
+
+    ``color``: the caller's, or the next one; ``given``: whether the caller chose it. ``suffix``: what its entries in the legend
+    end with. ``number``: of scenes that were drawn before.
+    """
+
+    color: str
+    given: bool
+    suffix: str
+    number: int
+
+    @classmethod
+    def on(cls, ax: Axes, name: str, color: str | None, label: str) -> Look:
+        """The look of a scene on axes where each one has an entry of that name in the legend."""
+        number = sum(text.startswith((f"{name}, ", f"{name} (")) or text == name for text in entries(ax))
+        suffix = f", {label}" if label else f" ({number + 1})" if number else ""
+        return cls(color or SCENES[number % len(SCENES)], color is not None, suffix, number)
+
+    @property
+    def plain(self) -> bool:
+        """Whether the scene is alone so far, and drawn in the usual colours."""
+        return not (self.given or self.number)
 
 
 def dress(ax: Axes) -> None:
@@ -48,10 +81,44 @@ def dress(ax: Axes) -> None:
     for spine in ax.spines.values():
         spine.set(linewidth=0.5, color=GREY)
     for axis in (ax.xaxis, ax.yaxis):
-        plain = ScalarFormatter(useOffset=False)
-        plain.set_scientific(False)
-        axis.set_major_formatter(plain)
+        axis.set_major_formatter(_Plain())
         axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
+
+
+class _Plain(ScalarFormatter):
+    """All decimals of all ticks; powers of ten only where numbers would be long."""
+
+    def __init__(self) -> None:
+        super().__init__(useOffset=False)
+        self.set_scientific(False)
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        most = float(np.abs(self.axis.get_view_interval()).max()) if self.axis else 1.0
+        return number(x) if not 1e-3 <= most < 1e6 else super().__call__(x, pos)
+
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def number(value: float, digits: int = 6) -> str:
+    """A number as print has it: a real minus, and powers of ten with an exponent that is raised.
+
+    >>> number(-0.5), number(2.79e-05, 3), number(1e-7), number(12.0)
+    ('−0.5', '2.79·10⁻⁵', '10⁻⁷', '12')
+    """
+    mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
+    power = f"10{str(int(exponent)).translate(_RAISED)}" if exponent else ""
+    shown = {"1": power, "-1": f"-{power}"}.get(mantissa, f"{mantissa}·{power}") if power else mantissa
+    return shown.replace("-", "−")
+
+
+def raised(text: str) -> str:
+    """A text with its powers as print has them.
+
+    >>> raised("grid of 10^4, 10^-3")
+    'grid of 10⁴, 10⁻³'
+    """
+    return re.sub(r"\^(-?\d+)", lambda found: found[1].translate(_RAISED), text)
 
 
 def name_dynamics(axis: Axis, name: str, evaluation: Evaluation) -> None:
@@ -61,26 +128,82 @@ def name_dynamics(axis: Axis, name: str, evaluation: Evaluation) -> None:
     unit = "N·m/rad" if evaluation.scene.motion is Motion.ROTATION else "N/m"
     axis.set_label_text(f"${name}$ ({prefix}{unit})", fontsize=TEXT)
     if prefix:
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / factor:g}".replace("-", "−")))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: number(value / factor)))
 
 
-def shade(ax: Axes, intervals: Iterable[Interval]) -> None:
-    for low, high in map(ends_of, intervals):
+def name_parameter(name: str, unit: str) -> str:
+    """The label of an axis of a parameter: its symbol and its unit.
+
+    >>> name_parameter("omega_n", "rad/s"), name_parameter("zeta", "1")
+    ('$\\\\omega_n$ (rad/s)', '$\\\\zeta$')
+    """
+    symbol = f"${formula(Symbol(name))}$"
+    return symbol if unit in ("", "1") else f"{symbol} ({unit_text(unit)})"
+
+
+def name_frequency(ax: Axes, scale: Scale) -> None:
+    """The label of the horizontal axis where that is frequency."""
+    ax.set_xlabel(scale.label, fontsize=TEXT)
+
+
+def limit(ax: Axes, x: tuple[float, float], y: tuple[float, float], *, number: int = 0) -> None:
+    """Limits of the axes; wide enough for what was drawn before, too, if that is some number of scenes."""
+    for asked, get, put in ((x, ax.get_xlim, ax.set_xlim), (y, ax.get_ylim, ax.set_ylim)):
+        low, high = get() if number else asked
+        put(min(low, asked[0]), max(high, asked[1]))
+
+
+def shade(ax: Axes, intervals: Iterable[Interval], scale: Scale = RADIANS, label: str = "") -> list[Patch]:
+    """Grey bands at some frequencies; the first one bears the label."""
+    made: list[Patch] = []
+    for low, high in (scale.of(np.array(ends_of(x))) for x in intervals):
         if low == high:
             ax.axvline(low, color=SHADE, linewidth=1, zorder=0)
         else:
-            ax.axvspan(low, high, facecolor=SHADE, linewidth=0, zorder=0)
+            made.append(ax.axvspan(low, high, facecolor=SHADE, linewidth=0, zorder=0))
+    if made and label:
+        made[0].set_label(label)
+    return made
 
 
-def label_above(ax: Axes, labels: Iterable[tuple[float, str]]) -> None:
-    """Texts side by side on top of the axes, each tied to its frequency."""
-    ordered = sorted(labels)
-    places = _spread([_share(ax, x) for x, _ in ordered], [text_width(ax, text) for _, text in ordered])
-    for (x, text), place in zip(ordered, places, strict=True):
-        ax.axvline(x, color=GREY, linewidth=0.5, linestyle=DOTTED, zorder=1)
+def bars(ax: Axes, intervals: Iterable[Interval], look: Look, scale: Scale, label: str) -> list[Line2D]:
+    """The bands of a further scene as bars of its colour at the top of the axes, each scene below the one before."""
+    made: list[Line2D] = []
+    for ends in (scale.of(np.array(ends_of(x))) for x in intervals):
+        place = [0.985 - 0.03 * look.number] * 2
+        made += ax.plot(
+            ends, place, color=look.color, transform=ax.get_xaxis_transform(), zorder=1, linewidth=2.5, alpha=0.6,
+            solid_capstyle="butt",
+        )  # fmt: skip
+    if made:
+        made[0].set_label(label)
+    return made
+
+
+_ABOVE = "_above"
+"""The mark of labels above the axes, by which those of a scene drawn before are found."""
+
+
+def label_above(ax: Axes, labels: Iterable[tuple[float, str]], color: str = INK) -> None:
+    """Texts side by side on top of the axes, each tied to its place; those that are there already move for new ones.
+
+    Where they have no room beside each other, only those that were there first stay.
+    """
+    before = [x for x in ax.texts if isinstance(x, Annotation) and x.get_label() == _ABOVE]
+    rows = [(float(x.xy[0]), x.get_text(), str(x.get_color())) for x in before]
+    new = [(x, text, color) for x, text in labels]
+    if rows and sum(text_width(ax, text) for _, text, _ in [*rows, *new]) > 1:
+        new = []
+    for old in before:
+        old.remove()
+    for x, _, shade in new:
+        ax.axvline(x, color=GREY if shade == INK else shade, linewidth=0.5, linestyle=DOTTED, zorder=1)
+    ordered = sorted([*rows, *new])
+    places = _spread([_share(ax, x) for x, _, _ in ordered], [text_width(ax, text) for _, text, _ in ordered])
+    for (x, text, shade), place in zip(ordered, places, strict=True):
         ax.annotate(
-            text, xy=(_share(ax, x), 1), xytext=(place, 1.05), xycoords="axes fraction", textcoords="axes fraction",
-            ha="center", va="bottom", fontsize=SMALL, arrowprops=LEADER,
+            text, xy=(x, 1), xytext=(place, 1.05), xycoords=ax.get_xaxis_transform(), textcoords="axes fraction",
+            ha="center", va="bottom", fontsize=SMALL, color=shade, arrowprops=LEADER, label=_ABOVE,
         )  # fmt: skip
 
 
@@ -112,20 +235,34 @@ def em(ax: Axes) -> float:
     return SMALL * ax.figure.dpi / (72 * ax.bbox.width)
 
 
-def legend(ax: Axes, handles: Sequence[Line2D | Patch], *, lines: int = 0) -> None:
-    """The legend above the axes, where no curve is, and above that many lines of other text."""
+def entries(ax: Axes) -> dict[str, Any]:
+    """What the legend of the axes holds: from each label to its handle."""
+    found = ax.get_legend()
+    return dict(zip([x.get_text() for x in found.get_texts()], found.legend_handles, strict=True)) if found else {}
+
+
+def legend(ax: Axes, handles: Iterable[Artist], *, lines: int = 0) -> int:
+    """The legend above the axes, where no curve is, and above that many lines of other text; how many rows it has.
+
+    Entries of a legend that is there already stay; no label occurs twice.
+    """
+    told = entries(ax)
+    for x in handles:
+        told.setdefault(str(x.get_label()), x)
+    columns = _columns(ax, list(told))
     raised = ScaledTranslation(0, (0.5 + 1.9 * lines) * SMALL / 72, ax.figure.dpi_scale_trans)
     ax.legend(
-        handles=handles, ncols=_columns(ax, handles), loc="lower left", bbox_to_anchor=(0, 1),
-        bbox_transform=ax.transAxes + raised, borderaxespad=0, borderpad=0, fontsize=SMALL, frameon=False,
-        handlelength=2.2, handletextpad=0.5, columnspacing=1.2, labelspacing=0.3,
+        handles=list(told.values()), labels=list(told), ncols=columns, loc="lower left",
+        bbox_to_anchor=(0, 1), bbox_transform=ax.transAxes + raised, borderaxespad=0, borderpad=0, fontsize=SMALL,
+        frameon=False, handlelength=2.2, handletextpad=0.5, columnspacing=1.2, labelspacing=0.3,
     )  # fmt: skip
+    return -(-len(told) // columns)
 
 
-def _columns(ax: Axes, handles: Sequence[Line2D | Patch]) -> int:
+def _columns(ax: Axes, labels: Sequence[str]) -> int:
     """The most columns of a legend that together are no wider than the axes."""
-    widths = [text_width(ax, _as_seen(str(handle.get_label()))) + 3.2 * em(ax) for handle in handles]
-    for columns in range(len(handles), 1, -1):
+    widths = [text_width(ax, _as_seen(label)) + 3.2 * em(ax) for label in labels]
+    for columns in range(len(labels), 1, -1):
         if sum(max(column) for column in np.array_split(widths, columns)) - 1.2 * em(ax) <= 1.05:
             return columns
     return 1
@@ -136,8 +273,14 @@ def _as_seen(label: str) -> str:
     return re.sub(r"\\[a-z]+|[\\${}_,]", "", label)
 
 
-def curve_handles(before: str, after: str) -> list[Line2D]:
-    return [handle(color, style, f"${before}{name}{after}$") for color, style, name in CURVES]
+def curves(look: Look) -> tuple[tuple[str, Any, str], ...]:
+    """Colour, style and name of the curves of H_env and H_perc: blue and red, or both in the colour of a scene."""
+    return CURVES if look.plain else tuple((look.color, style, name) for _, style, name in CURVES)
+
+
+def curve_handles(look: Look, before: str = "", after: str = "") -> list[Line2D]:
+    rows = curves(look)
+    return [handle(color, style, f"${before}{name}{after}${look.suffix}") for color, style, name in rows]
 
 
 def handle(color: str, style: Any, label: str, width: float = 1.1, **marker: Any) -> Line2D:
@@ -162,7 +305,7 @@ def save_as(figure: Figure, path: str | Path) -> Path:
     return target
 
 
-def one_column(height: float, draw: Callable[[Axes], None]) -> Figure:
+def one_column(height: float, draw: Callable[[Axes], object]) -> Figure:
     """A drawing of that height, in inches, without its legend; one with equal scales takes the height that it needs."""
     figure = Figure(figsize=(WIDTH, height), layout="compressed")
     ax = figure.add_subplot()

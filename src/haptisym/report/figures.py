@@ -77,7 +77,7 @@ def _telling_frequencies(e: Evaluation) -> Iterator[float]:
         yield float(low.omega) + share * (float(high.omega) - float(low.omega))
 
 
-def _figure(name: str, size: tuple[float, float], draw: Callable[[Axes], None], caption: str) -> Html:
+def _figure(name: str, size: tuple[float, float], draw: Callable[[Axes], object], caption: str) -> Html:
     figure = Figure(figsize=size, layout="compressed")
     ax = figure.add_subplot()
     draw(ax)
