@@ -22,6 +22,8 @@ quantities simulation.rest codegen.printers exact.axis exact.bernstein exact.eli
 simulation.rightmost sweeps.families tex.names typeset.numerals typeset.order
 codegen.languages codegen.short exact.dynamics exact.isolation exact.polynomials exact.wavesums numeric.balls numeric.floats \
 typeset.formula typeset.quotients
+exact.exactwaves
+exact.beginnings
 codegen.code exact.analytic exact.response numeric.doubled numeric.machine numeric.magnitudes typeset.layout
 exact.caches exact.levels exact.periodic exact.solutions numeric.pointvalues numeric.stable requirement.strips \
 requirement.touches tex.printer typeset.equations typeset.mathml typeset.plain

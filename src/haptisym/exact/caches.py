@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from . import analytic, polynomials, wavesums, zeros
+from . import analytic, beginnings, polynomials, wavesums, zeros
 
 _CACHES = [
     found
-    for module in (analytic, polynomials, wavesums, zeros)
+    for module in (analytic, beginnings, polynomials, wavesums, zeros)
     for found in vars(module).values()
     if hasattr(found, "cache_clear")
 ]

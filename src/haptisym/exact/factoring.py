@@ -143,9 +143,12 @@ def _cosine(axis: Axis, index: int) -> AnalyticFactor:
 
 
 def _made(terms: tuple[Term, ...], degrees: tuple[int, ...], axis: Axis) -> AnalyticFactor:
-    """The factor, of the kind that knows most about its zeros."""
-    turning = [angle for angle, degree in zip(axis.angles, degrees, strict=True) if degree]
+    """The factor, of the kind that knows most about its zeros; angles that it does not hold are none of its."""
+    own = [i for i, degree in enumerate(degrees) if degree]
+    angles = [axis.angles[i] for i in own]
+    shorter = tuple(Term(tuple(x.turns[i] for i in own), x.powers, x.coefficients) for x in terms)
     rational = all(len(term.coefficients) == 1 and len(term.coefficients[0]) == 1 for term in terms)
-    alone = len(turning) == 1 and not turning[0].constant and not any(any(term.powers) for term in terms)
+    alone = len(angles) == 1 and not angles[0].constant and not any(any(term.powers) for term in terms)
     kind = PeriodicFactor if alone and rational else AnalyticFactor
-    return kind(terms, tuple((angle.rate, angle.constant) for angle in axis.angles), degrees, axis.orders)
+    rates = tuple((angle.rate, angle.constant) for angle in angles)
+    return kind(shorter, rates, tuple(degrees[i] for i in own), axis.orders)

@@ -1,0 +1,98 @@
+"""Functions with powers of omega near omega = 0: what cancels there is seen to cancel; crossings against mpmath."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+
+import mpmath
+import pytest
+from sympy import Rational
+
+import haptisym as hs
+from haptisym import effects, environments
+from haptisym.jnd import Part
+
+Dynamics = Callable[[mpmath.mpc, mpmath.mpc], mpmath.mpc]
+"""What is felt of a dynamics, and s."""
+ORDERS = ("1/2", "1/4", "3/4", "1/3", "2/3", "1/8", "2/5", "0.3", "0.37")
+
+
+def _effect(draw: random.Random) -> tuple[hs.Effect, Dynamics]:
+    k, b = draw.choice([200, 500, 900]), draw.choice([1, 2, 10])
+    power = Rational(draw.choice(ORDERS))
+    exponent = mpmath.mpf(power.p) / power.q
+    return draw.choice(
+        [
+            (effects.compliance(k=k), lambda h, s: h / (1 + h / k)),
+            (effects.compliance(b=k), lambda h, s: h / (1 + h / (k * s))),
+            (effects.compliance(k=k, b=b), lambda h, s: h / (1 + h / (k + b * s))),
+            (effects.shunt(b=b), lambda h, s: h + b * s),
+            (effects.shunt(m="0.1", b=b), lambda h, s: h + s * s / 10 + b * s),
+            (effects.shunt(k=-b), lambda h, s: h - b),
+            (effects.first_order_lag(k), lambda h, s: h * k / (k + s)),
+            (effects.series(10 / (10 + hs.s**power)), lambda h, s: h * 10 / (10 + s**exponent)),
+        ]
+    )
+
+
+def _scene(draw: random.Random) -> tuple[hs.Scene, Callable[[mpmath.mpf], dict[Part, mpmath.mpf]]]:
+    """A scene with a spring-pot, and the excess r - c of both parts at a frequency, written out once more."""
+    order, size, k = Rational(draw.choice(ORDERS)), draw.choice([1, 5, 80]), draw.choice([0, 0, 50])
+    chain = [_effect(draw) for _ in range(draw.randint(1, 2))]
+    environment = environments.spring_pot(size, order, k) if k else environments.spring_pot(size, order)
+
+    def excess(w: mpmath.mpf) -> dict[Part, mpmath.mpf]:
+        s = mpmath.mpc(0, w)
+        own = felt = k + size * s ** (mpmath.mpf(order.p) / order.q)
+        for _, change in chain:
+            felt = change(felt, s)
+        d = felt - own
+        return {part: abs(x) / abs(own) - mpmath.mpf("0.1") for part, x in zip(Part, (d.real, d.imag), strict=True)}
+
+    return hs.Scene(environment, tuple(effect for effect, _ in chain), (0, 15)), excess
+
+
+def _agrees(seed: int) -> None:
+    scene, excess = _scene(random.Random(seed))
+    found = [x for x in hs.evaluate(scene).crossings if x.kind.value != "touches"]
+    with mpmath.workdps(30):
+        grid = sorted(
+            {mpmath.mpf(10) ** (mpmath.mpf(n) / 20 - 8) for n in range(180)}
+            | {mpmath.mpf(n) / 20 for n in range(1, 301)}
+        )
+        grid = [w for w in grid if w <= 15]
+        values = [excess(w) for w in grid]
+        for part in Part:
+            signs = [v[part] > 0 for v in values]
+            turns = [(a, b) for a, b, x, y in zip(grid, grid[1:], signs, signs[1:], strict=False) if x != y]
+            own = [float(x.omega) for x in found if x.part is part and float(x.omega) >= grid[0]]
+            assert len(own) == len(turns), (part, own, turns)
+            assert all(a <= w <= b for w, (a, b) in zip(own, turns, strict=True))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_scenes_with_powers_are_decided_from_zero_on(seed: int) -> None:
+    _agrees(seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(12, 200))
+def test_many_scenes_with_powers_are_decided_from_zero_on(seed: int) -> None:
+    _agrees(seed)
+
+
+def test_the_real_part_of_s_is_seen_to_vanish_where_s_is_the_square_of_its_root() -> None:
+    """Re dH of a spring-pot sqrt(s) behind a compliance k: -80^2/k Re s is no part of its expansion, -905.1 omega^1.5 begins it."""
+    found = hs.evaluate(hs.Scene(environments.spring_pot(80, "1/2"), (effects.compliance(k=500),), (0, 15)))
+    assert [(x.part, x.omega.digits(12)) for x in found.crossings] == [
+        (Part.IMAG, "0.457264930490"),
+        (Part.REAL, "11.3360688383"),
+    ]
+    with mpmath.workdps(40):
+
+        def excess(w: mpmath.mpf) -> mpmath.mpf:
+            felt = 80 * mpmath.sqrt(mpmath.mpc(0, w))
+            return abs((felt * felt / (felt + 500)).imag) / abs(felt) - mpmath.mpf("0.1")
+
+        assert abs(mpmath.findroot(excess, 0.457) - float(found.crossings[0].omega)) < 1e-12
