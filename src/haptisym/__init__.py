@@ -13,6 +13,8 @@ from .crossings import Crossing, CrossingKind
 from .distortion import Distortion, distort
 from .errors import ExpressionError, HaptisymError, SceneError, UndecidedError
 from .evaluation import Evaluation, evaluate
+from .exact.reals import RealNumber
+from .exact.roots import Interval, Point
 from .jnd import Part, Threshold
 from .numeric.accuracy import Accuracy
 from .peaks import Peak, peaks
@@ -31,20 +33,27 @@ __version__ = "0.1.0"
 _ON_DEMAND = {
     "Cost": "costs.costs",
     "Derivation": "formulas.derivation",
+    "DesignMap": "requirement.designmap",
     "EncoderQuantisation": "simulation.results",
     "FamilyEvaluation": "family.evaluation",
     "ForceSaturation": "simulation.results",
+    "HardCosts": "costs.hardcosts",
     "Language": "codegen.scene",
-    "SceneFamily": "family.family",
-    "Simulation": "simulation.simulate",
+    "Metrics": "measures.transparency",
     "Relevance": "pruning.relevance",
+    "Requirement": "requirement.question",
+    "SceneFamily": "family.family",
+    "Sensitivities": "sensitivities.answers",
+    "Simulation": "simulation.simulate",
+    "Tolerances": "tolerance.answers",
     "check": "simulation.simulate",
     "chirp": "simulation.motions",
     "cost": "costs.costs",
     "derive": "formulas.derivation",
+    "design_map": "requirement.designmap",
+    "distortion_code": "codegen.scene",
     "evaluate_all": "family.evaluation",
     "family_names": "scenefile",
-    "distortion_code": "codegen.scene",
     "hard_costs": "costs.hardcosts",
     "interop": "",
     "load_scenes": "scenefile",
@@ -52,22 +61,20 @@ _ON_DEMAND = {
     "multisine": "simulation.motions",
     "parse_scenes": "scenefile",
     "recording": "simulation.recordings",
-    "Sensitivities": "sensitivities.answers",
-    "Tolerances": "tolerance.answers",
-    "DesignMap": "requirement.designmap",
-    "Requirement": "requirement.question",
-    "design_map": "requirement.designmap",
-    "require": "requirement.question",
     "relevance": "pruning.relevance",
+    "require": "requirement.question",
     "scene_code": "codegen.scene",
     "sensitivity": "sensitivities.answers",
     "simulate": "simulation.simulate",
     "simulation_cost": "costs.costs",
     "sine": "simulation.motions",
-    "tolerances": "tolerance.answers",
     "sweep": "sweeps.designspace",
+    "tolerances": "tolerance.answers",
 }
-"""What is loaded only when it is used: simulation needs SciPy (the extra ``simulate``), formulas cost time at start."""
+"""What is loaded only when it is used: simulation needs SciPy (the extra ``simulate``), formulas cost time at start.
+
+Type checkers and editors read ``__init__.pyi``, which names the same.
+"""
 
 
 def __getattr__(name: str) -> object:
@@ -79,36 +86,82 @@ def __getattr__(name: str) -> object:
     return getattr(module, name) if _ON_DEMAND[name] else module
 
 
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
+
 __all__ = [
     "Accuracy",
     "Change",
+    "Cost",
     "Crossing",
     "CrossingKind",
+    "Derivation",
+    "DesignMap",
     "Distortion",
     "Effect",
+    "EncoderQuantisation",
     "Environment",
     "Evaluation",
     "ExpressionError",
+    "FamilyEvaluation",
+    "ForceSaturation",
     "HaptisymError",
+    "HardCosts",
+    "Interval",
+    "Language",
+    "Metrics",
     "Part",
     "Peak",
     "Percept",
+    "Point",
     "Property",
+    "RealNumber",
+    "Relevance",
+    "Requirement",
     "Scene",
     "SceneError",
+    "SceneFamily",
+    "Sensitivities",
+    "Simulation",
     "Threshold",
+    "Tolerances",
     "UndecidedError",
+    "check",
+    "chirp",
+    "cost",
+    "derive",
+    "design_map",
     "distort",
+    "distortion_code",
     "effects",
     "environments",
     "evaluate",
+    "evaluate_all",
+    "family_names",
+    "hard_costs",
+    "interop",
     "latex",
     "load_scene",
+    "load_scenes",
     "mathml",
+    "metrics",
+    "multisine",
     "omega",
     "parse_scene",
+    "parse_scenes",
     "peaks",
+    "recording",
+    "relevance",
+    "require",
     "s",
+    "scene_code",
     "scene_names",
+    "sensitivity",
+    "simulate",
+    "simulation_cost",
+    "sine",
+    "sweep",
     "symbols",
+    "tolerances",
 ]

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from scipy.optimize import brentq
 
 from haptisym.errors import SceneError
 from haptisym.numeric.values import Array
@@ -31,6 +30,8 @@ class Guard:
 
 def falls(course: Array, both: Array, bad: int) -> float:
     """Where on the step, from 0 to 1, a guard falls through zero before the node ``bad``."""
+    from scipy.optimize import brentq  # SciPy is an extra: asked for where it is needed
+
     coefficients = series(course[:, None])[:, 0]
     places = np.concatenate([[0.0], NODES, [1.0]])
 

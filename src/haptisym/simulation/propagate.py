@@ -13,7 +13,6 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.polynomial import legendre
-from scipy.linalg import expm, matrix_balance
 
 from haptisym.numeric.values import Array
 
@@ -69,6 +68,8 @@ class Propagator:
     @cached_property
     def _balance(self) -> Array:
         """Units for the states in which the numbers of the matrix are of like size."""
+        from scipy.linalg import matrix_balance  # SciPy is an extra: asked for where it is needed
+
         _, (scale, _) = matrix_balance(self.M, permute=False, separate=True)
         return np.asarray(scale, dtype=float)
 
@@ -78,6 +79,8 @@ class Propagator:
 
         The inputs are a varying one's values node by node, then the steady ones.
         """
+        from scipy.linalg import expm
+
         unchanged, per_second, from_values = self._extended
         n, scale = len(self.M), self._balance
         whole = expm(np.multiply.outer([*NODES, 1.0], unchanged + h * per_second))

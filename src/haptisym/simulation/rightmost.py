@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 
 import numpy as np
-from scipy.optimize import newton
 from sympy import lambdify
 
 from haptisym.exact.rings import RationalFunction
@@ -21,6 +20,8 @@ def rightmost_pole(dynamics: RationalFunction) -> complex | None:
     >>> round(pole.real, 4), round(abs(pole.imag), 4)
     (0.1728, 1.6737)
     """
+    from scipy.optimize import newton  # SciPy is an extra: asked for where it is needed
+
     denominator = dynamics.ring.expression(dynamics.denominator)
     value = lambdify(s, denominator, "numpy")
     found: list[complex] = []
