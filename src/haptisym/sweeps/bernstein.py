@@ -160,8 +160,8 @@ def _signs_on_halves(p: Batch, low: Array, middle: Array, high: Array) -> Array:
         bound = np.empty_like(p.sizes)
         bound[0] = least  # tight where p may be small, at the low end; sizes grow, and elsewhere the last one will do
         bound[1:] = most
-        # to shift, n products, n sums with them and n sums in passing; 2 n for powers of the width; n + 2 for the last sums
-        signs.append(_certain_signs(_bernstein(p.values, a, b), error(bound, p.roundings + 6 * p.degree + 2)))
+        # at most 3 n for the shift and the power of the width together; n + 2 for the last sums, in whatever order
+        signs.append(_certain_signs(_bernstein(p.values, a, b), error(bound, p.roundings + 4 * p.degree + 2)))
     return np.concatenate(signs, axis=1)
 
 
