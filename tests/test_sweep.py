@@ -9,18 +9,24 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from fractions import Fraction
+from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import distributed
+import mpmath
 import numpy as np
 import pytest
 import xarray as xr
+from hypothesis import given as drawn
+from hypothesis import strategies as st
 from strategies import Seeded, case, scene
-from sympy import Rational
+from sympy import Expr, Integer, Rational, pi
 
 import haptisym as hs
 from haptisym.cli import main
+from haptisym.sweeps import kernel
 from haptisym.sweeps.axes import axes, paths, spaced
 from haptisym.sweeps.exactly import COUNTS, FLOATS, exact_answers
 from haptisym.sweeps.kernel import TOLERANCE, Kernel
@@ -174,6 +180,139 @@ def test_units_are_read() -> None:
     assert found[NATURAL].values.tolist() == [20 * np.pi, 80.0]
     assert found[NATURAL].attrs["units"] == "rad/s"
     assert spaced(f"{NATURAL}=40 rad/s:160:3:log", PAPER)[1] == pytest.approx([40, 80, 160], rel=1e-15)
+
+
+# --- several crossings, blocks, bands --------------------------------------------------------------------------------
+
+RIPPLES = hs.effects.series("1 + 0.4*s/(s^2 + 0.2*s + 4) - 0.3*s/(s^2 + 0.3*s + 25) + 0.5*s/(s^2 + 0.5*s + 64)")
+RIPPLED = hs.Scene(hs.environments.mass_spring_damper(m=1, b=2, k=90), (RIPPLES,), (0, 12))
+LIMITS = [0.07, 3.0, 0.02, 0.61, 0.4, 0.11, 1.2]
+"""The first set crosses many times, the next never."""
+
+
+@pytest.mark.parametrize(
+    ("band", "pieces"),
+    [
+        (("0", "12"), 1), (("0", "12"), 3), (("0", "12"), 10_000),
+        (("1.9 rad/s", "8.1 rad/s"), 100), (("1/3 Hz", "5/3 Hz"), 2), (("5.1", "5.3"), 100),
+    ],
+)  # fmt: skip
+def test_sets_that_cross_several_times_are_all_there_whatever_stands_beside_them(
+    band: tuple[str, str], pieces: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(kernel, "_AT_ONCE", pieces)
+    given = RIPPLED.with_band(*band)
+    swept = [axis.swept for axis in axes(given, {"evaluation.jnd": LIMITS})]
+    columns = Kernel.of(given, swept).answers(np.array([LIMITS]))
+    assert (columns["method"] == 0).sum() >= len(LIMITS) - 1
+    truths = [ripples(band, c) for c in LIMITS]
+    for i, truth in enumerate(truths):
+        agrees({name: column[i] for name, column in columns.items()}, truth)
+    if band == ("0", "12"):
+        assert truths[0]["crossings_real"] > 3
+        assert truths[0]["crossings_imag"] > 3
+        assert truths[1]["crossings_real"] == 0
+
+
+@cache
+def ripples(band: tuple[str, str], c: float) -> dict[str, float]:
+    return evaluated(RIPPLED.with_band(*band).with_values({"c": exactly(c)}))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_transparent_part_of_random_crossings_is_where_both_parts_are_below(seed: int) -> None:
+    """Any number of crossings of two parts in each set, against a fine grid."""
+    rng = np.random.default_rng(seed)
+    low, count, grid = 0.2 * seed, 25, np.linspace(0.2 * seed, 1, 20_001)
+    middle = (grid[1:] + grid[:-1]) / 2
+    parts, columns, clear = [], {}, np.ones((count, middle.size), dtype=bool)
+    for name in ("real", "imag"):
+        counts = rng.integers(0, 5 if seed else 2, count)
+        counts[0] = 4 if seed else 1
+        omega = [np.sort(rng.choice(grid[1:-1], n, replace=False)) for n in counts]
+        first = rng.choice([-1, 1], count)
+        for i, x in enumerate(omega):
+            clear[i] &= first[i] * (-1) ** np.searchsorted(x, middle) < 0
+        parts.append(kernel._Found(np.repeat(np.arange(count), counts), np.concatenate(omega), first))
+        columns[f"crossings_{name}"] = counts
+        columns[f"first_crossing_{name}"] = np.array([x[0] * 7 if len(x) else np.nan for x in omega])
+    a_pass = kernel._Pass.__new__(kernel._Pass)
+    a_pass.band, a_pass.sets = kernel.Band(7.0, low, (low**2,), doubtful=False), count
+    found = a_pass._transparency(parts, columns)
+    assert found["transparent"] == pytest.approx(clear.mean(axis=1), abs=1e-9)
+    for i in range(count):
+        start = columns["first_crossing_real"][i], columns["first_crossing_imag"][i], 7.0
+        expected = min(x for x in start if not np.isnan(x)) if clear[i, 0] else np.nan
+        assert found["bandwidth"][i] == pytest.approx(expected, nan_ok=True)
+
+
+@drawn(
+    st.fractions(0, 1, max_denominator=10**6).filter(lambda x: x < 1),
+    st.fractions("1/9", 9),
+    st.sampled_from([1, 2]),
+    st.sampled_from([Integer(1), pi]),
+)
+def test_the_band_s_low_end_lies_between_neighbouring_doubles(
+    share: Fraction, high: Fraction, step: int, unit: Expr
+) -> None:
+    low, high = (Rational(x.numerator, x.denominator) * unit for x in (share * high, high))
+    band = kernel.Band.of(low, high, step)
+    exact = share**step
+    first, last = map(Fraction, (band.ends[0], band.ends[-1]))
+    assert first <= exact <= last
+    assert band.doubtful == (first < last)
+    assert len(band.ends) == 1 + band.doubtful
+    if band.doubtful:
+        assert last == Fraction(float(np.nextafter(float(first), 2)))
+    assert band.low_fraction == float(share)
+    assert band.high == pytest.approx(float(high), rel=1e-15)
+    for segments in (1, 4, 9):
+        edges = band.edges(segments, step)
+        assert edges[0] == band.ends[0]
+        assert edges[-1] == 1.0
+        assert all(a < b for a, b in pairwise(edges))
+        assert len(edges) <= segments + len(band.ends)
+        if float(share) < 0.9:
+            in_frequency = np.diff(np.array(edges[len(band.ends) - 1 :]) ** (1 / step))
+            assert in_frequency == pytest.approx((1 - float(share)) / segments)
+
+
+def test_the_low_end_of_a_band_in_pi_beside_rational_numbers_is_enclosed() -> None:
+    band = kernel.Band.of(pi / 7, Integer(1), 1)
+    low, high = band.ends
+    with mpmath.workdps(50):
+        assert mpmath.mpf(low) < mpmath.pi / 7 < mpmath.mpf(high)
+    assert np.nextafter(low, 1) == high
+    assert band.doubtful
+
+
+def test_curves_of_too_high_a_degree_are_left_to_the_exact_path(monkeypatch: pytest.MonkeyPatch) -> None:
+    swept = [axis.swept for axis in axes(PAPER, {MASS: [1.0]})]
+    curves = Kernel.of(PAPER, swept).curves
+    assert curves is not None
+    degrees = [sum(f.degree for f in families) for families in curves.products]
+    assert min(degrees) < max(degrees)
+    monkeypatch.setattr(kernel, "MOST_DEGREE", max(degrees))
+    assert Kernel.of(PAPER, swept).is_polynomial
+    monkeypatch.setattr(kernel, "MOST_DEGREE", max(degrees) - 1)
+    assert not Kernel.of(PAPER, swept).is_polynomial
+    [method] = Kernel.of(PAPER, swept).answers(np.array([[1.0]]))["method"]
+    assert method == 1
+
+
+@pytest.mark.skipif(not kernel._IS_WIDER, reason="no wider floats on this machine")
+def test_wider_floats_prove_what_doubles_leave_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A damping of 1e-7: two crossings so close beside the resonance that doubles cannot tell them apart."""
+    given = PAPER.with_values({"c": "0.05"})
+    swept = [axis.swept for axis in axes(given, {"environment.b": [1.0]})]
+    found = Kernel.of(given, swept)
+    values = np.geomspace(1e-5, 1e-2, 40)[None]
+    wide, left = found.in_floats(values)
+    monkeypatch.setattr(kernel, "_IS_WIDER", False)
+    _, more = found.in_floats(values)
+    assert len(left) < len(more)
+    for i in sorted(set(more) - set(left))[::5]:
+        agrees({name: x[i] for name, x in wide.items()}, exact_answers(given, found.swept, values[:, i].tolist()))
 
 
 # --- every engine gives the same -------------------------------------------------------------------------------------
