@@ -7,10 +7,12 @@ is the checked version: numbers, strings with units or symbols go in, an ``Envir
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+import re
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import wraps
+from itertools import chain, count
 from typing import Annotated, Any, TypeAlias, get_args, get_type_hints
 
 from sympy import Expr, Float, Integer, Symbol
@@ -18,7 +20,7 @@ from sympy import Expr, Float, Integer, Symbol
 from . import expressions
 from .errors import SceneError, meant
 from .exact.roots import sign_of_number
-from .quantities import Dimension, Exponents, Motion, Number, decimal
+from .quantities import Dimension, Exponents, Motion, Number, decimal, expected, fits, implied_motion
 from .ranges import Interval, ranged
 from .symbols import s
 
@@ -33,6 +35,14 @@ class Rule(Enum):
     ANY = "may have any value"
     FRACTION = "must lie between 0 and 1"
     ORDER = "must be a whole number from 1 to 10"
+
+    def and_also(self, other: Rule) -> Rule:
+        """The stricter one of two rules that one value keeps.
+
+        >>> Rule.ANY.and_also(Rule.NONNEGATIVE).and_also(Rule.POSITIVE).name
+        'POSITIVE'
+        """
+        return min(self, other, key=[Rule.ORDER, Rule.FRACTION, Rule.POSITIVE, Rule.NONNEGATIVE, Rule.ANY].index)
 
     def allows(self, value: Expr) -> bool:
         """Whether an exact number keeps the rule; symbols are taken at their word."""
@@ -76,11 +86,13 @@ class Parameter:
     rule: Rule = Rule.ANY
     interval: Interval | None = None
     """Where the value may lie, if the scene gives a range; ``value`` is then the nominal one."""
+    tie: str = ""
+    """The environment's parameter that it is ("environment.k"), with its symbol, value and range; empty for one of its own."""
 
     def with_value(self, given: Number) -> Parameter:
         """The same parameter with another value (in place of a range, too), checked like the first one."""
         slot = Slot(self.dimension, self.rule)
-        return replace(_parameter(self.key, given, slot, self.symbol.name), symbol=self.symbol, key=self.key)
+        return replace(_parameter(self.key, given, slot, self.symbol.name), symbol=self.symbol, tie=self.tie)
 
 
 @dataclass(frozen=True)
@@ -116,6 +128,34 @@ class Environment:
         """The same environment with other symbols for its parameters."""
         return replace(self, parameters=_renamed(self.parameters, names), dynamics=self.dynamics.xreplace(names))
 
+    @property
+    def own(self) -> tuple[Parameter, ...]:
+        """Its parameters but those that are another environment's."""
+        return tuple(p for p in self.parameters if not p.tie)
+
+    def tied_to(self, environment: Environment) -> Environment:
+        """What is rendered for an environment: where it refers to a parameter of that, it has this very parameter.
+
+        SceneError for a reference to what the environment does not have, or to what does not fit.
+
+        >>> wall, felt = (ENVIRONMENTS["kelvin-voigt"].build(k, b) for k, b in ((500, 3), ("environment.k", 2)))
+        >>> felt.tied_to(wall).H
+        2*s + 500
+        """
+        known = {f"environment.{p.key}": p for p in environment.parameters}
+        tied = {p.key: _tied(p, known, self._slot(p.key)) for p in self.parameters if p.tie}
+        names = {p.symbol: tied[p.key].symbol for p in self.parameters if p.tie}
+        taken = {x.name for x in (*names.values(), *(p.symbol for p in self.own))}
+        for x in (p.symbol for p in self.own if p.symbol in names.values()):
+            names[x] = Symbol(free_name(f"{x.name}_rendered", taken), **x.assumptions0)
+            taken.add(names[x].name)
+        parameters = (tied.get(p.key, replace(p, symbol=names.get(p.symbol, p.symbol))) for p in self.parameters)
+        return replace(self, parameters=tuple(parameters), dynamics=self.dynamics.xreplace(names))
+
+    def _slot(self, key: str) -> Slot:
+        """The place that a parameter has in the model."""
+        return ENVIRONMENTS[self.model].slots.get(key.partition("[")[0], _NAMED)
+
 
 @dataclass(frozen=True)
 class Effect:
@@ -139,6 +179,25 @@ class Effect:
         """The same effect with other symbols for its parameters."""
         a, b, c, d = (entry.xreplace(names) for entry in self.dynamics)
         return replace(self, parameters=_renamed(self.parameters, names), dynamics=(a, b, c, d))
+
+
+def _tied(p: Parameter, known: Mapping[str, Parameter], slot: Slot) -> Parameter:
+    """The environment's parameter that one refers to, in its place."""
+    shown, other = f'{p.key}: "{p.tie}"', known.get(p.tie)
+    if other is None:
+        valid = f"valid are {', '.join(known)}" if known else "it has none"
+        raise SceneError(f"{shown} is no parameter of the environment: {meant(p.tie, known)}{valid}")
+    if not fits(other.dimension, other.exponents, slot.dimension):
+        raise SceneError(f"{shown} is not a {slot.dimension.name.lower()}{expected(slot.dimension)}")
+    if not all(slot.rule.allows(x) for x in (other.value, *(other.interval or ()))):
+        raise SceneError(f"{shown} {slot.rule.value}")
+    motion = other.motion or implied_motion(slot.dimension, other.exponents)
+    return replace(other, key=p.key, tie=p.tie, rule=slot.rule, motion=motion)
+
+
+def free_name(name: str, taken: Container[str]) -> str:
+    """The name, or with a number behind it the first one that is not taken."""
+    return next(x for x in chain([name], (f"{name}_{i}" for i in count(2))) if x not in taken)
 
 
 def values(parameters: Sequence[Parameter]) -> dict[Symbol, Expr]:
@@ -184,6 +243,7 @@ def effect(model: str) -> Callable[[Callable[..., Matrix]], Callable[..., Effect
         @wraps(equation)
         def build(*args: Any, name: str = "", **kwargs: Any) -> Effect:
             parameters, arguments = _bind(equation, slots, args, kwargs)
+            refuse_references(parameters)
             a, b, c, d = map(_expression, equation(**arguments))
             return Effect(model, parameters, (a, b, c, d), name or model)
 
@@ -221,7 +281,7 @@ def _bind(
     given = _given(slots, args, kwargs, formulas=formulas)
     if not isinstance(named, Mapping):
         raise SceneError(f"parameters: {_shown(named)} must map names to values")
-    free = tuple(_parameter(key, value, _NAMED, key) for key, value in dict(named).items())
+    free = tuple(_entered(key, value, _NAMED, key) for key, value in dict(named).items())
     parameters: list[Parameter] = list(free)
     arguments: dict[str, Any] = {}
     for key, value in given.items():
@@ -235,7 +295,7 @@ def _bind(
             parameters += own
             arguments[key] = [p.symbol for p in own]
         else:
-            own = [_parameter(key, value, slot, key)]
+            own = [_entered(key, value, slot, key)]
             parameters += own
             arguments[key] = own[0].symbol
     return tuple(parameters), arguments
@@ -259,9 +319,36 @@ def _given(
     return {key: given[key] for key in slots if key in given}
 
 
-def _parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
+_REFERENCE = re.compile(r"\s*[^\W\d]\w*\.[\w.\[\]-]+\s*")  # no quantity begins with a name
+
+
+def _entered(key: str, given: Number, slot: Slot, name: str) -> Parameter:
+    """A parameter of a call: a quantity, a range, or a reference to one of the environment's, which waits for ``tied_to``."""
+    if not isinstance(given, str) or not ("environment." in given or _REFERENCE.match(given)):
+        return _parameter(key, given, slot, name)
+    if not _REFERENCE.fullmatch(given):
+        raise SceneError(f'{key}: {_shown(given)}: a reference stands alone, as in {key} = "environment.{key}"')
+    symbol = _symbol(name, slot.rule)
+    return Parameter(symbol, symbol, slot.dimension, key=key, rule=slot.rule, tie=given.strip())
+
+
+def refuse_references(parameters: Iterable[Parameter]) -> None:
+    """SceneError where a parameter refers to another and is not one of what is rendered."""
+    for p in parameters:
+        if p.tie:
+            raise SceneError(
+                f'{p.key}: "{p.tie}": only what is rendered can refer to another value, the environment\'s'
+            )
+
+
+def _symbol(name: str, rule: Rule) -> Symbol:
     if not name.isidentifier() or name in ("s", "omega", "pi", "j"):
         raise SceneError(f'"{name}" cannot name a parameter: use letters, digits and _, and not s, omega, pi or j')
+    return Symbol(name, real=True) if rule is Rule.ANY else Symbol(name, positive=True)
+
+
+def _parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
+    symbol = _symbol(name, slot.rule)
     try:
         found = ranged(given, slot.dimension)
     except SceneError as error:
@@ -274,7 +361,6 @@ def _parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
         raise SceneError(f"{key}: {_shown(given)} {slot.rule.value}, and no range")
     if not all(slot.rule.allows(x) for x in (read.value, *(found.interval or ()))):
         raise SceneError(f"{key}: {_shown(given)} {slot.rule.value}")
-    symbol = Symbol(name, real=True) if slot.rule is Rule.ANY else Symbol(name, positive=True)
     return Parameter(symbol, read.value, slot.dimension, read.motion, key, read.exponents, slot.rule, found.interval)
 
 
@@ -283,9 +369,7 @@ def _parameters(key: str, given: Any, slot: Slot) -> list[Parameter]:
         raise SceneError(f"{key}: {_shown(given)} must be a list of at least one quantity")
     if len(given) > MOST_BRANCHES:
         raise SceneError(f"{key}: a list may have at most {MOST_BRANCHES} entries, this one has {len(given)}")
-    return [
-        replace(_parameter(f"{key}[{i}]", x, slot, f"{key}_{i}"), key=f"{key}[{i}]") for i, x in enumerate(given, 1)
-    ]
+    return [replace(_entered(f"{key}[{i}]", x, slot, f"{key}_{i}"), key=f"{key}[{i}]") for i, x in enumerate(given, 1)]
 
 
 MOST_BRANCHES = 20  # of a list parameter: as many Maxwell branches as any published tissue model has

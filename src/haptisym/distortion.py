@@ -32,15 +32,16 @@ def distort(environment: Environment, *effects: Effect, rendered: Environment | 
     """The distortion of an environment by effects, nearest the environment first; none at all without effects.
 
     ``rendered`` is what the controller renders where that is not the environment itself: H_perc is built on it, while
-    dH and the ratios compare with ``environment``. Parameters may be numbers or symbols. Raises SceneError where H_env is
-    zero everywhere or H_perc is not a dynamics.
+    dH and the ratios compare with ``environment``; where it has ``k="environment.k"``, that is the environment's k. Parameters
+    may be numbers or symbols. Raises SceneError where H_env is zero everywhere or H_perc is not a dynamics.
 
     >>> from haptisym import effects, environments
     >>> d = distort(environments.mass_spring_damper(k=100), effects.first_order_lag(20))
     >>> d.perceived, d.real
     (2000/(s + 20), -100*omega**2/(omega**2 + 400))
     """
-    return Chain(environment.H, (rendered or environment).H, tuple(e.matrix for e in effects)).distortion()
+    felt = rendered.tied_to(environment) if rendered else environment
+    return Chain(environment.H, felt.H, tuple(e.matrix for e in effects)).distortion()
 
 
 @dataclass(frozen=True)

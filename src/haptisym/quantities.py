@@ -137,7 +137,7 @@ def _rational(match: re.Match[str], text: str) -> Rational:
 def _from_text(text: str, dimension: Dimension) -> Quantity:
     match = _NUMBER.fullmatch(text)
     if match is None:
-        raise SceneError(f"{_shown(text)} does not start with a finite number{_expected(dimension)}")
+        raise SceneError(f"{_shown(text)} does not start with a finite number{expected(dimension)}")
     if match[3] and re.match(r",\d", match[3]):
         raise SceneError(f"{_shown(text)}: decimals are written with a point, as in {text.replace(',', '.', 1)}")
     value, unit = _rational(match, text), match[3]
@@ -189,7 +189,7 @@ def _measured(plain: str, unit: str, text: str, dimension: Dimension) -> tuple[E
         measured = evaluate(plain, number=_unit_number, name=_named_unit, sums=False)
         base = measured.to_root_units()
     except (ExpressionError, pint.PintError, ArithmeticError):
-        raise SceneError(f"{_shown(text)}: {_shown(unit)} is not a unit{_expected(dimension)}") from None
+        raise SceneError(f"{_shown(text)}: {_shown(unit)} is not a unit{expected(dimension)}") from None
     exponents = {name.strip("[]"): Fraction(power) for name, power in base.dimensionality.items()}
     turns = exponents.pop("circle", Fraction(0))
     if turns.denominator != 1 or (isinstance(base.magnitude, float) and base.magnitude != 1.0):
@@ -223,7 +223,7 @@ def _motion(exponents: dict[str, Fraction], text: str, dimension: Dimension) -> 
         return None if translation == rotation else Motion.TRANSLATION
     if exponents == rotation:
         return Motion.ROTATION
-    raise SceneError(f"{_shown(text)} is not a {dimension.name.lower()}{_expected(dimension)}")
+    raise SceneError(f"{_shown(text)} is not a {dimension.name.lower()}{expected(dimension)}")
 
 
 def dimension_exponents(dimension: Dimension, motion: Motion | None) -> Exponents | None:
@@ -235,6 +235,27 @@ def dimension_exponents(dimension: Dimension, motion: Motion | None) -> Exponent
     if dimension is Dimension.ANY:
         return None
     return tuple(sorted(_dimension_exponents(dimension)[motion is Motion.ROTATION].items()))
+
+
+def fits(dimension: Dimension, exponents: Exponents | None, wanted: Dimension) -> bool:
+    """Whether a quantity of a dimension (with these exponents, if any unit told them) may stand where one is wanted.
+
+    >>> fits(Dimension.MASS, None, Dimension.STIFFNESS), fits(Dimension.ANY, None, Dimension.STIFFNESS)
+    (False, True)
+    """
+    if Dimension.ANY not in (dimension, wanted):
+        return dimension is wanted
+    return wanted is Dimension.ANY or exponents in (None, *(dimension_exponents(wanted, motion) for motion in Motion))
+
+
+def implied_motion(dimension: Dimension, exponents: Exponents | None) -> Motion | None:
+    """The motion for which a dimension has these exponents; None where neither or both have.
+
+    >>> implied_motion(Dimension.MASS, (("length", Fraction(2)), ("mass", Fraction(1))))
+    <Motion.ROTATION: 'rotational'>
+    """
+    found = [motion for motion in Motion if dimension_exponents(dimension, motion) == exponents]
+    return found[0] if len(found) == 1 else None
 
 
 @cache
@@ -261,7 +282,12 @@ def _sized(value: Expr, text: str) -> Expr:
     return value
 
 
-def _expected(dimension: Dimension) -> str:
+def expected(dimension: Dimension) -> str:
+    """The end of a message: which unit should have been there; empty where any may be.
+
+    >>> expected(Dimension.TIME), expected(Dimension.RATIO)
+    (': expected s', ': expected a plain number')
+    """
     return (
         ""
         if dimension is Dimension.ANY

@@ -4,21 +4,29 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
-from itertools import chain, count
-from typing import Any
+from functools import cached_property, reduce
+from itertools import count
+from typing import Any, NamedTuple
 
 from sympy import Expr, Integer, Symbol
 
-from .catalogue import Effect, Environment, Parameter
+from .catalogue import Effect, Environment, Parameter, Rule, free_name, refuse_references
 from .distortion import Chain, Distortion, distort
 from .errors import SceneError, meant
 from .exact.roots import sign_of_number
-from .jnd import Threshold
+from .jnd import Part, Threshold
 from .quantities import Dimension, Motion, Number, quantity
-from .ranges import spread
+from .ranges import Interval, spread
+
+
+class Range(NamedTuple):
+    """What varies: the name of its symbol, its nominal value, and from where to where it may lie."""
+
+    name: str
+    value: Expr
+    interval: Interval
 
 
 @dataclass(frozen=True)
@@ -27,7 +35,8 @@ class Scene:
 
     ``effects`` : nearest the environment first. ``band`` : lowest and highest frequency, numbers in rad/s or strings with a
     unit. ``threshold`` : a Threshold, or one number for both parts.
-    ``rendered`` : what the controller really renders, where that is not the environment itself.
+    ``rendered`` : what the controller really renders, where that is not the environment itself. A parameter of it may be the
+    environment's: ``k="environment.k"`` is one parameter in two places, with one symbol, one value and one range.
 
     >>> from haptisym import effects, environments
     >>> scene = Scene(environments.mass_spring_damper(k=100), (effects.first_order_lag(20),), (Integer(0), Integer(15)))
@@ -55,6 +64,7 @@ class Scene:
             raise SceneError(f"band: the low end, {shown[0]}, must be >= 0")
         if sign_of_number(high - low) <= 0:
             raise SceneError(f"band: the high end, {shown[1]}, must be above the low end, {shown[0]}")
+        self._tie()
         _one_motion(self.elements())
         effects = _with_names(self.effects)
         names = _symbol_names([("", self.environment), ("rendered", self.rendered), *((e.name, e) for e in effects)])
@@ -64,6 +74,17 @@ class Scene:
         object.__setattr__(self, "rendered", self.rendered.renamed(rendered) if self.rendered else None)
         object.__setattr__(self, "effects", tuple(effect.renamed(next(renamed)) for effect in effects))
 
+    def _tie(self) -> None:
+        """What is rendered gets the environment's parameters where it refers to them."""
+        try:
+            place = "environment"
+            refuse_references(self.environment.parameters)
+            place = "rendered"
+            if self.rendered:
+                object.__setattr__(self, "rendered", self.rendered.tied_to(self.environment))
+        except SceneError as error:
+            raise error.within(place) from None
+
     def elements(self) -> Iterator[tuple[str, Environment | Effect]]:
         """Everything in the scene that has parameters, with its place in a scene file."""
         yield "environment", self.environment
@@ -72,23 +93,69 @@ class Scene:
         for effect in self.effects:
             yield f"effects.{effect.name}", effect
 
+    def placed(self) -> Iterator[tuple[str, Environment | Effect, Parameter]]:
+        """Every parameter, once, with its place in a scene file and the element that it stands in first."""
+        for place, element in self.elements():
+            for p in element.parameters:
+                rules = [q.rule for path, q in self._tied if q.tie == f"{place}.{p.key}"]
+                if not p.tie:
+                    yield place, element, replace(p, rule=reduce(Rule.and_also, rules, p.rule)) if rules else p
+
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Every parameter of the scene, with symbols that are unique in it."""
-        return tuple(chain.from_iterable(element.parameters for _, element in self.elements()))
+        """Every parameter of the scene, once, with symbols that are unique in it."""
+        return tuple(p for _, _, p in self.placed())
+
+    @property
+    def _tied(self) -> list[tuple[str, Parameter]]:
+        """The parameters of what is rendered that are the environment's, by their own paths."""
+        return [(f"rendered.{p.key}", p) for p in (self.rendered.parameters if self.rendered else ()) if p.tie]
+
+    @property
+    def ties(self) -> dict[str, str]:
+        """From the path of a parameter that is another's to the path of that: ``rendered.k`` to ``environment.k``."""
+        return {path: p.tie for path, p in self._tied}
+
+    def tied_with(self, path: str) -> tuple[str, ...]:
+        """The path of a parameter and those of what refers to it."""
+        return path, *(own for own, other in self.ties.items() if other == path)
+
+    def untied(self, varied: Collection[str] | None = None) -> tuple[tuple[str, str], ...]:
+        """What environment and [rendered] have by one name and yet twice: pairs of paths, of which one is among ``varied``."""
+        own = {p.key for p in self.rendered.own} if self.rendered else set()
+        pairs = [(f"environment.{p.key}", f"rendered.{p.key}") for p in self.environment.parameters if p.key in own]
+        return tuple(pair for pair in pairs if varied is None or not set(varied).isdisjoint(pair))
+
+    def untied_note(self, varied: Collection[str] | None = None) -> str:
+        """That these are two parameters each, and how to make them one; empty where there are none."""
+        pairs = self.untied(varied)
+        if not pairs:
+            return ""
+        listed = ", ".join(f"{a} and {b}" for a, b in pairs)
+        ties = ", ".join(f'{b.partition(".")[2]} = "{a}"' for a, b in pairs)
+        what = "two parameters" if len(pairs) == 1 else "two parameters each"
+        return f"{listed} are {what}: where one varies the other keeps its value. If they are one, write {ties} in [rendered]."
+
+    def ranges(self, besides: Collection[str] = ()) -> dict[str, Range]:
+        """What has a range, by its path; not those ``besides`` (``evaluation.jnd`` is both thresholds)."""
+        rows = [(f"{place}.{p.key}", p.symbol.name, p.value, p.interval) for place, _, p in self.placed()]
+        c, whole = self.threshold, "evaluation.jnd"
+        limits = [(f"{whole}.{part.value}", f"c_{part.value}", c[part], c.interval(part)) for part in Part]
+        if c.real_interval == c.imag_interval and {*besides}.isdisjoint(path for path, *_ in limits):
+            limits = [(whole, "c", c.real, c.real_interval)]
+        rows += [] if whole in besides else limits
+        return {path: Range(name, x, interval) for path, name, x, interval in rows if interval and path not in besides}
 
     @property
     def nominal_note(self) -> str:
         """That parameters vary and only their nominal values are looked at; empty where none does."""
-        c = self.threshold
-        limits = [("c", c.real, c.real_interval)]
-        if c.imag_interval != c.real_interval:
-            limits = [("c_real", c.real, c.real_interval), ("c_imag", c.imag, c.imag_interval)]
-        rows = [*((p.symbol.name, p.value, p.interval) for p in self.parameters), *limits]
+        return self.nominal_but()
+
+    def nominal_but(self, besides: Collection[str] = ()) -> str:
+        """The same of all parameters but some, by their paths: those that a question is about."""
         told: dict[str, list[str]] = {}
-        for name, value, interval in rows:
-            if interval:
-                told.setdefault(spread(value, interval), []).append(name)
+        for x in self.ranges(besides).values():
+            told.setdefault(spread(x.value, x.interval), []).append(x.name)
         if not told:
             return ""
         listed = "; ".join(
@@ -186,21 +253,17 @@ def _with_names(effects: Iterable[Effect]) -> list[Effect]:
 def _symbol_names(elements: Iterable[tuple[str, Environment | Effect | None]]) -> list[dict[Symbol, Symbol]]:
     """For each element, new symbols for those that another element names alike: ``zeta`` becomes ``zeta_filter``."""
     listed = list(elements)
-    uses = Counter(p.symbol.name for _, element in listed if element for p in element.parameters)
+    uses = Counter(p.symbol.name for _, element in listed if element for p in element.parameters if not p.tie)
     taken = set(uses)
     renamed = []
     for label, element in listed:
         suffix = "_" + re.sub(r"\W", "_", label)
-        shared = [p.symbol for p in (element.parameters if element else ()) if label and uses[p.symbol.name] > 1]
-        names = {symbol: _free_name(f"{symbol.name}{suffix}", taken) for symbol in shared}
+        own = [p.symbol for p in (element.parameters if element else ()) if label and not p.tie]
+        shared = [symbol for symbol in own if uses[symbol.name] > 1]
+        names = {symbol: free_name(f"{symbol.name}{suffix}", taken) for symbol in shared}
         taken |= set(names.values())
         renamed.append({symbol: _like(symbol, name) for symbol, name in names.items()})
     return renamed
-
-
-def _free_name(name: str, taken: set[str]) -> str:
-    """The name, or with a number behind it the first one that is not taken."""
-    return next(x for x in chain([name], (f"{name}_{i}" for i in count(2))) if x not in taken)
 
 
 def _like(symbol: Symbol, name: str) -> Symbol:

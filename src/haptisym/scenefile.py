@@ -262,7 +262,15 @@ def _environments(table: Table) -> Iterable[tuple[str, Environment, Environment 
         if not isinstance(name, str) or not name:
             raise SceneError(f'environments[{position}]: name: "{name}" must be a string that is not empty')
         environment = _environment(own, place)
-        yield name, environment, None if rendered is None else _environment(rendered, f"{place}: rendered")
+        yield name, environment, None if rendered is None else _rendered(rendered, environment, f"{place}: rendered")
+
+
+def _rendered(given: Any, environment: Environment, place: str) -> Environment:
+    """What is rendered for an environment; its references are to that environment's values."""
+    try:
+        return _environment(given, place).tied_to(environment)
+    except SceneError as error:
+        raise error.within(place) from None
 
 
 def _environment(given: Any, place: str) -> Environment:

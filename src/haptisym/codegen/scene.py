@@ -7,7 +7,7 @@ from pathlib import Path
 
 from sympy import Expr, Pow, Symbol
 
-from haptisym.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Parameter, Rule
+from haptisym.catalogue import Effect, Environment, Parameter, Rule
 from haptisym.distortion import Distortion
 from haptisym.errors import SceneError
 from haptisym.quantities import Dimension, Motion
@@ -126,21 +126,18 @@ def _scene_notes(scene: Scene, fixed: Mapping[Symbol, Expr]) -> tuple[str, ...]:
 
 def _scene_arguments(scene: Scene) -> list[Argument]:
     found = []
-    for place, element in scene.elements():
-        rules = (ENVIRONMENTS if isinstance(element, Environment) else EFFECTS)[element.model].slots
+    for place, element, p in scene.placed():
         label = f"the {place}" if isinstance(element, Environment) else f"the effect {place.partition('.')[2]}"
-        for p in element.parameters:
-            slot = rules.get(p.key.partition("[")[0])
-            found.append(_argument(p, label, element, slot.rule if slot else Rule.ANY, scene.motion))
+        found.append(_argument(p, label, element, scene.motion))
     return found
 
 
 _RANGES = {Rule.POSITIVE: "> 0", Rule.NONNEGATIVE: ">= 0", Rule.FRACTION: "between 0 and 1", Rule.ANY: "any sign"}
 
 
-def _argument(p: Parameter, label: str, element: Environment | Effect, rule: Rule, motion: Motion | None) -> Argument:
+def _argument(p: Parameter, label: str, element: Environment | Effect, motion: Motion | None) -> Argument:
     kind = "number" if p.dimension in (Dimension.ANY, Dimension.RATIO) else p.dimension.name.lower()
     unit = {Dimension.ANY: "SI units", Dimension.RATIO: ""}.get(p.dimension, p.dimension.unit(motion))
     example = f"{nearest_double(p.value):.12g} in the scene" if p.value.is_number else ""
     model = "" if label.endswith(f" {element.model}") else f" ({element.model})"
-    return Argument(p.symbol, unit, f"{kind} {p.key} of {label}{model}", _RANGES.get(rule, ""), example)
+    return Argument(p.symbol, unit, f"{kind} {p.key} of {label}{model}", _RANGES.get(p.rule, ""), example)

@@ -43,7 +43,7 @@ def requirements(e: Evaluation) -> list[Requirement]:
 
 
 def _paths(scene: Scene) -> list[str]:
-    return [f"{place}.{p.key}" for place, element in scene.elements() for p in element.parameters]
+    return [f"{place}.{p.key}" for place, _, p in scene.placed()]
 
 
 def _row(r: Requirement) -> list[str]:

@@ -9,7 +9,7 @@ from typing import Any
 
 from sympy import Symbol
 
-from haptisym.catalogue import EFFECTS, ENVIRONMENTS, Environment, Parameter, Rule
+from haptisym.catalogue import Parameter, Rule
 from haptisym.codegen.names import Language
 from haptisym.codegen.printers import nearest_double
 from haptisym.codegen.scene import scene_program
@@ -113,28 +113,24 @@ def _plot(identity: str, title: str, caption: str) -> Html:
 def _parameters(e: Evaluation, forms: SceneForms) -> dict[Symbol, tuple[Slider, str]]:
     """A slider for each parameter of the scene, with words that say what it is."""
     found: dict[Symbol, tuple[Slider, str]] = {}
-    for place, part in e.scene.elements():
-        rules = (ENVIRONMENTS if isinstance(part, Environment) else EFFECTS)[part.model].slots
-        for p in part.parameters:
-            slot = rules.get(p.key.partition("[")[0])
-            label = inline(named(forms.short_names.get(p.symbol, p.symbol).name))
-            identity, motion = f"explorer-{len(found)}", e.scene.motion or Motion.TRANSLATION
-            slider = _parameter(p, identity, label, slot.rule if slot else Rule.ANY, motion)
-            found[p.symbol] = slider, f"{p.key} of {place.removeprefix('effects.')}"
+    for place, _, p in e.scene.placed():
+        label = inline(named(forms.short_names.get(p.symbol, p.symbol).name))
+        slider = _parameter(p, f"explorer-{len(found)}", label, e.scene.motion or Motion.TRANSLATION)
+        found[p.symbol] = slider, f"{p.key} of {place.removeprefix('effects.')}"
     return found
 
 
 _MOST_AT_ZERO = {Dimension.TIME: 0.1, Dimension.FORCE: 1.0}  # of a slider whose parameter is zero in the scene
 
 
-def _parameter(p: Parameter, identity: str, label: str, rule: Rule, motion: Motion) -> Slider:
+def _parameter(p: Parameter, identity: str, label: str, motion: Motion) -> Slider:
     """A decade to each side of a positive value; else a range around it, or from zero."""
     unit = (
         {Dimension.ANY: "", Dimension.RATIO: ""}.get(p.dimension, p.dimension.unit(motion))
         .replace("*", "·")
         .replace("^2", "²")
     )
-    value = nearest_double(p.value)
+    value, rule = nearest_double(p.value), p.rule
     if rule is Rule.FRACTION:
         return Slider(identity, label, unit, value, 0.01, 0.99, rule)
     if rule is Rule.ANY:

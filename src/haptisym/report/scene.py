@@ -24,7 +24,7 @@ from .results import H_ENV, H_PERC, both, equality
 def scene_parts(scene: Scene, short_names: Mapping[Symbol, Symbol]) -> Iterator[Html]:
     """The chain, the table of parameters, and what is judged; ``short_names``: other symbols for parameters."""
     yield _chain(scene)
-    rows = [_parameter(scene, short_names, place, p) for place, part in scene.elements() for p in part.parameters]
+    rows = [_parameter(scene, short_names, place, p) for place, _, p in scene.placed()]
     if rows:
         head = ["symbol", "of", "parameter", "quantity", "value", "unit"]
         yield table(head, rows, "The parameters, in SI units.", numbers=(4,))
@@ -62,7 +62,8 @@ def _parameter(scene: Scene, short_names: Mapping[Symbol, Symbol], place: str, p
     quantity = "" if p.dimension is Dimension.ANY else p.dimension.name.lower()
     unit = unit_text(p.dimension.unit(scene.motion or Motion.TRANSLATION))
     symbol = inline(named(short_names.get(p.symbol, p.symbol).name))
-    return [symbol, place.removeprefix("effects."), p.key, quantity, _value(p.value), unit or "SI"]
+    places = ", ".join(x.removeprefix("effects.").rpartition(".")[0] for x in scene.tied_with(f"{place}.{p.key}"))
+    return [symbol, places, p.key, quantity, _value(p.value), unit or "SI"]
 
 
 def _value(value: Expr) -> Html:

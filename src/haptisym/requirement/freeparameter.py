@@ -69,6 +69,8 @@ def free_parameter(scene: Scene, path: str) -> Free:
         return named[path]
     if path == "c":
         return known[THRESHOLD]
+    if path in scene.ties:
+        raise SceneError(f"{path} is {scene.ties[path]}, to which it refers: leave that free")
     raise SceneError(
         f'no parameter "{path}" can be free in this scene: {meant(path, known)}valid are {", ".join(known)}'
     )
@@ -76,10 +78,9 @@ def free_parameter(scene: Scene, path: str) -> Free:
 
 def _all(scene: Scene) -> dict[str, Free]:
     found = {}
-    for place, element in scene.elements():
-        for p in element.parameters:
-            path = f"{place}.{p.key}"
-            found[path] = Free(path, p.symbol, p.dimension, p.dimension.unit(scene.motion) or "SI", p.rule)
+    for place, _, p in scene.placed():
+        path = f"{place}.{p.key}"
+        found[path] = Free(path, p.symbol, p.dimension, p.dimension.unit(scene.motion) or "SI", p.rule)
     limits = {THRESHOLD: tuple(Part), f"{THRESHOLD}.real": (Part.REAL,), f"{THRESHOLD}.imag": (Part.IMAG,)}
     return found | {path: Free(path, c, Dimension.RATIO, "1", Rule.POSITIVE, parts) for path, parts in limits.items()}
 

@@ -138,10 +138,9 @@ class Slopes:
 
     def _named(self) -> Iterator[_Place]:
         scene = self.evaluation.scene
-        for place, element in scene.elements():
-            for p in element.parameters:
-                one, unit = derive(scene, [p.symbol.name]), p.dimension.unit(scene.motion)
-                yield _Place(f"{place}.{p.key}", p.symbol.name, unit, p.symbol, ExactNumber(p.value), p.value, one)
+        for place, _, p in scene.placed():
+            one, unit = derive(scene, [p.symbol.name]), p.dimension.unit(scene.motion)
+            yield _Place(f"{place}.{p.key}", p.symbol.name, unit, p.symbol, ExactNumber(p.value), p.value, one)
 
     def _threshold(self, part: Part) -> _Place:
         limits = self.evaluation.scene.threshold

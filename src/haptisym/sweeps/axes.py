@@ -53,11 +53,13 @@ def axes(scene: Scene, vary: Mapping[str, Values]) -> tuple[Axis, ...]:
 
 def paths(scene: Scene) -> dict[str, Parameter]:
     """Everything in a scene that can be varied, besides the thresholds ``evaluation.jnd`` (also ``.real``, ``.imag``)."""
-    return {f"{place}.{p.key}": p for place, element in scene.elements() for p in element.parameters}
+    return {f"{place}.{p.key}": p for place, _, p in scene.placed()}
 
 
 def _axis(scene: Scene, path: str, values: Values) -> Axis:
     parameter = _THRESHOLD if path in _THRESHOLDS else paths(scene).get(path)
+    if path in scene.ties:
+        raise SceneError(f"{path} is {scene.ties[path]}, to which it refers: vary that")
     if parameter is None:
         raise SceneError(f'the scene has nothing called "{path}" to vary: {meant(path, paths(scene))}{_listed(scene)}')
     try:

@@ -132,17 +132,17 @@ class _Body:
 
     def _parameters(self) -> list[str]:
         scene = self.evaluation.scene
-        found = [(place.removeprefix("effects."), p) for place, element in scene.elements() for p in element.parameters]
-        rows = [self._parameter(place, p) for place, p in found]
-        columns = "l p{5cm} l l l" if any(len(place + p.key) > 30 for place, p in found) else "l l l l l"
+        found = [(", ".join(scene.tied_with(f"{place}.{p.key}")), p) for place, _, p in scene.placed()]
+        rows = [self._parameter(paths.removeprefix("effects."), p) for paths, p in found]
+        columns = "l p{5cm} l l l" if any(len(row[1]) > 31 for row in rows) else "l l l l l"
         header = ["symbol", "parameter", "quantity", "value", "unit"]
         return tables("The parameters, in SI units.", "parameters", columns, header, rows)
 
-    def _parameter(self, place: str, p: Parameter) -> list[str]:
+    def _parameter(self, paths: str, p: Parameter) -> list[str]:
         quantity = "" if p.dimension is Dimension.ANY else p.dimension.name.lower()
         unit = p.dimension.unit(self.evaluation.scene.motion or Motion.TRANSLATION)
         symbol = formula(self.forms.short_names.get(p.symbol, p.symbol))
-        return [f"${symbol}$", escape(f"{place}.{p.key}"), quantity, f"${_value(p)}$", _unit(unit)]
+        return [f"${symbol}$", escape(paths), quantity, f"${_value(p)}$", _unit(unit)]
 
     def dynamics(self) -> Iterator[str]:
         scene = self.evaluation.scene
