@@ -41,7 +41,7 @@ simulation.approximations simulation.results tolerance.box
 costs.questions formulas.asymptotics pruning.differences requirement.freeparameter simulation.run simulation.text \
 sweeps.exactly tolerance.excess
 commands.options costs.hardcases costs.usual pruning.subsets requirement.cells requirement.criticalvalues \
-requirement.required simulation.simulate sweeps.axes sweeps.curves tolerance.search
+requirement.required requirement.thresholds simulation.simulate sweeps.axes sweeps.curves tolerance.search
 commands.scenes costs.hardtext costs.methods pruning.relevance simulation.command sweeps.kernel tolerance.proofs
 answers costs.simulated costs.tasks sweeps.blocks tolerance.quantiles
 text family.worstcase sweeps.store

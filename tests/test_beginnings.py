@@ -58,8 +58,8 @@ def _agrees(seed: int) -> None:
     found = [x for x in hs.evaluate(scene).crossings if x.kind.value != "touches"]
     with mpmath.workdps(30):
         grid = sorted(
-            {mpmath.mpf(10) ** (mpmath.mpf(n) / 20 - 8) for n in range(180)}
-            | {mpmath.mpf(n) / 20 for n in range(1, 301)}
+            {mpmath.mpf(10) ** (mpmath.mpf(n) / 20 - mpmath.mpf("8.0123")) for n in range(180)}
+            | {mpmath.mpf(n) / 20 - mpmath.mpf("0.00123") for n in range(1, 301)}
         )
         grid = [w for w in grid if w <= 15]
         values = [excess(w) for w in grid]

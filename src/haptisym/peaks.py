@@ -11,6 +11,7 @@ import flint
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
 from sympy import CRootOf, Expr, Integer, Poly, Symbol, sqrt
 
+from .errors import UndecidedError
 from .exact.levels import the_one
 from .exact.polynomials import PolynomialFactor, Root
 from .exact.reals import Ball, ExactNumber, RealNumber, SquareRoot
@@ -80,6 +81,39 @@ def peaks(scene: Scene | str | Path) -> tuple[Peak, ...]:
     )
 
 
+@dataclass(frozen=True)
+class Top:
+    """A frequency at which a real function may be largest on a band, and its value there.
+
+    ``end``: None for a local maximum inside, False for the low and True for the high end of the band.
+    """
+
+    omega: RealNumber
+    value: RealNumber
+    end: bool | None
+
+
+def tops(f: RealFunction, low: Expr, high: Expr) -> tuple[Top, ...] | None:
+    """All places at which a real function can be largest on a closed band: its ends and local maxima, certified.
+
+    None where it is unbounded. UndecidedError where it stayed open whether the slope changes its sign somewhere.
+    """
+    table = chart({"value": f, "slope": f.derivative()}, low, high)
+    if any(point.orders.get("value", 0) < 0 for point in table.points):
+        return None
+    if table.undecided:
+        raise UndecidedError("whether a function has a local maximum where its slope nearly vanishes")
+    first, last = table.points[0], table.points[-1]
+    found = [
+        (x, None if x is not first and x is not last else x is last)
+        for x in table.points
+        if x is first or x is last or (x.before["slope"] > 0 > x.after["slope"])
+    ]
+    return tuple(
+        Top(x.omega, ExactNumber(Integer(0)) if x.orders.get("value") else ValueAt(f, x.omega), end) for x, end in found
+    )
+
+
 def largest(f: RealFunction, low: Expr, high: Expr) -> RealNumber | None:
     """The largest value of a real function on a closed band, certified; None where it is unbounded.
 
@@ -89,15 +123,12 @@ def largest(f: RealFunction, low: Expr, high: Expr) -> RealNumber | None:
     >>> largest(RealFunction(Ring().axis.convert(omega / (omega**2 + 4))), Integer(0), Integer(5)).digits(5)
     '0.25000'
     """
-    table = chart({"value": f, "slope": f.derivative()}, low, high)
-    if any(point.orders.get("value", 0) < 0 for point in table.points):
-        return None
-    values = [ValueAt(f, x.omega) if not x.orders.get("value") else ExactNumber(Integer(0)) for x in table.points]
-    return _Largest(tuple(values))
+    found = tops(f, low, high)
+    return None if found is None else Largest(tuple(x.value for x in found))
 
 
 @dataclass(frozen=True)
-class _Largest(RealNumber):
+class Largest(RealNumber):
     """The largest of some numbers."""
 
     numbers: tuple[RealNumber, ...]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property, partial
@@ -10,9 +10,11 @@ from pathlib import Path
 
 from sympy import Expr, Rational
 
+from haptisym.bounds import relative_square
 from haptisym.catalogue import values
 from haptisym.crossings import excess
 from haptisym.errors import SceneError
+from haptisym.exact.levels import Level
 from haptisym.exact.reals import ExactNumber, RealNumber, Sliver
 from haptisym.exact.response import RealFunction
 from haptisym.jnd import Part
@@ -27,6 +29,7 @@ from .freeparameter import Conditions, Domain, Free, any_environment_condition, 
 from .places import Verdict
 from .required import Required
 from .text import page
+from .thresholds import ThresholdProblem
 
 _SLIVER = Fraction(1, 10**9)
 """Relative width of values that may be given as an end by their enclosure alone."""
@@ -73,10 +76,24 @@ def require(
     keys = (part,) if part else tuple(Part)
     found = any_environment_condition(scene, [free]) if any_environment else conditions(scene, [free], keys)
     start = Requirement(scene, free, asked, (), (), tuple(found), digits)
+    if free.parts:
+        return replace(start, feasible=_threshold_problem(start).solve())
     if not any(f.axis.functions for f in found.values()):
         problem = Problem(found, free.symbol, scene.band, asked, partial(_allowed, scene, free))
         return replace(start, feasible=problem.solve())
     return _by_balls(start, found)
+
+
+def _threshold_problem(start: Requirement) -> ThresholdProblem:
+    """The question for a threshold: the conditions that it is not part of stay as they are."""
+    scene, free = start.scene, start.free
+    d = scene.distortion()
+    parts = [part for part in start.keys if part in (*free.parts, None)]
+    squares = {part: d.squared_ratios[part] if part else relative_square(d) for part in parts}
+    kept: Mapping[Part | None, RealFunction | Level] = {
+        part: excess(d, scene.threshold[part], part) for part in start.keys if part and part not in free.parts
+    }
+    return ThresholdProblem({x: f for x, f in squares.items() if f is not None}, kept, scene.band, start.domain)
 
 
 def _allowed(scene: Scene, free: Free, value: Expr) -> bool:

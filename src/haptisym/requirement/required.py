@@ -24,6 +24,9 @@ from .freeparameter import Domain, Free
 
 _NAMES = {Kind.EDGE: Symbol("omega_max", positive=True), Kind.START: Symbol("omega_min", positive=True)}
 
+_MOST_PRODUCTS = 5000
+"""Of terms above and below the line of dH in symbols: beyond it no formula is readable, and building one takes minutes."""
+
 
 @dataclass(frozen=True)
 class Required:
@@ -61,6 +64,8 @@ class Required:
             place = _NAMES.get(binding.kind)
             if place is not None and binding.omega is not None and float(binding.omega) > 0:
                 condition = self._symbolic(binding.part)
+                if condition is None:
+                    return None
                 known = self._known(binding.part) | {place: self.scene.band[binding.kind is Kind.EDGE]}
                 found = closed_form(condition, self.free.symbol, place, known, end.value.digits(60))
                 if found is not None:
@@ -72,8 +77,11 @@ class Required:
         """The formulas of ``ends``, None for each that has none."""
         return tuple(self.form(end) for end in self.ends)
 
-    def _symbolic(self, part: Part | None) -> RealFunction:
+    def _symbolic(self, part: Part | None) -> RealFunction | None:
+        """The condition with symbols for all parameters; None where it would fill a book."""
         d = self.scene.symbolic_distortion()
+        if len(d.difference.numerator.monoms()) * len(d.difference.denominator.monoms()) > _MOST_PRODUCTS:
+            return None
         square = relative_square(d) if part is None else None
         found = level(square, c**2) if square is not None else excess(d, c, part or Part.REAL)
         assert isinstance(found, RealFunction)
