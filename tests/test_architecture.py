@@ -37,7 +37,7 @@ simulation.engine
 family.family
 scenefile
 bounds caveats peaks percepts codegen.scene costs.text formulas.groups measures.forms pruning.ballchain \
-simulation.approximations simulation.results tolerance.box
+simulation.approximations simulation.noise simulation.results tolerance.box
 costs.questions formulas.asymptotics pruning.differences requirement.freeparameter simulation.run simulation.text \
 sweeps.exactly tolerance.excess
 commands.options costs.hardcases costs.usual pruning.subsets requirement.cells requirement.criticalvalues \

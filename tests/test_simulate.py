@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from random import Random
+from typing import Annotated, Any
 
 import numpy as np
 import pytest
@@ -14,14 +16,16 @@ from marks import often
 from scipy.interpolate import CubicSpline
 from strategies import BETWEEN, FELT, Seeded, case
 from strategies import scene as told_scene
-from sympy import Integer
+from sympy import I, Integer, exp, log, tanh
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.catalogue import EFFECTS, ENVIRONMENTS
+from haptisym.catalogue import EFFECTS, ENVIRONMENTS, Slot, Stiffness, effect, environment
 from haptisym.cli import main
+from haptisym.quantities import Dimension
 from haptisym.simulation.recordings import Recording
 from haptisym.simulation.threads import one_thread
+from haptisym.symbols import s
 
 MSD = environments.mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m")
 SOFT = environments.kelvin_voigt(200, 5)
@@ -568,3 +572,191 @@ def test_a_simulation_that_switches_too_often_stops_and_says_what_helps(monkeypa
     spring = hs.Scene(environments.mass_spring_damper(k=100))
     with pytest.raises(hs.SceneError, match=r"encoder-quantisation: more than 20 switches before 0\.\d+ s.*--lowpass"):
         hs.simulate(spring, hs.sine("1 cm", 5), extras=[hs.EncoderQuantisation("0.1 mm")])
+
+
+# Recordings smoothed
+
+
+def sampled(path: Path, omega: float, dt: float = 0.01, count: int = 1000) -> Path:
+    rows = [f"{i * dt:.6f},{np.sin(omega * i * dt):.12f}" for i in range(count)]
+    path.write_text("\n".join(["t [s],x [mm]", *rows]), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("order", [2, 4, 6, 8])
+@pytest.mark.parametrize("share", [0.5, 1, 1.5])
+def test_a_low_pass_takes_3_db_at_its_cutoff_and_no_time(order: int, share: float, tmp_path: Path) -> None:
+    cutoff, dt = 40.0, 0.01
+    smooth = hs.recording(sampled(tmp_path / "hand.csv", share * cutoff), lowpass="40 rad/s", order=order)
+    bent = (
+        np.tan(share * cutoff * dt / 2) / np.tan(cutoff * dt / 2)
+    ) ** order  # a bilinear transform bends frequencies
+    gain = 1 / (1 + (np.sqrt(2) - 1) * bent)
+    t = np.arange(3, 7, 0.0037)
+    assert smooth.derivatives(t, 0)[0] == pytest.approx(1e-3 * gain * np.sin(share * cutoff * t), abs=3e-7)
+    if share == 1:
+        assert gain == pytest.approx(np.sqrt(0.5))
+
+
+@pytest.mark.parametrize(
+    ("cutoff", "order", "message"),
+    [
+        ("60 Hz", 4, r"must lie between .* and its Nyquist frequency, 314\.2 rad/s"),
+        ("0.05 Hz", 4, r"must lie between one period in the whole recording, 0\.6289 rad/s"),
+        ("10 Hz", 3, r"order of the low-pass: 3 is none of 2, 4, 6, 8"),
+        ("0 Hz", 4, r"lowpass: .* must be a number > 0"),
+        ("3 m", 4, r"lowpass: .*frequency"),
+    ],
+)
+def test_a_low_pass_that_cannot_be_is_refused(cutoff: str, order: int, message: str, tmp_path: Path) -> None:
+    with pytest.raises(hs.SceneError, match=message):
+        hs.recording(sampled(tmp_path / "hand.csv", 5), lowpass=cutoff, order=order)
+
+
+def test_what_a_mass_makes_of_noise_is_said_in_newtons_and_what_smooths_it(tmp_path: Path) -> None:
+    mass = hs.Scene(environments.mass_spring_damper(m=2, k=10), (), (0, 5))
+    path = sampled(tmp_path / "hand.csv", 3)
+    [note] = hs.simulate(mass, hs.recording(path), duration=0.1).notes
+    newton = 1e-6 * (2 * (np.pi / 0.01) ** 2 - 10)
+    assert f"1 µm at 50 Hz, its Nyquist frequency, is {newton:.3g} N at the hand" in note
+    assert "--lowpass FREQUENCY" in note
+    [note] = hs.simulate(mass, hs.recording(path, lowpass="5 Hz"), duration=0.1).notes
+    assert f"1 µm at 5 Hz, the cutoff of its low-pass, is {1e-6 * (2 * (10 * np.pi) ** 2 - 10):.3g} N" in note
+    assert (
+        hs.simulate(mass, hs.recording(path, lowpass="1 Hz"), duration=0.1).notes == ()
+    )  # 69 N/m, beside 40 on the band
+    assert hs.simulate(mass, hs.sine("1 cm", 300), duration=0.01).notes == ()
+
+
+def test_the_command_smooths_a_recording_and_writes_the_force_in_time(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    hand, force = sampled(tmp_path / "hand.csv", 5, count=200), tmp_path / "force.csv"
+    options = ("--motion", str(hand), "--lowpass", "8 Hz", "--lowpass-order", "2", "--force", str(force), "--json")
+    status, out, err = call(capsys, monkeypatch, "fu2019", *options)
+    document, lines = json.loads(out), force.read_text(encoding="utf-8").splitlines()
+    assert (status, err) == (0, f"force written to {force}\n")
+    assert document["motion"]["lowpass"] == {"cutoff": pytest.approx(16 * np.pi), "order": 2, "phase": "zero"}
+    assert document["motion"]["kind"] == "hand.csv, low-passed at 8 Hz (order 2, zero phase)"
+    assert lines[0] == "time [s],displacement [m],force [N],environment displacement [m],environment force [N]"
+    assert len(lines) == 1 + document["samples"]
+    rows = np.array([[float(x) for x in line.split(",")] for line in lines[1:]])
+    assert (np.diff(rows[:, 0]) > 0).all()
+    assert rows[:, 2].max() == document["force"]["most"]
+    x = rows[:, 1]
+    environment = 1.8 * np.gradient(np.gradient(x, rows[:, 0]), rows[:, 0]) + 15 * np.gradient(x, rows[:, 0]) + 100 * x
+    assert rows[50:-50, 4] == pytest.approx(environment[50:-50], abs=0.02 * np.abs(environment).max())
+
+
+def test_a_rotating_run_is_written_in_its_own_units() -> None:
+    wheel = hs.simulate(hs.load_scene("steering-wheel"), hs.sine("3 deg", 5), duration=0.2).to_csv()
+    heads = "time [s],displacement [rad],force [N m],environment displacement [rad],environment force [N m]"
+    assert wheel.splitlines()[0] == heads
+
+
+def test_the_force_never_takes_the_place_of_what_is_read(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    hand, scene = sampled(tmp_path / "hand.csv", 5), tmp_path / "scene.toml"
+    scene.write_text('[environment]\nmodel = "kelvin-voigt"\nk = 100\nb = 5\n[evaluation]\nband = [0, 15]\njnd = 0.1\n')
+    before = hand.read_bytes(), scene.read_bytes()
+    for target in (hand, tmp_path / "." / scene.name):
+        arguments = (str(scene), "--motion", str(hand), "--force", str(target))
+        status, out, err = call(capsys, monkeypatch, *arguments)
+        assert (status, out) == (2, "")
+        assert "is read by this very call" in err
+    assert (hand.read_bytes(), scene.read_bytes()) == before
+
+
+# A user's own models
+
+
+@pytest.fixture
+def own_models() -> Iterator[None]:
+    """Models of a user, one of them under the name of one of ours."""
+    before = dict(EFFECTS), dict(ENVIRONMENTS)
+    yield
+    for catalogue, kept in zip((EFFECTS, ENVIRONMENTS), before, strict=True):
+        catalogue.clear()
+        catalogue.update(kept)
+
+
+Rate = Annotated[Any, Slot(Dimension.FREQUENCY)]
+Time = Annotated[Any, Slot(Dimension.TIME)]
+
+
+@pytest.mark.usefixtures("own_models")
+def test_a_users_own_effect_is_simulated_from_its_chain_matrix() -> None:
+    @effect("lead-lag")
+    def lead_lag(low: Rate, high: Rate) -> Any:
+        return (1 + s / low) / (1 + s / high), 0, 0, 1
+
+    @effect("soft-link")
+    def soft_link(rate: Rate, k: Stiffness) -> Any:
+        return 1, k * s / (s + rate), 1 / (k * (1 + s / rate)), 1
+
+    @effect("late-lag")
+    def late_lag(rate: Rate, late: Time) -> Any:
+        return exp(-s * late) / (1 + s / rate), 0, 0, 1
+
+    @effect("delay")  # under the name of one of ours, but it is a lag
+    def delay(tau: Time) -> Any:
+        return 1 / (1 + s * tau), 0, 0, 1
+
+    for own in (lead_lag(20, 40), soft_link(20, 400), late_lag(30, "0.1 s"), delay("0.1 s")):
+        agree((hs.simulate(hs.Scene(MSD, (own,)), hs.sine("1 cm", 5)),), 1e-7)
+
+
+@pytest.mark.usefixtures("own_models")
+def test_a_users_own_environment_is_simulated_from_its_formula() -> None:
+    @environment("own-tissue")
+    def own_tissue(k: Stiffness, tau: Time) -> Any:
+        return k * (1 + s * tau) / (2 + s * tau)
+
+    agree((hs.simulate(hs.Scene(own_tissue(100, "0.2 s")), hs.sine("1 cm", 5)),), 1e-7)
+
+
+@pytest.mark.usefixtures("own_models")
+def test_a_users_own_model_that_has_no_equation_in_time_is_refused_by_name() -> None:
+    @effect("own-log")
+    def own_log(rate: Rate) -> Any:
+        return log(1 + s / rate), 0, 0, 1
+
+    @effect("own-advance")
+    def own_advance(early: Time) -> Any:
+        return exp(s * early), 0, 0, 1
+
+    @effect("own-friction")
+    def own_friction(k: Stiffness) -> Any:
+        return 1, I * k, 0, 1
+
+    @environment("own-rubber")
+    def own_rubber(k: Stiffness, tau: Time) -> Any:
+        return k * tanh(s * tau)
+
+    for scene, message in (
+        (hs.Scene(MSD, (own_log(3),)), r"own-log: log\(s/3 \+ 1\) is not made of"),
+        (
+            hs.Scene(MSD, (own_advance(3),)),
+            r"of own-advance only the chain matrix is known: .* must not need the future",
+        ),
+        (hs.Scene(MSD, (own_friction(3),)), r"own-friction: I has no meaning in time"),
+        (hs.Scene(own_rubber(3, 1)), r"own-rubber: tanh\(s\) is not made of"),
+    ):
+        with pytest.raises(hs.SceneError, match=message):
+            hs.simulate(scene, hs.sine("1 cm", 5))
+
+
+@pytest.mark.parametrize(
+    ("motion", "message"),
+    [("hand.csv", r"'hand.csv' is no motion: make one with recording\(\"hand.csv\"\)"), ("sine", r"make one with sine\(\"5 cm\""), (None, r"None is no motion"), (0.1, "no motion")],
+)  # fmt: skip
+def test_what_is_no_motion_is_refused_with_what_makes_one(motion: object, message: str) -> None:
+    with pytest.raises(hs.SceneError, match=message):
+        hs.simulate("fu2019", motion)
+
+
+@pytest.mark.parametrize("extras", [hs.EncoderQuantisation("1 mm"), ["0.1 mm"], "0.1 mm"])
+def test_extras_are_a_list_of_extras(extras: object) -> None:
+    with pytest.raises(hs.SceneError, match=r"extras: .* is no list of EncoderQuantisation and ForceSaturation"):
+        hs.simulate("fu2019", hs.sine("1 cm", 5), extras=extras)

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import click
 
+from haptisym.errors import SceneError
 from haptisym.scene import Scene
 
-from .options import figures_option, json_option, scene_argument, written
+from .options import figures_option, file_option, json_option, scene_argument, written
 from .progress import progress
 
 
@@ -31,8 +32,15 @@ from .progress import progress
 @click.option("--check", is_flag=True, help="Compare with the closed form at ten frequencies along the band.")
 @click.option("--quantise", metavar="LENGTH", help='Resolution of the position encoder, as "0.1 mm".')
 @click.option("--saturate", metavar="FORCE", help='Largest force that can be rendered, as "5 N".')
+@click.option("--lowpass", metavar="FREQUENCY", help='Smooth a recorded motion (zero phase), as "20 Hz".')
+@click.option(
+    "--lowpass-order", metavar="ORDER", type=click.Choice(["2", "4", "6", "8"]), help="Of that; 4 if not given."
+)
+@file_option("force", "Write the force in time, with the motion, as CSV.")
 @figures_option
-def simulate(scene: Scene, as_json: bool, check: bool, figures: Path | None, **options: str | None) -> None:
+def simulate(
+    scene: Scene, as_json: bool, check: bool, figures: Path | None, force: Path | None, **options: str | None
+) -> None:
     """Simulate a scene in time, and recover from the force what the closed form says.
 
     The force at the hand follows from the equations of motion of the scene's elements (delay lines, sampling clocks, sliding
@@ -43,11 +51,19 @@ def simulate(scene: Scene, as_json: bool, check: bool, figures: Path | None, **o
       haptisym simulate fu2019 --omega "10 rad/s"
       haptisym simulate sampled-wall --check
       haptisym simulate stick-with-friction --amplitude "5 cm" --figures figures
+      haptisym simulate fu2019 --motion hand.csv --lowpass "20 Hz" --force force.csv
     """
+    if force is not None and check:
+        raise SceneError("force: --check compares frequencies; to write the force in time leave out --check")
+    if force is not None:
+        _no_input(force, options["kind"])
     from haptisym.simulation.command import run  # SciPy is loaded for this verb alone
 
     with progress("s simulated") as told:
         runs = run(scene, check, options, told)
+    if force is not None:
+        force.write_text(runs[0].to_csv(), encoding="utf-8")
+        written("force", force)
     if figures is not None:
         from haptisym.simulation.figures import save_simulation_figures
 
@@ -58,3 +74,11 @@ def simulate(scene: Scene, as_json: bool, check: bool, figures: Path | None, **o
     click.echo(dumps(document(runs), indent=2, ensure_ascii=False) if as_json else page(runs), nl=as_json)
     if any(x.agrees is False for x in runs):
         sys.exit(3)
+
+
+def _no_input(output: Path, motion: str | None) -> None:
+    """Raise SceneError where the force would take the place of what is read."""
+    for given in (motion, click.get_current_context().params.get("scene")):
+        source = Path(str(given))
+        if output.exists() and source.exists() and output.samefile(source):
+            raise SceneError(f"force: {output} is read by this very call; write to another file")

@@ -7,13 +7,15 @@ the ports towards the environment and towards the hand, each with force ``F`` an
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import reduce
 from typing import Any, NamedTuple, TypeAlias
 
 from flint import fmpq
 from sympy import Expr, I, exp
 
-from haptisym.catalogue import Effect, Environment
+from haptisym.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
 from haptisym.errors import SceneError
 from haptisym.exact.dynamics import Ring
 from haptisym.exact.rings import Polynomial
@@ -33,13 +35,32 @@ class Port(NamedTuple):
 def build_environment(net: Network, environment: Environment, port: Port) -> None:
     """Add the equations of an environment that is felt at a port."""
     net.built.append(environment.model)
-    _ENVIRONMENTS.get(environment.model, _written)(net, environment, port)
+    ours = _ENVIRONMENTS.get(environment.model) if _is_ours(ENVIRONMENTS, environment.model) else None
+    with _named(environment.model):
+        (ours or _written)(net, environment, port)
 
 
 def build_effect(net: Network, effect: Effect, near: Port, far: Port) -> None:
-    """Add the equations of an effect between two ports."""
+    """Add the equations of an effect between two ports; those of a user's own model follow from its chain matrix."""
     net.built.append(effect.model)
-    _EFFECTS[effect.model](net, effect, near, far)
+    ours = _EFFECTS.get(effect.model) if _is_ours(EFFECTS, effect.model) else None
+    if ours is None:
+        net.foreign.append(effect.name)
+    with _named(effect.name):
+        (ours or _two_port)(net, effect, near, far)
+
+
+def _is_ours(catalogue: Mapping[str, Model], model: str) -> bool:
+    """Whether a model is the package's own, not one that a user has entered, perhaps under the same name."""
+    return model in catalogue and catalogue[model].build.__module__.startswith(__name__.partition(".")[0] + ".")
+
+
+@contextmanager
+def _named(element: str) -> Iterator[None]:
+    try:
+        yield
+    except SceneError as error:
+        raise error.within(element) from None
 
 
 def _values(element: Environment | Effect) -> dict[str, Exact]:
@@ -104,9 +125,22 @@ def _written(net: Network, element: Environment, port: Port) -> None:
 
 def _quotient(net: Network, formula: Expr, x: Sum, y: Sum) -> None:
     """y = (numerator/denominator) x as a differential equation: denominator(d/dt) y = numerator(d/dt) x."""
-    ring = Ring.of([formula])
-    quotient = ring.convert(formula).reduced()
-    net.equal(_operator(net, quotient.denominator, ring, y), _operator(net, quotient.numerator, ring, x))
+    _combined(net, [formula], [x], y)
+
+
+def _combined(net: Network, formulas: Sequence[Expr], signals: Sequence[Sum], y: Sum) -> None:
+    """y = G_1 x_1 + G_2 x_2 + ... over one denominator: what the formulas share is one motion in time, not several."""
+    ring = Ring.of(formulas)
+    quotients = [ring.convert(formula).reduced() for formula in formulas]
+    common = reduce(_least_multiple, (q.denominator for q in quotients))
+    total = Sum({})
+    for q, x in zip(quotients, signals, strict=True):
+        total = total + _operator(net, q.numerator * (common // q.denominator), ring, x)
+    net.equal(_operator(net, common, ring, y), total)
+
+
+def _least_multiple(one: Polynomial, other: Polynomial) -> Polynomial:
+    return one * (other // one.gcd(other))
 
 
 def _operator(net: Network, polynomial: Polynomial, ring: Ring, x: Sum) -> Sum:
@@ -118,7 +152,7 @@ def _operator(net: Network, polynomial: Polynomial, ring: Ring, x: Sum) -> Sum:
         factor = coefficient
         for meaning, n in zip(ring.meanings[1:], map(int, exponents[1:]), strict=True):
             if n and (meaning == I or meaning.free_symbols - {ring.meanings[0]}):
-                raise SceneError(f"{meaning} has no meaning in time: the formula cannot be simulated")
+                raise SceneError(f"{meaning} has no meaning in time: this formula cannot be simulated")
             if isinstance(meaning, exp):
                 term = term.late(n * exact(-meaning.args[0].coeff(ring.meanings[0])))
             elif n and meaning.is_number:
@@ -238,12 +272,8 @@ def _four_channel(net: Network, element: Effect, near: Port, far: Port) -> None:
 
 
 def _two_port(net: Network, element: Effect, near: Port, far: Port) -> None:
-    parts = []
-    for entry, x in zip(element.matrix, (near.F, near.X) * 2, strict=True):
-        parts.append(net.signal("part"))
-        _quotient(net, entry, x, parts[-1])
-    net.equal(far.F, parts[0] + parts[1])
-    net.equal(far.X, parts[2] + parts[3])
+    for row, signal in ((element.matrix[:2], far.F), (element.matrix[2:], far.X)):
+        _combined(net, row, near, signal)
 
 
 def float_of(number: Exact) -> float:

@@ -22,7 +22,9 @@ def run(
     progress: Callable[[float, float], None] | None = None,
 ) -> tuple[Simulation, ...]:
     """The runs of one call: one, or with ``along_band`` those of a check along the band. ``progress`` as in ``simulate``."""
-    refused = [key for key in ("omega", "duration", "quantise", "saturate") if along_band and options.get(key)]
+    refused = [
+        key for key in ("omega", "duration", "quantise", "saturate", "lowpass") if along_band and options.get(key)
+    ]
     if along_band and (refused or options.get("kind") not in (None, "sine")):
         raise SceneError(f"--check chooses motion and time itself: leave out --{(refused or ['motion'])[0]}")
     if along_band:
@@ -34,6 +36,8 @@ def run(
 def motion(scene: Scene, options: Mapping[str, str | None]) -> Motion:
     """The motion that the options describe; what they leave out follows from the scene."""
     kind, top = options.get("kind") or "sine", float(scene.band[1])
+    if options.get("lowpass") and not kind.lower().endswith(".csv"):
+        raise SceneError("--lowpass smooths a recorded motion: give one with --motion FILE.csv")
     amplitude = options.get("amplitude") or default_amplitude(scene)
     highest = positive("omega", options["omega"], Dimension.FREQUENCY) if options.get("omega") else None
     if kind == "sine":
@@ -50,7 +54,7 @@ def motion(scene: Scene, options: Mapping[str, str | None]) -> Motion:
         raise SceneError(
             "--motion: a recording has its own amplitude and frequencies; leave out --amplitude and --omega"
         )
-    return recording(kind)
+    return recording(kind, lowpass=options.get("lowpass"), order=int(options.get("lowpass_order") or 4))
 
 
 def _extras(options: Mapping[str, str | None]) -> tuple[Extra, ...]:

@@ -131,6 +131,8 @@ class Network:
     built: list[str] = field(default_factory=list)
     fractional: list[tuple[float, float, float]] = field(default_factory=list)
     """Order and quadrature range of each fractional derivative."""
+    foreign: list[str] = field(default_factory=list)
+    """The elements of which only a formula is known: users' own models."""
     _count: int = 0
 
     def signal(self, label: str) -> Sum:

@@ -33,6 +33,9 @@ class Lowpass:
     cutoff: float
     order: int
 
+    def __str__(self) -> str:
+        return f"low-passed at {self.cutoff / (2 * pi):.4g} Hz (order {self.order}, zero phase)"
+
     @classmethod
     def of(cls, cutoff: Number, order: int) -> Lowpass:
         if order not in (2, 4, 6, 8):
@@ -105,7 +108,10 @@ def recording(path: str | Path, *, lowpass: Number | None = None, order: int = 4
     gaps: spacings more than 1.5 times the usual one.
     """
     made = _read(path)
-    return made if lowpass is None else Lowpass.of(lowpass, order).smoothed(made)
+    if lowpass is None:
+        return made
+    smooth = Lowpass.of(lowpass, order)
+    return replace(smooth.smoothed(made), name=f"{made.name}, {smooth}")
 
 
 def _read(path: str | Path) -> Recording:

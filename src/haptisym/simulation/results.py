@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from haptisym.numeric.values import Array
+from haptisym.quantities import Motion as Kind
 from haptisym.quantities import Number
 from haptisym.scene import Scene
 
@@ -71,6 +72,19 @@ class Simulated:
     estimates: tuple[Estimate, ...]
     built: tuple[str, ...]
     extras: tuple[Extra, ...] = ()
+    notes: tuple[str, ...] = ()
+    """What a reader of the force should know."""
+
+    def to_csv(self) -> str:
+        """The run in time as a table, units in its header; rows are as far apart as the steps of the simulation want them."""
+        length, force = ("rad", "N m") if self.scene.motion is Kind.ROTATION else ("m", "N")
+        heads = (
+            "time [s]", f"displacement [{length}]", f"force [{force}]",
+            f"environment displacement [{length}]", f"environment force [{force}]",
+        )  # fmt: skip
+        columns = (self.time, self.displacement, self.force, self.environment_displacement, self.environment_force)
+        rows = (",".join(map(repr, map(float, row))) for row in zip(*columns, strict=True))
+        return "\n".join([",".join(heads), *rows]) + "\n"
 
     @property
     def agrees(self) -> bool | None:
@@ -90,6 +104,7 @@ def document(runs: Sequence[Simulated]) -> dict[str, Any]:
             "kind": first.motion.name,
             "amplitude": first.motion.amplitude,
             "omega": [omega for run in runs for omega in run.motion.omegas],
+            **_smoothing(first.motion),
         },
         "time": [0.0, max(float(run.time[-1]) for run in runs)],
         "samples": sum(len(run.time) for run in runs),
@@ -97,7 +112,15 @@ def document(runs: Sequence[Simulated]) -> dict[str, Any]:
         "force": {"least": min(float(r.force.min()) for r in runs), "most": max(float(r.force.max()) for r in runs)},
         "estimates": [_estimate_row(x) for x in rows],
         "agrees": all(verdicts) if verdicts else None,
+        **({"notes": list(first.notes)} if first.notes else {}),
     }
+
+
+def _smoothing(motion: Motion) -> dict[str, Any]:
+    lowpass = getattr(motion, "lowpass", None)  # of recordings alone
+    if lowpass is None:
+        return {}
+    return {"lowpass": {"cutoff": lowpass.cutoff, "order": lowpass.order, "phase": "zero"}}
 
 
 def _estimate_row(x: Estimate) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from haptisym.scene import Scene
 
 from .blocks import Port, build_effect, build_environment
 from .engine import Engine
+from .linear import Reading
 from .lockin import Lock, lock
 from .motions import Motion, Sines, positive
 from .network import MOTION, Network, Step, Sum, Switch, name_of
@@ -51,9 +52,20 @@ class Run:
         self.ports = _build(self.net, scene, motion, self.extras)
         outputs = [(name_of(signal), 0) for port in (self.ports[0], self.ports[-1]) for signal in port]
         longest = step / motion.span[1] if motion.omegas or motion.name == "chirp" else step * pi / motion.span[1]
-        self.engine = Engine(self.net, motion, outputs, longest)
+        self.engine = self._engine(outputs, longest)
         _check_poles(scene, self.engine)
         _check_clocks(self.net, motion)
+
+    def _engine(self, outputs: Sequence[Reading], longest: float) -> Engine:
+        try:
+            return Engine(self.net, self.motion, outputs, longest)
+        except SceneError as error:
+            if not self.net.foreign:
+                raise
+            raise SceneError(
+                f"{error}; of {', '.join(self.net.foreign)} only the chain matrix is known: its equations of motion must not "
+                "need the future; if they do, build it of the catalogue's effects"
+            ) from None
 
     def advance(self, until: float) -> None:
         steps, self.until = (until - self.engine.t) / self.engine.longest, max(until, self.until)
@@ -180,7 +192,14 @@ def _same_kind(key: str, kind: Kind | None, scene: Scene) -> None:
         raise SceneError(f"{key}: its unit is {kind.value}, but the scene is {scene.motion.value}")
 
 
-def check_scene(scene: Scene, motion: Motion) -> None:
+def check_question(scene: Scene, motion: Motion, extras: Sequence[Extra]) -> None:
+    """Raise SceneError for what is no motion, no extra, or has symbols or units that cannot be simulated."""
+    if not hasattr(motion, "derivatives"):
+        given = f'recording("{motion}")' if isinstance(motion, str) and motion.lower().endswith(".csv") else ""
+        makers = given or 'sine("5 cm", "2 Hz"), multisine, chirp or recording("hand.csv")'
+        raise SceneError(f"motion: {motion!r:.60} is no motion: make one with {makers}")
+    if not isinstance(extras, Sequence) or not all(isinstance(x, Extra) for x in extras):
+        raise SceneError(f"extras: {extras!r:.60} is no list of EncoderQuantisation and ForceSaturation")
     free = [p for p in scene.parameters if p.value.free_symbols]
     if free:
         raise SceneError(f"{free[0].key} = {free[0].value} is a symbol: a simulation needs numbers")

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from haptisym.errors import SceneError
 from haptisym.numeric.values import Array
 from haptisym.quantities import Dimension, Number
 from haptisym.scene import Scene
@@ -26,8 +27,9 @@ from .approximations import why_approximate
 from .lockin import Lock
 from .motions import Motion, Sines, multisine, positive, sine
 from .network import Network, name_of
+from .noise import noise_notes
 from .results import Estimate, Extra, Simulated, document
-from .run import Run, check_scene, least_duration
+from .run import Run, check_question, least_duration
 from .text import page
 from .threads import one_thread
 
@@ -85,7 +87,7 @@ def _simulated(
     extras: Sequence[Extra],
     progress: Callable[[float, float], None] | None,
 ) -> Simulation:
-    check_scene(scene, motion)
+    check_question(scene, motion, extras)
     length = motion.duration if duration is None else positive("duration", duration, Dimension.TIME)
     fine = Run(scene, motion, extras, STEP, progress)
     if not isinstance(motion, Sines) or (length is not None and length < least_duration(motion)):
@@ -112,6 +114,8 @@ def check(
     (4, True)
     """
     scene = as_scene(scene)
+    if count < 1:
+        raise SceneError(f"count: {count} frequencies; at least 1 is needed")
     size = default_amplitude(scene) if amplitude is None else amplitude
     omegas = band_frequencies(scene, count)
     if any(effect.model == "coulomb-friction" for effect in scene.effects):
@@ -149,7 +153,8 @@ def _result(run: Run, estimates: tuple[Estimate, ...]) -> Simulation:
     columns = [engine.signal(name_of(s)).ravel() for s in (run.ports[-1].F, run.ports[0].X, run.ports[0].F)]
     hand = run.motion.derivatives(time, 0)[0]
     return Simulation(
-        run.scene, run.motion, time, hand, columns[0], columns[1], columns[2], estimates, tuple(run.net.built), run.extras
+        run.scene, run.motion, time, hand, columns[0], columns[1], columns[2], estimates, tuple(run.net.built), run.extras,
+        noise_notes(run.scene, run.motion),
     )  # fmt: skip
 
 

@@ -15,7 +15,8 @@ _WIDTH = 96
 
 def page(runs: Sequence[Simulated]) -> str:
     """The whole page; several runs of one scene, one for each frequency, are one table."""
-    parts = [_heading(runs), _table(runs), _verdict(runs)]
+    notes = [fill(note, _WIDTH) for note in runs[0].notes]
+    parts = [_heading(runs), _table(runs), *notes, _verdict(runs)]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
