@@ -16,7 +16,7 @@ import time
 from collections.abc import Sequence
 from typing import NamedTuple
 
-COMMAND = [sys.executable, "-c", "from haptisym.cli import main; main()"]
+COMMAND = [sys.executable, "-c", "from haptisym_command import main; main()"]
 """What the installed ``haptisym`` does."""
 
 _SEVERAL = """
@@ -29,6 +29,10 @@ for words in json.loads(sys.argv[1]):
     except SystemExit as end:
         print(f"\\x1e{end.code or 0}\\x1e", flush=True)
 """
+
+
+Key = tuple[float | bytes, bytes]
+"""What is typed so many seconds after the key before, or as soon as some text is on the screen."""
 
 
 class Shown(NamedTuple):
@@ -61,10 +65,8 @@ def environment(columns: int, **more: str | None) -> dict[str, str]:
     return {name: value for name, value in {**plain, **given}.items() if value is not None}
 
 
-def in_terminal(
-    words: Sequence[str], *, columns: int = 80, keys: Sequence[tuple[float, bytes]] = (), **more: str | None
-) -> Shown:
-    """One call in a terminal. ``keys`` : what is typed, each so many seconds after the one before; ``more`` : of its environment."""
+def in_terminal(words: Sequence[str], *, columns: int = 80, keys: Sequence[Key] = (), **more: str | None) -> Shown:
+    """One call in a terminal. ``keys`` : what is typed, and when; ``more`` : of its environment."""
     return _run([*COMMAND, *words], columns, keys, more)
 
 
@@ -76,7 +78,7 @@ def all_in_terminal(calls: Sequence[Sequence[str]], *, columns: int = 80, **more
     return [Shown(int(status), text) for text, status in zip(fields[:-1:2], fields[1::2], strict=True)]
 
 
-def _run(command: list[str], columns: int, keys: Sequence[tuple[float, bytes]], more: dict[str, str | None]) -> Shown:
+def _run(command: list[str], columns: int, keys: Sequence[Key], more: dict[str, str | None]) -> Shown:
     master, slave = pty.openpty()
     fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 40, columns, 0, 0))
     process = subprocess.Popen(
@@ -85,23 +87,20 @@ def _run(command: list[str], columns: int, keys: Sequence[tuple[float, bytes]], 
     )  # fmt: skip
     os.close(slave)
     try:
-        found, waiting, due = bytearray(), list(keys), time.monotonic() + (keys[0][0] if keys else 0.0)
+        found, waiting, last = bytearray(), list(keys), time.monotonic()
         while True:
-            patience = max(0.0, due - time.monotonic()) if waiting else 120.0
+            sign = waiting[0][0] if waiting else 120.0
+            patience = 120.0 if isinstance(sign, bytes) else max(0.0, last + sign - time.monotonic())
             ready, _, _ = select.select([master], [], [], patience)
-            if waiting and time.monotonic() >= due:
+            assert ready or waiting, f"no sign of life for two minutes: {found!r}"
+            if waiting and (sign in found if isinstance(sign, bytes) else time.monotonic() >= last + sign):
                 os.write(master, waiting.pop(0)[1])
-                due += waiting[0][0] if waiting else 0.0
-            elif not ready:
-                raise AssertionError(f"no sign of life for two minutes: {found!r}")
+                last = time.monotonic()
             if ready:
                 try:
-                    piece = os.read(master, 65536)
+                    found += os.read(master, 65536)
                 except OSError:  # the other end is closed
                     break
-                if not piece:
-                    break
-                found += piece
         return Shown(process.wait(timeout=60), found.decode(more.get("PYTHONIOENCODING") or "utf-8", errors="strict"))
     finally:
         process.kill()

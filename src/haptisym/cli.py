@@ -7,6 +7,8 @@ for, so that ``--json`` in a loop pays for none of it.
 from __future__ import annotations
 
 import sys
+from contextlib import suppress
+from typing import Any
 
 import click
 
@@ -20,6 +22,7 @@ from .commands.require import require
 from .commands.scenes import scenes
 from .commands.sensitivity import sensitivity
 from .commands.simulate import simulate
+from .commands.streams import ReaderLeft, interrupts, note, prepare, to_standard_output
 from .commands.sweep import sweep
 from .commands.tolerances import tolerances
 from .errors import HaptisymError, UndecidedError
@@ -30,6 +33,14 @@ class _Sisters(click.Group):
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(self.commands)  # in the order of the code, the main job first
+
+    def make_context(self, *args: Any, **options: Any) -> click.Context:
+        with to_standard_output():  # where the help goes
+            return super().make_context(*args, **options)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        with to_standard_output():
+            return super().invoke(ctx)
 
 
 @click.group(cls=_Sisters, context_settings={"help_option_names": ["-h", "--help"]}, no_args_is_help=False)
@@ -60,27 +71,44 @@ _EXTRAS = {"scipy": "simulate", "xarray": "sweep", "dask": "sweep", "zarr": "swe
 
 
 def main() -> None:
-    """Run the command line: exit status 0 done, 2 wrong scene or command line, 3 undecided."""
-    try:
-        sys.exit(app(sys.argv[1:] or ["--help"], standalone_mode=False, prog_name="haptisym"))
-    except click.exceptions.Abort:
-        sys.exit(130)
-    except click.ClickException as error:
-        error.show()
-        sys.exit(2)
-    except UndecidedError as error:
-        _fail(f"undecided: {error}", 3)
-    except HaptisymError as error:
-        _fail(f"error: {error}", 2)
-    except ModuleNotFoundError as error:
-        package = (error.name or "").split(".")[0]
-        if package not in _EXTRAS:
-            raise
-        _fail(f'error: {package} is missing: this needs pip install "haptisym[{_EXTRAS[package]}]"', 2)
-    except OSError as error:
-        _fail(f"error: {error.filename}: {error.strerror}", 2)
-
-
-def _fail(message: str, status: int) -> None:
-    click.echo(message, err=True)
+    """Run the command line: exit status 0 done, 2 wrong scene or command line, 3 undecided, 130 interrupted."""
+    prepare()
+    with interrupts() as interrupted:
+        try:
+            status = app(sys.argv[1:] or ["--help"], standalone_mode=False, prog_name="haptisym")
+        except Exception as error:  # noqa: BLE001  all that nobody foresaw is raised again
+            status = _told(error, is_interrupted=bool(interrupted))
     sys.exit(status)
+
+
+def _told(error: Exception, *, is_interrupted: bool) -> int:
+    """Say what went wrong; the exit status of it."""
+    if is_interrupted or isinstance(error, click.exceptions.Abort):
+        return _failed(f"interrupted{_how_far(error)}", 130)
+    match error:
+        case ReaderLeft():
+            return 128 + 13  # as whoever is ended by SIGPIPE
+        case click.ClickException():
+            with suppress(OSError):
+                error.show()
+            return 2
+        case UndecidedError():
+            return _failed(f"undecided: {error}", 3)
+        case HaptisymError():
+            return _failed(f"error: {error}", 2)
+        case ModuleNotFoundError() if (package := (error.name or "").split(".")[0]) in _EXTRAS:
+            return _failed(f'error: {package} is missing: this needs pip install "haptisym[{_EXTRAS[package]}]"', 2)
+        case OSError() if error.filename is not None:
+            return _failed(f"error: {error.filename}: {error.strerror}", 2)
+    raise error
+
+
+def _how_far(error: BaseException) -> str:
+    """What a verb said of how far it came when it was interrupted."""
+    said = str(error.__cause__ or "") if isinstance(error, click.exceptions.Abort) else ""
+    return said or ": there is no answer"
+
+
+def _failed(message: str, status: int) -> int:
+    note(message)
+    return status

@@ -14,6 +14,7 @@ from haptisym.scenefile import load_scene
 
 from .options import environment_option, figure_option, json_option, written
 from .progress import progress
+from .streams import say, say_document
 
 if TYPE_CHECKING:
     from haptisym.costs.costs import Cost
@@ -66,7 +67,7 @@ def cost(
     if figure is not None:
         found.save_figure(figure)
         written("figure", figure)
-    click.echo(found.to_json() if as_json else str(found), nl=as_json)
+    say_document(found.to_json()) if as_json else say(str(found))
 
 
 def _measured(

@@ -8,6 +8,7 @@ from haptisym.errors import SceneError
 from haptisym.scene import Scene
 
 from .options import json_option, scene_argument
+from .streams import say, say_document, write
 
 _CODE = ("numpy", "c", "octave", "julia", "javascript")
 _OUTPUTS = ("text", "latex", "mathml", "json", *_CODE)
@@ -69,12 +70,15 @@ def derive(
                 f"--of chooses among formulas, and --to {language} writes all quantities: leave out one of them"
             )
         names_kept = None if kept is None else [x for x in kept if x != "c"]
-        click.echo(scene_code(scene, Language[language.upper()], parameters=names_kept), nl=False)
+        write(scene_code(scene, Language[language.upper()], parameters=names_kept))
         return
     from haptisym.formulas import text as derivationtext
     from haptisym.formulas.sections import asked, sections
 
     d = derive_scene(scene, kept)
     found = asked(d, names) if names else sections(d)
-    write = getattr(derivationtext, f"as_{'json' if as_json else language}")
-    click.echo(write(d, found), nl=as_json or language == "json")
+    if as_json or language == "json":
+        say_document(derivationtext.as_json(d, found))
+    else:
+        text = getattr(derivationtext, f"as_{language}")(d, found)
+        say(text) if language == "text" else write(text)

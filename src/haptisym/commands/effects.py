@@ -10,6 +10,7 @@ import click
 from haptisym.scene import Scene
 
 from .options import drawn, figure_option, json_option, scene_argument
+from .streams import say, say_document
 
 
 @click.command()
@@ -47,4 +48,4 @@ def effects(scene: Scene, as_json: bool, tolerance: str, figure: Path | None) ->
         from haptisym.pruning.figure import save_influences
 
         drawn(save_influences, found, figure)
-    click.echo(dumps(document(found), indent=2, ensure_ascii=False) if as_json else page(found), nl=as_json)
+    say_document(dumps(document(found), indent=2, ensure_ascii=False)) if as_json else say(page(found))

@@ -10,6 +10,7 @@ import click
 from haptisym.scene import Scene
 
 from .options import drawn, figure_option, json_option, scene_argument
+from .streams import say, say_document, write
 
 
 @click.command()
@@ -47,7 +48,11 @@ def metrics(
         from haptisym.measures.figure import save_metrics_figure
 
         drawn(save_metrics_figure, found, figure)
-    write = metricstext.as_json if as_json else metricstext.as_latex if language == "latex" else metricstext.as_text
-    click.echo(write(found), nl=as_json)
+    if as_json:
+        say_document(metricstext.as_json(found))
+    elif language == "latex":
+        write(metricstext.as_latex(found))
+    else:
+        say(metricstext.as_text(found))
     if not found.measured.certified:
         sys.exit(3)

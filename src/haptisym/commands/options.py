@@ -15,6 +15,8 @@ from haptisym.errors import NothingToDrawError, SceneError
 from haptisym.figures.kinds import checked
 from haptisym.scenefile import load_scene
 
+from .streams import note, say, say_document, to_file
+
 Command = Callable[..., Any]
 
 
@@ -90,21 +92,22 @@ def figures_option(command: Command) -> Command:
 
 def written(what: str, path: Path) -> None:
     """Tell on standard error that a file is there."""
-    click.echo(f"{what} written to {path}", err=True)
+    note(f"{what} written to {path}")
 
 
 def drawn(save: Callable[..., Any], found: Any, path: Path) -> None:
     """Write a figure of an answer, and tell so on standard error; or tell that there is nothing in it to draw."""
     try:
-        save(found, path)
+        with to_file("figure", path):
+            save(found, path)
     except NothingToDrawError as error:
-        click.echo(f"no figure: {error}", err=True)
+        note(f"no figure: {error}")
     else:
         written("figure", path)
 
 
 def hand_over(found: Answer, *, as_json: bool) -> None:
     """Print an answer; exit status 3 where something in it stayed undecided."""
-    click.echo(found.to_json() if as_json else str(found), nl=as_json)
+    say_document(found.to_json()) if as_json else say(str(found))
     if not found.certified:
         sys.exit(3)

@@ -16,10 +16,12 @@ PATIENCE = 0.5  # s; what is done sooner shows no bar
 
 
 @contextmanager
-def progress(unit: str = "") -> Iterator[Told]:
+def progress(unit: str = "", *, kept: str = "there is no answer") -> Iterator[Told]:
     """A bar on standard error, where that is a terminal: it comes after half a second and leaves nothing behind.
 
     ``unit`` : of what is counted, as in "1,200 of 65,536 sets"; percent are shown without it.
+
+    ``kept`` : what there is after Ctrl-C, as the end of a sentence that says how far it came.
 
     What it yields is called with what is done, of how much (None: nobody knows, the bar then shows only that it lives) and, if
     there is something to say, at what it is; as often as one likes. It never raises, and does nothing where nobody looks.
@@ -29,7 +31,10 @@ def progress(unit: str = "") -> Iterator[Told]:
     ...     told(2, None, "the second half")
     """
     with Told(unit) as told:
-        yield told
+        try:
+            yield told
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(f" at {told.reached}: {kept}" if told.reached else f": {kept}") from None
 
 
 class Told:
@@ -39,6 +44,8 @@ class Told:
         self.unit, self.began = unit, monotonic()
         self.seen = bool(sys.stderr and sys.stderr.isatty())
         self.bar: Progress | None = None
+        self.reached = ""
+        """How far it came, in words."""
 
     def __enter__(self) -> Self:
         return self
@@ -50,13 +57,14 @@ class Told:
             self.bar.stop()
 
     def __call__(self, done: float, total: float | None = None, what: str = "") -> None:
+        self.reached = self._count(done, total)
         if not self.seen or monotonic() - self.began < PATIENCE or (self.bar is None and done == total):
             return
         if self.bar is None:
             self.bar = _bar()
             self.bar.add_task(what, count="")
             self.bar.start()
-        self.bar.update(self.bar.task_ids[0], description=what, count=self._count(done, total))
+        self.bar.update(self.bar.task_ids[0], description=what, count=self.reached)
         self.bar.tasks[0].total = total  # ``update`` takes None for "as before"
         self.bar.update(self.bar.task_ids[0], completed=done)
 

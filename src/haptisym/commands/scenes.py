@@ -10,6 +10,7 @@ from haptisym.errors import SceneError
 from haptisym.scenefile import family_names, load_scenes, scene_names, scene_text
 
 from .options import json_option
+from .streams import say, say_document, write
 
 
 @click.command()
@@ -26,14 +27,13 @@ def scenes(name: str | None, as_json: bool) -> None:
     if name is not None:
         if as_json:
             raise SceneError("--json lists the scenes: a scene file is TOML, leave out --json")
-        click.echo(scene_text(name)[0], nl=False)
+        write(scene_text(name)[0])
         return
     listed = [(name, load_scenes(name)) for name in (*scene_names(), *family_names())]
     if as_json:
         keys = [(name, x.title, x.source, [e.name for e in x.first.effects], len(x)) for name, x in listed]
         rows = [dict(zip(("name", "title", "source", "effects", "environments"), row, strict=True)) for row in keys]
-        click.echo(dumps({"schema": "haptisym.scenes/1", "scenes": rows}, indent=2, ensure_ascii=False))
+        say_document(dumps({"schema": "haptisym.scenes/1", "scenes": rows}, indent=2, ensure_ascii=False))
         return
     width = max(len(name) for name, _ in listed)
-    for name, x in listed:
-        click.echo(f"{name:<{width}}  {x.title}")
+    say("".join(f"{name:<{width}}  {x.title}\n" for name, x in listed))

@@ -13,6 +13,7 @@ from haptisym.scene import Scene
 
 from .options import figures_option, file_option, json_option, scene_argument, written
 from .progress import progress
+from .streams import say, say_document
 
 
 @click.command()
@@ -71,7 +72,7 @@ def simulate(
     from haptisym.simulation.results import document
     from haptisym.simulation.text import page
 
-    click.echo(dumps(document(runs), indent=2, ensure_ascii=False) if as_json else page(runs), nl=as_json)
+    say_document(dumps(document(runs), indent=2, ensure_ascii=False)) if as_json else say(page(runs))
     if any(x.agrees is False for x in runs):
         sys.exit(3)
 

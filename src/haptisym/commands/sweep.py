@@ -17,6 +17,7 @@ from haptisym.scene import Scene
 
 from .options import figure_option, json_option, scene_argument, written
 from .progress import progress
+from .streams import say, say_document
 
 
 @click.command()
@@ -77,7 +78,7 @@ def sweep(
         raise SceneError(f"figure: {figure} would show one or two parameters, not {len(asked)}")
     with ExitStack() as stack:
         stack.enter_context(_engine(workers, cluster))
-        told = stack.enter_context(progress("sets"))
+        told = stack.enter_context(progress("sets", kept=_kept(out)))
         found = sweep_scene(scene, dict(asked), out=out, progress=told)
     if figure is not None:
         from haptisym.sweeps.figure import save_sweep_figure
@@ -86,9 +87,16 @@ def sweep(
     from haptisym.sweeps.text import document, page
 
     answer = document(found, out)
-    click.echo(dumps(answer, indent=2, ensure_ascii=False) if as_json else page(answer), nl=as_json)
+    say_document(dumps(answer, indent=2, ensure_ascii=False)) if as_json else say(page(answer))
     if answer["open"]:
         sys.exit(3)
+
+
+def _kept(out: Path | None) -> str:
+    """What there is of a sweep that was interrupted."""
+    if out is None:
+        return "nothing is kept; with --out FILE.zarr the same command would go on from there"
+    return f"what is done is in {out}, and the same command goes on from there"
 
 
 @contextmanager

@@ -1,0 +1,149 @@
+"""How the command line meets its terminal: pages as wide, characters that it has, nobody who reads, Ctrl-C."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from io import TextIOWrapper
+from pathlib import Path
+
+from haptisym.errors import HaptisymError
+
+from .fitting import PAGE, fitted
+from .spelling import HANDLER, escaped, register, spelt
+
+
+class ReaderLeft(Exception):  # noqa: N818  it is nobody's error
+    """Whoever read standard output has closed it, as ``head`` does."""
+
+
+class CannotWriteError(HaptisymError):
+    """A file or standard output does not take what is written."""
+
+
+def prepare() -> None:
+    """Let both streams spell what their encoding lacks; ASCII in a terminal whose locale was set to C or POSIX."""
+    register()
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(encoding="ascii" if _is_plain(stream) else stream.encoding, errors=HANDLER)
+
+
+def _is_plain(stream: TextIOWrapper) -> bool:
+    """Python writes UTF-8 where the locale is C, as containers have it unasked; a terminal that was told so has ASCII."""
+    if not stream.isatty() or os.environ.get("PYTHONIOENCODING") or os.environ.get("PYTHONUTF8"):
+        return False
+    locale = next((x for name in ("LC_ALL", "LC_CTYPE", "LANG") if (x := os.environ.get(name))), "")
+    return locale in ("C", "POSIX")
+
+
+def say(page: str) -> None:
+    """A page of text on standard output: as wide as the terminal, 96 columns anywhere else so that it can be compared."""
+    shown = spelt(page, _encoding())
+    write(fitted(shown, columns()) if sys.stdout is not None and sys.stdout.isatty() else shown)
+
+
+def say_document(document: str) -> None:
+    """A JSON document on standard output."""
+    write(escaped(document, _encoding()) + "\n")
+
+
+def write(text: str) -> None:
+    """Text on standard output as it is. ReaderLeft or CannotWriteError where it does not get there."""
+    if sys.stdout is None:
+        raise CannotWriteError("standard output cannot be written: it is closed")
+    with to_standard_output():
+        sys.stdout.write(text)
+        sys.stdout.flush()
+
+
+def note(message: str) -> None:
+    """A message on standard error; lost where that is closed or full."""
+    if sys.stderr is None:
+        return
+    with suppress(OSError, ValueError):
+        if sys.stderr.isatty():
+            message = "\n".join(
+                x if x.startswith("    ") else fitted(x, columns(sys.stderr.fileno())) for x in message.split("\n")
+            )
+        sys.stderr.write(f"{message}\n")
+        sys.stderr.flush()
+
+
+def columns(of: int | None = None) -> int:
+    """Columns of the terminal, at most those of a page."""
+    size = shutil.get_terminal_size((PAGE, 24)) if of is None else os.get_terminal_size(of)
+    return min(size.columns, PAGE)
+
+
+def _encoding() -> str:
+    return getattr(sys.stdout, "encoding", None) or "utf-8"
+
+
+@contextmanager
+def to_standard_output() -> Iterator[None]:
+    """What goes wrong inside with standard output, by name; nothing more is then tried to be written there."""
+    try:
+        yield
+    except BrokenPipeError:
+        _close()
+        raise ReaderLeft from None
+    except OSError as error:
+        if error.filename is not None:
+            raise
+        _close()
+        raise CannotWriteError(f"standard output cannot be written: {_reason(error)}") from None
+
+
+@contextmanager
+def to_file(what: str, path: Path) -> Iterator[None]:
+    """What goes wrong inside with writing a file, as a sentence that names it."""
+    try:
+        yield
+    except OSError as error:
+        raise CannotWriteError(f"{what}: {path} cannot be written: {_reason(error)}") from None
+
+
+def _reason(error: OSError) -> str:
+    return (error.strerror or str(error)).lower()
+
+
+def _close() -> None:
+    """What is still in the buffer goes nowhere, so that the end of the process does not try again."""
+    with suppress(OSError, ValueError, AttributeError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)
+
+
+@contextmanager
+def interrupts() -> Iterator[list[int]]:
+    """Ctrl-C raises KeyboardInterrupt, once; what it yields then is not empty, even if an import made another error of it.
+
+    Whoever presses it again while things are being tidied up does not wait any longer: status 130 at once.
+    """
+    seen: list[int] = []
+    is_ours = (
+        threading.current_thread() is threading.main_thread()
+        and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    )
+
+    def interrupted(number: int, _frame: object) -> None:
+        if seen:
+            note("\x1b[?25h" if sys.stderr and sys.stderr.isatty() else "")  # a bar of progress hides the cursor
+            os._exit(130)
+        seen.append(number)
+        raise KeyboardInterrupt
+
+    if is_ours:
+        signal.signal(signal.SIGINT, interrupted)
+    try:
+        yield seen
+    finally:
+        if is_ours:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
