@@ -1,21 +1,34 @@
-"""One Hypothesis profile for the whole suite, the same examples on every machine and every run; and the command line, called."""
+"""One Hypothesis profile for the whole suite, the same examples on every machine and every run; and the command line, called.
+
+With HAPTISYM_EXAMPLES=N there are N examples (where a test wants more, as many as it wants), drawn with the seed that
+``pytest --hypothesis-seed`` gives: CI does that with a new one every time, and says which.
+"""
 
 from __future__ import annotations
 
 import pytest
 from hypothesis import HealthCheck, settings
+from marks import EXAMPLES
 
 from haptisym.cli import main
 
 settings.register_profile(
-    "repeatable",
-    derandomize=True,
+    "drawn" if EXAMPLES else "repeatable",
+    derandomize=not EXAMPLES,
     deadline=None,
-    max_examples=20,
+    max_examples=EXAMPLES or 20,
     database=None,
     suppress_health_check=[HealthCheck.too_slow],
 )
-settings.load_profile("repeatable")
+settings.load_profile("drawn" if EXAMPLES else "repeatable")
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """How to repeat a run whose examples were drawn anew."""
+    if EXAMPLES and terminalreporter.stats.get("failed"):
+        seed = config.getoption("--hypothesis-seed") or "that of the failure above"
+        again = f"HAPTISYM_EXAMPLES={EXAMPLES} pytest -m hypothesis --hypothesis-seed={seed}"
+        terminalreporter.write_line(f"The same examples once more: {again}")
 
 
 @pytest.fixture

@@ -7,14 +7,23 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 import pytest
+from hypothesis import settings
 
 import haptisym as hs
+
+EXAMPLES = int(os.environ.get("HAPTISYM_EXAMPLES", "0"))
+"""How many examples each property is tried on, drawn anew; 0 for the same few as always."""
 
 QUICK_SCENES = {"fu2019", "delayed-spring", "undamped-resonance", "sidestick", "stick-with-friction"}
 """Shipped scenes whose formulas are short: a rational one, a delay, a cancelled resonance, a rotation, friction."""
 
 WRITTEN_OUT = tuple(name for name in hs.scene_names() if name != "control-stick-in-detail")
 """Shipped scenes whose closed forms are written out in all symbols: that of ten effects would fill a book."""
+
+
+def examples(count: int) -> settings:
+    """So many examples of a property, or as many as are asked for, if that is more."""
+    return settings(max_examples=max(count, EXAMPLES), deadline=None)
 
 
 def often(cases: Iterable[Any], quick: Callable[[Any], bool]) -> list[Any]:

@@ -73,3 +73,51 @@ def test_different_thresholds_bound_by_the_smaller_and_by_both_together() -> Non
     assert [x.digits(15) for x in (answer.transparent_below, answer.opaque_above)] == [
         mp.nstr(x, 15, strip_zeros=False) for x in ends
     ]
+
+
+# --- ends of the bands, touches --------------------------------------------------------------------------------------
+
+
+def any_environment(gain: str, c: object, imag: object = None, band: tuple[object, object] = (0, 15)):  # type: ignore[no-untyped-def]
+    scene = hs.Scene(E.mass_spring_damper(k=100), (F.series(gain),), band, hs.Threshold.of(c, imag))
+    return hs.evaluate(scene).any_environment
+
+
+def test_a_touch_from_below_leaves_every_environment_transparent() -> None:
+    """|G - 1| of a band-pass on a circle peaks at half its gain, at 3 rad/s."""
+    found = any_environment("1 + 0.2*s/(s^2 + 2*s + 9)", "0.1")
+    assert (float(found.transparent_below), found.opaque_above) == (15.0, None)
+    above = any_environment("1 + 0.2000001*s/(s^2 + 2*s + 9)", "0.1")
+    assert 2.9 < float(above.transparent_below) < 3
+
+
+def test_a_touch_from_above_is_the_last_frequency_that_some_environment_passes() -> None:
+    """|G - 1| of a notch dips to half its gain at 3 rad/s: to sqrt(c_real^2 + c_imag^2) there, and nowhere else."""
+    found = any_environment("1 + 0.2*(s^2 + s + 9)/(s^2 + 2*s + 9)", "0.06", "0.08")
+    assert (found.transparent_below, float(found.opaque_above)) == (None, 3.0)
+    never = any_environment("1 + 0.2*(s^2 + s + 9)/(s^2 + 2*s + 9)", "0.06", "0.0799")
+    assert (never.transparent_below, float(never.opaque_above)) == (None, 0.0)
+
+
+def test_only_the_first_transparent_and_the_last_opaque_interval_count() -> None:
+    """Transparent up to about 2.5 and again from about 3.6 on; opaque only in between, which is not up to the end."""
+    found = any_environment("1 + 2*s/(s^2 + 2*s + 9)", "0.5")
+    assert 1 < float(found.transparent_below) < 3
+    assert found.opaque_above is None
+    later = any_environment("1 + 2*s/(s^2 + 2*s + 9)", "0.5", band=(3, 15))
+    assert (later.transparent_below, later.opaque_above) == (None, None)
+    middle = any_environment("1 + 2*s/(s^2 + 2*s + 9)", "0.5", band=("2.9", "3.1"))
+    assert (middle.transparent_below, float(middle.opaque_above)) == (None, 2.9)
+    twice = any_environment("1 + 0.2*s^2/9", "0.1", band=(0, 15))  # opaque from a frequency inside up to the end
+    assert float(twice.transparent_below) == pytest.approx(4.5**0.5)
+    assert float(twice.opaque_above) == pytest.approx((4.5 * 2**0.5) ** 0.5)
+
+
+def test_effects_that_are_not_all_in_series_and_another_rendering_have_no_such_bounds() -> None:
+    spring, lag, shunt, soft = E.mass_spring_damper(k=100), F.first_order_lag(20), F.shunt(m=1), F.compliance(k=1000)
+    for chain in ((lag, shunt), (shunt, lag), (soft, lag), (lag, soft), (soft,), (shunt, soft)):
+        assert hs.evaluate(hs.Scene(spring, chain)).any_environment is None
+    rendered = hs.Scene(spring, (lag,), rendered=E.mass_spring_damper(k=101))
+    assert hs.evaluate(rendered).any_environment is None
+    same = hs.Scene(spring, (lag,), rendered=E.mass_spring_damper(k=100))
+    assert float(hs.evaluate(same).any_environment.transparent_below) == pytest.approx(20 / 99**0.5)

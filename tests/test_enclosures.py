@@ -9,8 +9,9 @@ import flint
 import mpmath
 import pytest
 from flint import arb, fmpq
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from marks import examples
 from sympy import Expr, Rational, factor_list, symbols
 
 from haptisym.exact.bernstein import range_of
@@ -127,7 +128,7 @@ def in_three_variables(draw: st.DrawFn, least: int, most: int) -> Any:
     return context.from_dict({**{e: fmpq(c) for e, c in terms.items()}, lead: fmpq(draw(st.integers(1, 9)))})
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(in_three_variables(2, 6), in_three_variables(1, 5))
 def test_discriminants_and_resultants_by_values_are_those_of_polynomial_arithmetic(f: Any, g: Any) -> None:
     assert discriminant(f, 0) == f.discriminant("x")

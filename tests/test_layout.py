@@ -7,8 +7,8 @@ import re
 import pytest
 import sympy as sp
 from formulas import EXPRESSIONS, are_identical, closed_forms, value_at
-from hypothesis import given, settings
-from marks import QUICK_SCENES, WRITTEN_OUT, often
+from hypothesis import given
+from marks import QUICK_SCENES, WRITTEN_OUT, examples, often
 from plainreader import expression
 from sympy import Abs, Float, I, Integer, Rational, Symbol, acos, asin, atan, cos, exp, pi, sqrt
 from sympy.printing.str import StrPrinter
@@ -102,13 +102,13 @@ def signs(written: str) -> str:
 
 
 @given(EXPRESSIONS)
-@settings(max_examples=200, deadline=None)
+@examples(200)
 def test_the_three_outputs_agree_on_every_sign(form):
     assert signs(plain(form)) == signs(mathml(form)) == signs(formula(form))
 
 
 @given(EXPRESSIONS)
-@settings(max_examples=300, deadline=None)
+@examples(300)
 def test_any_plain_formula_reads_back_with_exactly_the_same_value(form):
     assert value_at(expression(plain(form), {x.name: x for x in form.free_symbols})) == value_at(form)
 

@@ -6,8 +6,8 @@ from xml.etree import ElementTree
 
 import pytest
 from formulas import EXPRESSIONS, are_identical, by_key, closed_forms, value_at
-from hypothesis import given, settings
-from marks import QUICK_SCENES, WRITTEN_OUT, often
+from hypothesis import given
+from marks import QUICK_SCENES, WRITTEN_OUT, examples, often
 from mathreader import SPACE, expression
 from sympy import (
     Abs,
@@ -137,7 +137,7 @@ def test_every_closed_form_of_a_shipped_scene_reads_back_exactly(name):
 
 
 @given(EXPRESSIONS)
-@settings(max_examples=300, deadline=None)
+@examples(300)
 def test_any_formula_reads_back_with_exactly_the_same_value(form):
     read = expression(mathml(form), by_key(form))
     assert value_at(read) == value_at(form)

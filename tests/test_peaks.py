@@ -8,12 +8,15 @@ from fractions import Fraction
 
 import pytest
 from oracles import MP, rounded
-from sympy import CRootOf, I, Rational, Symbol, pi, sqrt
+from sympy import CRootOf, Expr, I, Integer, Rational, Symbol, pi, sqrt
 from test_crossings import ask, paper
 
 import haptisym as hs
-from haptisym.effects import delay, first_order_lag, series
+from haptisym.effects import delay, first_order_lag, series, shunt
 from haptisym.environments import mass_spring_damper
+from haptisym.exact.dynamics import Ring
+from haptisym.exact.response import RealFunction
+from haptisym.peaks import largest
 
 FU = hs.load_scene("fu2019").with_band(0, 1000)
 
@@ -101,3 +104,75 @@ def test_a_threshold_must_be_a_positive_number(c: object) -> None:
 def test_an_irrational_threshold_is_refused_where_the_scene_is_not_rational() -> None:
     with pytest.raises(hs.SceneError, match="without delays"):
         ask(mass_spring_damper(k=1), delay("0.1 s"), c=GOLDEN)
+
+
+def test_a_pole_of_a_ratio_is_no_peak_and_a_maximum_at_an_end_of_the_band_is_none() -> None:
+    """An undamped environment, where a damper beside it has an infinite ratio at 2 rad/s; a ratio that only grows."""
+    unbounded = hs.Scene(mass_spring_damper(m=1, k=4), (shunt(b=1),), (0, 10))
+    assert [float(x.omega) for x in hs.evaluate(unbounded).unbounded] == [2.0]
+    assert hs.peaks(unbounded) == ()
+    growing = hs.Scene(mass_spring_damper(k=100), (shunt(m=1),), (0, 10))
+    assert hs.peaks(growing) == ()
+
+
+def test_a_maximum_of_higher_order_is_one_peak_and_an_inflection_is_none() -> None:
+    """|1 - (W - 4)^4/1000| peaks flatly at 2; W + (W - 4)^3 only grows, with slope 0 nowhere; (W - 4)^3 + 64 rests at 2."""
+    flat = hs.Scene(mass_spring_damper(k=1), (shunt(Z="1 - (-s^2 - 4)^4/1000"),), (1, 3))
+    [peak] = hs.peaks(flat)
+    assert (peak.part, float(peak.omega), peak.ratio.digits(5), peak.threshold) == (hs.Part.REAL, 2.0, "1.0000", 1)
+    resting = hs.Scene(mass_spring_damper(k=1), (shunt(Z="64 + (-s^2 - 4)^3"),), (0, 3))
+    assert hs.peaks(resting) == ()
+
+
+def test_peaks_next_to_the_ends_of_the_band_are_there() -> None:
+    scene = hs.Scene(mass_spring_damper(k=100), (series("1 + 0.4*s/(s^2 + 2*s + 9)"),))
+    wide = [(p.part, p.omega.digits(12)) for p in hs.peaks(scene)]
+    assert len(wide) == 3
+    for band in (("2.16", "4.17"), ("2.1", "4.2"), ("0", "100"), ("2", "1000")):
+        assert [(p.part, p.omega.digits(12)) for p in hs.peaks(scene.with_band(*band))] == wide
+    assert [(p.part, p.omega.digits(12)) for p in hs.peaks(scene.with_band("2.17", "4.16"))] == wide[1:2]
+
+
+def test_the_height_of_a_peak_in_closed_form_is_the_number_that_its_digits_are() -> None:
+    """Several roots of the same minimal polynomial, some of them negative: the index tells which."""
+    gains = [
+        "1 + 3/7*s/(s^2 + 2*s + 30)",
+        "1 - 2*(s + 1)/(s^3 + 2*s^2 + 30*s + 7)",
+        "1 + s^2/(s^4 + s^3 + 20*s^2 + 3*s + 40)",
+    ]
+    count = 0
+    for gain in gains:
+        scene = hs.Scene(mass_spring_damper(m="1/5", b=4, k=90), (first_order_lag("7/2"), series(gain)), (0, 200))
+        for peak in hs.peaks(scene):
+            count += 1
+            assert peak.threshold is not None
+            assert Decimal(str(peak.threshold.evalf(30))) == pytest.approx(
+                Decimal(peak.ratio.digits(30)), rel=Decimal("1e-25")
+            )
+    assert count >= 4
+
+
+@pytest.mark.parametrize("what", ["pi", "delay", "both"])
+def test_the_height_of_a_peak_has_no_closed_form_where_numbers_or_functions_are_not_rational(what: str) -> None:
+    chain = {
+        "pi": (first_order_lag("1 Hz"), series("1 + s/(s^2 + 2*s + 30)")),
+        "delay": (delay("0.1 s"),),
+        "both": (first_order_lag("1 Hz"), delay("0.1 s")),
+    }[what]
+    found = hs.peaks(hs.Scene(mass_spring_damper(m=1, b=4, k=90), chain, (0, 40)))
+    assert found
+    assert [p.threshold for p in found] == [None] * len(found)
+
+
+def test_the_largest_value_is_at_an_end_at_a_zero_or_at_a_peak() -> None:
+    def at_most(expression: Expr, low: int, high: int) -> str:
+        return largest(RealFunction(Ring().axis.convert(expression)), Integer(low), Integer(high)).digits(6)
+
+    w = hs.omega
+    assert at_most(w**2, 1, 3) == "9.00000"
+    assert at_most(1 / (w**2 + 1), 1, 3) == "0.500000"
+    assert at_most(-((w**2 - 4) ** 2), 1, 3) == "0"
+    assert at_most(-(w**2) - 1, 0, 3) == "-1.00000"
+    assert at_most(w / (w**2 + 4), 0, 5) == "0.250000"
+    assert at_most(w**2 - 4, 2, 3) == "5.00000"
+    assert largest(RealFunction(Ring().axis.convert(-1 / (w**2 - 4) ** 2)), Integer(0), Integer(3)) is None

@@ -6,8 +6,9 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from marks import examples
 from oracles import DIGITS, MP, Case, digits_of
 from strategies import cases, exact, rationals, scene
 from sympy import Abs, Expr, I, Symbol, cancel, expand, sin, sqrt, together
@@ -109,7 +110,7 @@ def test_closed_forms_have_the_values_of_mpmath(case: Case, at: Fraction) -> Non
         assert abs(MP.mpc(str(found[0]), str(found[1])) - value) <= MP.mpf(10) ** -40 * (abs(H) + abs(G))
 
 
-@settings(max_examples=10)
+@examples(10)
 @given(cases(order=3))
 def test_compiled_functions_have_the_values_of_mpmath(case: Case) -> None:
     f = scene(case).distortion().compile()

@@ -6,9 +6,9 @@ import json
 from fractions import Fraction
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from marks import often
+from marks import examples, often
 from sympy import Expr, Rational
 
 import haptisym as hs
@@ -80,7 +80,7 @@ def test_elasticities_keep_the_sum_rules_of_dimensional_analysis(name: str) -> N
 POSITIVE = st.fractions(Fraction(1, 20), Fraction(20), max_denominator=50)
 
 
-@settings(max_examples=8, deadline=None)
+@examples(8)
 @given(
     m=POSITIVE,
     b=POSITIVE,

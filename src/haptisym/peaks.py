@@ -56,7 +56,7 @@ class Peak:
         f, axis = self.square.function, self.square.axis
         top, bottom = (axis.univariate(p) for p in (f.numerator, f.denominator))
         zero = self.omega.factor if isinstance(self.omega, Root | Zero) else None
-        if axis.functions or top is None or bottom is None or not isinstance(zero, PolynomialFactor):
+        if top is None or bottom is None or not isinstance(zero, PolynomialFactor):
             return None
         return sqrt(_algebraic(_eliminated(top, bottom, zero), ValueAt(self.square, self.omega).ball))
 
@@ -77,7 +77,7 @@ def peaks(scene: Scene | str | Path) -> tuple[Peak, ...]:
         Peak(part, x.omega, squares[part])
         for x in points
         for part in Part
-        if x.orders.get(part, 0) > 0 and x.before[part] > 0 > x.after[part]
+        if (x.before[part], x.after[part]) == (1, -1) and x.orders[part] > 0  # no pole
     )
 
 

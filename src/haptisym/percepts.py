@@ -75,10 +75,15 @@ def _label(signs: Signs, part: Part) -> tuple[Property, Change] | None:
 
 def _real_property(env: int, perc: int) -> Property:
     """A part that is zero throughout takes the other's side: nothing becomes something of the same kind."""
-    env, perc = env or perc, perc or env
-    if env == perc:
-        return Property.STIFFNESS if env > 0 else Property.MASS
-    return Property.STIFFNESS_TO_MASS if env > 0 else Property.MASS_TO_STIFFNESS
+    return _SIDES[env or perc, perc or env]
+
+
+_SIDES = {
+    (1, 1): Property.STIFFNESS,
+    (-1, -1): Property.MASS,
+    (1, -1): Property.STIFFNESS_TO_MASS,
+    (-1, 1): Property.MASS_TO_STIFFNESS,
+}
 
 
 def changeovers(chart: Chart, curve: Curve) -> tuple[Point, ...]:

@@ -8,8 +8,9 @@ from math import inf
 import mpmath
 import pytest
 from flint import arb
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from marks import examples
 from sympy import Rational
 
 import haptisym as hs
@@ -148,7 +149,7 @@ def test_a_rational_crossing_on_the_end_of_the_band_is_found_once_on_either_side
     m=decades, b=decades, k=decades, omega_n=decades, zeta=decades,
     omega=st.integers(-150, 150), digit=st.floats(1, 10, exclude_max=True),
 )  # fmt: skip
-@settings(max_examples=30, deadline=None)
+@examples(30)
 def test_certified_values_are_right_over_eighteen_decades_of_every_parameter(
     m: int, b: int, k: int, omega_n: int, zeta: int, omega: int, digit: float
 ) -> None:
