@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
+import random
+from collections.abc import Callable
 from fractions import Fraction
+from itertools import pairwise
 
 import pytest
 from answers import floats, intervals
 from oracles import MP
-from sympy import Rational
+from sympy import Integer, Rational, sqrt
 
 import haptisym as hs
+from haptisym.crossings import Curve, find_crossings, transparent_set, unbounded_points
 from haptisym.effects import first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import expression, kelvin_voigt, mass_spring_damper
+from haptisym.exact.reals import ExactNumber
+from haptisym.exact.roots import Chart, Interval, Point, Signs
+from haptisym.percepts import changeovers, find_percepts, outside_model
 
 PAPER = hs.Scene(
     mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m"),
@@ -215,3 +223,125 @@ def test_effects_act_on_what_is_rendered() -> None:
     scene = hs.Scene(mass_spring_damper(k=100), (series("1/2"),), rendered=mass_spring_damper(k=200))
     result = hs.evaluate(scene)
     assert (result.crossings, result.percepts) == ((), ())
+
+
+# --- charts of any signs ---------------------------------------------------------------------------------------------
+
+FELT = {
+    (1, 1): "stiffness", (-1, -1): "mass", (1, -1): "stiffness-to-mass", (-1, 1): "mass-to-stiffness",
+    (0, 1): "stiffness", (1, 0): "stiffness", (0, -1): "mass", (-1, 0): "mass",
+}  # fmt: skip
+
+
+def any_chart(seed: int) -> Chart:
+    """Up to nine points with signs drawn for each cell; some repeat, so that there is something to join."""
+    pick = random.Random(seed)
+    keys = [(curve, part) for curve in Curve for part in hs.Part]
+    cells: list[dict[object, int]] = []
+    for _ in range(pick.randint(1, 8)):
+        fresh = {key: pick.choice((-1, 0, 1)) for key in keys}
+        cell = dict(cells[-1]) if cells and pick.random() < 0.6 else fresh
+        for part in hs.Part:
+            if pick.random() < 0.5:
+                cell[Curve.EXCESS, part] = 1
+            if not cell[Curve.ENVIRONMENT, part] and not cell[Curve.PERCEIVED, part]:
+                cell[Curve.EXCESS, part] = -1  # what is zero throughout in both is not noticed
+        cells.append(cell)
+    points = []
+    for n, (before, after) in enumerate(pairwise([cells[0], *cells, cells[-1]])):
+        orders = {key: pick.choice((2, 2, -2, 0)) for key in keys if before[key] == after[key] and pick.random() < 0.4}
+        points.append(Point(ExactNumber(Integer(n)), {k: n for k, n in orders.items() if n}, before, after))
+    return Chart(tuple(points))
+
+
+@pytest.mark.parametrize("seed", range(150))
+def test_percepts_cover_exactly_the_cells_above_and_are_joined_where_nothing_changes(seed: int) -> None:
+    chart = any_chart(seed)
+    found = find_percepts(chart)
+    assert [p.part for p in found] == sorted((p.part for p in found), key=list(hs.Part).index)
+    for part in hs.Part:
+        own = [p for p in found if p.part is part]
+        bands = [(int(float(p.band.low.omega)), int(float(p.band.high.omega))) for p in own]
+        told = {
+            n: (i, p.property.value, p.change.value)
+            for i, (p, (a, b)) in enumerate(zip(own, bands, strict=True))
+            for n in range(a, b)
+        }
+        assert sum(b - a for a, b in bands) == len(told)
+        labels = {}
+        for n, point in enumerate(chart.points[:-1]):
+            signs = {curve: point.after[curve, part] for curve in Curve}
+            if signs[Curve.EXCESS] <= 0 or (part is hs.Part.IMAG and signs[Curve.PERCEIVED] < 0):
+                continue
+            kind = "damping" if part is hs.Part.IMAG else FELT[signs[Curve.ENVIRONMENT], signs[Curve.PERCEIVED]]
+            larger = signs[Curve.DIFFERENCE] * signs[Curve.SUM]  # of |perc|^2 - |env|^2
+            labels[n] = (kind, {1: "higher", -1: "lower", 0: "equal"}[larger])
+        assert {n: x[1:] for n, x in told.items()} == labels
+        for n in labels:
+            if n + 1 in labels:
+                at = chart.points[n + 1].orders.get((Curve.EXCESS, part), 0)
+                assert (told[n][0] == told[n + 1][0]) == (labels[n] == labels[n + 1] and at <= 0)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_what_is_transparent_active_or_unbounded_is_read_off_the_signs_of_every_cell_and_point(seed: int) -> None:
+    chart = any_chart(seed)
+
+    def spans(test: Callable[[Signs], bool]) -> list[tuple[int, int]]:
+        """Runs of what passes among point 0, cell 0, point 1, cell 1, ...: numbers of the points they begin and end with."""
+        row = [test(x) for point in chart.points for x in (point.at, point.after)][:-1]
+        ends = [n for n in range(len(row) + 1) if (n > 0 and row[n - 1]) != (n < len(row) and row[n])]
+        return [(a // 2, b // 2) for a, b in zip(ends[::2], ends[1::2], strict=True)]
+
+    def told(found: tuple[Interval, ...]) -> list[tuple[int, int]]:
+        return [(int(float(x.low.omega)), int(float(x.high.omega))) for x in found]
+
+    assert told(transparent_set(chart)) == spans(lambda s: max(s[Curve.EXCESS, p] for p in hs.Part) <= 0)
+    assert told(outside_model(chart)) == spans(lambda s: s[Curve.PERCEIVED, hs.Part.IMAG] < 0)
+    infinite = [p for p in chart.points if min(p.orders.get((Curve.EXCESS, part), 0) for part in hs.Part) < 0]
+    assert list(unbounded_points(chart)) == infinite
+    for curve in (Curve.ENVIRONMENT, Curve.PERCEIVED):
+        signs = [(p.before[curve, hs.Part.REAL], p.after[curve, hs.Part.REAL]) for p in chart.points]
+        changed = [p for p, pair in zip(chart.points, signs, strict=True) if set(pair) == {1, -1}]
+        assert list(changeovers(chart, curve)) == changed
+
+
+@pytest.mark.parametrize("part", hs.Part)
+@pytest.mark.parametrize("omega", [0, 3])
+@pytest.mark.parametrize("signs", [(a, b) for a in (-1, 1) for b in (-1, 1)])
+def test_a_crossing_is_named_by_the_signs_beside_it(part: hs.Part, omega: int, signs: tuple[int, int]) -> None:
+    """At rest, below which there is nothing, a ratio above it exceeds and one below it touches."""
+    other = next(p for p in hs.Part if p is not part)
+    (before, after), quiet = signs, {(curve, p): -1 for curve in Curve for p in hs.Part}
+    for order in (1, 2, 3):
+        for difference in (-1, 1):
+            orders = {(Curve.EXCESS, part): order, (Curve.ENVIRONMENT, other): 4, (Curve.EXCESS, other): -2}
+            point = Point(
+                ExactNumber(Integer(omega)),
+                orders,
+                {**quiet, (Curve.EXCESS, part): before},
+                {**quiet, (Curve.EXCESS, part): after, (Curve.DIFFERENCE, part): difference},
+            )
+            [found] = find_crossings(Chart((point,)))
+            kinds = {
+                (-1, 1): "exceeds",
+                (1, -1): "returns",
+                (-1, -1): "touches",
+                (1, 1): "touches" if omega else "exceeds",
+            }
+            assert (found.part, found.sign, found.multiplicity) == (part, difference, order)
+            assert found.kind.value == kinds[signs]
+            open_ = dataclasses.replace(point, undecided=frozenset({(Curve.EXCESS, part)}))
+            assert find_crossings(Chart((open_,))) == ()
+            beside = dataclasses.replace(point, undecided=frozenset({(Curve.EXCESS, other), (Curve.ENVIRONMENT, part)}))
+            assert find_crossings(Chart((beside,))) == (found,)
+
+
+def test_an_irrational_threshold_splits_percepts_where_its_square_says() -> None:
+    """A spring of 1 with a mass before it: r_r = W, compared with sqrt(2)."""
+    result = hs.evaluate(hs.Scene(mass_spring_damper(k=1), (shunt(m=1),), (0, 3), hs.Threshold(sqrt(2), 1)))
+    edge = float(MP.sqrt(MP.sqrt(2)))
+    assert felt(result, "real") == [
+        ("stiffness-to-mass", "lower", edge, float(MP.sqrt(2))),
+        ("stiffness-to-mass", "higher", float(MP.sqrt(2)), 3.0),
+    ]
