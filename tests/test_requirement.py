@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import mpmath
 import numpy as np
 import pytest
 from marks import often
+from matplotlib.figure import Figure
 from strategies import Seeded, case, coincident_case, scene
 from sympy import Expr, Rational, asin, sqrt, symbols
 
@@ -18,6 +21,8 @@ from haptisym import effects, environments
 from haptisym.catalogue import values
 from haptisym.cli import main
 from haptisym.errors import SceneError
+from haptisym.exact.reals import ExactNumber
+from haptisym.requirement.figures import draw_map, draw_requirement
 from haptisym.requirement.freeparameter import THRESHOLD, free_parameter
 from haptisym.requirement.question import Requirement
 
@@ -341,6 +346,83 @@ def test_figures_of_one_and_two_parameters_are_written(tmp_path: Path) -> None:
     assert (tmp_path / "two.png").read_bytes().startswith(b"\x89PNG")
     with pytest.raises(SceneError, match="svg"):
         save_requirement(hs.require(PAPER, "omega_n"), tmp_path / "one.docx")
+
+
+def legend_of(ax: Any) -> list[str]:
+    return [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def test_a_map_shows_each_exact_slice_and_says_what_is_interpolated() -> None:
+    found = hs.design_map(PAPER, ["omega_n", "zeta"], [(60, 200), ("0.1", 1)], slices=5)
+    ax = Figure().add_subplot()
+    strokes, *marks = draw_map(ax, found)
+    exact = [
+        [(float(x.at), float(end.value)) for end in (span.low, span.high)]
+        for x in found.slices
+        for span in x.requirement.feasible
+    ]
+    assert [[tuple(point) for point in line] for line in strokes.get_segments()] == exact
+    [mark] = marks
+    assert [*zip(*mark.get_data(), strict=True)] == [ends[1] for ends in exact]  # below, the range itself ends
+    assert legend_of(ax) == [
+        "transparent on the slice",
+        "between slices: interpolated",
+        "imaginary part, band-edge",
+        "exact slices",
+    ]
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\omega_n$ (rad/s)", r"$\zeta$")
+
+
+def test_a_map_with_nothing_feasible_says_so() -> None:
+    found = hs.design_map(PAPER, ["omega_n", "zeta"], [(10, 20), ("0.1", 1)], slices=3)
+    ax = Figure().add_subplot()
+    draw_map(ax, found)
+    assert [text.get_text() for text in ax.texts] == ["transparent nowhere: on none of 3 exact slices"]
+    assert legend_of(ax) == ["exact slices"]
+
+
+def test_what_a_map_leaves_open_is_hatched_and_named() -> None:
+    found = hs.design_map(PAPER, ["omega_n", "zeta"], [(60, 200), ("0.1", 1)], slices=3)
+    first, second, third = found.slices
+    gap = (ExactNumber(Rational(1, 2)), ExactNumber(Rational(3, 4)))
+    opened = replace(second, requirement=replace(second.requirement, undecided=(gap,)))
+    emptied = replace(third, requirement=replace(third.requirement, feasible=()))
+    for slices, low, high, left, right in (
+        ((first, opened, third), 0.5, 0.75, 95, 165),  # halfway to both neighbours
+        ((first, second, emptied), 0.1, float(second.requirement.feasible[0].high.value), 130, 200),
+    ):
+        ax = Figure().add_subplot()
+        draw_map(ax, replace(found, slices=slices))
+        assert "undecided" in legend_of(ax)
+        [hatched] = [x for x in ax.collections if x.get_hatch()]
+        box = hatched.get_paths()[0].get_extents()
+        assert (box.x0, box.x1, box.y0, box.y1) == pytest.approx((left, right, low, high))
+
+
+def test_two_requirements_and_two_maps_are_drawn_in_one_axes() -> None:
+    ax = Figure().add_subplot()
+    for b in (15, 30):
+        lines = draw_requirement(ax, hs.require(PAPER.with_values({"b": b}), "omega_n"), label=f"b = {b}")
+        assert [line.get_linestyle() for line in lines] == ["-", "--"]
+    assert len(legend_of(ax)) == len(set(legend_of(ax)))
+    assert {"real part, b = 15", "imaginary part, b = 30", "threshold"} <= set(legend_of(ax))
+    assert len([patch for patch in ax.patches if patch.get_label().startswith("transparent")]) == 1
+    ax = Figure().add_subplot()
+    for m in (1, 3):
+        scene = PAPER.with_values({"m": m})
+        draw_map(ax, hs.design_map(scene, ["omega_n", "zeta"], [(60, 200), ("0.1", 1)], slices=3), label=f"m = {m}")
+    assert len(legend_of(ax)) == len(set(legend_of(ax)))
+    assert {"exact slices, m = 1", "exact slices, m = 3"} <= set(legend_of(ax))
+    assert len([x for x in legend_of(ax) if "interpolated" in x]) == 1
+
+
+def test_a_range_in_hz_is_drawn_in_hz() -> None:
+    ax = Figure().add_subplot()
+    found = hs.require(PAPER, "omega_n", ("5 Hz", "50 Hz"))
+    draw_requirement(ax, found)
+    assert (ax.get_xlabel(), ax.get_xlim()) == (r"$\omega_n$ (Hz)", (5, 50))
+    [dots] = [line for line in ax.lines if line.get_marker() == "o"]
+    assert float(dots.get_xdata()[0]) == pytest.approx(float(found.feasible[0].low.value) / (2 * np.pi))
 
 
 # --- the command line ------------------------------------------------------------------------------------------------

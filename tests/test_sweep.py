@@ -508,14 +508,77 @@ def test_charts_are_drawn_on_the_axes_given(small: Any) -> None:
 
     ax = Figure().add_subplot()
     draw_map(ax, small)
-    assert ax.get_xlabel() == "environment.m (kg)"
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("$m$ (kg)", r"$\omega_n$ (rad/s)")
     assert ax.get_xlim() == (0.3, 5.0)
     ax = Figure().add_subplot()
     draw_curves(ax, small.isel({MASS: 3}, drop=True))
-    drawn = ax.get_lines()[1].get_ydata()
-    assert np.asarray(drawn).tolist() == small.bandwidth.isel({MASS: 3}).values.tolist()
+    drawn = np.asarray(ax.get_lines()[0].get_ydata())
+    assert drawn[~np.isnan(drawn)].tolist() == small.bandwidth.isel({MASS: 3}).values.tolist()
     with pytest.raises(hs.SceneError, match="one or two parameters"):
         draw_map(ax, small.isel({MASS: 3}, drop=True))
+
+
+def test_the_bandwidth_is_drawn_in_pieces_that_end_where_crossings_come_or_go() -> None:
+    """Witness: exact evaluations at both sides of each break, ever closer, and in the middle of every step that is drawn."""
+    from matplotlib.figure import Figure
+
+    from haptisym.sweeps.figure import draw_curves
+
+    def exact(m: float) -> tuple[float, int]:
+        found = hs.evaluate(PAPER.with_values({"m": m}))
+        assert found.bandwidth is not None
+        return float(found.bandwidth), len(found.crossings)
+
+    ax = Figure().add_subplot()
+    [line, *_] = draw_curves(ax, hs.sweep(PAPER, {MASS: np.linspace(0.5, 5, 46)}))
+    x, y = (np.asarray(values, dtype=float) for values in line.get_data())
+    jumps = []
+    for i in np.flatnonzero(np.isnan(x)):
+        low, high = float(x[i - 1]), float(x[i + 1])
+        count = exact(high)[1]
+        for _ in range(24):
+            middle = (low + high) / 2
+            low, high = (low, middle) if exact(middle)[1] == count else (middle, high)
+        assert high - low < 1e-6
+        assert abs(exact(low)[1] - exact(high)[1]) == 2
+        jumps.append(abs(exact(low)[0] - exact(high)[0]))
+        dots = [z for dot in ax.lines if dot.get_marker() == "o" for z in zip(*dot.get_data(), strict=True)]
+        assert {(x[i - 1], y[i - 1]), (x[i + 1], y[i + 1])} <= set(dots)
+    assert max(jumps) > 0.9  # rad/s: what a line would have hidden
+    for a, b, low, high in zip(x[:-1], x[1:], y[:-1], y[1:], strict=True):
+        if not np.isnan([a, b]).any():
+            assert min(low, high) - 0.2 < exact(float(a + b) / 2)[0] < max(low, high) + 0.2
+
+
+def test_charts_are_in_hz_where_the_scene_or_the_sweep_is() -> None:
+    from matplotlib.figure import Figure
+
+    from haptisym.sweeps.figure import draw_curves
+
+    ax = Figure().add_subplot()
+    lines = draw_curves(ax, hs.sweep(hs.load_scene("sidestick"), {"environment.k": [1.0, 3.0, 9.0]}))
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("$k$ (N·m/rad)", "frequency (Hz)")
+    exact = hs.evaluate(hs.load_scene("sidestick").with_values({"k": 3})).bandwidth
+    assert exact is not None
+    assert np.asarray(lines[0].get_ydata())[1] == pytest.approx(float(exact) / (2 * np.pi))
+    ax = Figure().add_subplot()
+    draw_curves(ax, hs.sweep(PAPER, {NATURAL: ["5 Hz", "20 Hz", "50 Hz"]}))
+    assert (ax.get_xlabel(), ax.get_xlim()) == (r"$\omega_n$ (Hz)", (5, 50))
+    assert ax.get_ylabel() == r"$\omega$ (rad/s)"
+
+
+def test_two_sweeps_are_drawn_in_one_axes() -> None:
+    from matplotlib.figure import Figure
+
+    from haptisym.sweeps.figure import draw_curves
+
+    ax = Figure().add_subplot()
+    for b in (15, 30):
+        draw_curves(ax, hs.sweep(PAPER.with_values({"b": b}), {NATURAL: np.linspace(20, 200, 10)}), label=f"b = {b}")
+    labels = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert len(labels) == len(set(labels))
+    assert {"bandwidth, b = 15", "bandwidth, b = 30", "end of the band"} <= set(labels)
+    assert sum(line.get_label() == "end of the band" for line in ax.lines) == 1
 
 
 def test_the_exact_boundary_divides_the_sets_of_a_sweep() -> None:

@@ -9,16 +9,38 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
 from haptisym.errors import SceneError
-from haptisym.figures.style import BLUE, GREY, INK, RED, SMALL, TEXT, dress, handle, legend, one_column, save_as
+from haptisym.figures.scales import HERTZ, RADIANS, Scale, floats_scale
+from haptisym.figures.style import (
+    BLUE,
+    DASHED,
+    GREY,
+    INK,
+    RED,
+    SMALL,
+    SOLID,
+    TEXT,
+    Look,
+    dress,
+    entries,
+    handle,
+    legend,
+    limit,
+    name_parameter,
+    number,
+    one_column,
+    save_as,
+)
 from haptisym.numeric.values import Array
-from haptisym.quantities import unit_text
 from haptisym.requirement.designmap import DesignMap, design_map
 from haptisym.requirement.figures import draw_boundary
 from haptisym.requirement.question import is_quick
@@ -27,68 +49,152 @@ from haptisym.scene import Scene
 if TYPE_CHECKING:
     import xarray as xr
 
-_SOLID, _DASHED = "-", (0, (4, 1.6))
 _MOST_PIXELS = 1200  # along an axis; a chart in print shows no more
 _LEVELS, _SLICES = 7, 31
 _MAP = LinearSegmentedColormap.from_list("bandwidth", ["#5b7fa6", "#a9c0d6", "#f4f7fa"])  # monotone in grey, too
+_CURVES = (("real", BLUE, SOLID, "real part crosses"), ("imag", RED, DASHED, "imaginary part crosses"))
 
 
-def draw_curves(ax: Axes, data: xr.Dataset) -> None:
-    """First crossings of both parts and the bandwidth over the one parameter of a sweep."""
+def draw_curves(ax: Axes, data: xr.Dataset, *, color: str | None = None, label: str = "") -> list[Line2D]:
+    """First crossings of both parts and the bandwidth over the one parameter of a sweep.
+
+    A curve is broken, with a dot at each end, where it jumps because crossings come or go: nothing was computed in between.
+    ``color``, ``label`` : of the sweep, in the drawing and in the legend. Returns the lines: bandwidth, real, imaginary part.
+
+    >>> from haptisym import load_scene, sweep
+    >>> from matplotlib.figure import Figure
+    >>> found = sweep(load_scene("fu2019"), {"effects.filter.omega_n": [40.0, 60.0, 80.0]})
+    >>> [line.get_label() for line in draw_curves(Figure().add_subplot(), found)]
+    ['bandwidth', 'real part crosses', 'imaginary part crosses']
+    """
     [path] = _dimensions(data, 1)
-    x, data = data[path].values, data.load()
-    high = float(data.attrs["band"][1])
-    ax.axhline(high, color=GREY, linewidth=0.4, zorder=0)
-    ax.plot(x, data.bandwidth.values, color=GREY, linewidth=3.2, alpha=0.5, solid_capstyle="butt")
-    for part, color, style in (("real", BLUE, _SOLID), ("imag", RED, _DASHED)):
-        crossing = _broken(x, data[f"first_crossing_{part}"].values, data[f"crossings_{part}"].values, high)
-        ax.plot(*crossing, color=color, linewidth=1.1, linestyle=style)
-    ax.set(xlim=(x.min(), x.max()), ylim=(float(data.attrs["band"][0]), high * 1.04))
+    data = data.load()
+    look = Look.on(ax, "bandwidth", color, label)
+    along, upwards = _axis_scale(data, path), _frequency_scale(ax, data)
+    x = along.of(data[path].values)
+    low, high = (upwards.of(float(end)) for end in data.attrs["band"])
+    counts = _crossings(data)
+    style: dict[str, Any] = {"color": GREY if look.plain else look.color, "linewidth": 3.2, "alpha": 0.5}
+    rows = [("bandwidth", "bandwidth", {**style, "solid_capstyle": "butt"})]
+    for part, own, stroke, name in _CURVES:
+        shown = own if look.plain else look.color
+        rows.append((f"first_crossing_{part}", name, {"color": shown, "linestyle": stroke, "linewidth": 1.1}))
+    lines, dots = list[Line2D](), list[Line2D]()
+    for variable, name, style in rows:
+        y = upwards.of(data[variable].values)
+        parts = [i for i, (part, *_) in enumerate(_CURVES) if variable in ("bandwidth", f"first_crossing_{part}")]
+        jumps = _jumps(y, counts[parts], high - low)
+        broken = np.insert(x, jumps, np.nan), np.insert(y, jumps, np.nan)
+        lines += ax.plot(*broken, label=f"{name}{look.suffix}", **style)
+        dots += _draw_ends(ax, x, y, jumps, str(style["color"]))
+    told = "end of the band" in entries(ax)
+    end = [] if told else [ax.axhline(high, color=GREY, linewidth=0.4, zorder=0, label="end of the band")]
+    limit(ax, (x.min(), x.max()), (low, high * 1.04), number=look.number)
     dress(ax)
     _scale(ax, "x", x)
-    ax.set_xlabel(_name(data, path), fontsize=TEXT)
-    ax.set_ylabel(r"$\omega$ (rad/s)", fontsize=TEXT)
-    handles = [
-        handle(BLUE, _SOLID, "real part crosses"),
-        handle(RED, _DASHED, "imaginary part crosses"),
-        handle(GREY, _SOLID, "bandwidth", 3.2, alpha=0.5),
-    ]
-    legend(ax, handles)
+    ax.set_xlabel(_name(data, path, along), fontsize=TEXT)
+    ax.set_ylabel(upwards.label, fontsize=TEXT)
+    jump = [handle(INK, "none", "crossings come or go", marker="o", markersize=2.4)] if dots else []
+    legend(ax, [*lines[1:], lines[0], *end, *jump])
+    return lines
 
 
-def _broken(x: Array, crossing: Array, counts: Any, high: float) -> tuple[Array, Array]:
-    """The curve without a stroke where it jumps because a pair of crossings comes or goes."""
-    jumps = ((np.diff(counts) != 0) & (np.abs(np.diff(crossing)) > 0.02 * high)).nonzero()[0] + 1
-    return np.insert(x, jumps, np.nan), np.insert(crossing, jumps, np.nan)
+def _jumps(y: Array, counts: Any, band: float) -> Any:
+    """The places before which a curve is broken; ``counts`` : of the crossings of the parts that it depends on, in rows.
+
+    Where a pair of crossings of a part comes or goes, and the curve moves more there than beside: the lowest one may be among
+    them. A crossing alone comes in over an end of the band, so that the curve goes on; there, as elsewhere, it is only broken
+    where it moves far more than on both sides.
+    """
+    steps = np.pad(np.abs(np.diff(y)), 1, constant_values=np.nan)
+    least, most = (np.nan_to_num(pick(steps[:-2], steps[2:])) for pick in (np.fmin, np.fmax))
+    pairs = (np.abs(np.diff(counts, axis=1)) > 1).any(axis=0)
+    smooth = np.where(pairs, np.maximum(1.5 * least, 0.004 * band), np.maximum(6 * most, 0.05 * band))
+    return (steps[1:-1] > smooth).nonzero()[0] + 1
 
 
-def draw_map(ax: Axes, data: xr.Dataset, exact: DesignMap | None = None) -> None:
-    """The bandwidth over the two parameters of a sweep, the first upwards: contour lines in rad/s on a quiet map.
+def _crossings(data: xr.Dataset) -> Any:
+    """How many crossings there are, of the real part and of the imaginary part."""
+    return np.stack([data[f"crossings_{part}"].values for part, *_ in _CURVES]).astype(np.int64)
 
-    Hatched where the display is not transparent at the band's low end; no shade is darker than the ink of the lines.
-    ``exact`` : the same plane by exact slices, whose boundary of the transparent region is drawn.
+
+def _draw_ends(ax: Axes, x: Array, y: Array, jumps: Any, color: str) -> list[Line2D]:
+    """A dot on each side of each break."""
+    ends = np.union1d(jumps - 1, jumps).astype(int)
+    style: dict[str, Any] = {"color": color, "linestyle": "none", "marker": "o", "markersize": 2.4, "zorder": 4}
+    return ax.plot(x[ends], y[ends], **style) if len(ends) else []
+
+
+def draw_map(ax: Axes, data: xr.Dataset, exact: DesignMap | None = None) -> list[Artist]:
+    """The bandwidth over the two parameters of a sweep, the first upwards: contour lines on a quiet map.
+
+    Hatched where the display is not transparent at the band's low end; no shade is darker than the ink of the lines. A thick
+    grey line, which contour lines do not cross, is where the bandwidth jumps from one set to the next.
+    ``exact`` : the same plane by exact slices, whose boundary of the transparent region is drawn: points that are proven, and
+    straight lines between them. Returns the map and its contour lines.
+
+    >>> from haptisym import load_scene, sweep
+    >>> from matplotlib.figure import Figure
+    >>> ax = Figure().add_subplot()
+    >>> found = sweep(load_scene("fu2019"), {"effects.filter.omega_n": [40.0, 60.0, 80.0], "environment.m": [1.0, 2.0]})
+    >>> shown = draw_map(ax, found)
+    >>> ax.get_xlabel(), ax.get_ylabel()
+    ('$m$ (kg)', '$\\\\omega_n$ (rad/s)')
     """
     upwards, along = _dimensions(data, 2)
     data = _thinned(data, (upwards, along)).sortby([upwards, along])
-    x, y, z = data[along].values, data[upwards].values, data.bandwidth.values
-    high = float(data.attrs["band"][1])
+    scales, unit = (_axis_scale(data, along), _axis_scale(data, upwards)), floats_scale(data.attrs["band"])
+    x, y = scales[0].of(data[along].values), scales[1].of(data[upwards].values)
+    z, (low, high) = unit.of(data.bandwidth.values), (unit.of(float(end)) for end in data.attrs["band"])
     _scale_axes(ax, x, y)
-    ax.pcolormesh(x, y, z, cmap=_MAP, vmin=float(data.attrs["band"][0]), vmax=high, shading="nearest", rasterized=True)
+    shown: list[Artist] = [ax.pcolormesh(x, y, z, cmap=_MAP, vmin=low, vmax=high, shading="nearest", rasterized=True)]
+    jumps = _jump_edges(data, x, y, z, high - low)
+    _draw_contours(ax, x, y, z, high, shown)
+    if jumps:
+        ax.add_collection(LineCollection(jumps, colors=GREY, linewidths=1.8, alpha=0.8, capstyle="projecting"))
+    ax.set(xlim=(x.min(), x.max()), ylim=(y.min(), y.max()))
+    ax.set_xlabel(_name(data, along, scales[0]), fontsize=TEXT)
+    ax.set_ylabel(_name(data, upwards, scales[1]), fontsize=TEXT)
+    boundary = draw_boundary(ax, exact, width=1.1) if exact else []
+    jump = [handle(GREY, SOLID, "bandwidth jumps", 1.8, alpha=0.8)] if jumps else []
+    lines = [handle(INK, SOLID, f"bandwidth ({unit.unit})", 0.7)]
+    legend(ax, [*lines, *jump, *_plateaus(ax, (x, y, z), high, unit), *boundary])
+    return shown
+
+
+def _draw_contours(ax: Axes, x: Array, y: Array, z: Array, high: float, shown: list[Artist]) -> None:
     levels = _round_levels(z, high)
     if len(levels):
         lines = ax.contour(x, y, z, levels=levels, colors=INK, linewidths=0.7)
-        ax.clabel(lines, fontsize=SMALL, fmt="%g", inline_spacing=3)
-    ax.set(xlim=(x.min(), x.max()), ylim=(y.min(), y.max()))
-    ax.set_xlabel(_name(data, along), fontsize=TEXT)
-    ax.set_ylabel(_name(data, upwards), fontsize=TEXT)
-    boundary = draw_boundary(exact, ax, 1.6) if exact else []
-    legend(ax, [handle(INK, _SOLID, "bandwidth (rad/s)", 0.7), *_plateaus(ax, x, y, z, high), *boundary])
+        ax.clabel(lines, fontsize=SMALL, fmt=number, inline_spacing=3)
+        shown.append(lines)
 
 
-def _plateaus(ax: Axes, x: Array, y: Array, z: Array, high: float) -> list[Any]:
+def _jump_edges(data: xr.Dataset, x: Array, y: Array, z: Array, band: float) -> list[list[tuple[float, float]]]:
+    """The edges between neighbouring sets across which the bandwidth jumps, as pieces of lines."""
+    counts = _crossings(data)
+    across, up = _edges(x), _edges(y)
+    found = []
+    for i, row in enumerate(z):
+        found += [[(across[j], up[i]), (across[j], up[i + 1])] for j in _jumps(row, counts[:, i], band)]
+    for j, column in enumerate(z.T):
+        found += [[(across[j], up[i]), (across[j + 1], up[i])] for i in _jumps(column, counts[:, :, j], band)]
+    return found
+
+
+def _edges(x: Array) -> Array:
+    """The ends of the cells whose middles are given."""
+    middles = (x[1:] + x[:-1]) / 2
+    edges: Array = np.concatenate([[x[0]], middles, [x[-1]]])
+    return edges
+
+
+def _plateaus(ax: Axes, map_: tuple[Array, Array, Array], high: float, unit: Scale) -> list[Any]:
     """What contour lines do not tell: nowhere transparent, and transparent up to the end of the band."""
+    x, y, z = map_
     handles = []
-    for where, hatch, label in ((np.isnan(z), "xxxx", "none"), (z >= high, "....", f"whole band, {high:.4g}")):
+    whole = f"whole band, {number(high, 4)} {unit.unit}"
+    for where, hatch, label in ((np.isnan(z), "xxxx", "not at the low end"), (z >= high, "....", whole)):
         if where.any() and not where.all():
             _hatched(ax, x, y, where, hatch)
         if where.any():
@@ -135,12 +241,33 @@ def _dimensions(data: xr.Dataset, count: int) -> list[str]:
 
 def _thinned(data: xr.Dataset, names: tuple[str, str]) -> xr.Dataset:
     steps = {name: slice(None, None, -(-data.sizes[name] // _MOST_PIXELS)) for name in names}
-    return data[["bandwidth"]].isel(steps).load()
+    wanted = ["bandwidth", *(f"crossings_{part}" for part, *_ in _CURVES)]
+    return data[wanted].isel(steps).load()
 
 
-def _name(data: xr.Dataset, path: str) -> str:
-    unit = data[path].attrs.get("units", "")
-    return f"{path} ({unit_text(unit)})" if unit not in ("", "1") else path
+def _name(data: xr.Dataset, path: str, scale: Scale) -> str:
+    """Symbol and unit of a parameter, whose element is named only where another one has the same symbol."""
+    keys = {str(other): _symbol(str(other)) for other in data.bandwidth.dims}
+    shared = list(keys.values()).count(keys[path]) > 1 or path.startswith("rendered.")
+    element = "_" + "_".join(path.split(".")[:-1]).removeprefix("effects_").replace("-", "_") if shared else ""
+    unit = str(data[path].attrs.get("units", ""))
+    return name_parameter(keys[path] + element, unit if scale.factor == 1 else scale.unit)
+
+
+def _symbol(path: str) -> str:
+    _, _, key = path.rpartition(".")
+    return key if not path.startswith("evaluation.") else "c" if key == "jnd" else f"c_{key}"
+
+
+def _axis_scale(data: xr.Dataset, path: str) -> Scale:
+    """Hz where the frequencies of an axis begin and end with short numbers in Hz."""
+    is_frequency = data[path].attrs.get("units") == "rad/s"
+    return floats_scale([data[path].values.min(), data[path].values.max()]) if is_frequency else RADIANS
+
+
+def _frequency_scale(ax: Axes, data: xr.Dataset) -> Scale:
+    drawn = {HERTZ.label: HERTZ, RADIANS.label: RADIANS}.get(ax.get_ylabel())
+    return drawn or floats_scale(data.attrs["band"])
 
 
 def _is_logarithmic(x: Array) -> bool:
@@ -158,7 +285,7 @@ def _scale(ax: Axes, which: str, values: Array) -> None:
     axis = getattr(ax, f"{which}axis")
     axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axis.set_minor_locator(NullLocator())
-    plain = FuncFormatter(lambda value, _: f"{value:g}")
+    plain = FuncFormatter(lambda value, _: number(value))
     axis.set_major_formatter(plain)
 
 
