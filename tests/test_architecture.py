@@ -17,7 +17,7 @@ LAYERS = """
 commands.fitting commands.progress commands.spelling \
 errors symbols costs.measurement pruning.suprema report.html simulation.network simulation.threads sweeps.batch \
 tolerance.taylormodels typeset.boxes
-commands.streams \
+commands.streams commands.verb \
 expressions codegen.names exact.reals exact.rings figures.kinds formulas.steps numeric.accuracy simulation.descriptor \
 sweeps.bernstein typeset.names
 quantities simulation.rest codegen.printers exact.axis exact.bernstein exact.eliminants exact.zeros numeric.program sensitivities.implicit \

@@ -12,16 +12,17 @@ from haptisym.errors import SceneError
 from haptisym.scene import Scene
 from haptisym.scenefile import load_scene
 
-from .options import environment_option, figure_option, json_option, written
+from .options import environment_option, figure_option, json_option, keep
 from .progress import progress
 from .streams import say, say_document
+from .verb import verb
 
 if TYPE_CHECKING:
     from haptisym.costs.costs import Cost
     from haptisym.costs.hardcosts import HardCosts
 
 
-@click.command()
+@verb()
 @click.argument("scene", required=False)
 @environment_option
 @json_option
@@ -53,8 +54,8 @@ def cost(
       haptisym cost fu2019 --simulation
       haptisym cost --hard-cases --json
     """
-    if hard_cases and (scene or quick or simulation):
-        raise SceneError("--hard-cases brings its own scenes: leave out SCENE, --quick and --simulation")
+    if hard_cases and (scene or quick or simulation or environment):
+        raise SceneError("--hard-cases brings its own scenes: leave out SCENE, --environment, --quick and --simulation")
     if scene is None and not hard_cases:
         raise SceneError("cost: name a SCENE, or ask for --hard-cases")
     with progress() as told:
@@ -65,8 +66,7 @@ def cost(
             lambda what, share: told(share, 1.0, what),
         )
     if figure is not None:
-        found.save_figure(figure)
-        written("figure", figure)
+        keep("figure", figure, lambda: found.save_figure(figure))
     say_document(found.to_json()) if as_json else say(str(found))
 
 

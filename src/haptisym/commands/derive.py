@@ -9,12 +9,13 @@ from haptisym.scene import Scene
 
 from .options import json_option, scene_argument
 from .streams import say, say_document, write
+from .verb import given, verb
 
 _CODE = ("numpy", "c", "octave", "julia", "javascript")
 _OUTPUTS = ("text", "latex", "mathml", "json", *_CODE)
 
 
-@click.command()
+@verb()
 @scene_argument
 @click.option("--symbolic", "mode", flag_value="symbolic", help="Keep every parameter a symbol (the default).")
 @click.option("--numeric", "mode", flag_value="numeric", help="Put the scene's number in for every parameter.")
@@ -57,7 +58,7 @@ def derive(
 
     if keep and mode:
         raise SceneError(f"--keep says which parameters stay symbols, and so does --{mode}: leave out one of them")
-    if as_json and language not in ("text", "json"):
+    if as_json and language != "json" and given(click.get_current_context(), "--to"):
         raise SceneError(
             f"--json is one document of all formulas, and --to {language} another output: leave out one of them"
         )
@@ -69,8 +70,11 @@ def derive(
             raise SceneError(
                 f"--of chooses among formulas, and --to {language} writes all quantities: leave out one of them"
             )
-        names_kept = None if kept is None else [x for x in kept if x != "c"]
-        write(scene_code(scene, Language[language.upper()], parameters=names_kept))
+        if "c" in keep:
+            raise SceneError(
+                f"--keep c keeps the threshold, of which --to {language} writes nothing: leave out one of them"
+            )
+        write(scene_code(scene, Language[language.upper()], parameters=kept))
         return
     from haptisym.formulas import text as derivationtext
     from haptisym.formulas.sections import asked, sections

@@ -11,9 +11,10 @@ from haptisym.scene import Scene
 
 from .options import drawn, figure_option, json_option, scene_argument
 from .streams import say, say_document
+from .verb import verb
 
 
-@click.command()
+@verb()
 @scene_argument
 @json_option
 @click.option(

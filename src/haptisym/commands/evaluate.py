@@ -11,10 +11,11 @@ from haptisym.evaluation import evaluate as evaluate_scene
 from haptisym.family.family import SceneFamily
 from haptisym.scenefile import load_scene, load_scenes
 
-from .options import environment_option, figures_option, file_option, hand_over, json_option, written
+from .options import environment_option, figures_option, file_option, hand_over, json_option, keep, keep_figures
+from .verb import verb
 
 
-@click.command()
+@verb()
 @click.argument("scene")
 @click.argument("more", nargs=-1, metavar="")
 @json_option
@@ -81,17 +82,15 @@ def evaluate(
     if figures is not None:
         from haptisym.figures.files import save_figures
 
-        written(f"{len(save_figures(result, figures))} figures", figures)
+        keep_figures(figures, lambda: save_figures(result, figures))
     if latex is not None:
         from haptisym.tex.document import document
 
-        latex.write_text(document(result), encoding="utf-8")
-        written("LaTeX", latex)
+        keep("LaTeX", latex, lambda: latex.write_text(document(result), encoding="utf-8"))
     if report is not None:
         from haptisym.report.page import save_report
 
-        save_report(result, report)
-        written("report", report)
+        keep("report", report, lambda: save_report(result, report))
     hand_over(result, as_json=as_json)
 
 
@@ -105,5 +104,5 @@ def _evaluate_all(family: SceneFamily, digits: int, figures: Path | None, as_jso
     if figures is not None:
         from haptisym.family.figure import save_family_figures
 
-        written(f"{len(save_family_figures(result, figures))} figures", figures)
+        keep_figures(figures, lambda: save_family_figures(result, figures))
     hand_over(result, as_json=as_json)

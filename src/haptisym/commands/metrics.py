@@ -11,9 +11,10 @@ from haptisym.scene import Scene
 
 from .options import drawn, figure_option, json_option, scene_argument
 from .streams import say, say_document, write
+from .verb import verb
 
 
-@click.command()
+@verb(apart=[("--json", "--to", "--json prints one document, and --to another output")])
 @scene_argument
 @click.option(
     "--to", "language", type=click.Choice(["text", "latex"]), default="text", show_default=True, help="What to write."

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sized
 from functools import wraps
 from pathlib import Path
 from typing import Any, Protocol
@@ -95,15 +95,26 @@ def written(what: str, path: Path) -> None:
     note(f"{what} written to {path}")
 
 
+def keep(what: str, path: Path, save: Callable[[], Any]) -> None:
+    """Write a file and tell so on standard error; what it cannot be written for is a sentence that names it."""
+    with to_file(what, path):
+        save()
+    written(what, path)
+
+
+def keep_figures(folder: Path, save: Callable[[], Sized]) -> None:
+    """Write figures to a folder, and tell how many."""
+    with to_file("figures", folder):
+        count = len(save())
+    written(f"{count} figures", folder)
+
+
 def drawn(save: Callable[..., Any], found: Any, path: Path) -> None:
     """Write a figure of an answer, and tell so on standard error; or tell that there is nothing in it to draw."""
     try:
-        with to_file("figure", path):
-            save(found, path)
+        keep("figure", path, lambda: save(found, path))
     except NothingToDrawError as error:
         note(f"no figure: {error}")
-    else:
-        written("figure", path)
 
 
 def hand_over(found: Answer, *, as_json: bool) -> None:

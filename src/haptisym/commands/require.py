@@ -5,14 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
-from click.core import ParameterSource
 
 from haptisym.scene import Scene
 
 from .options import drawn, figure_option, hand_over, json_option, scene_argument
+from .verb import given, verb
 
 
-@click.command()
+@verb()
 @scene_argument
 @click.option(
     "--free",
@@ -75,8 +75,10 @@ def require(
 
     if len(paths) > 2 or (ranges and len(ranges) != len(paths)):
         raise SceneError("--free may be given once or twice, and --range not at all or as often, in the same order")
-    if context.get_parameter_source("slices") is ParameterSource.COMMANDLINE and len(paths) == 1:
+    if given(context, "--slices") and len(paths) == 1:
         raise SceneError("--slices is about a map of two parameters: give --free twice, or leave it out")
+    if given(context, "--digits") and len(paths) == 2:
+        raise SceneError("--digits is about the ends of one parameter's values: give --free once, or leave it out")
     part = Part(name) if name else None
     found: DesignMap | Requirement
     if len(paths) == 2:

@@ -11,9 +11,10 @@ from haptisym.scenefile import family_names, load_scenes, scene_names, scene_tex
 
 from .options import json_option
 from .streams import say, say_document, write
+from .verb import verb
 
 
-@click.command()
+@verb()
 @click.argument("name", required=False)
 @json_option
 def scenes(name: str | None, as_json: bool) -> None:

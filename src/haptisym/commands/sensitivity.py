@@ -9,9 +9,10 @@ import click
 from haptisym.scene import Scene
 
 from .options import drawn, figure_option, hand_over, json_option, scene_argument
+from .verb import verb
 
 
-@click.command()
+@verb(needs=[("--digits", "--json", "the document")])
 @scene_argument
 @json_option
 @click.option(

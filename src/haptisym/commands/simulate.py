@@ -8,15 +8,21 @@ from pathlib import Path
 
 import click
 
-from haptisym.errors import SceneError
 from haptisym.scene import Scene
 
-from .options import figures_option, file_option, json_option, scene_argument, written
+from .options import figures_option, file_option, json_option, keep, keep_figures, scene_argument
 from .progress import progress
 from .streams import say, say_document
+from .verb import verb
 
 
-@click.command()
+@verb(
+    apart=[
+        ("--check", "--motion", "--check chooses the motion itself"),
+        ("--check", "--force", "--check compares frequencies, --force writes one run in time"),
+    ],
+    needs=[("--lowpass-order", "--lowpass", "the low-pass")],
+)
 @scene_argument
 @json_option
 @click.option(
@@ -54,32 +60,19 @@ def simulate(
       haptisym simulate stick-with-friction --amplitude "5 cm" --figures figures
       haptisym simulate fu2019 --motion hand.csv --lowpass "20 Hz" --force force.csv
     """
-    if force is not None and check:
-        raise SceneError("force: --check compares frequencies; to write the force in time leave out --check")
-    if force is not None:
-        _no_input(force, options["kind"])
     from haptisym.simulation.command import run  # SciPy is loaded for this verb alone
 
     with progress("s simulated") as told:
         runs = run(scene, check, options, told)
     if force is not None:
-        force.write_text(runs[0].to_csv(), encoding="utf-8")
-        written("force", force)
+        keep("force", force, lambda: force.write_text(runs[0].to_csv(), encoding="utf-8"))
     if figures is not None:
         from haptisym.simulation.figures import save_simulation_figures
 
-        written(f"{len(save_simulation_figures(runs, figures))} figures", figures)
+        keep_figures(figures, lambda: save_simulation_figures(runs, figures))
     from haptisym.simulation.results import document
     from haptisym.simulation.text import page
 
     say_document(dumps(document(runs), indent=2, ensure_ascii=False)) if as_json else say(page(runs))
     if any(x.agrees is False for x in runs):
         sys.exit(3)
-
-
-def _no_input(output: Path, motion: str | None) -> None:
-    """Raise SceneError where the force would take the place of what is read."""
-    for given in (motion, click.get_current_context().params.get("scene")):
-        source = Path(str(given))
-        if output.exists() and source.exists() and output.samefile(source):
-            raise SceneError(f"force: {output} is read by this very call; write to another file")

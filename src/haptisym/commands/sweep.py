@@ -15,12 +15,13 @@ import click
 from haptisym.errors import SceneError
 from haptisym.scene import Scene
 
-from .options import figure_option, json_option, scene_argument, written
+from .options import figure_option, json_option, keep, scene_argument
 from .progress import progress
 from .streams import say, say_document
+from .verb import verb
 
 
-@click.command()
+@verb(apart=[("--workers", "--cluster", "--workers computes on this machine, --cluster on others")])
 @scene_argument
 @click.option(
     "--vary",
@@ -64,8 +65,6 @@ def sweep(
       haptisym sweep fu2019 --vary "effects.filter.omega_n=5 Hz:50 Hz:1000:log" \\
           --vary environment.m=0.5:5:1000 --out design.zarr --workers 2
     """
-    if workers and cluster:
-        raise SceneError("--workers and --cluster exclude each other")
     if (workers or cluster) and out is None:
         raise SceneError("--workers and --cluster need --out FILE, to which the workers write")
     from haptisym.sweeps.axes import spaced
@@ -83,7 +82,7 @@ def sweep(
     if figure is not None:
         from haptisym.sweeps.figure import save_sweep_figure
 
-        written("chart", save_sweep_figure(found, figure, scene))
+        keep("chart", figure, lambda: save_sweep_figure(found, figure, scene))
     from haptisym.sweeps.text import document, page
 
     answer = document(found, out)

@@ -6,12 +6,14 @@ from pathlib import Path
 
 import click
 
+from haptisym.errors import SceneError
 from haptisym.scene import Scene
 
 from .options import drawn, figure_option, hand_over, json_option, scene_argument
+from .verb import given, verb
 
 
-@click.command()
+@verb()
 @scene_argument
 @json_option
 @click.option(
@@ -40,6 +42,11 @@ def tolerances(scene: Scene, as_json: bool, samples: int, seed: int, figure: Pat
       haptisym tolerances my-device.toml --json
     """
     from haptisym.tolerance.answers import tolerances as of
+
+    if samples == 0 and given(click.get_current_context(), "--seed"):
+        raise SceneError(
+            "--seed is about the random numbers of the estimates, and --samples 0 draws none: leave out one of them"
+        )
 
     found = of(scene, samples, seed)
     if figure is not None:

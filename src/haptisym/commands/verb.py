@@ -1,0 +1,112 @@
+"""A verb of the command line: what holds for the options of all of them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+from click.core import ParameterSource
+
+from haptisym.errors import SceneError
+
+Pair = tuple[str, str, str]
+"""Two options, and what is to be said of them."""
+
+
+def verb(*, apart: Sequence[Pair] = (), needs: Sequence[Pair] = ()) -> Callable[[Callable[..., Any]], click.Command]:
+    """The decorator of a verb, in place of ``click.command()``.
+
+    ``apart`` : options that may not both be given, and why: a sentence to which "leave out one of them" is added. ``needs`` : an
+    option that means nothing without another one, and what it is about.
+    """
+    return click.command(cls=Verb, apart=apart, needs=needs)
+
+
+class Verb(click.Command):
+    """A command that refuses what would be ignored or lost.
+
+    Each option is given once, unless it may be repeated; options of ``apart`` are not given together, those of ``needs`` only
+    together; no output is written over a file that the call reads, or over another output. All that is found before the work
+    begins.
+    """
+
+    def __init__(self, *args: Any, apart: Sequence[Pair] = (), needs: Sequence[Pair] = (), **options: Any) -> None:
+        super().__init__(*args, **options)
+        self.apart, self.needs = apart, needs
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        if not ctx.resilient_parsing:
+            _once_each(self.make_parser(ctx).parse_args(args=list(args))[2])
+        return super().parse_args(ctx, args)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        for one, other, why in self.apart:
+            if given(ctx, one) and given(ctx, other):
+                raise SceneError(f"{why}: leave out one of them")
+        for one, other, about in self.needs:
+            if given(ctx, one) and not given(ctx, other):
+                raise SceneError(f"{one} is about {about}: it needs {other}, or leave it out")
+        _nothing_lost(ctx)
+        return super().invoke(ctx)
+
+
+def given(ctx: click.Context, option: str) -> bool:
+    """Whether an option such as ``--digits`` stands on the command line."""
+    return any(
+        option in (*x.opts, x.name) and ctx.get_parameter_source(str(x.name)) is ParameterSource.COMMANDLINE
+        for x in ctx.command.params
+    )
+
+
+def _once_each(order: Sequence[click.Parameter]) -> None:
+    """Refuse an option that is given twice, and two flags of which only the last would count."""
+    options = [x for x in order if isinstance(x, click.Option) and not x.multiple]
+    for name in dict.fromkeys(x.name for x in options):
+        same = list(dict.fromkeys(x.opts[-1] for x in options if x.name == name))
+        if len(same) > 1:
+            raise SceneError(f"{same[0]} and {same[1]} contradict each other: leave out one of them")
+    for option, times in Counter(options).items():
+        if times > 1 and not option.is_flag:
+            raise SceneError(
+                f"{option.opts[-1]} is given {times} times, and only one of them would count: leave out the others"
+            )
+
+
+def _nothing_lost(ctx: click.Context) -> None:
+    """Refuse an output that would be written over a file that is read, whatever its name, or over another output."""
+    outputs = [
+        (x.opts[-1], ctx.params[str(x.name)])
+        for x in ctx.command.params
+        if isinstance(ctx.params.get(str(x.name)), Path)
+    ]
+    inputs = [path for x in ctx.command.params for path in _files(ctx.params.get(str(x.name)))]
+    for i, (option, path) in enumerate(outputs):
+        for read in inputs:
+            if _is_same(path, read):
+                raise SceneError(
+                    f"{option}: {path} is read by this very call, and would be overwritten: choose another name"
+                )
+        for other, taken in outputs[:i]:
+            if path == taken or _is_same(path, taken):
+                raise SceneError(
+                    f"{other} and {option} would both be written to {path}: choose another name for one of them"
+                )
+
+
+def _files(value: Any) -> Iterator[Path]:
+    """The files that a text of the command line names, if it names any."""
+    if isinstance(value, tuple):
+        for one in value:
+            yield from _files(one)
+    elif isinstance(value, str) and "\0" not in value:
+        yield Path(value)
+
+
+def _is_same(one: Path, other: Path) -> bool:
+    try:
+        return one.is_file() and other.is_file() and one.samefile(other)
+    except OSError:  # a name too long to be one
+        return False
