@@ -161,7 +161,18 @@ class Scene:
         listed = "; ".join(
             f"{', '.join(names)} var{'y' if len(names) > 1 else 'ies'} {by}" for by, names in told.items()
         )
-        return f"{listed}: this is the nominal scene; see `haptisym tolerances`."
+        what = "these are the nominal values" if besides else "this is the nominal scene"
+        return f"{listed}: {what}; see `haptisym tolerances`."
+
+    def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
+        """What is to be said beside an answer: what is nominal, and which of what is ``varied`` (None: all) has a double."""
+        return [x for x in (self.nominal_but(besides), self.untied_note(varied)) if x]
+
+    def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
+        """The same as keys of a document, where they say something: ``nominal``, ranges by path; ``untied``, pairs of paths."""
+        ranges = {path: [float(end) for end in x.interval] for path, x in self.ranges(besides).items()}
+        untied = [list(pair) for pair in self.untied(varied)]
+        return ({"nominal": ranges} if ranges else {}) | ({"untied": untied} if untied else {})
 
     @property
     def motion(self) -> Motion | None:

@@ -119,6 +119,9 @@ def _scene_notes(scene: Scene, fixed: Mapping[Symbol, Expr]) -> tuple[str, ...]:
         *rendered,
         f"H_perc: through these effects, nearest the environment first: {chain}.",
         *([f"Fixed values, SI: {values}."] if values else []),
+        *scene.asides(
+            ["evaluation.jnd", *(f"{place}.{p.key}" for place, _, p in scene.placed() if p.symbol not in fixed)]
+        ),
         *_NOTES,
         *([f"Source: {scene.source}"] if scene.source else []),
     )

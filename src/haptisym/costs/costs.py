@@ -64,6 +64,7 @@ class Cost:
             "rows": [asdict(row) for row in self.rows],
             "left_out": [asdict(x) for x in self.left_out],
             "machine": dict(self.machine),
+            **self.scene.aside_keys(),
         }
 
     def to_json(self) -> str:

@@ -35,7 +35,8 @@ def page(
         if any(row.task == task for row in rows)
     ]
     said = f"{scene.title or 'Untitled scene'}: what accuracy costs"
-    return "\n\n".join([fill(said, WIDTH), fill(summary(rows), WIDTH), *tables, _notes(left_out, machine)]) + "\n"
+    heading = "\n".join(fill(line, WIDTH) for line in (said, *scene.asides()))
+    return "\n\n".join([heading, fill(summary(rows), WIDTH), *tables, _notes(left_out, machine)]) + "\n"
 
 
 def summary(rows: Sequence[Row]) -> str:

@@ -34,6 +34,7 @@ class FamilyEvaluation(WorstCase):
             "binding": [self._binding(x) for x in self.binding],
             "bandwidth": None if self.bandwidth is None else float(self.bandwidth),
             "certified": self.certified,
+            **({"nominal": ranges} if (ranges := self.family.ranges()) else {}),
         }
 
     def _binding(self, x: Binding) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import chain, count
+from typing import Any
 
 from sympy import Expr
 
@@ -70,6 +71,15 @@ class SceneFamily:
         """The threshold of all scenes."""
         threshold: Threshold = self.first.threshold
         return threshold
+
+    def asides(self) -> list[str]:
+        """What is to be said beside an answer for all: of each scene in which parameters vary, that it is the nominal one."""
+        return [f"{name}: {note}" for name, scene in self.scenes.items() for note in scene.asides()]
+
+    def ranges(self) -> dict[str, Any]:
+        """What varies in each scene where something does, as ``Scene.aside_keys`` has it."""
+        found = {name: scene.aside_keys().get("nominal") for name, scene in self.scenes.items()}
+        return {name: ranges for name, ranges in found.items() if ranges}
 
     def listed(self) -> str:
         """The names of the environments in one line."""

@@ -33,6 +33,7 @@ def _heading(w: WorstCase) -> str:
         ("threshold", f"{limits} of |H_env|"),
     ]
     lines = [fill(x, WIDTH) for x in (w.family.title or "Untitled scene", w.family.source) if x]
+    lines += [fill(x, WIDTH) for x in w.family.asides()]
     shown = [fill(x, WIDTH, initial_indent=f"  {key:<13}", subsequent_indent=" " * 15) for key, x in rows]
     return "\n".join([*lines, "", *shown])
 

@@ -11,7 +11,7 @@ from typing import Any
 from haptisym.catalogue import Parameter
 from haptisym.quantities import Dimension, Motion
 from haptisym.tex.lines import Names, Row, align
-from haptisym.tex.names import escape
+from haptisym.tex.names import coded, escape
 from haptisym.tex.printer import formula, tex
 from haptisym.text import WIDTH
 from haptisym.typeset.mathml import mathml
@@ -29,8 +29,14 @@ def as_text(d: Derivation, sections: Iterable[Section]) -> str:
 
 def _heading(d: Derivation) -> str:
     rows = [f"  {p.symbol!s:<12} {_meaning(p, d.scene.motion):<34} {_state(d, p)}" for p in d.scene.parameters]
-    title = [fill(x, WIDTH) for x in (d.scene.title or "Untitled scene", d.scene.source, d.scene.nominal_note) if x]
+    title = [fill(x, WIDTH) for x in (d.scene.title or "Untitled scene", d.scene.source, *_asides(d)) if x]
     return "\n".join([*title, "", *rows])
+
+
+def _asides(d: Derivation) -> list[str]:
+    """That parameters vary, and what of the formulas holds for all of their values."""
+    kept = any(p.interval for p in d.scene.parameters if p.symbol in d.kept)
+    return [note + " Formulas in their symbols hold for all values." * kept for note in d.scene.asides()]
 
 
 def _meaning(p: Parameter, motion: Motion | None) -> str:
@@ -67,7 +73,7 @@ def _equation_text(line: str) -> str:
 def as_latex(d: Derivation, sections: Iterable[Section]) -> str:
     r"""LaTeX for a paper: a paragraph for each section, its equations in an ``align*``."""
     names = Names()  # long numerators and denominators keep their names from section to section
-    return "\n\n".join(_section_latex(section, names) for section in sections) + "\n"
+    return "\n\n".join([*map(coded, _asides(d)), *(_section_latex(x, names) for x in sections)]) + "\n"
 
 
 def _section_latex(section: Section, names: Names) -> str:
@@ -96,7 +102,7 @@ _RELATIONS = {"=": "=", "≈": r"\approx"}
 
 def as_mathml(d: Derivation, sections: Iterable[Section]) -> str:
     """MathML for a page: a heading, its words and its equations, section after section."""
-    lines = [f"<h2>{escaped(d.scene.title or 'Untitled scene')}</h2>"]
+    lines = [f"<h2>{escaped(d.scene.title or 'Untitled scene')}</h2>", *(f"<p>{escaped(x)}</p>" for x in _asides(d))]
     for section in sections:
         lines += [f"<h3>{_marked(section.title)}</h3>"] if section.title else []
         lines += [f"<p>{_marked(note)}</p>" for note in section.notes]
@@ -123,6 +129,7 @@ def to_dict(d: Derivation, sections: Iterable[Section]) -> dict[str, Any]:
         "operations": d.steps.operations,
         "sections": [_section(section) for section in sections],
         "quantities": list(QUANTITIES),
+        **d.scene.aside_keys(),
     }
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from haptisym.exact.reals import RealNumber
 from haptisym.tex.lines import Names, Row, align
-from haptisym.tex.names import escape
+from haptisym.tex.names import coded, escape
 from haptisym.tex.printer import tex
 from haptisym.text import WIDTH, listed, percent, short, span
 from haptisym.typeset.plain import text
@@ -35,7 +35,8 @@ def as_text(m: MetricRows) -> str:
 
 def _heading(m: MetricRows) -> str:
     e = m.evaluation
-    return "\n".join([fill(e.scene.title or "Untitled scene", WIDTH), "", _indented(f"JND: {jnd_verdict(m)}")])
+    lines = [fill(line, WIDTH) for line in (e.scene.title or "Untitled scene", *e.scene.asides())]
+    return "\n".join([*lines, "", _indented(f"JND: {jnd_verdict(m)}")])
 
 
 def jnd_verdict(m: MetricRows) -> str:
@@ -104,7 +105,8 @@ def _indented(words: str) -> str:
 def as_latex(m: MetricRows) -> str:
     r"""LaTeX: a table of verdicts (booktabs) and, for each measure, its formulas in an ``align*`` (amsmath)."""
     names = Names()
-    return "\n\n".join([_latex_table(m), *(_metric_latex(x, names) for x in m.metrics if x.forms)]) + "\n"
+    asides = map(coded, m.evaluation.scene.asides())
+    return "\n\n".join([*asides, _latex_table(m), *(_metric_latex(x, names) for x in m.metrics if x.forms)]) + "\n"
 
 
 def _latex_table(m: MetricRows) -> str:
@@ -161,6 +163,7 @@ def as_dict(m: MetricRows) -> dict[str, Any]:
         "metrics": [_metric_dict(x) for x in m.metrics],
         "notes": list(m.notes),
         "certified": m.measured.certified,
+        **e.scene.aside_keys(),
     }
 
 

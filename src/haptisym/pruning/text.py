@@ -30,6 +30,7 @@ def document(r: Relevance) -> dict[str, Any]:
         **pruned(r),
         "dominance": [{"name": x.effect.name, "band": [float(x.low), float(x.high)]} for x in r.dominance],
         "operations": dict(zip(("full", "kept"), r.operations, strict=True)),
+        **r.scene.aside_keys(),
     }
 
 
@@ -48,7 +49,9 @@ def _upper(change: Any) -> dict[str, float | None]:
 
 
 def _heading(r: Relevance) -> str:
-    return "\n".join(fill(line, WIDTH) for line in (r.scene.title or "Untitled scene", r.scene.source) if line)
+    return "\n".join(
+        fill(line, WIDTH) for line in (r.scene.title or "Untitled scene", r.scene.source, *r.scene.asides()) if line
+    )
 
 
 def _verdict(r: Relevance) -> str:

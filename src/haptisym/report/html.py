@@ -41,6 +41,15 @@ def joined(parts: Iterable[str], between: str = "") -> Html:
     return Html(_markup(between).join(map(_markup, parts)))
 
 
+def coded(words: str) -> Html:
+    """Words in which what stands between backticks is code.
+
+    >>> coded("see `a < b`.")
+    'see <code>a &lt; b</code>.'
+    """
+    return joined(element("code", x) if i % 2 else x for i, x in enumerate(words.split("`")))
+
+
 def listed(parts: Iterable[str]) -> Html:
     """``a, b and c``."""
     found = list(parts)

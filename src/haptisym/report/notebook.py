@@ -33,7 +33,7 @@ from haptisym.typeset.layout import layout
 from haptisym.typeset.names import named
 from haptisym.typeset.numerals import rounded
 
-from .html import Html, element, joined
+from .html import Html, coded, element, joined
 from .mathematics import display, formula
 from .results import (
     amount,
@@ -183,13 +183,17 @@ def _scene_html(x: Scene) -> str:
 def _evaluation_html(x: Evaluation) -> str:
     sentences = [changeovers(x), *reservations(x), stability(x), certainty(x)]
     return _block([
-        _title(x.scene), element("p", transparency(x)), crossing_table(x), undecided_table(x), percept_table(x),
-        *(element("p", sentence) for sentence in sentences),
+        _title(x.scene), *_asides(x.scene), element("p", transparency(x)), crossing_table(x), undecided_table(x),
+        percept_table(x), *(element("p", sentence) for sentence in sentences),
     ])  # fmt: skip
 
 
 def _title(x: Scene) -> Html:
     return element("p", element("strong", x.title or "Untitled scene"))
+
+
+def _asides(x: Scene) -> list[Html]:
+    return [element("p", coded(aside)) for aside in x.asides()]
 
 
 def _block(parts: Iterable[Html]) -> str:

@@ -18,7 +18,7 @@ from .explorer import explorer
 from .figures import nyquist_figure, projection_figure, ratio_figure, square_figure
 from .findings import findings
 from .forms import derivation
-from .html import Html, data, element
+from .html import Html, coded, data, element
 from .pdf import pdf
 from .results import (
     certainty,
@@ -105,6 +105,7 @@ def _heading(e: Evaluation) -> Html:
     lines.append(element("h1", e.scene.title or "Untitled scene"))
     if e.scene.source:
         lines.append(element("p", f"Source of the scene: {e.scene.source}", given={"class": "source"}))
+    lines += [element("p", coded(aside), given={"class": "source"}) for aside in e.scene.asides()]
     return element("header", *lines)
 
 

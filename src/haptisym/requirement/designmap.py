@@ -58,6 +58,10 @@ class DesignMap:
         """Whether all slices are."""
         return all(x.requirement.certified for x in self.slices)
 
+    @property
+    def _paths(self) -> list[str]:
+        return [x.path for x in self.free]
+
     def curves(self) -> dict[tuple[Part | None, Kind], Expr]:
         """Polynomials in both parameters (and pi) that vanish on the boundary: at the band's ends, and the discriminants.
 
@@ -92,6 +96,7 @@ class DesignMap:
                 for x in self.slices
             ],
             "certified": self.certified,
+            **self.scene.aside_keys(self._paths, self._paths),
         }
 
     def to_json(self) -> str:
@@ -107,6 +112,7 @@ class DesignMap:
         kinds = sorted({y.kind.value for x in some for e in x.requirement.ends for y in e.bindings})
         lines = [
             self.scene.title or "Untitled scene",
+            *self.scene.asides(self._paths, self._paths),
             f"{len(self.slices)} exact slices along {a.symbol.name}: {where}.",
             f"The boundary is a {listed(kinds)} curve." if kinds else "",
         ]

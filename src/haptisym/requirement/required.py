@@ -114,6 +114,7 @@ class Required:
             "closed_form": self.closed_form,
             "undecided": [[None if x is None else float(x) for x in pair] for pair in self.undecided],
             "certified": self.certified,
+            **self.scene.aside_keys([self.free.path], [self.free.path]),
         }
 
     @property

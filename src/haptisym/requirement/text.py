@@ -20,7 +20,8 @@ def page(r: Required) -> str:
 
 
 def _heading(r: Required) -> str:
-    return fill(r.scene.title or "Untitled scene", WIDTH)
+    asides = r.scene.asides([r.free.path], [r.free.path])
+    return "\n".join(fill(line, WIDTH) for line in (r.scene.title or "Untitled scene", *asides))
 
 
 def _question(r: Required) -> str:

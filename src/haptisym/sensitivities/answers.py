@@ -42,6 +42,7 @@ class Sensitivities(Slopes):
             },
             "bandwidth": None if self.bandwidth is None else self._row(self.bandwidth),
             "certified": self.certified,
+            **self.evaluation.scene.aside_keys(varied=None),
         }
 
     def to_json(self) -> str:

@@ -17,7 +17,7 @@ _RATIO = {Part.REAL: "r_r", Part.IMAG: "r_i"}
 def page(found: Slopes) -> str:
     """The whole page."""
     scene = found.evaluation.scene
-    heading = "\n".join(fill(line, WIDTH) for line in (scene.title or "Untitled scene", scene.nominal_note) if line)
+    heading = "\n".join(fill(line, WIDTH) for line in (scene.title or "Untitled scene", *scene.asides(varied=None)))
     parts = [heading, *_crossings(found), *_changeovers(found), _bandwidth(found), _certain(found)]
     return "\n\n".join(parts) + "\n"
 

@@ -113,6 +113,7 @@ def document(runs: Sequence[Simulated]) -> dict[str, Any]:
         "estimates": [_estimate_row(x) for x in rows],
         "agrees": all(verdicts) if verdicts else None,
         **({"notes": list(first.notes)} if first.notes else {}),
+        **first.scene.aside_keys(),
     }
 
 

@@ -104,7 +104,15 @@ class Grid:
             ),
             "floats": _IN_FLOATS if self.kernel.is_polynomial else _ALL_EXACT,
             "fingerprint": self.fingerprint,
+            **self._asides(),
         }
+
+    def _asides(self) -> dict[str, Any]:
+        """What is nominal or has a double, as text, which every kind of file holds."""
+        swept = [axis.path for axis in self.axes]
+        notes = self.scene.asides(swept, swept)
+        keys = self.scene.aside_keys(swept, swept)
+        return {key: json.dumps(x) for key, x in keys.items()} | ({"notes": "\n".join(notes)} if notes else {})
 
     @cached_property
     def fingerprint(self) -> str:

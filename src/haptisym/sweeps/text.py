@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from math import pi
 from pathlib import Path
@@ -40,7 +41,9 @@ def document(data: xr.Dataset, out: Path | None = None) -> dict[str, Any]:
         "counts": {name: _counts(data[name]) for name in COUNTS},
         "out": None if out is None else str(out),
     }
-    return found | ({"open_at": _places(data)} if found["open"] else {})
+    asides = {key: json.loads(data.attrs[key]) for key in ("nominal", "untied") if key in data.attrs}
+    notes = {"notes": data.attrs["notes"].split("\n")} if "notes" in data.attrs else {}
+    return found | asides | notes | ({"open_at": _places(data)} if found["open"] else {})
 
 
 def _axis(data: xr.Dataset, name: str) -> dict[str, Any]:
@@ -69,7 +72,8 @@ def _places(data: xr.Dataset, most: int = 5) -> list[dict[str, float]]:
 
 def page(told: Mapping[str, Any]) -> str:
     """The page of text for a document."""
-    parts = [told["title"] or "Untitled scene", _varied(told), _found(told), _certain(told)]
+    heading = "\n".join(fill(line, WIDTH) for line in (told["title"] or "Untitled scene", *told.get("notes", ())))
+    parts = [heading, _varied(told), _found(told), _certain(told)]
     if told["out"]:
         parts.append(f"Written to {told['out']}.")
     return "\n\n".join(parts) + "\n"

@@ -15,7 +15,7 @@ from haptisym.typeset.numerals import rounded
 from .forms import DIFFERENCE, DYNAMICS, FELT, RATIOS, RELATIVE, Group, SceneForms
 from .latex import at_s
 from .lines import LINE, Names, Row, align, width
-from .names import escape
+from .names import coded, escape
 from .printer import formula
 from .results import (
     Hertz,
@@ -60,6 +60,7 @@ def document(evaluation: Evaluation, figures: Mapping[str, str] = MappingProxyTy
     }
     text = "\n\n".join(f"\\section{{{title}}}\n\n{_joined(paragraphs)}" for title, paragraphs in sections.items())
     source = f"Source of the scene: {escape(scene.source.rstrip('. '))}.\n\n" if scene.source else ""
+    source += "".join(f"{coded(aside)}\n\n" for aside in scene.asides())
     graphics = "\\usepackage{graphicx}\n" if figures else ""
     return _TEMPLATE % (graphics, escape(scene.title or "Untitled scene"), source, text)
 

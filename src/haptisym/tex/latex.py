@@ -21,6 +21,7 @@ from haptisym.symbols import X, omega
 from haptisym.typeset.equations import QUANTITIES, quantity
 
 from .lines import Row, align, is_long
+from .names import coded
 from .printer import formula, tex
 from .results import RATIOS, crossing_tables, percept_tables
 
@@ -59,7 +60,7 @@ def _(value: Distortion) -> str:
 
 @latex.register
 def _(value: Evaluation) -> str:
-    return "\n\n".join([*crossing_tables(value), *percept_tables(value)])
+    return "\n\n".join([*crossing_tables(value), *percept_tables(value), *map(coded, value.scene.asides())])
 
 
 # The formulas of a distortion.

@@ -74,6 +74,15 @@ def _accented(c: str) -> str:
     return "".join(map(_character, [base, *(mark for mark in marks if mark.isascii())]))
 
 
+def coded(words: str) -> str:
+    r"""Words in which what stands between backticks is code.
+
+    >>> coded("5 % more: see `x_1`.")
+    '5 \\% more: see \\texttt{x\\_1}.'
+    """
+    return "".join(rf"\texttt{{{escape(x)}}}" if i % 2 else escape(x) for i, x in enumerate(words.split("`")))
+
+
 def symbol_name(name: str) -> str:
     r"""A parameter's name as people write it: ``_`` starts subscripts, several letters stand upright.
 

@@ -42,6 +42,11 @@ class Tolerances(BoxAnswers):
             "bandwidth": None if self.bandwidth is None else [float(x) for x in self.bandwidth],
             "estimates": self._estimates(),
             "certified": self.certified,
+            **(
+                {"untied": [list(pair) for pair in scene.untied(scene.ranges())]}
+                if scene.untied(scene.ranges())
+                else {}
+            ),
         }
 
     def to_json(self) -> str:

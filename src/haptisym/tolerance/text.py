@@ -33,7 +33,12 @@ def page(a: BoxAnswers) -> str:
 
 def _heading(a: BoxAnswers) -> str:
     low, high = a.box.scene.band
-    lines = [a.box.scene.title or "Untitled scene", f"Band: {float(low):.6g} to {float(high):.6g} rad/s"]
+    asides = [a.box.scene.untied_note(a.box.scene.ranges())]
+    lines = [
+        a.box.scene.title or "Untitled scene",
+        *filter(None, asides),
+        f"Band: {float(low):.6g} to {float(high):.6g} rad/s",
+    ]
     return "\n".join(fill(line, WIDTH) for line in lines)
 
 
