@@ -22,7 +22,7 @@ expressions codegen.names exact.reals exact.rings figures.kinds formulas.steps n
 sweeps.bernstein typeset.names
 quantities simulation.rest codegen.printers exact.axis exact.bernstein exact.eliminants exact.zeros numeric.program sensitivities.implicit \
 simulation.rightmost sweeps.families tex.names typeset.numerals typeset.order
-codegen.languages codegen.short exact.dynamics exact.isolation exact.polynomials exact.wavesums numeric.balls numeric.floats \
+codegen.languages codegen.short sensitivities.branches exact.dynamics exact.isolation exact.polynomials exact.wavesums numeric.balls numeric.floats \
 typeset.formula typeset.quotients
 exact.exactwaves
 exact.beginnings

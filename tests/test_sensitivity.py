@@ -14,7 +14,7 @@ from sympy import Expr, Rational
 import haptisym as hs
 from haptisym.cli import app
 from haptisym.quantities import dimension_exponents
-from haptisym.sensitivities.answers import Sensitivities, sensitivity
+from haptisym.sensitivities.answers import sensitivity
 from haptisym.sensitivities.slopes import TOUCH, Sensitive
 
 STEP = Rational(1, 10**15)
@@ -122,10 +122,13 @@ def touching() -> hs.Scene:
 def test_at_a_touch_there_is_no_derivative_and_it_is_said() -> None:
     found = sensitivity(touching())
     [x] = found.crossings
-    assert (x.kind, x.reason) == (hs.CrossingKind.TOUCHES, TOUCH)
-    assert all(p.derivative is None and p.elasticity is None for p in x.parameters)
-    assert "the display touches its threshold here" in str(found)
-    row = found.to_dict()["crossings"][0]["parameters"][0]
+    assert x.kind is hs.CrossingKind.TOUCHES
+    assert {p.name: (p.derivative, p.elasticity, p.reason) for p in x.parameters if p.name != "k"} == {
+        "a": (None, None, TOUCH), "c_real": (None, None, TOUCH)
+    }  # fmt: skip
+    assert float(x["k"].derivative) == 0  # behind a series effect a spring of any stiffness is noticed alike
+    assert "touches its threshold" in " ".join(str(found).split())
+    row = next(p for p in found.to_dict()["crossings"][0]["parameters"] if p["name"] == "a")
     assert (row["derivative"], row["elasticity"], row["reason"]) == (None, None, TOUCH)
     assert "within the bandwidth" in found.bandwidth.reason
 
@@ -185,5 +188,92 @@ def runner():  # type: ignore[no-untyped-def]
 
 
 def test_public_names() -> None:
-    assert hs.sensitivity is sensitivity
-    assert hs.Sensitivities is Sensitivities
+    assert isinstance(hs.sensitivity("delayed-spring"), hs.Sensitivities)
+    assert {"sensitivity", "Sensitivities"} <= set(dir(hs))
+
+
+# Derivatives from one side: every answer against certified evaluations just beside the scene
+
+NEAR = Rational(1, 10**12)
+
+
+def formula(H: str, **parameters: float | str) -> hs.Scene:
+    """An environment as written, alone, from 5 to 15 rad/s: Re H changes its sign at 10 rad/s."""
+    return hs.Scene(hs.environments.expression(H, parameters=parameters), (), (5, 15))
+
+
+def filtered(zeta: object, band: tuple[int, int] = (0, 100)) -> hs.Scene:
+    env = hs.environments.mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m")
+    return hs.Scene(env, (hs.effects.second_order_lowpass("80 rad/s", zeta),), band)
+
+
+def beside_a_mass(low: int, high: int) -> hs.Scene:
+    """r_r = m omega^2/k meets 1/10 at 10 rad/s."""
+    return hs.Scene(hs.environments.mass_spring_damper(k=100), (hs.effects.shunt(m="0.1"),), (low, high))
+
+
+MEETINGS = {
+    "a pole without damping goes on as a zero": (filtered(0), "perceived", 80, "zeta", "above", -64 * 15 / 114.2),
+    "a pole moves with its frequency": (filtered(0), "perceived", 80, "omega_n", "", 1),
+    "a crossing at the least damping": (filtered(0), "crossings", 24.828, "zeta", "above", 27.714),
+    "a parameter that does not matter, at its least value": (filtered(0), "environment", 7.4536, "zeta", "", 0),
+    "a delay at its least value": (
+        hs.Scene(hs.environments.kelvin_voigt(100, 5), (hs.effects.first_order_lag(40), hs.effects.delay(0)), (0, 30)),
+        "crossings", 8.5, "tau", "above", None,
+    ),
+    "a zero that moves through two that stay": (formula("(k + s^2)*(100 + s^2)^2", k=100), "environment", 10, "k", "", 1 / 20),
+    "a zero between two poles that part": (formula("(100 + s^2)/((100 + s^2)^2 - q^2)", q=0), "environment", 10, "q", "splits", None),
+    "a pole that goes on as a zero, or in three": (formula("(100 + s^2)/((100 + s^2)^2 + q)", q=0), "environment", 10, "q", "above", 0),
+    "the same turned round": (formula("(100 + s^2 + q)/((100 + s^2)^2 - q)", q=0), "environment", 10, "q", "below", 1 / 20),
+    "three zeros that are one for a moment": (formula("(100 + s^2)^3 + q", q=0), "environment", 10, "q", "infinitely", None),
+    "two lines that cross a third": (formula("(100 + s^2)*((100 + s^2)^2 - 4*q^2)", q=0), "environment", 10, "q", "splits", None),
+    "a zero with two that are not real": (formula("(100 + s^2 + q)*((100 + s^2)^2 + 4*q^2)", q=0), "environment", 10, "q", "", 1 / 20),
+    "a crossing that enters the band at its end": (beside_a_mass(0, 10), "crossings", 10, "m", "above", -50),
+    "a crossing that leaves the band at its end": (beside_a_mass(0, 10), "crossings", 10, "k", "below", 1 / 20),
+    "a crossing that leaves the band at its start": (beside_a_mass(10, 20), "crossings", 10, "m", "below", -50),
+    "a crossing that enters the band at its start": (beside_a_mass(10, 20), "crossings", 10, "k", "above", 1 / 20),
+}  # fmt: skip
+
+
+def frequencies(e: hs.Evaluation, kind: str, near: float) -> list[str]:
+    """Of that kind and within 0.1 rad/s, to 40 digits."""
+    listed = [x.omega for x in e.crossings] if kind == "crossings" else getattr(e, f"changeovers_{kind}")
+    found = [getattr(x, "omega", x) for x in listed]
+    return [x.digits(40) for x in found if abs(float(x) - near) < 0.1]
+
+
+@pytest.mark.parametrize("name", MEETINGS)
+def test_a_derivative_from_one_side_is_the_slope_of_certified_frequencies_there(name: str) -> None:
+    scene, kind, near, parameter, side, expected = MEETINGS[name]
+    found = sensitivity(scene)
+    rows = found.crossings if kind == "crossings" else getattr(found, f"changeovers_{kind}")
+    x = min(rows, key=lambda row: abs(float(row.omega) - near))
+    row, value = x[parameter], next(p.value for p in scene.parameters if p.symbol.name == parameter)
+    here, seen = Rational(x.omega.digits(40)), {}
+    for sign, where in ((-1, "below"), (1, "above")):
+        try:
+            beside = hs.evaluate(scene.with_values({parameter: value + sign * NEAR}))
+        except hs.SceneError:  # below the least value there is no scene
+            continue
+        seen[where] = [(Rational(text) - here) / (sign * NEAR) for text in frequencies(beside, kind, float(here))]
+    alone = {where: float(found[0]) for where, found in seen.items() if len(found) == 1 and abs(found[0]) < 10**6}
+    if row.derivative is None:
+        assert side in row.reason
+        assert not alone
+        return
+    derivative = float(row.derivative)
+    assert row.side == side
+    assert row.reason.startswith(f"from {side}" if side else "")
+    assert alone == pytest.approx(dict.fromkeys([side] if side else list(seen), derivative), abs=1e-8, rel=1e-9)
+    if expected is not None:
+        assert derivative == pytest.approx(expected, rel=1e-4)
+
+
+def test_one_sided_derivatives_are_said_in_text_and_document() -> None:
+    found = sensitivity(filtered(0))
+    text = str(found)
+    assert "-8.4063 above" in text
+    assert "zeta: from above; below there is no scene." in text
+    row = found.to_dict()["changeovers"]["perceived"][-1]["parameters"][-1]
+    assert (row["name"], row["side"], row["reason"]) == ("zeta", "above", "from above; below there is no scene")
+    assert row["digits"]["derivative"] == "-8.40630472854641"  # -960/114.2

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
+from typing import TypeAlias
 
 from sympy import Expr, I, Symbol, count_ops
 
@@ -27,6 +28,9 @@ from .asymptotics import Expansion, expansion
 from .groups import Groups, groups
 from .steps import Steps
 from .structure import structure
+
+Factors: TypeAlias = tuple[tuple[Equation, int], ...]
+"""Irreducible factors as equations, each with its order."""
 
 
 @dataclass(frozen=True)
@@ -97,15 +101,14 @@ class Derivation:
         """F = 0 at the crossings: F is the numerator of r^2 - c^2."""
         return _equation(self.excess(part))
 
-    def factors(self, part: Part) -> tuple[Equation, ...]:
-        """The irreducible factors of that F, each an equation: at a simple crossing just one of them holds."""
-        return _factors(self.excess(part))
+    def factors(self, part: Part, *, pole: bool = False) -> Factors:
+        """The irreducible factors of r^2 - c^2 above the line (below it, with ``pole``), each an equation, with its order."""
+        return _factors(self.excess(part), pole=pole)
 
-    def changeover_factors(self, system: str, *, pole: bool = False) -> tuple[Equation, ...]:
-        """The irreducible factors of what stands above the line of Re H of "env" or "perc"; below it, for a pole."""
+    def changeover_factors(self, system: str, *, pole: bool = False) -> Factors:
+        """The same of Re H of "env" or "perc"."""
         response = self.distortion.env_response if system == "env" else self.distortion.perc_response
-        real = response.real
-        return _factors(RealFunction(real.axis.one / real.function) if pole else real)
+        return _factors(response.real, pole=pole)
 
     @cached_property
     def groups(self) -> Groups:
@@ -131,9 +134,10 @@ def _equation(f: RealFunction) -> Equation:
     return Equation(written.ring, written.numerator)
 
 
-def _factors(f: RealFunction) -> tuple[Equation, ...]:
-    _, factors = f.axis.factors(f.function.numerator, in_square=not f.axis.functions)
-    return tuple(_equation(RealFunction(f.axis.function(factor))) for factor, _ in factors)
+def _factors(f: RealFunction, *, pole: bool) -> Factors:
+    whole = f.function.denominator if pole else f.function.numerator
+    _, factors = f.axis.factors(whole, in_square=not f.axis.functions)
+    return tuple((_equation(RealFunction(f.axis.function(factor))), n) for factor, n in factors)
 
 
 def derive(scene: Scene | str | Path, keep: Iterable[str] | None = None) -> Derivation:

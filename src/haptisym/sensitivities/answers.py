@@ -60,7 +60,7 @@ class Sensitivities(Slopes):
         values = {"derivative": p.derivative, "elasticity": p.elasticity}
         floats = {key: None if x is None else float(x) for key, x in values.items()}
         digits = {key: None if x is None else x.digits(self.evaluation.digits) for key, x in values.items()}
-        reason = {"reason": p.reason} if p.reason else {}
+        reason = ({"reason": p.reason} if p.reason else {}) | ({"side": p.side} if p.side else {})
         return {"path": p.path, "name": p.name, "unit": p.unit, **floats, "digits": digits, **reason}
 
 

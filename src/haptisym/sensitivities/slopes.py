@@ -2,38 +2,40 @@
 
 A crossing is a simple zero of F(omega, p) = r^2 - c^2, so that d omega/dp = -(dF/dp)/(dF/d omega) there (implicit
 differentiation). ``Derivation.sensitivity`` has the formula; here it is evaluated in ball arithmetic at the certified
-frequency. Where the display touches its threshold dF/d omega is 0 and the derivative does not exist.
+frequency. Where the display touches its threshold dF/d omega is 0 and the derivative does not exist. Where zeros and poles meet
+(``branches``), where a parameter has the least value that it may have, and at the ends of the band it may exist from one side.
 Derivation: 14_sensitivity.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
-from functools import cached_property
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
 from types import MappingProxyType
-from typing import TypeAlias
 
 import flint
 from sympy import Expr, Integer, Symbol
 
+from haptisym.catalogue import Rule
 from haptisym.crossings import Crossing, CrossingKind, Curve
 from haptisym.evaluation import Evaluation
 from haptisym.exact.levels import algebraic
 from haptisym.exact.reals import Ball, ExactNumber, RealNumber, SquareRoot
 from haptisym.exact.roots import Point
-from haptisym.formulas.derivation import Derivation, derive
+from haptisym.formulas.derivation import Derivation, Factors, derive
 from haptisym.jnd import Part, is_irrational_algebraic
 from haptisym.symbols import c, omega
 
-from .implicit import Equation, ImplicitSlope
+from .branches import Branch, Meeting, Slope, not_clear
+from .implicit import Equation
 
 TOUCH = "undefined: the display touches its threshold here"
-_CLEAR_BITS = 4096  # a derivative that is not 0 shows it long before
 _ZERO = ExactNumber(Integer(0))
 _MEET = "undecided: several branches of the equation meet here"
 _NOT_CLEAR = "undecided: dF/dp or dF/d omega is 0 here, or too near to it"
-_Values: TypeAlias = tuple[tuple[Symbol, RealNumber], ...]
+_FLAT = "undefined: the ratio meets its threshold at 0 rad/s, where it is flat"
+_LEAST = "from above; below there is no scene"
 _THRESHOLD_NAMES = MappingProxyType({Part.REAL: "c_real", Part.IMAG: "c_imag"})
 
 
@@ -43,6 +45,7 @@ class Sensitivity:
     (p/omega) d omega/dp (1). Certified; None where the derivative does not exist.
 
     ``path``: the parameter's place in a scene file; ``name``: its symbol, ``c`` (or ``c_real``, ``c_imag``) the threshold.
+    ``side``: "above" or "below" where the derivative holds only for larger or for smaller values of the parameter.
     """
 
     path: str
@@ -51,7 +54,8 @@ class Sensitivity:
     derivative: RealNumber | None
     elasticity: RealNumber | None
     reason: str = ""
-    """Why there are none."""
+    """Why there are none, or only from one side."""
+    side: str = ""
 
 
 @dataclass(frozen=True)
@@ -69,7 +73,7 @@ class Sensitive:
     @property
     def reason(self) -> str:
         """Why there are no derivatives by any parameter; empty where there are some."""
-        reasons = {x.reason for x in self.parameters}
+        reasons = {x.reason if x.derivative is None else "" for x in self.parameters}
         return reasons.pop() if len(reasons) == 1 else ""
 
     @property
@@ -89,6 +93,8 @@ class _Place:
     value: RealNumber
     exact: Expr
     derivation: Derivation = field(repr=False)
+    least: bool = False
+    """Whether no smaller value makes a scene."""
 
 
 @dataclass(frozen=True)
@@ -140,7 +146,8 @@ class Slopes:
         scene = self.evaluation.scene
         for place, _, p in scene.placed():
             one, unit = derive(scene, [p.symbol.name]), p.dimension.unit(scene.motion)
-            yield _Place(f"{place}.{p.key}", p.symbol.name, unit, p.symbol, ExactNumber(p.value), p.value, one)
+            least = p.rule is Rule.NONNEGATIVE and p.value == 0
+            yield _Place(f"{place}.{p.key}", p.symbol.name, unit, p.symbol, ExactNumber(p.value), p.value, one, least)
 
     def _threshold(self, part: Part) -> _Place:
         limits = self.evaluation.scene.threshold
@@ -156,18 +163,33 @@ class Slopes:
 
     def _crossing(self, x: Crossing) -> Sensitive:
         places = (*self._parameters, self._threshold(x.part))
-        if x.multiplicity > 1:
-            return Sensitive(x.omega, _none(places, TOUCH), x.part, x.kind)
         known = {c: self._limit(x.part)}
-        rows = tuple(_at(p, p.derivation.factors(x.part), x.omega, known) for p in places)
-        return Sensitive(x.omega, rows, x.part, x.kind)
+        flat = TOUCH if x.kind is CrossingKind.TOUCHES else _FLAT if x.multiplicity > 1 and not float(x.omega) else ""
+        rows = (
+            _at(p, partial(p.derivation.factors, x.part), x.omega, known, flat, simple=x.multiplicity == 1)
+            for p in places
+        )
+        return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows), x.part, x.kind)
 
     def _changeover(self, system: str, curve: Curve, x: Point) -> Sensitive:
-        order = x.orders[curve, Part.REAL]
-        if abs(order) > 1:
-            return Sensitive(x.omega, _none(self._parameters, "undefined: Re H is tangent to 0 here"))
-        rows = (_at(p, p.derivation.changeover_factors(system, pole=order < 0), x.omega, {}) for p in self._parameters)
-        return Sensitive(x.omega, tuple(rows))
+        simple = abs(x.orders[curve, Part.REAL]) == 1
+        rows = (
+            _at(p, partial(p.derivation.changeover_factors, system), x.omega, {}, simple=simple)
+            for p in self._parameters
+        )
+        return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows))
+
+    def _in_band(self, row: Sensitivity, where: RealNumber) -> Sensitivity:
+        """At an end of the band the frequency leaves it on one side of the parameter's value."""
+        ends = [point.omega for point in (self.evaluation.chart.points[0], self.evaluation.chart.points[-1])]
+        if row.derivative is None or all(where is not end for end in ends) or float(row.derivative) == 0:
+            return row
+        inward = 1 if where is ends[0] else -1
+        side = "above" if (float(row.derivative) > 0) == (inward > 0) else "below"
+        other = {"above": "below", "below": "above"}[side]
+        if row.side and row.side != side:
+            return replace(row, derivative=None, elasticity=None, side="", reason="undefined: it leaves the band")
+        return replace(row, side=side, reason=row.reason or f"from {side}; {other} it lies beyond the band")
 
     def _kink(self, end: RealNumber, there: list[Sensitive]) -> str:
         """Why the bandwidth has no derivative; empty where it has."""
@@ -194,62 +216,70 @@ def _none(places: tuple[_Place, ...], reason: str) -> tuple[Sensitivity, ...]:
     return tuple(Sensitivity(p.path, p.name, p.unit, None, None, reason) for p in places)
 
 
-def _at(p: _Place, factors: tuple[Equation, ...], where: RealNumber, known: dict[Symbol, RealNumber]) -> Sensitivity:
-    """The sensitivity of a simple zero of the product of some factors in omega and the parameter."""
+def _at(
+    p: _Place, factors: Callable[..., Factors], where: RealNumber, known: dict[Symbol, RealNumber], flat: str = "",
+    *, simple: bool,
+) -> Sensitivity:  # fmt: skip
+    """The sensitivity of a frequency at which factors above or below (``True``) the line vanish.
+
+    ``flat``: why nothing that depends on the parameter has a derivative; ``simple``: whether it is a simple zero or pole.
+    """
     values = tuple({**known, omega: where, p.symbol: p.value}.items())
-    equation = _the_one_that_holds(factors, values)
-    if equation is None:
-        return Sensitivity(p.path, p.name, p.unit, None, None, _MEET)
-    slope = equation.slope(p.symbol)
-    if slope.vanishes({p.symbol: p.exact}):
+    meeting = tuple(x for pole in (False, True) for x in not_clear(factors(pole=pole), values))
+    if meeting and not any(_depends(equation, p.symbol) for equation, _ in meeting):
         return _still(p)
-    derivative = _Slope(slope, values)
-    if not derivative.is_clear():
+    if flat:
+        return replace(_still(p), derivative=None, elasticity=None, reason=flat)
+    if len(meeting) != 1 or not simple:
+        return _met(p, Meeting(meeting, p.symbol, values), where)
+    slope = Slope(meeting[0][0].slope(p.symbol), values)
+    if slope.slope.vanishes({p.symbol: p.exact}):
+        return _one_sided(p, _ZERO, where)
+    if not slope.is_clear():
         return Sensitivity(p.path, p.name, p.unit, None, None, _NOT_CLEAR)
-    elasticity = _ZERO if p.exact == 0 else _Elasticity(derivative, p.value, where)
-    return Sensitivity(p.path, p.name, p.unit, derivative, elasticity)
+    return _one_sided(p, slope, where)
 
 
-def _the_one_that_holds(factors: tuple[Equation, ...], values: _Values) -> Equation | None:
-    """The only factor that is not proven to differ from 0; None if several stay."""
-    bits = 64
-    while len(factors) > 1 and bits <= _CLEAR_BITS:
-        with flint.ctx.workprec(bits):
-            balls = _balls(values, bits)
-            factors = tuple(x for x in factors if not _is_clear(x.ball(balls)))
-        bits *= 2
-    return factors[0] if len(factors) == 1 else None
+def _depends(equation: Equation, x: Symbol) -> bool:
+    return bool(equation.partial(x))
 
 
-def _is_clear(ball: Ball) -> bool:
-    return bool(ball > 0 or ball < 0)
+def _one_sided(p: _Place, derivative: RealNumber, where: RealNumber) -> Sensitivity:
+    """A derivative that holds on both sides, as far as there are two."""
+    elasticity = _ZERO if p.exact == 0 or derivative is _ZERO else _Elasticity(derivative, p.value, where)
+    least = p.least and derivative is not _ZERO
+    side, reason = ("above", _LEAST) if least else ("", "")
+    return Sensitivity(p.path, p.name, p.unit, derivative, elasticity, reason, side)
 
 
-def _balls(values: _Values, bits: int) -> dict[Expr, Ball]:
-    return {symbol: number.ball(bits) for symbol, number in values}
+def _met(p: _Place, meeting: Meeting, where: RealNumber) -> Sensitivity:
+    """The sensitivity where several zeros and poles meet."""
+    sides = meeting.sides()
+    if sides is None:
+        return Sensitivity(p.path, p.name, p.unit, None, None, _MEET)
+    below, above = (_alone(side) for side in sides)
+    nothing = Sensitivity(p.path, p.name, p.unit, None, None)
+    if p.least:
+        return replace(nothing, reason=f"undefined: {above}") if isinstance(above, str) else _one_sided(p, above, where)
+    if isinstance(below, str) and isinstance(above, str):
+        return replace(nothing, reason=f"undefined: {above if above == below else f'{above} above, {below} below'}")
+    if isinstance(below, str) or isinstance(above, str):
+        side, there, other = ("above", above, below) if isinstance(below, str) else ("below", below, above)
+        assert isinstance(there, RealNumber)
+        row = _one_sided(p, there, where)
+        return replace(row, side=side, reason=f"from {side}; on the other side {other}")
+    if below == above:
+        return _one_sided(p, above, where)
+    return replace(nothing, reason=f"undefined: {below.digits(5)} from below, {above.digits(5)} from above")
 
 
-@dataclass(frozen=True)
-class _Slope(RealNumber):
-    """An implicit derivative where its symbols have these values."""
-
-    slope: ImplicitSlope
-    values: _Values
-
-    def ball(self, bits: int) -> Ball:
-        with flint.ctx.workprec(bits):
-            above, below = self.slope.balls(_balls(self.values, bits))
-            return -above / below
-
-    def is_clear(self) -> bool:
-        """Whether neither dF/dp nor dF/d omega is 0: proven."""
-        bits = 64
-        while bits <= _CLEAR_BITS:
-            with flint.ctx.workprec(bits):
-                if all(map(_is_clear, self.slope.balls(_balls(self.values, bits)))):
-                    return True
-            bits *= 2
-        return False
+def _alone(branches: list[Branch]) -> RealNumber | str:
+    """The slope of a branch that is alone, or what there is instead of one."""
+    if not branches:
+        return "it is not there"
+    if len(branches) > 1:
+        return "it splits into several"
+    return branches[0] or "it moves infinitely fast"
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from textwrap import fill
+from textwrap import fill, indent
 
 from haptisym.exact.reals import RealNumber
 from haptisym.jnd import Part
@@ -49,13 +49,18 @@ def _block(title: str, x: Sensitive) -> str:
     if x.reason:
         return f"{title}\n\n  {x.reason[0].upper()}{x.reason[1:]}."
     columns = ("parameter", "where", "elasticity", "d ω/dp", "rad/s per")
-    return f"{title}\n\n{table(columns, [_row(p) for p in x.ranked])}"
+    notes = {
+        p.reason: [q.name for q in x.ranked if q.reason == p.reason] for p in x.ranked if p.derivative and p.reason
+    }
+    told = [fill(f"{', '.join(names)}: {reason}.", WIDTH - 2) for reason, names in notes.items()]
+    return "\n\n".join([title, table(columns, [_row(p) for p in x.ranked]), *(indent(note, "  ") for note in told)])
 
 
 def _row(p: Sensitivity) -> tuple[str, ...]:
     if p.derivative is None or p.elasticity is None:
         return p.name, p.path, p.reason, "", p.unit
-    return p.name, p.path, _signed(p.elasticity), _signed(p.derivative), p.unit or "unit"
+    derivative = _signed(p.derivative) + (f" {p.side}" if p.side else "")
+    return p.name, p.path, _signed(p.elasticity), derivative, p.unit or "unit"
 
 
 def _signed(x: RealNumber) -> str:
