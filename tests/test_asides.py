@@ -142,7 +142,7 @@ def test_pages_and_latex_of_an_evaluation_say_what_is_nominal() -> None:
         assert e._repr_html_().count("<code>haptisym tolerances</code>") == count  # type: ignore[attr-defined]
         for latex in (document(e), hs.latex(e)):
             assert latex.count(r"k, omega\_c vary by 5 \%;") == count
-            assert latex.count(r"\texttt{haptisym tolerances}") == count
+            assert latex.count(r"scene; see \texttt{haptisym tolerances}") == count
 
 
 @pytest.mark.parametrize("language", ["text", "latex", "mathml"])
@@ -187,6 +187,14 @@ def test_several_environments_say_of_which_the_nominal_values_are_taken() -> Non
     assert "hard: " not in str(found)
     assert found.to_dict()["nominal"] == {"soft": {"environment.k": [95.0, 105.0]}}
     assert "nominal" not in hs.evaluate_all("palpation-device").to_dict()
+
+
+def test_what_was_left_out_was_nominal_too() -> None:
+    more = RANGES + '\n[[effects]]\nname = "cable"\nmodel = "first-order-lag"\nomega_c = "9 Mrad/s +- 10 %"\n'
+    found = hs.evaluate(hs.parse_scene(more), tolerance=0.001)
+    assert [effect.name for effect in found.scene.effects] == ["lag"]
+    assert found.to_dict()["nominal"].keys() == {*EVERY, "effects.cable.omega_c"}
+    assert "omega_c_cable, c vary by 10 %" in flat(str(found))
 
 
 # Two parameters of one name

@@ -40,6 +40,11 @@ class Answers:
     digits: int = 15
     relevance: Relevance | None = field(default=None, repr=False)
 
+    @property
+    def given(self) -> Scene:
+        """The scene that was asked about, with what was left out of it."""
+        return self.scene if self.relevance is None else self.relevance.scene
+
     @cached_property
     def crossings(self) -> tuple[Crossing, ...]:
         return find_crossings(self.chart)

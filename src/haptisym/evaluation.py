@@ -94,7 +94,7 @@ class Evaluation(Answers):
             "any_environment": self._any_environment(),
             "certified": self.certified,
             **({"caveats": list(self.caveats)} if self.caveats else {}),
-            **self.scene.aside_keys(),
+            **self.given.aside_keys(),
             **self._undecided(),
             **self._relevance(),
         }

@@ -34,7 +34,7 @@ def report(e: Answers) -> str:
 
 
 def _heading(e: Answers) -> str:
-    lines = [e.scene.title or "Untitled scene", e.scene.source, e.scene.nominal_note]
+    lines = [e.scene.title or "Untitled scene", e.scene.source, *e.given.asides()]
     return "\n".join(fill(line, WIDTH) for line in lines if line)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 from haptisym.catalogue import Parameter
 from haptisym.quantities import Dimension, Motion
 from haptisym.tex.lines import Names, Row, align
-from haptisym.tex.names import coded, escape
+from haptisym.tex.names import coded, spaced
 from haptisym.tex.printer import formula, tex
 from haptisym.text import WIDTH
 from haptisym.typeset.mathml import mathml
@@ -88,13 +88,7 @@ def _section_latex(section: Section, names: Names) -> str:
 
 def _set(phrase: Phrase) -> str:
     """A phrase in LaTeX."""
-    return "".join(_spaced(x) if isinstance(x, str) else f"${tex(x)}$" for x in phrase)
-
-
-def _spaced(words: str) -> str:
-    """Words in LaTeX, with a space at their ends where they have one."""
-    before, after = (" " if x.isspace() else "" for x in (words[:1], words[-1:]))
-    return f"{before}{escape(words)}{after}"
+    return "".join(spaced(x) if isinstance(x, str) else f"${tex(x)}$" for x in phrase)
 
 
 _RELATIONS = {"=": "=", "≈": r"\approx"}

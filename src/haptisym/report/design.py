@@ -31,6 +31,8 @@ def design(e: Evaluation) -> Iterator[Html]:
         "p", "All values of one parameter for which neither ratio exceeds its threshold anywhere on the band, the others "
         "being as they are in the scene: exact, by critical values and one exact test between each two of them.",
     )  # fmt: skip
+    if e.scene.untied():
+        yield element("p", e.scene.untied_note())
     caption = "Values for which the display is transparent on its whole band, proven."
     yield table(["parameter", "in the scene", "transparent for", "what binds"], [_row(r) for r in found], caption)
 

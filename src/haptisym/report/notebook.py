@@ -183,7 +183,7 @@ def _scene_html(x: Scene) -> str:
 def _evaluation_html(x: Evaluation) -> str:
     sentences = [changeovers(x), *reservations(x), stability(x), certainty(x)]
     return _block([
-        _title(x.scene), *_asides(x.scene), element("p", transparency(x)), crossing_table(x), undecided_table(x),
+        _title(x.scene), *_asides(x.given), element("p", transparency(x)), crossing_table(x), undecided_table(x),
         percept_table(x), *(element("p", sentence) for sentence in sentences),
     ])  # fmt: skip
 

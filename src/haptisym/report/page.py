@@ -105,7 +105,7 @@ def _heading(e: Evaluation) -> Html:
     lines.append(element("h1", e.scene.title or "Untitled scene"))
     if e.scene.source:
         lines.append(element("p", f"Source of the scene: {e.scene.source}", given={"class": "source"}))
-    lines += [element("p", coded(aside), given={"class": "source"}) for aside in e.scene.asides()]
+    lines += [element("p", coded(aside), given={"class": "source"}) for aside in e.given.asides()]
     return element("header", *lines)
 
 

@@ -31,7 +31,7 @@ def _heading(runs: Sequence[Simulated]) -> str:
         ("time", f"0 to {max(float(run.time[-1]) for run in runs):.4g} s"),
         ("force", f"up to {most:.4g} {force} at the hand"),
     ]
-    title = (first.scene.title or "Untitled scene", first.scene.nominal_note)
+    title = (first.scene.title or "Untitled scene", *first.scene.asides())
     lines = [fill(line, _WIDTH) for line in title if line]
     return "\n".join([*lines, *(fill(f"  {key:<11}{text}", _WIDTH, subsequent_indent=" " * 13) for key, text in rows)])
 

@@ -60,7 +60,7 @@ def document(evaluation: Evaluation, figures: Mapping[str, str] = MappingProxyTy
     }
     text = "\n\n".join(f"\\section{{{title}}}\n\n{_joined(paragraphs)}" for title, paragraphs in sections.items())
     source = f"Source of the scene: {escape(scene.source.rstrip('. '))}.\n\n" if scene.source else ""
-    source += "".join(f"{coded(aside)}\n\n" for aside in scene.asides())
+    source += "".join(f"{coded(aside)}\n\n" for aside in evaluation.given.asides())
     graphics = "\\usepackage{graphicx}\n" if figures else ""
     return _TEMPLATE % (graphics, escape(scene.title or "Untitled scene"), source, text)
 

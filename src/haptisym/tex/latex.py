@@ -60,7 +60,7 @@ def _(value: Distortion) -> str:
 
 @latex.register
 def _(value: Evaluation) -> str:
-    return "\n\n".join([*crossing_tables(value), *percept_tables(value), *map(coded, value.scene.asides())])
+    return "\n\n".join([*crossing_tables(value), *percept_tables(value), *map(coded, value.given.asides())])
 
 
 # The formulas of a distortion.

@@ -80,7 +80,13 @@ def coded(words: str) -> str:
     >>> coded("5 % more: see `x_1`.")
     '5 \\% more: see \\texttt{x\\_1}.'
     """
-    return "".join(rf"\texttt{{{escape(x)}}}" if i % 2 else escape(x) for i, x in enumerate(words.split("`")))
+    return "".join(rf"\texttt{{{escape(x)}}}" if i % 2 else spaced(x) for i, x in enumerate(words.split("`")))
+
+
+def spaced(words: str) -> str:
+    """Words in LaTeX, with a space at their ends where they have one."""
+    before, after = (" " if x.isspace() else "" for x in (words[:1], words[-1:]))
+    return f"{before}{escape(words)}{after}"
 
 
 def symbol_name(name: str) -> str:
