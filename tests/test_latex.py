@@ -433,6 +433,43 @@ def test_the_closed_forms_compile_in_a_plain_article(tmp_path):
     check_layout(compiled(f"{head}\n\\begin{{document}}\n{blocks}\n\n{result}\n\\end{{document}}\n", tmp_path))
 
 
+def test_what_is_named_is_numbered_as_it_is_read_and_defined_as_exactly_as_it_is_used():
+    text = document(evaluate(load_scene("two-mass-resonance")))
+    names = list(dict.fromkeys(re.findall(r"\\mathcal\{([ND])\}_\{(\d+)\}", text)))
+    for letter in "ND":
+        numbers = [int(number) for one, number in names if one == letter]
+        assert numbers == list(range(1, len(numbers) + 1))
+    definitions = dict(re.findall(r"(\\mathcal\{[ND]\}_\{\d+\}) &(=|\\approx)", text))
+    assert set(definitions.values()) == {"=", r"\approx"}
+    for line in text.splitlines():
+        used = re.search(r"&(=|\\approx) -?\\frac\{(\\mathcal\{N\}_\{\d+\})\}", line)
+        assert not used or definitions[used[2]] == used[1], line
+
+
+def test_the_document_has_title_date_and_an_appendix_of_threshold_polynomials():
+    figures = {
+        name: f"{name}.pdf" for name in ("ratios", "projections-real", "projections-imag", "nyquist", "jnd-square")
+    }
+    text = document(evaluate(PAPER), figures)
+    for command in (r"\title{", r"\date{\today}", r"\maketitle", r"\renewcommand{\Re}{\operatorname{Re}}"):
+        assert text.index(command) < text.index(r"\section{Scene}")
+    body, _, appendix = text.partition("\\appendix")
+    assert ("p_r(\\omega) &=" in body, "p_r(\\omega) &=" in appendix) == (False, True)
+    labels = re.findall(r"\\label\{((?:fig|tab|app):[a-z-]+)\}", text)
+    assert len(labels) == len(set(labels)) == 3 + 5 + 1
+    assert set(labels) == set(re.findall(r"\\ref\{((?:fig|tab|app):[a-z-]+)\}", text))
+
+
+@pytest.mark.parametrize("title", ["plain (2019)", "50 % of # ~ \\ ) ω₀", ""])
+def test_the_pdf_knows_its_title(title, tmp_path):
+    scene = Scene(environments.kelvin_voigt(290, 2), (effects.first_order_lag(100),), title=title)
+    text = document(evaluate(scene))
+    compiled(re.sub(r"(?s)\\section.*(?=\\end\{document\})", "Words.", text), tmp_path)
+    found = (tmp_path / "scene.pdf").read_bytes()
+    wanted = f"Two-step evaluation of a haptic display: {title or 'Untitled scene'}"
+    assert wanted.encode() in found or f"FEFF{wanted.encode('utf-16-be').hex()}".encode().upper() in found.upper()
+
+
 def test_an_evaluation_that_is_not_proven_says_so():
     class Estimate(Evaluation):
         @property

@@ -17,7 +17,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-from haptisym.figures.style import GREY, INK, SHADE, SMALL, TEXT
+from haptisym.figures.style import GREY, INK, SHADE, SMALL, TEXT, number, raised
 
 from .measurement import Row, front
 from .text import duration, summary, wrong
@@ -83,7 +83,7 @@ def _dress(ax: Axes) -> None:
         spine.set(linewidth=0.5, color=GREY)
     ax.xaxis.set_major_locator(LogLocator(numticks=8))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda x, _: duration(x).replace("us", "µs")))
-    ax.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"{y:g}"))
+    ax.yaxis.set_major_formatter(FuncFormatter(lambda y, _: number(y)))
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_minor_locator(NullLocator())
     ax.set_yticks([y for y in (1, 3, 10, 16, 30, 100, 300, 1000) if y < ax.get_ylim()[1]])
@@ -106,7 +106,7 @@ def draw_names(ax: Axes, rows: Sequence[Row]) -> None:
     taken: list[_Box] = [(x - 0.5, y - 0.5, x + 0.5, y + 0.5) for x, y in places]
     lines = [box for line in ax.get_lines() if line.get_drawstyle() == "steps-post" for box in _steps(ax, line, em)]
     for row, (x, y) in sorted(zip(rows, places, strict=True), key=lambda pair: pair[1], reverse=True):
-        name = f"{row.method}: {wrong(row)}" if wrong(row) else row.method
+        name = raised(f"{row.method}: {wrong(row)}" if wrong(row) else row.method)
         boxes = list(_boxes(x, y, 0.53 * len(name) + 0.2, 1.2))
         box = min(
             boxes,
@@ -203,7 +203,7 @@ def _explain(ax: Axes, said: str, style: dict[str, Any]) -> None:
     ax.text(
         0,
         0.97,
-        fill(said.replace(" us", " µs"), 52),
+        fill(raised(said.replace(" us", " µs")), 52),
         fontsize=SMALL,
         color=INK,
         va="top",

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
-from haptisym.figures.style import GREY, INK, SMALL, TEXT
+from haptisym.figures.style import GREY, INK, SMALL, TEXT, raised
 
 from .hardtext import worst_verdict
 from .measurement import HardRow
@@ -86,7 +86,7 @@ def _short(verdict: str) -> str:
 
 
 def _folded(method: str) -> str:
-    return method.replace(" in floats", "\nin floats").replace(" + Brent", "\n+ Brent").replace(", ", ",\n")
+    return raised(method).replace(" in floats", "\nin floats").replace(" + Brent", "\n+ Brent").replace(", ", ",\n")
 
 
 def _names(rows: Sequence[HardRow], attribute: str) -> list[str]:

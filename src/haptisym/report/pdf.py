@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+from os import environ
 from pathlib import Path
 from shutil import which
 from tempfile import TemporaryDirectory
@@ -13,6 +14,8 @@ from haptisym.figures.files import save_figures
 from haptisym.tex.document import document
 
 _RUNS = 2  # the second one knows the numbers of the tables
+_DATED = {"FORCE_SOURCE_DATE": "1"}
+"""Makes the day of the document that of SOURCE_DATE_EPOCH, where that is set: then the same evaluation gives the same file."""
 _SECONDS = 300  # for one run; the longest document of a scene takes a few
 
 
@@ -36,7 +39,13 @@ def _run(program: str, folder: str) -> None:
     command = [program, "-interaction=nonstopmode", "-halt-on-error", "-no-shell-escape", "report.tex"]
     try:
         done = subprocess.run(
-            command, cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, timeout=_SECONDS, check=False
+            command,
+            cwd=folder,
+            env=environ | _DATED,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            timeout=_SECONDS,
+            check=False,
         )
     except subprocess.TimeoutExpired:
         raise SceneError(f"report: pdflatex was not done after {_SECONDS} s") from None

@@ -6,11 +6,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from matplotlib.axes import Axes
+from matplotlib.container import BarContainer
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from sympy import Symbol
 
 from haptisym.errors import NothingToDrawError
-from haptisym.figures.style import BLUE, GREY, INK, RED, SMALL, TEXT, WIDTH, save_as
+from haptisym.figures.scales import RADIANS, Scale, band_scale
+from haptisym.figures.style import BLUE, GREY, INK, RED, SCENES, SMALL, TEXT, WIDTH, entries, legend, number, save_as
 from haptisym.jnd import Part
 from haptisym.tex.printer import formula
 
@@ -19,26 +22,56 @@ from .slopes import Sensitive, Slopes
 _MOST = 12  # bars of one frequency; the text has them all
 _MOST_FREQUENCIES = 12
 _TITLES = {Part.REAL: r"$r_\mathrm{r}$ meets its threshold", Part.IMAG: r"$r_\mathrm{i}$ meets its threshold"}
+_ROW, _HEAD, _FOOT, _SIDE = 0.19, 0.46, 0.62, 0.45
+"""Inches: a bar with the space around it, a panel's title, the axis below, the names at the left."""
 
 
-def draw_elasticities(ax: Axes, found: Sensitive, title: str) -> None:
-    """A bar for each parameter: per cent by which the frequency moves when the parameter grows by 1 per cent."""
+def draw_elasticities(
+    ax: Axes, found: Sensitive, title: str, scale: Scale = RADIANS, *, color: str | None = None, label: str = ""
+) -> BarContainer:
+    """A bar for each parameter: per cent by which the frequency moves when the parameter grows by 1 per cent.
+
+    ``scale`` : the unit of the frequency in the title. ``color``, ``label`` : of the scene; the bars of a further one on the same
+    axes are narrower, and lie on those of the first. Returns the bars.
+
+    >>> from haptisym import load_scene, sensitivity
+    >>> bars = draw_elasticities(Figure().add_subplot(), sensitivity(load_scene("fu2019")).crossings[0], "first")
+    >>> len(bars)
+    6
+    """
+    before = len(ax.containers)
     rows = [x for x in found.ranked if x.elasticity is not None and float(x.elasticity)][:_MOST]
     values = [float(x.elasticity) for x in rows if x.elasticity is not None]
-    ax.barh(range(len(rows)), values, height=0.62, color=[BLUE if v > 0 else RED for v in values])
-    ax.axvline(0, color=INK, linewidth=0.6)
-    ax.set_yticks(range(len(rows)), [f"${formula(Symbol(x.name))}$" for x in rows], fontsize=SMALL)
-    ax.invert_yaxis()
+    names = [f"${formula(Symbol(x.name))}$" for x in rows]
+    ticks = [text.get_text() for text in ax.get_yticklabels()] if before else []
+    ticks += [name for name in names if name not in ticks]
+    places = [ticks.index(name) for name in names]
+    one = color or (SCENES[before] if before else None)
+    bars = ax.barh(
+        places, values, height=0.28 if before else 0.62, color=one or [BLUE if v > 0 else RED for v in values]
+    )
+    if not before:
+        ax.axvline(0, color=INK, linewidth=0.6)
+        where = f"{scale.digits(found.omega, 5)} {scale.unit}{': undefined' if found.reason else ''}"
+        ax.set_title(f"{title}\n{where}", fontsize=TEXT, loc="left")
+        _write_values(ax, values)
+    ax.set_yticks(range(len(ticks)), ticks, fontsize=SMALL)
+    ax.set_ylim(len(ticks) - 0.5, -0.5)
     ax.tick_params(labelsize=SMALL, length=2, width=0.5, color=INK)
     ax.tick_params(axis="y", length=0)
-    for side in ("top", "right", "left"):
-        ax.spines[side].set_visible(False)
+    ax.spines[["top", "right", "left"]].set_visible(False)
     ax.margins(x=0.22)
+    if label:
+        legend(ax, [*entries(ax).values(), Patch(color=one or BLUE, label=label)], lines=2)
+    return bars
+
+
+def _write_values(ax: Axes, values: Sequence[float]) -> None:
+    """The value of each bar at its end."""
     for i, v in enumerate(values):
-        ax.annotate(f"{v:+.3g}", (v, i), (3 if v > 0 else -3, 0), textcoords="offset points",
+        shown = f"+{number(v, 3)}" if v > 0 else number(v, 3)
+        ax.annotate(shown, (v, i), (3 if v > 0 else -3, 0), textcoords="offset points",
                     ha="left" if v > 0 else "right", va="center", fontsize=SMALL, color=GREY)  # fmt: skip
-    where = f"{found.omega.digits(5)} rad/s{': undefined' if found.reason else ''}"
-    ax.set_title(f"{title}\n{where}", fontsize=TEXT, loc="left")
 
 
 def save_elasticities(found: Slopes, path: Path) -> None:
@@ -46,13 +79,21 @@ def save_elasticities(found: Slopes, path: Path) -> None:
     panels = _panels(found)
     if not panels:
         raise NothingToDrawError("there is no crossing nor changeover on the band that parameters could move")
-    rows = [min(sum(bool(p.elasticity and float(p.elasticity)) for p in x.parameters), _MOST) for _, x in panels]
-    figure = Figure(figsize=(WIDTH, sum(0.19 * n + 0.62 for n in rows) + 0.3), layout="constrained")
-    axes = figure.subplots(len(panels), 1, squeeze=False, sharex=True, height_ratios=[n + 1 for n in rows])[:, 0]
-    for ax, (title, x) in zip(axes, panels, strict=True):
-        draw_elasticities(ax, x, title)
+    rows = [
+        max(1, min(sum(bool(p.elasticity and float(p.elasticity)) for p in x.parameters), _MOST)) for _, x in panels
+    ]
+    figure = Figure(figsize=(WIDTH, sum(_ROW * n + _HEAD for n in rows) + _FOOT))
+    scale, width, height, top = band_scale(found.evaluation.scene.band), *figure.get_size_inches(), 0.0
+    axes: list[Axes] = []
+    for (title, x), n in zip(panels, rows, strict=True):
+        top += _HEAD + _ROW * n
+        place = (_SIDE / width, 1 - top / height, 1 - (_SIDE + 0.12) / width, _ROW * n / height)
+        axes.append(figure.add_axes(place, sharex=axes[0] if axes else None))
+        draw_elasticities(axes[-1], x, title, scale)
+        axes[-1].tick_params(labelbottom=False)
     more = len(found.crossings) + len(found.changeovers_environment) + len(found.changeovers_perceived) - len(panels)
     rest = f"\n({more} more frequencies in the text)" if more > 0 else ""
+    axes[-1].tick_params(labelbottom=True)
     axes[-1].set_xlabel(rf"elasticity, $(p/\omega)\,\mathrm{{d}}\omega/\mathrm{{d}}p${rest}", fontsize=TEXT)
     save_as(figure, path)
 

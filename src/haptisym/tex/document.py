@@ -2,6 +2,7 @@ r"""A scene's evaluation as a complete LaTeX document: definitions, formulas, th
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -45,26 +46,26 @@ def document(evaluation: Evaluation, figures: Mapping[str, str] = MappingProxyTy
     >>> text.isascii(), text.count("begin{table}")
     (True, 2)
     """
-    scene, body = evaluation.scene, _Body(evaluation, SceneForms(evaluation))
-    sections = {
-        "Scene": body.scene(),
-        "Dynamics": body.dynamics(),
-        "Distortion": body.distortion(),
-        "Step 1: when is it noticed?": [*body.when(), *_drawn(figures, "ratios")],
-        "Step 2: how is it felt?": [
-            *body.how(),
-            *_drawn(figures, "projections-real", "projections-imag"),
-            *_drawn(figures, "nyquist", "jnd-square"),
-        ],
-        "Stability and certainty": [stability(evaluation), certainty(evaluation)],
+    scene, body = evaluation.scene, _Body(evaluation, SceneForms(evaluation), figures)
+    sections = {  # each is written when its turn comes: what is named is numbered in the order in which it is read
+        "Scene": body.scene,
+        "Dynamics": body.dynamics,
+        "Distortion": body.distortion,
+        "Step 1: when is it noticed?": body.when,
+        "Step 2: how is it felt?": body.how,
+        "Stability and certainty": body.certainty,
+        "Threshold polynomials": body.thresholds,
     }
-    text = "\n\n".join(f"\\section{{{title}}}\n\n{_joined(paragraphs)}" for title, paragraphs in sections.items())
+    written = [f"\\section{{{title}}}\n\n{_joined(paragraphs())}" for title, paragraphs in sections.items()]
+    text = "\n\n".join([*written[:-1], "\\appendix", written[-1].replace("}", r"}\label{app:thresholds}", 1)])
     source = f"Source of the scene: {escape(scene.source.rstrip('. '))}.\n\n" if scene.source else ""
     source += "".join(f"{coded(aside)}\n\n" for aside in evaluation.given.asides())
     graphics = "\\usepackage{graphicx}\n" if figures else ""
-    return _TEMPLATE % (graphics, escape(scene.title or "Untitled scene"), source, text)
+    title = scene.title or "Untitled scene"
+    return _TEMPLATE % (graphics, _information(f"{_TITLE}: {title}"), _TITLE, escape(title), source, text)
 
 
+_TITLE = "Two-step evaluation of a haptic display"
 _TEMPLATE = r"""\documentclass[a4paper]{article}
 \usepackage[margin=2.5cm]{geometry}
 \usepackage{amsmath}
@@ -75,18 +76,31 @@ _TEMPLATE = r"""\documentclass[a4paper]{article}
 \setlength{\parskip}{\medskipamount}
 \setlength{\abovecaptionskip}{0pt}
 \setlength{\belowcaptionskip}{1ex}
+\renewcommand{\Re}{\operatorname{Re}}
+\renewcommand{\Im}{\operatorname{Im}}
+%s
+\title{%s\\[1ex] \large %s}
+\author{}
+\date{\today}
 
 \begin{document}
 
-\begin{center}
-  {\Large Two-step evaluation of a haptic display}\\[1ex]
-  {\large %s}
-\end{center}
+\maketitle
 
 %s%s
 
 \end{document}
 """
+
+
+def _information(title: str) -> str:
+    """What the PDF says about itself, plain or in UTF-16, and an identity that does not depend on where it was made."""
+    plain = re.fullmatch(r"[\w ,.:;'=/+-]*(?:\([\w ,.:;'=/+-]*\)[\w ,.:;'=/+-]*)*", title, re.ASCII)
+    coded = ("\ufeff" + title).encode("utf-16-be").hex().upper()
+    told = f"({title})" if plain else f"<{coded}>"
+    return rf"\ifdefined\pdfinfo \pdfinfo{{/Title {told} /Creator (haptisym)}} \pdftrailerid{{}} \fi"
+
+
 _CAPTIONS = {
     "ratios": "Distortion ratios over the band. Grey: neither exceeds its threshold, the display is transparent.",
     "projections-real": "Magnitude of the real part of the environment and of what is felt: bold where it is noticed.",
@@ -97,16 +111,22 @@ _CAPTIONS = {
 
 
 def _drawn(figures: Mapping[str, str], *names: str) -> Iterator[str]:
-    """Those of some figures that there are, side by side, each above its caption."""
+    """Those of some figures that there are, side by side, each above its numbered caption."""
     here = [name for name in names if name in figures]
     if here:
         columns = "\\hfill\n".join(
             "\\begin{minipage}[t]{0.48\\linewidth}\\centering\n"
-            f"\\includegraphics[width=\\linewidth]{{{figures[name]}}}\\\\\n"
-            f"{{\\small {_CAPTIONS[name]}}}\n\\end{{minipage}}"
+            f"\\includegraphics[width=\\linewidth]{{{figures[name]}}}\n"
+            f"\\caption{{{_CAPTIONS[name]}\\label{{fig:{name}}}}}\n\\end{{minipage}}"
             for name in here
         )
-        yield f"\\begin{{center}}\n{columns}\n\\end{{center}}"
+        yield f"\\begin{{figure}}[!htbp]\n\\centering\n{columns}\n\\end{{figure}}"
+
+
+def _references(figures: Mapping[str, str], *names: str) -> str:
+    """Figures~1 and~2, as far as they are drawn."""
+    here = [rf"\ref{{fig:{name}}}" for name in names if name in figures]
+    return f"Figure{'s' if len(here) > 1 else ''}~{listed(here)}" if here else ""
 
 
 _VALUES = r"the values of Table~\ref{tab:parameters}"
@@ -118,6 +138,7 @@ class _Body:
 
     evaluation: Evaluation
     forms: SceneForms
+    figures: Mapping[str, str]
     names: Names = field(default_factory=Names)
 
     def scene(self) -> Iterator[str]:
@@ -174,14 +195,29 @@ class _Body:
     def when(self) -> Iterator[str]:
         yield (
             r"A ratio exceeds its threshold where its square does, and so no root is needed: $r_r > c$ exactly where "
-            r"$p_r(\omega) > 0$, and $r_r = c$ where $p_r(\omega) = 0$; likewise $r_i$ and $p_i$. They are "
-            rf"{self._kind()} with exact coefficients (to ten digits after $\approx$), written here up to a positive factor:"
+            r"$p_r(\omega) > 0$, and $r_r = c$ where $p_r(\omega) = 0$; likewise $r_i$ and $p_i$. Both are written in "
+            r"Appendix~\ref{app:thresholds}."
         )
-        yield self._align([self.forms.threshold(part) for part in Part])
         if self.evaluation.crossings:
             yield r"The crossings are their roots on the band; Table~\ref{tab:crossings} lists all of them."
         yield from crossing_tables(self.evaluation)
-        yield transparency(self.evaluation)
+        yield transparency(self.evaluation) + self._see("ratios", "shows the ratios")
+        yield from _drawn(self.figures, "ratios")
+
+    def _see(self, name: str, says: str) -> str:
+        found = _references(self.figures, name)
+        return f" {found} {says}." if found else ""
+
+    def thresholds(self) -> Iterator[str]:
+        yield (
+            r"The functions $p_r$ and $p_i$, which are positive exactly where the ratio exceeds its threshold, are "
+            rf"{self._kind()} with exact coefficients (to ten digits after $\approx$), written here up to a positive factor:"
+        )
+        yield self._align([self.forms.threshold(part) for part in Part])
+
+    def certainty(self) -> Iterator[str]:
+        yield stability(self.evaluation)
+        yield certainty(self.evaluation)
 
     def _kind(self) -> str:
         functions = self.evaluation.distortion.squared_modulus.axis.functions
@@ -199,6 +235,12 @@ class _Body:
         yield changeovers(self.evaluation)
         yield from self._closed_changeovers()
         yield from reservations(self.evaluation)
+        projections, plane = ("projections-real", "projections-imag"), ("nyquist", "jnd-square")
+        if found := _references(self.figures, *projections):
+            also = _references(self.figures, *plane)
+            yield f"{found} show both parts of what is felt{f', {also} both at once' if also else ''}."
+        yield from _drawn(self.figures, *projections)
+        yield from _drawn(self.figures, *plane)
 
     def _closed_changeovers(self) -> Iterator[str]:
         d = self.forms.symbolic

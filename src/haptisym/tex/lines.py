@@ -81,10 +81,10 @@ def _lines(row: Row, room: float, names: Names) -> Iterator[str]:
         yield start
         start = f"&{row.relation} "
     if not row.optional:
-        yield from _equation(start, row.value, room, names)
+        yield from _equation(start, row.value, room, names, row.relation)
 
 
-def _equation(left: str, value: Expr, room: float, names: Names) -> Iterator[str]:
+def _equation(left: str, value: Expr, room: float, names: Names, relation: str) -> Iterator[str]:
     box = layout(value)
     minus, quotient = ("-", box.terms[0][1]) if isinstance(box, Sum) and len(box.terms) == 1 else ("", box)
     text = tex(box)
@@ -93,11 +93,11 @@ def _equation(left: str, value: Expr, room: float, names: Names) -> Iterator[str
     elif width(text) <= room:
         yield left + text
     else:
-        yield from _parted(left + minus, quotient, room, names)
+        yield from _parted(left + minus, quotient, room, names, relation)
 
 
-def _parted(left: str, quotient: Fraction, room: float, names: Names) -> Iterator[str]:
-    """A fraction whose long parts get names, and what the names stand for."""
+def _parted(left: str, quotient: Fraction, room: float, names: Names, relation: str) -> Iterator[str]:
+    """A fraction whose long parts get names, and what the names stand for, as exactly as the fraction does."""
     texts = {"N": tex(quotient.above), "D": tex(quotient.below)}
     named = [
         (text, *names.name(text, x)) if width(text) > room - 2 else (text, text, False) for x, text in texts.items()
@@ -105,7 +105,7 @@ def _parted(left: str, quotient: Fraction, room: float, names: Names) -> Iterato
     yield rf"{left}\frac{{{named[0][1]}}}{{{named[1][1]}}}"
     for text, name, is_new in named:
         if is_new:
-            yield from _broken(f"{name} &= ", text, room)
+            yield from _broken(f"{name} &{relation} ", text, room)
 
 
 def _broken(left: str, text: str, room: float) -> Iterator[str]:
