@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import threading
 import time
 from pathlib import Path
 
@@ -36,6 +38,22 @@ BAD = {
     "effects not a list": (f"{ENVIRONMENT}[effects]\nmodel='delay'", ["effects", "[[effects]]"]),
     "deep nesting": ("a = " + "[" * 20_000, ["TOML", "nested"]),
     "a number of ten thousand digits": (env(f"model='mass-spring-damper'\nk = {'9' * 10_000}"), ["TOML"]),
+    "several environments without an s": (
+        "[[environment]]\nmodel='maxwell'\nk=1\nb=2",
+        ["[environment]", "[[environments]]"],
+    ),
+    # formulas: what is really wrong
+    "an exponent that is a formula": (expression("s^(10^9)"), ["an exponent must be one number", "s^(-0.5)"]),
+    "an exponent that divides": (expression("m*s^(1/0)"), ["an exponent must be one number"]),
+    "an exponent without its parenthesis": (expression("m*s^(2"), ['expected ")"']),
+    "a division by zero": (expression("1/0"), ["division by zero"]),
+    "a delay as exp": (expression("m*exp(-s*m)"), ["[[effects]]", 'model = "delay"', "tau"]),
+    "a delay as a power of e": (expression("m*e^(-s*m)"), ["[[effects]]", 'model = "delay"', "tau"]),
+    "a root": (expression("m*sqrt(s)"), ["functions", "s^0.5"]),
+    "a hyperbolic function": (expression("m*cosh(s)"), ["functions", "wave-variables"]),
+    "a sine": (expression("m*sin(s)"), ["functions", "+ - * / and ^ alone"]),
+    "a product without its sign": (expression("m(s + 1)"), ['"m*("']),
+    "a product without its sign after a number": (expression("2 m"), ["an operator such as *"]),
     # names
     "unknown top-level key": (f"{ENVIRONMENT}[evalution]\nband=[0,1]", ["evalution", "evaluation"]),
     "unknown environment": (env("model='mass-spring-dampr'"), ["mass-spring-dampr", "mass-spring-damper"]),
@@ -182,3 +200,60 @@ def test_an_error_in_a_formula_points_at_the_place() -> None:
         parse_scene(expression("m*s^2 + x*s"))
     lines = str(error.value).splitlines()
     assert lines[-2][lines[-1].index("^")] == "x"
+
+
+SMALL = 'environment = { model = "maxwell", k = 100, b = 5 }\n'
+
+
+def test_a_byte_order_mark_is_no_part_of_a_scene(tmp_path: Path) -> None:
+    marked = tmp_path / "marked.toml"
+    marked.write_text(SMALL, encoding="utf-8-sig")
+    assert load_scene(marked) == parse_scene(SMALL) == parse_scene("\ufeff" + SMALL)
+
+
+def test_a_file_in_utf_16_is_said_to_be_one(tmp_path: Path) -> None:
+    wide = tmp_path / "wide.toml"
+    wide.write_text(SMALL, encoding="utf-16")
+    with pytest.raises(SceneError, match=r"wide.toml: the file is written in UTF-16: save it as UTF-8"):
+        load_scene(wide)
+
+
+@pytest.mark.skipif(not Path("/dev/fd").exists(), reason="pipes have names on POSIX")
+def test_a_scene_is_read_once_so_that_it_may_come_from_a_pipe(capsys, monkeypatch) -> None:  # type: ignore[no-untyped-def]
+    families = SMALL.replace("environment = ", "environments = [").rstrip() + "]\n"
+    for words, text in ((["evaluate"], SMALL), (["sensitivity"], SMALL), (["evaluate"], families)):
+        reading, writing = os.pipe()
+        os.write(writing, text.encode())
+        os.close(writing)
+        monkeypatch.setattr("sys.argv", ["haptisym", *words, f"/dev/fd/{reading}"])
+        with pytest.raises(SystemExit) as stop:
+            main()
+        os.close(reading)
+        assert not stop.value.code, capsys.readouterr()
+
+
+def test_a_pipe_with_a_wrong_scene_and_a_device_without_end_are_named(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    writer = threading.Thread(target=lambda: pipe.write_text("k = 1", encoding="utf-8"))
+    writer.start()
+    with pytest.raises(SceneError, match=rf'{pipe}: unknown key "k"'):
+        load_scene(pipe)
+    writer.join()
+    with pytest.raises(SceneError, match="/dev/zero: the file has more than 1000000 bytes"):
+        load_scene("/dev/zero")
+
+
+def test_a_file_that_is_too_long_is_not_taken_for_another_name(tmp_path: Path) -> None:
+    big = tmp_path / "big.toml"
+    big.write_text("#" * 1_000_001, encoding="utf-8")
+    with pytest.raises(SceneError) as refused:
+        load_scene(big)
+    assert str(refused.value) == f"{big}: the file has more than 1000000 bytes; a scene may have at most that"
+
+
+def test_a_name_without_its_ending_is_asked_about(tmp_path: Path) -> None:
+    (tmp_path / "ok.toml").write_text(SMALL, encoding="utf-8")
+    (tmp_path / "other.toml").write_text(SMALL, encoding="utf-8")
+    with pytest.raises(SceneError, match=r'did you mean "ok.toml"\?'):
+        load_scene(tmp_path / "ok")

@@ -33,6 +33,14 @@ HIGHEST_DEGREE = 60  # of the written-out formula; the threshold polynomial has 
 MOST_DIGITS = 2000  # of the numbers in the written-out formula
 
 
+_DELAY = 'a delay is an effect of its own, [[effects]] with model = "delay" and tau, and is exact there'
+_INSTEAD = {
+    "sqrt": "a root is a power, as in s^0.5",
+    **dict.fromkeys(("cosh", "sinh", "tanh"), 'a line with delay is the effect model = "wave-variables"'),
+    **dict.fromkeys(("sin", "cos", "tan", "log", "ln", "abs"), "it is built of numbers, names, + - * / and ^ alone"),
+}
+
+
 class _Token(NamedTuple):
     kind: str
     text: str
@@ -68,7 +76,7 @@ def evaluate(text: str, *, number: Callable[[str], T], name: Callable[[str], T],
     reader = _Reader(text, number, name, sums)
     result = reader.sum(0)
     if reader.token.kind != "end":
-        reader.fail(f'expected an operator, found "{reader.token.text}"')
+        reader.fail(f'expected an operator such as *, found "{reader.token.text}"')
     value: T = result.value
     return value
 
@@ -160,7 +168,10 @@ class _Reader(Generic[T]):
         value = Fraction(self.token.text)
         self.position += 1
         if bracket and not self.take(")"):
-            self.fail('expected ")"')
+            is_open = self.token.kind == "end"
+            self.fail(
+                'expected ")"' if is_open else "an exponent must be one number, as in s^2 or s^(-0.5), not a formula"
+            )
         return -value if sign and sign.text == "-" else value
 
     def atom(self, depth: int) -> _Value:
@@ -175,7 +186,19 @@ class _Reader(Generic[T]):
         self.position += 1
         if token.kind == "number":
             return _Value(self._meaning(self.number, token, "not a number"), 0, len(token.text))
+        self._no_function(token)
         return _Value(self._meaning(self.name, token, "unknown name"), 1, 1)
+
+    def _no_function(self, token: _Token) -> None:
+        """A name with a parenthesis after it is no function, and e to a power of s no number: say what to write instead."""
+        after = self.token.text
+        if token.text == "exp" and after == "(":
+            self.fail(f"a formula has no exp(...): {_DELAY}", token.at)
+        if token.text == "e" and after in ("^", "**") and self.tokens[self.position + 1].kind != "number":
+            self.fail(f"a formula has no powers of e: {_DELAY}", token.at)
+        if after == "(":
+            instead = _INSTEAD.get(token.text, f'if a product is meant, write "{token.text}*("')
+            self.fail(f'a formula has no functions, and "{token.text}(" would be one: {instead}', token.at)
 
     def _meaning(self, read: Callable[[str], T], token: _Token, otherwise: str) -> T:
         try:

@@ -142,25 +142,30 @@ def parse_scenes(text: str, name: str = "scene") -> SceneFamily:
 
 
 def _chosen(text: str, name: str, environment: str | None) -> Scene:
-    family = parse_scenes(text, name)
+    return chosen(parse_scenes(text, name), name, environment)
+
+
+def chosen(family: SceneFamily, name: str, environment: str | None) -> Scene:
+    """One environment of several, or the only one; ``name`` is what error messages call the file."""
     try:
         if environment is None:
             return family.only()
-        chosen = family[environment]
+        scene = family[environment]
     except SceneError as error:
         raise error.within(name) from None
-    return replace(chosen, title=f"{chosen.title or 'Untitled scene'}: {environment}")
+    return replace(scene, title=f"{scene.title or 'Untitled scene'}: {environment}")
 
 
 def scene_text(scene: str | Path) -> tuple[str, str]:
-    """The text of a shipped scene or of a file, and what error messages call it."""
+    """The text of a shipped scene or of a file, and what error messages call it. A file is read once, as pipes can only be."""
     if not isinstance(scene, str | Path) or "\n" in str(scene):
         raise SceneError(_instead(scene))
     name = str(scene)
     for folder, known in (("scenes", scene_names), ("families", family_names)):
         if name in known():
             return (files("haptisym") / folder / f"{name}.toml").read_text(encoding="utf-8"), name
-    return _read(Path(name)), Path(name).name
+    path = Path(name)
+    return _read(path), path.name if path.is_file() else name
 
 
 def _instead(given: object) -> str:
@@ -184,22 +189,26 @@ def _instead(given: object) -> str:
 
 def _read(path: Path) -> str:
     try:
-        if path.is_file() and path.stat().st_size > LARGEST_FILE:
-            raise SceneError(
-                f"{path}: the file has {path.stat().st_size} bytes; a scene may have at most {LARGEST_FILE}"
-            )
-        return path.read_text(encoding="utf-8")
-    except UnicodeDecodeError:
-        raise SceneError(f"{path}: not a text file (UTF-8)") from None
+        with path.open("rb") as file:
+            data = file.read(LARGEST_FILE + 1)  # of a pipe or device nothing else tells how much there is
     except (OSError, ValueError) as error:
         raise SceneError(f"{path}: {_no_such_scene(path, error)}") from None
+    if len(data) > LARGEST_FILE:
+        raise SceneError(f"{path}: the file has more than {LARGEST_FILE} bytes; a scene may have at most that")
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise SceneError(f"{path}: the file is written in UTF-16: save it as UTF-8")
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError:
+        raise SceneError(f"{path}: not a text file (UTF-8)") from None
 
 
 def _no_such_scene(path: Path, error: Exception) -> str:
     known = scene_names() + family_names()
     files = sorted(x.name for x in path.parent.glob("*.toml"))
     hint = (
-        meant(path.name, files)
+        meant(f"{path.name}.toml", [x for x in files if x == f"{path.name}.toml"])
+        or meant(path.name, [x for x in files if x != path.name])
         or meant(path.name.removesuffix(".toml"), known)
         or f"the package ships {', '.join(known)}"
     )
@@ -216,7 +225,7 @@ _TOML_HINTS = {
 
 def _toml(text: str) -> Table:
     try:
-        return tomllib.loads(text, parse_float=Decimal)
+        return tomllib.loads(text.removeprefix("\N{BYTE ORDER MARK}"), parse_float=Decimal)
     except tomllib.TOMLDecodeError as error:
         hint = next((hint for words, hint in _TOML_HINTS.items() if words in str(error)), "")
         raise SceneError(f"not valid TOML: {error}{hint}") from None
@@ -242,6 +251,8 @@ def _scenes(table: Table) -> SceneFamily:
 def _one_environment(table: Table) -> tuple[str, Environment, Environment | None]:
     if "environment" not in table:
         raise SceneError("[environment] is missing: a scene needs something that should be felt")
+    if isinstance(table["environment"], list):
+        raise SceneError("environment: one is written [environment]; several are written [[environments]], with an s")
     rendered = _environment(table["rendered"], "rendered") if "rendered" in table else None
     return "environment", _environment(table["environment"], "environment"), rendered
 

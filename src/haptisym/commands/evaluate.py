@@ -9,7 +9,7 @@ import click
 from haptisym.errors import SceneError
 from haptisym.evaluation import evaluate as evaluate_scene
 from haptisym.family.family import SceneFamily
-from haptisym.scenefile import load_scene, load_scenes
+from haptisym.scenefile import chosen, load_scenes
 
 from .options import environment_option, figures_option, file_option, hand_over, json_option, keep, keep_figures
 from .verb import verb
@@ -77,8 +77,8 @@ def evaluate(
         refused = {"--latex": latex, "--report": report, "--tolerance": tolerance}
         _evaluate_all(family, digits, figures, as_json, [name for name, given in refused.items() if given is not None])
         return
-    chosen = family[str(environment)] if environments else load_scene(scene, environment)
-    result = evaluate_scene(chosen, digits, tolerance=tolerance)
+    one = family[str(environment)] if environments else chosen(family, Path(scene).name, environment)
+    result = evaluate_scene(one, digits, tolerance=tolerance)
     if figures is not None:
         from haptisym.figures.files import save_figures
 
