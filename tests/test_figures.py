@@ -28,6 +28,7 @@ from haptisym.figures.nyquist import draw_nyquist
 from haptisym.figures.projections import draw_projections
 from haptisym.figures.ratios import draw_ratios
 from haptisym.figures.square import draw_jnd_square
+from haptisym.percepts import felt
 
 PAPER = hs.Scene(mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m"), (second_order_lowpass("80 rad/s", "0.5"),))
 UNDAMPED = hs.Scene(mass_spring_damper(m=1, k=100), (shunt(m="0.1"),))
@@ -279,7 +280,7 @@ def test_projections_are_bold_exactly_where_the_distortion_is_noticed(
             assert (omega[0], omega[-1]) == ends
             assert magnitude == pytest.approx(np.abs(of(dynamics(omega))))
     assert shaded(ax) == [[0, pytest.approx(float(percept.band.low.omega))]]
-    assert f"{percept.property.value}, {percept.change.value}" in [text.replace("\n", " ") for text in words(ax)]
+    assert felt(percept) in [text.replace("\n", " ") for text in words(ax)]
 
 
 def test_a_part_that_is_never_noticed_is_shown_on_the_whole_band_with_a_note() -> None:
@@ -293,7 +294,7 @@ def test_a_part_that_is_never_noticed_is_shown_on_the_whole_band_with_a_note() -
 def test_an_active_display_is_noticed_but_has_no_percept() -> None:
     ax, result = drawn(ACTIVE, FIGURES["projections-imag"])
     assert result.percepts == ()
-    assert "active, no percept" in words(ax)
+    assert "noticed, not named" in [text.replace("\n", " ") for text in words(ax)]
     assert "never exceeds the threshold" not in words(ax)
 
 
@@ -301,7 +302,7 @@ def test_percepts_in_narrow_bands_are_numbered_and_told_in_the_legend() -> None:
     ax, result = drawn(UNDAMPED, FIGURES["projections-real"])
     assert len(result.percepts) == 4
     for percept in result.percepts:
-        assert f"{percept.property.value}, {percept.change.value}" in [text.replace("\n", " ") for text in words(ax)]
+        assert felt(percept) in [text.replace("\n", " ") for text in words(ax)]
     assert {"1", "2", "3"} <= set(words(ax))
 
 

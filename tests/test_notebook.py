@@ -105,7 +105,12 @@ def test_an_evaluation_shows_its_crossings_and_percepts() -> None:
     shown = "".join(read.texts)
     assert read.tags.count("table") == 2
     assert {c["omega"] for c in document["crossings"]} <= set(read.numbers)
-    for words in (*(c["digits"] for c in document["crossings"]), "damping", "less (lower)", "are stable"):
+    for words in (
+        *(c["digits"] for c in document["crossings"]),
+        "lower mass",
+        "higher damping",
+        "force under imposed motion is stable",
+    ):
         assert words in shown
 
 
@@ -124,7 +129,7 @@ def test_formulas_say_what_they_stand_for() -> None:
     assert FORMULAS["number"]._repr_latex_() == r"$\displaystyle 7.97891679017471$"
     assert FORMULAS["two thresholds"]._repr_latex_().endswith(r"c_{\mathrm{imag}} = \tfrac{1}{3}$")
     assert FORMULAS["interval"]._repr_latex_() == r"$\displaystyle \left[ 0,\, 7.9789 \right]\,\mathrm{rad/s}$"
-    assert PAPER.percepts[0]._repr_html_().startswith("mass: less (lower), at ")
+    assert PAPER.percepts[0]._repr_html_().startswith("lower mass (real part), from ")
 
 
 def test_the_formulas_of_a_distortion_in_html_have_their_values() -> None:

@@ -11,16 +11,22 @@ from itertools import pairwise
 
 import pytest
 from answers import floats, intervals
+from matplotlib.figure import Figure
 from oracles import MP
 from sympy import Integer, Rational, sqrt
 
 import haptisym as hs
+from haptisym import Change, Property
 from haptisym.crossings import Curve, find_crossings, transparent_set, unbounded_points
 from haptisym.effects import first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import expression, kelvin_voigt, mass_spring_damper
 from haptisym.exact.reals import ExactNumber
 from haptisym.exact.roots import Chart, Interval, Point, Signs
-from haptisym.percepts import changeovers, find_percepts, outside_model
+from haptisym.figures.projections import draw_projections
+from haptisym.percepts import NOT_NAMED, changeovers, find_percepts, outside_model
+from haptisym.percepts import felt as percept_words
+from haptisym.report.page import page
+from haptisym.tex.document import document
 
 PAPER = hs.Scene(
     mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m"),
@@ -345,3 +351,77 @@ def test_an_irrational_threshold_splits_percepts_where_its_square_says() -> None
         ("stiffness-to-mass", "lower", edge, float(MP.sqrt(2))),
         ("stiffness-to-mass", "higher", float(MP.sqrt(2)), 3.0),
     ]
+
+
+SPRING_BEHIND_DELAY = hs.Scene(mass_spring_damper(k=100), (hs.effects.delay("0.1 s"),), (0, 50))
+"""H_perc = 100 exp(-0.1 j omega): Im H_perc = -100 sin(omega/10) < 0 up to 10 pi rad/s, and noticed from 10 asin(0.1) on."""
+
+
+def test_what_is_noticed_while_the_display_is_active_is_told_without_a_name() -> None:
+    result = hs.evaluate(SPRING_BEHIND_DELAY)
+    start, end = 10 * MP.asin(MP.mpf("0.1")), 10 * MP.pi
+    # r_i falls below 10 % shortly before the half turn, so that nothing is noticed from there to the half turn
+    [unnamed] = [(float(x.low.omega), float(x.high.omega)) for x in result.unnamed]
+    assert unnamed == (pytest.approx(float(start), rel=1e-15), pytest.approx(float(end - start), rel=1e-15))
+    assert result.to_dict()["unnamed"] == [list(unnamed)]
+    told = [(x.part.value, float(x.band.low.omega), x.words) for x in result.felt]
+    assert ("imag", unnamed[0], NOT_NAMED) in told
+    assert [x for x in told if x[2] != NOT_NAMED] == [
+        (p.part.value, float(p.band.low.omega), percept_words(p)) for p in result.percepts
+    ]
+
+
+def test_an_active_display_that_is_not_noticed_has_nothing_without_a_name() -> None:
+    """H_perc = 100 - 5 j omega: active everywhere, but less than 10 % of |H_env| up to 2 rad/s."""
+    scene = hs.Scene(mass_spring_damper(k=100), (hs.effects.shunt(b=-5),), (0, "19/10"))
+    result = hs.evaluate(scene)
+    assert (len(result.outside_model), result.unnamed, result.felt) == (1, (), ())
+    assert "from 0 to 1.9 rad/s, but not noticed there: the display is active" in " ".join(str(result).split())
+
+
+@pytest.mark.parametrize(
+    ("given", "change", "words"),
+    [
+        (Property.MASS, Change.LOWER, "lower mass"),
+        (Property.STIFFNESS, Change.HIGHER, "higher stiffness"),
+        (Property.DAMPING, Change.EQUAL, "equal damping"),
+        (Property.STIFFNESS_TO_MASS, Change.EQUAL, "mass instead of stiffness, with equal force"),
+        (Property.MASS_TO_STIFFNESS, Change.HIGHER, "stiffness instead of mass, with higher force"),
+    ],
+)
+def test_the_words_for_a_percept(given: Property, change: Change, words: str) -> None:
+    [percept, *_] = hs.evaluate("fu2019").percepts
+    assert percept_words(dataclasses.replace(percept, property=given, change=change)) == words
+
+
+EXCHANGED = hs.Scene(mass_spring_damper(m=1, k=100), (hs.effects.series("-1"),), (0, 15))
+
+
+@pytest.mark.parametrize("scene", ["fu2019", SPRING_BEHIND_DELAY, EXCHANGED, "undamped-resonance"], ids=range(4))
+def test_a_percept_has_the_same_words_in_text_page_notebook_latex_and_figure(scene: hs.Scene | str) -> None:
+    result = hs.evaluate(scene)
+    assert result.felt
+    for part in hs.Part:
+        ax = Figure().add_subplot()
+        draw_projections(ax, result, part)
+        legend = ax.get_legend()
+        assert legend is not None
+        drawn = {x.get_text().replace("\n", " ") for x in [*ax.texts, *legend.get_texts()]}
+        assert {x.words for x in result.felt if x.part is part} <= drawn
+    whole = str(result), page(result), result._repr_html_(), document(result)  # type: ignore[attr-defined]
+    for text in (*whole, hs.latex(result)):
+        assert all(row.words in text for row in result.felt)
+    for text in whole:
+        said = "no property is named for what is noticed there" in " ".join(text.split())
+        assert said == bool(result.unnamed)
+
+
+def test_a_table_is_never_empty_without_a_word() -> None:
+    """Where something is noticed every output names it, or says that it has no name; where nothing is, that."""
+    silent = hs.Scene(mass_spring_damper(k=100), (hs.effects.delay("0.1 s"),), (1.1, 4))
+    result = hs.evaluate(silent)
+    assert result.percepts == ()
+    assert NOT_NAMED in str(result)
+    nothing = hs.evaluate(hs.Scene(mass_spring_damper(k=100), (), (0, 15)))
+    for text in (str(nothing), page(nothing), document(nothing)):
+        assert "Nothing is noticed on the band: neither ratio exceeds its threshold" in text

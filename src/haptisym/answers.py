@@ -13,7 +13,7 @@ from .distortion import Distortion
 from .exact.reals import RealNumber
 from .exact.roots import Chart, Interval, Point
 from .jnd import Part
-from .percepts import Percept, changeovers, find_percepts, outside_model
+from .percepts import Felt, Percept, changeovers, find_felt, find_percepts, outside_model, unnamed
 from .scene import Scene
 
 if TYPE_CHECKING:
@@ -26,8 +26,10 @@ class Answers:
 
     ``crossings``: where r_r or r_i meets its threshold. ``transparent``: where neither exceeds it, a union of closed
     intervals. ``changeovers``: where Re H_env and Re H_perc change sign. ``percepts``: what is felt where a ratio
-    exceeds. ``outside_model``: where Im H_perc < 0. ``unbounded``: where a ratio is infinite. ``stable``: whether all
-    poles of H_perc lie in the open left half plane; None where that is not decided, or does not tell it (a sampled loop).
+    exceeds; ``felt`` : the same in words, with what has no name. ``outside_model``: where Im H_perc < 0; ``unnamed`` : where
+    the imaginary part is noticed there. ``unbounded``: where a ratio is infinite. ``stable``: whether the force under imposed
+    motion is stable, which is to say all poles of H_perc lie in the open left half plane; it says nothing about a display
+    that is held in a hand. None where that is not decided, or the poles do not tell it (a sampled loop).
     ``digits``: decimal digits shown of each crossing. ``undecided``: where
     something stayed open at the precision limit (a tangency of a scene with delays): empty for every rational scene.
     ``relevance`` : what was left out, where a tolerance was given; all answers are then those of the pruned scene, ``scene``.
@@ -70,6 +72,16 @@ class Answers:
     @cached_property
     def percepts(self) -> tuple[Percept, ...]:
         return find_percepts(self.chart)
+
+    @cached_property
+    def felt(self) -> tuple[Felt, ...]:
+        """Everything that is noticed, as what it is felt, in words: percepts, and where no property is named."""
+        return find_felt(self.chart)
+
+    @cached_property
+    def unnamed(self) -> tuple[Interval, ...]:
+        """Where Im H_perc < 0 and the imaginary part is noticed all the same: no property is named for it there."""
+        return unnamed(self.chart)
 
     @cached_property
     def outside_model(self) -> tuple[Interval, ...]:

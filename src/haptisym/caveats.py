@@ -13,8 +13,8 @@ _HOLD = "zero-order-hold"
 
 
 def caveats(scene: Scene) -> tuple[str, ...]:
-    """A sentence for each: thresholds of 100 % and more, bands beyond a Nyquist frequency, holds inside a loop."""
-    return (*_thresholds(scene), *_bands(scene), *_loops(scene))
+    """A sentence for each: thresholds of 100 % and more, bands beyond a Nyquist frequency, clocks, holds inside a loop."""
+    return (*_thresholds(scene), *_bands(scene), *_loops(scene), *_hand(scene))
 
 
 def sampled_loop(scene: Scene) -> tuple[Effect, Effect] | None:
@@ -41,6 +41,19 @@ def _loops(scene: Scene) -> list[str]:
         f"{hold} holds a force that {other} brings back to a clock: images of the samples fold back into the band, and the "
         "closed form leaves them out. It is an approximation here, and does not tell whether the sampled loop is stable; "
         "haptisym simulate runs that loop."
+    )
+    return [words]
+
+
+def _hand(scene: Scene) -> list[str]:
+    """With a clock the hand closes a sampled loop, which may be unstable however stable the force under imposed motion is."""
+    clocks = [x.name for x in scene.effects if x.model == _HOLD]
+    if not clocks:
+        return []
+    work = f"{' and '.join(clocks)} {'works' if len(clocks) == 1 else 'work'} by a clock"
+    words = (
+        f"{work}, so that hand and display together are a sampled loop. Whether that loop is stable was not decided: what is "
+        "said here holds for imposed motion."
     )
     return [words]
 

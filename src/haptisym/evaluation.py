@@ -89,6 +89,7 @@ class Evaluation(Answers):
                 for p in self.percepts
             ],
             "outside_model": [_interval(x) for x in self.outside_model],
+            **({"unnamed": [_interval(x) for x in self.unnamed]} if self.unnamed else {}),
             "unbounded": [float(p.omega) for p in self.unbounded],
             "stable": self.stable,
             "any_environment": self._any_environment(),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import Enum
 from itertools import pairwise
+from typing import NamedTuple
 
 from .crossings import Curve
 from .exact.roots import Chart, Interval, Point, Signs
@@ -37,6 +38,41 @@ class Percept:
     band: Interval
     property: Property
     change: Change
+
+
+class Felt(NamedTuple):
+    """A piece of the band on which a part is noticed, and as what it is felt, in words."""
+
+    part: Part
+    band: Interval
+    words: str
+
+
+NOT_NAMED = "noticed, not named"
+"""What is said where the imaginary part is noticed while Im H_perc < 0: the paper's model has no property for that."""
+
+_EXCHANGED = {
+    Property.STIFFNESS_TO_MASS: "mass instead of stiffness",
+    Property.MASS_TO_STIFFNESS: "stiffness instead of mass",
+}
+
+
+def felt(percept: Percept) -> str:
+    """The words for a percept, the same in text, pages, figures and LaTeX: "lower mass".
+
+    Where a property takes the place of another, the magnitudes compared are those of the force.
+    """
+    exchanged = _EXCHANGED.get(percept.property)
+    if exchanged:
+        return f"{exchanged}, with {percept.change.value} force"
+    return f"{percept.change.value} {percept.property.value}"
+
+
+def find_felt(chart: Chart) -> tuple[Felt, ...]:
+    """Everything that is noticed on the band, part by part: the percepts, and where no property is named."""
+    named = [Felt(p.part, p.band, felt(p)) for p in find_percepts(chart)]
+    rows = [*named, *(Felt(Part.IMAG, band, NOT_NAMED) for band in unnamed(chart))]
+    return tuple(sorted(rows, key=lambda x: (x.part is Part.IMAG, float(x.band.low.omega))))
 
 
 def find_percepts(chart: Chart) -> tuple[Percept, ...]:
@@ -94,3 +130,8 @@ def changeovers(chart: Chart, curve: Curve) -> tuple[Point, ...]:
 def outside_model(chart: Chart) -> tuple[Interval, ...]:
     """Where Im H_perc < 0: the display is active there, which the paper's model excludes."""
     return chart.where(lambda signs: signs[Curve.PERCEIVED, Part.IMAG] < 0)
+
+
+def unnamed(chart: Chart) -> tuple[Interval, ...]:
+    """Where Im H_perc < 0 and the imaginary part is noticed all the same: no property is named for it there."""
+    return chart.where(lambda signs: signs[Curve.EXCESS, Part.IMAG] > 0 > signs[Curve.PERCEIVED, Part.IMAG])

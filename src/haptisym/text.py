@@ -16,7 +16,6 @@ from .exact.reals import RealNumber
 from .exact.rings import RationalFunction
 from .exact.roots import Interval, Point
 from .jnd import Part
-from .percepts import Percept, Property
 from .quantities import Motion
 from .symbols import omega, s
 from .typeset.equations import equation
@@ -24,12 +23,22 @@ from .typeset.formula import readable
 from .typeset.plain import text
 
 WIDTH = 96
+NOT_HELD = "Whether the display is stable in a hand was not looked at."
+"""Said beside every word about imposed motion, which is easily taken for more."""
 _DIGITS = 5  # of frequencies in sentences; the table of crossings shows all that were asked for
 
 
 def report(e: Answers) -> str:
     """The whole page."""
-    parts = [_heading(e), _pruned(e), _dynamics(e), _step_1(e), _step_2(e), _caveats(e), _certain(e)]
+    parts = [
+        _heading(e),
+        _pruned(e),
+        _dynamics(e),
+        _step_1(e),
+        _step_2(e),
+        caveats_text(e.caveats),
+        _certain(e),
+    ]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
@@ -110,12 +119,11 @@ def _any_environment(e: Answers) -> list[str]:
     if below is end:
         return ["These effects in series stay unnoticed with any environment whatever on this band."]
     upto = (
-        "With no environment for certain"
+        "Already at the low end of the band these effects in series are noticed with some environment"
         if below is None
-        else f"With any environment whatever, up to {short(below)} rad/s"
+        else f"With any environment whatever, up to {short(below)} rad/s these effects in series stay unnoticed"
     )
-    beyond = "" if above is None else f"; with none, above {short(above)} rad/s"
-    return [f"{upto} these effects in series stay unnoticed{beyond}."]
+    return [f"{upto}{'' if above is None else f'; with every one they are noticed above {short(above)} rad/s'}."]
 
 
 def _transparency(e: Answers) -> str:
@@ -142,7 +150,7 @@ _VERB = {"exceeds": "rises above", "returns": "falls below", "touches": "touches
 
 def _crossings(e: Answers) -> str:
     if not e.crossings:
-        return "  No ratio meets its threshold on the band."
+        return f"  No ratio meets its threshold on the band{', as far as that was decided' if e.undecided else ''}."
     headings = ("part", "ω (rad/s)", "Hz", "what happens", "distortion")
     rows = [(c.part.value, c.omega.digits(e.digits), _hertz(c.omega), _event(e, c), _sense(c)) for c in e.crossings]
     return table(headings, rows)
@@ -160,24 +168,13 @@ def _sense(c: Crossing) -> str:
 
 def _step_2(e: Answers) -> str:
     lines = ["Step 2. How is it felt?", ""]
-    if e.percepts:
-        rows = [
-            (f"{short(p.band.low.omega)} to {short(p.band.high.omega)}", p.part.value, _felt(p)) for p in e.percepts
-        ]
+    if e.felt:
+        rows = [(f"{short(x.band.low.omega)} to {short(x.band.high.omega)}", x.part.value, x.words) for x in e.felt]
         lines += [table(("band (rad/s)", "part", "felt as"), rows), ""]
     else:
-        lines += ["  No percept of stiffness, mass or damping is changed on the band.", ""]
+        lines += ["  Nothing is noticed on the band: neither ratio exceeds its threshold.", ""]
     notes = [*_changeover_note(e), *_activity_note(e), *_unbounded_note(e), _stability_note(e)]
     return "\n".join([*lines, *(_indented(note) for note in notes)])
-
-
-def _felt(p: Percept) -> str:
-    amount = {"higher": "more of it", "lower": "less of it", "equal": "as much of it"}[p.change.value]
-    if p.property is Property.STIFFNESS_TO_MASS:
-        return f"mass where the environment is a spring, the force {p.change.value}"
-    if p.property is Property.MASS_TO_STIFFNESS:
-        return f"stiffness where the environment is a mass, the force {p.change.value}"
-    return f"{p.property.value}, {amount} ({p.change.value})"
 
 
 def _changeover_note(e: Answers) -> Iterable[str]:
@@ -190,7 +187,8 @@ def _changeover_note(e: Answers) -> Iterable[str]:
 def _activity_note(e: Answers) -> Iterable[str]:
     if e.outside_model:
         where = listed(span(x) for x in e.outside_model)
-        yield f"The display is active (Im H_perc < 0) {where}: outside the model, so no damping is named there."
+        noticed = "so that no property is named for what is noticed there" if e.unnamed else "but not noticed there"
+        yield f"The imaginary part is outside the paper's model {where}, {noticed}: the display is active (Im H_perc < 0)."
 
 
 def _unbounded_note(e: Answers) -> Iterable[str]:
@@ -200,16 +198,15 @@ def _unbounded_note(e: Answers) -> Iterable[str]:
 
 def _stability_note(e: Answers) -> str:
     if e.stable is None:
-        return "Whether the perceived dynamics are stable was not decided."
-    return (
-        "The perceived dynamics are stable."
-        if e.stable
-        else "The perceived dynamics are NOT stable: some pole has Re s >= 0."
-    )
+        return f"Whether the force under imposed motion is stable was not decided. {NOT_HELD}"
+    if e.stable:
+        return f"The force under imposed motion is stable: all poles of H_perc have Re s < 0. {NOT_HELD}"
+    return "The force under imposed motion is NOT stable: a pole of H_perc has Re s >= 0."
 
 
-def _caveats(e: Answers) -> str:
-    return "\n".join(fill(f"But: {caveat}", WIDTH) for caveat in e.caveats)
+def caveats_text(caveats: Iterable[str]) -> str:
+    """What the answers do not say, a paragraph each."""
+    return "\n".join(fill(f"But: {caveat}", WIDTH) for caveat in caveats)
 
 
 def _certain(e: Answers) -> str:

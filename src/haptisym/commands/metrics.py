@@ -32,8 +32,9 @@ def metrics(
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
     Each measure has its closed form, its proven numbers (frequencies in rad/s) and a verdict: transmitted over environment
-    impedance and its 3 dB edges, relative distortion, Z_min, Z_max and Z_width, sensitivity, passivity and absolute
-    stability, effective stiffness, mass and damping, and the free-response tolerances of flight simulators.
+    impedance and its 3 dB edges, relative distortion, Z_min, Z_max and Z_width, sensitivity, the conditions on the axis
+    for passivity and absolute stability, effective stiffness, mass and damping, and the free-response tolerances of flight
+    simulators.
 
     \b
     Examples:

@@ -6,11 +6,12 @@ from collections.abc import Iterable
 from textwrap import fill
 
 from haptisym.answers import Answers
+from haptisym.caveats import caveats
 from haptisym.crossings import Curve
 from haptisym.exact.reals import RealNumber
 from haptisym.exact.roots import Interval
 from haptisym.jnd import Part
-from haptisym.text import WIDTH, both, listed, percent, short, span, table
+from haptisym.text import WIDTH, both, caveats_text, listed, percent, short, span, table
 
 from .worstcase import Binding, WorstCase
 
@@ -19,8 +20,8 @@ _LETTER = {Part.REAL: "r_r", Part.IMAG: "r_i"}
 
 def page(w: WorstCase) -> str:
     """The whole page."""
-    parts = [_heading(w), _each(w), _worst(w), _certain(w)]
-    return "\n\n".join(parts) + "\n"
+    parts = [_heading(w), _each(w), _worst(w), caveats_text(caveats(w.family.first)), _certain(w)]
+    return "\n\n".join(part for part in parts if part) + "\n"
 
 
 def _heading(w: WorstCase) -> str:
@@ -69,10 +70,8 @@ def _bandwidth(e: Answers) -> str:
 
 def _felt(e: Answers) -> str:
     """How each part is felt where it is first noticed."""
-    first = {p.part: p for p in reversed(e.percepts)}
-    return (
-        "; ".join(f"{first[part].property.value}, {first[part].change.value}" for part in Part if part in first) or "-"
-    )
+    first = {x.part: x.words for x in reversed(e.felt)}
+    return "; ".join(first[part] for part in Part if part in first) or "-"
 
 
 def _worst(w: WorstCase) -> str:

@@ -117,17 +117,8 @@ def _magnitudes(f: Callable[..., Values], omega: Array, part: Part) -> Array:
 
 
 def _percept_labels(evaluation: Evaluation, part: Part, scale: Scale) -> list[_Label]:
-    """The percepts of a part, and where it is noticed but active, so that the paper's model has no percept for it."""
-    percepts = [
-        _on(scale, p.band, f"{p.property.value}, {p.change.value}") for p in evaluation.percepts if p.part is part
-    ]
-    active = evaluation.chart.where(
-        lambda signs: signs[Curve.EXCESS, part] > 0 and part is Part.IMAG and signs[Curve.PERCEIVED, part] < 0
-    )
-    return sorted(
-        [*percepts, *(_on(scale, x, "active, no percept") for x in active)],
-        key=lambda label: label.low,
-    )
+    """As what a part is felt where it is noticed, in the words of all outputs."""
+    return [_on(scale, x.band, x.words) for x in evaluation.felt if x.part is part]
 
 
 def _on(scale: Scale, band: Interval, words: str) -> _Label:
@@ -172,7 +163,8 @@ def _write_inside(ax: Axes, texts: Mapping[_Label, str]) -> None:
 def _fitting(ax: Axes, label: _Label) -> str:
     """The words on one line or two, as fits into the band; nothing if neither does."""
     room = _share(ax, label.high) - _share(ax, label.low)
-    layouts = (label.words, label.words.replace(", ", ",\n"))
+    gap = ", " if ", " in label.words else " "
+    layouts = (label.words, label.words.replace(gap, f"{gap.strip()}\n", 1))
     return next((text for text in layouts if text_width(ax, text) <= room), "")
 
 

@@ -17,8 +17,8 @@ _COARSE = (
     "modulus, far more than the threshold, and does not see the phase."
 )
 _ACTIVE = (
-    "Transparent is not absolutely stable: some passive hand or environment could draw energy from this display where nothing "
-    "is noticed."
+    "Transparent is not absolutely stable: the conditions on the axis fail on all of the band but single frequencies, so that "
+    "some passive hand or environment could draw energy from this display where nothing is noticed."
 )
 
 

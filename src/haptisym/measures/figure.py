@@ -152,4 +152,8 @@ def verdict_bands(m: MetricRows) -> list[tuple[str, Bands]]:
         ("within 3 dB", own.inside),
     ]
     stable = own.absolutely_stable
-    return [*rows, ("passive", own.passive), *([("abs. stable", stable)] if stable is not None else [])]
+    return [
+        *rows,
+        (r"$\mathrm{Im}\,H_\mathrm{perc} \geq 0$", own.passive),
+        *([("Llewellyn, axis", stable)] if stable is not None else []),
+    ]

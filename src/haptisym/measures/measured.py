@@ -122,7 +122,7 @@ class Measured:
 
     @property
     def absolutely_stable(self) -> Bands | None:
-        """Where Llewellyn's conditions hold; None where the hybrid matrix does not exist (D = 0)."""
+        """Where Llewellyn's conditions on the axis hold; None where the hybrid matrix does not exist (D = 0)."""
         return None if self._llewellyn is None else self._llewellyn.where(_llewellyn)
 
     @property

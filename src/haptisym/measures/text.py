@@ -11,7 +11,7 @@ from haptisym.exact.reals import RealNumber
 from haptisym.tex.lines import Names, Row, align
 from haptisym.tex.names import coded, escape
 from haptisym.tex.printer import tex
-from haptisym.text import WIDTH, listed, percent, short, span
+from haptisym.text import WIDTH, caveats_text, listed, percent, short, span
 from haptisym.typeset.plain import text
 
 from .forms import Form
@@ -29,7 +29,7 @@ _OPEN = (
 
 def as_text(m: MetricRows) -> str:
     """A page of text."""
-    blocks = [_heading(m), *map(_metric_text, m.metrics), _notes(m), _certain(m)]
+    blocks = [_heading(m), *map(_metric_text, m.metrics), _notes(m), caveats_text(m.evaluation.caveats), _certain(m)]
     return "\n\n".join(block for block in blocks if block) + "\n"
 
 
@@ -162,6 +162,7 @@ def as_dict(m: MetricRows) -> dict[str, Any]:
         },
         "metrics": [_metric_dict(x) for x in m.metrics],
         "notes": list(m.notes),
+        **({"caveats": list(e.caveats)} if e.caveats else {}),
         "certified": m.measured.certified,
         **e.scene.aside_keys(),
     }

@@ -44,8 +44,9 @@ class Metrics(MetricRows):
 def metrics(scene: Scene | str | Path) -> Metrics:
     """The measures of transparency of a scene with numbers for all parameters: each proven on its band.
 
-    Transmitted impedance ratio and relative distortion, Z_min, Z_max and Z_width, sensitivity, passivity and absolute
-    stability, effective stiffness, mass and damping, free response. Raises SceneError if a parameter is still a symbol.
+    Transmitted impedance ratio and relative distortion, Z_min, Z_max and Z_width, sensitivity, the conditions on the axis
+    for passivity and for absolute stability, effective stiffness, mass and damping, free response. Raises SceneError if a
+    parameter is still a symbol.
 
     >>> from haptisym.scenefile import load_scene
     >>> found = metrics(load_scene("fu2019"))
@@ -168,15 +169,21 @@ def _sensitivity(m: Measured, forms: Forms) -> Metric:
     )
 
 
+_BEYOND = "beyond it nothing was looked at"
+
+
 def _passivity(m: Measured, forms: Forms) -> Metric:
     whole = covers(m.passive, m.evaluation.chart)
     return Metric(
         "passivity",
         (forms.passivity(),),
-        (Value("Im H_perc >= 0", m.passive, "rad/s"), Value("H_perc stable", _decided(m.evaluation.stable))),
-        "Colgate and Brown (1994): what is rendered takes no energy out where Im H_perc >= 0",
+        (
+            Value("Im H_perc >= 0", m.passive, "rad/s"),
+            Value("force stable under imposed motion", _decided(m.evaluation.stable)),
+        ),
+        "Colgate and Brown (1994): at a frequency with Im H_perc >= 0 no energy is taken out of what is rendered",
         "recalled, not verified; per frequency derived",
-        "passive on the whole band" if whole else "active somewhere on the band",
+        f"Im H_perc {'>= 0 on the whole band' if whole else '< 0 somewhere on the band: active there'}; {_BEYOND}",
     )
 
 
@@ -190,14 +197,18 @@ def _absolute(m: Measured, forms: Forms) -> Metric:
     if bands is None:
         verdict = "not offered: D = 0, so that the hybrid matrix does not exist"
     elif covers(bands, m.evaluation.chart):
-        verdict = "holds on the whole band"
+        verdict = f"the conditions on the axis hold on the whole band; {_BEYOND}, nor were poles"
     else:
-        verdict = "fails: energy can come out, with some passive hand or environment"
+        verdict = (
+            "the conditions on the axis fail somewhere on the band: energy can come out there, with some passive hand or "
+            "environment; poles were not looked at"
+        )
     return Metric(
         "absolute stability",
         tuple(forms.llewellyn()),
         values,
-        "Llewellyn's criterion, after Adams and Hannaford (1999); frequency by frequency, not the poles of the two-port",
+        "Llewellyn's criterion, after Adams and Hannaford (1999): its conditions on the axis, frequency by frequency, not those "
+        "on the poles of the two-port",
         "verified (tutorial chapter 9.3.3)",
         verdict,
     )

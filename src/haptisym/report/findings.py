@@ -6,14 +6,14 @@ from haptisym.evaluation import Evaluation
 from haptisym.tex.results import Hertz, short
 
 from .html import Html, element, joined
-from .results import EXCHANGED, frequency, is_transparent_throughout
+from .results import frequency, is_transparent_throughout
 
 
 def findings(e: Evaluation) -> Html:
     """The answers in brief."""
     rows = [
         ("bandwidth", *_bandwidth(e)), ("first felt as", *_first(e)),
-        ("perceived dynamics", {True: "stable", False: "not stable", None: "undecided"}[e.stable], _STABLE[e.stable]),
+        ("under imposed motion", {True: "stable", False: "not stable", None: "undecided"}[e.stable], _STABLE[e.stable]),
         ("these answers", "proven" if e.certified else "in part undecided", _open(e)),
     ]  # fmt: skip
     cells = (
@@ -23,7 +23,8 @@ def findings(e: Evaluation) -> Html:
 
 
 _STABLE = {
-    True: "no pole with Re\xa0s ≥ 0", False: "a pole with Re\xa0s ≥ 0", None: "whether a pole has Re\xa0s ≥ 0 is open",
+    True: "no pole with Re\xa0s ≥ 0; a hand was not looked at", False: "a pole with Re\xa0s ≥ 0",
+    None: "whether a pole has Re\xa0s ≥ 0 is open",
 }  # fmt: skip
 
 
@@ -39,11 +40,10 @@ def _bandwidth(e: Evaluation) -> tuple[Html, Html]:
 
 
 def _first(e: Evaluation) -> tuple[Html, Html]:
-    if not e.percepts:
-        return joined(["nothing"]), joined(["no percept is changed on the band"])
-    first = min(e.percepts, key=lambda p: float(p.band.low.omega))
-    name = first.property.value.replace("-to-", " as ") if first.property in EXCHANGED else first.property.value
-    return joined([f"{name}, {first.change.value}"]), joined(["from ", frequency(first.band.low.omega), " rad/s on"])
+    if not e.felt:
+        return joined(["nothing"]), joined(["nothing is noticed on the band"])
+    first = min(e.felt, key=lambda x: float(x.band.low.omega))
+    return joined([first.words]), joined(["from ", frequency(first.band.low.omega), " rad/s on"])
 
 
 def _open(e: Evaluation) -> str:

@@ -33,19 +33,17 @@ from haptisym.typeset.layout import layout
 from haptisym.typeset.names import named
 from haptisym.typeset.numerals import rounded
 
-from .html import Html, coded, element, joined
+from .html import Html, coded, element
 from .mathematics import display, formula
 from .results import (
-    amount,
     certainty,
     changeovers,
     crossing_sentence,
     crossing_table,
-    felt,
     peak_sentence,
+    percept_sentence,
     percept_table,
     reservations,
-    span,
     stability,
     transparency,
     undecided_table,
@@ -213,7 +211,7 @@ def _peak_html(x: Peak) -> str:
 
 
 def _percept_html(x: Percept) -> str:
-    return str(joined([f"{felt(x)}: {amount(x)}, at ", span(x.band), f" rad/s ({x.part.value} part)"]))
+    return str(percept_sentence(x))
 
 
 _HTML: Mapping[type, Callable[[Any], str]] = {

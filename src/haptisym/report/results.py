@@ -12,8 +12,9 @@ from haptisym.exact.reals import RealNumber
 from haptisym.exact.roots import Interval, Point
 from haptisym.jnd import Part, is_irrational_algebraic
 from haptisym.peaks import Peak
-from haptisym.percepts import Percept, Property
+from haptisym.percepts import Percept, felt
 from haptisym.tex.results import Hertz, short
+from haptisym.text import NOT_HELD
 from haptisym.typeset.boxes import Equation, Numeral, Operator, Prefixed
 from haptisym.typeset.layout import layout
 from haptisym.typeset.names import named
@@ -151,28 +152,17 @@ def peak_sentence(x: Peak) -> Html:
 
 def percept_table(e: Evaluation) -> Html:
     """What is felt where a ratio exceeds its threshold."""
-    if not e.percepts:
-        return element("p", f"No percept of stiffness, mass or damping is changed on the band ({_certainty(e)}).")
-    head = ["part", joined([OMEGA, " (rad/s)"]), "felt as", "how much of it"]
-    rows = [[PART_NAMES[p.part], span(p.band), felt(p), amount(p)] for p in e.percepts]
+    if not e.felt:
+        nothing = f"Nothing is noticed on the band: neither ratio exceeds its threshold ({_certainty(e)})."
+        return element("p", nothing)
+    head = ["part", joined([OMEGA, " (rad/s)"]), "felt as"]
+    rows = [[PART_NAMES[x.part], span(x.band), x.words] for x in e.felt]
     return table(head, rows, f"What is felt where a ratio exceeds its threshold, {_certainty(e)}.", numbers=(1,))
 
 
-EXCHANGED = {
-    Property.STIFFNESS_TO_MASS: "mass, where the environment is a spring",
-    Property.MASS_TO_STIFFNESS: "stiffness, where the environment is a mass",
-}
-
-
-def felt(p: Percept) -> str:
-    return EXCHANGED.get(p.property, p.property.value)
-
-
-def amount(p: Percept) -> str:
-    """How the magnitude felt compares with the environment's."""
-    if p.property in EXCHANGED:
-        return f"the force is {p.change.value}"
-    return {"higher": "more (higher)", "lower": "less (lower)", "equal": "as much (equal)"}[p.change.value]
+def percept_sentence(p: Percept) -> Html:
+    """``lower mass (real part), from 7.9789 to 15 rad/s``."""
+    return joined([f"{felt(p)} ({PART_NAMES[p.part]} part), from ", span(p.band), " rad/s"])
 
 
 def changeovers(e: Evaluation) -> Html:
@@ -189,8 +179,9 @@ def reservations(e: Evaluation) -> list[Html]:
     found = []
     if e.outside_model:
         where, active = listed(map(span, e.outside_model)), joined(["Im\xa0", H_PERC, " < 0"])
-        told = [" rad/s: outside the model, so that no percept of damping is named there."]
-        found.append(joined(["The display is active (", active, ") at ", where, *told]))
+        noticed = "so that no property is named for what is noticed there" if e.unnamed else "but not noticed there"
+        told = [" rad/s, ", noticed, ": the display is active (", active, ")."]
+        found.append(joined(["The imaginary part is outside the paper's model at ", where, *told]))
     if e.unbounded:
         why = joined([H_ENV, " = 0, or the distortion is infinite"])
         found.append(
@@ -209,13 +200,15 @@ def _certainty(e: Evaluation) -> str:
 
 
 def stability(e: Evaluation) -> Html:
-    """Whether the perceived dynamics are stable."""
+    """Whether the force under imposed motion is stable, which says nothing about a display in a hand."""
     if e.stable is None:
-        return joined(["Whether the perceived dynamics are stable was ", element("strong", "not decided"), "."])
+        open_ = element("strong", "not decided")
+        return joined(["Whether the force under imposed motion is stable was ", open_, f". {NOT_HELD}"])
     if e.stable:
-        return joined(["The perceived dynamics are stable: all poles of ", H_PERC, " lie in the open left half plane."])
+        poles = joined([": all poles of ", H_PERC, " lie in the open left half plane. "])
+        return joined(["The force under imposed motion is stable", poles, NOT_HELD])
     not_stable = element("strong", "not stable")
-    return joined(["The perceived dynamics are ", not_stable, ": a pole of ", H_PERC, " has Re\xa0s ≥ 0."])
+    return joined(["The force under imposed motion is ", not_stable, ": a pole of ", H_PERC, " has Re\xa0s ≥ 0."])
 
 
 def undecided_table(e: Evaluation) -> Html:

@@ -31,6 +31,7 @@ from .results import (
     tables,
     threshold_value,
     transparency,
+    undecided_tables,
 )
 
 
@@ -200,7 +201,7 @@ class _Body:
         )
         if self.evaluation.crossings:
             yield r"The crossings are their roots on the band; Table~\ref{tab:crossings} lists all of them."
-        yield from crossing_tables(self.evaluation)
+        yield from (*crossing_tables(self.evaluation), *undecided_tables(self.evaluation))
         yield transparency(self.evaluation) + self._see("ratios", "shows the ratios")
         yield from _drawn(self.figures, "ratios")
 

@@ -23,7 +23,7 @@ from haptisym.typeset.equations import QUANTITIES, quantity
 from .lines import Row, align, is_long
 from .names import coded
 from .printer import formula, tex
-from .results import RATIOS, crossing_tables, percept_tables
+from .results import RATIOS, crossing_tables, percept_tables, undecided_tables
 
 
 @singledispatch
@@ -60,7 +60,8 @@ def _(value: Distortion) -> str:
 
 @latex.register
 def _(value: Evaluation) -> str:
-    return "\n\n".join([*crossing_tables(value), *percept_tables(value), *map(coded, value.given.asides())])
+    tables = [*crossing_tables(value), *undecided_tables(value), *percept_tables(value)]
+    return "\n\n".join([*tables, *map(coded, value.given.asides())])
 
 
 # The formulas of a distortion.

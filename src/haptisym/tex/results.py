@@ -12,7 +12,7 @@ from haptisym.evaluation import Evaluation
 from haptisym.exact.reals import Ball, RealNumber
 from haptisym.exact.roots import Interval, Point
 from haptisym.jnd import Part, is_irrational_algebraic
-from haptisym.percepts import Percept, Property
+from haptisym.text import NOT_HELD
 
 from .names import escape
 from .printer import formula
@@ -99,21 +99,12 @@ def _set(x: Interval) -> str:
 
 def percept_tables(e: Evaluation) -> list[str]:
     """How: what is felt where a ratio exceeds its threshold."""
-    if not e.percepts:
-        return [f"No percept of stiffness, mass or damping is changed on the band ({_proven(e)})."]
-    header = ["part", r"$\omega$ (rad/s)", "felt as", "magnitude"]
+    if not e.felt:
+        return [f"Nothing is noticed on the band: neither ratio exceeds its threshold ({_proven(e)})."]
+    header = ["part", r"$\omega$ (rad/s)", "felt as"]
     caption = f"What is felt where a ratio exceeds its threshold: {_proven(e)}."
-    return tables(caption, "percepts", "l l l l", header, [_percept(p) for p in e.percepts])
-
-
-_FELT = {
-    Property.STIFFNESS_TO_MASS: "mass instead of stiffness",
-    Property.MASS_TO_STIFFNESS: "stiffness instead of mass",
-}
-
-
-def _percept(p: Percept) -> list[str]:
-    return [_NAMES[p.part], _span(p.band), _FELT.get(p.property, p.property.value), p.change.value]
+    rows = [[_NAMES[x.part], _span(x.band), x.words] for x in e.felt]
+    return tables(caption, "percepts", "l l l", header, rows)
 
 
 def changeovers(e: Evaluation) -> str:
@@ -130,9 +121,10 @@ def reservations(e: Evaluation) -> list[str]:
     found = []
     if e.outside_model:
         where = listed(_span(x) for x in e.outside_model)
+        noticed = "so that no property is named for what is noticed there" if e.unnamed else "but not noticed there"
         found.append(
-            rf"The display is active ($\Im H_{{\mathrm{{perc}}}} < 0$) at {where} rad/s: this is outside the model, so that "
-            "no percept of damping is claimed there."
+            rf"The imaginary part is outside the paper's model at {where} rad/s, {noticed}: the display is active "
+            r"($\Im H_{\mathrm{perc}} < 0$)."
         )
     if e.unbounded:
         found.append(
@@ -146,25 +138,37 @@ def reservations(e: Evaluation) -> list[str]:
 
 
 def _proven(e: Evaluation) -> str:
-    return "proven, none missed and none invented" if e.certified else "estimated, not proven"
+    return "proven, none missed and none invented" if e.certified else "proven, but for what is listed as undecided"
 
 
 def stability(e: Evaluation) -> str:
-    """Whether the perceived dynamics are stable."""
+    """Whether the force under imposed motion is stable, which says nothing about a display in a hand."""
     if e.stable is None:
-        return "Whether the perceived dynamics are stable was not decided."
+        return f"Whether the force under imposed motion is stable was not decided. {NOT_HELD}"
     if e.stable:
-        return r"The perceived dynamics are stable: all poles of $H_{\mathrm{perc}}$ lie in the open left half plane."
-    return r"The perceived dynamics are \emph{not} stable: a pole of $H_{\mathrm{perc}}$ has $\Re s \ge 0$."
+        poles = r"all poles of $H_{\mathrm{perc}}$ lie in the open left half plane"
+        return f"The force under imposed motion is stable: {poles}. {NOT_HELD}"
+    return r"The force under imposed motion is \emph{not} stable: a pole of $H_{\mathrm{perc}}$ has $\Re s \ge 0$."
+
+
+def undecided_tables(e: Evaluation) -> list[str]:
+    """What stayed open at the precision limit; nothing where everything is decided."""
+    if not e.undecided:
+        return []
+    caption = "Undecided at the precision limit: whether the ratio touches its threshold here, crosses it twice or stays clear."
+    rows = [
+        [_NAMES[part], f"[{low}, {high}]"]
+        for part, (low, high) in ((part, point.omega.enclosure(e.digits)) for part, point in e.undecided)
+    ]
+    return tables(caption, "undecided", "l l", ["part", r"near $\omega$ (rad/s)"], rows)
 
 
 def certainty(e: Evaluation) -> str:
     """What is proven and what is assumed."""
     but = "".join(rf" \textbf{{But:}} {escape(caveat)}" for caveat in e.caveats)
-    if not e.certified:
-        return f"The numbers in this document are estimates; they are not proven.{but}"
+    rest = "" if e.certified else ", but for what is listed as undecided"
     return (
-        "Proven: the tables list all crossings and all percepts on the band; every digit, sign and interval follows from "
+        f"Proven{rest}: the tables list all crossings and all percepts on the band; every digit, sign and interval follows from "
         "exact polynomials and ball arithmetic, nothing was sampled, and each number is correctly rounded. Assumed: that "
         f"the dynamics are linear, and the threshold of human perception (Fu, van Paassen and Mulder, 2019, eq.~4).{but}"
     )
