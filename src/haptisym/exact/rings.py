@@ -97,12 +97,15 @@ class PolynomialRing:
     def ball(self, polynomial: Polynomial, values: Mapping[Expr, Any]) -> Any:
         """A ball around a polynomial's value where its variables are worth these balls, at the current working precision."""
         known: list[Any] = [values.get(x) for x in self.meanings]
+        powers: dict[tuple[int, int], Any] = {}
         total = arb(0)
         for exponents, coefficient in polynomial.to_dict().items():
             term = arb(coefficient)
-            for x, n in zip(known, exponents, strict=True):
-                if n:
-                    term = term * x ** int(n)
+            for place in enumerate(exponents):
+                if place[1]:
+                    if place not in powers:
+                        powers[place] = known[place[0]] ** int(place[1])
+                    term = term * powers[place]
             total = total + term
         return total
 

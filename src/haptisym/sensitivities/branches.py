@@ -9,8 +9,8 @@ Derivation: 14_sensitivity.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, TypeAlias
 
 import flint
@@ -25,6 +25,9 @@ from .implicit import Equation, ImplicitSlope
 
 CLEAR_BITS = 4096
 """A number that is not 0 shows it long before."""
+_USUAL_BITS = 128
+Factors: TypeAlias = tuple[tuple[Equation, int], ...]
+"""Irreducible factors as equations, each with its order."""
 Values: TypeAlias = tuple[tuple[Symbol, RealNumber], ...]
 Branch: TypeAlias = RealNumber | None
 """The slope of a branch; None where it is infinite."""
@@ -36,7 +39,7 @@ Sides: TypeAlias = tuple[list[Branch], list[Branch]]
 class Meeting:
     """Factors, each with its order, that vanish or nearly vanish at a frequency, where the symbols have these ``values``."""
 
-    factors: tuple[tuple[Equation, int], ...]
+    factors: Factors
     parameter: Symbol
     values: Values
 
@@ -132,17 +135,15 @@ class Meeting:
         return None
 
 
-def not_clear(factors: Iterable[tuple[Equation, int]], values: Values) -> Iterator[tuple[Equation, int]]:
-    """The factors that are not proven to differ from 0 here."""
-    for factor, order in factors:
-        bits = 64
-        while bits <= CLEAR_BITS:
-            with flint.ctx.workprec(bits):
-                if is_clear(factor.ball(balls(values, bits))):
-                    break
-            bits *= 2
-        else:
-            yield factor, order
+def not_clear(factors: Factors, values: Values) -> Factors:
+    """The factors, of which at least one vanishes here, that are not proven to differ from 0."""
+    bits = 64
+    while len(factors) > 1 and bits <= CLEAR_BITS:
+        with flint.ctx.workprec(bits):
+            known = balls(values, bits)
+            factors = tuple((factor, order) for factor, order in factors if not is_clear(factor.ball(known)))
+        bits *= 2
+    return factors
 
 
 def balls(values: Values, bits: int) -> dict[Expr, Ball]:
@@ -176,17 +177,28 @@ class Slope(RealNumber):
     values: Values
 
     def ball(self, bits: int) -> Ball:
+        above, below = self._parts(bits)
         with flint.ctx.workprec(bits):
-            above, below = self.slope.balls(balls(self.values, bits))
             return -above / below
+
+    def _parts(self, bits: int) -> tuple[Ball, Ball]:
+        """Balls around what stands above and below; a float, five digits and a sign are read off one and the same."""
+        enough = max(bits, _USUAL_BITS)
+        if enough not in self._known:
+            with flint.ctx.workprec(enough):
+                self._known[enough] = self.slope.balls(balls(self.values, enough))
+        return self._known[enough]
+
+    @cached_property
+    def _known(self) -> dict[int, tuple[Ball, Ball]]:
+        return {}
 
     def is_clear(self) -> bool:
         """Whether neither dF/dp nor dF/d omega is 0: proven."""
-        bits = 64
+        bits = _USUAL_BITS
         while bits <= CLEAR_BITS:
-            with flint.ctx.workprec(bits):
-                if all(map(is_clear, self.slope.balls(balls(self.values, bits)))):
-                    return True
+            if all(map(is_clear, self._parts(bits))):
+                return True
             bits *= 2
         return False
 

@@ -9,7 +9,7 @@ Derivation: 14_sensitivity.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from types import MappingProxyType
@@ -96,6 +96,18 @@ class _Place:
     least: bool = False
     """Whether no smaller value makes a scene."""
 
+    def factors(self, of: Part | str) -> Factors:
+        """Of r^2 - c^2 of a part, or of Re H of a system: the factors above and below the line."""
+        if of not in self._known:
+            d = self.derivation
+            found = partial(d.factors, of) if isinstance(of, Part) else partial(d.changeover_factors, of)
+            self._known[of] = (*found(pole=False), *found(pole=True))
+        return self._known[of]
+
+    @cached_property
+    def _known(self) -> dict[Part | str, Factors]:
+        return {}
+
 
 @dataclass(frozen=True)
 class Slopes:
@@ -125,7 +137,7 @@ class Slopes:
         if end is None:
             return None
         there = [x for x in self.crossings if x.omega is end and x.kind is not CrossingKind.TOUCHES]
-        places = (*self._parameters, self._threshold(Part.REAL))
+        places = (*self._parameters, self._thresholds[Part.REAL])
         reason = self._kink(end, there)
         if reason:
             return Sensitive(end, _none(places, reason))
@@ -149,6 +161,10 @@ class Slopes:
             least = p.rule is Rule.NONNEGATIVE and p.value == 0
             yield _Place(f"{place}.{p.key}", p.symbol.name, unit, p.symbol, ExactNumber(p.value), p.value, one, least)
 
+    @cached_property
+    def _thresholds(self) -> dict[Part, _Place]:
+        return {part: self._threshold(part) for part in Part}
+
     def _threshold(self, part: Part) -> _Place:
         limits = self.evaluation.scene.threshold
         alike = limits.real == limits.imag
@@ -162,21 +178,15 @@ class Slopes:
         return SquareRoot(algebraic((value**2).expand())) if is_irrational_algebraic(value) else ExactNumber(value)
 
     def _crossing(self, x: Crossing) -> Sensitive:
-        places = (*self._parameters, self._threshold(x.part))
+        places = (*self._parameters, self._thresholds[x.part])
         known = {c: self._limit(x.part)}
         flat = TOUCH if x.kind is CrossingKind.TOUCHES else _FLAT if x.multiplicity > 1 and not float(x.omega) else ""
-        rows = (
-            _at(p, partial(p.derivation.factors, x.part), x.omega, known, flat, simple=x.multiplicity == 1)
-            for p in places
-        )
+        rows = (_at(p, p.factors(x.part), x.omega, known, flat, simple=x.multiplicity == 1) for p in places)
         return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows), x.part, x.kind)
 
     def _changeover(self, system: str, curve: Curve, x: Point) -> Sensitive:
         simple = abs(x.orders[curve, Part.REAL]) == 1
-        rows = (
-            _at(p, partial(p.derivation.changeover_factors, system), x.omega, {}, simple=simple)
-            for p in self._parameters
-        )
+        rows = (_at(p, p.factors(system), x.omega, {}, simple=simple) for p in self._parameters)
         return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows))
 
     def _in_band(self, row: Sensitivity, where: RealNumber) -> Sensitivity:
@@ -217,15 +227,14 @@ def _none(places: tuple[_Place, ...], reason: str) -> tuple[Sensitivity, ...]:
 
 
 def _at(
-    p: _Place, factors: Callable[..., Factors], where: RealNumber, known: dict[Symbol, RealNumber], flat: str = "",
-    *, simple: bool,
-) -> Sensitivity:  # fmt: skip
-    """The sensitivity of a frequency at which factors above or below (``True``) the line vanish.
+    p: _Place, factors: Factors, where: RealNumber, known: dict[Symbol, RealNumber], flat: str = "", *, simple: bool
+) -> Sensitivity:
+    """The sensitivity of a frequency at which one or more of these factors vanish.
 
     ``flat``: why nothing that depends on the parameter has a derivative; ``simple``: whether it is a simple zero or pole.
     """
     values = tuple({**known, omega: where, p.symbol: p.value}.items())
-    meeting = tuple(x for pole in (False, True) for x in not_clear(factors(pole=pole), values))
+    meeting = not_clear(factors, values)
     if meeting and not any(_depends(equation, p.symbol) for equation, _ in meeting):
         return _still(p)
     if flat:
