@@ -25,8 +25,8 @@ def exact(x: Fraction) -> ExactNumber:
 
 
 def roots(expression: Expr) -> list[RealNumber]:
-    """The positive roots of a polynomial in omega^2, up to 10^12."""
-    points = chart({"f": RealFunction(Ring().axis.convert(expression))}, Integer(0), Integer(10) ** 12).points
+    """The positive roots of a polynomial in omega^2, up to 10^16."""
+    points = chart({"f": RealFunction(Ring().axis.convert(expression))}, Integer(0), Integer(10) ** 16).points
     return [point.omega for point in points[1:-1]]
 
 

@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
+import random
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from fractions import Fraction
 from math import prod
+from typing import Any
 
+import flint
 import pytest
+from flint import arb, arb_poly, fmpq
 from hypothesis import given
 from hypothesis import strategies as st
 from oracles import MP, rounded, sign
-from sympy import Expr, Integer, Poly, Rational, Symbol, expand, pi
+from sympy import Expr, Integer, Poly, Rational, Symbol, expand, pi, sqrt
 from sympy.abc import x
 
 import haptisym as hs
 from haptisym.exact.dynamics import Ring
+from haptisym.exact.isolation import SeriesFactor, clear_of, isolated
+from haptisym.exact.levels import Level, algebraic
+from haptisym.exact.reals import ExactNumber, bounds, dyadic
 from haptisym.exact.response import RealFunction
-from haptisym.exact.roots import Chart, chart, sign_of_number
+from haptisym.exact.roots import Chart, _whole, chart, in_order, sign_of_number
+from haptisym.exact.zeros import Undecided, around, at_rising_precision, is_clear, rounded_up, sign_of, tightened
+from haptisym.exact.zeros import Zero as SimpleZero
 from haptisym.symbols import omega
 
 Zero = tuple[Fraction, int]
@@ -256,7 +267,6 @@ def test_a_function_that_is_zero_everywhere_has_no_sign_anywhere() -> None:
 
 
 def test_taylor_coefficients_of_an_analytic_factor_are_those_of_mpmath_at_any_order() -> None:
-    import flint
     import mpmath
 
     from haptisym.exact.analytic import AnalyticFactor
@@ -288,3 +298,342 @@ def test_a_zero_with_a_twin_beside_it_is_not_taken_for_the_other() -> None:
     first, second = [c for c in hs.evaluate(scene).crossings if c.part is hs.Part.REAL]
     assert first.omega.digits(12) == "49.9523562402"
     assert 5e-11 < float(second.omega) - float(first.omega) < 7e-11
+
+
+# --- zeros of functions known by their Taylor coefficients alone ------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Placed(SeriesFactor):
+    """A polynomial with dyadic zeros, and with how many looks it was asked at which precision."""
+
+    roots: tuple[Fraction, ...]
+    sign: int = 1
+    looks: list[int] = field(default_factory=list)
+    slivers: list[Any] = field(default_factory=list)
+
+    def series(self, x: Any, start: int, stop: int) -> list[Any]:
+        self.looks.append(flint.ctx.prec)
+        self.slivers.append(x)
+        total = arb_poly([self.sign])
+        for root in self.roots:
+            total = total * arb_poly([x - dyadic(root), 1])
+        row = total.coeffs() + [arb(0)] * (stop + 1)
+        return row[start:stop]
+
+    def value(self, x: Any) -> Any:
+        return self.series(x, 0, 1)[0]
+
+    def over(self, box: Any) -> tuple[Any, Any, Any]:
+        value, slope, bend = self.series(box, 0, 3)
+        return value, slope, bend
+
+    def zeros(self, low: Expr, high: Expr) -> list[Any]:
+        raise NotImplementedError
+
+    def order_at(self, place: Expr) -> int:
+        raise NotImplementedError
+
+    def jet(self, x: Any, count: int) -> list[Any]:
+        return self.series(x, 0, count)
+
+
+def dyadic_near(x: float) -> Fraction:
+    return Fraction(round(x * 2**40), 2**40)
+
+
+def brackets(seed: int, count: int) -> list[tuple[Placed, Fraction, Fraction, Fraction]]:
+    """Polynomials with one zero between two numbers, of either sign, and twins outside: near, far, or none."""
+    pick = random.Random(seed)
+    found = []
+    for _ in range(count):
+        size = 10.0 ** pick.uniform(-3, 3)
+        low = dyadic_near(size * pick.uniform(0.5, 1))
+        high = low + dyadic_near(size * 10.0 ** pick.uniform(-3, 0)) + Fraction(1, 2**30)
+        root = low + (high - low) * Fraction(pick.randint(1, 2**20 - 1), 2**20)
+        gaps = [
+            (high - low) * Fraction(pick.choice((1, 2**10, 2**18, 2**22)), 2**20) for _ in range(pick.randint(0, 3))
+        ]
+        others = [low - gap if pick.random() < 0.5 else high + gap for gap in gaps]
+        f = Placed((root, *others), pick.choice((-1, 1)))
+        if pick.random() < 0.3:
+            f, root, low, high = Placed(tuple(-x for x in f.roots), f.sign), -root, -high, -low
+        found.append((f, root, low, high))
+    return found
+
+
+@pytest.mark.parametrize("bits", [128, 160, 512])
+def test_a_zero_between_two_numbers_is_enclosed_as_tightly_as_asked_and_its_twins_are_not(bits: int) -> None:
+    for f, root, low, high in brackets(bits, 60):
+        with flint.ctx.workprec(bits):
+            found = tightened(dyadic(low), dyadic(high), bits, f.jet)
+            first, last = bounds(found)
+        assert first <= root <= last
+        assert low <= first
+        assert last <= high
+        assert found.rel_accuracy_bits() >= bits - 32
+        # Newton's steps double the digits, from a bracket that at worst is halved a few times
+        assert len(f.looks) <= 40 + bits // 16, (len(f.looks), f)
+
+
+def test_newton_from_point_to_point_needs_a_look_for_each_doubling_of_the_digits() -> None:
+    """No other zero near: that is how nearly all are found, whichever sign they have."""
+    for side in (1, -1):
+        f = Placed((side * Fraction(5, 8), side * Fraction(7), side * Fraction(-3)))
+        ends = sorted((side * Fraction(1, 2), side * Fraction(13, 16)))
+        with flint.ctx.workprec(4096):
+            tightened(*map(dyadic, ends), 4096, f.jet)
+        assert len(f.looks) <= 14
+
+
+def test_where_the_working_precision_shows_no_more_the_enclosure_is_as_wide_as_that() -> None:
+    """A factor of 2^-100 is lost in a sum with 1 that is taken away again: the sign is not known within 2^-28 of the zero."""
+    root = Fraction(1, 3)
+
+    def jet(x: Any, count: int) -> list[Any]:
+        blurred = x + arb(0, 2.0**-28)
+        return [(blurred - arb(fmpq(1, 3))) * (blurred - 3), 2 * blurred - arb(fmpq(1, 3)) - 3][:count]
+
+    with flint.ctx.workprec(128):
+        found = tightened(arb(0), arb(1), 128, jet)
+        first, last = bounds(found)
+    assert first <= root <= last
+    assert last - first < Fraction(1, 2**24)
+    assert first >= 0
+    assert last <= 1
+
+
+def test_a_zero_knows_more_digits_by_those_it_has() -> None:
+    f = Placed((Fraction(5, 16), Fraction(11, 16), Fraction(3)))
+    zero = SimpleZero(f, arb("0.25"), arb("0.5"))
+    for bits in (64, 128, 129, 1000, 4096):
+        ball = zero.ball(bits)
+        first, last = bounds(ball)
+        assert first <= Fraction(5, 16) <= last
+        assert ball.rel_accuracy_bits() >= bits - 32
+    assert sum(prec >= 4096 for prec in f.looks) <= 8
+    slope = SimpleZero(Placed((Fraction(1), Fraction(3), Fraction(20))), arb("1.5"), arb("2.5"), derivative=1)
+    first, last = bounds(slope.ball(200))  # of x^3 - 24 x^2 + 83 x - 60, whose slope is 3 x^2 - 48 x + 83
+    assert (3 * first**2 - 48 * first + 83) * (3 * last**2 - 48 * last + 83) < 0
+    assert last - first < Fraction(1, 2**160)
+
+
+def test_precision_rises_by_doubling_and_ends_at_its_limit() -> None:
+    asked: list[tuple[int, int]] = []
+
+    def when(enough: int) -> Callable[[int], int | None]:
+        def ask(bits: int) -> int | None:
+            asked.append((bits, flint.ctx.prec))
+            return 7 if bits >= enough else None
+
+        return ask
+
+    before = flint.ctx.prec
+    assert at_rising_precision(when(100)) == 7
+    assert asked == [(128, 128)]
+    assert at_rising_precision(when(512), 512) == 7
+    assert asked[1:] == [(128, 128), (256, 256), (512, 512)]
+    assert at_rising_precision(when(513), 512) is None
+    assert at_rising_precision(lambda _: 0, 128) == 0
+    assert flint.ctx.prec == before
+
+
+def test_the_sign_of_a_ball_is_that_of_all_its_numbers() -> None:
+    for ball, expected in [
+        (arb(2), 1), (arb("1e-300"), 1), (arb(3, 2.9), 1), (arb(-1), -1), (-arb("1e-300"), -1), (arb(0), 0), (arb(1, 2), 0),
+        (arb(-1, 1), 0), (arb(1, 1), 0), (arb("nan"), 0), (arb(0, 1).log(), 0), (arb(0, float("inf")), 0),
+    ]:  # fmt: skip
+        assert (sign_of(ball), is_clear(ball)) == (expected, expected != 0)
+
+
+def test_precisions_are_shared_by_powers_of_two() -> None:
+    assert [rounded_up(n) for n in (1, 100, 128, 129, 256, 257, 1000)] == [128, 128, 128, 256, 256, 512, 1024]
+
+
+def test_an_interval_is_enclosed_in_dyadic_numbers_a_hair_outside() -> None:
+    for low, high in (
+        (Rational(1, 3), Rational(2, 3)),
+        (pi, 2 * pi),
+        (Integer(0), Integer(5)),
+        (Rational(-7, 9), pi / 7),
+    ):
+        first, last = around(low, high)
+        with flint.ctx.workprec(300):
+            ends = [ExactNumber(x).ball(300) for x in (low, high)]
+            assert first.is_exact()
+            assert last.is_exact()
+            assert first <= ends[0].upper()
+            assert ends[1].lower() <= last
+            assert not first > ends[0].lower()
+            assert not last < ends[1].upper()
+            assert ends[0] - first < arb(2) ** -120
+            assert last - ends[1] < arb(2) ** -120
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_all_zeros_of_a_function_are_isolated_and_no_others(seed: int) -> None:
+    """Up to seven of them, some with a twin a millionth or a trillionth beside."""
+    pick = random.Random(seed)
+    roots = {dyadic_near(pick.uniform(0.1, 9.9)) for _ in range(pick.randint(0, 4))}
+    roots |= {x + dyadic_near(10.0 ** pick.choice((-1, -3, -6, -9))) for x in list(roots)[: pick.randint(0, 3)]}
+    outside = [Fraction(-1, 8), Fraction(10) + Fraction(1, 2 ** pick.randint(1, 20))]
+    f = Placed((*roots, *outside), pick.choice((-1, 1)))
+    found = isolated(f, arb(0), arb(10))
+    assert len(found) == len(set(found)) == len(roots)
+    for zero, root in zip(found, sorted(roots), strict=True):
+        first, last = bounds(zero.ball(256))
+        assert first <= root <= last
+        assert first > 0
+    if roots:
+        assert len(f.looks) < 700 * len(roots)
+    assert isolated(f, arb(5), arb(5)) == []
+    assert isolated(f, arb(6), arb(5)) == []
+
+
+def test_a_pair_that_is_none_is_no_zero_and_a_double_one_is_undecided() -> None:
+    """(x - 1)^2 + c, with c a little positive, a little negative, or nothing."""
+
+    class Bowl(Placed):
+        def series(self, x: Any, start: int, stop: int) -> list[Any]:
+            row = super().series(x, 0, max(stop, 1))
+            row[0] = row[0] + self.sign * dyadic(self.depth)
+            return row[start:stop]
+
+    for side in (1, -1):
+        for depth, count in (
+            (Fraction(1, 2**90), 0),
+            (Fraction(-1, 2**90), 2),
+            (Fraction(1, 4), 0),
+            (Fraction(-1, 4), 2),
+        ):
+            Bowl.depth = depth
+            assert len(isolated(Bowl((Fraction(1), Fraction(1)), side), arb(0), arb(3))) == count
+        Bowl.depth = Fraction(0)
+        [double] = isolated(Bowl((Fraction(1), Fraction(1)), side), arb(0), arb(3))
+        assert isinstance(double, Undecided)
+        assert abs(float(double.ball(128).mid()) - 1) < 1e-15
+        assert double.factor.multiplicity(double) == 2
+        assert double.factor.multiplicity(SimpleZero(double.factor, arb(0), arb(3))) == 1
+        # one that rises or falls all the way on a piece that bends
+        Bowl.depth = Fraction(-1, 4)
+        assert len(isolated(Bowl((Fraction(1), Fraction(1)), side), arb(1), arb(3))) == 1
+        assert len(isolated(Bowl((Fraction(1), Fraction(1)), side), arb(2), arb(3))) == 0
+        assert len(isolated(Bowl((Fraction(1), Fraction(1)), side), arb(-1), arb(0))) == 0
+
+
+def test_a_triple_zero_is_said_to_be_undecided() -> None:
+    with pytest.raises(hs.UndecidedError, match="how often a function vanishes near omega = 1"):
+        isolated(Placed((Fraction(1),) * 3), arb(0), arb(3))
+
+
+def test_a_piece_is_cut_where_the_function_is_not_zero() -> None:
+    """Zeros at 127/256 and 131/256 of a band, where it would be cut first."""
+    for roots in ((127, 30), (127, 131, 200), (127, 131, 113, 20)):
+        f = Placed(tuple(Fraction(n, 256) for n in roots))
+        found = isolated(f, arb(0), arb(1))
+        assert [round(float(zero) * 256) for zero in found] == sorted(roots)
+    with pytest.raises(hs.UndecidedError, match="the sign of a function"):
+        isolated(Placed(tuple(Fraction(n, 256) for n in (127, 131, 113, 149))), arb(0), arb(1))
+
+
+@pytest.mark.parametrize("side", ["above", "below"])
+@pytest.mark.parametrize("place", [Integer(2), Rational(1, 3), pi])
+def test_a_number_clear_of_a_zero_of_known_order_has_no_other_zero_before_it(place: Expr, side: str) -> None:
+    """A zero of order 0, 1 or 2 at the place, another one 2^-20 beside it on either side."""
+    above = side == "above"
+    with flint.ctx.workprec(256):
+        centre = ExactNumber(place).ball(256)
+
+    class Shifted(Placed):
+        def series(self, x: Any, start: int, stop: int) -> list[Any]:
+            return super().series(x - centre, start, stop)
+
+    near = Fraction(1, 2**20)
+    for order in (0, 1, 2):
+        f = Shifted((*[Fraction(0)] * order, near, -near, Fraction(5)))
+        end = clear_of(f, place, order, above=above)
+        assert end.is_exact()
+        reach = (end - centre) if above else (centre - end)
+        assert 0 < reach < dyadic(near)
+        assert reach > dyadic(near) / 64
+        assert f.slivers[-1].contains(0)  # what was looked at holds the place itself
+
+
+def test_a_zero_that_has_no_known_order_is_never_clear() -> None:
+    with pytest.raises(hs.UndecidedError, match="vanishes again"):
+        clear_of(Placed((Fraction(1), Fraction(1))), Integer(1), 1, above=True)
+
+
+# --- charts ----------------------------------------------------------------------------------------------------------
+
+
+def test_the_order_of_frequencies_is_told_however_near_and_equal_ones_are_said_to_be_undecided() -> None:
+    near = [ExactNumber(Rational(1, 3) + Rational(n, 10**60)) for n in (3, 0, 2, 1)]
+    assert in_order(near) == [near[1], near[3], near[2], near[0]]
+    assert in_order([near[0]]) == near[:1]
+    twins = [SimpleZero(Placed((Fraction(1, 2), Fraction(2))), arb(0), arb(1)) for _ in range(2)]
+    with pytest.raises(hs.UndecidedError, match=r"whether two frequencies near 0\.5"):
+        in_order([*twins, ExactNumber(Integer(3))])
+
+
+def test_a_level_that_is_an_irrational_number_has_exact_signs_and_orders() -> None:
+    """W^2 - 2 W against sqrt(2) - 1 and -1: two zeros, a double one; and signs on both sides of each."""
+    W = omega**2
+    root = algebraic(sqrt(2))
+    points = chart({"f": Level(function(W**2 - 2 * W + 2), root)}, Integer(0), Integer(3)).points
+    assert [p.after["f"] for p in points] == [1, -1, 1, 1]
+    squares = [1 - (MP.sqrt(2) - 1) ** MP.mpf("0.5"), 1 + (MP.sqrt(2) - 1) ** MP.mpf("0.5")]
+    assert [float(p.omega) for p in points[1:-1]] == [float(MP.sqrt(x)) for x in squares]
+    steady = chart({"f": Level(function(W + 2), root), "g": Level(function(1 / (W + 2)), root)}, Integer(0), Integer(3))
+    assert [(p.after["f"], p.after["g"]) for p in steady.points] == [(1, -1), (1, -1)]
+
+
+@pytest.mark.parametrize(
+    ("expression", "order", "signs"),
+    [
+        (omega**3, 3, (-1, 0, 1)), (omega**2, 2, (1, 0, 1)), (1 / omega, -1, (-1, 0, 1)), (-1 / omega**2, -2, (-1, -1, -1)),
+        (omega * (omega**2 - 4), 1, (1, 0, -1)),
+    ],
+)  # fmt: skip
+def test_at_rest_powers_of_omega_count_and_odd_ones_turn_the_sign(
+    expression: Expr, order: int, signs: tuple[int, ...]
+) -> None:
+    point = charted(expression, high=1).points[0]
+    assert point.orders.get("f", 0) == order
+    assert (point.before["f"], point.at["f"], point.after["f"]) == signs
+
+
+@pytest.mark.parametrize(
+    ("alpha", "order"), [("1/2", 1), ("3/2", 2), ("-1/2", -1), ("-3/2", -2), ("1/3", 1), ("-5/3", -2), ("2/3", 1)]
+)
+def test_a_fractional_order_at_rest_is_rounded_away_from_0_and_mirrors_nothing(alpha: str, order: int) -> None:
+    assert _whole(Rational(alpha)) == order
+    assert [_whole(Integer(n)) for n in (-2, 0, 3)] == [-2, 0, 3]
+
+
+def test_powers_of_s_below_the_line_have_charts_of_their_own() -> None:
+    """k_a s^(1/2) and its inverse: |H|^2 = k_a^2 omega, below and above a rational number; exact at alpha = 1/2."""
+    for text, c, place in (
+        ("3*s^0.5", 4, Rational(4, 9)),
+        ("3/s^0.5", 4, Rational(9, 4)),
+        ("1/(1 + s^0.5)", None, None),
+    ):
+        environment = hs.environments.expression(text, parameters={})
+        d = hs.distort(environment, hs.effects.delay("0.01 s"))
+        square = d.env_response.real
+        table = chart({"re": square, "im": d.env_response.imag}, Integer(0), Integer(9))
+        assert len(table.points) == 2
+        sign = -1 if "/" in text else 1
+        assert [p.after["re"] for p in table.points] == [1, 1]
+        assert [p.after["im"] for p in table.points] == [sign, sign]
+        assert [p.before["re"] for p in table.points][1:] == [1]
+        order = {"3*s^0.5": 1, "3/s^0.5": -1, "1/(1 + s^0.5)": 0}[text]
+        assert table.points[0].orders.get("re", 0) == order
+        assert table.points[0].orders.get("im", 0) == (order or 1)
+        if c is not None and place is not None:  # |Re| = |Im| = c sqrt(1/2) there
+            level = square * square - RealFunction(square.axis.convert(Rational(c * c, 2)))
+            [point] = chart({"x": level}, Integer(0), Integer(9)).points[1:-1]
+            low, high = point.omega.bounds(60)
+            target = Fraction(16, 9) if text == "3*s^0.5" else Fraction(9, 16)
+            assert low <= target <= high
+            assert (point.before["x"], point.after["x"]) == (-sign, sign)

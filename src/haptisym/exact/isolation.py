@@ -11,7 +11,7 @@ from sympy import Expr
 from haptisym.errors import UndecidedError
 
 from .reals import Ball, RealNumber, expression_ball
-from .zeros import MOST_BITS, SmoothFactor, Undecided, Zero, is_clear
+from .zeros import SmoothFactor, Undecided, Zero, at_rising_precision, is_clear, sign_of
 
 
 class SeriesFactor(SmoothFactor):
@@ -47,21 +47,16 @@ def _judged(f: SeriesFactor, a: Ball, b: Ball, index: int) -> list[RealNumber] |
         if is_clear(slope):
             return _between(f, a, b, index)
         if is_clear(bend):
-            return _on_a_bend(f, a, b, 1 if bend > 0 else -1, index)
-        if (b - a) < abs(box.mid()) * arb(2) ** -60:
+            return _on_a_bend(f, a, b, sign_of(bend), index)
+        if box.rel_accuracy_bits() > 60:
             raise UndecidedError(f"how often a function vanishes near omega = {float(box.mid()):.17g} rad/s")
     return None
 
 
 def _sign(f: SeriesFactor, x: Ball, derivative: int = 0) -> int:
     """The sign of the function, or of its slope, at a dyadic number; UndecidedError if it stays open."""
-    bits = 128
-    while bits <= MOST_BITS:
-        with flint.ctx.workprec(bits):
-            value = f.taylor(x, derivative)
-            if value > 0 or value < 0:
-                return 1 if value > 0 else -1
-        bits *= 2
+    if sign := at_rising_precision(lambda _: sign_of(f.taylor(x, derivative)) or None):
+        return sign
     raise UndecidedError(f"the sign of a function at omega = {float(x.mid()):.17g} rad/s")
 
 
@@ -78,28 +73,24 @@ def _on_a_bend(f: SeriesFactor, a: Ball, b: Ball, bend: int, index: int) -> list
     if left != bend or _sign(f, a, 1) == _sign(f, b, 1):
         return []
     extremum = Zero(f, a, b, index, derivative=1)
-    bits = 128
-    while bits <= MOST_BITS:
-        with flint.ctx.workprec(bits):
-            at = extremum.ball(bits)
-            value = f.over(at)[0]
-            if value > 0 or value < 0:
-                if (1 if value > 0 else -1) == left:
-                    return []
-                return [Zero(f, a, at.mid(), index), Zero(f, at.mid(), b, index + 1)]
-        bits *= 2
-    return [Undecided(f, extremum)]
+
+    def extreme(bits: int) -> tuple[Ball, int] | None:
+        at = extremum.ball(bits)
+        sign = sign_of(f.over(at)[0])
+        return (at.mid(), sign) if sign else None
+
+    found = at_rising_precision(extreme)
+    if found is None:
+        return [Undecided(f, extremum)]
+    middle, sign = found
+    return [] if sign == left else [Zero(f, a, middle, index), Zero(f, middle, b, index + 1)]
 
 
 def _cut(f: SeriesFactor, a: Ball, b: Ball) -> Ball:
     """A dyadic number a little off the middle of a piece, at which the function is not zero."""
     with flint.ctx.workprec(128):
-        for share in (127, 131, 113, 149):
-            cut = (a + (b - a) * share / 256).mid()
-            value = f.value(cut)
-            if value > 0 or value < 0:
-                return cut
-        return (a + (b - a) * 127 / 256).mid()
+        cuts = [(a + (b - a) * share / 256).mid() for share in (127, 131, 113, 149)]
+        return next((cut for cut in cuts if is_clear(f.value(cut))), cuts[0])
 
 
 def clear_of(f: SeriesFactor, place: Expr, order: int, *, above: bool) -> Ball:
@@ -112,8 +103,7 @@ def clear_of(f: SeriesFactor, place: Expr, order: int, *, above: bool) -> Ball:
         centre, reach = expression_ball(place), arb(1) / 4
         for _ in range(200):
             end = (centre + (reach if above else -reach)).mid()
-            piece = (centre.lower() if above else centre.upper()).union(end)
-            if is_clear(f.taylor(piece, order)):
+            if is_clear(f.taylor(centre.union(end), order)):
                 return end
             reach = reach / 4
     raise UndecidedError(f"whether a function vanishes again near omega = {place} rad/s")

@@ -25,7 +25,7 @@ from .polynomials import PolynomialFactor
 from .reals import Ball, ExactNumber, RealNumber, expression_ball
 from .response import RealFunction
 from .rings import Polynomial, PolynomialRing
-from .zeros import MOST_BITS, Factor, Undecided, Zero
+from .zeros import MOST_BITS, Factor, Undecided, Zero, at_rising_precision, sign_of
 
 Key: TypeAlias = Hashable
 """What a function of a chart is called."""
@@ -240,11 +240,7 @@ def sign_of_number(value: Expr) -> int:
         return int(value.p > 0) - int(value.p < 0)
     if PolynomialRing(omega).convert(value).is_zero:
         return 0
-    bits = 64
-    while bits < 1 << 20:  # a number that is not zero shows it before
-        with flint.ctx.workprec(bits):
-            ball = expression_ball(value)
-            if ball > 0 or ball < 0:
-                return 1 if ball > 0 else -1
-        bits *= 2
+    # a number that is not zero shows it before
+    if sign := at_rising_precision(lambda _: sign_of(expression_ball(value)) or None, most_bits=1 << 19):
+        return sign
     raise UndecidedError(f"the sign of {value}")

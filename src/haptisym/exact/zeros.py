@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 import flint
 from flint import arb
@@ -21,6 +21,7 @@ from haptisym.errors import UndecidedError
 
 from .reals import Ball, RealNumber, expression_ball
 
+T = TypeVar("T")
 MOST_BITS = 1 << 13
 """The precision at which a question about an analytic function is given up as undecided."""
 
@@ -36,9 +37,30 @@ def around(low: Expr, high: Expr) -> tuple[Ball, Ball]:
         return expression_ball(low).lower(), expression_ball(high).upper()
 
 
+def sign_of(ball: Ball) -> int:
+    """1 or -1 for a ball on one side of 0; 0 for one that holds it, or is not a number, as a logarithm over 0.
+
+    >>> sign_of(arb("-1.5")), sign_of(arb(1, 2)), sign_of(arb("nan"))
+    (-1, 0, 0)
+    """
+    return int(ball > 0) - int(ball < 0)
+
+
 def is_clear(ball: Ball) -> bool:
-    """Whether a ball lies on one side of 0; not so for one that is not a number, as a logarithm over 0."""
-    return bool(ball > 0 or ball < 0)
+    """Whether a ball lies on one side of 0."""
+    return sign_of(ball) != 0
+
+
+def at_rising_precision(ask: Callable[[int], T | None], most_bits: int = MOST_BITS) -> T | None:
+    """The first answer there is, asked at working precisions of 128, 256, ... bits; None if there is none at the limit."""
+    bits = 128
+    while bits <= most_bits:
+        with flint.ctx.workprec(bits):
+            answer = ask(bits)
+        if answer is not None:
+            return answer
+        bits *= 2
+    return None
 
 
 class Factor(ABC):
@@ -66,13 +88,8 @@ class Factor(ABC):
 
     def sign_at(self, place: Callable[[int], Ball], most_bits: int = MOST_BITS) -> int:
         """The sign at a number that is no zero, given as a function from bits to a ball; UndecidedError at the limit."""
-        bits = 128
-        while bits <= most_bits:
-            with flint.ctx.workprec(bits):
-                value = self.value(place(bits))
-                if value > 0 or value < 0:
-                    return 1 if value > 0 else -1
-            bits *= 2
+        if sign := at_rising_precision(lambda bits: sign_of(self.value(place(bits))) or None, most_bits):
+            return sign
         raise UndecidedError(f"the sign of a function at omega = {float(place(64).mid()):.17g} rad/s")
 
 
@@ -145,19 +162,19 @@ def tightened(low: Ball, high: Ball, bits: int, jet: Jet) -> Ball:
     near = _approached(low, high, bits, jet)
     if near is not None:
         return near
-    left = jet(low, 1)[0]
-    while True:
-        box, middle = low.union(high), ((low + high) / 2).mid()
-        at, steep = jet(middle, 1)[0], jet(box, 2)[1]
-        floor = not is_clear(at) or not is_clear(left)  # the working precision shows no more
-        before = high - low
+    left = sign_of(jet(low, 1)[0])
+    while low.union(high).rel_accuracy_bits() < bits - 24:
+        before, middle = high - low, ((low + high) / 2).mid()
+        at, steep = jet(middle, 1)[0], jet(low.union(high), 2)[1]
         if is_clear(steep):
             step = middle - at / steep
             low, high = low.max(step.lower()), high.min(step.upper())
-        if box.rel_accuracy_bits() >= bits - 24 or (floor and not (high - low) < before / 2):
-            return low.union(high)
-        if not floor and not (high - low) < before / 2 and low < middle < high:
-            low, high = (middle, high) if (at > 0) == (left > 0) else (low, middle)
+        if high - low < before / 2:
+            continue
+        if not left or not is_clear(at):
+            break  # the working precision shows no more
+        low, high = (low.max(middle), high) if sign_of(at) == left else (low, high.min(middle))
+    return low.union(high)
 
 
 def _approached(low: Ball, high: Ball, bits: int, jet: Jet) -> Ball | None:
@@ -169,12 +186,11 @@ def _approached(low: Ball, high: Ball, bits: int, jet: Jet) -> Ball | None:
         x = (x - step).mid()
         if not low < x < high:
             return None
-        if abs(step) < abs(x) * arb(2) ** -(bits // 2):  # the next step would be at most about the square of it
+        if (step / x) ** 2 < arb(2) ** -bits:  # the next step would be at most about the square of it
             reach = abs(x) * arb(2) ** -(bits - 22)
             ends = (x - reach).mid(), (x + reach).mid()
-            signs = [jet(end, 1)[0] for end in ends]
-            certain = all(map(is_clear, signs)) and (signs[0] > 0) != (signs[1] > 0)
-            return ends[0].union(ends[1]) if certain and low < ends[0] and ends[1] < high else None
+            signs = [sign_of(jet(end, 1)[0]) for end in ends]
+            return ends[0].union(ends[1]) if low < ends[0] and ends[1] < high and signs[0] * signs[1] < 0 else None
     return None
 
 
