@@ -3,32 +3,48 @@
 from __future__ import annotations
 
 import doctest
+import random
+from collections import Counter
 from collections.abc import Sequence
 from decimal import ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 from chainballs import BITS, error_in_ulps, truth
+from flint import fmpq
 from marks import QUICK_SCENES, often
+from sympy import Rational, Symbol, exp, pi
 
 import haptisym as hs
 from haptisym.distortion import Distortion
 from haptisym.effects import (
     compliance,
+    coulomb_friction,
     delay,
     first_order_lag,
+    position_force_teleoperator,
     second_order_lowpass,
     series,
     shunt,
     two_port,
+    wave_variables,
     zero_order_hold,
 )
-from haptisym.environments import expression, kelvin_voigt, mass_spring_damper, zener
-from haptisym.numeric import machine, stable
+from haptisym.environments import expression, kelvin_voigt, mass_spring_damper, spring_pot, zener
+from haptisym.exact.dynamics import Ring
+from haptisym.exact.response import RealFunction, on_axis
+from haptisym.numeric import floats, machine, stable
+from haptisym.numeric.certified import Certified, ProgramValue
+from haptisym.numeric.doubled import Doubled
+from haptisym.numeric.floats import Floats
+from haptisym.numeric.pointvalues import PointValue
+from haptisym.numeric.program import Operation, Program, Writer
 from haptisym.numeric.values import Values
+from haptisym.symbols import s
 
 RATIOS = ("ratio_real", "ratio_imag")
 m, b, k, omega_n, zeta = hs.symbols("m b k omega_n zeta")
@@ -333,6 +349,330 @@ def test_a_sample_and_hold_keeps_its_digits_far_below_its_sampling_rate(engine: 
         omega = np.geomspace(1e-12, 300, 60)
         found = d.compile(of=RATIOS, engine=engine)(omega)._asdict()
         assert against_truth(d, omega, {}, found).max() <= 16.0
+
+
+# --- blocks and buffers ----------------------------------------------------------------------------------------------
+
+IN, OTHER, THIRD = Symbol("x"), Symbol("y"), Symbol("z")
+UNARY, BINARY = ("neg", "abs", "sqrt", "cos", "sin", "sinc", "sincm1"), ("add", "sub", "mul", "div", "power")
+
+
+def any_program(seed: int) -> Program:
+    """Up to thirty steps, some results the same step, an input or a constant; whatever may share a buffer."""
+    pick = random.Random(seed)
+    steps = [Operation("input", (n,)) for n in range(3)] + [
+        Operation("constant", (), fmpq(3, 7)),
+        Operation("constant", (), pi),
+    ]
+    for _ in range(pick.randint(1, 30)):
+        recent = range(max(0, len(steps) - pick.choice((3, 30))), len(steps))
+        name = pick.choice(UNARY + BINARY)
+        steps.append(Operation(name, tuple(pick.choice(recent) for _ in range(1 if name in UNARY else 2))))
+    results = {f"r{n}": pick.randrange(len(steps)) for n in range(pick.randint(1, 6))}
+    return Program((IN, OTHER, THIRD), tuple(steps), {**results, "last": len(steps) - 1})
+
+
+def step_by_step(program: Program, inputs: Sequence[Any], size: int) -> dict[str, Any]:
+    known: list[Any] = []
+    with np.errstate(all="ignore"):
+        for step in program.operations:
+            if step.name in ("input", "constant"):
+                value = inputs[step.arguments[0]] if step.name == "input" else floats.nearest(step.value)
+                known.append(np.broadcast_to(np.asarray(value, dtype=float), (size,)).copy())
+            else:
+                known.append(floats.UFUNCS[step.name](*(known[x] for x in step.arguments)))
+    return {name: known[x] for name, x in program.results.items()}
+
+
+@pytest.mark.parametrize("seed", range(120))
+def test_blocks_and_shared_buffers_give_what_the_steps_give_one_by_one(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(floats, "BLOCK", 4)
+    program, rng, size = any_program(seed), np.random.default_rng(seed), seed % 11
+    inputs = [x if rng.random() < 0.6 else float(rng.normal()) for x in rng.normal(size=(3, size)) * 3]
+    out = [np.full(size, -7.0) for _ in program.results]
+    Floats(program).run(inputs, size, out)
+    expected = step_by_step(program, inputs, size)
+    for row, name in zip(out, program.results, strict=True):
+        assert (np.isnan(row) == np.isnan(expected[name])).all()
+        # a library may take a single sine another way than those of an array: within a unit or two of the last place
+        assert np.allclose(row, expected[name], rtol=1e-10, atol=1e-12, equal_nan=True)
+
+
+def test_a_program_is_run_in_blocks_and_needs_few_buffers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(floats, "BLOCK", 4)
+    seen: list[int] = []
+
+    def counted(x: Any, y: Any, out: Any) -> Any:
+        seen.append(len(out))
+        return np.add(x, y, out)
+
+    monkeypatch.setitem(floats.UFUNCS, "add", counted)
+    write = Writer((IN, OTHER))
+    x, y = write.input(IN), write.input(OTHER)
+    total = x
+    for _ in range(20):
+        total = write.mul(write.add(total, y), x)
+    program = write.program({"y": total})
+    out = np.empty((1, 10))
+    Floats(program).run([np.ones(10), np.ones(10)], 10, out)
+    assert seen == [4] * 20 + [4] * 20 + [2] * 20
+    assert (out == 21).all()
+    plan = floats._plan(program, frozenset(), tuple(program.results.values()))
+    assert plan.buffers <= 2
+    assert len(plan.steps) == 40
+
+
+def test_sin_x_over_x_less_one_keeps_its_digits_for_arguments_of_either_sign_and_any_size() -> None:
+    x = np.concatenate([np.geomspace(1e-150, 1e3, 300), np.linspace(1.9, 2.1, 21), [2.0, np.nextafter(2, 3)]])
+    for at in (x, -x):
+        into = np.empty_like(at)
+        for found in (floats._sincm1(at), floats._sincm1(at, into), np.array([floats._sincm1(a) for a in at.tolist()])):
+            with mpmath.workdps(400):
+                true = [mpmath.sinc(mpmath.mpf(a)) - 1 for a in at.tolist()]
+                away = [abs(mpmath.mpf(f) / t - 1) for f, t in zip(found.tolist(), true, strict=True)]
+            assert max(away) < 1e-15
+        assert (into == floats._sincm1(at)).all()
+    with np.errstate(invalid="ignore"):
+        assert floats._sincm1(np.array([0.0, -0.0])).tolist() == [0.0, 0.0]
+    for at in (x, -x):
+        into = np.empty_like(at)
+        assert np.allclose(floats._sinc(at), np.sin(at) / at, rtol=1e-15, atol=0)
+        assert (floats._sinc(at, into) == into).all()
+        assert (into == floats._sinc(at)).all()
+    with np.errstate(invalid="ignore"):
+        assert floats._sinc(np.array([0.0])).tolist() == [1.0]
+
+
+def test_a_constant_beyond_doubles_is_infinite_and_others_are_the_nearest() -> None:
+    assert floats.nearest(fmpq(10) ** 400) == np.inf
+    assert floats.nearest(-(fmpq(10) ** 400)) == -np.inf
+    assert floats.nearest(fmpq(1, 3)) == 1 / 3
+    assert floats.nearest(fmpq(10) ** 400 / (3 * fmpq(10) ** 400)) == 1 / 3
+    assert floats.nearest(pi) == np.pi
+    assert type(floats.nearest(fmpq(2))) is np.float64
+
+
+def test_what_is_watched_tells_of_overflow_and_of_lost_digits() -> None:
+    write = Writer((IN,))
+    x = write.input(IN)
+    program, out = write.program({"y": write.mul(x, x)}), np.empty((1, 2))
+    for at in (1e200, 1e-160):
+        Floats(program).run([np.array([1.0, at])], 2, out)
+        with pytest.raises(FloatingPointError):
+            Floats(program).run([np.array([1.0, at])], 2, out, watched=True)
+    Floats(write.program({"y": write.div(write.constant(1), x)})).run([np.array([1.0, 0.0])], 2, out, watched=True)
+    assert out.tolist() == [[1.0, np.inf]]
+
+
+# --- what is proven --------------------------------------------------------------------------------------------------
+
+
+def certified_of(program: Program) -> Certified:
+    def never(_: Any) -> Any:
+        raise AssertionError("no closed form is needed")
+
+    return Certified(program, never)
+
+
+def test_a_double_is_proven_within_one_unit_exactly_where_the_bounds_say_so() -> None:
+    """|lo| + error against the distance to the double before, the smaller one at a power of two, of either sign."""
+    write = Writer((IN,))
+    program = write.program({"y": write.mul(write.input(IN), write.input(IN)), "c": write.constant(fmpq(1, 3))})
+    proof = certified_of(program)
+    rng = np.random.default_rng(5)
+    hi = np.concatenate(
+        [
+            np.ldexp(rng.uniform(1, 2, 150), rng.integers(-1000, 1000, 150)),
+            2.0 ** rng.integers(-900, 900, 50),
+            [0.0] * 4,
+        ]
+    )
+    hi *= rng.choice([-1, 1], hi.size)
+    unit = np.abs(hi) - np.nextafter(np.abs(hi), 0)
+    lo = unit * rng.choice([-1, -0.5, -0.25, 0, 0.25, 0.5, 1, -2, 2], hi.size)
+    with np.errstate(invalid="ignore"):
+        error = unit * rng.choice([0, 0.25, 0.5, 0.75, 1, 3, np.inf, np.nan], hi.size)
+    error[-2:] = [0.0, 5e-324]
+    lo[-4:] = [0.0, 5e-324, 0.0, 0.0]
+    found = proof._proven("y", Doubled(hi, lo, error))
+    for h, x, e, sure in zip(hi, lo, error, found, strict=True):
+        size = Fraction(abs(float(h)))
+        expected = np.isfinite(e) and Fraction(abs(float(x))) + Fraction(float(e)) <= size - Fraction(
+            float(np.nextafter(float(size), 0))
+        )
+        assert sure == (expected if h else (np.isfinite(e) and abs(x) + e <= -np.nextafter(0.0, 0))), (h, x, e)
+    assert proof._proven("c", Doubled(hi, lo, error)).all()
+    assert 0.2 < found.mean() < 0.8
+
+
+def test_more_bits_are_taken_before_a_closed_form_is_asked_for() -> None:
+    """(1 + x) - 1 in balls of 128 bits shows nothing of 1e-60, and in 512 all of it; points are mixed with easy ones."""
+    write = Writer((IN, OTHER))
+    total = write.sub(write.add(write.input(IN), write.constant(1)), write.constant(1))
+    product = write.mul(total, write.input(OTHER))
+    proof = certified_of(write.program({"total": total, "product": product, "third": write.constant(fmpq(1, 3))}))
+    assert proof.at((1e-60, 3.0), ["product", "total"]) == {"total": 1e-60, "product": 1e-60 * 3.0}
+    assert proof.at((1e-250, 2.0), ["total"]) == {"total": 1e-250}
+    x = np.array([0.5, 1e-60, 1e-20, 7.0, 1e-250])
+    values, balls = proof.run([x, np.full(5, 3.0)], 5)
+    assert values["total"].tolist() == x.tolist()
+    assert values["product"].tolist() == (x * 3.0).tolist()
+    assert values["third"].tolist() == [1 / 3] * 5
+    assert balls == 3
+    single, again = proof.run([x, 3.0], 5)
+    assert single["product"].tolist() == values["product"].tolist()
+    assert again == 3
+    number = proof.number((0.5, 3.0), "total")
+    assert isinstance(number, ProgramValue)
+    assert number.digits(5) == "0.50000"
+    shown = proof.number((1e-60, 1.0), "total").digits(20)
+    assert Decimal(shown) == Context(prec=20).create_decimal(Decimal(1e-60))
+
+
+def test_numbers_of_programs_are_asked_of_their_closed_forms_only_where_balls_show_nothing() -> None:
+    f = hs.distort(mass_spring_damper(m=1, b=b, k=4), first_order_lag(2)).compile(of=[*RATIOS, "environment_imag"])
+    assert isinstance(f.certified.number((3.0, 0.5), "ratio_real"), ProgramValue)
+    cancelled = f.certified.number((2.0, 0.0), "ratio_real")  # 0/0 in the program, 1/2 in lowest terms
+    assert isinstance(cancelled, PointValue)
+    assert cancelled.digits(3) == "0.500"
+    assert f.certified.number((3.0, 0.0), "environment_imag") == 0.0
+    pole = hs.distort(mass_spring_damper(m=1, k=4), shunt(k=1)).compile(of=RATIOS).certified
+    assert pole.number((2.0,), "ratio_real") == np.inf
+    with pytest.raises(hs.SceneError, match=r"omega = -3\.0 rad/s must be >= 0"):
+        f.certified.number((-3.0, 0.5), "ratio_real")
+
+
+@pytest.mark.parametrize("accuracy", ["fast", "double-double", "certified"])
+def test_what_is_no_number_among_the_arguments_gives_none_there_and_nowhere_else(accuracy: str) -> None:
+    f = hs.distort(mass_spring_damper(k=k), first_order_lag(20)).compile(accuracy)
+    for bad in (np.nan, np.inf, -np.inf):
+        for omega, stiffness in (
+            ([1.0, bad, 3.0], 5.0),
+            ([1.0, 2.0, 3.0], [5.0, bad, 5.0]),
+            ([1.0, bad, 3.0], [5.0, bad, 5.0]),
+        ):
+            found = np.array(f(omega, k=stiffness))
+            assert np.isnan(found[:, 1]).all()
+            assert np.isfinite(found[:, [0, 2]]).all()
+            if bad != -np.inf:  # which is a negative frequency
+                many = np.tile(omega, 20), np.tile(stiffness, 20) if np.ndim(stiffness) else stiffness
+                for at, stiff in ((omega, stiffness), many):
+                    texts = f.digits(at, 3, k=stiff)
+                    assert {texts.environment_real[1], texts.real[1], texts.ratio_imag[1]} == {"nan"}
+                    assert (texts.environment_real[0], texts.environment_real[2]) == ("5.00", "5.00")
+
+
+def test_values_at_negative_frequencies_turn_the_sign_of_imaginary_parts_alone() -> None:
+    d = hs.distort(mass_spring_damper(m=2, b=3, k=5), first_order_lag(4), delay("0.3 s"))
+    above = d.compile("certified").certified.at((1.5,), Values._fields)
+    below = d.compile("certified").certified.at((-1.5,), Values._fields)
+    for name in Values._fields:
+        assert below[name] == (-above[name] if name.endswith("imag") and not name.startswith("ratio") else above[name])
+        assert above[name] != 0
+    at_rest = d.compile("certified").certified.at((0.0,), ["perceived_imag", "perceived_real"])
+    assert (at_rest["perceived_imag"], at_rest["perceived_real"]) == (0.0, 5.0)
+    assert not np.signbit(at_rest["perceived_imag"])
+
+
+@pytest.mark.parametrize("name", ["fu2019", "delayed-spring", "organ-tissue", "undamped-resonance"])
+def test_certified_values_hold_at_frequencies_of_any_size(name: str) -> None:
+    d = hs.load_scene(name).distortion()
+    omega = np.array([5e-324, 1e-308, 1e-150, 1e-9, 1e9, 1e18, 3.7e18, 1e19, 1e25, 1e60, 1e120])
+    of = (*RATIOS, "real", "imag", "perceived_real", "relative_imag")
+    found = d.compile("certified", of)(omega)._asdict()
+    assert against_truth(d, omega, {}, found, bits=6000).max() <= 1.0
+
+
+# --- what the structured form is made of -----------------------------------------------------------------------------
+
+
+def steps_of(environment: hs.Environment, *chain: hs.Effect, of: Sequence[str] = RATIOS) -> Counter[str]:
+    program = hs.distort(environment, *chain).compile(of=of).program
+    return Counter(step.name for step in program.operations)
+
+
+def test_programs_are_as_short_as_their_mathematics() -> None:
+    """No root where H_env lies on an axis, one division for a filter, one polynomial for each effect."""
+    lag = first_order_lag(20)
+    assert "sqrt" not in steps_of(mass_spring_damper(k=100), lag)
+    assert "sqrt" not in steps_of(mass_spring_damper(m=1), lag)
+    assert "sqrt" not in steps_of(mass_spring_damper(b=3), lag)
+    assert steps_of(mass_spring_damper(m=1, b=2, k=100), lag)["sqrt"] == 1
+    assert steps_of(mass_spring_damper(m=1, b=2, k=100), lag)["div"] == 1
+    assert steps_of(mass_spring_damper(m=1, b=2, k=100), of=("environment_real", "environment_imag"))["div"] == 0
+    assert steps_of(mass_spring_damper(m=1, b=2, k=100), shunt(m=1), of=("real", "imag", "perceived_real"))["div"] == 0
+    assert sum(steps_of(mass_spring_damper(m=1, b=2, k=100), lag).values()) <= 30
+    two = steps_of(mass_spring_damper(m=1, b=2, k=100), lag, second_order_lowpass(80, "0.5"))
+    assert sum(two.values()) <= 70
+
+
+CHAINS: dict[str, tuple[hs.Environment, tuple[hs.Effect, ...], hs.Environment | None]] = {
+    "repeated factors": (mass_spring_damper(1, 2, 90), (two_port("(s+1)^2*(s+2)", "s*(s+3)^2", "(s+4)^3/1000", "(s+1)^2*(s+5)*(s+6)"),), None),
+    "no A": (mass_spring_damper(1, 2, 90), (two_port("0", "s + 3", "(s+4)/1000", "s + 5"),), None),
+    "no D": (mass_spring_damper(1, 2, 90), (two_port("s + 3", "-4", "(s+4)/1000", "0"),), None),
+    "gain beside": (mass_spring_damper(1, 2, 90), (two_port("2*s + 3", "s^2 + 1", "0", "s + 3"),), None),
+    "shunts between lags": (kelvin_voigt(90, 2), (first_order_lag(20), shunt(m=1), first_order_lag(30), shunt(b=2), delay("1 ms")), None),
+    "three in a row": (mass_spring_damper(1, 2, 90), (first_order_lag(20), second_order_lowpass(50, "0.3"), series("(s+5)/(s+9)")), None),
+    "compliances": (mass_spring_damper(1, 2, 90), (compliance(k=700), first_order_lag(20), compliance(k=900, b=2)), None),
+    "integrators": (expression("1/(s*(s+1)) + 3/s + 2"), (first_order_lag(2),), None),
+    "damper": (mass_spring_damper(b=3), (first_order_lag(2), shunt(k=4), delay("0.2 s")), None),
+    "mass": (mass_spring_damper(m=3), (second_order_lowpass(2, "0.4"),), None),
+    "rendered": (mass_spring_damper(1, 2, 90), (first_order_lag(20), shunt(m=1)), kelvin_voigt(80, 3)),
+    "rendered alone": (mass_spring_damper(1, 2, 90), (), zener(80, 40, 3)),
+    "nothing": (mass_spring_damper(1, 2, 90), (), None),
+    "roots of s": (spring_pot(30, "1/2", k=4), (first_order_lag(20), delay("10 ms")), None),
+    "waves": (mass_spring_damper(1, 2, 90), (wave_variables(5, "10 ms"),), None),
+    "holds": (kelvin_voigt(90, 2), (zero_order_hold("2 ms"), zero_order_hold("5 ms", name="other"), first_order_lag(9)), None),
+    "friction": (mass_spring_damper(1, 2, 90), (coulomb_friction(force=2, amplitude="0.05"), first_order_lag(20)), None),
+    "link": (mass_spring_damper(1, 2, 90), (position_force_teleoperator("0.5", "0.4", 8, 900, "3 ms"),), None),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_every_shape_of_a_chain_has_all_its_values_whatever_computes_them(name: str) -> None:
+    environment, chain, rendered = CHAINS[name]
+    d = hs.distort(environment, *chain, **({"rendered": rendered} if rendered else {}))
+    omega = np.array([1e-3, 0.1, 0.9, 3.3, 9.4, 22.0, 140.0])
+    for accuracy, limit in (("fast", 3e4), ("double-double", 1.0), ("certified", 1.0)):
+        found = d.compile(accuracy)(omega)._asdict()
+        errors_ = against_truth(d, omega, {}, {n: np.where(x == 0, 0.0, x) for n, x in found.items()})
+        exact_zeros = np.array([[x[i] == 0 for x in found.values()] for i in range(omega.size)])
+        worst = np.where(exact_zeros, 0.0, errors_).max()
+        assert worst <= limit, accuracy
+        if accuracy == "certified":
+            assert (errors_[exact_zeros] == 0).all()
+
+
+@pytest.mark.parametrize("accuracy", ["fast", "certified"])
+def test_at_rest_all_values_are_their_limits(accuracy: str) -> None:
+    found = hs.distort(expression("1/(s*(s+1))"), first_order_lag(2)).compile(accuracy)(0.0)
+    assert (found.environment_real, found.environment_imag) == (-1.0, -np.inf)
+    damper = hs.distort(mass_spring_damper(b=3), first_order_lag(2)).compile(accuracy)(0.0)
+    assert (damper.ratio_real, damper.ratio_imag, damper.relative_real, damper.relative_imag) == (0, 0, 0, 0)
+    mass = hs.distort(mass_spring_damper(m=3), series("3/2")).compile(accuracy)(0.0)
+    assert (mass.ratio_real, mass.ratio_imag, mass.relative_real) == (0.5, 0.0, 0.5)
+
+
+def test_a_hold_is_taken_out_of_a_function_wherever_it_stands() -> None:
+    ring = Ring.of([exp(-s / 10), exp(-s * pi / 7), s ** Rational(1, 2)])
+    response = on_axis(ring.convert((1 - exp(-s / 10)) / s))
+    for f in (response.real, response.imag):  # sin(a)/a and 1 - cos(a): nothing is taken off them
+        assert stable.without_sinc_less_one(f) is None
+    axis, held = ring.axis, 0
+    for angle, t in zip(axis.angles, axis.context.gens()[axis.size :], strict=False):
+        if angle.constant:
+            continue
+        less_one = axis.function(2 * t, 1 + t**2) / axis.convert(angle.value) - axis.one
+        other = axis.convert(3 * hs.omega**2 + 5)
+        found, rest = stable.without_sinc_less_one(RealFunction((less_one * other).reduced()))
+        assert found == angle.value
+        assert (rest.function - other).is_zero
+        held += 1
+    assert held == 2
+    assert stable.without_sinc_less_one(RealFunction(ring.axis.zero)) is None
+    assert stable.without_sinc_less_one(RealFunction(ring.axis.one)) is None
 
 
 # --- machine code ----------------------------------------------------------------------------------------------------

@@ -33,7 +33,7 @@ _BITS = 140  # of the balls that stand for sines, cosines and powers
 
 
 class Doubled(NamedTuple):
-    """hi + lo, and a bound of its distance from the true value; ``error`` is None where none is kept."""
+    """hi + lo, and a bound of its distance from the true value; ``error`` is None, in all numbers alike, where none is kept."""
 
     hi: Any
     lo: Any
@@ -103,7 +103,7 @@ def absolute(x: Doubled) -> Doubled:
 def mul(x: Doubled, y: Doubled) -> Doubled:
     p, e = two_product(x.hi, y.hi)
     hi, lo = fast_two_sum(p, e + (x.hi * y.lo + x.lo * y.hi))
-    if x.error is None or y.error is None:
+    if x.error is None:
         return Doubled(hi, lo, None)
     return Doubled(hi, lo, _bound(hi, np.abs(x.hi) * y.error, (np.abs(y.hi) + y.error) * x.error))
 
@@ -113,7 +113,7 @@ def div(x: Doubled, y: Doubled) -> Doubled:
     p, e = two_product(t, y.hi)
     rest = ((x.hi - p) - e) + (x.lo - t * y.lo)
     hi, lo = fast_two_sum(t, rest / y.hi)
-    if x.error is None or y.error is None:
+    if x.error is None:
         return Doubled(hi, lo, None)
     below = np.abs(y.hi) - 2 * y.error  # less than |y| less its error, whatever its low part
     moved = (x.error + _LOST + np.abs(hi) * y.error * _UP) / below
@@ -132,7 +132,7 @@ def sqrt(x: Doubled) -> Doubled:
 
 def _bound(value: Any, *carried: Any) -> Any:
     """What the operands' errors carry over, and the operation's own."""
-    if any(x is None for x in carried):
+    if carried[0] is None:
         return None
     return (carried[0] + carried[1] + np.abs(value) * _STEP) * _UP + _LOST
 
@@ -177,7 +177,7 @@ class Doubles:
         found = {name: Doubled(np.empty(size), np.empty(size), np.empty(size)) for name in names}
         with np.errstate(all="ignore"):
             for start in range(0, size, BLOCK):
-                part = slice(start, min(start + BLOCK, size))
+                part = slice(start, start + BLOCK)
                 known = self._block([x if np.ndim(x) == 0 else x[part] for x in inputs])
                 for name in names:
                     for whole, piece in zip(found[name], known[results[name]], strict=True):

@@ -95,7 +95,7 @@ class Floats:
         with np.errstate(divide="ignore", invalid="ignore", over=flag, under=flag):
             single = self._single(inputs)
             plan = _plan(self.program, frozenset(single), results)
-            buffers = np.empty((plan.buffers, min(BLOCK, size)))
+            buffers = np.empty((plan.buffers, BLOCK))
             for start in range(0, size, BLOCK):
                 self._block(plan, single, inputs, out, buffers, slice(start, min(start + BLOCK, size)))
         for n, x in enumerate(results):

@@ -121,13 +121,11 @@ class Compiled:
         ranges = None if self.accuracy is Accuracy.CERTIFIED else judge(self.program, inputs, *_ROOM[fast])
         if ranges is not None and ranges.safe:
             self._compute(inputs, size, out)
-        elif fast:
-            self._watch(inputs, size, out)
-            for x in inputs:
-                out[:, ~np.isfinite(x)] = np.nan
         else:
-            self._prove(inputs, size, out)
-            return
+            (self._watch if fast else self._prove)(inputs, size, out)
+            out[:, ~_are_finite(inputs, size)] = np.nan
+            if not fast:
+                return
         # one sum tells of all whether any is not finite; where they overflow only together, nothing is repaired
         if not (ranges and ranges.finite) and not _all_finite(out):
             self._repair(inputs, out)
@@ -166,8 +164,10 @@ class Compiled:
         texts: dict[str, list[str | None]] = {name: [None] * size for name in self.fields}
         methods: Counter[str] = Counter()
         if count <= _MOST_DOUBLED and size > _FEW:
+            sound = _are_finite(inputs, size).tolist()
             for name, x in self.certified.doubles.run(inputs, size).items():
-                texts[name] = [_decimal(row, count) for row in zip(*(part.tolist() for part in x), strict=True)]
+                rows = zip(*(part.tolist() for part in x), sound, strict=True)
+                texts[name] = [_decimal(row, count) if ok else None for *row, ok in rows]
         for name, row in texts.items():
             proven = sum(text is not None for text in row)
             methods["double-double"] += proven
@@ -210,11 +210,16 @@ def _all_finite(out: Any) -> bool:
         return bool(np.isfinite(out.sum()))
 
 
+def _are_finite(inputs: Sequence[Any], size: int) -> Any:
+    """At which points all inputs are numbers."""
+    return np.logical_and.reduce([np.broadcast_to(np.isfinite(x), (size,)) for x in inputs])
+
+
 def _point(inputs: Sequence[Any], n: int) -> tuple[float, ...]:
     return tuple(float(x) if np.ndim(x) == 0 else float(x[n]) for x in inputs)
 
 
-def _decimal(row: tuple[float, float, float], count: int) -> str | None:
+def _decimal(row: Sequence[float], count: int) -> str | None:
     """The decimal digits that a double-double proves; None if it does not."""
     if not np.isfinite(row).all():
         return None
