@@ -528,7 +528,7 @@ def test_more_bits_are_taken_before_a_closed_form_is_asked_for() -> None:
     assert isinstance(number, ProgramValue)
     assert number.digits(5) == "0.50000"
     shown = proof.number((1e-60, 1.0), "total").digits(20)
-    assert Decimal(shown) == Context(prec=20).create_decimal(Decimal(1e-60))
+    assert Decimal(shown) == Context(prec=20).create_decimal_from_float(1e-60)
 
 
 def test_numbers_of_programs_are_asked_of_their_closed_forms_only_where_balls_show_nothing() -> None:
