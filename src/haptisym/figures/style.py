@@ -113,11 +113,12 @@ def number(value: float, digits: int = 6) -> str:
 
 
 def raised(text: str) -> str:
-    """A text with its powers as print has them.
+    """A text with its powers and differences as print has them.
 
-    >>> raised("grid of 10^4, 10^-3")
-    'grid of 10⁴, 10⁻³'
+    >>> raised("grid of 10^4, 10^-3"), raised("H_perc - H_env")
+    ('grid of 10⁴, 10⁻³', 'H_perc − H_env')
     """
+    text = text.replace(" - ", " − ")
     return re.sub(r"\^(-?\d+)", lambda found: found[1].translate(_RAISED), text)
 
 

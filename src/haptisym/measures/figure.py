@@ -53,6 +53,7 @@ def metrics_figure(m: MetricRows) -> Figure:
     draw_measures(upper, m)
     draw_verdicts(lower, m)
     upper.tick_params(labelbottom=False)
+    upper.set_xlabel("")
     figure.draw_without_rendering()
     figure.set_figheight(height + _legend_height(upper))
     figure.draw_without_rendering()

@@ -8,9 +8,28 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.text import Annotation
 
 from haptisym.errors import SceneError
-from haptisym.figures.style import GREY, INK, SHADE, SMALL, TEXT, WIDTH, _spread, dress, save_as, text_width
+from haptisym.figures.scales import scale_of
+from haptisym.figures.style import (
+    DOTTED,
+    GREY,
+    INK,
+    SCENES,
+    SHADE,
+    SMALL,
+    TEXT,
+    WIDTH,
+    _spread,
+    dress,
+    limit,
+    name_frequency,
+    save_as,
+    text_width,
+)
 from haptisym.jnd import Part
 from haptisym.numeric.values import Array
 
@@ -22,41 +41,78 @@ _DECADES = 3.5  # below the tolerance that are shown
 _STYLES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (5, 1.5, 1, 1.5)))
 
 
-def draw_influences(ax: Axes, found: Relevance, part: Part) -> None:
-    """``|r(full) - r(without it)|`` of each effect over the band: black where it matters, grey where it is left out."""
+def draw_influences(
+    ax: Axes, found: Relevance, part: Part, *, color: str | None = None, label: str = "", hertz: bool | None = None
+) -> list[Line2D]:
+    """``|r(full) - r(without it)|`` of each effect over the band: bold where it matters, thin grey where it is left out.
+
+    Each curve bears its name at its end. ``color``, ``label``, ``hertz`` : as of ``haptisym.figures.ratios.draw_ratios``; the
+    label stands behind the names. Returns the curves, in the order of the effects.
+
+    >>> from haptisym import load_scene, relevance
+    >>> ax = Figure().add_subplot()
+    >>> len(draw_influences(ax, relevance(load_scene("sidestick")), Part.REAL))
+    2
+    """
+    number = sum(line.get_label() == _TOLERANCE for line in ax.lines)
+    ink, scale = color or SCENES[number % len(SCENES)], scale_of(ax, found.scene.band, hertz=hertz)
     grid, curves = _sampled(found, part)
     floor, top = _limits(found, curves)
     tolerance = float(found.tolerance)
-    ax.axhline(tolerance, color=GREY, linewidth=0.6, linestyle=(0, (1, 2)))
-    styles = iter(_STYLES * len(curves))
+    ax.axhline(tolerance, color=GREY, linewidth=0.6, linestyle=DOTTED, label=_TOLERANCE)
+    styles, lines = iter(_STYLES * len(curves)), list[Line2D]()
     for influence, values in zip(found.effects, curves, strict=True):
-        look = (INK, 1.2, next(styles)) if influence.kept else (GREY, 0.6, "-")
+        look = (ink, 1.2, next(styles)) if influence.kept else (GREY, 0.6, "-")
         shown = np.where(values >= floor / 10, values, np.nan)
-        ax.plot(grid, shown, color=look[0], linewidth=look[1], linestyle=look[2])
+        lines += ax.plot(scale.of(grid), shown, color=look[0], linewidth=look[1], linestyle=look[2])
     dress(ax)
     ax.set_yscale("log")
-    ax.set(xlim=[float(x) for x in found.scene.band], ylim=(floor, top))
+    low, high = (scale.of(float(x)) for x in found.scene.band)
+    limit(ax, (low, high), (floor, top), number=number)
     ax.tick_params(axis="y", which="minor", length=0)
     symbol = r"r_\mathrm{r}" if part is Part.REAL else r"r_\mathrm{i}"
     ax.set_ylabel(f"change of ${symbol}$", fontsize=TEXT)
+    name_frequency(ax, scale)
+    told = f", {label}" if label else f" ({number + 1})" if number else ""
     ends = [
-        (x.effect.name, values[-1], INK if x.kept else GREY) for x, values in zip(found.effects, curves, strict=True)
+        (f"{x.effect.name}{told}", values[-1], ink if x.kept else GREY)
+        for x, values in zip(found.effects, curves, strict=True)
     ]
-    _name_ends(ax, [*ends, ("tolerance", tolerance, GREY)])
+    _name_ends(ax, ends if number else [*ends, (_TOLERANCE, tolerance, GREY)])
+    return lines
 
 
-def draw_dominance(ax: Axes, found: Relevance) -> None:
-    """Which effect changes the ratios most, as a strip along the band."""
+_TOLERANCE = "tolerance"
+
+
+def draw_dominance(ax: Axes, found: Relevance) -> list[Patch]:
+    """Which effect changes the ratios most, as a strip along the band; a name that has no room is a number, told above.
+
+    Returns the pieces.
+    """
     names = list(dict.fromkeys(x.effect.name for x in found.dominance))
-    ax.set(xlim=[float(x) for x in found.scene.band], ylim=(0, 1))
+    start, end = (float(x) for x in found.scene.band)
+    ax.set(xlim=(start, end), ylim=(0, 1))
+    pieces: list[Patch] = []
+    narrow: list[str] = []
+    slivers: list[str] = []
     for x in found.dominance:
         low, high = float(x.low), float(x.high)
         face = SHADE if names.index(x.effect.name) % 2 == 0 else "#c4c4c4"
-        ax.axvspan(low, high, facecolor=face, linewidth=0)
-        if text_width(ax, x.effect.name) < (high - low) / float(found.scene.band[1] - found.scene.band[0]):
-            ax.text((low + high) / 2, 0.45, x.effect.name, ha="center", va="center", fontsize=SMALL, color=INK)
+        pieces.append(ax.axvspan(low, high, facecolor=face, linewidth=0))
+        room, name = (high - low) / (end - start), x.effect.name
+        if text_width(ax, name) >= room > text_width(ax, "1"):
+            narrow += [] if name in narrow else [name]
+            name = str(narrow.index(name) + 1)
+        elif text_width(ax, name) >= room:
+            slivers += [] if name in slivers else [name]
+            name = ""
+        ax.text((low + high) / 2, 0.45, name, ha="center", va="center", fontsize=SMALL, color=INK)
     ax.axis("off")
-    ax.set_title("changes the ratios most", fontsize=SMALL, color=GREY, loc="left", pad=2)
+    told = ", ".join([*(f"{i} {name}" for i, name in enumerate(narrow, 1)), *(f"{x} (a sliver)" for x in slivers)])
+    title = f"changes the ratios most{f': {told}' if told else ''}"
+    ax.set_title(title, fontsize=SMALL, color=GREY, loc="left", pad=2)
+    return pieces
 
 
 def save_influences(found: Relevance, path: str | Path) -> Path:
@@ -70,7 +126,7 @@ def save_influences(found: Relevance, path: str | Path) -> Path:
     for ax, part in ((real, Part.REAL), (imag, Part.IMAG)):
         draw_influences(ax, found, part)
     real.tick_params(labelbottom=False)
-    imag.set_xlabel(r"$\omega$ (rad/s)", fontsize=TEXT)
+    real.set_xlabel("")
     return save_as(figure, path)
 
 
@@ -91,17 +147,27 @@ def _limits(found: Relevance, curves: list[Array]) -> tuple[float, float]:
     return middle * 10**-_DECADES, 2 * max(largest, middle)
 
 
+_END = "_end"
+"""The mark of names beside the axes, by which those of a scene drawn before are found."""
+
+
 def _name_ends(ax: Axes, ends: list[tuple[str, float, str]]) -> None:
-    """The name of each curve beside its end, those that would overlap moved apart."""
+    """The name of each curve beside its end, those that would overlap moved apart, those that are there already, too."""
+    before = [x for x in ax.texts if isinstance(x, Annotation) and x.get_label() == _END]
+    rows = [(x.get_text(), float(x.xy[1]), str(x.get_color())) for x in before]
+    for old in before:
+        old.remove()
     low, high = np.log10(ax.get_ylim())
     seen = sorted(
-        (max((np.log10(value) - low) / (high - low), 0.0), name, color) for name, value, color in ends if value
+        (max((np.log10(value) - low) / (high - low), 0.0), name, max(value, 10**low), color)
+        for name, value, color in [*rows, *ends]
+        if value
     )
     height = SMALL * 1.15 * ax.figure.dpi / (72 * ax.bbox.height)
-    places = _spread([share for share, _, _ in seen], [height] * len(seen))
-    for (share, name, color), place in zip(seen, places, strict=True):
+    places = _spread([share for share, *_ in seen], [height] * len(seen))
+    for (_, name, value, color), place in zip(seen, places, strict=True):
         ax.annotate(
-            name, xy=(1, share), xytext=(1.05, place), xycoords="axes fraction", textcoords="axes fraction", va="center",
-            fontsize=SMALL, color=color,
+            name, xy=(1, value), xytext=(1.05, place), xycoords=ax.get_yaxis_transform(), textcoords="axes fraction",
+            va="center", fontsize=SMALL, color=color, label=_END,
             arrowprops={"arrowstyle": "-", "linewidth": 0.4, "color": GREY, "shrinkA": 0, "shrinkB": 0, "relpos": (0, 0.5)},
         )  # fmt: skip

@@ -13,7 +13,23 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from haptisym.figures.style import BLUE, GREY, INK, RED, TEXT, dress, handle, legend, one_column, save
+from haptisym.figures.scales import scale_of
+from haptisym.figures.style import (
+    BLUE,
+    DASHED,
+    GREY,
+    INK,
+    RED,
+    SMALL,
+    TEXT,
+    Look,
+    dress,
+    legend,
+    limit,
+    name_frequency,
+    one_column,
+    save,
+)
 from haptisym.jnd import Part
 from haptisym.numeric.values import Array
 from haptisym.quantities import Motion as Kind
@@ -21,75 +37,127 @@ from haptisym.quantities import Motion as Kind
 from .propagate import POINTS, finer
 from .results import Simulated
 
-_SOLID, _DASHED = "-", (0, (4, 1.6))
 _IN_TIME, _IN_LOOPS = 3, 1
 """Periods that are shown."""
 
 
-def draw_time(ax: Axes, run: Simulated) -> None:
-    """Force at the hand and motion of the hand, each as a fraction of its largest value, over the last periods of a run."""
+def draw_time(ax: Axes, run: Simulated, *, color: str | None = None, label: str = "") -> list[Line2D]:
+    """Force at the hand over the last periods of a run, and the motion of the hand with an axis of its own at the right.
+
+    ``color``, ``label`` : of the run; of a further one on the same axes the force alone is drawn. Returns the lines.
+
+    >>> from matplotlib.figure import Figure
+    >>> from haptisym import load_scene, simulate, sine
+    >>> run = simulate(load_scene("fu2019"), sine("10 rad/s", "5 cm"))
+    >>> ax = Figure().add_subplot()
+    >>> [line.get_label() for line in draw_time(ax, run)], ax.get_ylabel()
+    (['force', 'motion'], 'force (N)')
+    """
+    look = Look.on(ax, "force", color, label)
     part = _last(run, _IN_TIME)
     time, motion, force = (_smooth(x[part]) for x in (run.time, run.displacement, run.force))
-    sizes = [float(np.abs(x).max()) or 1.0 for x in (force, motion)]
-    ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
-    ax.plot(time, motion / sizes[1], color=BLUE, linestyle=_DASHED, linewidth=1.0)
-    ax.plot(time, force / sizes[0], color=INK, linewidth=1.0)
-    ax.set(xlim=(time[0], time[-1]), ylim=(-1.08, 1.08))
+    length, newton = _units(run)
+    most, reach = (float(np.abs(x).max()) or 1.0 for x in (force, motion))
+    lines = ax.plot(time, force, color=look.color, linewidth=1.0, label=f"force{look.suffix}", zorder=3)
+    if not look.number:
+        ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
+        factor, shown = _length(reach, length)
+        share = most / (reach * factor)  # the motion is drawn as high as the force
+        lines += ax.plot(
+            time, motion * factor * share, color=BLUE, linestyle=DASHED, linewidth=1.0, label=f"motion{look.suffix}"
+        )
+        _right_axis(ax, share, f"motion ({shown})")
+    limit(ax, (time[0], time[-1]), (-1.08 * most, 1.08 * most), number=look.number)
     dress(ax)
     ax.set_xlabel("time (s)", fontsize=TEXT)
-    ax.set_ylabel("fraction of largest", fontsize=TEXT)
-    length, newton = _units(run)
-    handles = [
-        handle(INK, _SOLID, f"force, 1 is {sizes[0]:.3g} {newton}"),
-        handle(BLUE, _DASHED, f"motion, 1 is {_short_length(sizes[1], length)}"),
-    ]
-    legend(ax, handles)
+    ax.set_ylabel(f"force ({newton})", fontsize=TEXT)
+    legend(ax, lines)
+    return lines
 
 
-def draw_loop(ax: Axes, run: Simulated) -> None:
+def _right_axis(ax: Axes, share: float, label: str) -> None:
+    """An axis at the right, for what is drawn that many times as high."""
+    there: Any = (lambda y: y / share, lambda y: y * share)
+    right: Any = ax.secondary_yaxis("right", functions=there)
+    right.set_ylabel(label, fontsize=TEXT, color=BLUE)
+    right.tick_params(labelsize=SMALL, width=0.5, length=2.5, color=GREY, labelcolor=BLUE)
+    right.spines["right"].set(linewidth=0.5, color=GREY)
+
+
+def draw_loop(ax: Axes, run: Simulated, *, color: str | None = None, label: str = "") -> list[Line2D]:
     """Force over displacement: at the hand what the display gives, beside what the environment alone would give.
 
     The environment's loop is that of H_env under the same motion of the hand, as far as the motion is a sum of sines; otherwise
     it is what the environment itself went through behind the effects.
+    ``color``, ``label`` : of the run. Returns the lines: environment, hand.
     """
     part = _last(run, _IN_LOOPS)
     length, newton = _units(run)
-    factor, shown = (1e3, "mm") if length == "m" and run.motion.amplitude < 0.2 else (1.0, length)
-    ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
-    ax.axvline(0, color=GREY, linewidth=0.4, zorder=0)
+    factor, shown = _length(run.motion.amplitude, length)
+    look = Look.on(ax, "at the hand", color, label)
+    if not look.number:
+        ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
+        ax.axvline(0, color=GREY, linewidth=0.4, zorder=0)
     x, force, name = _environment_loop(run, part)
-    ax.plot(_smooth(x) * factor, _smooth(force), color=BLUE, linewidth=1.1)
-    ax.plot(
-        _smooth(run.displacement[part]) * factor, _smooth(run.force[part]), color=RED, linestyle=_DASHED, linewidth=1.1
-    )
+    blue, red = (BLUE, RED) if look.plain else (look.color, look.color)
+    lines = ax.plot(_smooth(x) * factor, _smooth(force), color=blue, linewidth=1.1, label=f"{name}{look.suffix}")
+    lines += ax.plot(
+        _smooth(run.displacement[part]) * factor, _smooth(run.force[part]), color=red, linestyle=DASHED, linewidth=1.1,
+        label=f"at the hand{look.suffix}",
+    )  # fmt: skip
     dress(ax)
     ax.set_xlabel(f"displacement ({shown})", fontsize=TEXT)
     ax.set_ylabel(f"force ({newton})", fontsize=TEXT)
-    legend(ax, [handle(BLUE, _SOLID, name), handle(RED, _DASHED, "at the hand")])
+    legend(ax, lines)
+    return lines
 
 
-def draw_recovered(ax: Axes, runs: Sequence[Simulated], part: Part) -> None:
-    """Re or Im of H_perc over frequency: the closed form as a line, what was recovered from the force as rings."""
+def draw_recovered(
+    ax: Axes,
+    runs: Sequence[Simulated],
+    part: Part,
+    *,
+    color: str | None = None,
+    label: str = "",
+    hertz: bool | None = None,
+) -> list[Line2D]:
+    """Re or Im of H_perc over frequency: the closed form as a line, what was recovered from the force as rings.
+
+    ``color``, ``label``, ``hertz`` : as of ``haptisym.figures.ratios.draw_ratios``. Returns the line and the rings.
+    """
+    scene = runs[0].scene
+    look, scale = Look.on(ax, "closed form", color, label), scale_of(ax, scene.band, hertz=hertz)
     rows = sorted((x for run in runs for x in run.estimates), key=lambda x: x.omega)
     omegas = np.array([x.omega for x in rows])
     low, high = omegas[0], omegas[-1]
     margin = 0.04 * (high - low) or 0.1 * high
     grid = np.linspace(max(low - margin, low / 2), high + margin, 601)
-    values = runs[0].scene.distortion().compile()(grid)
+    values = scene.distortion().compile()(grid)
     curve = values.perceived_real if part is Part.REAL else values.perceived_imag
     found = [x.simulated.real if part is Part.REAL else x.simulated.imag for x in rows]
-    ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
-    ax.plot(grid, curve, color=RED, linestyle=_DASHED, linewidth=1.1)
+    if not look.number:
+        ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
+    line, ring = (RED, INK) if look.plain else (look.color, look.color)
     marker: dict[str, Any] = {"marker": "o", "markersize": 3.8, "markerfacecolor": "white", "markeredgewidth": 0.9}
-    ax.plot(omegas, found, linestyle="none", color=INK, zorder=4, **marker)
-    ax.set(xlim=(grid[0], grid[-1]), ylim=_limits(curve, np.array(found)))
+    named = {name: f"{name}{look.suffix}" for name in ("closed form", "from the simulated force")}
+    lines = ax.plot(scale.of(grid), curve, color=line, linestyle=DASHED, linewidth=1.1, label=named["closed form"])
+    lines += ax.plot(
+        scale.of(omegas),
+        found,
+        linestyle="none",
+        color=ring,
+        zorder=4,
+        label=named["from the simulated force"],
+        **marker,
+    )
+    limit(ax, (scale.of(grid[0]), scale.of(grid[-1])), _limits(curve, np.array(found)), number=look.number)
     dress(ax)
-    ax.set_xlabel(r"$\omega$ (rad/s)", fontsize=TEXT)
-    unit = "N·m/rad" if runs[0].scene.motion is Kind.ROTATION else "N/m"
+    name_frequency(ax, scale)
+    unit = "N·m/rad" if scene.motion is Kind.ROTATION else "N/m"
     name = rf"\mathrm{{{'Re' if part is Part.REAL else 'Im'}}}"
     ax.set_ylabel(rf"${name}\,H_\mathrm{{perc}}$ ({unit})", fontsize=TEXT)
-    rings = Line2D([], [], linestyle="none", color=INK, label="from the simulated force", **marker)
-    legend(ax, [handle(RED, _DASHED, "closed form"), rings])
+    legend(ax, lines)
+    return lines
 
 
 def save_simulation_figures(runs: Sequence[Simulated], directory: str | Path) -> list[Path]:
@@ -100,7 +168,7 @@ def save_simulation_figures(runs: Sequence[Simulated], directory: str | Path) ->
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
     run = runs[len(runs) // 2]
-    drawings: dict[str, tuple[float, Callable[[Axes], None]]] = {
+    drawings: dict[str, tuple[float, Callable[[Axes], object]]] = {
         "simulated-time": (2.0, lambda ax: draw_time(ax, run)),
         "simulated-loop": (2.4, lambda ax: draw_loop(ax, run)),
     }
@@ -148,5 +216,6 @@ def _units(run: Simulated) -> tuple[str, str]:
     return ("rad", "N·m") if run.scene.motion is Kind.ROTATION else ("m", "N")
 
 
-def _short_length(value: float, unit: str) -> str:
-    return f"{value * 1e3:.3g} mm" if unit == "m" and value < 0.2 else f"{value:.3g} {unit}"
+def _length(largest: float, unit: str) -> tuple[float, str]:
+    """How many of the unit in which a displacement is drawn make one of its own, and that unit: mm for small ones."""
+    return (1e3, "mm") if unit == "m" and largest < 0.2 else (1.0, unit)
