@@ -17,7 +17,7 @@ LAYERS = """
 commands.fitting commands.progress commands.spelling \
 errors symbols costs.measurement pruning.suprema report.html simulation.network simulation.threads sweeps.batch \
 tolerance.taylormodels typeset.boxes
-commands.streams commands.verb \
+budget commands.streams commands.verb \
 expressions codegen.names exact.reals exact.rings figures.kinds formulas.steps numeric.accuracy simulation.descriptor \
 sweeps.bernstein typeset.names
 quantities simulation.rest codegen.printers exact.axis exact.bernstein exact.eliminants exact.zeros numeric.program sensitivities.implicit \
@@ -44,7 +44,7 @@ costs.questions formulas.asymptotics pruning.differences requirement.freeparamet
 sweeps.exactly tolerance.excess
 commands.options costs.hardcases costs.usual pruning.subsets requirement.cells requirement.criticalvalues \
 requirement.required requirement.thresholds simulation.simulate sweeps.axes sweeps.curves tolerance.search
-commands.scenes costs.hardtext costs.methods pruning.relevance simulation.command sweeps.kernel tolerance.proofs
+commands.limit commands.scenes costs.hardtext costs.methods pruning.relevance simulation.command sweeps.kernel tolerance.proofs
 answers costs.simulated costs.tasks sweeps.blocks tolerance.quantiles
 text family.worstcase sweeps.store
 family.text pruning.text requirement.text sweeps.designspace sweeps.text tolerance.text

@@ -32,7 +32,7 @@ def _ends(spans: tuple[Span, ...]) -> list[tuple[str | None, bool, str | None, b
 def _by_critical_values(scene: hs.Scene, path: str, asked: tuple[object, object] | None) -> tuple[Span, ...]:
     free = free_parameter(scene, path)
     found = conditions(scene, [free])
-    return Problem(found, free.symbol, scene.band, domain(free, asked), partial(_allowed, scene, free)).solve()  # type: ignore[arg-type]
+    return Problem(found, free.symbol, scene.band, domain(free, asked), partial(_allowed, scene, free)).solve().feasible  # type: ignore[arg-type]
 
 
 RATIONAL = [n for n in hs.scene_names() if n in {*QUICK, "two-mass-resonance", "steering-wheel", "satellite-contact"}]

@@ -30,6 +30,10 @@ class UndecidedError(HaptisymError):
     """A question stayed open at the precision limit; no guess is returned instead (exit status 3)."""
 
 
+class LimitError(UndecidedError):
+    """A question stayed open because the time that it was given is over; more of it may answer it (exit status 3)."""
+
+
 def meant(given: str, valid: Iterable[str]) -> str:
     """A question to stand before the list of valid names: what a name that is none of them is close to, or the end of.
 

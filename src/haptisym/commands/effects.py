@@ -9,7 +9,9 @@ import click
 
 from haptisym.scene import Scene
 
+from .limit import within_limit
 from .options import drawn, figure_option, json_option, scene_argument
+from .progress import quiet
 from .streams import say, say_document
 from .verb import verb
 
@@ -25,6 +27,7 @@ from .verb import verb
     help="Largest change of r_r and r_i that leaving out effects may make.",
 )
 @figure_option("the influences along the band")
+@within_limit
 def effects(scene: Scene, as_json: bool, tolerance: str, figure: Path | None) -> None:
     """Find which effects of a scene matter, with proof.
 
@@ -49,4 +52,6 @@ def effects(scene: Scene, as_json: bool, tolerance: str, figure: Path | None) ->
         from haptisym.pruning.figure import save_influences
 
         drawn(save_influences, found, figure)
-    say_document(dumps(document(found), indent=2, ensure_ascii=False)) if as_json else say(page(found))
+    text = dumps(document(found), indent=2, ensure_ascii=False) if as_json else page(found)
+    quiet()
+    say_document(text) if as_json else say(text)

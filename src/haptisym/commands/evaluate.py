@@ -6,12 +6,15 @@ from pathlib import Path
 
 import click
 
+from haptisym.budget import limited
 from haptisym.errors import SceneError
 from haptisym.evaluation import evaluate as evaluate_scene
 from haptisym.family.family import SceneFamily
 from haptisym.scenefile import chosen, load_scenes
 
+from .limit import limit_option
 from .options import environment_option, figures_option, file_option, hand_over, json_option, keep, keep_figures
+from .progress import progress
 from .verb import verb
 
 
@@ -37,6 +40,7 @@ from .verb import verb
 @figures_option
 @file_option("latex", "Write the derivation as LaTeX.")
 @file_option("report", "Write the report: a page (.html) with an explorer, or a document (.pdf).")
+@limit_option
 def evaluate(
     scene: str,
     more: tuple[str, ...],
@@ -48,6 +52,7 @@ def evaluate(
     figures: Path | None,
     latex: Path | None,
     report: Path | None,
+    limit: float,
 ) -> None:
     """Find when a display begins to be noticed, and how it is felt, with proof.
 
@@ -75,10 +80,12 @@ def evaluate(
     family = load_scenes(scene, (*environments, *more))
     if environment is None and (environments or len(family) > 1):
         refused = {"--latex": latex, "--report": report, "--tolerance": tolerance}
-        _evaluate_all(family, digits, figures, as_json, [name for name, given in refused.items() if given is not None])
+        names = [name for name, given in refused.items() if given is not None]
+        _evaluate_all(family, digits, figures, as_json, names, limit)
         return
     one = family[str(environment)] if environments else chosen(family, Path(scene).name, environment)
-    result = evaluate_scene(one, digits, tolerance=tolerance)
+    with progress() as told, limited(limit, told):
+        result = evaluate_scene(one, digits, tolerance=tolerance)
     if figures is not None:
         from haptisym.figures.files import save_figures
 
@@ -94,13 +101,16 @@ def evaluate(
     hand_over(result, as_json=as_json)
 
 
-def _evaluate_all(family: SceneFamily, digits: int, figures: Path | None, as_json: bool, refused: list[str]) -> None:
+def _evaluate_all(
+    family: SceneFamily, digits: int, figures: Path | None, as_json: bool, refused: list[str], limit: float
+) -> None:
     """Several environments at once."""
     from haptisym.family.evaluation import evaluate_all
 
     if refused:
         raise SceneError(f"{refused[0]} takes one environment: choose it with --environment NAME")
-    result = evaluate_all(family, digits)
+    with progress() as told, limited(limit, told):
+        result = evaluate_all(family, digits)
     if figures is not None:
         from haptisym.family.figure import save_family_figures
 

@@ -15,6 +15,7 @@ from haptisym.errors import NothingToDrawError, SceneError
 from haptisym.figures.kinds import checked
 from haptisym.scenefile import load_scene
 
+from .progress import quiet
 from .streams import note, say, say_document, to_file
 
 Command = Callable[..., Any]
@@ -92,6 +93,7 @@ def figures_option(command: Command) -> Command:
 
 def written(what: str, path: Path) -> None:
     """Tell on standard error that a file is there."""
+    quiet()
     note(f"{what} written to {path}")
 
 
@@ -114,11 +116,14 @@ def drawn(save: Callable[..., Any], found: Any, path: Path) -> None:
     try:
         keep("figure", path, lambda: save(found, path))
     except NothingToDrawError as error:
+        quiet()
         note(f"no figure: {error}")
 
 
 def hand_over(found: Answer, *, as_json: bool) -> None:
     """Print an answer; exit status 3 where something in it stayed undecided."""
-    say_document(found.to_json()) if as_json else say(str(found))
+    text = found.to_json() if as_json else str(found)
+    quiet()
+    say_document(text) if as_json else say(text)
     if not found.certified:
         sys.exit(3)

@@ -9,6 +9,8 @@ from time import monotonic
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
+import click
+
 if TYPE_CHECKING:
     from rich.progress import Progress
 
@@ -30,11 +32,25 @@ def progress(unit: str = "", *, kept: str = "there is no answer") -> Iterator[To
     ...     told(1, 10)
     ...     told(2, None, "the second half")
     """
+    context = click.get_current_context(silent=True)
     with Told(unit) as told:
+        if context is not None:
+            context.meta[_BAR] = told
         try:
             yield told
         except KeyboardInterrupt:
             raise KeyboardInterrupt(f" at {told.reached}: {kept}" if told.reached else f": {kept}") from None
+
+
+_BAR = "haptisym.progress"  # under which a call of the command line keeps its bar
+
+
+def quiet() -> None:
+    """Take the bar away for good, as something is about to be printed."""
+    context = click.get_current_context(silent=True)
+    told = context.meta.pop(_BAR, None) if context is not None else None
+    if told is not None:
+        told.stop()
 
 
 class Told:
@@ -53,6 +69,11 @@ class Told:
     def __exit__(
         self, _kind: type[BaseException] | None, _what: BaseException | None, _at: TracebackType | None
     ) -> None:
+        self.stop()
+
+    def stop(self) -> None:
+        """The bar leaves, and does not come again."""
+        self.seen = False
         if self.bar is not None:
             self.bar.stop()
 

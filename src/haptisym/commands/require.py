@@ -8,7 +8,9 @@ import click
 
 from haptisym.scene import Scene
 
+from .limit import limit_option
 from .options import drawn, figure_option, hand_over, json_option, scene_argument
+from .progress import progress
 from .verb import given, verb
 
 
@@ -42,6 +44,7 @@ from .verb import given, verb
 )
 @figure_option("the set, or the map")
 @click.option("--slices", type=click.IntRange(3, 2000), default=41, show_default=True, help="Exact slices of a map.")
+@limit_option
 @click.pass_context
 def require(
     context: click.Context,
@@ -54,6 +57,7 @@ def require(
     digits: int,
     figure: Path | None,
     slices: int,
+    limit: float,
 ) -> None:
     """Find all values of a parameter for which a display is transparent on its whole band.
 
@@ -84,9 +88,17 @@ def require(
     if len(paths) == 2:
         if not ranges:
             raise SceneError("a map of two parameters needs a --range for each")
-        found = design_map(scene, paths, ranges, part=part, any_environment=any_environment, slices=slices)
+        with progress() as told:
+            found = design_map(
+                scene, paths, ranges,
+                part=part, any_environment=any_environment, slices=slices, limit=limit, told=told,
+            )  # fmt: skip
     else:
-        found = ask(scene, paths[0], *ranges, part=part, any_environment=any_environment, digits=digits)
+        with progress() as told:
+            found = ask(
+                scene, paths[0], *ranges,
+                part=part, any_environment=any_environment, digits=digits, limit=limit, told=told,
+            )  # fmt: skip
     if figure is not None:
         from haptisym.requirement.figures import save_requirement
 

@@ -8,6 +8,7 @@ import click
 
 from haptisym.scene import Scene
 
+from .limit import within_limit
 from .options import drawn, figure_option, hand_over, json_option, scene_argument
 from .verb import verb
 
@@ -19,6 +20,7 @@ from .verb import verb
     "--digits", type=click.IntRange(1, 1000), default=15, show_default=True, help="Correct decimal digits in --json."
 )
 @figure_option("bars of the elasticities")
+@within_limit
 def sensitivity(scene: Scene, as_json: bool, digits: int, figure: Path | None) -> None:
     """Tell how each frequency moves with each parameter, exactly.
 

@@ -9,7 +9,9 @@ import click
 from haptisym.errors import SceneError
 from haptisym.scene import Scene
 
+from .limit import limit_option
 from .options import drawn, figure_option, hand_over, json_option, scene_argument
+from .progress import progress
 from .verb import given, verb
 
 
@@ -25,7 +27,8 @@ from .verb import given, verb
 )
 @click.option("--seed", type=int, default=2019, show_default=True, help="Of the random numbers of the estimates.")
 @figure_option("enclosures and samples")
-def tolerances(scene: Scene, as_json: bool, samples: int, seed: int, figure: Path | None) -> None:
+@limit_option
+def tolerances(scene: Scene, as_json: bool, samples: int, seed: int, figure: Path | None, limit: float) -> None:
     """Tell what holds for all values of parameters that are known as ranges.
 
     SCENE is a scene file (TOML) or the name of a shipped scene; a parameter in it may be written "1.8 kg +- 5 %",
@@ -33,7 +36,7 @@ def tolerances(scene: Scene, as_json: bool, samples: int, seed: int, figure: Pat
 
     Proven by branch and bound: whether the display is transparent on the band for all values, for none or for some, and
     between which frequencies (rad/s) each crossing stays. Estimated, and said so: quantiles over values drawn at random. Exit
-    status 3 if the verdict stayed undecided within the work budget.
+    status 3 if the verdict stayed undecided within the limit.
 
     \b
     Examples:
@@ -48,7 +51,8 @@ def tolerances(scene: Scene, as_json: bool, samples: int, seed: int, figure: Pat
             "--seed is about the random numbers of the estimates, and --samples 0 draws none: leave out one of them"
         )
 
-    found = of(scene, samples, seed)
+    with progress() as told:
+        found = of(scene, samples, seed, limit=limit, told=told)
     if figure is not None:
         from haptisym.tolerance.figure import save_tolerances
 

@@ -20,6 +20,8 @@ from typing import Any, TypeAlias
 
 from flint import fmpq, fmpz, nmod_mat, nmod_poly
 
+from haptisym.budget import tick
+
 from .rings import Polynomial
 
 _Pair: TypeAlias = tuple[int, int]
@@ -60,7 +62,7 @@ def resultant(f: Polynomial, g: Polynomial, main: int) -> Polynomial:
     return task.solved(m * log2(n + 1) + n * log2(m + 1), lambda polynomials: polynomials[0].resultant(polynomials[1]))
 
 
-_LEAST_WEIGHT = 20  # below, and with one further variable, polynomial arithmetic is faster
+_LEAST_WEIGHT = {1: 100, 2: 20}  # by the number of further variables: below, polynomial arithmetic is faster
 
 
 @dataclass(frozen=True)
@@ -80,11 +82,17 @@ class _Task:
     @classmethod
     def of(cls, given: Sequence[Polynomial], main: int, counts: Sequence[int], weight: int) -> _Task | None:
         """None where FLINT's own way is faster, or where there are more further variables than two."""
-        others = tuple(i for i in range(len(given[0].degrees())) if i != main and any(p.degrees()[i] for p in given))
-        if len(others) != 2 or weight < _LEAST_WEIGHT:
+        every = [i for i in range(len(given[0].degrees())) if i != main]
+        others = [i for i in every if any(p.degrees()[i] for p in given)]
+        if len(others) not in _LEAST_WEIGHT or weight < _LEAST_WEIGHT[len(others)]:
             return None
+        if len(others) == 1:
+            idle = [i for i in every if i not in others]
+            if not idle:
+                return None
+            others.append(idle[0])
         exponents = [e for p in given for e in p.monoms()]
-        first, second = (reduce(gcd, (int(e[i]) for e in exponents)) for i in others)
+        first, second = (reduce(gcd, (int(e[i]) for e in exponents)) or 1 for i in others)
         polynomials = [_rows(p, main, others, (first, second)) for p in given]
         return cls(given[0].context(), polynomials, (others[0], others[1]), (first, second), counts, weight)
 
@@ -100,6 +108,7 @@ class _Task:
         total, modulus = [0] * (sizes[0] * sizes[1]), 1
         primes = _primes()
         while modulus.bit_length() <= bits:
+            tick(modulus.bit_length(), bits, "resultants")
             p = next(primes)
             step = pow(modulus, -1, p)
             found = self._modulo(p, sizes, eliminant)

@@ -8,6 +8,7 @@ import flint
 from flint import arb
 from sympy import Expr
 
+from haptisym.budget import tick
 from haptisym.errors import UndecidedError
 
 from .reals import Ball, RealNumber, expression_ball
@@ -27,6 +28,7 @@ def isolated(f: SeriesFactor, low: Ball, high: Ball) -> list[RealNumber]:
     found: list[RealNumber] = []
     pieces = [(low, high)] if low < high else []
     while pieces:
+        tick()
         a, b = pieces.pop()
         answer = _judged(f, a, b, len(found))
         if answer is None:

@@ -11,6 +11,7 @@ import flint
 from flint import acb_poly, arb, arb_poly, fmpq, fmpq_poly, fmpz_poly
 from sympy import Expr, pi
 
+from haptisym.budget import tick
 from haptisym.errors import UndecidedError
 from haptisym.symbols import omega
 
@@ -154,6 +155,7 @@ def _at_precision(factor: PolynomialFactor, bits: int) -> tuple[arb_poly, arb_po
 def _roots(factor: PolynomialFactor, bits: int) -> tuple[Ball, ...]:
     """Balls around all positive roots in omega^step, ascending, computed with at least that many bits."""
     while bits < _MOST_BITS_EXACT:
+        tick()
         with flint.ctx.workprec(bits):
             found = factor.isolated(bits)
         if found is not None:

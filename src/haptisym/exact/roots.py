@@ -15,6 +15,7 @@ from typing import Any, TypeAlias
 import flint
 from sympy import Expr, Rational
 
+from haptisym.budget import tick
 from haptisym.errors import UndecidedError
 from haptisym.symbols import omega
 
@@ -192,6 +193,7 @@ def _places(factors: set[Factor], low: Expr, high: Expr) -> list[_Place]:
     done: set[Factor] = {f for found in at_ends for f in found if isinstance(f, PolynomialFactor)}
     zeros: dict[RealNumber, dict[Factor, int]] = {}
     for f in factors - done:
+        tick()
         for number in f.zeros(low, high):
             zeros.setdefault(number, {})[f] = f.multiplicity(number)
     ordered = in_order([*ends, *zeros])
@@ -204,6 +206,7 @@ def in_order(numbers: list[RealNumber]) -> list[RealNumber]:
     """Different numbers in ascending order, told apart by enclosures as tight as it takes."""
     bits = 64
     while bits <= MOST_BITS * (1 if any(isinstance(x, Zero | Undecided) for x in numbers) else 128):
+        tick()
         with flint.ctx.workprec(bits):
             enclosed = sorted(((x.ball(bits), x) for x in numbers), key=lambda pair: pair[0].mid())
             close = [a for (a, _), (b, _) in pairwise(enclosed) if not a < b]

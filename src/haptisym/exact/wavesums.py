@@ -11,6 +11,8 @@ import flint
 from flint import arb, arb_mat, arb_poly, fmpz_poly
 from sympy import Expr
 
+from haptisym.budget import tick
+
 from .bernstein import range_of
 from .reals import Ball, expression_ball
 
@@ -102,6 +104,7 @@ class Compiled:
 
     def series(self, x: Ball, start: int, stop: int) -> list[Ball]:
         """Balls around the Taylor coefficients of orders from ``start`` to before ``stop`` about every point of a ball."""
+        tick()
         outer, last = self._waves(x)
         columns = arb_mat(self._width, 1, _powers(x, self._width))
         found = [arb(0)] * (stop - start)
@@ -165,6 +168,7 @@ class _Derivatives:
     def _derived(self, blocks: _Blocks, order: int) -> _Blocks:
         found: dict[_Turns, arb_mat] = {}
         for others, block in blocks.items():
+            tick()
             parts = [(others, block * self._shift + self._turn * block)]
             for i, (rate, degree) in enumerate(self._outer):
                 k = others[i]

@@ -17,6 +17,7 @@ import flint
 from flint import arb
 from sympy import Expr
 
+from haptisym.budget import tick
 from haptisym.errors import UndecidedError
 
 from .reals import Ball, RealNumber, expression_ball
@@ -55,6 +56,7 @@ def at_rising_precision(ask: Callable[[int], T | None], most_bits: int = MOST_BI
     """The first answer there is, asked at working precisions of 128, 256, ... bits; None if there is none at the limit."""
     bits = 128
     while bits <= most_bits:
+        tick()
         with flint.ctx.workprec(bits):
             answer = ask(bits)
         if answer is not None:
@@ -164,6 +166,7 @@ def tightened(low: Ball, high: Ball, bits: int, jet: Jet) -> Ball:
         return near
     left = sign_of(jet(low, 1)[0])
     while low.union(high).rel_accuracy_bits() < bits - 24:
+        tick()
         before, middle = high - low, ((low + high) / 2).mid()
         at, steep = jet(middle, 1)[0], jet(low.union(high), 2)[1]
         if is_clear(steep):
@@ -181,6 +184,7 @@ def _approached(low: Ball, high: Ball, bits: int, jet: Jet) -> Ball | None:
     """The same where Newton's steps from point to point, which prove nothing, find it, and signs beside it prove it."""
     x = ((low + high) / 2).mid()
     for _ in range(_MOST_STEPS):
+        tick()
         value, slope = jet(x, 2)
         step = (value / slope).mid()
         x = (x - step).mid()

@@ -19,6 +19,8 @@ import flint
 from flint import arb
 from sympy import Expr, Symbol, pi
 
+from haptisym.budget import tick
+from haptisym.errors import LimitError
 from haptisym.exact.reals import ExactNumber, RealNumber, dyadic
 from haptisym.exact.response import RealFunction
 from haptisym.exact.roots import Interval, chart
@@ -84,8 +86,13 @@ class Search:
         for _ in range(_MOST_CELLS):
             if not waiting:
                 break
-            _, a, b = heappop(waiting)
-            leaf = self._judged(a, b)
+            _, a, b = waiting[0]
+            try:
+                tick(len(found), len(found) + len(waiting), "values in cells")
+                leaf = self._judged(a, b)
+            except LimitError:  # what waits stays open
+                break
+            heappop(waiting)
             if leaf.verdict is not Verdict.OPEN or self._width(a, b) < _NARROW:
                 found.append(leaf)
                 continue
@@ -139,15 +146,18 @@ class Search:
 
     def _tail(self, sign: int, start: Fraction) -> Leaf:
         """The values beyond a number, the first of its doubles for which they show to be alike."""
-        turned = self._tail_by_phase(sign)
-        if turned is not None:
-            return turned
-        bound = start
-        for _ in range(_DOUBLINGS):
-            verdict = self._beyond(sign, bound)
-            if verdict is not Verdict.OPEN:
-                break
-            bound *= 2
+        bound, verdict = start, Verdict.OPEN
+        try:
+            turned = self._tail_by_phase(sign)
+            if turned is not None:
+                return turned
+            for _ in range(_DOUBLINGS):
+                verdict = self._beyond(sign, bound)
+                if verdict is not Verdict.OPEN:
+                    break
+                bound *= 2
+        except LimitError:
+            verdict = Verdict.OPEN
         return Leaf(bound, None, verdict) if sign > 0 else Leaf(None, bound, verdict)
 
     def _beyond(self, sign: int, bound: Fraction) -> Verdict:

@@ -20,7 +20,8 @@ import flint
 from flint import arb, fmpq
 from sympy import Expr, Integer, Rational, Symbol, pi
 
-from haptisym.errors import SceneError, UndecidedError
+from haptisym.budget import tick
+from haptisym.errors import LimitError, SceneError, UndecidedError
 from haptisym.exact.axis import Axis
 from haptisym.exact.eliminants import discriminant, resultant
 from haptisym.exact.polynomials import PolynomialFactor, Root
@@ -36,6 +37,7 @@ from .freeparameter import Conditions, Domain
 from .touches import Surface, touch
 
 _MOST_BITS = 1 << 16  # a number that is not zero shows it before
+_LARGE = 10  # degree in omega^2 of a condition: a device of order 4
 _ROUNDS = (8, 32, 128, 512)
 """Bits by which a critical value is approached for a witness, before its number field is asked."""
 
@@ -64,6 +66,14 @@ class Cell:
 
 
 @dataclass(frozen=True)
+class Answer:
+    """The values for which conditions hold, and those about which nothing was proven in time."""
+
+    feasible: tuple[Span, ...]
+    undecided: tuple[tuple[RealNumber | None, RealNumber | None], ...] = ()
+
+
+@dataclass(frozen=True)
 class Problem:
     """Conditions in omega and one parameter, to be kept on a whole band; ``allowed``: whether the scene exists at a value."""
 
@@ -73,20 +83,57 @@ class Problem:
     domain: Domain
     allowed: Callable[[Expr], bool]
 
-    def solve(self) -> tuple[Span, ...]:
-        """All values of the domain for which every condition holds on the whole band, as intervals in order."""
+    def solve(self) -> Answer:
+        """All values of the domain for which every condition holds on the whole band, as intervals in order.
+
+        LimitError if the time does not last for the critical values; if not for what lies between them, that stays undecided.
+        """
         values = self._values
         low, high = self.domain.low, self.domain.high
         places: list[RealNumber | None] = [*([None] if low is None else []), *values, *([None] if high is None else [])]
-        cells = [Cell(x, self._broken(x)) for x in (rational_between(a, b) for a, b in pairwise(places))]
+        cells = [self._cell(a, b, i / len(places)) for i, (a, b) in enumerate(pairwise(places))]
         around = list(zip([None, *cells], [*cells, None], strict=True))
-        at = [x is not None and self._holds(x, *near) for x, near in zip(places, around, strict=True)]
+        at = [self._known_to_hold(x, *near) for x, near in zip(places, around, strict=True)]
 
         def end(i: int, *, closed: bool) -> End:
-            return End(places[i], closed, self._bindings(places[i], around[i]))
+            beside_open = None in cells[max(i - 1, 0) : i + 1]  # the set may go on there
+            return End(places[i], closed, () if beside_open else self._bindings(places[i], around[i]))
 
-        found = runs(at, [cell.feasible for cell in cells])
-        return tuple(Span(end(i, closed=a), end(j, closed=b)) for i, j, a, b in found)
+        found = runs([x is True for x in at], [cell is not None and cell.feasible for cell in cells])
+        open_ = runs([x is None for x in at], [cell is None for cell in cells])
+        spans = tuple(Span(end(i, closed=a), end(j, closed=b)) for i, j, a, b in found)
+        return Answer(spans, tuple((places[i], places[j]) for i, j, _, _ in open_))
+
+    @property
+    def is_large(self) -> bool:
+        """Whether critical values take long, and balls tell the same: the scene exists for all values of the domain."""
+        functions = [condition.function for condition in self.conditions.values()]
+        if max(int(_in_square(f.numerator).degrees()[0]) for f in functions if not f.numerator.is_zero()) < _LARGE:
+            return False
+        below = [f for g in functions for f, _ in _factors(g.denominator)] + [
+            g.denominator.term_content() for g in functions
+        ]
+        return not any(f.degrees()[self._index] and not f.degrees()[0] for f in below)
+
+    def prepare(self) -> None:
+        """Find the critical values, which is most of the work."""
+        self._values  # noqa: B018 - kept from here on
+
+    def _cell(self, low: RealNumber | None, high: RealNumber | None, done: float) -> Cell | None:
+        """The values between two neighbours; None where the time was over before they were decided."""
+        try:
+            tick(done, 1, "values between critical ones")
+            sample = rational_between(low, high)
+            return Cell(sample, self._broken(sample))
+        except LimitError:
+            return None
+
+    def _known_to_hold(self, value: RealNumber | None, before: Cell | None, after: Cell | None) -> bool | None:
+        """Whether the conditions hold at a value; None where the time was over before that was decided."""
+        try:
+            return value is not None and self._holds(value, before, after)
+        except LimitError:
+            return None
 
     # Critical values
 
@@ -221,7 +268,7 @@ class Problem:
         root = value.number if isinstance(value, Negative) else value
         assert isinstance(root, Root)
         minimal = _polynomial(self._ring, self._index, root.factor, mirrored=root is not value)
-        norm = resultant(self.conditions[part].function.numerator, minimal, self._index)
+        norm = resultant(self.conditions[part].function.cleared().numerator, minimal, self._index)
         places = [x.omega for x in chart({part: RealFunction(self._ring.function(norm))}, *self.band).points]
         if norm.is_zero():
             return False
@@ -251,7 +298,10 @@ class Problem:
             if (part, kind) in reasons
         ]
         touching = [part for part in self.conditions if (part, Kind.TOUCH) in reasons]
-        return (*found, *(x for part in touching for x in self._touches(part, value, around)))
+        try:
+            return (*found, *(x for part in touching for x in self._touches(part, value, around)))
+        except LimitError:  # at which frequency was not found in time
+            return (*found, *(Binding(part, None, Kind.TOUCH) for part in touching))
 
     def _touches(
         self, part: Part | None, value: RealNumber, around: tuple[Cell | None, Cell | None]

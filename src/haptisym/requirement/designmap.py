@@ -13,6 +13,7 @@ from typing import Any
 
 from sympy import Expr
 
+from haptisym.budget import Told, limited
 from haptisym.errors import SceneError
 from haptisym.jnd import Part
 from haptisym.quantities import Number
@@ -91,7 +92,7 @@ class DesignMap:
             "slices": [
                 {
                     "at": float(x.at),
-                    **{key: x.requirement.to_dict()[key] for key in ("feasible", "binding", "certified")},
+                    **{key: x.requirement.to_dict()[key] for key in ("feasible", "binding", "undecided", "certified")},
                 }
                 for x in self.slices
             ],
@@ -143,10 +144,13 @@ def design_map(
     part: Part | None = None,
     any_environment: bool = False,
     slices: int = 41,
+    limit: float | None = None,
+    told: Told | None = None,
 ) -> DesignMap:
     """The transparent region in two parameters, by that many slices, and more where their number of intervals changes.
 
     ``paths``: of both parameters; ``ranges``: of each, SI or with a unit. Every slice is a ``Requirement`` on the second one.
+    ``limit``, ``told``: as in ``require``; of slices that were not reached in time every value is undecided.
 
     >>> from haptisym.scenefile import load_scene
     >>> found = design_map(load_scene("fu2019"), ["zeta", "omega_n"], [("0.4", "0.6"), (50, 500)], slices=3)
@@ -161,16 +165,23 @@ def design_map(
     for free, pair in zip((first, second), ((low, high), other), strict=True):
         domain(free, pair)
 
-    def cut(at: Expr) -> Slice:
+    def cut(at: Expr, n: int, count: int) -> Slice:
+        budget.say(n, count, "slices")
         asked = require(first.put(scene, at), second.path, other, part=part, any_environment=any_environment)
         return Slice(at, asked)
 
+    def cut_all(places: Sequence[Expr]) -> list[Slice]:
+        return [cut(at, n, len(places)) for n, at in enumerate(places)]
+
     step = (high - low) / (slices - 1)
     start = [low + step * i for i in range(slices)]
-    found = [cut(at) for at in start if first.rule.allows(at)]
-    for _ in range(_CLOSER):
-        wanted = [(a.at + b.at) / 2 for a, b in pairwise(found) if _differ(a, b)]
-        found = sorted([*found, *map(cut, wanted)], key=lambda x: float(x.at))
+    with limited(limit, told) as budget:
+        found = cut_all([at for at in start if first.rule.allows(at)])
+        for _ in range(_CLOSER):
+            wanted = [(a.at + b.at) / 2 for a, b in pairwise(found) if _differ(a, b)]
+            if budget.reached:  # what could be told apart is
+                break
+            found = sorted([*found, *cut_all(wanted)], key=lambda x: float(x.at))
     return DesignMap(scene, (first, second), ((low, high), other), tuple(found), part, any_environment)
 
 

@@ -11,6 +11,7 @@ import flint
 from flint import arb
 from sympy import Expr
 
+from haptisym.budget import tick
 from haptisym.exact.reals import Ball, RealNumber, expression_ball
 from haptisym.exact.wavesums import Compiled
 from haptisym.exact.zeros import rounded_up, tightened
@@ -240,6 +241,7 @@ def _unclear(strip: Strip, low: Ball, high: Ball) -> Verdict | list[_Box]:
     found: list[_Box] = []
     waiting, count = [(low, high)], 0
     while waiting:
+        tick()
         a, b = waiting.pop()
         count += 1
         box = a.union(b)

@@ -8,14 +8,16 @@ from fractions import Fraction
 from functools import cached_property, partial
 from pathlib import Path
 
+import flint
 from sympy import Expr, Rational
 
 from haptisym.bounds import relative_square
+from haptisym.budget import Told, limited, share
 from haptisym.catalogue import values
 from haptisym.crossings import excess
-from haptisym.errors import SceneError
+from haptisym.errors import LimitError, SceneError
 from haptisym.exact.levels import Level
-from haptisym.exact.reals import ExactNumber, RealNumber, Sliver
+from haptisym.exact.reals import ExactNumber, RealNumber, Sliver, expression_ball
 from haptisym.exact.response import RealFunction
 from haptisym.jnd import Part
 from haptisym.quantities import Number
@@ -50,6 +52,8 @@ def require(
     part: Part | None = None,
     any_environment: bool = False,
     digits: int = 15,
+    limit: float | None = None,
+    told: Told | None = None,
 ) -> Requirement:
     """The values of one parameter for which r_r <= c_real and r_i <= c_imag on the whole band: all of them, exactly.
 
@@ -58,8 +62,12 @@ def require(
     ``part`` : ask for one part's condition only. ``any_environment`` : ask for |G - 1| <= c instead, which series effects G
     must keep to go unnoticed with every environment.
 
-    For a rational scene the answer is exact and always complete. With delays, holds or powers of s it is certified by ball
-    arithmetic; what that leaves open is in ``undecided``. SceneError where the path, the range or the scene is not fit.
+    ``limit`` : seconds after which what is proven so far is answered, all other values being undecided; None for no limit.
+    ``told`` : is called now and then with how much is done, of how much, and what it is.
+
+    For a rational scene the answer is exact and, without a limit, always complete. With delays, holds or powers of s it is
+    certified by ball arithmetic; what that leaves open is in ``undecided``. SceneError where the path, the range or the scene
+    is not fit.
 
     >>> from haptisym.scenefile import load_scene
     >>> found = require(load_scene("fu2019"), "effects.filter.omega_n")
@@ -76,12 +84,39 @@ def require(
     keys = (part,) if part else tuple(Part)
     found = any_environment_condition(scene, [free]) if any_environment else conditions(scene, [free], keys)
     start = Requirement(scene, free, asked, (), (), tuple(found), digits)
+    with limited(limit, told) as budget:
+        answer = _answered(start, found)
+    return replace(answer, limit=budget.seconds if budget.reached else None)
+
+
+def _answered(start: Requirement, found: Conditions) -> Requirement:
+    """By the way that fits the conditions; where critical values take too long, by balls in the time that is left."""
+    scene, free, asked = start.scene, start.free, start.domain
     if free.parts:
-        return replace(start, feasible=_threshold_problem(start).solve())
+        try:
+            return replace(start, feasible=_threshold_problem(start).solve())
+        except LimitError:
+            ends = (None if x is None else ExactNumber(x) for x in (asked.low, asked.high))
+            return replace(start, undecided=((next(ends), next(ends)),))
     if not any(f.axis.functions for f in found.values()):
         problem = Problem(found, free.symbol, scene.band, asked, partial(_allowed, scene, free))
-        return replace(start, feasible=problem.solve())
+        if problem.is_large:
+            with share(_FOR_BALLS):
+                quick = _by_balls(start, found)
+            if not quick.undecided and not any(isinstance(x.value, Sliver) for x in quick.ends):
+                return quick
+        try:
+            with share(_FOR_CRITICAL_VALUES):
+                problem.prepare()
+        except LimitError:
+            return _by_balls(start, found)
+        solved = problem.solve()
+        return replace(start, feasible=solved.feasible, undecided=solved.undecided)
     return _by_balls(start, found)
+
+
+_FOR_BALLS, _FOR_CRITICAL_VALUES = 0.4, 0.6
+"""Of the time that is left: balls are quick about large devices; where critical values are not known by then, balls must do."""
 
 
 def _threshold_problem(start: Requirement) -> ThresholdProblem:
@@ -109,9 +144,19 @@ def _by_balls(start: Requirement, found: Conditions) -> Requirement:
     asked, scene, free = start.domain, start.scene, start.free
     own = values(scene.parameters).get(free.symbol, scene.threshold.real)
     search = Search(found, free.symbol, scene.band, Fraction(abs(float(own)) or 1.0))
-    low, high = (None if x is None else Fraction(float(x)) for x in (asked.low, asked.high))
+    low, high = _outward(asked)
     line = _Line(search.leaves(low, high), asked, partial(_allowed, scene, free))
     return replace(start, feasible=line.spans(), undecided=line.undecided)
+
+
+def _outward(asked: Domain) -> tuple[Fraction | None, Fraction | None]:
+    """Doubles that enclose the values that are asked about."""
+    with flint.ctx.workprec(53):
+        low, high = (None if x is None else expression_ball(x) for x in (asked.low, asked.high))
+        return (
+            None if low is None else Fraction(float(low.lower())),
+            None if high is None else Fraction(float(high.upper())),
+        )
 
 
 @dataclass(frozen=True)

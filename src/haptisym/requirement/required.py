@@ -34,6 +34,7 @@ class Required:
 
     ``feasible``: intervals of values, SI, in order; () means proved that none will do. Each end says what binds there: which
     part, where on the band. ``undecided``: intervals of values about which nothing is proven; empty for every rational scene.
+    ``limit``: the seconds of a limit that cut the work short, None if none did.
     ``domain``: the values that were asked about. ``keys``: the parts that were asked about; None for any environment.
     """
 
@@ -44,6 +45,7 @@ class Required:
     undecided: tuple[tuple[RealNumber | None, RealNumber | None], ...] = ()
     keys: tuple[Part | None, ...] = tuple(Part)
     digits: int = 15
+    limit: float | None = None
 
     @property
     def certified(self) -> bool:
@@ -115,6 +117,7 @@ class Required:
             "undecided": [[None if x is None else float(x) for x in pair] for pair in self.undecided],
             "certified": self.certified,
             **self.scene.aside_keys([self.free.path], [self.free.path]),
+            **({"limit": self.limit} if self.undecided and self.limit is not None else {}),
         }
 
     @property

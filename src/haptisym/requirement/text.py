@@ -113,7 +113,9 @@ def _formula(r: Required) -> str:
 def _certain(r: Required) -> str:
     if r.undecided:
         where = listed([f"{_limit(a)} to {_limit(b)}" for a, b in r.undecided], "and")
-        return fill(f"UNDECIDED: for the values from {where} neither is proven. About all others everything is.", WIDTH)
+        why = "" if r.limit is None else f" within the limit of {r.limit:g} s"
+        said = f"UNDECIDED: for the values from {where} neither was proven{why}. About all others everything is."
+        return fill(said, WIDTH)
     if any(isinstance(end.value, Sliver) for span in r.feasible for end in (span.low, span.high)):
         return fill(
             "Certain: each end lies within the enclosure that is given; of some no more digits are known.", WIDTH

@@ -9,6 +9,7 @@ from typing import Any
 
 from sympy import Expr
 
+from haptisym.budget import Told, limited, share
 from haptisym.errors import SceneError
 from haptisym.scene import Scene
 from haptisym.scenefile import as_scene
@@ -47,6 +48,7 @@ class Tolerances(BoxAnswers):
                 if scene.untied(scene.ranges())
                 else {}
             ),
+            **({} if self.limit is None else {"limit": self.limit}),
         }
 
     def to_json(self) -> str:
@@ -68,12 +70,23 @@ class Tolerances(BoxAnswers):
         return {"samples": len(self.samples), "seed": self.seed, **shown, "transparent": q.transparent}
 
 
-def tolerances(scene: Scene | str | Path, samples: int = 200, seed: int = SEED) -> Tolerances:
+def tolerances(
+    scene: Scene | str | Path,
+    samples: int = 200,
+    seed: int = SEED,
+    *,
+    limit: float | None = None,
+    told: Told | None = None,
+) -> Tolerances:
     """What holds for all values of a scene's parameters within their ranges.
 
     Guaranteed: the verdict where it is not ``Verdict.UNDECIDED``; that crossings lie in the enclosures and nowhere else; how many
     there are where a count is given; ends said to be reached at a corner are exact. Estimated: quantiles over ``samples`` sets
     of values, each answered with certainty, drawn uniformly with a seed. SceneError where no parameter has a range.
+
+    ``limit`` : seconds after which the work is cut short: enclosures are then wider than they need be, the verdict may be
+    undecided and fewer sets be drawn; None for no limit. ``told`` : is called now and then with how much is done, of how much,
+    and what it is. LimitError if not even the nominal values were answered in time.
 
     >>> from haptisym import effects, environments
     >>> spring = environments.mass_spring_damper(k="100 N/m +- 10 %")
@@ -86,7 +99,14 @@ def tolerances(scene: Scene | str | Path, samples: int = 200, seed: int = SEED) 
     if not isinstance(samples, int) or samples < 0:
         raise SceneError(f"samples: {samples} must be a whole number, at least 0")
     box = box_of(scene)
-    return Tolerances(box, drawn(box, samples, seed), seed)
+    with limited(limit, told) as budget:
+        with share(_FOR_SAMPLES):
+            found = Tolerances(box, drawn(box, samples, seed), seed, budget)
+        found.settle()
+    return found
+
+
+_FOR_SAMPLES = 0.3  # of the time
 
 
 def _witness(one: One | None) -> dict[str, str] | None:

@@ -11,6 +11,7 @@ import numpy as np
 from flint import arb
 from sympy import Add, Expr, I, Integer, Mul, Pow, Rational, Symbol, pi
 
+from haptisym.budget import tick
 from haptisym.exact.dynamics import Ring
 from haptisym.exact.reals import expression_ball
 from haptisym.exact.rings import Polynomial
@@ -113,6 +114,7 @@ class Excess:
     def _sum(self, terms: Mapping[tuple[int, ...], float], generators: Sequence[Pair | None], count: int) -> Pair:
         total = (constant(0.0, count, self.sides),) * 2
         for exponents, coefficient in terms.items():
+            tick()
             real, pair = None, None
             for x, n in zip(generators, exponents, strict=True):
                 if n and x is not None and x[1] is _REAL:

@@ -13,12 +13,14 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import product
 from random import Random
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from sympy import Expr, Rational
 
+from haptisym.budget import Budget, share, tick
 from haptisym.crossings import excess
+from haptisym.errors import LimitError
 from haptisym.exact.reals import ExactNumber, RealNumber
 from haptisym.exact.roots import chart
 from haptisym.jnd import Part
@@ -82,6 +84,12 @@ class BoxAnswers:
     box: Box
     samples: tuple[One, ...] = field(repr=False)
     seed: int = 0
+    budget: Budget | None = field(default=None, repr=False)
+
+    @property
+    def limit(self) -> float | None:
+        """The seconds of a limit that cut the work short; None if none did."""
+        return self.budget.seconds if self.budget and self.budget.reached else None
 
     @cached_property
     def nominal(self) -> One:
@@ -95,7 +103,11 @@ class BoxAnswers:
     @cached_property
     def _search(self) -> dict[Part, tuple[Excess, tuple[Cluster, ...]]]:
         forms = {part: Excess(self.box, part) for part in Part}
-        return {part: (form, clusters(form)) for part, form in forms.items()}
+        found = {}
+        for form, time in zip(forms.values(), (0.4, 0.6), strict=True):
+            with share(time):
+                found[form] = clusters(form)
+        return {part: (form, found[form]) for part, form in forms.items()}
 
     @cached_property
     def enclosures(self) -> tuple[Enclosure, ...]:
@@ -109,7 +121,11 @@ class BoxAnswers:
         ends = product((Fraction(0), Fraction(1)), repeat=len(self.box.sides))
         names = [side.name for side in self.box.sides]
         shares = [dict(zip(names, x, strict=True)) for _, x in zip(range(_MOST_CORNERS), ends, strict=False)]
-        return tuple(self.one(self.box.values(x)) for x in shares)
+        return tuple(_in_time(self.one(self.box.values(x)) for x in shares))
+
+    def settle(self) -> None:
+        """Find everything that is told, so that a limit is kept to; LimitError if not even the nominal values are."""
+        _ = self.nominal, self._search, self.enclosures, self.verdict, self.transparent, self.noticed, self.bandwidth
 
     @cached_property
     def verdict(self) -> Verdict:
@@ -150,7 +166,11 @@ class BoxAnswers:
         for low, high in [*covered, (1.0, 1.0)]:
             if low > start:
                 middle = np.array([[[(start + low) / 2] * 2, *[[0.5, 0.5]] * (form.sides - 1)]])
-                if form.model(middle).bounds()[0][0, 0] > 0:
+                try:
+                    exceeds = form.model(middle).bounds()[0][0, 0] > 0
+                except LimitError:
+                    return None
+                if exceeds:
                     return start
             start = max(start, high)
         return None
@@ -199,7 +219,8 @@ class BoxAnswers:
     ) -> tuple[RealNumber, Mapping[str, Expr] | None]:
         low, high = self.box.scene.band
         idle = {side.name for side, used in zip(self.box.sides, form.matters[1:], strict=True) if not used}
-        found = [(x, one.values) for one in self._ends(steady, idle, highest=highest) for x in one.crossings[part]]
+        corners = _in_time(self._ends(steady, idle, highest=highest))
+        found = [(x, one.values) for one in corners for x in one.crossings[part]]
         found = [(x, values) for x, values in found if self._within(x, cluster)]
         pick = max if highest else min
         best = pick(found, key=lambda x: float(x[0]), default=None)
@@ -235,7 +256,23 @@ def drawn(box: Box, samples: int, seed: int) -> tuple[One, ...]:
     """Sets of values drawn uniformly from the box, each answered with certainty."""
     draw = Random(seed)
     shares = ({side.name: Fraction(draw.getrandbits(24), (1 << 24) - 1) for side in box.sides} for _ in range(samples))
-    return tuple(_one(box, box.values(x)) for x in shares)
+    return tuple(_in_time(_told(_one(box, box.values(x)), n, samples) for n, x in enumerate(shares)))
+
+
+def _told(one: One, n: int, samples: int) -> One:
+    tick(n, samples, "sets of values")
+    return one
+
+
+_T = TypeVar("_T")
+
+
+def _in_time(found: Iterable[_T]) -> Iterator[_T]:
+    """What is found before the time is over."""
+    try:
+        yield from found
+    except LimitError:
+        return
 
 
 def _one(box: Box, values: Mapping[str, Expr]) -> One:

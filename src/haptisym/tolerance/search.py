@@ -13,6 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from haptisym.budget import tick
+from haptisym.errors import LimitError
+
 from .excess import Excess
 from .taylormodels import Array
 
@@ -95,8 +98,13 @@ def _leaves(excess: Excess) -> _Bounded:
         cells, later, depths, deeper = cells[:_BATCH], cells[_BATCH:], depths[:_BATCH], depths[_BATCH:]
         waiting, depth = ([later], [deeper]) if len(later) else ([], [])
         looked += len(cells)
-        found = bounded(excess, cells)
-        unclear = _unclear(excess, found)
+        try:
+            tick(min(looked, _MOST_CELLS), _MOST_CELLS, "cells of band and ranges")
+            found = bounded(excess, cells)
+            unclear = _unclear(excess, found)
+        except LimitError:  # of what waits nothing is known: crossings may be anywhere in it
+            kept.append(_unbounded(np.concatenate([cells, *waiting])))
+            break
         steady = (found.signs[:, 2:] != 0)[:, excess.matters[1:]].all(-1)
         regular, tired = found.signs[:, 1] != 0, depths >= _MOST_SPLITS
         clear_of_ends = (found.omega[:, 0] > 0) & (found.omega[:, 1] < 1)
@@ -109,6 +117,12 @@ def _leaves(excess: Excess) -> _Bounded:
     return _Bounded(
         *(np.concatenate([getattr(x, name) for x in kept]) for name in ("cells", "signs", "omega", "split"))
     )
+
+
+def _unbounded(cells: Array) -> _Bounded:
+    """Cells of which nothing is known."""
+    count, sides = cells.shape[:2]
+    return _Bounded(cells, np.zeros((count, 1 + sides), int), cells[:, 0].copy(), np.zeros(count, int))
 
 
 def _unclear(excess: Excess, found: _Bounded) -> Array:
@@ -214,8 +228,11 @@ def beyond(excess: Excess, cells: Array, reached: float, *, highest: bool) -> fl
         order = np.argsort(-out * own[:, 0, far])
         own, later = own[order[:_BATCH]], own[order[_BATCH:]]
         looked += len(own)
-        found = bounded(excess, own)
-        found = _chosen(found, _unclear(excess, found))
+        try:
+            found = bounded(excess, own)
+            found = _chosen(found, _unclear(excess, found))
+        except LimitError:
+            return float(out * np.max(out * np.concatenate([own, later])[:, 0, far]))
         own = found.cells.copy()
         own[:, 0, 0], own[:, 0, 1] = (
             np.maximum(own[:, 0, 0], found.omega[:, 0]),

@@ -69,7 +69,15 @@ def _verdict(a: BoxAnswers) -> str:
                     subsequent_indent="  ",
                 )
             )
+    if a.limit is not None:
+        lines.append(fill(_CUT.format(a.limit, len(a.samples)), WIDTH))
     return "\n".join(lines)
+
+
+_CUT = (
+    "The limit of {:g} s was reached: enclosures may be wider than they need be, and {} sets of values were drawn. "
+    "What is said to be proven is."
+)
 
 
 def listed(values: Mapping[str, Expr]) -> str:
