@@ -212,6 +212,29 @@ rendered = { model = "kelvin-voigt", k = "environment.k0", b = 1 }
 """
 
 
+@pytest.mark.parametrize(
+    ("unit", "fits"), [("3 N/m", True), ("3 N*m/rad", True), ("3", True), ("3 N*s/m", False), ("3 kg", False)]
+)
+def test_a_value_of_a_formula_fits_by_its_unit_if_it_has_one(unit: str, fits: bool) -> None:  # noqa: FBT001
+    scene = f'''
+    [environment]
+    model = "expression"
+    H = "q + s"
+    parameters = {{ q = "{unit}" }}
+    [rendered]
+    model = "kelvin-voigt"
+    k = "environment.q"
+    b = 2
+    '''
+    if fits:
+        felt = hs.parse_scene(scene).rendered
+        assert felt is not None
+        assert 2 * hs.s + 3 == felt.H
+        return
+    with pytest.raises(hs.SceneError, match=r'k: "environment.q" is not a stiffness: expected N/m or N\*m/rad'):
+        hs.parse_scene(scene)
+
+
 def test_each_of_several_environments_has_its_own_values(tmp_path: Path) -> None:
     family = hs.parse_scenes(FAMILY)
     assert [x.rendered.H for x in family.scenes.values()] == [hs.s + 100, hs.s + 700]  # type: ignore[union-attr]

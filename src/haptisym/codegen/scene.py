@@ -127,10 +127,13 @@ def _scene_notes(scene: Scene, fixed: Mapping[Symbol, Expr]) -> tuple[str, ...]:
     )
 
 
+_LABELS = {"environment": "the environment", "rendered": "what is rendered"}
+
+
 def _scene_arguments(scene: Scene) -> list[Argument]:
     found = []
     for place, element, p in scene.placed():
-        label = f"the {place}" if isinstance(element, Environment) else f"the effect {place.partition('.')[2]}"
+        label = _LABELS.get(place) or f"the effect {place.partition('.')[2]}"
         found.append(_argument(p, label, element, scene.motion))
     return found
 
