@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 from fractions import Fraction
-from math import isclose
+from math import inf, isclose, nextafter, sqrt
 from pathlib import Path
 
+import flint
 import mpmath
 import pytest
 import strategies
@@ -15,10 +16,11 @@ from sympy import Expr, Rational, lambdify
 
 import haptisym as hs
 from haptisym.catalogue import EFFECTS
-from haptisym.pruning.ballchain import BallChain, Kept, Piece, series_arithmetic
+from haptisym.pruning.ballchain import TERMS, BallChain, Kept, Piece, series_arithmetic
 from haptisym.pruning.differences import Difference
 from haptisym.pruning.figure import save_influences
 from haptisym.pruning.relevance import Relevance, relevance
+from haptisym.pruning.subsets import Search
 from haptisym.pruning.suprema import WIDTH
 from haptisym.pruning.text import document, page
 from haptisym.simulation.simulate import simulate
@@ -58,14 +60,14 @@ class Witness:
         return [low + (high - low) * MP.mpf(2 * i + 1) / (2 * count) for i in range(count)]
 
 
-def function(entry: Expr) -> object:
+def function(entry: Expr, context: mpmath.MPContext = MP) -> object:
     """An entry as a function of s on a context of mpmath of its own."""
-    exact = {x: MP.mpf(x.p) / x.q for x in entry.atoms(Rational) if not x.is_Integer}
+    exact = {x: context.mpf(x.p) / x.q for x in entry.atoms(Rational) if not x.is_Integer}
     names = {x: hs.symbols(f"q{i}") for i, x in enumerate(exact)}
     run = lambdify([s, *names.values()], entry.xreplace(names), [
-        {"exp": MP.exp, "cosh": MP.cosh, "sinh": MP.sinh, "pi": MP.pi, "I": MP.j},
+        {"exp": context.exp, "cosh": context.cosh, "sinh": context.sinh, "pi": context.pi, "I": context.j},
     ])  # fmt: skip
-    return lambda at: MP.mpc(run(at, *exact.values()))
+    return lambda at: context.mpc(run(at, *exact.values()))
 
 
 def check(scene: hs.Scene, kept: Kept, count: int = 200) -> None:
@@ -356,3 +358,444 @@ def test_a_scene_without_effects_has_nothing_that_matters() -> None:
     found = relevance(hs.Scene(SPRING))
     assert (found.effects, found.dominance, found.crossings, found.bound[hs.Part.REAL].most) == ((), (), (), 0)
     assert "no effects" in page(found)
+
+
+# --- chains in ball arithmetic, operation by operation ---------------------------------------------------------------
+
+FINE = mpmath.MPContext()
+FINE.dps = 110
+NODES, STEP = range(-4, 5), FINE.mpf(10) ** -9
+SCALE = FINE.inverse(FINE.matrix([[FINE.mpf(i) ** n for n in range(9)] for i in NODES]))
+"""Taylor coefficients of what passes through values at nine places close together: to some 26 digits up to the sixth."""
+
+CHAINS = {
+    **ELSEWHERE,
+    "a damper alone": hs.Scene(
+        hs.environments.mass_spring_damper(b=3), (hs.effects.shunt(m="0.2 kg"), hs.effects.delay("9 ms")), (0, 40)
+    ),
+    "pi beside whole numbers, and what is rendered is another": hs.Scene(
+        hs.environments.mass_spring_damper(2, 9, 150),
+        (
+            hs.effects.series("(s + a)*(s + b)/(s + 9)^2", parameters={"a": "2 Hz", "b": "7 rad/s"}),
+            hs.effects.first_order_lag("8 Hz"),
+        ),
+        ("0.5 Hz", "3 Hz"),
+        rendered=hs.environments.kelvin_voigt(120, 2),
+    ),
+    "a teleoperator with delay at fractional tissue": hs.Scene(
+        hs.environments.spring_pot(k_alpha=50, alpha="0.37", k=20),
+        (
+            hs.effects.position_force_teleoperator(Mm="0.1 kg", Ms="0.1 kg", Bs=60, Ks=4000, tau="5 ms"),
+            hs.effects.compliance(k=3000, b=2),
+        ),
+        (2, 30),
+    ),
+    "two resonances without damping": hs.Scene(
+        hs.environments.expression("(s^2 + 49)*(s^2 + 121)*s/(s + 5)", parameters={}),
+        (hs.effects.first_order_lag(30), hs.effects.zero_order_hold("5 ms"), hs.effects.series("-1.1")),
+        (0, 20),
+    ),
+}
+
+
+class Wide(Witness):
+    """The functions whose smaller modulus is a change, (a - b)/|H_env| and (a + b)/|H_env| for each part, as Taylor series."""
+
+    def __init__(self, scene: hs.Scene) -> None:
+        super().__init__(scene)
+        rendered = scene.rendered or scene.environment
+        self.environment, self.rendered = (function(x.H, FINE) for x in (scene.environment, rendered))
+        self.matrices = [[function(entry, FINE) for entry in effect.matrix] for effect in scene.effects]
+
+    def complex_ratio(self, omega: object, kept: Kept) -> object:
+        at, force, position = FINE.mpc(0, omega), self.rendered(FINE.mpc(0, omega)), FINE.mpf(1)
+        for i in sorted(kept):
+            a, b, c, d = (entry(at) for entry in self.matrices[i])
+            force, position = a * force + b * position, c * force + d * position
+        felt = self.environment(at)
+        return (force / position - felt) / abs(felt)
+
+    def pairs(self, omega: object, kept: Kept) -> dict[hs.Part, tuple[object, object]]:
+        full, some = (self.complex_ratio(omega, x) for x in (frozenset(range(len(self.matrices))), kept))
+        minus, plus = full - some, full + some
+        return {hs.Part.REAL: (minus.real, plus.real), hs.Part.IMAG: (minus.imag, plus.imag)}
+
+    def series(self, omega: object, kept: Kept) -> dict[hs.Part, list[list[object]]]:
+        """Per part the coefficients of both functions in the distance from a frequency, constant first."""
+        rows = [self.pairs(omega + i * STEP, kept) for i in NODES]
+        values = {p: [FINE.matrix([row[p][k] for row in rows]) for k in (0, 1)] for p in hs.Part}
+        return {p: [[x / STEP**n for n, x in enumerate(SCALE * column)] for column in values[p]] for p in hs.Part}
+
+
+def turned(series: tuple[object, object], exact: list[list[object]]) -> list[list[object]]:
+    """Both exact series, with both signs turned where those that were found are turned: over zeros of H_env they are."""
+    aligned = sum(exactly(x[0].mid()) * own[0] for x, own in zip(series, exact, strict=True))  # type: ignore[index]
+    return exact if aligned > 0 else [[-x for x in own] for own in exact]
+
+
+def exactly(x: object) -> object:
+    """The number of a flint ball's middle or radius at many digits."""
+    mantissa, exponent = x.man_exp()  # type: ignore[attr-defined]
+    return FINE.mpf(int(mantissa)) * FINE.mpf(2) ** int(exponent)
+
+
+def distance(ball: object, value: object) -> object:
+    """How far a number lies outside of a ball; negative inside."""
+    return abs(exactly(ball.mid()) - value) - exactly(ball.rad())  # type: ignore[attr-defined]
+
+
+def frequency(balls: BallChain, piece: Piece, share: object) -> object:
+    low, high = (FINE.mpf(str(x.evalf(60))) for x in balls.ends(piece))
+    return low + (high - low) * share
+
+
+def turned_over(kept: Kept, count: int) -> list[Kept]:
+    return [kept, frozenset(range(count)) - kept]
+
+
+@pytest.mark.parametrize("scene", CHAINS.values(), ids=CHAINS)
+def test_series_in_the_middle_of_a_piece_are_the_taylor_series_of_the_changes(scene: hs.Scene) -> None:
+    balls, witness = BallChain(scene), Wide(scene)
+    for piece, kept in ((Piece(), frozenset({0})), (Piece(2, 1), frozenset()), (Piece(9, 400), frozenset({1}))):
+        expected = witness.series(frequency(balls, piece, FINE.mpf(1) / 2), kept)
+        with series_arithmetic():
+            for part in hs.Part:
+                pair = balls.changes(piece, kept, part, whole=False)
+                for series, exact in zip(pair, turned(pair, expected[part]), strict=True):
+                    size = max(abs(x) for x in exact[:TERMS]) + FINE.mpf(10) ** -9
+                    for n in range(TERMS):
+                        assert abs(exactly(series[n].mid()) - exact[n]) < size * FINE.mpf(10) ** -14
+                        assert distance(series[n], exact[n]) < size * FINE.mpf(10) ** -22
+                        assert exactly(series[n].rad()) < size * FINE.mpf(10) ** -18
+
+
+@pytest.mark.parametrize("scene", CHAINS.values(), ids=CHAINS)
+def test_series_over_a_whole_piece_hold_the_taylor_series_of_every_place_in_it_and_narrow_with_it(
+    scene: hs.Scene,
+) -> None:
+    """Also on pieces with a zero of H_env: at 0, or inside. Only fractional powers have no series at 0."""
+    balls, witness = BallChain(scene), Wide(scene)
+    at_seven = int((7 - float(balls.low)) / float(balls.width) * 4096)
+    rough = "powers" in next(name for name, x in CHAINS.items() if x is scene)
+    for piece in (Piece(12, 0), Piece(12, at_seven), Piece(12, 4095), Piece(7, 5)):
+        kept = frozenset({piece.index % 2})
+        shares = [FINE.mpf(x) for x in ("0.0001", "0.4", "0.9999")]
+        exact = [witness.series(frequency(balls, piece, share), kept) for share in shares]
+        with series_arithmetic():
+            for part in hs.Part:
+                pair = balls.changes(piece, kept, part, whole=True)
+                if rough and piece.index == 0:
+                    assert not any(x[0].is_finite() for x in pair)
+                    continue
+                deeper = balls.changes(Piece(piece.depth + 4, piece.index << 4), kept, part, whole=True)
+                for k, series in enumerate(pair):
+                    own = [turned(pair, x[part])[k] for x in exact]
+                    for n in range(TERMS + 1):
+                        slack = max(abs(x[n]) for x in own) * FINE.mpf(10) ** -15 + FINE.mpf(10) ** -18
+                        assert all(distance(series[n], x[n]) < slack for x in own)
+                        assert exactly(deeper[k][n].rad()) < exactly(series[n].rad()) / 8 + FINE.mpf(10) ** -8
+
+
+@pytest.mark.parametrize("scene", CHAINS.values(), ids=CHAINS)
+def test_ranges_on_pieces_hold_all_values_and_are_reached(scene: hs.Scene) -> None:
+    balls, witness = BallChain(scene), Wide(scene)
+    for piece in (Piece(), Piece(3, 6), Piece(9, 300), Piece(12, 0), Piece(12, 4095)):
+        kept = frozenset({piece.depth % 2})
+        ends = (FINE.mpf(10) ** -12, FINE.mpf("0.5"), 1 - FINE.mpf(10) ** -12)
+        shares = [*ends, *(FINE.mpf(i) / 16 for i in range(1, 16))]
+        rows = [witness.pairs(frequency(balls, piece, x), kept) for x in shares]
+        for part in hs.Part:
+            with series_arithmetic():
+                found = Difference(scene, balls, kept, part).range(piece)
+                middle = Difference(scene, balls, kept, part).at_middle(piece)
+            values = [min(map(abs, row[part])) for row in rows]
+            assert found.least <= min(values) * (1 + FINE.mpf(10) ** -15)
+            assert max(values) <= found.most
+            assert middle <= values[1] <= middle * (1 + 1e-14) + 1e-24
+            if found.most < inf:
+                assert found.reached <= max(values) * (1 + FINE.mpf(10) ** -8)
+            if piece.depth >= 9 and found.most < inf:
+                spread, rounding = max(values) - min(values), 1e-13 * max(values) + 1e-20
+                assert found.most <= max(values) + spread + rounding
+                assert found.least >= min(values) - spread - rounding
+                assert found.reached == pytest.approx(float(max(values[:3])), rel=1e-6, abs=1e-15)
+
+
+def test_precision_and_length_of_series_are_set_for_the_block_alone() -> None:
+    length, bits = flint.ctx.cap, flint.ctx.prec
+    try:
+        flint.ctx.cap, flint.ctx.prec = 3, 77
+        with series_arithmetic():
+            assert (flint.acb_series([1, 1], prec=20) ** 12)[12] == 1
+            assert flint.ctx.prec > 90
+        assert (flint.ctx.cap, flint.ctx.prec) == (3, 77)
+        with pytest.raises(RuntimeError), series_arithmetic():
+            raise RuntimeError
+        assert (flint.ctx.cap, flint.ctx.prec) == (3, 77)
+    finally:
+        flint.ctx.cap, flint.ctx.prec = length, bits
+
+
+def test_pieces_tile_the_band() -> None:
+    balls = BallChain(CHAINS["a teleoperator with delay at fractional tissue"])
+    assert balls.ends(Piece()) == (2, 30)
+    for piece in (Piece(), Piece(1, 1), Piece(5, 11)):
+        first, second = piece.halves()
+        (low, high), (a, b), (x, y) = (balls.ends(p) for p in (piece, first, second))
+        assert (a, b, y) == (low, x, high)
+        assert b - a == y - x > 0
+        with series_arithmetic():
+            assert balls.middle(piece).overlaps(flint.arb(flint.fmpq(int((low + high).p), int((low + high).q))) / 2)
+            assert float(balls.radius(piece)) == float(high - low) / 2
+            assert balls.radius(piece).is_exact()
+    third = BallChain(hs.Scene(SPRING, (), (0, Rational(1, 3))))
+    with series_arithmetic():
+        assert third.radius(Piece()) > flint.arb(flint.fmpq(1, 6))  # rounded up, as it is no binary number
+
+
+# --- suprema that are known in closed form ---------------------------------------------------------------------------
+
+
+def change(scene: hs.Scene, kept: set[int], part: hs.Part) -> Difference:
+    return Difference(scene, BallChain(scene), frozenset(kept), part)
+
+
+LAG = hs.effects.first_order_lag(10)
+FREE = hs.environments.mass_spring_damper(m=2)
+KNOWN = {
+    # behind a lag x^2/(1 + x^2) and x/(1 + x^2), x = omega/10
+    "a lag to its corner and beyond": (hs.Scene(SPRING, (LAG,), (0, 20)), 0.8, 0.5),
+    "a lag below its corner": (hs.Scene(SPRING, (LAG,), (0, 5)), 0.2, 0.4),
+    # 1 - cos and sin
+    "a delay for half a turn": (hs.Scene(SPRING, (hs.effects.delay("0.1"),), (0, 35)), 2.0, 1.0),
+    # |k - m omega^2| and |b omega| over k
+    "a device": (hs.Scene(SPRING, (hs.effects.shunt(m=1, b=3),), (0, 15)), 2.25, 0.45),
+    "a mass on a mass": (hs.Scene(FREE, (hs.effects.shunt(m="-0.5"),), (0, 15)), 0.25, 0.0),
+    "a damper on a mass, away from 0": (hs.Scene(FREE, (hs.effects.shunt(b=3),), (2, 15)), 0.0, 0.75),
+    # j (-j x)/(1 + j x) = (x - j x^2)/(1 + x^2) with x = 3 omega/60
+    "a compliance on a damper": (
+        hs.Scene(hs.environments.mass_spring_damper(b=3), (hs.effects.compliance(k=60),), (0, 40)), 0.5, 0.8,
+    ),
+    "no effect": (hs.Scene(SPRING, (hs.effects.series("1"),), (0, 40)), 0.0, 0.0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("scene", "real", "imag"), KNOWN.values(), ids=KNOWN)
+def test_the_largest_change_of_one_effect_is_the_one_known_in_closed_form(
+    scene: hs.Scene, real: float, imag: float
+) -> None:
+    for part, exact in ((hs.Part.REAL, real), (hs.Part.IMAG, imag)):
+        found = change(scene, set(), part).supremum()
+        assert found.least <= exact <= found.most
+        assert found.most - found.least <= max(1.01e-6 * exact, 1e-12)
+
+
+def test_a_change_is_that_of_the_modulus_not_of_the_part() -> None:
+    """Springs of +30 and -40 N/m on one of 100: r_r is 0.1 with both and 0.3 with the first, though dH goes from 30 to -10."""
+    scene = hs.Scene(SPRING, (hs.effects.shunt(k=30), hs.effects.shunt(k=-40)))
+    for kept, exact in (({0}, 0.2), ({1}, 0.3), (set(), 0.1)):
+        found = change(scene, kept, hs.Part.REAL).supremum()
+        assert found.least <= exact <= found.most < exact * (1 + 1e-5)
+
+
+def test_whether_a_change_stays_within_a_number_is_decided_exactly_where_it_just_does() -> None:
+    lag = change(hs.Scene(SPRING, (LAG,), (0, 20)), set(), hs.Part.IMAG)
+    tiny = Rational(1, 10**40)
+    assert [lag.stays_within(Rational(1, 2) + x) for x in (-tiny, 0, tiny)] == [False, True, True]
+    both = hs.Scene(SPRING, (hs.effects.shunt(k=30), hs.effects.shunt(k=-40)))
+    assert [change(both, {0}, hs.Part.REAL).stays_within(Rational(1, 5) + x) for x in (-tiny, 0)] == [False, True]
+
+
+def resonances(first: str, second: str, top: int = 15) -> hs.Scene:
+    """With its second effect of one value at the first resonance and of the opposite one at the second.
+
+    So a - b is bounded at the one and a + b at the other, and the change, the smaller of both, everywhere.
+    """
+    p, q = Rational(first) ** 2, Rational(second) ** 2
+    poles = f"({p}*{q})/((s^2 + {p})*(s^2 + {q}))"
+    return hs.Scene(
+        SPRING,
+        (hs.effects.series(poles), hs.effects.series(f"1 + 2*(s^2 + {p})/({q} - {p})")),
+        (0, top),
+    )
+
+
+def test_a_change_with_poles_of_each_of_its_functions_but_none_of_both_is_bounded() -> None:
+    scene = resonances("3", "3.01")
+    found = change(scene, {0}, hs.Part.REAL).supremum()
+    witness, grid = Witness(scene), [MP.mpf(n) / 4000 for n in range(12000, 12041)]
+    values = [witness.changes(omega + MP.mpf(10) ** -20, frozenset({0}))[0] for omega in grid]
+    assert max(values) <= found.most < inf
+    assert max(values) > found.least * MP.mpf("0.99")
+    assert found.most - found.least <= 1.01e-6 * found.most
+
+
+def test_two_poles_too_near_each_other_to_be_told_apart_are_said_to_be_undecided() -> None:
+    with pytest.raises(hs.UndecidedError, match=r"bounded near (3\.0000|2\.9999)"):
+        change(resonances("3", "3.000000001"), {0}, hs.Part.REAL).supremum()
+
+
+def test_a_common_pole_makes_a_change_unbounded_wherever_it_lies() -> None:
+    scene = hs.Scene(SPRING, (hs.effects.series("9/(s^2 + 9)"), hs.effects.shunt(m=1, b=2)), (0, 15))
+    assert change(scene, set(), hs.Part.REAL).supremum().least == inf
+    alone = change(scene, {0}, hs.Part.IMAG).supremum()  # the damper's own ratio: no pole
+    assert alone.least <= 0.3 <= alone.most < 0.3001
+
+
+# --- choices ---------------------------------------------------------------------------------------------------------
+
+
+def gains(*values: str) -> hs.Scene:
+    return hs.Scene(SPRING, tuple(hs.effects.series(x, name=f"g{i}") for i, x in enumerate(values)), (0, 15))
+
+
+def names(found: Relevance) -> list[str]:
+    return [e.name for e in found.pruned.effects]
+
+
+def test_of_several_sets_of_one_size_the_one_with_the_lowest_bound_is_kept() -> None:
+    """1.2 * 1.003 * 0.999 is 0.2024: with the first 0.2, with the others 0.003 and 0.001 off 1."""
+    found = relevance(gains("1.2", "1.003", "0.999"), "0.01")
+    assert (names(found), found.smallest) == (["g0"], True)
+    found = relevance(gains("1.2", "1.003", "0.99"), "0.013")
+    assert names(found) == ["g0"]
+    bound, exact = found.bound[hs.Part.REAL], Rational("1.2") * (1 - Rational("1.003") * Rational("0.99"))
+    assert bound.least <= exact <= bound.most
+    both = relevance(gains("1.05", "1.04", "1.03"), "0.09")  # the product is 1.12476
+    assert names(both) == ["g0"]  # each of them alone does: they leave 0.075, 0.085 and 0.095 aside
+    assert both.bound[hs.Part.REAL].most == pytest.approx(0.07476, rel=1e-4)
+
+
+def test_a_change_above_the_tolerance_at_one_frequency_alone_keeps_an_effect() -> None:
+    """1/2 at the corner of a lag, which just is, or is not, within the tolerance; samples never meet it."""
+    scene = hs.Scene(SPRING, (LAG,), (0, 11), hs.Threshold.of(5, 5))
+    kept = [names(relevance(scene, x)) for x in ("0.54", "0.55", "0.5476")]  # r_r is 121/221 at the end of the band
+    assert kept == [["first-order-lag"], [], []]
+    imag = hs.Scene(
+        hs.environments.mass_spring_damper(b=3), (hs.effects.shunt(k=10),), (2, 15)
+    )  # r_i = 0, r_r = 10/(3 omega)
+    ends = [names(relevance(imag, x)) for x in (Rational(5, 3), Rational(5, 3) - Rational(1, 10**30))]
+    assert ends == [[], ["shunt"]]
+
+
+def test_a_bound_is_never_told_above_the_tolerance_that_it_is_proven_to_keep() -> None:
+    for limit in (Rational(1, 100), Rational(1, 3), Rational(5, 3)):
+        found = relevance(hs.Scene(SPRING, (hs.effects.series(str(1 - limit)),)), limit)
+        assert names(found) == []
+        bound = found.bound[hs.Part.REAL]
+        assert Rational(*bound.most.as_integer_ratio()) >= limit
+        assert bound.most <= nextafter(nextafter(float(limit), inf), inf)
+
+
+def test_of_many_effects_a_small_set_is_found_if_not_surely_the_smallest(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of five effects all sets of up to two are gone through, as for four all are; then they are left out one by one."""
+    monkeypatch.setattr("haptisym.pruning.subsets._MOST_SUBSETS", 16)
+    values = ["1.5", "0.5", "1.3", "1.001", "1.002"]
+    found = relevance(gains(*values), "0.01")
+    assert (names(found), found.smallest) == (["g0", "g1", "g2"], False)
+    exact = Rational("1.5") * Rational("0.5") * Rational("1.3") * (Rational("1.001") * Rational("1.002") - 1)
+    bound = found.bound[hs.Part.REAL]
+    assert bound.least <= exact <= bound.most < 1.00001 * exact
+    for others in (["1.5", "0.5", "1.001", "1.002"], ["1.5", "0.5", "1.001", "1.002", "1.0005"]):
+        found = relevance(gains(*others), "0.01")
+        assert (names(found), found.smallest) == (["g0", "g1"], True)
+
+
+def test_sampled_ratios_are_those_of_the_matrices() -> None:
+    for scene in CHAINS.values():
+        balls, witness = BallChain(scene), Wide(scene)
+        search = Search(scene, balls, Rational(1, 100))
+        for kept in (frozenset({0}), frozenset({1}), frozenset()):
+            ratios = search._samples.ratios(kept)
+            for index in (0, 50, 127):
+                exact = witness.complex_ratio(frequency(balls, Piece(7, index), FINE.mpf("0.5")), kept)
+                assert ratios[:, index] == pytest.approx(
+                    [float(abs(exact.real)), float(abs(exact.imag))], rel=1e-9, abs=1e-12
+                )
+            change, part, piece = search._sampled(kept)
+            with series_arithmetic():
+                assert Difference(scene, balls, kept, part).at_middle(piece) == pytest.approx(
+                    change, rel=1e-7, abs=1e-10
+                )
+            at = witness.pairs(frequency(balls, Piece(7, 64), FINE.mpf("0.5")), kept)
+            assert all(min(map(abs, x)) <= change * (1 + 1e-9) + 1e-10 for x in at.values())
+
+
+# --- crossings of the full scene -------------------------------------------------------------------------------------
+
+
+def test_crossings_lie_between_those_of_both_levels() -> None:
+    """Behind a lag r_i = x/(1 + x^2); a gain of 1.02 after it adds 0.02 at most, so the levels are 0.1 -+ 0.02 and a bit."""
+    scene = hs.Scene(SPRING, (LAG, hs.effects.series("1.02", name="gain")), (0, 5))
+    found = relevance(scene, "0.03")
+    assert names(found) == ["first-order-lag"]
+    [imag] = [x for x in found.crossings if x.part is hs.Part.IMAG]
+    bound = found.bound[hs.Part.IMAG].most
+    ends = [10 * (1 - sqrt(1 - 4 * c * c)) / (2 * c) for c in (0.1 - bound, 0.1 + bound)]
+    assert [float(imag.low), float(imag.high)] == pytest.approx(ends, rel=1e-12)
+    assert imag.certain
+    low, high = imag.bounds
+    assert Fraction(low) <= imag.low.bounds(200)[0]
+    assert imag.high.bounds(200)[1] <= Fraction(high)
+    assert (nextafter(low, inf), nextafter(high, 0)) != (low, high)
+    assert high - low < (ends[1] - ends[0]) * (1 + 1e-12)
+    assert [x.part for x in found.crossings] == [hs.Part.IMAG, hs.Part.REAL]  # in ascending order
+
+
+def test_with_a_tolerance_above_the_threshold_crossings_may_lie_anywhere_below_the_upper_level() -> None:
+    """A change of up to 0.2 beside a threshold of 0.1: where the kept ratio is below 0.3 nothing is known."""
+    scene = hs.Scene(SPRING, (LAG, hs.effects.series("1.2", name="gain")), (0, 40))
+    found = relevance(scene, "0.3")
+    assert names(found) == ["first-order-lag"]
+    for part in hs.Part:
+        [*own] = [x for x in found.crossings if x.part is part]
+        assert not any(x.certain for x in own)
+        assert all(
+            any(x.bounds[0] <= float(c.omega) <= x.bounds[1] for x in own)
+            for c in hs.evaluate(scene).crossings if c.part is part
+        )  # fmt: skip
+    bound = found.bound[hs.Part.REAL].most
+    [real] = [x for x in found.crossings if x.part is hs.Part.REAL]
+    c = 0.1 + bound
+    assert (float(real.low), float(real.high)) == (0, pytest.approx(10 * sqrt(c / (1 - c)), rel=1e-12))
+    [exact] = relevance(
+        hs.Scene(SPRING, (hs.effects.series("1.1"),), (0, 40)), "0.1"
+    ).crossings  # that is the threshold
+    assert (exact.part, float(exact.low), float(exact.high), exact.certain) == (hs.Part.REAL, 0, 40, False)
+
+
+def test_an_interval_whose_ratio_returns_to_the_same_side_is_not_certain() -> None:
+    """r_i of a lag, at most 1/2 at 10 rad/s: levels 0.46 and 0.54 around the threshold 0.5, of which only the lower is met."""
+    effects = (LAG, hs.effects.series("1.04", name="gain"))
+    found = relevance(hs.Scene(SPRING, effects, (0, 40), hs.Threshold.of(5, "0.5")), "0.05")
+    assert names(found) == ["first-order-lag"]
+    [peak] = found.crossings
+    assert (peak.part, peak.certain) == (hs.Part.IMAG, False)
+    assert float(peak.low) < 10 < float(peak.high)
+    lower = relevance(hs.Scene(SPRING, effects, (0, 40), hs.Threshold.of(5, "0.4")), "0.05")
+    assert [x.certain for x in lower.crossings] == [True, True]
+    assert [float(x.low) < w < float(x.high) for x, w in zip(lower.crossings, (5.0, 20.0), strict=True)] == [True, True]
+    cut = relevance(hs.Scene(SPRING, effects, (5, 20), hs.Threshold.of(5, "0.4")), "0.05")
+    assert [x.certain for x in cut.crossings] == [False, False]  # they reach the ends of the band
+    assert [float(cut.crossings[0].low), float(cut.crossings[1].high)] == [5, 20]
+
+
+def test_one_effect_dominates_up_to_where_another_one_changes_as_much() -> None:
+    """A spring of 20 N/m and a damper of 4 N s/m on 100 N/m: 0.2 and 0.04 omega, alike at 5 rad/s."""
+    scene = hs.Scene(SPRING, (hs.effects.shunt(k=20, name="spring"), hs.effects.shunt(b=4, name="damper")), (0, 20))
+    first, second = relevance(scene).dominance
+    assert (first.effect.name, first.low, second.effect.name, second.high) == ("spring", 0, "damper", 20)
+    assert 5 - Rational(20, 1000) <= first.high <= 5 <= second.low <= 5 + Rational(20, 1000)
+    [alone] = relevance(hs.Scene(SPRING, (LAG,), (1, 20))).dominance
+    assert (alone.low, alone.high) == (1, 20)
+
+
+@pytest.mark.parametrize(("given", "words"), [("-0.01", ">= 0"), ("1 kg", "tolerance"), ("much", "tolerance")])
+def test_a_tolerance_that_is_none_is_refused(given: str, words: str) -> None:
+    with pytest.raises(hs.SceneError, match=words):
+        relevance(hs.load_scene("fu2019"), given)
+
+
+def test_an_open_parameter_is_refused_by_name() -> None:
+    with pytest.raises(hs.SceneError, match="omega_c = w is a symbol"):
+        relevance(hs.Scene(SPRING, (hs.effects.first_order_lag(hs.symbols("w")),)))
