@@ -3,28 +3,43 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from random import Random
 from typing import Any
 
+import flint
 import mpmath
 import numpy as np
 import pytest
+from flint import arb
 from marks import often
 from matplotlib.figure import Figure
 from strategies import Seeded, case, coincident_case, scene
-from sympy import Expr, Rational, asin, sqrt, symbols
+from sympy import Expr, Integer, Rational, asin, degree, pi, sqrt, symbols, sympify
 
 import haptisym as hs
 from haptisym import effects, environments
 from haptisym.catalogue import values
 from haptisym.cli import main
 from haptisym.errors import SceneError
-from haptisym.exact.reals import ExactNumber
+from haptisym.exact.dynamics import Ring
+from haptisym.exact.reals import ExactNumber, Sliver
+from haptisym.exact.response import RealFunction
+from haptisym.requirement.cells import BITS, Leaf, Search, _bound_by_phase, _middle
+from haptisym.requirement.criticalvalues import Problem
+from haptisym.requirement.feasible import Kind
 from haptisym.requirement.figures import draw_map, draw_requirement
-from haptisym.requirement.freeparameter import THRESHOLD, free_parameter
-from haptisym.requirement.question import Requirement
+from haptisym.requirement.freeparameter import THRESHOLD, Domain, conditions, domain, free_parameter
+from haptisym.requirement.places import MaximumAt, Place, Strip, Verdict, _Box, _clusters, _place, places
+from haptisym.requirement.question import Requirement, _Line, is_quick
+from haptisym.requirement.strips import Shape
+from haptisym.requirement.touches import Surface, touch
+from haptisym.symbols import omega as OMEGA  # noqa: N812
 
 PAPER = hs.load_scene("fu2019")
 REAL, IMAG = hs.Part.REAL, hs.Part.IMAG
@@ -513,3 +528,760 @@ def test_what_one_part_breaks_is_settled_whatever_is_open_of_the_other() -> None
 
 def test_a_path_and_a_symbol_name_the_same_parameter() -> None:
     assert free_parameter(PAPER, "omega_n") == free_parameter(PAPER, "effects.filter.omega_n")
+
+
+# --- bounds, operation by operation ----------------------------------------------------------------------------------
+
+T = symbols("t", real=True)
+FINE = mpmath.MPContext()
+FINE.dps = 40
+
+
+def condition(formula: Expr) -> RealFunction:
+    """A function of omega and t that must not be positive."""
+    return RealFunction(Ring([T]).axis.convert(sympify(formula)))
+
+
+HELD = hs.Scene(environments.maxwell(2, 9), (effects.zero_order_hold("30 ms"),), (0, 2))
+SLACK = environments.spring_pot(k_alpha=50, alpha="0.4", k=20)
+TOLD = {
+    "a delay": (LATE, "tau", (0.004, 0.0125)),
+    "a hold": (HELD, "T", (0.02, 0.05)),
+    "a hold beside a filter": (
+        hs.Scene(SPRING, (effects.zero_order_hold("9 ms"), effects.second_order_lowpass(90, "0.7")), (0, 20)), "zeta", (0.3, 0.8),
+    ),
+    "a fractional power": (hs.Scene(SLACK, (effects.first_order_lag(200),), (0, 15)), "omega_c", (120, 250)),
+    "an order": (hs.Scene(SLACK, (effects.first_order_lag(200),), (0, 15)), "environment.alpha", (0.3, 0.5)),
+    "two delays": (
+        hs.Scene(hs.environments.kelvin_voigt(90, 4), (effects.delay("6 ms"), effects.delay("9 ms")), (1, 30)),
+        "effects.delay.tau", (0.002, 0.011),
+    ),
+    "a compensated device": (
+        hs.Scene(SPRING, (effects.delay("5 ms"), effects.shunt(m=1)), ("1 Hz", "3 Hz")), "effects.shunt.m", (-2.0, 1.0),
+    ),
+}  # fmt: skip
+"""Scenes with angles or powers, one parameter left open, and two values of it."""
+
+
+class Form:
+    """A condition times its half angles' cosines, term by term in mpmath at many digits."""
+
+    def __init__(self, scene: hs.Scene, path: str) -> None:
+        self.free = free_parameter(scene, path)
+        self.conditions = conditions(scene, [self.free])
+        self.shapes = {part: Shape.of(f, self.free.symbol) for part, f in self.conditions.items()}
+
+    @cache  # noqa: B019 - lives as long as a test
+    def numbers(self, part: hs.Part, t: object) -> tuple[list[object], list[object], list[object]]:
+        """What the symbols, half the rates and the orders are for a value of the parameter."""
+        axis, names = self.shapes[part].axis, {self.free.symbol: t, pi: FINE.pi}
+
+        def number(x: Expr) -> object:
+            if x.is_Rational or x in names:
+                return names[x] if x in names else FINE.mpf(int(x.p)) / int(x.q)
+            found = [number(y) for y in x.args]
+            return FINE.fsum(found) if x.is_Add else FINE.fprod(found) if x.is_Mul else found[0] ** found[1]
+
+        own = [names.get(x, FINE.mpf(1)) for x in axis.meanings[1 : axis.size]]
+        return own, [number(a.rate) / 2 for a in axis.angles], [number(x) for x in axis.orders]
+
+    def __call__(self, part: hs.Part, omega: object, t: object) -> object:
+        shape = self.shapes[part]
+        own, rates, orders = self.numbers(part, t)
+        halves = [x * (1 if a.constant else omega) for x, a in zip(rates, shape.axis.angles, strict=True)]
+        values = [omega, *own, *(FINE.tan(x) for x in halves), *(omega**x for x in orders)]
+        total = FINE.mpf(0)
+        for exponents, c in shape.polynomial.to_dict().items():
+            powers = (x ** int(n) for x, n in zip(values, exponents, strict=True) if n)
+            total += FINE.fprod(powers) * int(c.p) / int(c.q)
+        return total * FINE.fprod(FINE.cos(x) ** n for x, n in zip(halves, shape.degrees, strict=True))
+
+
+def exactly(x: object) -> object:
+    mantissa, exponent = x.man_exp()  # type: ignore[attr-defined]
+    return FINE.mpf(int(mantissa)) * FINE.mpf(2) ** int(exponent)
+
+
+def misses(ball: object, value: object) -> bool:
+    """Whether a number lies outside of a ball, by more than the witness rounds."""
+    middle, radius = exactly(ball.mid()), exactly(ball.rad())  # type: ignore[attr-defined]
+    return abs(middle - value) > radius + FINE.mpf(10) ** -18 * (abs(value) + abs(middle)) + FINE.mpf(10) ** -28
+
+
+def wide(low: float, high: float) -> object:
+    return arb(low).union(arb(high))
+
+
+def inside(low: float, high: float) -> list[object]:
+    return [FINE.mpf(low) + (FINE.mpf(high) - FINE.mpf(low)) * x for x in (0, FINE.mpf("0.77"), 1)]
+
+
+@pytest.mark.parametrize("name", TOLD)
+def test_a_condition_over_balls_of_frequency_and_parameter_holds_all_its_values(name: str) -> None:
+    scene, path, (low, high) = TOLD[name]
+    form = Form(scene, path)
+    start, end = (float(x) for x in scene.band)
+    near = low + (high - low) / 1024
+    with flint.ctx.workprec(BITS):
+        for part, shape in form.shapes.items():
+            for a, b in ((low, near), (low, high)):
+                strip = Strip.of(shape, arb(a), arb(b))
+                for x, y in ((start + (end - start) / 3, start + (end - start) / 3 + 0.01), (end * 0.5, end * 0.75)):
+                    value, slope, bend = strip.over(wide(x, y))
+                    at_left = strip.value(arb(x))
+                    change = None if strip.change is None else strip.change.over(wide(x, y))[0]
+                    for t in inside(a, b):
+                        assert not misses(at_left, form(part, FINE.mpf(x), t))
+                        for w in inside(x, y):
+                            series = FINE.taylor(lambda v, t=t, part=part: form(part, v, t), w, 2)
+                            assert not any(misses(*pair) for pair in zip((value, slope, bend), series, strict=True))
+                            assert change is None or not misses(
+                                change, FINE.diff(lambda v, w=w, part=part: form(part, w, v), t)
+                            )
+                if b == near:  # what is narrow is known well
+                    size = max(abs(form(part, FINE.mpf(end) * k / 8, FINE.mpf(a))) for k in range(1, 8))
+                    assert exactly(strip.value(arb(end * 0.5)).rad()) < size / 4
+                    point = shape.over(arb(a)).value(arb(end * 0.5))
+                    assert exactly(point.rad()) < size * FINE.mpf(10) ** -22
+                    assert not misses(point, form(part, FINE.mpf(end * 0.5), FINE.mpf(a)))
+            independent = (name, part) == ("a compensated device", IMAG)  # of a mass: what cancels in r_i
+            assert (shape.change is None) == (name == "an order" or independent)
+
+
+@pytest.mark.parametrize("name", TOLD)
+def test_the_enclosure_of_a_mean_value_is_of_second_order(name: str) -> None:
+    """An eighth of the width of a cell leaves about 1/64 of what the enclosure has too much."""
+    scene, path, (low, _) = TOLD[name]
+    form, (start, end) = Form(scene, path), (float(x) for x in scene.band)
+    x = start + (end - start) * 0.71
+    with flint.ctx.workprec(BITS):
+        for part, shape in form.shapes.items():
+            if shape.change is None:
+                continue
+            for kind in (0, 1):
+                excess = []
+                for width in (2**-6, 2**-9):
+                    strip = Strip.of(shape, arb(low), arb(low * (1 + width)))
+                    own = [form(part, FINE.mpf(x), t) for t in inside(low, low * (1 + width))]
+                    ball = strip.over(wide(x, x + 1e-15))[0] if kind else strip.value(arb(x))
+                    excess.append(2 * exactly(ball.rad()) - (max(own) - min(own)))
+                    plain = ball < 0 or (ball > 0 and not kind)  # then nothing more is asked
+                assert plain or excess[1] < excess[0] / 30 + FINE.mpf(10) ** -12 * max(map(abs, own))
+
+
+@pytest.mark.parametrize("name", [x for x in TOLD if x != "an order"])
+def test_a_condition_for_values_without_bound_holds_all_of_them(name: str) -> None:
+    """Over an even power of the parameter, at least its degree; a delay without bound has any phase."""
+    scene, path, (low, _) = TOLD[name]
+    form = Form(scene, path)
+    with flint.ctx.workprec(BITS):
+        for part, shape in form.shapes.items():
+            power = int(shape.polynomial.degrees()[shape.axis.meanings.index(form.free.symbol)])
+            power += power % 2
+            for sign in (1, -1) if name == "a compensated device" else (1,):
+                strip = Strip.beyond(shape, arb(0).union(arb(sign) / low if low > 0 else arb(sign)))
+                x = float(scene.band[1]) * 0.6
+                value, slope, bend = strip.over(wide(x, x + 0.5))
+                for t in (abs(FINE.mpf(low)) * n * sign for n in (1, 1.7, 40, 10**5)):
+                    for w in inside(x, x + 0.5):
+                        series = FINE.taylor(lambda v, t=t, part=part, n=power: form(part, v, t) / t**n, w, 2)
+                        if name == "a delay" or name == "a hold" or "two" in name:
+                            series = series[:1]  # of a phase no slope is known
+                        assert not any(misses(*pair) for pair in zip((value, slope, bend), series, strict=False))
+                assert strip.ends is None
+                assert strip.middle is None
+                assert strip.change is None
+
+
+def test_values_from_zero_on_are_enclosed_where_powers_have_no_slope() -> None:
+    for name in ("a fractional power", "an order"):
+        scene, path, (low, high) = TOLD[name]
+        form = Form(scene, path)
+        with flint.ctx.workprec(BITS):
+            for part, shape in form.shapes.items():
+                for end, top in ((0.5, high), (1e-6, low * 1.0001)):
+                    strip = Strip.of(shape, arb(low), arb(top))
+                    value, slope, bend = strip.over(wide(0, end))
+                    own = [
+                        form(part, w, t) for t in inside(low, top) for w in (FINE.mpf(10) ** -30, *inside(0, end)[1:])
+                    ]
+                    assert not any(misses(value, x) for x in own)
+                    assert not slope.is_finite()
+                    assert not bend.is_finite()
+                    if end < 0.1:
+                        assert exactly(value.rad()) < max(map(abs, own)) / 2
+
+
+def test_what_every_term_vanishes_with_at_zero_is_divided_out_there() -> None:
+    scene, path, (low, high) = TOLD["a hold"]
+    form = Form(scene, path)
+    with flint.ctx.workprec(BITS):
+        for part, shape in form.shapes.items():
+            k = shape.order_at_zero
+            assert k == 2
+            for a, b, end in ((low, high, 0.5), (low, low * 1.001, 0.01)):
+                strip = Strip.of(shape, arb(a), arb(b))
+                value, slope, _ = strip.over(wide(0, end))
+                own = [form(part, w, t) / w**k for t in inside(a, b) for w in (FINE.mpf(10) ** -9, *inside(0, end)[1:])]
+                assert not any(misses(value, x) for x in own)
+                assert not slope.is_finite()
+                if b < low * 1.01:
+                    assert exactly(value.rad()) < max(map(abs, own))
+    assert Form(*TOLD["a delay"][:2]).shapes[IMAG].order_at_zero == 0
+
+
+# --- where a condition can bind --------------------------------------------------------------------------------------
+
+BAND = (Integer(0), Integer(15))
+
+
+def strip_of(formula: Expr, low: float, high: float) -> Strip:
+    return Strip.of(Shape.of(condition(formula), T), arb(low), arb(high))
+
+
+def kinds(formula: Expr, low: float, high: float, band: tuple[Expr, Expr] = BAND) -> object:
+    with flint.ctx.workprec(BITS):
+        found = places(strip_of(formula, low, high), band)
+        return found if isinstance(found, Verdict) else [x.kind.value for x in found]
+
+
+PEAK = 1 / (1 + (OMEGA**2 - 49) ** 2 / 400)
+BINDS = [
+    (OMEGA**2 / 45 - T, 4.9, 5.1, ["band-edge"]),  # rises to 5 at the high end
+    (5 - OMEGA**2 / 45 - T, 4.9, 5.1, ["start"]),  # falls from 5 at 0, where the slope is 0
+    (5 * PEAK - T, 4.9, 5.1, ["tangency"]),
+    (5 * PEAK - T, 5.1, 5.2, []),
+    (5 * PEAK - T, 4.0, 4.5, Verdict.BROKEN),
+    (5 * PEAK - T, 4.0, 6.0, Verdict.OPEN),
+    (OMEGA**2 / 45 - T, 5.01, 9, []),
+    (OMEGA**2 / 45 - T, -1, 4.5, Verdict.BROKEN),
+    (Integer(5) - T, 4, 4.9, Verdict.BROKEN),
+    (T - 5, 4, 4.9, []),
+    (T - 5, 4, 6, Verdict.OPEN),
+    ((OMEGA**2 - 100) ** 2 / 2000 - T, 4.97, 5.05, ["start"]),  # 5 at 0, 7.8 at 15, unless the band ends before
+    (OMEGA**2 * (225 - OMEGA**2) ** 2 / 338000 - T, 4.95, 5.05, ["tangency"]),  # largest at 15/sqrt 3: 4.993
+]
+
+
+@pytest.mark.parametrize(("formula", "low", "high", "expected"), BINDS)
+def test_a_condition_binds_at_an_edge_or_a_maximum_or_nowhere(
+    formula: Expr, low: float, high: float, expected: object
+) -> None:
+    band = (Integer(0), Integer(14)) if formula.has((OMEGA**2 - 100) ** 2) else BAND
+    assert kinds(formula, low, high, band) == expected
+
+
+def test_a_band_that_starts_above_zero_has_its_start_there() -> None:
+    with flint.ctx.workprec(BITS):
+        strip = strip_of(5 - OMEGA**2 / 45 - T, 4.85, 5.0)
+        [place] = places(strip, (Integer(2), Integer(15)))
+        assert (place.kind, place.omega) == (Kind.START, 2)
+        assert float(strip.crossing(place)) == pytest.approx(5 - 4 / 45, rel=1e-15)
+        [edge] = places(strip_of(OMEGA**2 / 45 - T, 4.9, 5.1), (Integer(2), Integer(15)))
+        assert (edge.kind, edge.omega) == (Kind.EDGE, 15)
+
+
+def test_a_maximum_is_known_to_many_digits_with_the_value_at_which_it_touches() -> None:
+    formula = OMEGA**2 * (225 - OMEGA**2) ** 2 / 338000 - T
+    with flint.ctx.workprec(BITS):
+        strip = strip_of(formula, 4.95, 5.05)
+        [place] = places(strip, BAND)
+        assert strip.signs(place) == (1, -1)
+        value = strip.crossing(place)
+    exact = Rational(75 * 150**2, 338000)
+    assert value.digits(40) == ExactNumber(exact).digits(40)
+    assert MaximumAt(value).digits(40) == ExactNumber(sqrt(75)).digits(40)
+    a, b = value.bounds(60)
+    assert a <= Fraction(int(exact.p), int(exact.q)) <= b
+
+
+def test_signs_are_told_only_where_the_condition_changes_one_way_with_the_parameter() -> None:
+    place = Place(Kind.EDGE, arb(14), arb(15), Integer(15))
+    top = Place(Kind.TOUCH, arb(6.5), arb(7.5))
+    with flint.ctx.workprec(BITS):
+        for at in (place, top):
+            rising, falling = (T - 3 + PEAK - PEAK.subs(OMEGA, 15), 3 - T + PEAK - PEAK.subs(OMEGA, 15))
+            if at is top:
+                rising, falling = T - 4 + PEAK, 2 - T + PEAK
+            assert strip_of(rising, 2, 4).signs(at) == (-1, 1)
+            assert strip_of(falling, 2, 4).signs(at) == (1, -1)
+            assert strip_of(rising, 3.5, 4).signs(at) == (1, 1)
+            assert strip_of(rising, 2, 2.5).signs(at) == (-1, -1)
+            assert strip_of(rising, 3, 4).signs(at) is None  # zero at an end
+            assert strip_of((T - 3) ** 2 - 1, 1.5, 4.5).signs(at) is None  # there and back
+        assert Strip.beyond(Shape.of(condition(T - 3), T), wide(0, 1)).signs(place) is None
+
+
+def boxes(*rows: tuple[float, float, int, int]) -> list[_Box]:
+    return [_Box(arb(a), arb(b), slope, bend) for a, b, slope, bend in rows]
+
+
+def placed(cluster: list[_Box], formula: Expr = -((OMEGA**2 - 49) ** 2) - T, low: float = 0) -> object:
+    """Where a function that is largest at 7 can bind on some pieces of the band."""
+    with flint.ctx.workprec(BITS):
+        found = _place(strip_of(formula, 0.1, 0.2), cluster, arb(low), arb(15), (Integer(int(low)), Integer(15)))
+        return found if isinstance(found, Verdict) else (found.kind.value, float(found.low), float(found.high))
+
+
+def test_what_is_known_of_slopes_and_curvatures_tells_where_a_piece_can_bind() -> None:
+    assert placed(boxes((6, 7, 0, -1), (7, 8, 0, -1))) == ("tangency", 6, 8)
+    assert placed(boxes((6, 7, 0, -1), (7, 8, 0, 0))) is Verdict.OPEN
+    assert placed(boxes((6, 6.5, 0, -1), (6.5, 6.75, 0, -1))) is Verdict.KEPT  # rises up to what is known to be kept
+    assert placed(boxes((7.5, 8, 0, -1), (8, 9, 0, -1))) is Verdict.KEPT
+    assert placed(boxes((14, 14.5, 1, 0), (14.5, 15, 1, 0))) == ("band-edge", 14, 15)
+    assert placed(boxes((14, 14.5, 1, 0), (14.5, 14.75, 1, 0))) is Verdict.KEPT
+    assert placed(boxes((14, 14.5, 1, 0), (14.5, 15, 0, 0))) is Verdict.OPEN
+    assert placed(boxes((14, 14.5, 0, 0), (14.5, 15, 1, -1))) is Verdict.OPEN
+    assert placed(boxes((14, 15, 0, -1)), formula=OMEGA**2 - T) == ("band-edge", 14, 15)
+    assert placed(boxes((14, 15, 0, 1)), formula=OMEGA**2 - T) is Verdict.OPEN
+    assert placed(boxes((2, 3, -1, 0), (3, 4, -1, 0)), low=2) == ("start", 2, 4)
+    assert placed(boxes((2.5, 3, -1, 0), (3, 4, -1, 0)), low=2) is Verdict.KEPT
+    assert placed(boxes((2, 3, -1, 0), (3, 4, 0, 0)), low=2) is Verdict.OPEN
+    assert placed(boxes((2, 3, 0, -1)), formula=-(OMEGA**2) - T, low=2) == ("start", 2, 3)
+    assert placed(boxes((2, 3, 0, 1)), formula=-(OMEGA**2) - T, low=2) is Verdict.OPEN
+    assert placed(boxes((0, 1, 0, -1)), formula=-(OMEGA**4) - T) == ("start", 0, 1)  # even: the slope at 0 is 0
+    assert placed(boxes((0, 1, 0, 0)), formula=-(OMEGA**4) - T) is Verdict.OPEN
+    rows = boxes((1, 2, 0, 0), (2, 3, 0, 0), (4, 5, 0, 0), (5, 6, 0, 0))
+    assert [[float(x.low) for x in own] for own in _clusters(rows)] == [[1, 2], [4, 5]]
+
+
+# --- cells -----------------------------------------------------------------------------------------------------------
+
+
+def told(leaves: list[Leaf], value: float) -> Verdict | None:
+    """What leaves say of a value; None at an end."""
+    for x in leaves:
+        if (x.low is None or x.low <= value) and (x.high is None or value <= x.high):
+            if x.above is None:
+                return x.verdict
+            return x.verdict if value < float(x.value) else x.above if value > float(x.value) else None
+    raise AssertionError(value)
+
+
+SETS = [
+    (OMEGA**2 / 45 - T, lambda t: t >= 5, [5.0]),
+    (5 * PEAK + T, lambda t: t <= -5, [-5.0]),  # negative values
+    (5 * PEAK - T**2, lambda t: abs(t) >= 5**0.5, [-(5**0.5), 5**0.5]),
+    ((T - 3) * (T - 7) + OMEGA**2 / 100 - Rational(9, 4), lambda t: 3 <= t <= 7, [3.0, 7.0]),
+    ((T + 3) * (T + 7) + OMEGA**2 / 100 - Rational(9, 4), lambda t: -7 <= t <= -3, [-7.0, -3.0]),
+    (PEAK - 2, lambda _: True, []),
+]
+RANGES = [(None, None), (-9, 12), (Fraction(1, 8), None), (None, Fraction(-1, 8))]
+
+
+@pytest.mark.parametrize(("number", "formula", "kept", "ends"), [(i, *x) for i, x in enumerate(SETS)])
+def test_cells_cover_the_values_and_end_where_the_set_does(
+    number: int, formula: Expr, kept: Callable[[float], bool], ends: list[float]
+) -> None:
+    for low, high in (RANGES[0], RANGES[1 + number % 3]):
+        a, b = (None if x is None else Fraction(x) for x in (low, high))
+        leaves = Search({REAL: condition(formula)}, T, BAND, Fraction(2)).leaves(a, b)
+        assert (leaves[0].low, leaves[-1].high) == (a, b)
+        assert all(x.high == y.low for x, y in pairwise(leaves))
+        inside = [x for x in ends if (a is None or x > a) and (b is None or x < b)]
+        assert [float(x.value) for x in leaves if x.above] == pytest.approx(inside, rel=1e-14)
+        values = [s * 10**x for s in (-1, 1) for x in np.linspace(-2, 5, 40)]
+        values += [x * f for x in ends for f in (0.999999, 1.000001)]
+        for value in (Fraction(float(x)) for x in values):
+            if (a is None or value >= a) and (b is None or value <= b):
+                verdict = told(leaves, value)
+                if verdict is Verdict.OPEN:  # far out, where an odd power has both signs
+                    assert abs(value) > 4000
+                    assert degree(formula.as_numer_denom()[0], T) % 2
+                else:
+                    assert verdict is (Verdict.KEPT if kept(float(value)) else Verdict.BROKEN)
+
+
+def test_a_cell_in_which_two_conditions_end_is_cut_and_one_broken_condition_breaks() -> None:
+    both = {REAL: condition(T - 5 - OMEGA**2 / 10**6), IMAG: condition(T - 5 - Rational(1, 10**4))}
+    leaves = Search(both, T, BAND, Fraction(1)).leaves(Fraction(4), Fraction(6))
+    [end] = [x for x in leaves if x.above]
+    assert (float(end.value), end.verdict, end.above) == (5, Verdict.KEPT, Verdict.BROKEN)
+    assert (end.binding.part, end.binding.kind) == (REAL, Kind.START)
+    assert [told(leaves, Fraction(x)) for x in (4.5, 5.00005, 5.5)] == [Verdict.KEPT, Verdict.BROKEN, Verdict.BROKEN]
+    hard = {
+        REAL: condition(T - 5),
+        IMAG: condition((T - 5) ** 2 - OMEGA**2),
+    }  # the second is open on one part of the band
+    assert told(Search(hard, T, BAND, Fraction(1)).leaves(Fraction(4), Fraction(8)), Fraction(7)) is Verdict.BROKEN
+
+
+def test_binding_places_are_told_with_their_frequency() -> None:
+    found = Search({IMAG: condition(5 * PEAK - T)}, T, BAND, Fraction(1)).leaves(Fraction(1), Fraction(9))
+    [end] = [x for x in found if x.above]
+    assert (end.binding.part, end.binding.kind, end.binding.omega.digits(20)) == (
+        IMAG,
+        Kind.TOUCH,
+        "7.0000000000000000000",
+    )
+    found = Search({IMAG: condition(OMEGA**2 / 45 - T)}, T, BAND, Fraction(1)).leaves(Fraction(1), Fraction(9))
+    [end] = [x for x in found if x.above]
+    assert (end.binding.kind, end.binding.omega.value) == (Kind.EDGE, 15)
+
+
+def test_the_middle_of_a_cell_lies_inside_and_of_a_long_one_near_its_geometric_mean() -> None:
+    random = Random(3)
+    for _ in range(300):
+        a = Fraction(random.choice((1, -1)) * 10 ** random.uniform(-6, 6))
+        b = a + abs(a) * Fraction(10 ** random.uniform(-12, 4))
+        cut = _middle(a, b)
+        assert a < cut < b
+        assert cut.denominator & (cut.denominator - 1) == 0  # dyadic
+        assert _middle(-b, -a) == pytest.approx(float(-cut), rel=2e-2, abs=float(b - a) / 50)
+        if a * b > 0 and max(b / a, a / b) > 4:
+            assert float(abs(cut)) == pytest.approx(float(a * b) ** 0.5, rel=1e-12)
+        else:
+            assert (cut - a) / (b - a) == pytest.approx(0.497, abs=0.01)
+    assert [float(_middle(Fraction(x), Fraction(y))) for x, y in ((0, 16), (-16, 0))] == [1, -1]
+    assert float(_middle(Fraction(1), Fraction(4))) == 1 + 3 * 0.4970703125
+    assert float(_middle(Fraction(-4), Fraction(-1))) == -4 + 3 * 0.4970703125
+    tiny = Fraction(1) + Fraction(1, 2**60)  # of no width as floats
+    assert 1 < _middle(Fraction(1), tiny) < tiny
+
+
+def test_a_long_delay_breaks_a_condition_as_soon_as_a_piece_of_the_band_holds_all_its_phases() -> None:
+    """r_i = |sin(omega tau)| at a quarter turn is 1 all over the band of 15 rad/s: it holds all phases from 2 pi/15 s on."""
+    form = Form(LATE, "tau")
+    bound = _bound_by_phase(form.conditions[IMAG], form.free.symbol, LATE.band)
+    assert float(bound) == pytest.approx(2 * np.pi / 15 / 0.99, rel=1e-12)
+    wide_band = LATE.with_band(5, 45)
+    bound = _bound_by_phase(Form(wide_band, "tau").conditions[IMAG], form.free.symbol, wide_band.band)
+    assert float(bound) == pytest.approx(2 * np.pi / 40 / 0.99, rel=1e-12)
+    assert _bound_by_phase(Form(*TOLD["a hold beside a filter"][:2]).conditions[IMAG], symbols("zeta"), BAND) is None
+    loose = Form(hs.Scene(SPRING, (effects.delay("5 ms"),), (0, 15), hs.Threshold.of(3, 3)), "tau")
+    assert _bound_by_phase(loose.conditions[IMAG], form.free.symbol, BAND) is None
+
+
+# --- lines of values -------------------------------------------------------------------------------------------------
+
+KEPT, BROKEN, OPEN = Verdict.KEPT, Verdict.BROKEN, Verdict.OPEN
+
+
+def line(*rows: object, low: object = 0, high: object = 8, closed: tuple[bool, bool] = (True, True), allowed=None):  # type: ignore[no-untyped-def]
+    leaves = [Leaf(*(None if x is None else Fraction(x) for x in row[:2]), *row[2:]) for row in rows]  # type: ignore[index]
+    ends = [None if x is None else Rational(x) for x in (low, high)]
+    return _Line(leaves, Domain(*ends, *closed), allowed or (lambda _: True))
+
+
+def shown(spans: object) -> list[tuple[object, ...]]:
+    ends = [(x.low, x.high) for x in spans]  # type: ignore[attr-defined]
+    return [(*(None if e.value is None else float(e.value) for e in (a, b)), a.closed, b.closed) for a, b in ends]
+
+
+def test_leaves_of_one_verdict_join_and_ends_belong_to_the_set() -> None:
+    three = ExactNumber(Integer(3))
+    own = line((0, 1, BROKEN), (1, 2, BROKEN), (2, 4, BROKEN, KEPT, three), (4, 5, KEPT), (5, 8, KEPT))
+    assert shown(own.spans()) == [(3, 8, True, True)]
+    assert own.undecided == ()
+    assert shown(line((0, 8, KEPT)).spans()) == [(0, 8, True, True)]
+    assert shown(line((0, 8, KEPT), closed=(False, True)).spans()) == [(0, 8, False, True)]
+    assert shown(line((0, 8, KEPT), closed=(True, False)).spans()) == [(0, 8, True, False)]
+    assert shown(line((0, 8, KEPT), allowed=lambda x: x != 0).spans()) == [(0, 8, False, True)]
+    assert shown(line((0, 8, KEPT), allowed=lambda x: x != 8).spans()) == [(0, 8, True, False)]
+    assert shown(line((0, 8, BROKEN)).spans()) == []
+    unbounded = line(
+        (None, -1, KEPT), (-1, 1, KEPT, BROKEN, ExactNumber(Integer(0))), (1, None, BROKEN), low=None, high=None
+    )
+    assert shown(unbounded.spans()) == [(None, 0, False, True)]
+    two = line((0, 2, KEPT, BROKEN, ExactNumber(Integer(1))), (2, 4, BROKEN, KEPT, three), (4, None, KEPT), high=None)
+    assert shown(two.spans()) == [(0, 1, True, True), (3, None, True, False)]
+
+
+def test_a_narrow_open_leaf_between_two_verdicts_is_an_end_and_a_wide_one_is_undecided() -> None:
+    thin, wider = Fraction(1, 10**10), Fraction(1, 10**7)
+    for sign in (1, -1):
+        for width, known in ((thin, True), (wider, False)):
+            a, b = sorted((Fraction(3 * sign), (3 + width) * sign))
+            own = line((-9, a, BROKEN), (a, b, OPEN), (b, 9, KEPT), low=-9, high=9)
+            assert (own.undecided == ()) is known
+            [span] = own.spans()
+            assert isinstance(span.low.value, Sliver) is known
+            if known:
+                assert (span.low.value.low, span.low.value.high) == (a, b)
+            else:
+                assert [tuple(float(x) for x in pair) for pair in own.undecided] == [(float(a), float(b))]
+                assert float(span.low.value) == float(b)
+    same = line((0, 3, KEPT), (3, 3 + thin, OPEN), (3 + thin, 8, KEPT))
+    assert len(same.undecided) == 1
+    first = line((0, thin, OPEN), (thin, 8, KEPT))
+    assert [[float(x) for x in pair] for pair in first.undecided] == [[0, float(thin)]]
+    last = line((0, 5, KEPT), (5, None, OPEN), high=None)
+    assert [[float(last.undecided[0][0]), last.undecided[0][1]]] == [[5, None]]
+    after = line((0, 2, BROKEN, KEPT, ExactNumber(Integer(1))), (2, 2 + thin, OPEN), (2 + thin, 8, BROKEN))
+    assert after.undecided == ()
+    assert shown(after.spans())[0][0] == 1
+
+
+# --- exact sets, against values one by one ---------------------------------------------------------------------------
+
+
+def solved(formula: Expr, domain: Domain = Domain(None, None), band: tuple[Expr, Expr] = BAND, allowed=lambda _: True):  # type: ignore[no-untyped-def]  # noqa: B008
+    formulas = formula if isinstance(formula, dict) else {REAL: formula}
+    return Problem({part: condition(f) for part, f in formulas.items()}, T, band, domain, allowed).solve()
+
+
+def test_random_polynomial_conditions_hold_at_each_value_that_they_are_said_to() -> None:
+    """Against the largest value over the band, by the roots of the slope in floats."""
+    random = Random(11)
+    count = 0
+    for _ in range(60):
+        rows = [[random.randint(-4, 4) for _ in range(random.randint(1, 4))] for _ in range(random.randint(1, 4))]
+        formula = sum(c * T**j * OMEGA ** (2 * i) / 40**i for i, row in enumerate(rows) for j, c in enumerate(row))
+        band = (Integer(random.choice((0, 2))), Integer(random.choice((6, 15))))
+        spans = solved(formula, band=band) if formula != 0 else ()
+        limits = [[None if e.value is None else float(e.value) for e in (x.low, x.high)] for x in spans]
+        ends = [x for pair in limits for x in pair if x is not None]
+        for value in [random.uniform(-6, 6) for _ in range(8)] + [x + d for x in ends for d in (-1e-4, 1e-4)]:
+            p = np.polynomial.Polynomial(
+                [sum(c * value**j for j, c in enumerate(row)) / 40**i for i, row in enumerate(rows)]
+            )
+            tops = [x.real for x in p.deriv().roots() if abs(x.imag) < 1e-9] if p.degree() > 1 else []
+            w = [float(x) ** 2 for x in band] + [x for x in tops if float(band[0]) ** 2 < x < float(band[1]) ** 2]
+            top = max(p(x) for x in w)
+            if formula != 0 and abs(top) > 1e-7 * max(1, *(abs(c) for c in p.coef)):
+                count += 1
+                assert any((a is None or a <= value) and (b is None or value <= b) for a, b in limits) is bool(top < 0)
+    assert count > 500
+
+
+CLOSED, BARE = (True, True), (False, False)
+
+
+def test_a_domain_cuts_the_set_and_its_ends_belong_as_they_are_told_to() -> None:
+    inner = T * (T - 4)  # kept from 0 to 4
+    for ends, expected in (
+        ((1, 3, *CLOSED), [(1, 3, True, True)]), ((1, 3, *BARE), [(1, 3, False, False)]),
+        ((1, 3, True, False), [(1, 3, True, False)]), ((1, 3, False, True), [(1, 3, False, True)]),
+        ((0, 4, *BARE), [(0, 4, False, False)]), ((0, 4, *CLOSED), [(0, 4, True, True)]),
+        ((-1, 5, *BARE), [(0, 4, True, True)]), ((4, 9, *CLOSED), [(4, 4, True, True)]), ((4, 9, *BARE), []),
+        ((5, 9, *CLOSED), []), ((-9, 0, *CLOSED), [(0, 0, True, True)]), ((-9, 0, *BARE), []),
+    ):  # fmt: skip
+        assert shown(solved(inner, Domain(Integer(ends[0]), Integer(ends[1]), *ends[2:]))) == expected
+    assert shown(solved(inner, Domain(None, Integer(2)))) == [(0, 2, True, True)]
+    assert shown(solved(inner, Domain(Integer(2), None))) == [(2, 4, True, True)]
+    assert shown(solved(-inner)) == [(None, 0, False, True), (4, None, True, False)]
+    assert shown(solved(-inner, Domain(Integer(1), None))) == [(4, None, True, False)]
+    assert shown(solved(inner, Domain(Integer(0), Integer(9)), allowed=lambda x: x != 0)) == [(0, 4, False, True)]
+    negative = solved((T + 3) * (T + 2) * (T**2 - 2), Domain(Integer(-9), Integer(0)))
+    assert shown(negative) == [(-3, -2, True, True), (-(2**0.5), 0, True, True)]
+
+
+def test_what_binds_is_told_with_part_kind_and_frequency() -> None:
+    both = {REAL: OMEGA**2 / 45 - T, IMAG: 5 - OMEGA**2 / 100 - T}  # both bind at 5: at the high end and at the low one
+    [span] = solved(both)
+    told = {(b.part, b.kind, float(b.omega)) for b in span.low.bindings}
+    assert told == {(REAL, Kind.EDGE, 15.0), (IMAG, Kind.START, 0.0)}
+    [span] = solved({REAL: OMEGA**2 / 45 - T, IMAG: 4 - OMEGA**2 / 100 - T})
+    assert [(b.part, b.kind) for b in span.low.bindings] == [(REAL, Kind.EDGE)]
+    quartic = 5 - (OMEGA**2 - 49) ** 2 / 100 - T  # 5 at 7
+    [span] = solved(quartic)
+    assert [(b.part, b.kind, b.omega.digits(12)) for b in span.low.bindings] == [(REAL, Kind.TOUCH, "7.00000000000")]
+    [span] = solved(5 - (OMEGA**2 - 49) ** 2 * (OMEGA**2 - 121) ** 2 / 10**5 - T)
+    assert [b.omega.digits(6) for b in span.low.bindings] == ["7.00000", "11.0000"]
+    [span] = solved(quartic, Domain(Integer(6), Integer(8)))
+    assert (span.low.bindings, span.high.bindings) == ((), ())
+    [span] = solved(-quartic - 10, band=(Integer(5), Integer(10)))  # deepest at 7; at 5 and 10 5.76 and 26.01 below
+    assert [(b.kind, float(b.omega)) for b in span.high.bindings] == [(Kind.EDGE, 10.0)]
+
+
+def test_single_values_algebraic_ones_too_are_in_the_set_or_left_out_as_an_exact_test_tells() -> None:
+    """(t^3 - 2)^2 is 0 at one real value alone."""
+    touch = (T**3 - 2) ** 2
+    assert shown(solved(touch)) == [(2 ** (1 / 3), 2 ** (1 / 3), True, True)]
+    assert shown(solved(-touch)) == [(None, None, False, False)]
+    assert shown(solved((T**3 + 2) ** 2)) == [(-(2 ** (1 / 3)), -(2 ** (1 / 3)), True, True)]
+    alone = solved(touch * (1 + OMEGA**2) + (OMEGA**2 - 49) ** 2 * (T**3 - 2) ** 2)
+    assert [x.low.value.digits(10) for x in alone] == ["1.259921050"]
+    assert solved(touch + Rational(1, 2)) == ()
+    only_at_one_frequency = (
+        touch * OMEGA**2 + OMEGA**2 * (225 - OMEGA**2) / 10**4
+    )  # broken inside the band at that value
+    assert solved(only_at_one_frequency) == ()
+    rational = shown(solved((2 * T - 3) ** 2 * (1 + OMEGA**2)))
+    assert rational == [(1.5, 1.5, True, True)]
+    crossed = solved((T**2 - 2) ** 2 * (OMEGA**2 - 49))  # negative below 7, positive above, but for t^2 = 2
+    assert [x.low.value.digits(8) for x in crossed] == ["-1.4142136", "1.4142136"]
+
+
+def test_pi_may_stand_in_band_and_condition() -> None:
+    [span] = solved(OMEGA**2 - T, band=(Integer(0), 2 * pi))
+    assert span.low.value.digits(20) == ExactNumber(4 * pi**2).digits(20)
+    [span] = solved(T**3 + OMEGA**2 - 100, band=(pi / 7, 2 * pi))
+    with mpmath.workdps(30):
+        assert span.high.value.digits(20) == mpmath.nstr(mpmath.cbrt(100 - 4 * mpmath.pi**2), 20)
+
+
+def test_where_a_condition_is_nowhere_defined_it_does_not_hold() -> None:
+    formula = (T - 5) / (T - 2) ** 2  # no scene at 2
+    assert shown(solved(formula)) == [(None, 2, False, False), (2, 5, False, True)]
+    roots = (T - 5) / (T**2 - 2) ** 2
+    assert shown(solved(roots))[0] == (None, -(2**0.5), False, False)
+    assert [x[2:] for x in shown(solved(roots))] == [(False, False), (False, False), (False, True)]
+
+
+def test_the_extremum_between_two_frequencies_is_proven_or_not_told() -> None:
+    five, ends = ExactNumber(Integer(5)), [ExactNumber(Integer(x)) for x in (6, 9)]
+    for sign in (1, -1):
+        surface = Surface.of(condition(sign * (OMEGA**2 - 10 * T) ** 2), T)
+        found = touch(surface, five, *ends)
+        assert found.digits(20) == ExactNumber(sqrt(50)).digits(20)
+        assert touch(surface, five, ExactNumber(Integer(8)), ends[1]) is None  # none in between
+        assert touch(surface, five, ExactNumber(Integer(1)), ends[1]) is None  # more than one is not excluded
+    assert touch(Surface.of(condition(OMEGA**2 * T), T), five, *ends) is None
+
+
+# --- questions and answers -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("digits", [0, -3, 2.5, "7"])
+def test_digits_must_be_a_whole_number_from_one_on(digits: object) -> None:
+    with pytest.raises(SceneError, match="digits"):
+        hs.require(PAPER, "zeta", digits=digits)
+    assert hs.require(PAPER, "zeta", digits=1).digits == 1
+
+
+DOMAINS = [
+    ("omega_n", None, (0, None, False, False)),
+    ("environment.m", None, (0, None, True, True)),
+    ("omega_n", (0, 5), (0, 5, False, True)),
+    ("omega_n", (2, 5), (2, 5, True, True)),
+    ("environment.m", (-1, 5), (0, 5, True, True)),
+    ("environment.m", (0, 5), (0, 5, True, True)),
+    ("omega_n", (-1, 5), (0, 5, False, True)),
+]
+
+
+@pytest.mark.parametrize(("path", "given", "expected"), DOMAINS)
+def test_the_values_asked_about_are_those_that_the_model_allows(path: str, given: object, expected: object) -> None:
+    found = domain(free_parameter(PAPER, path), given)  # type: ignore[arg-type]
+    assert (found.low, found.high, found.holds_low, found.holds_high) == expected
+
+
+def test_an_order_lies_between_0_and_1_and_a_device_may_be_negative() -> None:
+    alpha = free_parameter(hs.Scene(SLACK, ()), "environment.alpha")
+    for given, expected in (
+        (None, (0, 1, False, False)), ((0, 1), (0, 1, False, False)), ((-1, 2), (0, 1, False, False)),
+        (("0.25", "0.5"), (Rational(1, 4), Rational(1, 2), True, True)),
+        (("0.25", 3), (Rational(1, 4), 1, True, False)), ((-2, "0.5"), (0, Rational(1, 2), False, True)),
+    ):  # fmt: skip
+        found = domain(alpha, given)  # type: ignore[arg-type]
+        assert (found.low, found.high, found.holds_low, found.holds_high) == expected
+    for given in ((1, 2), (-2, 0)):
+        with pytest.raises(SceneError, match="no value from"):
+            domain(alpha, given)
+    with pytest.raises(SceneError, match="must go up"):
+        domain(alpha, ("0.5", "0.5"))
+    device = domain(free_parameter(hs.Scene(SPRING, (effects.shunt(m=1),)), "m"), None)
+    assert (device.low, device.high) == (None, None)
+
+
+def test_a_threshold_may_be_free_of_one_part_or_of_both() -> None:
+    """The paper's ratios are at most 0.1162 and 0.1554: the free part's must not be below its own."""
+    scene = PAPER.with_band(0, 15)
+    loose = hs.Scene(scene.environment, scene.effects, scene.band, hs.Threshold.of("0.2", "0.3"))
+    for path, digits, part in (
+        ("evaluation.jnd", "0.155424", IMAG), ("evaluation.jnd.real", "0.116247", REAL), ("evaluation.jnd.imag", "0.155424", IMAG),
+        ("c", "0.155424", IMAG),
+    ):  # fmt: skip
+        [span] = hs.require(loose, path).feasible
+        assert (span.low.value.digits(6), [b.part for b in span.low.bindings]) == (digits, [part])
+    tight = hs.Scene(scene.environment, scene.effects, scene.band, hs.Threshold.of("0.11", "0.3"))
+    assert hs.require(tight, "evaluation.jnd.imag").feasible == ()
+    free = free_parameter(loose, "evaluation.jnd.real")
+    assert free.put(loose, Rational(1, 2)).threshold == hs.Threshold(Rational(1, 2), Rational(3, 10))
+    both = free_parameter(loose, "c").put(loose, Rational(1, 2)).threshold
+    assert both == hs.Threshold(Rational(1, 2), Rational(1, 2))
+    assert (free.unit, free.value("0.25")) == ("1", Rational(1, 4))
+    for given, words in (("1 kg", "evaluation.jnd.real"), (symbols("q"), "must be a number")):
+        with pytest.raises(SceneError, match=words):
+            free.value(given)
+
+
+def test_any_environment_takes_the_smaller_threshold_unless_it_is_what_is_free() -> None:
+    lag = hs.Scene(SPRING, (effects.first_order_lag(80),), (0, 15), hs.Threshold.of("0.3", "0.2"))
+    [span] = hs.require(lag, "omega_c", any_environment=True).feasible
+    assert span.low.value.digits(20) == ExactNumber(15 * sqrt(24)).digits(20)  # x/sqrt(1 + x^2) = 1/5
+    swapped = hs.Scene(SPRING, lag.effects, lag.band, hs.Threshold.of("0.2", "0.3"))
+    assert hs.require(swapped, "omega_c", any_environment=True).feasible[0].low.value.digits(
+        9
+    ) == span.low.value.digits(9)
+    [span] = hs.require(lag, "c", any_environment=True).feasible
+    assert span.low.value.digits(15) == ExactNumber(3 / sqrt(265)).digits(15)
+    for path in ("evaluation.jnd.real", "evaluation.jnd.imag"):
+        with pytest.raises(SceneError, match="the thresholds are one"):
+            hs.require(lag, path, any_environment=True)
+    late = hs.require(LATE, "tau", any_environment=True)
+    assert late.feasible[0].high.value.digits(15) == mpmath.nstr(mpmath.asin(0.05) * 2 / 15, 15)
+
+
+def test_a_formula_at_the_low_end_of_the_band_is_in_its_terms() -> None:
+    """A device k beside a damper: 10/(3 omega), largest at the low end of 2 rad/s."""
+    soft = hs.Scene(environments.mass_spring_damper(b=3), (effects.shunt(k=1),), (2, 15))
+    found = hs.require(soft, "effects.shunt.k", (0, 50))
+    [span] = found.feasible
+    assert (span.high.value.value, span.high.bindings[0].kind, span.high.bindings[0].omega.value) == (
+        Rational(3, 5),
+        Kind.START,
+        2,
+    )
+    assert found.closed_form == "k <= b*c*omega_min"
+    lag = hs.require(hs.Scene(SPRING, (effects.first_order_lag(80),), (0, 15)), "omega_c")
+    assert lag.closed_form.startswith("omega_c >= ")
+    assert "omega_max" in lag.closed_form
+    assert hs.require(PAPER, "omega_n").closed_form is None
+    named = hs.require(hs.Scene(SPRING, (effects.first_order_lag(80),), (0, 15)), "omega_c", any_environment=True)
+    [form] = named.forms
+    c, end = symbols("c omega_max", positive=True)
+    assert abs(form.subs({c: Rational(1, 10), end: 15}).evalf(30) - 15 * sqrt(99)) < 1e-25
+
+
+def test_the_document_tells_each_end_with_what_binds_there() -> None:
+    found = hs.require(gain("g^2", g=1), "g", (-2, 1)).to_dict()
+    assert found["range"] == [-2.0, 1.0]
+    assert [[round(x, 6) for x in pair] for pair in found["feasible"]] == [[-1.048809, -0.948683], [0.948683, 1.0]]
+    assert [[x["closed"] for x in pair] for pair in found["ends"]] == [[True, True], [True, True]]
+    assert [round(x["at"], 6) for x in found["binding"]] == [-1.048809] * 2 + [-0.948683] * 2 + [0.948683] * 2
+    assert found["ends"][0][0]["digits"].startswith("-1.0488")
+    assert found["condition"] == ["real", "imag"]
+    assert hs.require(PAPER, "omega_n", part=REAL).to_dict()["condition"] == ["real"]
+    assert hs.require(PAPER, "omega_n", any_environment=True).to_dict()["condition"] == ["any environment"]
+
+
+def test_an_exact_set_is_said_to_be_quick_up_to_the_order_of_a_device() -> None:
+    assert is_quick(hs.Scene(SPRING, (effects.first_order_lag(20), effects.second_order_lowpass(90, 1))))
+    assert not is_quick(hs.Scene(SPRING, tuple(effects.second_order_lowpass(90, 1, name=f"f{i}") for i in range(4))))
+    assert not is_quick(LATE)
+
+
+PEAKED = effects.series("1 + a*s/(s^2 + 2*s + 9)", parameters={"a": "0.1"})  # r_r is at most a/2, at 3 rad/s
+
+
+@pytest.mark.parametrize(
+    ("told", "path", "kind", "near"),
+    [
+        (hs.Scene(SPRING, (PEAKED, effects.delay("1 ms")), (1, 9)), "a", Kind.TOUCH, 0.2),
+        (hs.Scene(SPRING, (effects.shunt(m=1), effects.delay("1 ms")), (0, 6)), "effects.shunt.m", Kind.EDGE, 10 / 36),
+    ],
+)
+def test_a_requirement_by_balls_may_end_at_a_tangency_and_at_negative_values(
+    told: hs.Scene, path: str, kind: Kind, near: float
+) -> None:
+    """Witnesses: an evaluation 1e-9 on both sides of each end; the two crossings just beyond a touch hold its frequency."""
+    found = hs.require(told, path, (-1, 1))
+    [span] = found.feasible
+    assert found.undecided == ()
+    assert [float(span.low.value), float(span.high.value)] == pytest.approx([-near, near], rel=1e-3)
+    for end, inward in ((span.low, 1), (span.high, -1)):
+        [b] = end.bindings
+        assert (b.kind, b.part) == (kind, REAL)
+        value = Rational(end.value.digits(16))
+        for shift, full in ((inward, True), (-inward, False)):
+            moved = value + Rational(shift, 10**9)
+            assert is_transparent(told.with_values({found.free.symbol.name: moved})) is full
+        outside = hs.evaluate(told.with_values({found.free.symbol.name: value - Rational(inward, 10**7)}))
+        crossed = [float(x.omega) for x in outside.crossings if x.part is REAL]
+        if kind is Kind.TOUCH:
+            assert len(crossed) == 2
+            assert crossed[0] < float(b.omega) < crossed[1] < crossed[0] + 0.01
+        else:
+            assert b.omega.value == told.band[1]
