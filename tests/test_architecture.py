@@ -15,7 +15,7 @@ SOURCE = Path(haptisym.__file__).parent
 
 LAYERS = """
 commands.fitting commands.progress commands.spelling \
-errors symbols costs.measurement pruning.suprema report.html simulation.network simulation.threads sweeps.batch \
+errors shown symbols costs.measurement pruning.suprema report.html simulation.network simulation.threads sweeps.batch \
 tolerance.taylormodels typeset.boxes
 budget commands.streams commands.verb \
 expressions codegen.names exact.reals exact.rings figures.kinds formulas.steps numeric.accuracy simulation.descriptor \
@@ -48,11 +48,12 @@ commands.limit commands.scenes costs.hardtext costs.methods pruning.relevance si
 answers costs.simulated costs.tasks sweeps.blocks tolerance.quantiles
 text family.worstcase sweeps.store
 family.text pruning.text requirement.text sweeps.designspace sweeps.text tolerance.text
+pruning.answers
 evaluation requirement.question tolerance.answers
 family.evaluation figures.sampling formulas.derivation measures.measured requirement.designmap tex.results
 figures.scales formulas.sections measures.disagreements measures.metric report.results sensitivities.slopes tex.latex
 figures.style formulas.text measures.text report.design report.findings report.scene sensitivities.text tex.forms
-costs.figure costs.hardfigure family.figure figures.nyquist figures.ratios measures.figure pruning.figure requirement.figures \
+formulas.answers costs.figure costs.hardfigure family.figure figures.nyquist figures.ratios measures.figure pruning.figure requirement.figures \
 sensitivities.figure simulation.figures tolerance.figure
 commands.derive commands.effects commands.require commands.simulate commands.tolerances costs.costs costs.hardcosts \
 figures.projections figures.square measures.transparency report.explorer report.forms report.notebook sensitivities.answers \

@@ -11,13 +11,13 @@ from .exact.reals import RealNumber
 from .exact.roots import Interval, Point
 from .family.evaluation import FamilyEvaluation, evaluate_all
 from .family.family import SceneFamily
-from .formulas.derivation import Derivation, derive
+from .formulas.answers import Derivation, derive
 from .jnd import Part, Threshold
 from .measures.transparency import Metrics, metrics
 from .numeric.accuracy import Accuracy
 from .peaks import Peak, peaks
 from .percepts import Change, Percept, Property
-from .pruning.relevance import Relevance, relevance
+from .pruning.answers import Relevance, relevance
 from .requirement.designmap import DesignMap, design_map
 from .requirement.question import Requirement, require
 from .scene import Scene

@@ -22,6 +22,7 @@ from .errors import SceneError, meant
 from .exact.roots import sign_of_number
 from .quantities import Dimension, Exponents, Motion, Number, decimal, expected, fits, implied_motion
 from .ranges import Interval, ranged
+from .shown import Shown
 from .symbols import s
 
 Matrix: TypeAlias = tuple[Expr, Expr, Expr, Expr]
@@ -71,8 +72,8 @@ class Slot:
     formula: bool = False
 
 
-@dataclass(frozen=True)
-class Parameter:
+@dataclass(frozen=True, repr=False)
+class Parameter(Shown):
     """A named number of a scene: its symbol in formulas and its exact value (SI; or a symbol that the user chose)."""
 
     symbol: Symbol
@@ -88,6 +89,16 @@ class Parameter:
     """Where the value may lie, if the scene gives a range; ``value`` is then the nominal one."""
     tie: str = ""
     """The environment's parameter that it is ("environment.k"), with its symbol, value and range; empty for one of its own."""
+
+    def _line(self) -> str:
+        return self.stated()
+
+    def stated(self) -> str:
+        """``m = 9/5 kg``, and between which values it may lie."""
+        plain = self.dimension in (Dimension.ANY, Dimension.RATIO) or self.value == self.symbol
+        unit = "" if plain else f" {self.dimension.unit(self.motion or Motion.TRANSLATION)}"
+        spread = f", from {self.interval[0]} to {self.interval[1]}{unit}" if self.interval else ""
+        return f"{self.symbol} = {self.value}{unit}{spread}" if self.value != self.symbol else str(self.symbol)
 
     def with_value(self, given: Number) -> Parameter:
         """The same parameter with another value (in place of a range, too), checked like the first one."""
@@ -105,8 +116,8 @@ class Model:
     summary: str
 
 
-@dataclass(frozen=True)
-class Environment:
+@dataclass(frozen=True, repr=False)
+class Environment(Shown):
     """What should be felt: H_env(s), force per position.
 
     ``dynamics`` is written in the parameters' symbols, ``H`` with their values in place.
@@ -115,6 +126,9 @@ class Environment:
     model: str
     parameters: tuple[Parameter, ...]
     dynamics: Expr
+
+    def _line(self) -> str:
+        return f"{self.model}: {'; '.join(p.stated() for p in self.parameters) or self.dynamics}"
 
     @property
     def H(self) -> Expr:
@@ -157,14 +171,23 @@ class Environment:
         return ENVIRONMENTS[self.model].slots.get(key.partition("[")[0], _NAMED)
 
 
-@dataclass(frozen=True)
-class Effect:
+@dataclass(frozen=True, repr=False)
+class Effect(Shown):
     """What stands between environment and hand: a chain matrix, ``[F_h; X_h] = [[A, B], [C, D]] [F_e; X_e]``."""
 
     model: str
     parameters: tuple[Parameter, ...]
     dynamics: Matrix = field(repr=False)
     name: str = ""
+
+    def _line(self) -> str:
+        named = self.name if self.name in ("", self.model) else f"{self.name} "
+        model = f"({self.model})" if named and named != self.model else self.model
+        return (
+            f"{named if named != self.model else ''}{model}: {'; '.join(p.stated() for p in self.parameters)}".rstrip(
+                ": "
+            )
+        )
 
     @property
     def matrix(self) -> Matrix:

@@ -14,6 +14,7 @@ from .exact.response import RealFunction, on_axis
 from .exact.rings import RationalFunction
 from .exact.roots import Chart, Interval, Point
 from .jnd import Part, Threshold, is_irrational_algebraic
+from .shown import Shown
 
 
 class CrossingKind(Enum):
@@ -24,8 +25,11 @@ class CrossingKind(Enum):
     TOUCHES = "touches"
 
 
-@dataclass(frozen=True)
-class Crossing:
+_MEETS = {CrossingKind.EXCEEDS: "exceeds", CrossingKind.RETURNS: "returns below", CrossingKind.TOUCHES: "touches"}
+
+
+@dataclass(frozen=True, repr=False)
+class Crossing(Shown):
     """A frequency at which r_r or r_i equals its threshold; ``sign`` is that of Re dH or Im dH there."""
 
     part: Part
@@ -33,6 +37,9 @@ class Crossing:
     kind: CrossingKind
     sign: int
     multiplicity: int
+
+    def _line(self) -> str:
+        return f"{'r_r' if self.part is Part.REAL else 'r_i'} {_MEETS[self.kind]} its threshold at {self.omega!r} rad/s"
 
 
 class Curve(Enum):

@@ -21,6 +21,7 @@ from .numeric.balls import Point
 from .numeric.program import Program
 from .numeric.stable import stable_program
 from .properties import ParameterJND, Properties, first_changeover, properties
+from .shown import Shown, counted
 from .symbols import c as threshold
 from .symbols import omega, s
 
@@ -115,8 +116,8 @@ def _through(H: RationalFunction, matrix: Sequence[RationalFunction]) -> Rationa
     return RationalFunction(H.ring, top, bottom)
 
 
-@dataclass(frozen=True)
-class Distortion:
+@dataclass(frozen=True, repr=False)
+class Distortion(Shown):
     """The environment H_env, the perceived dynamics H_perc and their difference dH = H_perc - H_env (eq. 9), exact.
 
     Closed forms are SymPy expressions in ``s`` or ``omega``, in lowest terms, with numerators and denominators in factors.
@@ -127,6 +128,9 @@ class Distortion:
     env: RationalFunction = field(repr=False)
     perc: RationalFunction = field(repr=False)
     chain: Chain
+
+    def _line(self) -> str:
+        return f"of H_env = {self.chain.environment}, {counted(len(self.chain.matrices), 'effect')}"
 
     @cached_property
     def difference(self) -> RationalFunction:

@@ -23,10 +23,11 @@ from .exact.stability import is_stable
 from .quantities import Number
 from .scene import Scene
 from .scenefile import as_scene
+from .shown import Answer, counted, titled
 from .text import report
 
 if TYPE_CHECKING:
-    from .pruning.relevance import Relevance
+    from .pruning.answers import Relevance
 
 
 class Effort(NamedTuple):
@@ -45,12 +46,17 @@ _METHODS = {
 }
 
 
-@dataclass(frozen=True)
-class Evaluation(Answers):
+@dataclass(frozen=True, repr=False)
+class Evaluation(Answer, Answers):
     """The answers for a scene; ``print`` shows them as a page of text, ``to_json`` gives the command line's document."""
 
     isolation: float = field(default=0.0, repr=False, compare=False)
     """Seconds in which everything that happens on the band was found and set apart."""
+
+    def _line(self) -> str:
+        width = "no bandwidth" if self.bandwidth is None else f"bandwidth {self.bandwidth.digits(5)} rad/s"
+        found = counted(len(self.crossings), "crossing"), counted(len(self.percepts), "percept")
+        return f"{titled(self.scene.title)}: {width}, {', '.join(found)}"
 
     @cached_property
     def effort(self) -> Effort:
@@ -169,7 +175,7 @@ def evaluate(scene: Scene | str | Path, digits: int = 15, *, tolerance: Number |
 
 
 def _relevance(scene: Scene, tolerance: Number) -> Relevance:
-    from .pruning.relevance import relevance  # loaded where it is asked for
+    from .pruning.answers import relevance  # loaded where it is asked for
 
     return relevance(scene, tolerance)
 

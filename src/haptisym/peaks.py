@@ -21,9 +21,10 @@ from .exact.zeros import Zero
 from .jnd import Part
 from .scene import Scene
 from .scenefile import as_scene
+from .shown import Shown
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ValueAt(RealNumber):
     """The value of a real function at a frequency."""
 
@@ -35,13 +36,17 @@ class ValueAt(RealNumber):
             return self.function.ball(self.omega.ball(bits))
 
 
-@dataclass(frozen=True)
-class Peak:
+@dataclass(frozen=True, repr=False)
+class Peak(Shown):
     """A frequency inside the band, rad/s, at which r_r or r_i has a local maximum; ``ratio``: how large it is. Certified."""
 
     part: Part
     omega: RealNumber
     square: RealFunction = field(repr=False)
+
+    def _line(self) -> str:
+        name = "r_r" if self.part is Part.REAL else "r_i"
+        return f"{name} = {self.ratio.digits(6)} at {self.omega.digits(6)} rad/s"
 
     @property
     def ratio(self) -> RealNumber:
@@ -127,7 +132,7 @@ def largest(f: RealFunction, low: Expr, high: Expr) -> RealNumber | None:
     return None if found is None else Largest(tuple(x.value for x in found))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Largest(RealNumber):
     """The largest of some numbers."""
 

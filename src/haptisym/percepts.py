@@ -10,6 +10,7 @@ from typing import NamedTuple
 from .crossings import Curve
 from .exact.roots import Chart, Interval, Point, Signs
 from .jnd import Part
+from .shown import Shown
 
 
 class Property(Enum):
@@ -30,14 +31,18 @@ class Change(Enum):
     EQUAL = "equal"
 
 
-@dataclass(frozen=True)
-class Percept:
+@dataclass(frozen=True, repr=False)
+class Percept(Shown):
     """On this whole piece of the band the part's ratio exceeds its threshold, and this is how that is felt."""
 
     part: Part
     band: Interval
     property: Property
     change: Change
+
+    def _line(self) -> str:
+        low, high = (x.omega.digits(5) for x in (self.band.low, self.band.high))
+        return f"{felt(self)} ({self.part.value} part) from {low} to {high} rad/s"
 
 
 class Felt(NamedTuple):

@@ -19,6 +19,7 @@ from .exact.roots import sign_of_number
 from .jnd import Part, Threshold
 from .quantities import Dimension, Motion, Number, quantity
 from .ranges import Interval, spread
+from .shown import Shown, titled
 
 
 class Range(NamedTuple):
@@ -29,8 +30,8 @@ class Range(NamedTuple):
     interval: Interval
 
 
-@dataclass(frozen=True)
-class Scene:
+@dataclass(frozen=True, repr=False)
+class Scene(Shown):
     """What is to be evaluated. Valid by construction: SceneError names what is wrong.
 
     ``effects`` : nearest the environment first. ``band`` : lowest and highest frequency, numbers in rad/s or strings with a
@@ -51,6 +52,10 @@ class Scene:
     rendered: Environment | None = None
     title: str = ""
     source: str = ""
+
+    def _line(self) -> str:
+        between = ", ".join(effect.name for effect in self.effects) or "no effects"
+        return f"{titled(self.title)}: {self.environment.model}, {between}, {self.band[0]} to {self.band[1]} rad/s"
 
     def __post_init__(self) -> None:
         if len(self.band) != 2:

@@ -13,6 +13,7 @@ from typing import Any
 from haptisym.errors import HaptisymError
 from haptisym.scene import Scene
 from haptisym.scenefile import as_scene
+from haptisym.shown import Answer, counted, titled
 
 from .measurement import Omission, Row
 from .methods import Method
@@ -28,8 +29,8 @@ _BUDGETS = {"evaluate": 4.0, "crossings": 4.0, "delay": 2.0, "effects": 2.0, "si
 """Seconds after which no repeats of a task are begun."""
 
 
-@dataclass(frozen=True)
-class Cost:
+@dataclass(frozen=True, repr=False)
+class Cost(Answer):
     """Accuracy against time for a scene: ``print`` shows a page, ``to_json`` gives the command line's document.
 
     ``condition`` : of each question, how much its answer changes, relatively, with what is asked; infinite at a touch.
@@ -40,6 +41,9 @@ class Cost:
     left_out: tuple[Omission, ...]
     condition: Mapping[str, float]
     machine: Mapping[str, str] = field(default_factory=machine)
+
+    def _line(self) -> str:
+        return f"{titled(self.scene.title)}: {counted(len(self.rows), 'measurement')}"
 
     @property
     def summary(self) -> str:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from haptisym.errors import HaptisymError
+from haptisym.shown import Answer, counted
 
 from .hardcases import FAMILIES, HardCase, hard_cases
 from .hardtext import page, summary
@@ -35,12 +36,15 @@ _CLOSE = 1.5  # digits: 30 units in the last place of a double
 _SPARE = 8  # digits of the reference beyond those of the methods
 
 
-@dataclass(frozen=True)
-class HardCosts:
+@dataclass(frozen=True, repr=False)
+class HardCosts(Answer):
     """Every hard case with every method: ``print`` shows a page, ``to_json`` gives the command line's document."""
 
     rows: tuple[HardRow, ...]
     machine: Mapping[str, str] = field(default_factory=machine)
+
+    def _line(self) -> str:
+        return counted(len(self.rows), "answer")
 
     @property
     def summary(self) -> str:

@@ -143,7 +143,7 @@ class Crossings:
 Question: TypeAlias = Ratios | Crossings
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class _Growth(RealNumber):
     """f'/f of a real function at a frequency, from its numerator and its denominator."""
 

@@ -15,7 +15,7 @@ from .polynomials import polynomial_factors
 from .reals import Ball, ExactNumber, RealNumber, expression_ball
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Arctangent(RealNumber):
     """The angle between -pi/2 and pi/2 whose tangent is a number, or its opposite."""
 
@@ -27,7 +27,7 @@ class Arctangent(RealNumber):
             return self.sign * self.tangent.ball(bits).atan()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Turned(RealNumber):
     """The frequency at which a half angle, rate omega/2, is a number of half turns beyond another angle."""
 

@@ -119,7 +119,7 @@ class PolynomialFactor(SmoothFactor):
         return _positive([tightened(x.lower(), x.upper(), bits, jet) for x in isolated])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Root(RealNumber):
     """The frequency at which a polynomial factor vanishes, by its ``index``-th positive root in omega^step."""
 

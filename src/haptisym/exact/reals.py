@@ -35,6 +35,13 @@ class RealNumber(ABC):
     def ball(self, bits: int) -> Ball:
         """A ball (flint ``arb``) that contains the number, computed with about that many bits."""
 
+    def __repr__(self) -> str:
+        """Its digits; an interval where so many are not known."""
+        try:
+            return self.digits()
+        except UndecidedError:
+            return "[{}, {}]".format(*self.enclosure(5))
+
     def tight_ball(self, bits: int) -> Ball:
         """A ball that contains the number, with that relative accuracy in bits (or exact, as for zero)."""
         working = bits + 16
@@ -86,11 +93,14 @@ class RealNumber(ABC):
         return _plain(_decimal(low, down)), _plain(_decimal(high, up))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class ExactNumber(RealNumber):
     """A number given in closed form: rational, or rational in pi."""
 
     value: Expr
+
+    def __repr__(self) -> str:
+        return str(self.value) if len(str(self.value)) <= 20 else self.digits()
 
     def ball(self, bits: int) -> Ball:
         with flint.ctx.workprec(bits):
@@ -100,7 +110,7 @@ class ExactNumber(RealNumber):
         return str(self.value)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class SquareRoot(RealNumber):
     """The square root of a number that is not negative.
 
@@ -189,7 +199,7 @@ def _plain(x: Decimal, count: int | None = None) -> str:
     return f"{x:f}" if -6 < x.adjusted() < 21 else str(x)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Negative(RealNumber):
     """The opposite of a number.
 
@@ -249,7 +259,7 @@ def dyadic(x: Fraction) -> Ball:
     return arb(x.numerator) * arb(2) ** (1 - x.denominator.bit_length())
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Sliver(RealNumber):
     """Some number between two others, of which no more is known."""
 

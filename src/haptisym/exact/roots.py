@@ -48,6 +48,9 @@ class Point:
     after: Signs
     undecided: frozenset[Key] = frozenset()
 
+    def __repr__(self) -> str:
+        return f"<Point at {self.omega!r} rad/s>"
+
     @property
     def at(self) -> Signs:
         """The sign of each function right here: 0 at a zero; at a pole, the sign on both sides or 0."""
@@ -65,6 +68,9 @@ class Interval:
     low: Point
     high: Point
 
+    def __repr__(self) -> str:
+        return f"<Interval from {self.low.omega!r} to {self.high.omega!r} rad/s>"
+
 
 @dataclass(frozen=True)
 class Chart:
@@ -74,6 +80,9 @@ class Chart:
     """
 
     points: tuple[Point, ...]
+
+    def __repr__(self) -> str:
+        return f"<Chart of {len(self.points[0].after)} functions, {len(self.points)} points>"
 
     def where(self, test: Callable[[Signs], bool]) -> tuple[Interval, ...]:
         """The set of frequencies whose signs pass the test, as intervals in order, as few as possible."""

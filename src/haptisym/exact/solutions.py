@@ -13,13 +13,15 @@ from typing import TypeAlias
 
 from sympy import Expr, Integer, Pow, S, acos, asin, atan, cos, factor, factor_terms, pi, sqrt
 
+from haptisym.shown import Shown
+
 from .axis import Axis
 from .response import RealFunction
 from .rings import Polynomial, PolynomialRing
 
 
-@dataclass(frozen=True)
-class Solution:
+@dataclass(frozen=True, repr=False)
+class Solution(Shown):
     """A zero of a real function as a formula in its parameters.
 
     ``omega``: the frequency, rad/s, in force where it is real and positive; None for a factor with no readable
@@ -31,6 +33,9 @@ class Solution:
     equation: Expr
     period: Expr = S.Zero
     order: int = 1
+
+    def _line(self) -> str:
+        return f"omega = {self.omega}" if self.omega is not None else f"of {self.equation} = 0"
 
     @property
     def conditions(self) -> tuple[Expr, ...]:

@@ -107,7 +107,7 @@ class SmoothFactor(Factor):
         return self.series(x, order, order + 1)[0]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Zero(RealNumber):
     """A simple zero of a factor, alone between ``low`` and ``high``, where the signs differ."""
 
@@ -122,7 +122,7 @@ class Zero(RealNumber):
         return _refined(self, self.low, self.high, rounded_up(bits))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Undecided(RealNumber):
     """A frequency near which a function has a double zero, or two, or none: not decided at the precision limit."""
 

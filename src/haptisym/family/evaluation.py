@@ -9,14 +9,21 @@ from typing import Any
 from haptisym.evaluation import evaluate
 from haptisym.scene import Scene
 from haptisym.scenefile import as_family
+from haptisym.shown import Answer, counted, titled
 
 from .family import SceneFamily
 from .text import page
 from .worstcase import Binding, WorstCase, common_chart
 
 
-class FamilyEvaluation(WorstCase):
+class FamilyEvaluation(Answer, WorstCase):
     """The answers for a family; ``print`` shows them as a page of text, ``to_json`` gives the command line's document."""
+
+    def _line(self) -> str:
+        width = (
+            "no common bandwidth" if self.bandwidth is None else f"common bandwidth {self.bandwidth.digits(5)} rad/s"
+        )
+        return f"{titled(self.family.title)}: {counted(len(self.answers), 'environment')}, {width}"
 
     def __str__(self) -> str:
         return page(self)

@@ -13,13 +13,14 @@ from haptisym.errors import SceneError
 from haptisym.exact.dynamics import Ring
 from haptisym.jnd import Threshold
 from haptisym.scene import Scene
+from haptisym.shown import Shown, titled
 from haptisym.symbols import c
 
 MOST_ENVIRONMENTS = 100
 
 
-@dataclass(frozen=True)
-class SceneFamily:
+@dataclass(frozen=True, repr=False)
+class SceneFamily(Shown):
     """Scenes by the names of their environments, all with the same effects, band and threshold.
 
     ``scenes`` : at least one, in order. Valid by construction: SceneError where a scene has other effects, another band or
@@ -36,6 +37,9 @@ class SceneFamily:
     scenes: Mapping[str, Scene]
     title: str = ""
     source: str = ""
+
+    def _line(self) -> str:
+        return f"{titled(self.title)}: {', '.join(self.scenes)}"
 
     def __post_init__(self) -> None:
         if not 1 <= len(self.scenes) <= MOST_ENVIRONMENTS:

@@ -22,6 +22,7 @@ from haptisym.quantities import Number
 from haptisym.scene import Scene
 from haptisym.scenefile import as_scene
 from haptisym.sensitivities.implicit import Equation
+from haptisym.shown import Shown, titled
 from haptisym.symbols import X, c, omega
 
 from .asymptotics import Expansion, expansion
@@ -33,8 +34,8 @@ Factors: TypeAlias = tuple[tuple[Equation, int], ...]
 """Irreducible factors as equations, each with its order."""
 
 
-@dataclass(frozen=True)
-class Derivation:
+@dataclass(frozen=True, repr=False)
+class Derivation(Shown):
     """The formulas of a scene; ``kept``: the parameters that stay symbols, the others have the scene's values.
 
     ``derivation["Re dH"]`` is a closed form, under the names of ``QUANTITIES``; ``steps`` is the distortion in short named
@@ -44,6 +45,10 @@ class Derivation:
     scene: Scene
     kept: tuple[Symbol, ...]
     symbolic_threshold: bool = True
+
+    def _line(self) -> str:
+        kept = ", ".join(p.name for p in self.kept) or "nothing"
+        return f"{titled(self.scene.title)}: {kept} as symbols"
 
     @cached_property
     def chain(self) -> Chain:

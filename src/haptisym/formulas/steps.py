@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from sympy import Add, Dummy, Expr, Mul, Pow, Symbol, count_ops, cse, default_sort_key, numbered_symbols
 
 from haptisym.errors import SceneError
+from haptisym.shown import Shown, counted
 
 
-@dataclass(frozen=True)
-class Steps:
+@dataclass(frozen=True, repr=False)
+class Steps(Shown):
     """A straight-line computation: definitions in order, then named results.
 
     ``definitions`` : pairs of a name and its value, an expression in the arguments and in earlier names.
@@ -26,6 +27,9 @@ class Steps:
 
     definitions: tuple[tuple[Symbol, Expr], ...]
     results: Mapping[str, Expr]
+
+    def _line(self) -> str:
+        return f"{', '.join(self.results)} in {counted(len(self.definitions), 'definition')}"
 
     def __post_init__(self) -> None:
         names = [name for name, _ in self.definitions]

@@ -12,6 +12,7 @@ from haptisym.distortion import Chain, Distortion
 from haptisym.exact.response import RealFunction, on_axis
 from haptisym.exact.rings import RationalFunction
 from haptisym.scene import Scene
+from haptisym.shown import Shown
 from haptisym.symbols import omega, s
 from haptisym.typeset.boxes import (
     Absolute,
@@ -42,14 +43,17 @@ _MOST_LETTERS = 180
 _TWO = Numeral("2")
 
 
-@dataclass(frozen=True)
-class Form:
+@dataclass(frozen=True, repr=False)
+class Form(Shown):
     """``left = means = value``: what a measure is, its closed form if it has one; ``relation`` stands before the last."""
 
     left: Box
     means: Box | None = None
     value: Expr | None = None
     relation: str = "="
+
+    def _line(self) -> str:
+        return text(self.equation)
 
     @property
     def equation(self) -> Equation:

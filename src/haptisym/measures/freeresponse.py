@@ -31,7 +31,7 @@ _SIGNIFICANT = arb("0.05")
 _MOST_OVERSHOOTS = 1000  # with less damping than that the count says no more
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Swing(RealNumber):
     """A number that follows from sigma and omega_d of a dominant pair."""
 

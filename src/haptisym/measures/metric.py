@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from haptisym.errors import SceneError
 from haptisym.evaluation import Evaluation
 from haptisym.exact.reals import RealNumber
+from haptisym.shown import Shown
 
 from .forms import Form
 from .measured import Bands, Measured
@@ -27,8 +28,8 @@ class Value:
     kept: bool = True
 
 
-@dataclass(frozen=True)
-class Metric:
+@dataclass(frozen=True, repr=False)
+class Metric(Shown):
     """A measure: ``forms`` its closed forms, ``values`` its numbers, ``evidence`` how well ``source`` is known to say so."""
 
     name: str
@@ -37,6 +38,9 @@ class Metric:
     source: str
     evidence: str
     verdict: str
+
+    def _line(self) -> str:
+        return f"{self.name}: {self.verdict}"
 
 
 @dataclass(frozen=True)

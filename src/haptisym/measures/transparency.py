@@ -17,6 +17,7 @@ from haptisym.exact.roots import Point, chart
 from haptisym.peaks import largest
 from haptisym.scene import Scene
 from haptisym.scenefile import as_scene
+from haptisym.shown import Answer, counted, titled
 from haptisym.text import short
 
 from .disagreements import disagreements
@@ -26,8 +27,11 @@ from .metric import Metric, MetricRows, Value
 from .text import as_dict, as_json, as_text
 
 
-class Metrics(MetricRows):
+class Metrics(Answer, MetricRows):
     """The measures of a scene; ``print`` shows them as a page of text, ``to_json`` gives the command line's document."""
+
+    def _line(self) -> str:
+        return f"{titled(self.evaluation.scene.title)}: {counted(len(self.metrics), 'measure')}"
 
     def __str__(self) -> str:
         return as_text(self)

@@ -101,7 +101,7 @@ class Certified:
         return exact if exact.special is None else exact.special
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class ProgramValue(RealNumber):
     """One result of a program at one point."""
 

@@ -24,7 +24,7 @@ _MOST_BITS = 1 << 13  # what no such precision separates from its neighbours is 
 _LIMIT_BITS, _TERMS = 1024, 32  # a coefficient at 0 that so many bits do not tell from 0 is 0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class PointValue(RealNumber):
     """The value of a real function, in lowest terms and with no symbol left, at an exact frequency; or its square root.
 

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from haptisym.errors import SceneError
 from haptisym.exact.reals import rounded
+from haptisym.shown import Shown
 
 from .accuracy import Accuracy, Engine
 from .certified import Certified, Forms
@@ -64,8 +65,8 @@ def chosen(of: Sequence[str] | str | None) -> tuple[str, ...]:
     return names
 
 
-@dataclass(frozen=True, eq=False)
-class Compiled:
+@dataclass(frozen=True, eq=False, repr=False)
+class Compiled(Shown):
     """A function ``f(omega, name=value, ...)`` of frequencies in rad/s and parameters in SI, all of them broadcast.
 
     ``fields`` : what it returns, as a named tuple (``Values`` where it is all of them) of arrays of the broadcast shape.
@@ -81,6 +82,9 @@ class Compiled:
     program: Program
     forms: Forms
     floats: Floats | Machine
+
+    def _line(self) -> str:
+        return f"of {', '.join(['omega', *self.parameters])}: {', '.join(self.fields)} ({self.accuracy.value})"
 
     def __call__(self, omega: ArrayLike, **values: ArrayLike) -> Any:
         inputs, shape, size = self._inputs(omega, values)

@@ -25,6 +25,7 @@ from haptisym.exact.reals import Ball, expression_ball
 from haptisym.exact.rings import Polynomial, RationalFunction, cleared
 from haptisym.jnd import Part
 from haptisym.scene import Scene
+from haptisym.shown import Shown, counted
 from haptisym.symbols import s
 
 Series: TypeAlias = Any  # flint's acb_series and arb_series, which ship no types
@@ -59,12 +60,15 @@ class Piece:
         return Piece(self.depth + 1, 2 * self.index), Piece(self.depth + 1, 2 * self.index + 1)
 
 
-class BallChain:
+class BallChain(Shown):
     """A scene whose parameters are numbers, to be evaluated for any subset of its effects on pieces of its band.
 
     To be used within ``series_arithmetic``. Series are in the distance from the middle of a piece, rad/s: with their
     coefficients there, or with those that hold everywhere on the piece (``whole``).
     """
+
+    def _line(self) -> str:
+        return f"of {counted(len(self.chain.matrices), 'effect')} in ball arithmetic"
 
     def __init__(self, scene: Scene) -> None:
         self.low, self.width = scene.band[0], scene.band[1] - scene.band[0]

@@ -25,6 +25,7 @@ from haptisym.jnd import Part
 from haptisym.quantities import Dimension, Number, quantity
 from haptisym.scene import Scene
 from haptisym.scenefile import as_scene
+from haptisym.shown import Shown, titled
 
 from .ballchain import BallChain, Piece, series_arithmetic
 from .differences import Difference, Range
@@ -75,8 +76,8 @@ class Dominance:
     high: Expr
 
 
-@dataclass(frozen=True)
-class Relevance:
+@dataclass(frozen=True, repr=False)
+class Relevance(Shown):
     """Which effects of a scene matter for a tolerance.
 
     ``pruned`` : the scene with the kept effects only. ``bound`` : per part the largest change that leaving out all others makes,
@@ -89,6 +90,10 @@ class Relevance:
     bound: Mapping[Part, Supremum]
     smallest: bool
     balls: BallChain = field(repr=False)
+
+    def _line(self) -> str:
+        kept = f"{len(self.pruned.effects)} of {len(self.scene.effects)} effects"
+        return f"{titled(self.scene.title)}: {kept} matter for a tolerance of {self.tolerance}"
 
     @property
     def dropped(self) -> tuple[Effect, ...]:

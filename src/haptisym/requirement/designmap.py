@@ -19,6 +19,7 @@ from haptisym.jnd import Part
 from haptisym.quantities import Number
 from haptisym.scene import Scene
 from haptisym.scenefile import as_scene
+from haptisym.shown import Answer, counted, titled
 from haptisym.text import WIDTH, listed, table
 
 from .criticalvalues import edge_polynomial, touch_polynomial
@@ -40,8 +41,8 @@ class Slice:
     requirement: Requirement
 
 
-@dataclass(frozen=True)
-class DesignMap:
+@dataclass(frozen=True, repr=False)
+class DesignMap(Answer):
     """The transparent region of a scene in two parameters: exact along each slice, the first parameter being constant there.
 
     ``slices``: in ascending order of the first parameter. Between two slices nothing is claimed but by ``curves``.
@@ -53,6 +54,10 @@ class DesignMap:
     slices: tuple[Slice, ...]
     part: Part | None = None
     any_environment: bool = False
+
+    def _line(self) -> str:
+        first, second = (x.path for x in self.free)
+        return f"{titled(self.scene.title)}: {second} over {first}, {counted(len(self.slices), 'slice')}"
 
     @property
     def certified(self) -> bool:

@@ -9,6 +9,7 @@ from itertools import groupby
 
 from haptisym.exact.reals import RealNumber
 from haptisym.jnd import Part
+from haptisym.shown import Shown
 
 
 class Kind(Enum):
@@ -44,12 +45,23 @@ class End:
     bindings: tuple[Binding, ...] = ()
 
 
-@dataclass(frozen=True)
-class Span:
+@dataclass(frozen=True, repr=False)
+class Span(Shown):
     """An interval of values of the parameter: a single value if both ends are the same."""
 
     low: End
     high: End
+
+    def _line(self) -> str:
+        return spanned(self)
+
+
+def spanned(span: Span) -> str:
+    """``from 122.356 on``, ``0 to 3.5``, ``7``, ``any``."""
+    low, high = (None if x.value is None else x.value.digits(6) for x in (span.low, span.high))
+    if low is None or high is None:
+        return "any" if low == high else f"up to {high}" if low is None else f"from {low} on"
+    return low if span.low is span.high else f"{low} to {high}"
 
 
 def runs(at: Sequence[bool], between: Sequence[bool]) -> list[tuple[int, int, bool, bool]]:

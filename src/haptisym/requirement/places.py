@@ -140,7 +140,7 @@ def _both(a: Ball, b: Ball) -> Ball:
     return a.intersection(b)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Edge(RealNumber):
     """The value of the parameter in a cell at which a condition binds at a given frequency: the one zero there."""
 
@@ -161,7 +161,7 @@ class Edge(RealNumber):
             return tightened(self.low, self.high, bits, jet)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Summit(RealNumber):
     """The value of the parameter in a cell at which the one maximum of a condition between two frequencies is 0."""
 
@@ -182,7 +182,7 @@ class Summit(RealNumber):
             return tightened(self.low, self.high, bits, jet)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MaximumAt(RealNumber):
     """The frequency of the maximum that a ``Summit`` is about."""
 

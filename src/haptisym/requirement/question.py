@@ -23,10 +23,11 @@ from haptisym.jnd import Part
 from haptisym.quantities import Number
 from haptisym.scene import Scene
 from haptisym.scenefile import as_scene
+from haptisym.shown import Answer, titled
 
 from .cells import Leaf, Search
 from .criticalvalues import Problem
-from .feasible import End, Span, runs
+from .feasible import End, Span, runs, spanned
 from .freeparameter import Conditions, Domain, Free, any_environment_condition, conditions, domain, free_parameter
 from .places import Verdict
 from .required import Required
@@ -37,8 +38,12 @@ _SLIVER = Fraction(1, 10**9)
 """Relative width of values that may be given as an end by their enclosure alone."""
 
 
-class Requirement(Required):
+class Requirement(Answer, Required):
     """The values of one parameter for which a scene is transparent; ``print`` shows them as a page of text."""
+
+    def _line(self) -> str:
+        spans = " or ".join(map(spanned, self.feasible)) or "none will do"
+        return f"{titled(self.scene.title)}: {self.free.path} ({self.free.unit}): {spans}"
 
     def __str__(self) -> str:
         return page(self)

@@ -36,7 +36,7 @@ class Surface:
         return ring.ball(function.numerator, values) / ring.ball(function.denominator, values)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Touch(RealNumber):
     """The one extremum of a function of omega between two frequencies, where the parameter has a given value."""
 

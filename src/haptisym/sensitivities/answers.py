@@ -13,14 +13,20 @@ from haptisym.formulas.derivation import derive
 from haptisym.jnd import Part
 from haptisym.scene import Scene
 from haptisym.scenefile import as_scene
+from haptisym.shown import Answer, counted, titled
 from haptisym.symbols import c
 
 from .slopes import Sensitive, Sensitivity, Slopes
 from .text import page
 
 
-class Sensitivities(Slopes):
+class Sensitivities(Answer, Slopes):
     """How the frequencies of a scene move with its parameters; ``print`` shows tables, ``to_json`` gives the document."""
+
+    def _line(self) -> str:
+        changeovers = len(self.changeovers_environment) + len(self.changeovers_perceived)
+        found = counted(len(self.crossings), "crossing"), counted(changeovers, "changeover")
+        return f"{titled(self.evaluation.scene.title)}: {', '.join(found)}"
 
     def formula(self, part: Part, name: str) -> Expr:
         """d omega/d parameter at a crossing of that part, in omega and all parameters; ``name`` may be ``c``."""

@@ -169,7 +169,7 @@ def _derivative(ring: PolynomialRing, polynomial: Polynomial, x: Symbol) -> Poly
     return polynomial.derivative(ring.meanings.index(x)) if x in ring.meanings else 0 * polynomial
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Slope(RealNumber):
     """An implicit derivative where its symbols have these values."""
 
@@ -203,7 +203,7 @@ class Slope(RealNumber):
         return False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class _Line(RealNumber):
     """The slope of one of the two lines a x^2 + 2 b x + c = 0."""
 

@@ -25,6 +25,7 @@ from haptisym.exact.reals import Ball, ExactNumber, RealNumber, SquareRoot
 from haptisym.exact.roots import Point
 from haptisym.formulas.derivation import Derivation, Factors, derive
 from haptisym.jnd import Part, is_irrational_algebraic
+from haptisym.shown import Shown, counted
 from haptisym.symbols import c, omega
 
 from .branches import Branch, Meeting, Slope, not_clear
@@ -58,14 +59,17 @@ class Sensitivity:
     side: str = ""
 
 
-@dataclass(frozen=True)
-class Sensitive:
+@dataclass(frozen=True, repr=False)
+class Sensitive(Shown):
     """A frequency, rad/s, and how it moves with each parameter."""
 
     omega: RealNumber
     parameters: tuple[Sensitivity, ...]
     part: Part | None = None
     kind: CrossingKind | None = None
+
+    def _line(self) -> str:
+        return f"{self.omega.digits(6)} rad/s: {counted(len(self.parameters), 'parameter')}"
 
     def __getitem__(self, name: str) -> Sensitivity:
         return next(x for x in self.parameters if x.name == name)
@@ -291,7 +295,7 @@ def _alone(branches: list[Branch]) -> RealNumber | str:
     return branches[0] or "it moves infinitely fast"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class _Elasticity(RealNumber):
     """value/omega times a slope."""
 

@@ -22,6 +22,7 @@ from haptisym.numeric.values import Array
 from haptisym.quantities import Dimension, Number
 from haptisym.scene import Scene
 from haptisym.scenefile import as_scene
+from haptisym.shown import Answer, counted, titled
 
 from .approximations import why_approximate
 from .lockin import Lock
@@ -39,8 +40,11 @@ _COARSER = 1.5
 _FLOOR = 2e-11  # relative: what rounding leaves of a force that is a sum of larger ones
 
 
-class Simulation(Simulated):
+class Simulation(Answer, Simulated):
     """A simulated run; ``print`` shows it as a page of text, ``to_json`` gives the command line's document."""
+
+    def _line(self) -> str:
+        return f"{titled(self.scene.title)}: {self.motion.name}, {counted(len(self.estimates), 'frequency', 'frequencies')}"
 
     def __str__(self) -> str:
         return page([self])

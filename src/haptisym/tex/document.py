@@ -230,7 +230,7 @@ class _Body:
             "stiffness, mass and damping perceived are"
         )
         yield from self._formulas(lead, FELT)
-        if self.evaluation.percepts:
+        if self.evaluation.felt:
             yield r"Table~\ref{tab:percepts} compares them with the environment's where the difference is noticed."
         yield from percept_tables(self.evaluation)
         yield changeovers(self.evaluation)

@@ -22,7 +22,7 @@ SIGNS = {Part.REAL: r"\Re", Part.IMAG: r"\Im"}
 _NAMES = {Part.REAL: "real", Part.IMAG: "imaginary"}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Hertz(RealNumber):
     """A frequency in Hz, as certain as the one in rad/s.
 

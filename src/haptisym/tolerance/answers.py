@@ -13,6 +13,7 @@ from haptisym.budget import Told, limited, share
 from haptisym.errors import SceneError
 from haptisym.scene import Scene
 from haptisym.scenefile import as_scene
+from haptisym.shown import Answer, counted, titled
 
 from .box import box_of
 from .proofs import BoxAnswers, Enclosure, One, drawn
@@ -22,8 +23,13 @@ from .text import page
 SEED = 2019
 
 
-class Tolerances(BoxAnswers):
+class Tolerances(Answer, BoxAnswers):
     """The answers for all values within the ranges; ``print`` shows them, ``to_json`` gives the document."""
+
+    def _line(self) -> str:
+        sides = ", ".join(x.name for x in self.box.sides)
+        found = counted(len(self.enclosures), "enclosure")
+        return f"{titled(self.box.scene.title)}: {sides} in their ranges, transparent for {self.verdict.value}, {found}"
 
     def __str__(self) -> str:
         return page(self)
