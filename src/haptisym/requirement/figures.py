@@ -237,7 +237,8 @@ def _draw_slices(ax: Axes, found: DesignMap, look: Look, scales: tuple[Scale, Sc
     color = GREY if look.plain else look.color
     rows = [(scales[0].of(float(x.at)), x.requirement) for x in found.slices]
     lines = [[(x, scales[1].of(y)) for y in _limits(span, *window)] for x, r in rows for span in r.feasible]
-    strokes = LineCollection(lines, colors=color, linewidths=0.7, zorder=1, label=f"{_STROKES}{look.suffix}")
+    label = f"{_STROKES}{look.suffix}" if lines else ""
+    strokes = LineCollection(lines, colors=color, linewidths=0.7, zorder=1, label=label)
     ax.add_collection(strokes)
     ax.plot([x for x, _ in rows], [0] * len(rows), transform=ax.get_xaxis_transform(), clip_on=False, **_tick(color))
     return strokes

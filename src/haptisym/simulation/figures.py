@@ -48,7 +48,7 @@ def draw_time(ax: Axes, run: Simulated, *, color: str | None = None, label: str 
 
     >>> from matplotlib.figure import Figure
     >>> from haptisym import load_scene, simulate, sine
-    >>> run = simulate(load_scene("fu2019"), sine("10 rad/s", "5 cm"))
+    >>> run = simulate(load_scene("fu2019"), sine("5 cm", "10 rad/s"))
     >>> ax = Figure().add_subplot()
     >>> [line.get_label() for line in draw_time(ax, run)], ax.get_ylabel()
     (['force', 'motion'], 'force (N)')

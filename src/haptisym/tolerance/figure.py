@@ -43,6 +43,7 @@ def draw_tolerances(
     Returns the bars of the enclosures.
 
     >>> from haptisym import load_scene, tolerances
+    >>> from matplotlib.figure import Figure
     >>> ax = Figure().add_subplot()
     >>> bars = draw_tolerances(ax, tolerances(load_scene("fu2019-tolerances"), samples=20))
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
