@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import pairwise
 from math import sqrt
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,12 +18,16 @@ from sympy import Rational
 
 import haptisym as hs
 from haptisym.cli import app
+from haptisym.exact.reals import ExactNumber
 from haptisym.quantities import Dimension
 from haptisym.ranges import ranged
 from haptisym.tolerance.answers import tolerances
 from haptisym.tolerance.box import box_of
 from haptisym.tolerance.excess import Excess
-from haptisym.tolerance.proofs import Verdict
+from haptisym.tolerance.proofs import One, Verdict
+from haptisym.tolerance.quantiles import Quantiles, quantiles
+from haptisym.tolerance.search import Cluster, _apart, _together, beyond, bounded, clusters, halves
+from haptisym.tolerance.taylormodels import Model, constant, variable
 
 QUICK = {"fu2019-tolerances", "delayed-spring"}.__contains__
 HEAD = 'environment = {{ model = "mass-spring-damper", m = {m} }}\n'
@@ -258,9 +266,9 @@ def test_the_shipped_scene_crosses_where_it_is_said_to() -> None:
 
 
 def test_public_names() -> None:
-    found = hs.tolerances(spring("first-order-lag", "omega_c = 40"), samples=0)
-    assert isinstance(found, hs.Tolerances)
-    assert callable(hs.tolerances)
+    assert {"tolerances", "Tolerances"} <= set(dir(hs))
+    assert hs.tolerances is tolerances
+    assert type(hs.tolerances(spring("first-order-lag", "omega_c = 40"), samples=0)) is hs.Tolerances
 
 
 def test_a_touch_at_a_corner_is_left_undecided_and_said_so(tmp_path) -> None:  # type: ignore[no-untyped-def]
@@ -274,3 +282,434 @@ def test_a_touch_at_a_corner_is_left_undecided_and_said_so(tmp_path) -> None:  #
     done = CliRunner().invoke(app, ["tolerances", str(path), "--samples", "5"])
     assert done.exit_code == 3
     assert "UNDECIDED within the work budget" in done.stdout
+
+
+# --- boxes -----------------------------------------------------------------------------------------------------------
+
+SOFT = hs.environments.mass_spring_damper(k="100 N/m +- 10 %")
+LAG = hs.effects.first_order_lag("40 rad/s +- 10 %")
+
+
+def test_a_box_has_a_side_for_each_range_in_its_units_and_the_threshold_last() -> None:
+    wheel = hs.environments.mass_spring_damper("0.05 kg*m^2 +- 5 %", "0.3 N*m*s/rad", "5 N*m/rad +- 10 %")
+    for jnd, names in (
+        (hs.Threshold.of("0.1 +- 20 %"), ["c"]),
+        (hs.Threshold.of("0.1 +- 20 %", "0.1"), ["c_real"]),
+        (hs.Threshold.of("0.2", "0.1 +- 20 %"), ["c_imag"]),
+        (hs.Threshold.of("0.1 +- 20 %", "0.1 +- 10 %"), ["c_real", "c_imag"]),
+    ):
+        box = box_of(hs.Scene(wheel, (LAG,), (0, 15), jnd))
+        assert [x.name for x in box.sides] == ["m", "k", "omega_c", *names]
+        assert [x.unit for x in box.sides] == ["kg*m^2", "N*m/rad", "rad/s", *["1"] * len(names)]
+        assert [box.part_name(part) for part in hs.Part] == (["c", "c"] if names == ["c"] else ["c_real", "c_imag"])
+        own = box.values({x.name: Fraction(i, 7) for i, x in enumerate(box.sides)})
+        assert own["k"] == Rational(9, 2) + Rational(1, 7)
+        told = box.scene_at(own).threshold
+        for part in hs.Part:
+            assert told[part] == own.get(box.part_name(part), jnd[part])
+        assert not any(p.interval for p in box.scene_at(own).parameters if p.symbol.name in own)
+        assert box.scene_at({"k": Rational(5)}).threshold == hs.Threshold(jnd.real, jnd.imag)
+    assert [x.unit for x in box_of(hs.Scene(SOFT, (LAG,))).sides] == ["N/m", "rad/s"]
+    with pytest.raises(hs.SceneError, match="omega_c = w is a symbol"):
+        box_of(hs.Scene(SOFT, (hs.effects.first_order_lag(hs.symbols("w")),)))
+
+
+ODD = {
+    "a pure mass behind a delay, with an odd factor of s in common": hs.Scene(
+        hs.environments.mass_spring_damper(m="2 kg +- 10 %"),
+        (hs.effects.delay("5 ms +- 20 %"), hs.effects.shunt(m=[-1, "0.5"], b="-2 +- 1")), (1, 30),
+    ),
+    "a pure damper, from 0 on": hs.Scene(
+        hs.environments.mass_spring_damper(b="3 +- 10 %"),
+        (hs.effects.zero_order_hold("9 ms +- 30 %"), hs.effects.first_order_lag("8 Hz +- 5 %")), (0, 25),
+    ),
+    "a resonance without damping": hs.Scene(
+        hs.environments.mass_spring_damper(m="1 kg +- 1 %", k=49), (hs.effects.first_order_lag("20 +- 20 %"),), (0, 15),
+    ),
+    "fractional tissue": hs.Scene(
+        hs.environments.spring_pot(k_alpha="50 +- 10 %", alpha=["0.3", "0.5"]),
+        (hs.effects.first_order_lag("8 Hz"), hs.effects.compliance(k="3000 +- 20 %")), (0, 15),
+        hs.Threshold.of("0.1 +- 10 %", "0.2 +- 20 %"),
+    ),
+    "waves, friction and thresholds that vary alone": hs.Scene(
+        hs.environments.kelvin_voigt("200 +- 10 %", 3),
+        (hs.effects.coulomb_friction("0.5 N +- 50 %", "2 cm"), hs.effects.wave_variables("20 +- 10 %", "5 ms +- 10 %")),
+        (2, 20), hs.Threshold.of("0.15", "0.1 +- 20 %"),
+    ),
+    "a repeated factor and a parameter of both signs": hs.Scene(
+        hs.environments.maxwell("300 +- 5 %", 9),
+        (hs.effects.series("(s + a)^2*(s^2 + 2*q*s + 90)/(s + 30)^2/(s^2 + 90)", parameters={"a": [-5, 20], "q": "1 Hz"}),), (0, 9),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("scene", ODD.values(), ids=ODD)
+def test_a_model_of_an_odd_scene_holds_the_excess_and_its_slopes_and_narrows_with_the_cell(scene: hs.Scene) -> None:
+    box = box_of(scene)
+    random = np.random.default_rng(5)
+    for part in hs.Part:
+        form = Excess(box, part)
+        start = random.uniform(0.02, 0.6, (2, form.sides))
+        points = start + 0.3 * random.uniform(0, 1, (2, form.sides))
+        values = [certified_excess(box, part, x) for x in points]
+        known = []
+        for width in (0.3, 0.05, 0.005):
+            near = points + (start - points) * width / 0.3  # the cells shrink upon the points
+            low, high = form.model(np.stack([near, near + width], -1)).bounds()
+            assert all(low[i, 0] <= values[i] <= high[i, 0] for i in (0, 1))
+            known.append((low, high))
+        low, high = known[-1]
+        for i, point in enumerate(points):
+            size = abs(values[i]) + float(scene.threshold[part]) ** 2
+            assert high[i, 0] - low[i, 0] < 0.2 * size + 4 * abs(high[i, 1:]).sum() + 4 * abs(low[i, 1:]).sum()
+            for side in range(form.sides):
+                ends = [certified_excess(box, part, point + step * 1e-5 * np.eye(form.sides)[side]) for step in (-1, 1)]
+                slope = (ends[1] - ends[0]) / 2e-5 * 0.0025
+                slack = 1e-5 * abs(slope) + 1e-9 * size
+                assert low[i, 1 + side] - slack <= slope <= high[i, 1 + side] + slack
+                assert form.matters[side] or slope == pytest.approx(0, abs=1e-9 * size)
+                assert (high - low)[i, 1 + side] < 0.5 * abs(slope) + 0.05 * size
+
+
+def test_what_the_excess_does_not_depend_on_is_known() -> None:
+    """A stiffness alone cancels from ratios of what is in series with it; one part's threshold is not the other's."""
+    scene = hs.Scene(SOFT, (LAG,), (0, 15), hs.Threshold.of("0.1 +- 20 %", "0.2 +- 20 %"))
+    box = box_of(scene)
+    assert [x.name for x in box.sides] == ["k", "omega_c", "c_real", "c_imag"]
+    assert Excess(box, hs.Part.REAL).matters.tolist() == [True, False, True, True, False]
+    assert Excess(box, hs.Part.IMAG).matters.tolist() == [True, False, True, False, True]
+    late = box_of(hs.Scene(SOFT, (hs.effects.delay("5 ms +- 10 %"),)))
+    assert Excess(late, hs.Part.IMAG).matters.tolist() == [True, False, True]
+    assert [Excess(box_of(hs.Scene(SOFT, x)), hs.Part.REAL).is_zero for x in ((), (LAG,))] == [True, False]
+
+
+# --- the search, on functions whose zeros are known ------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Made:
+    """A function of omega and parameters, all in shares, in the place of an excess."""
+
+    of: Callable[..., Model]
+    parameters: int
+    idle: tuple[int, ...] = ()
+    unknown: tuple[float, float] | None = None
+    is_zero: bool = False
+    asked: list[int] = field(default_factory=list)
+
+    @property
+    def sides(self) -> int:
+        return 1 + self.parameters
+
+    @property
+    def matters(self) -> np.ndarray:  # type: ignore[type-arg]
+        return np.array([i not in self.idle for i in range(self.sides)])
+
+    def model(self, cells: np.ndarray) -> Model:  # type: ignore[type-arg]
+        self.asked.append(len(cells))
+        middle, radius = cells.mean(-1), (cells[..., 1] - cells[..., 0]) / 2
+        x = [variable(middle[:, i], radius[:, i], 1.0, i, self.sides) for i in range(self.sides)]
+        found = self.of(*x, lambda c: constant(c, len(cells), self.sides))
+        if self.unknown:
+            low, high = self.unknown
+            found.r[(cells[:, 0, 0] < high) & (cells[:, 0, 1] > low)] = np.inf
+        return found
+
+
+RISING = Made(lambda w, p, c: w - p.times(0.2) - c(0.3), 1)
+FALLING = Made(lambda w, p, q, c: p.times(0.2) + q.times(-0.1) + c(0.4) - w, 2)
+TWO = Made(lambda w, p, c: (w - p.times(0.05) - c(0.25)) * (w + p.times(0.1) - c(0.7)), 1)
+BENT = Made(lambda w, p, c: w - c(0.3) - (p - c(0.4)) * (p - c(0.4)), 1)
+
+
+def test_a_crossing_that_moves_one_way_lies_in_one_cluster_known_to_its_ends() -> None:
+    [x] = clusters(RISING)  # at 0.3 + 0.2 p
+    assert (x.signs, x.regular, x.inside) == ((1, -1), True, True)
+    assert x.low <= 0.3 < x.low + 1e-9
+    assert x.high - 1e-9 < 0.5 <= x.high
+    [x] = clusters(FALLING)  # at 0.4 + 0.2 p - 0.1 q
+    assert x.signs == (-1, 1, -1)
+    assert x.low <= 0.3 < x.low + 1e-9
+    assert x.high - 1e-9 < 0.6 <= x.high
+
+
+def test_two_crossings_are_two_clusters_in_order_and_their_cells_hold_them() -> None:
+    first, second = clusters(TWO)
+    assert (first.signs, second.signs) == ((-1, 1), (1, 1))
+    assert [first.low, first.high, second.low, second.high] == pytest.approx([0.25, 0.3, 0.6, 0.7], abs=0.02)
+    assert first.low <= 0.25 < 0.3 <= first.high < second.low <= 0.6 < 0.7 <= second.high
+    for p in np.linspace(0, 1, 23):
+        for x, at in ((first, 0.25 + 0.05 * p), (second, 0.7 - 0.1 * p)):
+            assert holds(x.cells, [at, p])
+
+
+def holds(cells: np.ndarray, point: list[float]) -> bool:  # type: ignore[type-arg]
+    return bool(((cells[:, :, 0] <= point) & (point <= cells[:, :, 1])).all(-1).any())
+
+
+def test_crossings_that_merge_are_one_cluster_that_is_not_regular() -> None:
+    touching = Made(lambda w, p, c: (w - c(0.5)) * (w - c(0.5)) - p.times(0.01), 1)  # at 0.5 -+ 0.1 sqrt p
+    [x] = clusters(touching)
+    assert (x.regular, x.signs[0]) == (False, 0)
+    assert 0.38 < x.low <= 0.4
+    assert 0.6 <= x.high < 0.62
+    for p in np.linspace(0, 1, 13):
+        assert all(holds(x.cells, [0.5 + s * 0.1 * sqrt(p), p]) for s in (-1, 1))
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_where_the_function_keeps_its_sign_there_is_no_cluster(sign: int) -> None:
+    assert clusters(Made(lambda w, p, c: (w * w + p + c(0.1)).times(sign), 1)) == ()
+    assert clusters(Made(lambda w, p, c: (w - p).times(sign), 1, is_zero=True)) == ()
+
+
+def test_a_crossing_that_leaves_the_band_is_clear_of_the_other_end_alone() -> None:
+    [out] = clusters(Made(lambda w, p, c: w - p.times(0.5) - c(0.7), 1))  # at 0.7 to 1.2
+    assert (out.clear_of(highest=False), out.clear_of(highest=True), out.inside) == (True, False, False)
+    assert out.low == pytest.approx(0.7, abs=1e-9)
+    [down] = clusters(Made(lambda w, p, c: w - p.times(0.5) + c(0.2), 1))  # at -0.2 to 0.3
+    assert (down.clear_of(highest=False), down.clear_of(highest=True), down.inside) == (False, True, False)
+    assert down.high == pytest.approx(0.3, abs=1e-9)
+
+
+def test_an_idle_parameter_hinders_nothing_and_an_unknown_piece_stays() -> None:
+    idle = Made(lambda w, p, q, c: w - p.times(0.2) - c(0.3), 2, idle=(2,))
+    [x] = clusters(idle)
+    assert (x.signs, x.regular) == ((1, -1, 0), True)
+    assert sum(idle.asked) < 200
+    unknown = Made(lambda w, p, c: w + p + c(0.1), 1, unknown=(0.6, 0.62))
+    [x] = clusters(unknown)
+    assert (x.low <= 0.6, x.high >= 0.62, x.regular) == (True, True, False)
+    assert 0.5 < x.low < x.high < 0.75
+
+
+def test_a_search_ends_within_its_budget_and_what_is_left_holds_all_crossings(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("haptisym.tolerance.search._MOST_CELLS", 300)
+    waves = Made(lambda w, p, q, c: (w.times(20) + p * q).cosine_and_sine()[1] * (p - q + c(0.3)) + c(0.1), 2)
+    found = clusters(waves)
+    assert sum(waves.asked) < 2000
+    assert all(a.high < b.low for a, b in pairwise(found))
+    random = np.random.default_rng(2)
+    for w, p, q in random.uniform(0, 1, (3000, 3)):
+        if abs(np.sin(20 * w + p * q) * (p - q + 0.3) + 0.1) < 1e-3:
+            assert any(x.low - 1e-2 <= w <= x.high + 1e-2 for x in found)
+
+
+def test_how_far_crossings_go_is_found_beyond_what_was_reached() -> None:
+    """The root is 0.3 + (p - 0.4)^2: least, inside, 0.3 and largest, at p = 1, 0.66."""
+    found = clusters(BENT)
+    assert (found[0].low, found[-1].high) == (pytest.approx(0.3, abs=0.03), pytest.approx(0.66, abs=0.03))
+    cells = np.concatenate([x.cells for x in found])
+    assert beyond(BENT, cells, 0.67, highest=True) == 0.67
+    assert beyond(BENT, cells, 0.2999, highest=False) == 0.2999
+    assert beyond(BENT, cells, 0.65, highest=True) == pytest.approx(0.66, abs=2e-3)
+    assert beyond(BENT, cells, 0.65, highest=True) >= 0.66
+    assert beyond(BENT, cells, 0.31, highest=False) == pytest.approx(0.3, abs=2e-3)
+    assert beyond(BENT, cells, 0.31, highest=False) <= 0.3
+    assert beyond(BENT, cells, 0.6601, highest=True) == 0.6601
+
+
+def test_without_budget_the_ends_of_the_cells_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("haptisym.tolerance.search._MOST_BEYOND", -1)
+    cells = np.array([[[0.2, 0.5], [0, 1]], [[0.4, 0.8], [0, 1]]])
+    assert beyond(BENT, cells, 0.6, highest=True) == 0.8
+    assert beyond(BENT, cells, 0.3, highest=False) == 0.2
+
+
+def test_what_is_known_of_cells_holds_in_them() -> None:
+    random = np.random.default_rng(4)
+    start = random.uniform(0, 0.8, (200, 2))
+    width = random.uniform(0.001, 0.2, (200, 2))
+    cells = np.stack([start, start + width], -1)
+    for form, value, slope, move in (
+        (BENT, lambda w, p: w - 0.3 - (p - 0.4) ** 2, lambda w, p: 1 + 0 * w, lambda w, p: -2 * (p - 0.4)),
+        (TWO, lambda w, p: (w - 0.05 * p - 0.25) * (w + 0.1 * p - 0.7), lambda w, p: 2 * w + 0.05 * p - 0.95,
+         lambda w, p: 0.1 * (w - 0.05 * p - 0.25) - 0.05 * (w + 0.1 * p - 0.7)),
+    ):  # fmt: skip
+        found = bounded(form, cells)
+        w, p = (cells[:, i, :1] + (cells[:, i, 1:] - cells[:, i, :1]) * random.uniform(0, 1, (1, 400)) for i in (0, 1))
+        for k, f in enumerate((value, slope, move)):
+            sign, own = found.signs[:, k], f(w, p)
+            assert ((sign[:, None] == 0) | (np.sign(own) == sign[:, None])).all()
+            clear = np.abs(own).min(1) > 0.3 * np.ptp(own, axis=1) + 0.02
+            assert (sign[clear & (np.ptp(np.sign(own), axis=1) == 0)] != 0).all()
+        steep = found.signs[:, 1] != 0
+        zero = np.abs(value(w, p)) < 1e-4
+        assert (found.omega[:, 0] >= cells[:, 0, 0] - 1e-14).all()
+        assert (found.omega[:, 1] <= cells[:, 0, 1] + 1e-14).all()
+        inside = (found.omega[:, :1] - 1e-2 <= w) & (w <= found.omega[:, 1:] + 1e-2)
+        assert inside[zero].all()
+        narrower = (found.omega[:, 1] - found.omega[:, 0]) < 0.9 * width[:, 0]
+        assert narrower[steep & (width[:, 0] > 0.1) & (width[:, 1] < 0.02)].all()
+        assert set(found.split.tolist()) <= {0, 1}
+    flat = np.array([[[0.2, 0.2], [0.0, 1.0]], [[0.2, 0.9], [0.5, 0.5]]])
+    assert bounded(BENT, flat).split.tolist() == [1, 0]  # what has no width is not cut
+    lower, upper = halves(cells[:3], np.array([0, 1, 0]))[:3], halves(cells[:3], np.array([0, 1, 0]))[3:]
+    for i, side in enumerate((0, 1, 0)):
+        assert lower[i, side, 1] == upper[i, side, 0] == cells[i, side].mean()
+        assert (lower[i, side, 0], upper[i, side, 1]) == tuple(cells[i, side])
+        assert (lower[i, 1 - side] == upper[i, 1 - side]).all()
+
+
+def test_cells_that_touch_hang_together_and_clusters_that_overlap_in_frequency_are_one() -> None:
+    cells = np.array(
+        [[[a, a + 1], [b, b + 1]] for a, b in ((0, 0), (5, 5), (1, 1), (2, 0), (7, 5), (6, 5), (0, 9))], float
+    )
+    assert _together(cells).tolist() == [0, 1, 0, 0, 1, 1, 6]
+
+    def cluster(low: float, high: float, *signs: int) -> Cluster:
+        return Cluster(np.array([[[low, high], [0, 1]]]), signs, low, high)
+
+    own = [cluster(0.1, 0.5, 1, -1), cluster(0.2, 0.3, 1, 1), cluster(0.5, 0.6, 1, -1), cluster(0.61, 0.7, -1, 1)]
+    first, second = _apart(own)
+    assert (first.low, first.high, first.signs, len(first.cells)) == (0.1, 0.6, (1, 0), 3)
+    assert (second.low, second.high, second.signs) == (0.61, 0.7, (-1, 1))
+    near = list(_apart([cluster(0.1, 0.2, 1, 1), cluster(0.2 + 0.5e-8, 0.3, 1, 1), cluster(0.3 + 2e-8, 0.4, 1, 1)]))
+    assert [(x.low, x.high) for x in near] == [(0.1, 0.3), (0.3 + 2e-8, 0.4)]
+
+
+# --- whole answers, solved by hand -----------------------------------------------------------------------------------
+
+
+def test_with_a_band_from_above_zero_ends_and_bandwidth_are_those_of_the_crossing() -> None:
+    [low, high] = [w * (5 - sqrt(24)) for w in (36, 44)]
+    found = tolerances(hs.Scene(SOFT, (LAG,), (2, 10)), samples=0)
+    [x] = found.enclosures
+    assert [float(x.low), float(x.high)] == pytest.approx([low, high], rel=1e-14)
+    assert (x.count, x.part, dict(x.monotonic)) == (1, hs.Part.IMAG, {"k": 0, "omega_c": 1})
+    assert [float(x) for x in found.bandwidth] == pytest.approx([low, high], rel=1e-14)
+    assert (found.verdict, found.certified) == (Verdict.NONE, True)
+    within = tolerances(hs.Scene(SOFT, (LAG,), (2, 3)), samples=0)
+    assert (within.verdict, [float(x) for x in within.bandwidth], within.enclosures) == (Verdict.ALL, [3, 3], ())
+    assert (within.transparent.values.keys(), within.noticed) == ({"k", "omega_c"}, None)
+    started = tolerances(hs.Scene(SOFT, (LAG,), (5, 10)), samples=0)
+    assert (started.verdict, started.bandwidth, started.enclosures) == (Verdict.NONE, None, ())
+    assert (started.transparent, started.noticed.transparent, started.noticed.bandwidth) == (None, False, None)
+    some = tolerances(hs.Scene(SOFT, (LAG,), (4, 10)), samples=0)  # the low end lies within the enclosure
+    assert (some.bandwidth, some.enclosures[0].count) == (None, None)
+    assert some.nominal.bandwidth is not None
+    edge = tolerances(hs.Scene(SOFT, (LAG,), (2, 4)), samples=0)
+    assert (edge.verdict, edge.enclosures[0].count) == (Verdict.DEPENDS, None)
+    assert [float(x) for x in edge.bandwidth] == [pytest.approx(low, rel=1e-14), 4]
+    assert (edge.transparent.transparent, edge.noticed.transparent) == (True, False)
+
+
+def test_an_end_that_no_corner_reaches_is_a_bound_a_thousandth_beyond_at_most() -> None:
+    """r_i = omega T (1 + p^2): its crossing is highest at p = 0, which is no corner, and lowest at p = 2."""
+    effect = hs.effects.series("1 + s*T*(1 + p^2)", parameters={"T": "10 ms", "p": [-1, 2]})
+    spring = hs.environments.mass_spring_damper(k=100)
+    found = tolerances(hs.Scene(spring, (effect,), (0, 20)), samples=0)
+    [x] = found.enclosures
+    assert (x.part, x.monotonic["p"]) == (hs.Part.IMAG, 0)
+    assert 10 <= float(x.high) <= 10 * 1.002
+    assert 2 * 0.998 <= float(x.low) <= 2
+    assert (x.at_low, x.at_high) == (None, None)
+    assert x.count == 1
+    assert float(found.bandwidth[0]) == float(x.low)
+
+
+def test_of_two_crossings_each_has_its_enclosure_and_the_bandwidth_ends_at_the_first() -> None:
+    """1 + a s/(s^2 + 2 s + 9) on a spring: r_r = 2 a w^2/((9 - w^2)^2 + 4 w^2), up to a/2 at 3: it comes and goes."""
+    effect = hs.effects.series("1 + a*s/(s^2 + 2*s + 9)", parameters={"a": ["0.3", "0.4"]})
+    scene = hs.Scene(hs.environments.mass_spring_damper(k=100), (effect,), (0, 9), hs.Threshold.of("0.1", 1))
+    found = tolerances(scene, samples=6)
+    first, second = found.enclosures
+    assert [x.count for x in (first, second)] == [1, 1]
+    assert [dict(x.monotonic) for x in (first, second)] == [{"a": -1}, {"a": 1}]
+
+    def ends(a: float) -> list[float]:
+        """(9 - x)^2 + 4 x = 20 a x with x = w^2."""
+        b = 14 + 20 * a
+        return [sqrt((b + s * sqrt(b * b - 324)) / 2) for s in (-1, 1)]
+
+    expected = [ends(0.4)[0], ends(0.3)[0], ends(0.3)[1], ends(0.4)[1]]
+    assert [float(x) for x in (first.low, first.high, second.low, second.high)] == pytest.approx(expected, rel=1e-13)
+    assert [float(x) for x in found.bandwidth] == pytest.approx(expected[:2], rel=1e-13)
+    assert all(len(x.crossings[hs.Part.REAL]) == 2 for x in found.samples)
+    told = found.to_dict()
+    assert [x["count"] for x in told["crossings"]] == [1, 1]
+    for row, x in zip(told["crossings"], (first, second), strict=True):
+        assert row["omega"] == [float(x.low), float(x.high)]
+        assert float(row["enclosure"][0]) <= row["omega"][0] < row["omega"][1] <= float(row["enclosure"][1])
+        assert row["reached_at"] == {"low": {"a": str(x.at_low["a"])}, "high": {"a": str(x.at_high["a"])}}
+    assert told["varying"] == [{"name": "a", "low": 0.3, "high": 0.4}]
+    assert told["witnesses"]["transparent"] is None
+    assert told["witnesses"]["noticed"] == {"a": "7/20"}
+    assert (told["estimates"]["samples"], told["certified"]) == (6, True)
+    assert tolerances(scene, samples=0).to_dict()["estimates"] is None
+
+
+def test_one_part_may_be_noticed_for_all_values_where_the_other_is_for_none() -> None:
+    """A mass of 1 kg on 100 N/m: r_r = w^2/100, c at sqrt(10); r_i = b w/100 is at most 0.03."""
+    device = hs.effects.shunt(m="1 kg +- 10 %", b="0.2 N*s/m")
+    scene = hs.Scene(hs.environments.mass_spring_damper(k=100), (device,), (0, 15))
+    found = tolerances(scene, samples=0)
+    [x] = found.enclosures
+    assert (x.part, x.count, dict(x.monotonic)) == (hs.Part.REAL, 1, {"m": -1})
+    assert [float(x.low), float(x.high)] == pytest.approx([sqrt(10 / 1.1), sqrt(10 / 0.9)], rel=1e-14)
+    assert x.at_high["m"] == Rational(9, 10)
+    assert [float(x) for x in found.bandwidth] == [float(x.low), float(x.high)]
+    assert found.verdict is Verdict.NONE
+
+
+def test_thresholds_that_vary_move_the_crossings_of_their_own_part() -> None:
+    """Behind a delay r_i = sin(omega tau) and r_r = 2 sin(omega tau/2)^2."""
+    late = hs.effects.delay("10 ms")
+    spring = hs.environments.mass_spring_damper(k=100)
+    scene = hs.Scene(spring, (late,), (0, 60), hs.Threshold.of("0.1", ["0.08", "0.12"]))
+    imag, real = tolerances(scene, samples=3).enclosures
+    assert (imag.part, real.part) == (hs.Part.IMAG, hs.Part.REAL)
+    assert [float(imag.low), float(imag.high)] == pytest.approx([np.arcsin(x) * 100 for x in (0.08, 0.12)], rel=1e-13)
+    at = 2 * np.arcsin(sqrt(0.05)) * 100
+    assert [float(real.low), float(real.high)] == pytest.approx([at, at], rel=1e-13)
+    assert (imag.monotonic["c_imag"], real.monotonic["c_imag"]) == (1, 0)
+    found = tolerances(hs.Scene(spring, (late,), (0, 60), hs.Threshold.of("0.1 +- 10 %", "0.3 +- 10 %")), samples=0)
+    assert found.nominal.values == {"c_real": Rational(1, 10), "c_imag": Rational(3, 10)}
+    assert sorted(float(x.low) for x in found.enclosures) == pytest.approx(
+        [np.arcsin(0.27) * 100, 2 * np.arcsin(sqrt(0.045)) * 100], rel=1e-13
+    )
+
+
+def one(first: float | None, bandwidth: float | None, transparent: bool | None = False) -> One:  # noqa: FBT001, FBT002
+    exact = {x: None if x is None else ExactNumber(Rational(x)) for x in (first, bandwidth)}
+    crossings = {hs.Part.REAL: () if first is None else (exact[first],), hs.Part.IMAG: ()}
+    return One({}, crossings, exact[bandwidth], transparent)
+
+
+def test_quantiles_are_values_that_so_many_per_cent_do_not_exceed() -> None:
+    def of(*samples: One) -> Quantiles:
+        return quantiles(SimpleNamespace(samples=samples))  # type: ignore[arg-type]
+
+    twenty = of(*(one(21 - n, 2 * n) for n in range(1, 21)))
+    assert (twenty.first, twenty.bandwidth) == ({5: 1, 50: 10, 95: 19}, {5: 2, 50: 20, 95: 38})
+    some = of(one(3, None), one(None, 8, transparent=True), one(5, 6, transparent=None), one(None, None))
+    assert some.first == {5: 3, 50: 5, 95: None}  # without a crossing it lies beyond the band
+    assert some.bandwidth == {5: None, 50: None, 95: 8}  # without a bandwidth it is less than any
+    assert some.transparent == 1
+    alone = of(one(-4, 7))
+    assert (alone.first, alone.bandwidth) == ({5: -4, 50: -4, 95: -4}, {5: 7, 50: 7, 95: 7})
+
+
+def test_the_first_crossing_is_the_lowest_of_either_part() -> None:
+    numbers = {x: ExactNumber(Rational(x)) for x in (3, 4, 5)}
+    own = {hs.Part.REAL: (numbers[4], numbers[5]), hs.Part.IMAG: (numbers[3],)}
+    assert One({}, own, None, None).first is numbers[3]
+    assert One({}, {hs.Part.REAL: (), hs.Part.IMAG: ()}, None, None).first is None
+
+
+def test_touches_are_no_crossings_of_a_set_of_values() -> None:
+    """1 + a s/(s^2 + 2 s + 9) with a = 0.2 touches r_r = 0.1 at 3 rad/s."""
+    effect = hs.effects.series("1 + a*s/(s^2 + 2*s + 9)", parameters={"a": ["0.2", "0.4"]})
+    scene = hs.Scene(hs.environments.mass_spring_damper(k=100), (effect,), (0, 9), hs.Threshold.of("0.1", 1))
+    answers = tolerances(scene, samples=0)
+    at = answers.one({"a": Rational(1, 5)})
+    assert (at.crossings[hs.Part.REAL], at.transparent, float(at.bandwidth)) == ((), True, 9)
+    above = answers.one({"a": Rational(3, 10)})
+    assert (len(above.crossings[hs.Part.REAL]), above.transparent) == (2, False)
+    assert float(above.bandwidth) == float(above.crossings[hs.Part.REAL][0])
+
+
+@pytest.mark.parametrize("samples", [-1, 2.5, "9"])
+def test_samples_must_be_a_whole_number(samples: object) -> None:
+    with pytest.raises(hs.SceneError, match="samples"):
+        tolerances(hs.Scene(SOFT, (LAG,)), samples=samples)
