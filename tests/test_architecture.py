@@ -32,7 +32,7 @@ requirement.touches tex.printer typeset.equations typeset.mathml typeset.plain
 properties costs.stopwatch exact.factoring numeric.certified requirement.closedforms tex.lines
 exact.roots numeric.values report.mathematics
 ranges exact.stability simulation.fractional simulation.motions simulation.propagate
-catalogue jnd simulation.linear simulation.lockin simulation.recordings
+catalogue jnd simulation.frictions simulation.linear simulation.lockin simulation.recordings
 distortion effects environments requirement.feasible simulation.blocks simulation.events
 crossings interop scene codegen.forms formulas.structure measures.freeresponse measures.twoport requirement.places \
 simulation.engine

@@ -760,3 +760,137 @@ def test_what_is_no_motion_is_refused_with_what_makes_one(motion: object, messag
 def test_extras_are_a_list_of_extras(extras: object) -> None:
     with pytest.raises(hs.SceneError, match=r"extras: .* is no list of EncoderQuantisation and ForceSaturation"):
         hs.simulate("fu2019", hs.sine("1 cm", 5), extras=extras)
+
+
+# Several frictions, levers, sweeps, files: what each says about the world
+
+
+def test_frictions_on_one_part_are_one_friction_of_their_sum() -> None:
+    env, behind = environments.mass_spring_damper(m="0.5", b=1, k=20), effects.compliance(200, 1)
+    parts = [effects.coulomb_friction(f"{n} N", "5 cm", name=f"rubbing-{n}") for n in ("0.4", "0", "0.35", "0.25")]
+    several = hs.simulate(hs.Scene(env, (*parts, behind)), hs.sine("2 cm", 3), duration=5)
+    one = hs.simulate(hs.Scene(env, (effects.coulomb_friction("1 N", "5 cm"), behind)), hs.sine("2 cm", 3), duration=5)
+    assert several.time == pytest.approx(one.time)
+    assert several.force == pytest.approx(one.force, abs=1e-9)
+
+
+def test_frictions_on_the_hands_own_motion_are_exact_with_a_mass_between_them() -> None:
+    first, second = effects.coulomb_friction("0.4 N", "5 cm"), effects.coulomb_friction("0.6 N", "5 cm", name="second")
+    agree((hs.simulate(hs.Scene(SOFT, (first, effects.shunt(m=1), second)), hs.sine("5 cm", 3)),), 1e-7)
+
+
+def moved(center: float, before: float, reach: float) -> float:
+    """Where a part ends that friction drags: where it was, or as far from its balance as friction holds."""
+    return before if abs(center - before) <= reach else center - np.copysign(reach, center - before)
+
+
+def two_parts(hand: np.ndarray) -> np.ndarray:
+    """200 N/m, 1 N of friction, 100 N/m, 0.5 N of friction: each small step ends where energy and friction's work are least."""
+    force, y, z = np.zeros_like(hand), 0.0, 0.0
+    for i, h in enumerate(map(float, hand)):
+        was_y, was_z = y, z
+        for _ in range(25):  # one part after the other, until neither moves
+            y = moved((200 * h + 100 * z) / 300, was_y, 1 / 300)
+            z = moved(y, was_z, 0.5 / 100)
+        force[i] = 200 * (h - y)
+    return force
+
+
+def test_frictions_on_two_parts_stick_and_slip_each_on_its_own() -> None:
+    tiny = environments.mass_spring_damper(k="1e-6")
+    inner = effects.coulomb_friction("0.5 N", "5 cm", name="inner"), effects.compliance(100, name="a")
+    outer = effects.coulomb_friction("1 N", "5 cm", name="outer"), effects.compliance(200, name="b")
+    run = hs.simulate(hs.Scene(tiny, (*inner, *outer)), hs.sine("5 cm", 2), duration=7)
+    grid = np.linspace(0, run.time[-1], 6001)
+    known = two_parts(run.motion.derivatives(grid, 0)[0])
+    assert run.force == pytest.approx(np.interp(run.time, grid, known), abs=2e-3)
+    assert np.abs(run.force).max() == pytest.approx(1.5, abs=1e-6)
+
+
+def test_friction_behind_a_lever_moves_otherwise_than_the_hand() -> None:
+    lever = effects.two_port("0.5", "0", "0", "2")  # the far end moves twice as far, with half the force
+    scene = hs.Scene(SOFT, (effects.coulomb_friction("0.5 N", "5 cm"), lever))
+    [x] = hs.simulate(scene, hs.sine("5 cm", 4)).estimates
+    assert "does not move as the hand does" in x.approximate
+    true = (200 + 20j) / 4 + 4j * 0.5 / np.pi / 0.05 / 2  # half the force of a friction, over the hand's motion
+    assert x.simulated == pytest.approx(true, rel=1e-7)
+
+
+def test_a_chirp_is_the_known_wave_once_it_has_faded_in() -> None:
+    motion = hs.chirp("2 cm", "1 Hz", "5 Hz", "8 s")
+    t = np.linspace(1, 8, 300)
+    phase = 2 * np.pi * (t + 4 * t * t / 16)
+    assert motion.derivatives(t, 0)[0] == pytest.approx(0.02 * np.sin(phase), abs=1e-12)
+    early = motion.derivatives(np.array([0.5]), 0)[
+        0
+    ]  # half faded in, when half a period of the lowest frequency is over
+    assert early == pytest.approx(0.01 * np.sin(2 * np.pi * (0.5 + 4 * 0.25 / 16)))
+    assert motion.span == pytest.approx((2 * np.pi, 10 * np.pi))
+    assert (motion.duration, motion.name) == (8.0, "chirp")
+    short = hs.chirp("2 cm", "1 Hz", "5 Hz", "2 s")  # fades in over a quarter of its time
+    assert short.derivatives(np.array([0.5]), 0)[0] == pytest.approx(0.02 * np.sin(2 * np.pi * (0.5 + 4 * 0.25 / 4)))
+
+
+@pytest.mark.parametrize("bad", [("1 cm", 5, 5, 3), ("1 cm", 5, 4, 3), ("1 cm", 5, 9, "3 m"), ("1 cm", 5, 9, 0)])
+def test_a_chirp_that_cannot_be_is_refused(bad: tuple[Any, ...]) -> None:
+    with pytest.raises(hs.SceneError, match=r"must end above where it begins|duration"):
+        hs.chirp(*bad)
+
+
+@pytest.mark.parametrize("bad", [[], [3, 3], [3, "3 rad/s"]])
+def test_a_multisine_needs_each_frequency_once(bad: list[Any]) -> None:
+    with pytest.raises(hs.SceneError, match="each only once"):
+        hs.multisine("1 cm", bad)
+
+
+def test_a_recording_is_read_in_its_own_units_with_blank_lines_after_it(tmp_path: Path) -> None:
+    path = tmp_path / "hand.csv"
+    rows = [f"{5000 + 20 * i + (10 if i == 3 else 0)},{i}" for i in range(6)]  # a spacing 1.5 times the usual is no gap
+    path.write_text("\n".join(["\ufefft [ms], angle [deg]", *rows, "", " , ", ""]), encoding="utf-8")
+    made = hs.recording(path)
+    assert made.times == pytest.approx([0, 0.02, 0.04, 0.07, 0.08, 0.1])
+    assert made.values == pytest.approx(np.radians(range(6)))
+    assert (made.name, made.kind.value, made.duration) == ("hand.csv", "rotational", pytest.approx(0.1))
+    assert made.amplitude == pytest.approx(np.radians(5))
+    assert made.span == pytest.approx((20 * np.pi, np.pi / 0.03))
+    assert made.derivatives(np.array([-1.0, 0.0, 0.1, 9.0]), 1) == pytest.approx(
+        np.array([np.radians([0, 0, 5, 5]), [0, *made.derivatives(np.array([0.0, 0.1, 0.1]), 1)[1]]])
+    )
+
+
+@pytest.mark.parametrize("header", ["t [s],x [m]\n", ""])
+@pytest.mark.parametrize(
+    ("rows", "line", "message"),
+    [
+        ("0,0\n1,1\n2,0\n3,x\n4,0\n5,0\n", 4, '"x" is not a finite number'),
+        ("0,0\n1,1\n2,0\n3,inf\n4,0\n5,0\n", 4, '"inf" is not a finite number'),
+        ("0,0\n1,1\n2,0\n2,1\n4,0\n5,0\n", 4, "time does not increase"),
+        ("0,0\n1,1\n2,0\n3.51,1\n4.5,0\n5.5,0\n", 4, "a gap of 1.51 s"),
+        ("0,0\n1,1\n2,0\n3\n4,0\n5,0\n", 4, "needs a time and a displacement"),
+        ("0,0\n1,1\n2,0,7\n3,0\n4,0\n5,0\n", 3, "needs a time and a displacement"),
+    ],
+)
+def test_what_is_wrong_in_a_recording_is_told_by_its_line(
+    header: str, rows: str, line: int, message: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "bad.csv"
+    path.write_text(header + rows, encoding="utf-8")
+    with pytest.raises(hs.SceneError) as stop:
+        hs.recording(path)
+    assert f"line {line + bool(header)}: {message}" in str(stop.value)
+
+
+def test_a_duration_is_a_time() -> None:
+    run = hs.simulate(hs.Scene(SOFT), hs.sine("1 cm", 5), duration="1200 ms")
+    assert 1.2 - 0.2 < run.time[-1] <= 1.2 + 0.2  # a step is not cut short
+    for bad in ("3 m", 0, "-1 s"):
+        with pytest.raises(hs.SceneError, match="duration"):
+            hs.simulate(hs.Scene(SOFT), hs.sine("1 cm", 5), duration=bad)
+
+
+@pytest.mark.parametrize("duration", [1.3, 1.6, 2.2, 3])
+@pytest.mark.parametrize("tau", [0.5, 2, 4])
+def test_however_short_a_run_the_rest_of_the_transient_is_in_its_error(duration: float, tau: float) -> None:
+    slow = hs.Scene(environments.maxwell(100, 100 * tau), (effects.first_order_lag(30),))
+    [x] = hs.simulate(slow, hs.sine("5 cm", 30), duration=duration).estimates
+    assert x.difference <= x.error <= max(1e4 * x.difference, 1e-7 * abs(x.closed))

@@ -16,7 +16,7 @@ def why_approximate(engine: Engine, scene: Scene) -> str:
     """Why the closed form is not what a simulation must give, or nothing."""
     system = engine.systems[frozenset()]
     assert system is not None
-    for switch, effect in zip(engine.net.switches, _frictions(scene), strict=True):
+    for switch, effect in zip(engine.net.frictions, _frictions(scene), strict=True):
         reason = _friction_reason(system.exact, switch.driver, effect, engine.motion)
         if reason:
             return reason

@@ -231,7 +231,7 @@ def _coulomb_friction(net: Network, element: Effect, near: Port, far: Port) -> N
     net.equal(far.F, near.F + force)
     net.equal(velocity, near.X.d())
     limit = float_of(_values(element)["force"])
-    net.switches.append(Switch(name_of(force), velocity, name_of(velocity), limit, 0.0, element.name))
+    net.frictions.append(Switch(name_of(force), velocity, name_of(velocity), limit, 0.0, element.name))
 
 
 def _admittance_display(net: Network, element: Effect, near: Port, far: Port) -> None:

@@ -81,7 +81,9 @@ class Engine:
     @property
     def system(self) -> Linear:
         found = self.systems[frozenset(i for i, mode in enumerate(self.modes) if mode == 0)]
-        assert found is not None, "a switch that cannot close was closed"
+        if found is None:
+            names = ", ".join(s.name for s, mode in zip(self.net.switches, self.modes, strict=True) if mode == 0)
+            raise SceneError(f"{names}: they cannot stick all at once; this cannot be simulated")
         return found
 
     @cached_property
@@ -289,9 +291,9 @@ class Engine:
         force = everything.get((switch.target, 0), self.held[switch.target])
         after_closed = 1 if force > 0 else -1
         self.modes[index] = after_closed if old == 0 else 0 if switch.offset else self._after_slip(index)
+        self._update_forces()
         if self.system is not before:
             self.z = self._state_from(everything)
-        self._update_forces()
 
     def _after_slip(self, index: int) -> int:
         """What follows when the sliding velocity reaches zero: slip the other way, if that force would let it; else stick."""

@@ -128,6 +128,8 @@ class Network:
     holds: list[Hold] = field(default_factory=list)
     switches: list[Switch] = field(default_factory=list)
     steps: list[Step] = field(default_factory=list)
+    frictions: list[Switch] = field(default_factory=list)
+    """Those of the switches that are friction, as built: where several act on one velocity, ``switches`` has only the first."""
     built: list[str] = field(default_factory=list)
     fractional: list[tuple[float, float, float]] = field(default_factory=list)
     """Order and quadrature range of each fractional derivative."""

@@ -16,6 +16,7 @@ from haptisym.scene import Scene
 
 from .blocks import Port, build_effect, build_environment
 from .engine import Engine
+from .frictions import join_frictions
 from .linear import Reading
 from .lockin import Lock, lock
 from .motions import Motion, Sines, positive
@@ -50,6 +51,7 @@ class Run:
         self.until = 0.0  # where the simulation is known to go on to, s
         self.net = Network(motion.span)
         self.ports = _build(self.net, scene, motion, self.extras)
+        join_frictions(self.net)
         outputs = [(name_of(signal), 0) for port in (self.ports[0], self.ports[-1]) for signal in port]
         longest = step / motion.span[1] if motion.omegas or motion.name == "chirp" else step * pi / motion.span[1]
         self.engine = self._engine(outputs, longest)
