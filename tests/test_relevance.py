@@ -6,18 +6,20 @@ import json
 from fractions import Fraction
 from math import inf, isclose, nextafter, sqrt
 from pathlib import Path
+from random import Random
+from types import SimpleNamespace
 
 import flint
 import mpmath
 import pytest
 import strategies
 from marks import QUICK_SCENES, often
-from sympy import Expr, Rational, lambdify
+from sympy import Expr, Rational, exp, lambdify, pi
 
 import haptisym as hs
 from haptisym.catalogue import EFFECTS
-from haptisym.pruning.ballchain import TERMS, BallChain, Kept, Piece, series_arithmetic
-from haptisym.pruning.differences import Difference
+from haptisym.pruning.ballchain import TERMS, BallChain, Kept, Piece, _order_at_0, series_arithmetic
+from haptisym.pruning.differences import Difference, _down, _Expansion, _up
 from haptisym.pruning.figure import save_influences
 from haptisym.pruning.relevance import Relevance, relevance
 from haptisym.pruning.subsets import Search
@@ -799,3 +801,95 @@ def test_a_tolerance_that_is_none_is_refused(given: str, words: str) -> None:
 def test_an_open_parameter_is_refused_by_name() -> None:
     with pytest.raises(hs.SceneError, match="omega_c = w is a symbol"):
         relevance(hs.Scene(SPRING, (hs.effects.first_order_lag(hs.symbols("w")),)))
+
+
+# --- decisions -------------------------------------------------------------------------------------------------------
+
+
+def test_an_expansion_bounds_the_absolute_value_of_every_polynomial_with_such_coefficients() -> None:
+    """Against exact fractions: the constant less, and plus, the most that the other terms can be."""
+    random = Random(8)
+    with series_arithmetic():
+        for _ in range(300):
+            exact = [
+                Fraction(random.randint(-(10**16), 10**16), 10 ** random.randint(14, 19)) for _ in range(TERMS + 1)
+            ]
+            h = Fraction(random.randint(1, 10**9), 10**10)
+            terms = [flint.arb(flint.fmpq(x.numerator, x.denominator)) for x in exact]
+            wide = flint.arb_series([flint.arb(0, 10**6)] * (TERMS + 1), prec=TERMS + 1)
+            tail = flint.arb_series([*([flint.arb(0, 10**6)] * TERMS), terms[-1]], prec=TERMS + 1)
+            radius = flint.arb(flint.fmpq(h.numerator, h.denominator))
+            found = _Expansion(flint.arb_series(terms[:TERMS], prec=TERMS), tail, radius)
+            spread = sum(abs(x) * h**n for n, x in enumerate(exact) if n)
+            least, most = max(abs(exact[0]) - spread, Fraction(0)), abs(exact[0]) + spread
+            assert Fraction(found.least) <= least <= found.least * (1 + 1e-12) + 1e-14
+            assert Fraction(found.most) >= most >= found.most * (1 - 1e-12)
+            ends = [abs(sum(x * t**n for n, x in enumerate(exact))) for t in (0, -h, h)]
+            for value, end in zip(found.values, ends, strict=True):
+                assert 0 <= Fraction(value) <= end + Fraction(1, 10**7)
+                assert float(end) == pytest.approx(value, rel=1e-6, abs=1e-8)
+            assert _Expansion(flint.arb_series(terms[:TERMS], prec=TERMS), wide, radius).most <= 10**6 * (1 + 1e-12)
+    for x in (flint.arb("0.1"), flint.arb(3), flint.arb(0, 1), flint.arb("1e-300")):
+        assert _down(x) <= x.abs_lower() <= x.abs_upper() <= _up(x)
+    assert (_up(flint.arb(2)) > 2, _down(flint.arb(2)) < 2, _down(flint.arb(0, 1))) == (True, True, 0.0)
+    assert (_up(flint.arb.nan()), _down(flint.arb.nan())) == (inf, 0.0)
+
+
+def test_the_order_of_a_zero_at_0_counts_delays_as_what_they_are() -> None:
+    """sT - (1 - exp(-sT)) and products of 1 - exp(-sT) with delays that have no common measure."""
+    effects = (hs.effects.zero_order_hold("5 ms"), hs.effects.zero_order_hold(pi / 1000), hs.effects.first_order_lag(9))
+    ring = BallChain(hs.Scene(SPRING, effects)).ring
+    e, f = exp(-s / 200), exp(-s * pi / 1000)
+    for form, order in (
+        (1 - e, 1), (1 - f, 1), (e - f, 1), (s, 1), (s * (1 - e) ** 2, 3), (s / 200 - (1 - e), 2), (s + 1, 0), (e, 0),
+        ((1 - e) * (1 - f), 2), ((1 - e) * pi / 1000 - (1 - f) / 200, 2), (1 - e * f, 1), (s**4, 4), (s - s, inf),
+    ):  # fmt: skip
+        assert _order_at_0(ring, ring.convert(form).numerator) == order, form
+
+
+def test_what_stays_undecided_is_never_said_to_stay_within(monkeypatch: pytest.MonkeyPatch) -> None:
+    lag = change(hs.Scene(SPRING, (LAG,), (0, 20)), set(), hs.Part.IMAG)
+    for undecided, exceeds, said in (((), (), True), ((1,), (), None), ((), (1,), False), ((1,), (1,), False)):
+        table = SimpleNamespace(undecided=undecided, where=lambda _, own=exceeds: list(own))
+        monkeypatch.setattr("haptisym.pruning.differences.chart", lambda *_, own=table: own)
+        assert lag.stays_within(Rational(1, 2)) is said
+
+
+def test_exact_functions_and_suprema_are_asked_only_where_less_does_not_tell(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object) -> None:
+        raise AssertionError
+
+    scene = gains("1.2", "1.003")
+    monkeypatch.setattr(Difference, "stays_within", refuse)
+    search = Search(scene, BallChain(scene), Rational(1, 100))
+    assert [search._verdict(frozenset({i})) for i in (0, 1)] == [True, False]
+    monkeypatch.setattr(Search, "_within", refuse)
+    assert search._verdict(frozenset({1})) is False
+    with pytest.raises(AssertionError):
+        search._verdict(frozenset({0}))
+
+
+def test_with_nothing_left_out_crossings_are_those_of_the_scene() -> None:
+    scene = hs.load_scene("fu2019")
+    found = relevance(scene, 0)
+    assert found.dropped == ()
+    assert [(x.part, float(x.low), float(x.high)) for x in found.crossings] == [
+        (c.part, float(c.omega), float(c.omega)) for c in hs.evaluate(scene).crossings
+    ]
+
+
+def test_crossings_are_told_in_the_order_of_their_low_ends() -> None:
+    """r_r passes 0.008 +- 0.004 from 0.63 to 1.1 rad/s, r_i 0.1 +- 0.002 within that."""
+    scene = hs.Scene(SPRING, (LAG, hs.effects.series("1.004", name="gain")), (0, 5), hs.Threshold.of("0.008", "0.1"))
+    found = relevance(scene, "0.01").crossings
+    assert [x.part for x in found] == [hs.Part.REAL, hs.Part.IMAG]
+    assert float(found[0].low) < float(found[1].low) < float(found[1].high) < float(found[0].high)
+
+
+@pytest.mark.parametrize("band", [(0, 5), (20, 40)])
+def test_an_interval_cut_by_the_end_of_the_band_may_hold_no_crossing(band: tuple[int, int]) -> None:
+    """r_i = x/(1 + x^2) rises through 0.4 at 5 rad/s and falls at 20: at the very end of the band."""
+    effects = (LAG, hs.effects.series("1.04", name="gain"))
+    [x] = relevance(hs.Scene(SPRING, effects, band, hs.Threshold.of(5, "0.4")), "0.05").crossings
+    assert not x.certain
+    assert band[0] <= float(x.low) < float(x.high) <= band[1]

@@ -80,8 +80,6 @@ class Difference:
         """Its range on a piece; unbounded above where ball arithmetic tells no bound."""
         middle, whole = (self.balls.changes(piece, self.kept, self.part, whole=x) for x in (False, True))
         h = self.balls.radius(piece)
-        if not all(series[k].is_finite() for series in (*middle, *whole) for k in (0, TERMS - 1)):
-            return Range(0.0, 0.0, inf)
         minus, plus = (_Expansion(*pair, h) for pair in zip(middle, whole, strict=True))
         reached = max(min(a, b) for a, b in zip(minus.values, plus.values, strict=True))
         return Range(min(minus.least, plus.least), reached, min(minus.most, plus.most))
