@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import warnings
 from collections.abc import Iterator
 from fractions import Fraction
 from functools import cache
@@ -26,10 +27,12 @@ from sympy import Expr, Integer, Rational, pi
 
 import haptisym as hs
 from haptisym.cli import main
-from haptisym.sweeps import kernel
+from haptisym.sweeps import blocks, kernel
 from haptisym.sweeps.axes import axes, paths, spaced
+from haptisym.sweeps.blocks import Grid, Pace
 from haptisym.sweeps.exactly import COUNTS, FLOATS, exact_answers
 from haptisym.sweeps.kernel import TOLERANCE, Kernel
+from haptisym.sweeps.text import document
 
 PAPER = hs.load_scene("fu2019")
 NATURAL, MASS = "effects.filter.omega_n", "environment.m"
@@ -385,6 +388,82 @@ def test_a_killed_sweep_continues_where_it_was(small: Any, tmp_path: Path) -> No
     found = hs.sweep(PAPER, SMALL, out=out, progress=lambda n, _: told.append(n), block=21)
     assert told[0] == done
     assert found.load().identical(small)
+
+
+DELAYED = hs.load_scene("delayed-spring")
+TAUS = {"effects.delay.tau": [0.001 * i for i in range(1, 25)], "environment.k": [50.0, 80.0]}
+
+
+@pytest.mark.parametrize(("scene", "vary"), [(PAPER, SMALL), (DELAYED, TAUS)])
+def test_blocks_are_cut_by_time_and_a_sweep_interrupted_anywhere_ends_with_the_same_bits(
+    scene: hs.Scene, vary: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = hs.sweep(scene, vary)
+    monkeypatch.setattr("haptisym.sweeps.blocks.PATIENCE", 0.0)
+    monkeypatch.setattr("haptisym.sweeps.store.PATIENCE", 0.0)
+
+    def interrupted(done: int, _sets: int) -> None:
+        told.append(done)
+        if len(told) % 2 == 0:
+            raise KeyboardInterrupt
+
+    out, told = tmp_path / "a.zarr", []
+    for _ in range(3):
+        with pytest.raises(KeyboardInterrupt):
+            hs.sweep(scene, vary, out=out, progress=interrupted)
+    assert told == [0, 1, 1, 2, 2, 3]  # one block of 65 536 sets would hold them all
+    monkeypatch.undo()
+    assert hs.sweep(scene, vary, out=out).load().identical(whole)
+
+
+@drawn(st.integers(1, 60), st.lists(st.integers(1, 5), min_size=1, max_size=3))
+def test_pieces_of_a_block_hold_each_set_once_however_it_is_cut(sets: int, shape: list[int]) -> None:
+    grid = Grid(PAPER, (), tuple(shape))
+    pace = Pace(sets)
+    pace.took = lambda *_: None  # type: ignore[method-assign]
+    seen = np.zeros(shape, dtype=int)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(blocks, "compute", lambda *_: ())
+        patch.setattr(Grid, "values", lambda *_: [])
+        patch.setattr(Grid, "kernel", None)
+        for piece, _ in grid.pieces(tuple(slice(0, n) for n in shape), pace):
+            assert seen[piece].size <= sets
+            seen[piece] += 1
+    assert (seen == 1).all()
+
+
+def test_the_pace_follows_the_time_that_pieces_take() -> None:
+    pace = Pace()
+    for _ in range(7):
+        pace.took(0.001, pace.sets)
+    assert pace.sets == 8**7
+    pace.took(20 * blocks.PATIENCE, pace.sets)
+    assert pace.sets == 8**7 // 20
+    pace.took(1e9, 1)
+    assert pace.sets == 1
+
+
+def test_a_store_is_opened_and_told_without_a_warning(tmp_path: Path) -> None:
+    hs.sweep(PAPER, {MASS: np.linspace(1, 2, 40), "evaluation.jnd": [0.9, 0.99]}, out=tmp_path / "a.zarr", block=8)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = xr.open_zarr(tmp_path / "a.zarr")
+        told = document(found)
+    assert np.isnan(found.first_crossing_real).all()
+    assert told["ranges"]["first_crossing_real"] is None
+    assert told["ranges"]["bandwidth"] == [15.0, 15.0]
+
+
+def test_more_sets_than_memory_holds_are_refused_at_once_and_may_be_streamed(call, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    many = {MASS: np.linspace(1, 2, 100_000), "environment.k": np.linspace(1, 2, 100_000)}
+    with pytest.raises(
+        hs.SceneError, match=r"10,000,000,000 sets take 570 GB of memory: let them be streamed to a file"
+    ):
+        hs.sweep(PAPER, many)
+    words = ["sweep", "fu2019", "--vary", f"{MASS}=1:2:100000", "--vary", "environment.k=1:2:100000"]
+    status, out, err = call(*words)
+    assert (status, out) == (2, "")
+    assert "--out FILE.zarr" in err
 
 
 def test_another_sweep_is_not_mixed_in(tmp_path: Path) -> None:

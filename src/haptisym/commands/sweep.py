@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import logging
+import signal
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from importlib import import_module
 from json import dumps
+from multiprocessing import resource_tracker
 from pathlib import Path
 from typing import Any
 
@@ -112,16 +116,32 @@ def _engine(workers: int | None, cluster: str | None) -> Iterator[None]:
     with ExitStack() as stack:
         address: Any = cluster
         if workers:
-            address = stack.enter_context(
-                distributed.LocalCluster(
-                    n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs=40
-                )
-            )
+            local = partial(distributed.LocalCluster, n_workers=workers, threads_per_worker=1, dashboard_address=None)
+            with _deaf_children():
+                address = stack.enter_context(local(silence_logs=logging.CRITICAL))
         try:
             stack.enter_context(distributed.Client(address, timeout="10s"))
         except (OSError, ValueError):
             raise SceneError(f"--cluster {cluster}: no dask scheduler answers there") from None
+        try:
+            yield
+        except KeyboardInterrupt:
+            logging.disable()  # dask would tell at length what became of the tasks that nobody waits for
+            raise
+
+
+@contextmanager
+def _deaf_children() -> Iterator[None]:
+    """Threads and processes that are started inside do not hear Ctrl-C; this process hears it when they are there."""
+    if not hasattr(signal, "pthread_sigmask"):
         yield
+        return
+    resource_tracker.ensure_running()  # later, it would let their signals through
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

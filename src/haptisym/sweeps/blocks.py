@@ -9,6 +9,7 @@ from functools import cached_property
 from hashlib import sha256
 from itertools import product
 from math import ceil, prod
+from time import monotonic
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -21,6 +22,8 @@ from .exactly import COUNTS, EXACT, FLOAT, FLOATS, OPEN
 from .kernel import TOLERANCE, Kernel
 
 SETS_IN_A_BLOCK = 65_536
+PATIENCE = 1.0
+"""Seconds after which, as nearly as one can tell, what is computed is written down and told."""
 Region: TypeAlias = tuple[slice, ...]
 
 VARIABLES: dict[str, tuple[np.dtype[Any], dict[str, str]]] = {
@@ -45,6 +48,33 @@ _MEANINGS = {
 for _name, (_, _about) in VARIABLES.items():
     _about["long_name"] = _MEANINGS[_name]
 VARIABLES["transparent"][1]["units"] = "1"
+
+
+@dataclass
+class Pace:
+    """How many sets are computed at a time: as many as ``PATIENCE`` allows, told by those before; a single one at first."""
+
+    sets: int = 1
+
+    def took(self, seconds: float, sets: int) -> None:
+        wanted = sets * PATIENCE / max(seconds, 1e-6)
+        self.sets = max(1, int(min(wanted, 8 * self.sets)))
+
+
+def size(region: Region) -> int:
+    """How many sets there are in a block."""
+    return prod(part.stop - part.start for part in region)
+
+
+def _cut(region: Region, most: int) -> tuple[Region, Region]:
+    """The first sets of a block, not many more than so many where one axis can be cut so, and the rest."""
+    axis = next(i for i, part in enumerate(region) if part.stop - part.start > 1)
+    part = region[axis]
+    behind = size(region[axis + 1 :])
+    at = part.start + min(max(1, most // behind), part.stop - part.start - 1)
+    halves = slice(part.start, at), slice(at, part.stop)
+    first, rest = ((*region[:axis], half, *region[axis + 1 :]) for half in halves)
+    return first, rest
 
 
 @dataclass(frozen=True)
@@ -84,6 +114,19 @@ class Grid:
             yield tuple(
                 slice(i * b, min((i + 1) * b, n)) for i, b, n in zip(index, self.block, self.shape, strict=True)
             )
+
+    def pieces(self, region: Region, pace: Pace) -> Iterator[tuple[Region, tuple[Array, ...]]]:
+        """All variables of a block, in pieces that take about a second each; the results do not depend on how it is cut."""
+        waiting = [region]
+        while waiting:
+            piece = waiting.pop()
+            while size(piece) > pace.sets:
+                piece, rest = _cut(piece, pace.sets)
+                waiting.append(rest)
+            began = monotonic()
+            answers = compute(self.kernel, np.ix_(*self.values(piece)))
+            pace.took(monotonic() - began, size(piece))
+            yield piece, answers
 
     def values(self, region: Region) -> list[Array]:
         """The values of each axis in a block."""

@@ -15,12 +15,14 @@ from haptisym.scenefile import as_scene
 
 from .axes import Values, axes
 from .batch import Array
-from .blocks import SETS_IN_A_BLOCK, VARIABLES, Grid, compute
+from .blocks import SETS_IN_A_BLOCK, VARIABLES, Grid, Pace, compute
 from .kernel import Kernel
 
 if TYPE_CHECKING:
     import xarray as xr
 
+MOST_BYTES = 4_000_000_000
+"""Of a sweep that is kept in memory: some seventy million sets."""
 Progress = Callable[[int, int], None]
 """Told how many sets are done, and how many there are."""
 
@@ -43,7 +45,8 @@ def sweep(
     already and holds a part of this very sweep, the rest is computed; it is computed on the dask client that is active, or
     with dask's threads. The result is then opened from the file, lazily.
     ``lazy`` : without ``out``, return dask arrays that are computed when asked for, by whatever scheduler is in use.
-    ``block`` : sets computed at a time by one worker, which bounds the memory. Results do not depend on it.
+    ``block`` : sets that one worker holds at most, which bounds the memory. They are computed and written in pieces of about
+    a second. Results do not depend on that.
     ``progress`` : called with the number of sets done and of all sets.
 
     Variables (frequencies in rad/s; NaN for one that does not exist): ``first_crossing_real``, ``first_crossing_imag``,
@@ -52,7 +55,8 @@ def sweep(
     (how many) and ``method``: 0 certified in floats, 1 exact, 2 not answered (undecided at the precision limit, or without
     dynamics; counts are then -1).
 
-    Raises SceneError for an unknown path, a value that the model does not allow, and a package that is missing.
+    Raises SceneError for an unknown path, a value that the model does not allow, more sets than memory should hold without
+    ``out``, and a package that is missing.
 
     >>> from haptisym.scenefile import load_scene
     >>> found = sweep(load_scene("fu2019"), {"effects.filter.omega_n": [40.0, "80 rad/s"], "evaluation.jnd": [0.1, 0.2]})
@@ -90,15 +94,21 @@ def _coordinates(grid: Grid, xarray: Any) -> dict[str, Any]:
 
 
 def _now(grid: Grid, xarray: Any, progress: Progress | None) -> xr.Dataset:
+    needed = grid.sets * sum(dtype.itemsize for dtype, _ in VARIABLES.values())
+    if needed > MOST_BYTES:
+        raise SceneError(
+            f'{grid.sets:,} sets take {needed / 1e9:,.0f} GB of memory: let them be streamed to a file, out="FILE.zarr" '
+            "(--out FILE.zarr on the command line), or vary fewer values"
+        )
     columns = [np.empty(grid.shape, dtype) for dtype, _ in VARIABLES.values()]
-    done = 0
+    done, pace = 0, Pace()
     for region in grid.regions():
-        answers = compute(grid.kernel, np.ix_(*grid.values(region)))
-        for column, answer in zip(columns, answers, strict=True):
-            column[region] = answer
-        done += answers[0].size
-        if progress:
-            progress(done, grid.sets)
+        for piece, answers in grid.pieces(region, pace):
+            for column, answer in zip(columns, answers, strict=True):
+                column[piece] = answer
+            done += answers[0].size
+            if progress:
+                progress(done, grid.sets)
     return _dataset(grid, xarray, columns)
 
 

@@ -1,23 +1,26 @@
-"""Sweeps on disk: blocks are written as they are done, and what is there already is not computed again.
+"""Sweeps on disk: what is computed is written about every second, and what is there already is not computed again.
 
 The store is a Zarr group whose chunks are the blocks of the sweep. Zarr replaces a chunk's file in one step, and ``method``
-is written last; so a block is done exactly where ``method`` has no mark of absence left, whenever the process ended. A
-NetCDF file is made from such a store at the end, in one step too.
+is written last; so a set is done exactly where ``method`` has no mark of absence left, whenever the process ended. One block
+is worked on by one worker at a time. A NetCDF file is made from such a store at the end, in one step too.
 """
 
 from __future__ import annotations
 
 import shutil
 import sys
-from collections.abc import Callable, Iterator
+import warnings
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from time import monotonic
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from haptisym.errors import SceneError
 
-from .blocks import VARIABLES, Grid, Region, compute
+from .blocks import PATIENCE, VARIABLES, Grid, Pace, Region, size
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -72,7 +75,8 @@ def _import(package: str) -> Any:
 
 def _fill(grid: Grid, store: Path, progress: Callable[[int, int], None] | None) -> None:
     zarr = _import("zarr")
-    if store.exists():
+    is_new = not store.exists()
+    if not is_new:
         try:
             group = zarr.open_group(store, mode="r")
         except (OSError, ValueError, KeyError):
@@ -81,8 +85,12 @@ def _fill(grid: Grid, store: Path, progress: Callable[[int, int], None] | None) 
     else:
         _begin(grid, store)
         group = zarr.open_group(store, mode="r")
-    left = [region for region in grid.regions() if (group["method"][region] == _NOT_YET).any()]
-    done = grid.sets - sum(_size(region) for region in left)
+    left, done = [], 0
+    for region in grid.regions():
+        open_sets = 0 if is_new else int((group["method"][region] == _NOT_YET).sum())
+        done += 0 if is_new else size(region) - open_sets
+        if is_new or open_sets:
+            left.append(region)
     if progress:
         progress(done, grid.sets)
     for count in _run(grid, store, left):
@@ -115,28 +123,49 @@ def _begin(grid: Grid, store: Path) -> None:
             name, shape=grid.shape, chunks=grid.block, dtype=dtype, dimension_names=names, fill_value=fill
         )
         made.attrs.update(about)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # that format 3 does not ask for what xarray looks for first
+        zarr.consolidate_metadata(fresh)
     fresh.rename(store)
 
 
-def _size(region: Region) -> int:
-    return int(np.prod([part.stop - part.start for part in region]))
-
-
 def _run(grid: Grid, store: Path, left: list[Region]) -> Iterator[int]:
-    """Compute and write blocks on the active dask client, or else with the local scheduler; the number of sets of each."""
+    """Compute and write blocks on the active dask client, or else with the local scheduler; numbers of sets, as they are done.
+
+    A worker hands a block back after about a second, and gets it again until it is done.
+    """
     client = _client()
     if client is not None:
-        as_completed = _import("distributed").as_completed
-        shared = client.scatter(grid, broadcast=True, hash=False)
-        futures = [client.submit(_write, shared, str(store), region, pure=False) for region in left]
-        for _, count in as_completed(futures, with_results=True):
-            yield count
+        yield from _on_cluster(client, grid, store, left)
         return
     dask = _import("dask")
     together = int(dask.config.get("num_workers", 0) or 0) or 4
-    for i in range(0, len(left), together):
-        tasks = [dask.delayed(_write, traverse=False)(grid, str(store), region) for region in left[i : i + together]]
-        yield from dask.compute(*tasks)
+    waiting, sets = left[::-1], 1
+    while waiting:
+        now = [waiting.pop() for _ in range(min(together, len(waiting)))]
+        tasks = [dask.delayed(_write, traverse=False)(grid, str(store), region, sets) for region in now]
+        parts: Sequence[_Part] = dask.compute(*tasks)
+        yield sum(part.done for part in parts)
+        sets = min(part.pace for part in parts)
+        waiting += [region for region, part in zip(now, parts, strict=True) if part.is_open][::-1]
+
+
+def _on_cluster(client: Any, grid: Grid, store: Path, left: list[Region]) -> Iterator[int]:
+    as_completed = _import("distributed").as_completed
+    shared = client.scatter(grid, broadcast=True, hash=False)
+
+    def submitted(region: Region, sets: int) -> Any:
+        future = client.submit(_write, shared, str(store), region, sets, pure=False)
+        regions[future.key] = region
+        return future
+
+    regions: dict[str, Region] = {}
+    running = as_completed([submitted(region, 1) for region in left], with_results=True)
+    for future, part in running:
+        yield part.done
+        region = regions.pop(future.key)
+        if part.is_open:
+            running.add(submitted(region, part.pace))
 
 
 def _client() -> Any:
@@ -148,10 +177,38 @@ def _client() -> Any:
         return None
 
 
-def _write(grid: Grid, store: str, region: Region) -> int:
-    """One block: ``method`` last, as the sign that it is done."""
+class _Part(NamedTuple):
+    """What was done of a block in about a second: how many sets, whether some are left, and how many to begin with next."""
+
+    done: int
+    is_open: bool
+    pace: int
+
+
+def _write(grid: Grid, store: str, region: Region, sets: int) -> _Part:
+    """Compute and write what is missing of a block, for about a second: ``method`` last, as the sign that a set is done."""
     group = _import("zarr").open_group(store, mode="r+")
-    answers = compute(grid.kernel, np.ix_(*grid.values(region)))
-    for name, answer in zip(VARIABLES, answers, strict=True):
-        group[name][region] = answer
-    return answers[0].size
+    missing = group["method"][region] == _NOT_YET
+    pace, done, began = Pace(sets), 0, monotonic()
+    for piece in _missing(missing, region):
+        for part, answers in grid.pieces(piece, pace):
+            for name, answer in zip(VARIABLES, answers, strict=True):
+                group[name][part] = answer
+            done += size(part)
+            if monotonic() - began >= PATIENCE:
+                return _Part(done, done < int(missing.sum()), pace.sets)
+    return _Part(done, is_open=False, pace=pace.sets)
+
+
+def _missing(missing: NDArray[np.bool_], region: Region) -> Iterator[Region]:
+    """The sets of a block that are not there yet, in boxes: all of it at first; rows, or parts of rows, after an interruption."""
+    if missing.all():
+        yield region
+    elif missing.any() and size(region) > 1:
+        axis = next(i for i, part in enumerate(region) if part.stop - part.start > 1)
+        part = region[axis]
+        at = (part.start + part.stop) // 2
+        for half in (slice(part.start, at), slice(at, part.stop)):
+            inside = [slice(None)] * len(region)
+            inside[axis] = slice(half.start - part.start, half.stop - part.start)
+            yield from _missing(missing[tuple(inside)], (*region[:axis], half, *region[axis + 1 :]))

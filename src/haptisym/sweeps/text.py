@@ -53,8 +53,8 @@ def _axis(data: xr.Dataset, name: str) -> dict[str, Any]:
 
 
 def _range(column: xr.DataArray) -> list[float] | None:
-    low, high = float(column.min()), float(column.max())
-    return None if np.isnan(low) else [low, high]
+    low, high = float(column.fillna(np.inf).min()), float(column.fillna(-np.inf).max())
+    return None if low > high else [low, high]  # dask warns of blocks that hold NaN alone
 
 
 def _counts(column: xr.DataArray) -> dict[str, int]:
