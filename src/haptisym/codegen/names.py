@@ -122,6 +122,7 @@ def comment(text: str) -> str:
     'a * / b c'
     """
     line = "".join(c if c.isprintable() else "?" for c in " ".join(text.split()))
-    for mark, harmless in (("*/", "* /"), ("/*", "/ *"), ('"', "'"), ("\\", "/")):
+    # a backslash first: what becomes of it must not close a comment with the star before it
+    for mark, harmless in (("\\", "/"), ("*/", "* /"), ("/*", "/ *"), ('"', "'")):
         line = line.replace(mark, harmless)
     return re.sub(r"\?(?=\?)", "? ", line)  # two of them start a trigraph in C
