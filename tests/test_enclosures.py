@@ -8,16 +8,17 @@ from typing import Any
 import flint
 import mpmath
 import pytest
-from flint import arb, fmpq
+from flint import arb, arb_series, fmpq
 from hypothesis import given
 from hypothesis import strategies as st
 from marks import examples
-from sympy import Expr, Rational, factor_list, symbols
+from sympy import Expr, Rational, factor_list, pi, symbols
 
 from haptisym.exact.bernstein import range_of
 from haptisym.exact.eliminants import discriminant, resultant
+from haptisym.exact.reals import expression_ball
 from haptisym.exact.rings import PolynomialRing
-from haptisym.exact.wavesums import Term, WaveSum
+from haptisym.exact.wavesums import Term, WaveSum, _compiled, _power_series
 
 small = st.integers(-5, 5)
 rates = st.fractions("1/100", 3, max_denominator=100)
@@ -140,3 +141,140 @@ def test_a_leading_coefficient_that_vanishes_on_the_first_grid_moves_it() -> Non
     f = (a - 1) * (c - 2) * x**6 + (a + c**2) * x**5 + 7 * x**2 - a * c
     assert discriminant(f, 0) == f.discriminant("x")
     assert discriminant(f**2, 0).is_zero()
+
+
+# --- containment: wide balls, high orders, sums without angles -------------------------------------------------------
+
+
+def power_series(f: WaveSum, x: Any, length: int) -> list[Any]:
+    """The Taylor coefficients about a number by FLINT's arithmetic of power series, from the sum as it is written."""
+    h = arb_series([x, 1], prec=length)
+    total = arb_series([0], prec=length)
+    for term in f.terms:
+        row = sum((arb_series([sum((c * arb.pi() ** i for i, c in enumerate(own)), arb(0))], prec=length) * h**n
+                   for n, own in enumerate(term.coefficients)), arb_series([0], prec=length))  # fmt: skip
+        for (rate, constant), k, n in zip(f.rates, term.turns, f.degrees, strict=True):
+            half = (arb_series([1], prec=length) if constant else h) * (expression_ball(rate) / 2)
+            row = row * half.sin() ** k * half.cos() ** (n - k)
+        for order, n in zip(f.orders, term.powers, strict=True):
+            row = row * ((h.log() * (expression_ball(order) * n)).exp() if n else 1)
+        total = total + row
+    return (total.coeffs() + [arb(0)] * length)[:length]
+
+
+@examples(60)
+@given(wave_sums(), st.fractions(2, 12, max_denominator=8), st.sampled_from([1e-6, 0.05, 0.4, 1.3]))
+def test_wide_balls_hold_value_slope_and_half_curvature_of_every_point(
+    f: WaveSum, place: Rational, reach: float
+) -> None:
+    middle = place.numerator / place.denominator
+    with flint.ctx.workprec(160):
+        box = arb(middle, reach)
+        whole, naive = f.over(box), f.series(box, 0, 3)
+        for share in (-1, -0.93, -0.4, 0.2, 0.71, 1):
+            truths = power_series(f, arb(middle) + arb(share) * arb(reach), 3)
+            for balls in (whole, naive):
+                for ball, true in zip(balls, truths, strict=True):
+                    assert (ball + arb(0, 1e-30) * (1 + abs(true))).contains(true), share
+
+
+@pytest.mark.parametrize("reach", [1e-4, 0.02, 0.2])
+def test_ranges_over_a_ball_are_nearly_those_of_the_function(reach: float) -> None:
+    """sin(x)^3 - 3 x cos(x) sin(x)^2 x^(1/3) ...: terms that cancel, over balls shorter than its waves."""
+    terms = (Term((3,), (0,), ((1,), (2,))), Term((2,), (1,), ((0,), (-3,))), Term((0,), (0,), ((5,), (0,), (-1, 2))))
+    f = WaveSum(terms, ((Rational(2), False),), (3,), (Rational(1, 3),))
+    for place in (1.0, 2.7, 6.0):
+        with flint.ctx.workprec(128):
+            found = f.over(arb(place, reach))
+            grid = [f.series(arb(place + reach * n / 50), 0, 3) for n in range(-50, 51)]
+        for n, ball in enumerate(found):
+            values = [float(row[n].mid()) for row in grid]
+            assert float(ball.upper() - ball.lower()) <= 1.6 * (max(values) - min(values)) + 1e-9
+
+
+@examples(40)
+@given(wave_sums(), st.fractions("1/2", 12, max_denominator=8), st.integers(0, 6), st.integers(1, 4))
+def test_series_may_begin_at_any_order_and_taylor_coefficients_stand_alone(
+    f: WaveSum, place: Rational, start: int, count: int
+) -> None:
+    with flint.ctx.workprec(150):
+        at = arb(fmpq(place.numerator, place.denominator))
+        whole = f.series(at, 0, start + count)
+        part = f.series(at, start, start + count)
+        compiled = _compiled(f, 150)
+        assert len(part) == count
+        for a, b in zip(part, whole[start:], strict=True):
+            assert a.overlaps(b)
+            assert a.rad() < 1e-30 * (1 + abs(a))
+        assert compiled.taylor(at, start).overlaps(whole[start])
+        assert f.value(at).overlaps(f.series(at, 0, 1)[0])
+        assert compiled.value(at).overlaps(f.value(at))
+
+
+@examples(60)
+@given(wave_sums(), st.fractions("1/2", 12, max_denominator=8))
+def test_coefficients_of_high_order_are_those_of_power_series(f: WaveSum, place: Rational) -> None:
+    with flint.ctx.workprec(200):
+        at = arb(fmpq(place.numerator, place.denominator))
+        for found, true in zip(f.series(at, 0, flint.ctx.cap), power_series(f, at, flint.ctx.cap), strict=True):
+            assert found.overlaps(true)
+            assert found.rad() < 1e-30 * (1 + abs(true))
+
+
+def test_sums_without_angles_are_polynomials_with_powers() -> None:
+    line = WaveSum((Term((), (), ((2,), (0, 3), (1,))),), (), (), ())  # 2 + 3 pi x + x^2
+    with flint.ctx.workprec(100):
+        row = line.series(arb(2), 0, 4)
+        for found, true in zip(row, (6 + 6 * arb.pi(), 3 * arb.pi() + 4, arb(1), arb(0)), strict=True):
+            assert found.overlaps(true)
+            assert found.rad() < 1e-25
+        still = WaveSum(
+            (Term((1,), (), ((2,),)), Term((0,), (), ((5,),))), ((pi / 3, True),), (1,), ()
+        )  # 2 sin + 5 cos of pi/6
+        assert still.value(arb(7)).overlaps(1 + 5 * arb(3).sqrt() / 2)
+        assert all(c.is_zero() for c in still.series(arb(7), 1, 4))
+        assert [float(c.mid()) for c in _power_series(arb(4), arb("0.5"), 4)] == [2, 0.25, -1 / 64, 1 / 512]
+        assert len(_power_series(arb(4), arb("0.5"), 1)) == 1
+
+
+@given(
+    st.lists(st.tuples(small, st.sampled_from([0, 1, "1/8"])), min_size=1, max_size=7),
+    st.sampled_from([0, "1/64", 1, 5]),
+)
+def test_the_range_of_a_polynomial_with_balls_for_coefficients_holds_all_its_values(
+    row: list[tuple[int, object]], reach: object
+) -> None:
+    """Bernstein's coefficients of every choice in the balls; no wider than those of the middles and the radii apart."""
+    r = Rational(str(reach))
+    radii = [Rational(str(x)) for _, x in row]
+    with flint.ctx.workprec(128):
+        balls = [arb(fmpq(c), float(x)) for (c, _), x in zip(row, radii, strict=True)]
+        found = range_of(balls, [arb(fmpq(int(r.p), int(r.q))) ** n for n in range(len(row))])
+        low, high = (Rational(end.mid().str(40, radius=False)) for end in (found.lower(), found.upper()))
+    places = [Rational(share, 8) * r for share in range(-8, 9)]
+    values = [
+        sum(
+            (c + side * x * (1 if h**n >= 0 else -1)) * h**n
+            for n, ((c, _), x) in enumerate(zip(row, radii, strict=True))
+        )
+        for h in places
+        for side in (1, -1)
+    ]
+    hair = Rational(1, 10**7) * (1 + max(map(abs, values)))
+    assert low - hair <= min(values)
+    assert max(values) <= high + hair
+    # at the ends Bernstein's coefficients are the values, and all are at most the sum of sizes
+    assert (
+        max(abs(low), abs(high))
+        <= sum((abs(c) + x) * 2**n * r**n for n, ((c, _), x) in enumerate(zip(row, radii, strict=True))) + hair
+    )
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2, 3, 6])
+def test_a_linear_polynomial_s_range_is_exact_in_any_degree(degree: int) -> None:
+    """Degree elevation changes nothing: 3 + 2 h on [-5, 5] is [-7, 13], with however many zeros behind."""
+    with flint.ctx.workprec(128):
+        row = [arb(3), arb(2)][: degree + 1] + [arb(0)] * (degree - 1)
+        found = range_of(row, [arb(5) ** n for n in range(degree + 1)])
+    expected = (-7, 13) if degree else (3, 3)
+    assert (float(found.lower()), float(found.upper())) == pytest.approx(expected, abs=1e-6)

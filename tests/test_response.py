@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+import flint
 import numpy as np
 import pytest
+from flint import arb
 from hypothesis import given
 from hypothesis import strategies as st
 from marks import examples
 from oracles import DIGITS, MP, Case, digits_of
 from strategies import cases, exact, rationals, scene
-from sympy import Abs, Expr, I, Symbol, cancel, expand, sin, sqrt, together
+from sympy import Abs, Expr, I, Integer, Rational, Symbol, cancel, exp, expand, pi, sin, sqrt, together
 
 import haptisym as hs
 from haptisym.effects import compliance, first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import kelvin_voigt, mass_spring_damper
+from haptisym.exact.axis import _harmonics
 from haptisym.exact.dynamics import Ring
 from haptisym.exact.response import on_axis, squared_modulus
 from haptisym.exact.rings import RationalFunction
@@ -242,3 +245,114 @@ def test_at_rest_the_ratios_of_an_environment_that_is_zero_there_are_their_limit
     assert values.ratio_real[0] == 0.0
     unbounded = hs.distort(mass_spring_damper(m=1), shunt(k=1)).compile()([0.0])
     assert np.isinf(unbounded.ratio_real[0])
+
+
+# --- delays, powers of s, pi and the imaginary unit on the axis ------------------------------------------------------
+
+DYNAMICS: dict[str, Expr] = {
+    "polynomial": 3 * s**4 - s**3 + 2 * s**2 - 7 * s + 5,
+    "quotient": (s**3 + 2) / (s**5 - 3 * s**2 + s + 1),
+    "delay": (2 + s * exp(-s / 4)) / (s**2 + 3 * exp(-s / 4) + 5),
+    "delay squared": exp(-s / 2) * (s + 1) - exp(-s / 4) * s**2 + 3,
+    "two delays": (exp(-s / 4) - 2 * exp(-s * pi / 9)) / (s + 3 + exp(-s / 4 - s * pi / 9)),
+    "three delays": exp(-s / 4) * (s - exp(-s * pi / 9)) + s**2 * exp(-s * pi**2 / 50) ** 2 - 1,
+    "hold": (1 - exp(-s / 5)) / (s / 5),
+    "hold and lag": (1 - exp(-s / 5)) * (s + 2) / (s * (s + 7)),
+    "root": 3 * sqrt(s) + s + 2,
+    "root below": (s + 1) / (s * sqrt(s) + 4),
+    "two powers": s ** Rational(1, 3) * (s + 2) / (1 + s ** Rational(3, 4)) + s ** Rational(5, 3),
+    "power and delay": (sqrt(s) + exp(-s / 4)) / (s + 2 * sqrt(s) * exp(-s / 4) + 3),
+    "two powers and two delays": s ** Rational(1, 3) * exp(-s / 4) + s ** Rational(3, 4) * exp(-s * pi / 9),
+    "friction": s**2 + 2 * s + 5 + 3 * I,
+    "friction and delay": (s + 2 * I) * exp(-s / 4) / (s + 3 + I),
+    "friction, power and delay": (sqrt(s) + I * s) * exp(-s / 4) + 2 * I + s**3,
+    "pi": (pi * s**3 + s) / (s**2 + pi**2 * s + 1),
+    "pi and delay": (pi * s + exp(-s / 4)) / (s + pi),
+}
+PLACES = [MP.mpf("0.37"), MP.mpf("1.9"), MP.mpf("6.1"), MP.mpf("17.3")]
+
+
+def mp_value(expression: Expr, at: object) -> object:
+    """An expression in s, or in omega, in mpmath."""
+    known = {s: MP.mpc(0, at), omega: at, I: MP.mpc(0, 1), pi: MP.pi}
+    if expression in known:
+        return known[expression]
+    if expression.is_Rational:
+        return MP.mpf(int(expression.p)) / int(expression.q)
+    arguments = [mp_value(x, at) for x in expression.args]
+    if expression.is_Add:
+        return MP.fsum(arguments)
+    if expression.is_Mul:
+        return MP.fprod(arguments)
+    if expression.is_Pow:
+        return arguments[0] ** (int(expression.exp) if expression.exp.is_Integer else arguments[1])
+    return getattr(MP, type(expression).__name__)(*arguments)
+
+
+@pytest.mark.parametrize("name", DYNAMICS)
+def test_on_the_axis_every_form_has_the_values_of_mpmath(name: str) -> None:
+    f = DYNAMICS[name]
+    dynamics = Ring.of([f]).convert(f).reduced()
+    response, square = on_axis(dynamics), squared_modulus(dynamics)
+    truths = {
+        "real": (response.real, lambda x: mp_value(f, x).real),
+        "imag": (response.imag, lambda x: mp_value(f, x).imag),
+        "square": (square, lambda x: abs(mp_value(f, x)) ** 2),
+        "product": (response.real * square, lambda x: mp_value(f, x).real * abs(mp_value(f, x)) ** 2),
+        "quotient": (response.imag / square, lambda x: mp_value(f, x).imag / abs(mp_value(f, x)) ** 2),
+        "difference": (response.imag - response.real, lambda x: mp_value(f, x).imag - mp_value(f, x).real),
+        "slope of real": (response.real.derivative(), lambda x: MP.diff(lambda w: mp_value(f, w).real, x)),
+        "slope of imag": (response.imag.derivative(), lambda x: MP.diff(lambda w: mp_value(f, w).imag, x)),
+    }
+    for kind, (found, true) in truths.items():
+        forms = (found.expression(), found.factored(), found.stable()) if "slope" not in kind else (found.stable(),)
+        for x in PLACES:
+            value = true(x)
+            limit = MP.mpf(10) ** -25 * (1 + abs(value) + abs(mp_value(f, x)) ** 3)
+            for form in forms:
+                assert abs(mp_value(form, x) - value) <= limit, (kind, form)
+            with flint.ctx.workprec(200):
+                ball = found.ball(arb(str(x)))
+                assert ball.rad() < 1e-30 * (1 + abs(float(value)) + abs(complex(mp_value(f, x))) ** 3)
+                assert abs(MP.mpf(ball.mid().str(60, radius=False)) - value) <= limit, kind
+
+
+def test_half_angles_hold_no_more_of_cos_squared_plus_sin_squared_than_they_must() -> None:
+    """|exp(-s tau)|^2 = 1 and |1 - exp(-s tau)|^2 = 4 sin(omega tau/2)^2: nothing cancels where omega is small."""
+    for f, expected in (
+        (exp(-s / 4), Integer(1)),
+        ((s + 1) * exp(-s / 4) * exp(-s * pi / 9), omega**2 + 1),
+    ):
+        assert squared_modulus(Ring.of([f]).convert(f)).stable().expand() == expected
+    f = 1 - exp(-s / 4)
+    form = squared_modulus(Ring.of([f]).convert(f)).stable()
+    tiny = MP.mpf(10) ** -30
+    assert abs(mp_value(form, tiny) / (tiny / 4) ** 2 - 1) < MP.mpf(10) ** -40
+    assert form.count_ops() <= 8
+    hold = (1 - exp(-s / 4)) / s
+    parts = on_axis(Ring.of([hold]).convert(hold).reduced())
+    with flint.ctx.workprec(100):
+        assert parts.real.ball(arb("1e-40")).rel_accuracy_bits() > 80  # of 1/4
+        assert parts.imag.ball(arb("1e-40")).rel_accuracy_bits() > 80  # of -omega/32
+
+
+@pytest.mark.parametrize(("k", "top"), [(k, top) for top in (0, 2, 4, 6, 8) for k in range(top + 1)])
+def test_powers_of_half_angles_are_sums_of_waves(k: int, top: int) -> None:
+    for x in (MP.mpf("0.3"), MP.mpf("2.2")):
+        total = MP.mpf(0)
+        for i, c in _harmonics(k, top).items():
+            wave = MP.mpf(1) if i < 0 else (MP.sin if i % 2 else MP.cos)((i // 2 + 1) * x)
+            total += wave * int(c.p) / int(c.q)
+            assert c != 0
+        assert abs(total - MP.sin(x / 2) ** k * MP.cos(x / 2) ** (top - k)) < MP.mpf(10) ** -60
+
+
+def test_dynamics_without_delays_stay_polynomials_on_the_axis() -> None:
+    """Even powers of s are real, odd ones imaginary, and every second of either turns its sign."""
+    for n in range(9):
+        response = on_axis(Ring().convert(s**n))
+        turned = (omega**n, 0, -(omega**n), 0)
+        assert response.real.expression() == turned[n % 4]
+        assert response.imag.expression() == (0, omega**n, 0, -(omega**n))[n % 4]
+        assert response.real.half_angled is response.real.function
+        assert response.real.written is response.real.function

@@ -15,7 +15,7 @@ from flint import arb, arb_poly, fmpq
 from hypothesis import given
 from hypothesis import strategies as st
 from oracles import MP, rounded, sign
-from sympy import Expr, Integer, Poly, Rational, Symbol, expand, pi, sqrt
+from sympy import Expr, Integer, Poly, Rational, Symbol, exp, expand, pi, sqrt
 from sympy.abc import x
 
 import haptisym as hs
@@ -23,11 +23,11 @@ from haptisym.exact.dynamics import Ring
 from haptisym.exact.isolation import SeriesFactor, clear_of, isolated
 from haptisym.exact.levels import Level, algebraic
 from haptisym.exact.reals import ExactNumber, bounds, dyadic
-from haptisym.exact.response import RealFunction
+from haptisym.exact.response import RealFunction, on_axis, squared_modulus
 from haptisym.exact.roots import Chart, _whole, chart, in_order, sign_of_number
 from haptisym.exact.zeros import Undecided, around, at_rising_precision, is_clear, rounded_up, sign_of, tightened
 from haptisym.exact.zeros import Zero as SimpleZero
-from haptisym.symbols import omega
+from haptisym.symbols import omega, s
 
 Zero = tuple[Fraction, int]
 """A square of a frequency, and the order of the zero there (negative for a pole)."""
@@ -637,3 +637,49 @@ def test_powers_of_s_below_the_line_have_charts_of_their_own() -> None:
             target = Fraction(16, 9) if text == "3*s^0.5" else Fraction(9, 16)
             assert low <= target <= high
             assert (point.before["x"], point.after["x"]) == (-sign, sign)
+
+
+def test_a_tangency_that_stays_undecided_says_of_which_function_and_keeps_its_sign() -> None:
+    """1 + cos(omega) + (omega^2 - pi^2)^2 touches 0 at pi, where no finite number of digits shows it; its neighbour does not."""
+    f = 1 + exp(-s) + (s**2 + pi**2) ** 2
+    touching = on_axis(Ring.of([f]).convert(f)).real
+    other = RealFunction(touching.axis.convert(omega**2 - 9))
+    for factor in (1, -1):
+        turned = RealFunction((touching.function * touching.axis.convert(Integer(factor))).reduced())
+        table = chart({"touch": turned, "other": other, "both": turned * other}, Integer(1), Integer(5))
+        before, point = table.points[1:-1]
+        assert (before.undecided, before.orders) == (frozenset(), {"other": 1, "both": 1})
+        assert float(point.omega) == pytest.approx(float(pi))
+        assert point.undecided == {"touch", "both"}
+        assert point.orders == {"touch": 2, "both": 2}
+        assert [p.after["touch"] for p in table.points] == [factor] * 4
+        assert [p.after["both"] for p in table.points] == [-factor, factor, factor, factor]
+        assert table.undecided == (point,)
+
+
+def test_powers_of_omega_beside_whole_ones_have_no_other_side_at_rest() -> None:
+    """s + s^(3/2): Im is omega (1 + sqrt(omega/2)) or so; s^(1/2) alone, and times s."""
+    for f, order in ((s + s ** Rational(3, 2), 1), (sqrt(s), 1), (s * sqrt(s), 2), (s**2 + s ** Rational(1, 2), 1)):
+        response = on_axis(Ring.of([f]).convert(f))
+        for part in (response.imag, response.real):
+            point = chart({"f": part}, Integer(0), Rational(1, 10**6)).points[0]
+            assert point.before["f"] == point.after["f"] != 0
+        assert chart({"f": response.imag}, Integer(0), Rational(1, 10**6)).points[0].orders["f"] == order
+
+
+@pytest.mark.parametrize(
+    ("f", "order"),
+    [
+        (1 - exp(-s), 1),
+        ((1 - exp(-s)) ** 2, 2),
+        (s * (1 - exp(-s)), 2),
+        (s**2 - (1 - exp(-s)) ** 2, 3),
+        (1 / (1 - exp(-s)), -1),
+    ],
+)
+def test_orders_at_rest_count_what_delays_bring(f: Expr, order: int) -> None:
+    """|f|^2 has twice the order of f."""
+    dynamics = Ring.of([f]).convert(f).reduced()
+    point = chart({"f": squared_modulus(dynamics)}, Integer(0), Rational(1, 10)).points[0]
+    assert point.orders["f"] == 2 * order
+    assert (point.before["f"], point.after["f"]) == (1, 1)

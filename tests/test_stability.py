@@ -10,7 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from oracles import MP, Case
 from strategies import cases, evaluate
-from sympy import Expr, Rational, expand, lambdify, pi
+from sympy import Expr, I, Rational, exp, expand, lambdify, pi, sqrt
 
 import haptisym as hs
 from haptisym.effects import compliance, second_order_lowpass, series, zero_order_hold
@@ -141,3 +141,92 @@ def test_the_closed_form_of_a_hold_in_a_loop_is_judged_as_the_winding_number_say
     scene = hs.Scene(kelvin_voigt(k, b), (zero_order_hold(T), coupling))
     assert is_stable(scene.distortion().perc) == (winding(scene) == 0)
     assert hs.evaluate(scene).stable is None
+
+
+# --- delays ----------------------------------------------------------------------------------------------------------
+
+
+def delayed(denominator: Expr, numerator: Expr = 1) -> bool | None:
+    f = numerator / denominator
+    return is_stable(Ring.of([f]).convert(f).reduced())
+
+
+E = exp(-s)
+
+
+@pytest.mark.parametrize(
+    ("denominator", "expected"),
+    [
+        # s + a E is stable for 0 < a < pi/2; at pi/2 a pair on the axis, of two parts that vanish at once: left open
+        (s + E, True), (s + pi / 2 * E, None), (s + Rational("1.5707") * E, True), (s + Rational("1.5709") * E, False),
+        (s - E, False), (-s - E, True), (s**2 * E + s + 1, False),
+        # s + a + b E: stable whatever the delay for |b| < a; a zero at s = 0 for b = -a
+        (s + 2 + E, True), (s + 2 - E, True), (s + 2 + 2 * E, True), (s + 2 - 2 * E, False), (s + 2 - 3 * E, False),
+        # (s + 1)^2 + 2 E and more: against the first crossing of the axis
+        ((s + 1) ** 2 + 2 * E, True), ((s + 1) ** 2 + 9 * E, False), ((s + 1) ** 3 + E, True), ((s + 1) ** 3 + 9 * E, False),
+        (s**2 + 1 + E / 10, False), (s**2 + s / 10 + 1, True), ((s**2 + 1) * (s + 2 + E), False),
+        # neutral: s (2 + E) + 1 has an undelayed leading term that prevails; s (1 + 2 E) + 1 has not
+        (s * (2 + E) + 1, True), (s * (2 - E) + 1, True), (s * (2 - E) - 1, False), (s * (1 + 2 * E) + 1, None),
+        (s * (2 - 3 * E) + 1, None), (s * (1 - E) + 1, None), (-s * (2 + E) - 1, True), (s * (3 + E - exp(-2 * s)) + 1, True),
+        # advanced: only a delayed term leads
+        (s * E + 1, False), (s**2 * E + s + 3, False),
+    ],
+)  # fmt: skip
+def test_delayed_loops_are_judged_as_the_literature_does(denominator: Expr, expected: object) -> None:
+    assert delayed(denominator) is expected
+
+
+@pytest.mark.parametrize("a", range(-3, 12))
+@pytest.mark.parametrize("b", [-6, -1, 2, 7])
+def test_first_order_loops_with_a_delay_are_judged_by_their_rightmost_root(a: int, b: int) -> None:
+    """s + a/2 + b/2 exp(-s): the rightmost root is a - W_0(-b e^a), by the Lambert function."""
+    if a == -b:
+        assert delayed(s + Rational(a, 2) + Rational(b, 2) * E) is False
+        return
+    with MP.workdps(40):
+        root = -MP.mpf(a) / 2 + MP.lambertw(-MP.mpf(b) / 2 * MP.exp(MP.mpf(a) / 2))
+    assert delayed(s + Rational(a, 2) + Rational(b, 2) * E) is bool(root.real < 0)
+
+
+def test_a_pole_at_rest_counts_unless_the_numerator_has_it_too() -> None:
+    hold = (1 - E) / s
+    assert delayed(s, 1 - E) is True
+    assert delayed(s**2, 1 - E) is False
+    assert delayed(s**2, (1 - E) ** 2) is True
+    assert delayed(s * (s + 1), 1 - E) is True
+    assert delayed(s * (s - 1), 1 - E) is False
+    assert delayed((s + 1 + E / 2) * s, 1 - E) is True
+    assert delayed((s + 1 + 3 * E) * s, 1 - E) is False
+    assert delayed(1 - E, s) is None  # a chain of poles on the axis: the leading terms do not outweigh each other
+    assert delayed(s + 1 + hold) is True
+    assert delayed(s + hold * 9) is False
+
+
+def test_delays_of_very_different_length_and_powers_and_friction_below_the_line_are_left_open() -> None:
+    assert delayed(s + 3 + E + exp(-pi * s / 1000)) is True
+    assert delayed(s + 3 + E + exp(-pi * 1000 * s)) is None
+    assert delayed(s + 2 + sqrt(s)) is None
+    assert delayed(s + 2, sqrt(s)) is True
+    assert delayed(s + 2 + I) is None
+    assert delayed(s + 2, I) is True
+    assert delayed(s - 2, I * sqrt(s)) is False
+    assert delayed(s + E + sqrt(s) ** 3) is None
+
+
+@pytest.mark.parametrize(
+    ("numbers", "expected"),
+    [
+        ((1, 2, 3, 4), True),
+        ((-1, -2, -3, -4), True),
+        ((1, 2, -3, 4), False),
+        ((1, 1, 1, 1), False),
+        ((1, 0, 2), False),
+        ((3,), True),
+        ((1, 1), True),
+        ((1, -1), False),
+        ((1, 0), False),
+    ],
+)
+def test_few_coefficients_decide_as_by_hand(numbers: tuple[int, ...], expected: object) -> None:
+    for scale in (Rational(1), Rational(1, 7), pi, -pi):
+        assert stable(sum(scale * c * s**n for n, c in enumerate(reversed(numbers)))) is expected

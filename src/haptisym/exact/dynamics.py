@@ -76,7 +76,7 @@ def _lags(exponential: Expr) -> dict[Expr, int]:
     """The delays in exp(-s (tau_1 + tau_2 - ...)), each with its sign."""
     argument = exponential.args[0].expand()
     rate = argument.coeff(s)
-    if rate.has(s) or argument - rate * s != 0:
+    if rate.has(s) or (argument - rate * s).expand() != 0:
         raise SceneError(f"{exponential} is not a delay: the exponent must be -s times a time")
     found = {}
     for term in Add.make_args(-rate):

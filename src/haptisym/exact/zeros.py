@@ -191,7 +191,7 @@ def _approached(low: Ball, high: Ball, bits: int, jet: Jet) -> Ball | None:
         if not low < x < high:
             return None
         if (step / x) ** 2 < arb(2) ** -bits:  # the next step would be at most about the square of it
-            reach = abs(x) * arb(2) ** -(bits - 22)
+            reach = x * arb(2) ** -(bits - 22)
             ends = (x - reach).mid(), (x + reach).mid()
             signs = [sign_of(jet(end, 1)[0]) for end in ends]
             return ends[0].union(ends[1]) if low < ends[0] and ends[1] < high and signs[0] * signs[1] < 0 else None

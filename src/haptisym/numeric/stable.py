@@ -53,9 +53,7 @@ class _Author:
         for run in runs:
             felt, dH = self.after(run, felt, dH)
         fraction, relative = (dH, self.write.constant(1)), None
-        if rendered == environment and not runs:
-            relative = dH
-        elif rendered == environment and len(runs) == 1 and _is_series(runs[0][0]):
+        if rendered == environment and len(runs) == 1 and _is_series(runs[0][0]):
             relative = self.series([row[0] for row in runs[0]])[1]
             if len(runs[0]) == 1:  # the one effect's denominator stays below the line: a division less
                 above, below = self.fraction(_less_one(runs[0][0][0]))
@@ -103,9 +101,6 @@ class _Author:
         G, (P, Q) = self.pair(1, 0), self.pair(0, 0)
         for gain in gains:
             own, (p, q) = self.closed(gain), self.closed(_less_one(gain))
-            if self.pair(0, 0) == (P, Q):
-                G, (P, Q) = (own[0], q), (p, q)
-                continue
             telescoped = self.write.sub(self.write.add(P, self.write.mul(G[0], p)), self.write.mul(Q, q))
             G = self.times(G, own)
             P, Q = telescoped, G[1]
@@ -116,8 +111,6 @@ class _Author:
         A, B, C, D = map(matrix[0].ring.function, cleared(matrix))
         if C.is_zero:  # beside the environment
             Z = self.closed((B / D).reduced())
-            if (A - D).is_zero:
-                return self.plus(felt, Z), self.plus(dH, Z)
             gain, change = self.series([(A / D).reduced()])
             moved = self.plus(self.times(felt, change), Z)
             return self.plus(self.times(felt, gain), Z), self.plus(dH, moved)
@@ -133,8 +126,6 @@ class _Author:
 
     def entry(self, entry: RationalFunction) -> Pair:
         """An entry of a chain matrix, a polynomial: the product of its factors."""
-        if entry.is_zero:
-            return self.pair(0, 0)
         unit, factors = entry.ring.factors(entry.numerator, in_square=False)
         total: Pair = (self.write.expression(unit), self.write.constant(0))
         for factor, n in factors:
