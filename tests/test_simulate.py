@@ -23,6 +23,7 @@ from haptisym import effects, environments
 from haptisym.catalogue import EFFECTS, ENVIRONMENTS, Slot, Stiffness, effect, environment
 from haptisym.cli import main
 from haptisym.quantities import Dimension
+from haptisym.simulation.fractional import bank_error, rates_and_weights
 from haptisym.simulation.recordings import Recording
 from haptisym.simulation.threads import one_thread
 from haptisym.symbols import s
@@ -64,6 +65,9 @@ LOOPS = {
     "a delay before the filter in a loop": (effects.delay("10 ms"), effects.second_order_lowpass(60, 1), effects.compliance(2000, 40)),
     "two links in a row": (effects.wave_variables(10, "20 ms"), effects.compliance(900, 5), effects.wave_variables(30, "7 ms")),
     "four channels without delay": (effects.four_channel_teleoperator(1, 2, 30, 2, 40, 50),),
+    "a delayed force through two derivatives": (effects.delay("20 ms"), effects.series("(1 + s/30)^2/(1 + s/100)^3")),
+    "friction through a delay": (effects.coulomb_friction("0.5 N", "5 cm"), effects.delay("37 ms")),
+    "a shunt as a formula": (effects.shunt(Z="2*s + 300*s/(s + 5)"),),
     "half a derivative": (effects.series("1/(1 + 0.2*s^0.5)"),),
     "an admittance display before a torsion bar": (effects.compliance(3000, 60), effects.admittance_display("900/(s^2 + 40*s + 900)")),
 }  # fmt: skip
@@ -294,7 +298,7 @@ def test_a_multisine_recovers_each_frequency_at_once() -> None:
 def test_derivatives_of_the_motions_are_those_of_finite_differences() -> None:
     t = np.linspace(0.05, 5, 400)
     for motion in (hs.sine(1, 3), hs.multisine(1, [2, 3, 7]), hs.chirp(1, 1, 9, 6)):
-        for k in range(4):
+        for k in range(10):
             high = motion.derivatives(t + 1e-5, k)[k]
             low = motion.derivatives(t - 1e-5, k)[k]
             exact = motion.derivatives(t, k + 1)[k + 1]
@@ -353,6 +357,7 @@ def test_a_recording_cannot_be_differentiated_more_often_than_its_spline(tmp_pat
         (hs.Scene(environments.expression("1/(s - 2)")), ("5 cm", 5), r"not stable \(pole at 2 1/s\)"),
         (hs.Scene(MSD, (effects.second_order_lowpass(10, 0),)), ("5 cm", 5), r"not stable \(pole at -?0 ± 10j 1/s\)"),
         (hs.Scene(SOFT, (effects.delay("0.2 s"), effects.first_order_lag(50), effects.compliance(100))), ("5 cm", 5), r"grows without bound .* not stable"),
+        (hs.Scene(MSD, (effects.series("1/(s - 2)"), effects.series("(s - 2)/(s + 5)"))), ("5 cm", 5), r"an inner motion that grows \(pole at 2 1/s\), though H_perc does not show it"),
         (hs.Scene(SOFT, (effects.zero_order_hold("0.1 s"),)), ("5 cm", 40), r"zero-order-hold: 40 rad/s is not below the Nyquist frequency of its clock, 31.4"),
         (hs.Scene(MSD), ("3 deg", 5), r"motion: its unit is rotational, but the scene is translational"),
         (hs.Scene(environments.mass_spring_damper(m=hs.symbols("m"))), ("5 cm", 5), r"m = m is a symbol"),
@@ -894,3 +899,42 @@ def test_however_short_a_run_the_rest_of_the_transient_is_in_its_error(duration:
     slow = hs.Scene(environments.maxwell(100, 100 * tau), (effects.first_order_lag(30),))
     [x] = hs.simulate(slow, hs.sine("5 cm", 30), duration=duration).estimates
     assert x.difference <= x.error <= max(1e4 * x.difference, 1e-7 * abs(x.closed))
+
+
+def test_frictions_on_both_ends_of_a_lever_stick_and_slip_as_one() -> None:
+    """0.4 N where the part moves, and 0.3 N where the lever moves twice as far: 1 N where the part moves."""
+    env, behind = environments.mass_spring_damper(m="0.5", b=1, k=20), effects.compliance(200, 1)
+    for way in ("2", "-2"):
+        lever = effects.two_port(f"1/({way})", "0", "0", way)
+        ends = (effects.coulomb_friction("0.4 N", "5 cm"), lever, effects.coulomb_friction("0.3 N", "5 cm", name="far"))
+        both = hs.simulate(hs.Scene(env, (*ends, behind)), hs.sine("2 cm", 3), duration=5)
+        near = hs.simulate(
+            hs.Scene(env, (effects.coulomb_friction("1 N", "5 cm"), lever, behind)), hs.sine("2 cm", 3), duration=5
+        )
+        assert both.force == pytest.approx(np.interp(both.time, near.time, near.force), abs=1e-6)
+
+
+def test_a_limited_force_behind_an_encoder_is_the_staircase_cut_off() -> None:
+    extras = [hs.EncoderQuantisation("5 mm"), hs.ForceSaturation("3 N")]
+    run = hs.simulate(hs.Scene(environments.mass_spring_damper(k=100)), hs.sine("5 cm", 5), duration=4, extras=extras)
+    stairs = 0.5 * np.round(run.displacement / 0.005)
+    inside = np.abs(np.mod(run.displacement / 0.005, 1) - 0.5) > 1e-6
+    assert run.force[inside] == pytest.approx(np.clip(stairs, -3, 3)[inside], abs=1e-9)
+
+
+def test_the_error_of_a_fractional_element_is_part_of_the_estimate() -> None:
+    [x] = hs.simulate(CATALOGUE["spring-pot"], hs.sine("1 cm", 5)).estimates
+    bank = bank_error(0.3, (5, 5), np.array([5.0]))
+    assert 1e-13 < bank < 2e-10
+    assert x.error >= 3 * bank * abs(x.simulated)
+
+
+@pytest.mark.parametrize("alpha", [0.1, 0.3, 0.5, 0.7, 0.9])
+def test_a_bank_of_relaxations_is_the_power_along_its_band(alpha: float) -> None:
+    omegas = np.geomspace(1, 50, 40)
+    rates, weights, spring, damper = rates_and_weights(alpha, (1, 50))
+    value = [
+        spring + damper * 1j * w + sum(g * 1j * w / (1j * w + r) for r, g in zip(rates, weights, strict=True))
+        for w in omegas
+    ]
+    assert np.abs(np.array(value) / (1j * omegas) ** alpha - 1).max() < 1.5e-10

@@ -9,27 +9,33 @@ from .network import Network, Sum, Switch
 
 
 def join_frictions(net: Network) -> None:
-    """Make switches of the frictions of a network; those that rub on one velocity stick and slip as one.
+    """Make switches of the frictions of a network; those whose velocities are in one ratio (rigid links, levers) stick as one.
 
     While they stick, any split of the force that holds them fulfils the laws of friction: it is split as the limits are, so that
     all of them reach their limits together.
     """
-    velocities, first = _velocities(net), dict[str, Switch]()
-    for friction, velocity in zip(net.frictions, velocities, strict=True):
+    first: dict[str, tuple[Switch, int]] = {}
+    for friction, (velocity, sign) in zip(net.frictions, _velocities(net), strict=True):
         if not friction.limit:
             net.zero(Sum.of(friction.target))
         elif velocity in first:
-            share = fmpq(*friction.limit.as_integer_ratio()) / fmpq(*first[velocity].limit.as_integer_ratio())
-            net.equal(Sum.of(friction.target), share * Sum.of(first[velocity].target))
+            leading, way = first[velocity]
+            share = fmpq(*friction.limit.as_integer_ratio()) / fmpq(*leading.limit.as_integer_ratio())
+            net.equal(Sum.of(friction.target), sign * way * share * Sum.of(leading.target))
         else:
-            first[velocity] = friction
+            first[velocity] = friction, sign
             net.switches.append(friction)
 
 
-def _velocities(net: Network) -> list[str]:
-    """The velocities in terms of state and inputs: the same text for the same velocity."""
+def _velocities(net: Network) -> list[tuple[str, int]]:
+    """The velocities in terms of state and inputs, each divided by its first coefficient, as text; and the sign of that."""
     if len(net.frictions) < 2:
-        return [friction.driver for friction in net.frictions]
+        return [(friction.driver, 1) for friction in net.frictions]
     system = state_space(net.equations, [*net.jumps, *(x.target for x in net.frictions)])
-    rows = [system.signal(friction.driver) for friction in net.frictions]
-    return [f"{row.state.tolist()} {[c.tolist() for c in row.inputs]}" for row in rows]
+    found = []
+    for friction in net.frictions:
+        row = system.signal(friction.driver)
+        numbers = [x for matrix in (row.state, *row.inputs) for x in matrix.entries()]
+        head = next((x for x in numbers if x != 0), fmpq(1))
+        found.append((str([x / head for x in numbers]), 1 if head > 0 else -1))
+    return found
