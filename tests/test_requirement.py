@@ -1017,7 +1017,9 @@ def test_a_narrow_open_leaf_between_two_verdicts_is_an_end_and_a_wide_one_is_und
 
 def solved(formula: Expr, domain: Domain = Domain(None, None), band: tuple[Expr, Expr] = BAND, allowed=lambda _: True):  # type: ignore[no-untyped-def]  # noqa: B008
     formulas = formula if isinstance(formula, dict) else {REAL: formula}
-    return Problem({part: condition(f) for part, f in formulas.items()}, T, band, domain, allowed).solve()
+    found = Problem({part: condition(f) for part, f in formulas.items()}, T, band, domain, allowed).solve()
+    assert found.undecided == ()
+    return found.feasible
 
 
 def test_random_polynomial_conditions_hold_at_each_value_that_they_are_said_to() -> None:
