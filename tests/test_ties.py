@@ -152,13 +152,19 @@ def test_names_may_cross() -> None:
     assert [p.symbol.name for p in scene.parameters] == ["k", "b", "k_shunt"]
 
 
-def test_a_name_of_its_own_stays_apart_from_the_environment_s() -> None:
+@pytest.mark.parametrize("own", ["kelvin-voigt", "expression"])  # whose b is positive, and whose b is any number
+def test_a_name_of_its_own_stays_apart_from_the_environment_s(own: str) -> None:
+    felt = (
+        environments.kelvin_voigt(500, 3)
+        if own == "kelvin-voigt"
+        else environments.expression("b*s", parameters={"b": 3})
+    )
     given = {"k": "environment.b", "b": 4, "b_rendered": 5}
     rendered = environments.expression("k*s + b + b_rendered/s", parameters=given)
-    scene = replace(hs.Scene(environments.kelvin_voigt(500, 3), rendered=rendered), title="again")
+    scene = replace(hs.Scene(felt, rendered=rendered), title="again")
     assert scene.rendered is not None
     assert 3 * hs.s + 4 + 5 / hs.s == scene.rendered.H
-    assert len({p.symbol for p in scene.parameters}) == len(scene.parameters) == 4
+    assert len({p.symbol.name for p in scene.parameters}) == len(scene.parameters) == len(felt.parameters) + 2
 
 
 def test_the_stricter_rule_holds_for_both() -> None:
@@ -277,6 +283,8 @@ def test_a_reference_that_is_none_is_an_error_that_lists_the_valid_ones(line: st
          'b = "environment.b"'), '"environment.b" is no parameter of the environment: did you mean "environment.k"'),
         (('[environment]\nmodel = "expression"\nH = "3 + s"\n[rendered]\nmodel = "kelvin-voigt"\nk = "environment.q"\n'
          "b = 1"), '"environment.q" is no parameter of the environment: it has none'),
+        (('[environment]\nmodel = "mass-spring-damper"\nk = ["0 N/m", "2 N/m"]\nb = 1\n[rendered]\nmodel = "maxwell"\n'
+         'b = 1\nk = "environment.k"'), 'rendered: k: "environment.k" must be > 0'),
         (('[environment]\nmodel = "mass-spring-damper"\nk = 0\nb = 1\n[rendered]\nmodel = "maxwell"\nb = 1\n'
          'k = "environment.k"'), 'rendered: k: "environment.k" must be > 0'),
         (('[environment]\nmodel = "expression"\nH = "q"\nparameters = { q = "3 N*m/rad" }\n[rendered]\n'

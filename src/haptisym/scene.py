@@ -269,7 +269,7 @@ def _with_names(effects: Iterable[Effect]) -> list[Effect]:
 def _symbol_names(elements: Iterable[tuple[str, Environment | Effect | None]]) -> list[dict[Symbol, Symbol]]:
     """For each element, new symbols for those that another element names alike: ``zeta`` becomes ``zeta_filter``."""
     listed = list(elements)
-    uses = Counter(p.symbol.name for _, element in listed if element for p in element.parameters if not p.tie)
+    uses = Counter(p.symbol.name for _, element in listed if element for p in element.parameters)
     taken = set(uses)
     renamed = []
     for label, element in listed:
