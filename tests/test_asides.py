@@ -111,6 +111,15 @@ def test_one_threshold_that_is_free_leaves_the_other_nominal() -> None:
     assert "c_imag varies by 10 %" in flat(str(hs.require(scene, "evaluation.jnd.real")))
 
 
+def test_the_threshold_of_both_is_both() -> None:
+    two = PLAIN.replace('jnd = "0.1"', 'jnd = { real = "0.1 +- 10 %", imag = "0.2 +- 5 %" }')
+    scene = hs.parse_scene(two)
+    both = {"evaluation.jnd.real": [0.09, 0.11], "evaluation.jnd.imag": [0.19, 0.21]}
+    assert hs.evaluate(scene).to_dict()["nominal"] == both
+    assert "nominal" not in hs.require(scene, "evaluation.jnd").to_dict()
+    assert set(hs.require(scene, "evaluation.jnd.imag").to_dict()["nominal"]) == {"evaluation.jnd.real"}
+
+
 def test_nothing_is_nominal_where_all_that_varies_is_asked_about() -> None:
     scene = hs.parse_scene(PLAIN.replace('"100 N/m"', '"100 N/m +- 5 %"'))
     found = hs.require(scene, "k")
