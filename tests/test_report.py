@@ -295,6 +295,16 @@ def test_the_command_writes_a_pdf(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert len(target.read_bytes()) > 50_000
 
 
+@pytest.mark.slow
+def test_the_same_evaluation_gives_the_same_pdf_of_the_day_that_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """SOURCE_DATE_EPOCH is the day of reproducible builds: 1551398400 s are the first of March 2019."""
+    required("pdflatex", shutil.which("pdflatex"))
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1551398400")
+    first, second = (report_pdf.pdf(evaluated("fu2019")) for _ in range(2))
+    assert first == second
+    assert b"D:20190301" in first
+
+
 def test_the_pdf_shows_all_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     required("pdflatex", shutil.which("pdflatex"))
     seen: list[tuple[str, set[str]]] = []

@@ -96,6 +96,7 @@ def draw_dominance(ax: Axes, found: Relevance) -> list[Patch]:
     pieces: list[Patch] = []
     narrow: list[str] = []
     slivers: list[str] = []
+    seen = set[str]()
     for x in found.dominance:
         low, high = float(x.low), float(x.high)
         face = SHADE if names.index(x.effect.name) % 2 == 0 else "#c4c4c4"
@@ -105,14 +106,26 @@ def draw_dominance(ax: Axes, found: Relevance) -> list[Patch]:
             narrow += [] if name in narrow else [name]
             name = str(narrow.index(name) + 1)
         elif text_width(ax, name) >= room:
-            slivers += [] if name in slivers else [name]
+            slivers.append(name)
             name = ""
+        else:
+            seen.add(name)
         ax.text((low + high) / 2, 0.45, name, ha="center", va="center", fontsize=SMALL, color=INK)
     ax.axis("off")
-    told = ", ".join([*(f"{i} {name}" for i, name in enumerate(narrow, 1)), *(f"{x} (a sliver)" for x in slivers)])
-    title = f"changes the ratios most{f': {told}' if told else ''}"
-    ax.set_title(title, fontsize=SMALL, color=GREY, loc="left", pad=2)
+    ax.set_title(_dominance_title(narrow, sorted(set(slivers) - seen - set(narrow))), **_QUIET)
     return pieces
+
+
+_QUIET: dict[str, Any] = {"fontsize": SMALL, "color": GREY, "loc": "left", "pad": 2}
+
+
+def _dominance_title(narrow: list[str], slivers: list[str]) -> str:
+    """What the strip shows, the names that stand as numbers in it, and those of pieces too narrow for that."""
+    told = [", ".join(f"{i} {name}" for i, name in enumerate(narrow, 1))] if narrow else []
+    told += [f"in slivers {', '.join(slivers)}"] if slivers else []
+    title = "changes the ratios most"
+    full = f"{title}: {'; '.join(told)}" if told else title
+    return full if len(full) <= 70 else f"{title}: {len(narrow) + len(slivers)} more in narrow pieces"
 
 
 def save_influences(found: Relevance, path: str | Path) -> Path:

@@ -23,7 +23,7 @@ _MOST = 12  # bars of one frequency; the text has them all
 _MOST_FREQUENCIES = 12
 _TITLES = {Part.REAL: r"$r_\mathrm{r}$ meets its threshold", Part.IMAG: r"$r_\mathrm{i}$ meets its threshold"}
 _ROW, _HEAD, _FOOT, _SIDE = 0.19, 0.46, 0.62, 0.45
-"""Inches: a bar with the space around it, a panel's title, the axis below, the names at the left."""
+"""Inches: a bar with the space around it, a panel's title, the axis below, the names at the left, at least."""
 
 
 def draw_elasticities(
@@ -60,7 +60,7 @@ def draw_elasticities(
     ax.tick_params(labelsize=SMALL, length=2, width=0.5, color=INK)
     ax.tick_params(axis="y", length=0)
     ax.spines[["top", "right", "left"]].set_visible(False)
-    ax.margins(x=0.22)
+    ax.margins(x=0.28)
     if label:
         legend(ax, [*entries(ax).values(), Patch(color=one or BLUE, label=label)], lines=2)
     return bars
@@ -83,19 +83,27 @@ def save_elasticities(found: Slopes, path: Path) -> None:
         max(1, min(sum(bool(p.elasticity and float(p.elasticity)) for p in x.parameters), _MOST)) for _, x in panels
     ]
     figure = Figure(figsize=(WIDTH, sum(_ROW * n + _HEAD for n in rows) + _FOOT))
-    scale, width, height, top = band_scale(found.evaluation.scene.band), *figure.get_size_inches(), 0.0
-    axes: list[Axes] = []
-    for (title, x), n in zip(panels, rows, strict=True):
-        top += _HEAD + _ROW * n
-        place = (_SIDE / width, 1 - top / height, 1 - (_SIDE + 0.12) / width, _ROW * n / height)
-        axes.append(figure.add_axes(place, sharex=axes[0] if axes else None))
+    scale, axes = band_scale(found.evaluation.scene.band), list[Axes]()
+    for title, x in panels:
+        axes.append(figure.add_axes((0.1, 0.1, 0.8, 0.8), sharex=axes[0] if axes else None, label=str(len(axes))))
         draw_elasticities(axes[-1], x, title, scale)
         axes[-1].tick_params(labelbottom=False)
+    _place(figure, axes, rows)
     more = len(found.crossings) + len(found.changeovers_environment) + len(found.changeovers_perceived) - len(panels)
     rest = f"\n({more} more frequencies in the text)" if more > 0 else ""
     axes[-1].tick_params(labelbottom=True)
     axes[-1].set_xlabel(rf"elasticity, $(p/\omega)\,\mathrm{{d}}\omega/\mathrm{{d}}p${rest}", fontsize=TEXT)
     save_as(figure, path)
+
+
+def _place(figure: Figure, axes: Sequence[Axes], rows: Sequence[int]) -> None:
+    """The panels one below the other, each as high as its bars, beside the longest name."""
+    figure.draw_without_rendering()
+    longest = max(label.get_window_extent().width for ax in axes for label in ax.get_yticklabels()) / figure.dpi
+    (width, height), side, top = figure.get_size_inches(), max(_SIDE, longest + 0.12), 0.0
+    for ax, n in zip(axes, rows, strict=True):
+        top += _HEAD + _ROW * n
+        ax.set_position((side / width, 1 - top / height, 1 - (side + 0.12) / width, _ROW * n / height))
 
 
 def _panels(found: Slopes) -> Sequence[tuple[str, Sensitive]]:
