@@ -396,7 +396,8 @@ def test_the_documentation_lists_every_argument_with_meaning_and_unit(name, lang
     for p in scene.parameters:
         unit = {"RATIO": "", "ANY": "SI units"}.get(p.dimension.name, p.dimension.unit(scene.motion))
         assert re.search(
-            rf"\b{p.symbol.name}\W[^;]* {p.key.replace('[', '.')[:1]}[^;]* of the [^;]*{re.escape(unit)};", text
+            rf"\b{p.symbol.name}\W[^;]* {p.key.replace('[', '.')[:1]}[^;]* of (?:the|what is rendered) [^;]*{re.escape(unit)};",
+            text,
         ), p.symbol
     for word in (
         "Re dH",
