@@ -1237,6 +1237,17 @@ def test_a_formula_at_the_low_end_of_the_band_is_in_its_terms() -> None:
     assert abs(form.subs({c: Rational(1, 10), end: 15}).evalf(30) - 15 * sqrt(99)) < 1e-25
 
 
+def test_a_requirement_needs_numbers_for_all_that_is_not_free_and_rational_thresholds() -> None:
+    open_ = hs.Scene(SPRING, (effects.first_order_lag(symbols("w")), effects.shunt(m=1)), (0, 15))
+    with pytest.raises(SceneError, match="omega_c = w is a symbol: a requirement needs numbers"):
+        hs.require(open_, "effects.shunt.m")
+    root = hs.Scene(SPRING, (effects.first_order_lag(80),), (0, 15), hs.Threshold.of(Rational(1, 10) + sqrt(2) / 100))
+    with pytest.raises(SceneError, match="thresholds that are rational"):
+        hs.require(root, "omega_c")
+    with pytest.raises(SceneError, match="no parameter of the environment"):
+        hs.require(root, "environment.k", any_environment=True)
+
+
 def test_the_document_tells_each_end_with_what_binds_there() -> None:
     found = hs.require(gain("g^2", g=1), "g", (-2, 1)).to_dict()
     assert found["range"] == [-2.0, 1.0]

@@ -18,6 +18,7 @@ from sympy import Rational
 
 import haptisym as hs
 from haptisym.cli import app
+from haptisym.errors import LimitError
 from haptisym.exact.reals import ExactNumber
 from haptisym.quantities import Dimension
 from haptisym.ranges import ranged
@@ -383,6 +384,21 @@ def test_what_the_excess_does_not_depend_on_is_known() -> None:
     assert [Excess(box_of(hs.Scene(SOFT, x)), hs.Part.REAL).is_zero for x in ((), (LAG,))] == [True, False]
 
 
+def test_a_variable_is_known_to_within_roundings_of_its_largest_size() -> None:
+    """Along a side from a negative number on, too: its values as fractions."""
+    scene = hs.Scene(SOFT, (hs.effects.shunt(b=[-5, "-4.9"], m=["0.1", "0.7"]),), ("0.1", 15))
+    form = Excess(box_of(scene), hs.Part.REAL)
+    shares = np.random.default_rng(6).uniform(0, 1, (200, form.sides))
+    cells = np.stack([shares, shares], -1)
+    for i, (_, low, width) in enumerate(form._intervals):
+        model = form._variable(i, low, width, cells)
+        assert (model.r[:, 0] >= 4 * 2.0**-53 * (abs(low) + width)).all()
+        least, most = (x[:, 0] for x in model.bounds())
+        exact = [Fraction(low) + Fraction(width) * Fraction(x) for x in shares[:, i]]
+        assert all(Fraction(a) <= x <= Fraction(b) for a, x, b in zip(least, exact, most, strict=True))
+        assert (most - least <= 1e-12 * (abs(low) + width)).all()
+
+
 # --- the search, on functions whose zeros are known ------------------------------------------------------------------
 
 
@@ -566,6 +582,55 @@ def test_cells_that_touch_hang_together_and_clusters_that_overlap_in_frequency_a
     assert (second.low, second.high, second.signs) == (0.61, 0.7, (-1, 1))
     near = list(_apart([cluster(0.1, 0.2, 1, 1), cluster(0.2 + 0.5e-8, 0.3, 1, 1), cluster(0.3 + 2e-8, 0.4, 1, 1)]))
     assert [(x.low, x.high) for x in near] == [(0.1, 0.3), (0.3 + 2e-8, 0.4)]
+
+
+@dataclass(frozen=True)
+class Hurried(Made):
+    """One whose time is over after so many questions."""
+
+    questions: int = 0
+
+    def model(self, cells: np.ndarray) -> Model:  # type: ignore[type-arg]
+        if len(self.asked) >= self.questions:
+            raise LimitError(1.0)
+        return super().model(cells)
+
+
+@pytest.mark.parametrize("questions", [0, 1, 2, 3, 5])
+def test_when_the_time_is_over_crossings_may_be_anywhere_in_what_is_left(questions: int) -> None:
+    hurried = Hurried(TWO.of, 1, questions=questions)
+    found = clusters(hurried)
+    for p in np.linspace(0, 1, 11):
+        for at in (0.25 + 0.05 * p, 0.7 - 0.1 * p):
+            assert any(x.low <= at <= x.high and holds(x.cells, [at, p]) for x in found)
+    if questions < 3:
+        assert not any(x.regular for x in found)
+    cells = np.concatenate([x.cells for x in clusters(BENT)])
+    late = Hurried(BENT.of, 1, questions=questions)
+    assert beyond(late, cells, 0.6, highest=True) >= 0.66
+    assert beyond(Hurried(BENT.of, 1, questions=questions), cells, 0.32, highest=False) <= 0.3
+
+
+def test_a_frequency_noticed_for_all_values_is_sought_between_the_clusters() -> None:
+    def between(form: Made, *ends: tuple[float, float]) -> float | None:
+        own = tuple(Cluster(np.array([[[a, b], [0, 1]]]), (0, 0), a, b) for a, b in ends)
+        answers = tolerances(hs.Scene(SOFT, (LAG,)), samples=0)
+        answers.__dict__["_search"] = dict.fromkeys(hs.Part, (form, own))
+        return answers._exceeds_between(hs.Part.REAL)
+
+    rising, falling = (Made(lambda w, p, c, s=s: (w - c(0.5)).times(s), 1, idle=(1,)) for s in (1, -1))
+    assert between(rising, (0.48, 0.52)) == 0.52
+    assert between(rising, (0.0, 0.1), (0.48, 0.52)) == 0.52
+    assert between(rising, (0.48, 0.52), (0.3, 0.7)) == 0.7  # the second one starts before the first one ends
+    assert between(rising, (0.48, 0.52), (0.49, 0.51)) == 0.52
+    assert between(rising, (0.48, 1.0)) is None
+    assert between(falling, (0.48, 0.52)) == 0.0
+    assert between(falling, (0.0, 0.52)) is None
+    assert between(falling, (0.0, 0.2), (0.48, 0.52)) == 0.2
+    assert between(Made(lambda w, p, c: w + c(1.0), 1, is_zero=True)) is None
+    assert between(Made(lambda w, p, c: w + c(1.0), 1)) == 0.0
+    assert between(Made(lambda w, p, c: w - c(2.0), 1)) is None
+    assert between(Hurried(lambda w, p, c: w + c(1.0), 1)) is None
 
 
 # --- whole answers, solved by hand -----------------------------------------------------------------------------------

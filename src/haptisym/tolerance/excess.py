@@ -86,7 +86,7 @@ class Excess:
     def _variable(self, i: int, low: float, width: float, cells: Array) -> Model:
         start, end = cells[:, i, 0], cells[:, i, 1]
         middle, radius = low + width * (start + end) / 2, width * (end - start) / 2
-        return variable(middle, radius, abs(low) + abs(width), i, self.sides)
+        return variable(middle, radius, abs(low) + width, i, self.sides)
 
     def _net_monomial(self) -> dict[Symbol, int]:
         """What was taken out of the factors, without what cancels."""
