@@ -44,6 +44,18 @@ BAD = {
     ),
     # formulas: what is really wrong
     "an exponent that is a formula": (expression("s^(10^9)"), ["an exponent must be one number", "s^(-0.5)"]),
+    "an exponent in powers of ten": (expression("m*s^1e1"), ["an exponent must be a short plain number"]),
+    "a broken exponent below zero that is too high": (expression("m*s^(-60.5)"), ["the degree, 61, is higher than 60"]),
+    "a long sum": (expression("+".join([f"{i}{'7' * 180}*s^{i}" for i in range(12)])), ["more than 2000 digits"]),
+    "a quantity that is too small": (env("model='mass-spring-damper'\nk = '1e-301 N/m'"), ["exponents of ten", "-300"]),
+    "a quantity that is too large in SI": (
+        env("model='mass-spring-damper'\nk = '1e300 kN/m'"),
+        ["between 1e-300 and 1e300"],
+    ),
+    "a band in kilograms": (
+        f"{ENVIRONMENT}[evaluation]\nband = ['0 kg', '1 Hz']",
+        ["evaluation: band", '"0 kg" is not a frequency'],
+    ),
     "an exponent that divides": (expression("m*s^(1/0)"), ["an exponent must be one number"]),
     "an exponent without its parenthesis": (expression("m*s^(2"), ['expected ")"']),
     "a division by zero": (expression("1/0"), ["division by zero"]),

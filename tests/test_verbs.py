@@ -10,6 +10,7 @@ import pytest
 
 from haptisym.cli import app
 from haptisym.commands.verb import Verb
+from haptisym.costs import costs
 
 SCENE = 'environment = { model = "maxwell", k = 100, b = 5 }\neffects = [{ model = "delay", tau = "2 ms" }]\n'
 
@@ -94,7 +95,20 @@ def test_a_file_on_a_full_disk_is_named(call, words: list[str]) -> None:  # type
         ("sensitivity fu2019 --digits 30", "--digits is about the document: it needs --json"),
         ("tolerances fu2019-tolerances --samples 0 --seed 1", "--samples 0 draws none"),
         ("sweep fu2019 --vary evaluation.jnd=0.1:0.2:3 --workers 2 --cluster tcp://x", "--workers computes on this machine"),
+        ("sweep fu2019 --vary evaluation.jnd=.1:.2:3 --vary environment.m=1:2:3 --vary environment.k=1:2:3 --figure a.svg", "one or two parameters, not 3"),
+        ("sweep fu2019 --vary evaluation.jnd=.1:.2:3 --vary evaluation.jnd=.1:.2:3", "each path may be given only once"),
+        ("sweep fu2019 --vary evaluation.jnd=0.1:0.2:3 --workers 2", "--workers and --cluster need --out"),
         ("cost --hard-cases --environment liver", "--hard-cases brings its own scenes"),
+        ("cost --hard-cases --quick", "--hard-cases brings its own scenes"),
+        ("cost --hard-cases --simulation", "--hard-cases brings its own scenes"),
+        ("cost fu2019 --hard-cases", "--hard-cases brings its own scenes"),
+        ("cost", "name a SCENE, or ask for --hard-cases"),
+        ("evaluate fu2019 sidestick", "unexpected argument (sidestick)"),
+        ("evaluate palpation-device --latex x.tex", "--latex takes one environment"),
+        ("evaluate palpation-device --tolerance 0.1", "--tolerance takes one environment"),
+        ("require fu2019 --free zeta --free omega_n", "needs a --range for each"),
+        ("require fu2019 --free zeta --range 0 1 --range 1 2", "--range not at all or as often"),
+        ("derive fu2019 --keep m --numeric", "--keep says which parameters stay symbols, and so does --numeric"),
         ("simulate fu2019 --check --motion sine", "--check chooses the motion itself"),
         ("simulate fu2019 --lowpass-order 2", "it needs --lowpass"),
         ("scenes fu2019 --json", "leave out --json"),
@@ -111,3 +125,45 @@ def test_options_that_contradict_each_other_or_would_be_ignored_are_refused(call
 def test_options_that_agree_are_not_refused(call) -> None:  # type: ignore[no-untyped-def]
     assert call("derive", "fu2019", "--json", "--json", "--to", "json", "--of", "dH")[0] == 0
     assert call("derive", "fu2019", "--symbolic", "--symbolic", "--of", "dH", "--of", "H_env")[0] == 0
+
+
+def test_three_parameters_are_swept_where_nothing_is_drawn(call) -> None:  # type: ignore[no-untyped-def]
+    vary = ("evaluation.jnd=0.1:0.2:2", "environment.m=1:2:2", "environment.k=90:100:2")
+    status, out, _ = call("sweep", "fu2019", *(word for x in vary for word in ("--vary", x)))
+    assert status == 0
+    assert "8 sets" in out
+    assert call("tolerances", "fu2019-tolerances", "--samples", "1", "--seed", "3")[0] == 0
+
+
+def test_what_disagrees_or_stayed_undecided_is_status_3_with_its_page(call, monkeypatch: pytest.MonkeyPatch) -> None:  # type: ignore[no-untyped-def]
+    monkeypatch.setattr("haptisym.simulation.simulate.Simulation.agrees", property(lambda _: False))
+    status, out, _ = call("simulate", "fu2019")
+    assert status == 3
+    assert "H_perc" in out
+    monkeypatch.setattr("haptisym.measures.measured.Measured.certified", property(lambda _: False))
+    status, out, _ = call("metrics", "fu2019")
+    assert status == 3
+    assert "UNDECIDED" in out
+
+
+def test_code_and_documents_are_not_fitted_to_a_terminal_but_pages_are(call, monkeypatch: pytest.MonkeyPatch) -> None:  # type: ignore[no-untyped-def]
+    piped = {
+        words: call(*words)[1]
+        for words in (("derive", "fu2019"), ("derive", "fu2019", "--to", "c"), ("derive", "fu2019", "--json"))
+    }
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    monkeypatch.setenv("COLUMNS", "50")
+    page, code, document = (call(*words)[1] for words in piped)
+    assert max(map(len, page.split("\n"))) <= 50
+    assert page.split() == next(iter(piped.values())).split()
+    assert [code, document] == [*piped.values()][1:]
+
+
+def test_a_figure_of_what_accuracy_costs_is_where_it_was_asked_for(
+    call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:  # type: ignore[no-untyped-def]
+    monkeypatch.setattr("haptisym.costs.costs._BUDGETS", dict.fromkeys(costs._BUDGETS, 0.0))
+    figure = tmp_path / "cost.svg"
+    status, _, err = call("cost", "fu2019", "--quick", "--figure", str(figure))
+    assert (status, err) == (0, f"figure written to {figure}\n")
+    assert figure.stat().st_size > 1000
