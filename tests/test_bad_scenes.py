@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
+from sympy import Rational
 
 from haptisym import SceneError, load_scene, parse_scene
 from haptisym.cli import main
@@ -215,6 +216,24 @@ def test_an_error_in_a_formula_points_at_the_place() -> None:
 
 
 SMALL = 'environment = { model = "maxwell", k = 100, b = 5 }\n'
+
+
+def test_a_number_may_have_two_hundred_characters_and_no_more() -> None:
+    digits = "1." + "3" * 198
+    scene = parse_scene(f'environment = {{ model = "mass-spring-damper", k = "{digits} N/m" }}')
+    assert Rational(digits) == scene.environment.H
+    with pytest.raises(SceneError, match="at most 200 characters"):
+        parse_scene(f'environment = {{ model = "mass-spring-damper", k = "{digits}3 N/m" }}')
+
+
+@pytest.mark.parametrize(
+    ("formula", "at"), [("m*s^2^3", 5), ("m*s^(10^9)", 7), ("m*(s + exp(-s))", 7), ("1/(m - m)", 1), ("m*s + x", 6)]
+)
+def test_the_mark_stands_under_what_is_wrong(formula: str, at: int) -> None:
+    with pytest.raises(SceneError) as refused:
+        parse_scene(expression(formula))
+    _, shown, mark = str(refused.value).split("\n")
+    assert (shown.strip(), mark.index("^") - 4) == (formula, at)
 
 
 def test_a_byte_order_mark_is_no_part_of_a_scene(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from pathlib import Path
 
 import click
@@ -127,11 +128,15 @@ def test_options_that_agree_are_not_refused(call) -> None:  # type: ignore[no-un
     assert call("derive", "fu2019", "--symbolic", "--symbolic", "--of", "dH", "--of", "H_env")[0] == 0
 
 
-def test_three_parameters_are_swept_where_nothing_is_drawn(call) -> None:  # type: ignore[no-untyped-def]
+def test_three_parameters_are_swept_where_nothing_is_drawn_and_by_this_process_alone(  # type: ignore[no-untyped-def]
+    call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)  # as if it were not installed
     vary = ("evaluation.jnd=0.1:0.2:2", "environment.m=1:2:2", "environment.k=90:100:2")
     status, out, _ = call("sweep", "fu2019", *(word for x in vary for word in ("--vary", x)))
     assert status == 0
     assert "8 sets" in out
+    assert call("sweep", "fu2019", "--vary", vary[0], "--workers", "2", "--out", "a.zarr")[0] == 2
     assert call("tolerances", "fu2019-tolerances", "--samples", "1", "--seed", "3")[0] == 0
 
 
