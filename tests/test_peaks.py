@@ -8,15 +8,15 @@ from fractions import Fraction
 
 import pytest
 from oracles import MP, rounded
-from sympy import CRootOf, Expr, I, Integer, Rational, Symbol, pi, sqrt
+from sympy import CRootOf, Expr, I, Integer, Rational, Symbol, exp, pi, sqrt
 from test_crossings import ask, paper
 
 import haptisym as hs
 from haptisym.effects import delay, first_order_lag, series, shunt
 from haptisym.environments import mass_spring_damper
 from haptisym.exact.dynamics import Ring
-from haptisym.exact.response import RealFunction
-from haptisym.peaks import largest
+from haptisym.exact.response import RealFunction, on_axis
+from haptisym.peaks import largest, tops
 
 FU = hs.load_scene("fu2019").with_band(0, 1000)
 
@@ -176,3 +176,33 @@ def test_the_largest_value_is_at_an_end_at_a_zero_or_at_a_peak() -> None:
     assert at_most(w / (w**2 + 4), 0, 5) == "0.250000"
     assert at_most(w**2 - 4, 2, 3) == "5.00000"
     assert largest(RealFunction(Ring().axis.convert(-1 / (w**2 - 4) ** 2)), Integer(0), Integer(3)) is None
+
+
+def test_the_tops_of_a_function_are_its_ends_and_its_local_maxima() -> None:
+    def all_of(expression: Expr, low: int, high: int) -> list[tuple[str, str, bool | None]]:
+        found = tops(RealFunction(Ring().axis.convert(expression)), Integer(low), Integer(high))
+        assert found is not None
+        return [(x.omega.digits(3), x.value.digits(4), x.end) for x in found]
+
+    W = hs.omega**2
+    assert all_of(W, 1, 3) == [("1.00", "1.000", False), ("3.00", "9.000", True)]
+    assert all_of(-((W - 4) ** 2), 1, 3) == [("1.00", "-9.000", False), ("2.00", "0", None), ("3.00", "-25.00", True)]
+    assert all_of((W - 4) ** 2, 1, 3) == [("1.00", "9.000", False), ("3.00", "25.00", True)]
+    assert all_of((W - 4) ** 3, 1, 3) == [("1.00", "-27.00", False), ("3.00", "125.0", True)]
+    assert all_of(W - 4, 2, 3) == [("2.00", "0", False), ("3.00", "5.000", True)]
+    assert all_of(1 - (W - 1) ** 2 * (W - 4) ** 2, 0, 3) == [
+        ("0", "-15.00", False), ("1.00", "1.000", None), ("2.00", "1.000", None), ("3.00", "-1599", True)
+    ]  # fmt: skip
+    assert all_of(Integer(7) + 0 * W, 0, 3) == [("0", "7.000", False), ("3.00", "7.000", True)]
+    assert tops(RealFunction(Ring().axis.convert(1 / (W - 4))), Integer(0), Integer(3)) is None
+
+
+def test_a_slope_that_nearly_vanishes_leaves_open_whether_there_is_a_top() -> None:
+    """omega + sin(omega) + ..., whose slope 1 + cos(omega) + (W - pi^2)^2 touches 0 at pi."""
+    f = (1 + pi**4) * hs.s + 2 * pi**2 / 3 * hs.s**3 + hs.s**5 / 5 - exp(-hs.s)
+    rising = on_axis(Ring.of([f]).convert(f)).imag
+    with pytest.raises(hs.UndecidedError, match="local maximum where its slope nearly vanishes"):
+        tops(rising, Integer(1), Integer(5))
+    found = tops(rising, Integer(4), Integer(5))
+    assert found is not None
+    assert [x.end for x in found] == [False, True]

@@ -5,9 +5,10 @@ from __future__ import annotations
 import dataclasses
 import json
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from itertools import pairwise
+from typing import Any
 
 import pytest
 from answers import floats, intervals
@@ -23,7 +24,15 @@ from haptisym.environments import expression, kelvin_voigt, mass_spring_damper
 from haptisym.exact.reals import ExactNumber
 from haptisym.exact.roots import Chart, Interval, Point, Signs
 from haptisym.figures.projections import draw_projections
-from haptisym.percepts import NOT_NAMED, changeovers, find_percepts, outside_model
+from haptisym.percepts import (
+    NOT_NAMED,
+    Percept,
+    changeovers,
+    find_felt,
+    find_percepts,
+    outside_model,
+    unnamed,
+)
 from haptisym.percepts import felt as percept_words
 from haptisym.report.page import page
 from haptisym.tex.document import document
@@ -425,3 +434,55 @@ def test_a_table_is_never_empty_without_a_word() -> None:
     nothing = hs.evaluate(hs.Scene(mass_spring_damper(k=100), (), (0, 15)))
     for text in (str(nothing), page(nothing), document(nothing)):
         assert "Nothing is noticed on the band: neither ratio exceeds its threshold" in text
+
+
+# --- in words --------------------------------------------------------------------------------------------------------
+
+
+def test_percepts_are_told_in_the_words_of_what_is_felt() -> None:
+    words = {
+        ("stiffness", "higher"): "higher stiffness", ("mass", "lower"): "lower mass", ("damping", "equal"): "equal damping",
+        ("stiffness-to-mass", "equal"): "mass instead of stiffness, with equal force",
+        ("mass-to-stiffness", "higher"): "stiffness instead of mass, with higher force",
+    }  # fmt: skip
+    ends = [Point(ExactNumber(Integer(n)), {}, {}, {}) for n in (2, 3)]
+    for (kind, change), expected in words.items():
+        percept = Percept(hs.Part.REAL, Interval(*ends), Property(kind), Change(change))
+        assert percept_words(percept) == expected
+        assert repr(percept) == f"<Percept {expected} (real part) from 2.0000 to 3.0000 rad/s>"
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_all_that_is_noticed_has_its_words_part_by_part_in_order(seed: int) -> None:
+    chart = any_chart(seed)
+
+    def spans(found: Sequence[Any]) -> list[tuple[float, float]]:
+        return [(float(x.low.omega), float(x.high.omega)) for x in found]
+
+    def active(signs: Signs) -> bool:
+        return signs[Curve.EXCESS, hs.Part.IMAG] == 1 and signs[Curve.PERCEIVED, hs.Part.IMAG] == -1
+
+    without_name = unnamed(chart)
+    assert without_name == chart.where(active)
+    cells = [active(p.after) for p in chart.points[:-1]]
+    assert all(any(a <= n + 0.5 <= b for a, b in spans(without_name)) == cell for n, cell in enumerate(cells))
+    rows = find_felt(chart)
+    for part in hs.Part:
+        own = [row for row in rows if row.part is part]
+        named = [(percept_words(p), p.band) for p in find_percepts(chart) if p.part is part]
+        if part is hs.Part.IMAG:
+            named += [(NOT_NAMED, band) for band in without_name]
+        assert sorted(spans([row.band for row in own])) == spans([row.band for row in own])
+        told = [(row.words, *spans([row.band])) for row in own]
+        assert sorted(told) == sorted((words, *spans([band])) for words, band in named)
+    assert [row.part for row in rows] == sorted((row.part for row in rows), key=list(hs.Part).index)
+
+
+def test_the_document_has_what_is_noticed_without_a_name_where_there_is_some() -> None:
+    active = ask(mass_spring_damper(b=5), shunt(Z="s^3/5"), high=8)
+    assert active.to_dict()["unnamed"] == [[5.0, 8.0]]
+    assert active.to_dict()["outside_model"] == [[5.0, 8.0]]
+    assert [row.words for row in active.felt] == ["lower damping", NOT_NAMED]
+    quiet = ask(mass_spring_damper(b=5), shunt(Z="s^3/5"), high=8, c=10)
+    assert "unnamed" not in quiet.to_dict()
+    assert quiet.to_dict()["outside_model"] == [[5.0, 8.0]]

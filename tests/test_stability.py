@@ -167,7 +167,7 @@ E = exp(-s)
         (s**2 + 1 + E / 10, False), (s**2 + s / 10 + 1, True), ((s**2 + 1) * (s + 2 + E), False),
         # neutral: s (2 + E) + 1 has an undelayed leading term that prevails; s (1 + 2 E) + 1 has not
         (s * (2 + E) + 1, True), (s * (2 - E) + 1, True), (s * (2 - E) - 1, False), (s * (1 + 2 * E) + 1, None),
-        (s * (2 - 3 * E) + 1, None), (s * (1 - E) + 1, None), (-s * (2 + E) - 1, True), (s * (3 + E - exp(-2 * s)) + 1, True),
+        (s * (2 - 3 * E) + 1, None), (s * (1 - E) + 1, None), (s * (1 + E - exp(-2 * s)) + 1, None), (s * (E - 1 - exp(-2 * s)) - 1, None), (-s * (2 + E) - 1, True), (s * (3 + E - exp(-2 * s)) + 1, True),
         # advanced: only a delayed term leads
         (s * E + 1, False), (s**2 * E + s + 3, False),
     ],

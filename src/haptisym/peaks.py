@@ -112,7 +112,7 @@ def tops(f: RealFunction, low: Expr, high: Expr) -> tuple[Top, ...] | None:
     found = [
         (x, None if x is not first and x is not last else x is last)
         for x in table.points
-        if x is first or x is last or (x.before["slope"] > 0 > x.after["slope"])
+        if x is first or x is last or (x.before["slope"], x.after["slope"]) == (1, -1)
     ]
     return tuple(
         Top(x.omega, ExactNumber(Integer(0)) if x.orders.get("value") else ValueAt(f, x.omega), end) for x, end in found
