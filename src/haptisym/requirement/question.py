@@ -43,7 +43,8 @@ class Requirement(Answer, Required):
 
     def _line(self) -> str:
         spans = " or ".join(map(spanned, self.feasible)) or "none will do"
-        return f"{titled(self.scene.title)}: {self.free.path} ({self.free.unit}): {spans}"
+        unit = f" ({self.free.unit})" if self.free.unit not in ("", "1") else ""
+        return f"{titled(self.scene.title)}: {self.free.path}{unit}: {spans}"
 
     def __str__(self) -> str:
         return page(self)
