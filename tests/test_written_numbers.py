@@ -88,6 +88,13 @@ def test_a_negative_number_is_as_short_as_its_positive(value: Rational) -> None:
     assert is_short(-value) == is_short(value)
 
 
+def test_a_sign_is_no_digit_of_a_long_number() -> None:
+    digits = "123456789" * 3
+    for n in range(1, 27):
+        for value in (Integer(digits[:n]), Rational(int(digits[:n]), 7), Rational(int(digits[:n]), 10**n)):
+            assert is_short(-value) == is_short(value), value
+
+
 @pytest.mark.parametrize("number", [12, 999999, 1000000, 123456789, 10**12])
 def test_a_formula_is_rounded_alike_with_either_sign(number: int) -> None:
     """One number of it is long, so that all are written to six digits; whole ones of no more stay whole."""
