@@ -96,6 +96,22 @@ def tick(done: float | None = None, total: float | None = None, what: str = "") 
         budget.tick(done, total, what)
 
 
+def afford(terms: int, others: int = 1) -> None:
+    """LimitError if work on that many products of terms, which nothing can interrupt, would most likely outlast the limit.
+
+    Dense polynomials are multiplied at about twice ``_PRODUCTS`` terms a second, sparse ones slower.
+    """
+    budget = _budget.get()
+    if budget is not None and budget.deadline is not None:
+        budget.tick(None, None, "")
+        if terms * others > _PRODUCTS * (budget.deadline - monotonic()):
+            budget.reached = True
+            raise LimitError(f"not decided within the limit of {budget.seconds:g} s: formulas grow too long")
+
+
+_PRODUCTS = 5e7
+
+
 @contextmanager
 def share(part: float) -> Iterator[None]:
     """What is called inside may take that share of the time that is left, so that another way can be tried after it."""

@@ -10,6 +10,8 @@ from typing import TypeAlias
 from flint import arb
 from sympy import Expr, Integer
 
+from haptisym.budget import tick
+
 from .analytic import AnalyticFactor
 from .axis import Axis
 from .levels import Level
@@ -130,6 +132,7 @@ def _analytic_factor(factor: Polynomial, axis: Axis) -> AnalyticFactor:
     angles, first = len(axis.angles), axis.size - 2
     groups: dict[tuple[int, ...], list[tuple[tuple[int, int], int]]] = {}
     for exponents, value in zip(factor.monoms(), factor.coeffs(), strict=True):
+        tick()
         power, of_pi, *own = map(int, exponents)
         groups.setdefault(tuple(own[first:]), []).append(((power, of_pi), int(value.p)))
     terms = tuple(Term(waves[:angles], waves[angles:], _rows(found)) for waves, found in sorted(groups.items()))

@@ -18,6 +18,7 @@ from typing import Any, TypeAlias
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
 from sympy import Add, Expr, Integer, Mul, Pow, Rational, Symbol, pi
 
+from haptisym.budget import afford
 from haptisym.errors import SceneError
 from haptisym.symbols import conflicting
 
@@ -154,6 +155,7 @@ class PolynomialRing:
         degrees = [int(n) for n in polynomial.degrees()]
         used = [i for i, n in enumerate(degrees) if n]
         if len(used) != 1:
+            afford(len(polynomial), len(polynomial))
             return (self._irreducible(polynomial, used) if used else None) or polynomial.factor()
         terms = {int(exponents[used[0]]): value for exponents, value in polynomial.to_dict().items()}
         unit, factors = fmpq_poly([terms.get(n, fmpq(0)) for n in range(max(terms) + 1)]).factor()
@@ -206,8 +208,8 @@ class RationalFunction:
     def __add__(self, other: RationalFunction) -> RationalFunction:
         if self.denominator == other.denominator:
             return self._new(self.numerator + other.numerator, self.denominator)
-        top = self.numerator * other.denominator + other.numerator * self.denominator
-        return self._new(top, self.denominator * other.denominator)
+        top = _times(self.numerator, other.denominator) + _times(other.numerator, self.denominator)
+        return self._new(top, _times(self.denominator, other.denominator))
 
     def __neg__(self) -> RationalFunction:
         return self._new(-self.numerator, self.denominator)
@@ -216,12 +218,12 @@ class RationalFunction:
         return self + -other
 
     def __mul__(self, other: RationalFunction) -> RationalFunction:
-        return self._new(self.numerator * other.numerator, self.denominator * other.denominator)
+        return self._new(_times(self.numerator, other.numerator), _times(self.denominator, other.denominator))
 
     def __truediv__(self, other: RationalFunction) -> RationalFunction:
         if other.is_zero:
             raise SceneError("division by zero")
-        return self._new(self.numerator * other.denominator, self.denominator * other.numerator)
+        return self._new(_times(self.numerator, other.denominator), _times(self.denominator, other.numerator))
 
     def __pow__(self, exponent: int) -> RationalFunction:
         if exponent < 0:
@@ -241,6 +243,7 @@ class RationalFunction:
 
     def reduced(self) -> RationalFunction:
         """In lowest terms, the denominator with leading coefficient 1."""
+        afford(len(self.numerator), len(self.denominator))
         common = self.numerator.gcd(self.denominator)
         top, bottom = self.numerator / common, self.denominator / common
         leading = bottom.leading_coefficient()
@@ -263,6 +266,12 @@ class RationalFunction:
         """A SymPy quotient, in lowest terms, both numerator and denominator in factors."""
         reduced = self.reduced().cleared()
         return self.ring.factored_expression(reduced.numerator) / self.ring.factored_expression(reduced.denominator)
+
+
+def _times(x: Polynomial, y: Polynomial) -> Polynomial:
+    """The product, where there is time for it."""
+    afford(len(x), len(y))
+    return x * y
 
 
 def cleared(matrix: Sequence[RationalFunction]) -> list[Any]:

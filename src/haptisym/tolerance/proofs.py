@@ -233,6 +233,7 @@ class BoxAnswers:
             slack = float(TOLERANCE) * float(best[0]) * (1 if highest else -1)
             reached = (float(best[0]) + slack - float(low)) / float(high - low)
             share = beyond(form, cluster.cells, reached, highest=highest)
+            share = min(share, leaf) if highest else max(share, leaf)  # not into the frequencies of another cluster
         share = min(max(share, 0.0), 1.0)
         return ExactNumber(low + Rational(Fraction(share).numerator, Fraction(share).denominator) * (high - low)), None
 
