@@ -40,7 +40,7 @@ family.family
 scenefile
 bounds caveats peaks percepts codegen.scene costs.text formulas.groups measures.forms pruning.ballchain \
 simulation.approximations simulation.noise simulation.results tolerance.box
-costs.questions formulas.asymptotics pruning.differences requirement.freeparameter simulation.run simulation.text \
+costs.questions formulas.asymptotics pruning.differences requirement.freeparameter requirement.nearest simulation.run simulation.text \
 sweeps.exactly tolerance.excess
 commands.options costs.hardcases costs.usual pruning.subsets requirement.cells requirement.criticalvalues \
 requirement.required requirement.thresholds simulation.simulate sweeps.axes sweeps.curves tolerance.search

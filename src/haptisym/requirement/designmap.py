@@ -94,13 +94,7 @@ class DesignMap(Answer):
             "unit": [x.unit for x in self.free],
             "range": [[float(x) for x in pair] for pair in self.ranges],
             "band": [float(x) for x in self.scene.band],
-            "slices": [
-                {
-                    "at": float(x.at),
-                    **{key: x.requirement.to_dict()[key] for key in ("feasible", "binding", "undecided", "certified")},
-                }
-                for x in self.slices
-            ],
+            "slices": [{"at": float(x.at), **x.requirement.rows()} for x in self.slices],
             "certified": self.certified,
             **self.scene.aside_keys(self._paths, self._paths),
         }

@@ -29,6 +29,7 @@ from .cells import Leaf, Search
 from .criticalvalues import Problem
 from .feasible import End, Span, runs, spanned
 from .freeparameter import Conditions, Domain, Free, any_environment_condition, conditions, domain, free_parameter
+from .nearest import Nearest, nearest
 from .places import Verdict
 from .required import Required
 from .text import page
@@ -45,6 +46,18 @@ class Requirement(Answer, Required):
         spans = " or ".join(map(spanned, self.feasible)) or "none will do"
         unit = f" ({self.free.unit})" if self.free.unit not in ("", "1") else ""
         return f"{titled(self.scene.title)}: {self.free.path}{unit}: {spans}"
+
+    @cached_property
+    def nearest(self) -> Nearest | None:
+        """Where no value will do, the one that comes nearest; found in ten seconds or not at all."""
+        return nearest(self, self._again)
+
+    def _again(self, scene: Scene) -> Required:
+        """The same question about another scene."""
+        every = self.keys == (None,)
+        free, parts = free_parameter(scene, self.free.path), [part for part in self.keys if part]
+        found = any_environment_condition(scene, [free]) if every else conditions(scene, [free], parts)
+        return _answered(replace(self, scene=scene, free=free), found)
 
     def __str__(self) -> str:
         return page(self)

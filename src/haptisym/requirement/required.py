@@ -21,6 +21,7 @@ from haptisym.symbols import c
 from .closedforms import closed_form
 from .feasible import Binding, End, Kind, Span
 from .freeparameter import Domain, Free
+from .nearest import Nearest
 
 _NAMES = {Kind.EDGE: Symbol("omega_max", positive=True), Kind.START: Symbol("omega_min", positive=True)}
 
@@ -57,6 +58,11 @@ class Required:
         """The ends at which a condition binds, in order."""
         listed = (end for span in self.feasible for end in dict.fromkeys((span.low, span.high)))
         return tuple(end for end in listed if end.bindings)
+
+    @property
+    def nearest(self) -> Nearest | None:
+        """Where no value will do, the one that comes nearest; None if one will, or if none was found."""
+        return None
 
     def form(self, end: End) -> Expr | None:
         """The value at an end as a formula in the scene's symbols, ``c`` and ``omega_max``; None where none is readable."""
@@ -96,8 +102,8 @@ class Required:
 
     def to_dict(self) -> dict[str, Any]:
         """The document of ``haptisym require --json``, schema ``haptisym.requirement/1``."""
-        forms = dict(zip(self.ends, self.forms, strict=True))
         low, high = (None if x is None else float(x) for x in (self.domain.low, self.domain.high))
+        rows = self.rows()
         return {
             "schema": "haptisym.requirement/1",
             "title": self.scene.title,
@@ -106,18 +112,29 @@ class Required:
             "range": [low, high],
             "band": [float(x) for x in self.scene.band],
             "condition": [x.value if x else "any environment" for x in self.keys],
-            "feasible": [[_float(x.low), _float(x.high)] for x in self.feasible],
+            "feasible": rows["feasible"],
             "ends": [[self._end(x.low), self._end(x.high)] for x in self.feasible],
+            "binding": rows["binding"],
+            "closed_form": self.closed_form,
+            "undecided": rows["undecided"],
+            "certified": self.certified,
+            **self.scene.aside_keys([self.free.path], [self.free.path]),
+            **({} if self.nearest is None else {"nearest": _nearest(self.nearest)}),
+            **({"limit": self.limit} if self.undecided and self.limit is not None else {}),
+        }
+
+    def rows(self) -> dict[str, Any]:
+        """What a document says about the values alone."""
+        forms = dict(zip(self.ends, self.forms, strict=True))
+        return {
+            "feasible": [[_float(x.low), _float(x.high)] for x in self.feasible],
             "binding": [
                 {"at": _float(end), **_binding(b), "closed_form": None if forms[end] is None else str(forms[end])}
                 for end in self.ends
                 for b in end.bindings
             ],
-            "closed_form": self.closed_form,
             "undecided": [[None if x is None else float(x) for x in pair] for pair in self.undecided],
             "certified": self.certified,
-            **self.scene.aside_keys([self.free.path], [self.free.path]),
-            **({"limit": self.limit} if self.undecided and self.limit is not None else {}),
         }
 
     @property
@@ -154,3 +171,8 @@ def _float(end: End) -> float | None:
 def _binding(b: Binding) -> dict[str, Any]:
     omega = None if b.omega is None else float(b.omega)
     return {"part": b.part.value if b.part else None, "omega": omega, "kind": b.kind.value}
+
+
+def _nearest(x: Nearest) -> dict[str, Any]:
+    row = {"value": float(x.value), "ratio": float(x.ratio), **_binding(x.binding)}
+    return {**row, "times": x.times, "at_least": x.at_least}

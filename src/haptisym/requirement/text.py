@@ -15,7 +15,7 @@ from .required import Required
 
 def page(r: Required) -> str:
     """The whole page."""
-    parts = [_heading(r), _question(r), _answer(r), _ends(r), _formula(r), _certain(r)]
+    parts = [_heading(r), _question(r), _answer(r), _nearest(r), _ends(r), _formula(r), _certain(r)]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
@@ -60,6 +60,24 @@ def _answer(r: Required) -> str:
         return fill(f"{known} the display transparent {who}.", WIDTH)
     known = f"The display is transparent {who}"
     return fill(f"{known} exactly for {sets(r)}." if r.certified else f"{known}, proven, for {sets(r)}.", WIDTH)
+
+
+def _nearest(r: Required) -> str:
+    """Where no value will do: the nearest one found, what binds there, and what was proven about all others."""
+    x = r.nearest
+    if x is None:
+        return ""
+    unit = "" if r.free.unit == "1" else f" {r.free.unit}"
+    said = (
+        f"Nearest of those that were tried is {r.free.symbol.name} = {float(x.value):.6g}{unit}: {_part(x.binding)} reaches "
+        f"{100 * float(x.ratio):.4g} % there ({_where(x.binding)}), {x.times:.4g} times its threshold."
+    )
+    least = (
+        f"Proven: no value that was asked about keeps all ratios below {x.at_least:.4g} times their thresholds."
+        if x.at_least > 1
+        else "How near other values come was not proven."
+    )
+    return fill(f"{said} {least}", WIDTH)
 
 
 def sets(r: Required) -> str:
