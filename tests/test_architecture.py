@@ -17,7 +17,7 @@ LAYERS = """
 commands.fitting commands.progress commands.spelling \
 errors shown symbols costs.measurement pruning.suprema report.html simulation.network simulation.threads sweeps.batch \
 tolerance.taylormodels typeset.boxes
-budget commands.streams commands.verb \
+budget commands.streams commands.verb
 expressions codegen.names exact.reals exact.rings figures.kinds formulas.steps numeric.accuracy simulation.descriptor \
 sweeps.bernstein typeset.names
 quantities simulation.rest codegen.printers exact.axis exact.bernstein exact.eliminants exact.zeros numeric.program sensitivities.implicit \
@@ -40,8 +40,9 @@ family.family
 scenefile
 bounds caveats peaks percepts codegen.scene costs.text formulas.groups measures.forms pruning.ballchain \
 simulation.approximations simulation.noise simulation.results tolerance.box
-costs.questions formulas.asymptotics pruning.differences requirement.freeparameter requirement.nearest simulation.run simulation.text \
+costs.questions formulas.asymptotics pruning.differences requirement.freeparameter simulation.run simulation.text \
 sweeps.exactly tolerance.excess
+requirement.nearest
 commands.options costs.hardcases costs.usual pruning.subsets requirement.cells requirement.criticalvalues \
 requirement.required requirement.thresholds simulation.simulate sweeps.axes sweeps.curves tolerance.search
 commands.limit commands.scenes costs.hardtext costs.methods pruning.relevance simulation.command sweeps.kernel tolerance.proofs

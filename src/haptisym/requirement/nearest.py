@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import inf, sqrt
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
 from sympy import Expr, Integer, Rational
 
@@ -23,10 +23,26 @@ from haptisym.jnd import Part, Threshold
 from haptisym.peaks import Top, tops
 from haptisym.scene import Scene
 
-from .feasible import Binding, Kind
+from .feasible import Binding, Kind, Span
+from .freeparameter import Domain, Free
 
-if TYPE_CHECKING:
-    from .required import Required
+
+class Asked(Protocol):
+    """What a requirement is about, and what was found."""
+
+    @property
+    def scene(self) -> Scene: ...
+    @property
+    def free(self) -> Free: ...
+    @property
+    def domain(self) -> Domain: ...
+    @property
+    def feasible(self) -> tuple[Span, ...]: ...
+    @property
+    def undecided(self) -> tuple[Any, ...]: ...
+    @property
+    def keys(self) -> tuple[Part | None, ...]: ...
+
 
 _SECONDS = 10.0
 _STEPS, _CLOSE = 12, 1.02
@@ -48,7 +64,7 @@ class Nearest:
     at_least: float
 
 
-def nearest(r: Required, ask: Callable[[Scene], Required]) -> Nearest | None:
+def nearest(r: Asked, ask: Callable[[Scene], Asked]) -> Nearest | None:
     """The value that comes nearest where none will do; None where none shows. ``ask``: the same question about another scene."""
     if r.feasible or r.undecided or r.free.parts:
         return None
@@ -86,7 +102,7 @@ def _simple(x: float) -> Rational:
     return Rational(near.numerator, near.denominator)
 
 
-def _tried(r: Required) -> Iterator[Expr]:
+def _tried(r: Asked) -> Iterator[Expr]:
     """Some values of the domain: the scene's own, and its ends or powers of ten."""
     own = next((p.value for p in r.scene.parameters if p.symbol == r.free.symbol), None)
     low, high = r.domain.low, r.domain.high
@@ -105,7 +121,7 @@ def _nearer(one: Nearest | None, other: Nearest | None) -> Nearest | None:
     return one if one.times <= other.times else other
 
 
-def _at(r: Required, value: Expr, least: float) -> Nearest | None:
+def _at(r: Asked, value: Expr, least: float) -> Nearest | None:
     """How far a value is from doing; None where the scene does not exist at it, or a ratio has no bound."""
     try:
         scene = r.free.put(r.scene, value)

@@ -101,11 +101,21 @@ def require(
     free = free_parameter(scene, path)
     asked = domain(free, range)
     keys = (part,) if part else tuple(Part)
-    found = any_environment_condition(scene, [free]) if any_environment else conditions(scene, [free], keys)
-    start = Requirement(scene, free, asked, (), (), tuple(found), digits)
+    start = Requirement(scene, free, asked, (), (), (None,) if any_environment else keys, digits)
     with limited(limit, told) as budget:
-        answer = _answered(start, found)
+        try:
+            found = any_environment_condition(scene, [free]) if any_environment else conditions(scene, [free], keys)
+        except LimitError:
+            answer = _open(start)
+        else:
+            answer = _answered(start, found)
     return replace(answer, limit=budget.seconds if budget.reached else None)
+
+
+def _open(start: Requirement) -> Requirement:
+    """The answer that nothing is known."""
+    low, high = (None if x is None else ExactNumber(x) for x in (start.domain.low, start.domain.high))
+    return replace(start, undecided=((low, high),))
 
 
 def _answered(start: Requirement, found: Conditions) -> Requirement:
@@ -115,8 +125,7 @@ def _answered(start: Requirement, found: Conditions) -> Requirement:
         try:
             return replace(start, feasible=_threshold_problem(start).solve())
         except LimitError:
-            ends = (None if x is None else ExactNumber(x) for x in (asked.low, asked.high))
-            return replace(start, undecided=((next(ends), next(ends)),))
+            return _open(start)
     if not any(f.axis.functions for f in found.values()):
         problem = Problem(found, free.symbol, scene.band, asked, partial(_allowed, scene, free))
         if problem.is_large:
