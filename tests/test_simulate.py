@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -486,6 +487,19 @@ def test_linear_algebra_has_one_thread_while_it_simulates_and_the_users_number_a
         with pytest.raises(hs.SceneError):
             hs.simulate(hs.Scene(environments.expression("1/(s - 2)")), hs.sine("1 cm", 5))
         assert (set(seen), threads()) == ({1}, before)
+
+
+def test_a_blas_that_comes_with_scipy_has_one_thread_from_the_first_simulation_on() -> None:
+    pytest.importorskip("threadpoolctl")
+    probe = (
+        "import haptisym as hs, threadpoolctl\n"
+        "seen = set()\n"
+        "def watch(*_):\n"
+        "    seen.update((x['filepath'], x['num_threads']) for x in threadpoolctl.threadpool_info() if x['user_api'] == 'blas')\n"
+        "hs.simulate(hs.load_scene('fu2019'), hs.sine('5 cm', 5), duration=2, progress=watch)\n"
+        "assert {n for _, n in seen} <= {1}, seen\n"
+    )
+    subprocess.run([sys.executable, "-c", probe], check=True, env={**os.environ, "OPENBLAS_NUM_THREADS": "2"})
 
 
 def test_simulations_that_overlap_in_any_order_give_the_users_number_of_threads_back() -> None:

@@ -58,6 +58,8 @@ def _limited() -> AbstractContextManager[Any]:
         from threadpoolctl import ThreadpoolController  # of the extra "simulate", but nothing fails without it
     except ImportError:
         return nullcontext()
+    import scipy.linalg  # noqa: F401 - brings a BLAS of its own, which can be limited only once it is there
+
     # selected first: what is limited is given back whole, and a pool of OpenMP is none of ours
     limit: AbstractContextManager[Any] = ThreadpoolController().select(user_api="blas").limit(limits=1)
     return limit
