@@ -219,11 +219,9 @@ def _quarter_turns(curve: Chart, start: int, degree: int, leading: int) -> int:
         if step == 2:
             raise UndecidedError("a turn of the denominator")
         now += {0: 0, 1: 1, 3: -1}[step]
+    # there the leading term prevails: the last quadrant lies beside its axis, after it or before it
     target = degree % 4 if leading > 0 else (degree + 2) % 4
-    end = now if now % 4 == target else now + 1
-    if end % 4 != target:
-        raise UndecidedError("the last turn of the denominator")
-    return end - start
+    return (now if now % 4 == target else now + 1) - start
 
 
 def _quadrant(real: int, imag: int) -> int:
