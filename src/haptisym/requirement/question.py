@@ -105,10 +105,9 @@ def require(
     with limited(limit, told) as budget:
         try:
             found = any_environment_condition(scene, [free]) if any_environment else conditions(scene, [free], keys)
+            answer = _answered(start, found)
         except LimitError:
             answer = _open(start)
-        else:
-            answer = _answered(start, found)
     return replace(answer, limit=budget.seconds if budget.reached else None)
 
 
@@ -171,9 +170,10 @@ def _allowed(scene: Scene, free: Free, value: Expr) -> bool:
 def _by_balls(start: Requirement, found: Conditions) -> Requirement:
     asked, scene, free = start.domain, start.scene, start.free
     own = values(scene.parameters).get(free.symbol, scene.threshold.real)
+    exists = {x: _allowed(scene, free, x) for x in (asked.low, asked.high) if x is not None}
     search = Search(found, free.symbol, scene.band, Fraction(abs(float(own)) or 1.0))
     low, high = _outward(asked)
-    line = _Line(search.leaves(low, high), asked, partial(_allowed, scene, free))
+    line = _Line(search.leaves(low, high), asked, exists.__getitem__)
     return replace(start, feasible=line.spans(), undecided=line.undecided)
 
 
