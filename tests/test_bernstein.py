@@ -442,3 +442,27 @@ def test_newton_is_kept_in_its_bracket_where_slopes_mislead(exponent: int) -> No
         if root > 0:
             assert proven.all()
             assert x[0] == pytest.approx(root, rel=1e-6)
+
+
+def test_the_sign_at_the_low_end_is_not_that_of_another_segment_that_was_cut() -> None:
+    """1e-14 - x^3: positive at 0 and up to 2e-5; two zeros more beside each other in the upper half."""
+    rows = [
+        np.polynomial.Polynomial([sign * 1e-14, 0, 0, -sign]) * np.polynomial.Polynomial(from_roots(0.8, 0.82))
+        for sign in (1, -1)
+    ]
+    found = isolate(batch(*(p.coef.tolist() for p in rows)), (0.0, 0.5, 1.0))
+    assert found.decided.all()
+    assert found.first.tolist() == [1, -1]
+    assert found.sets.tolist() == [0, 0, 0, 1, 1, 1]
+    x, proven = refine(batch(*(p.coef.tolist() for p in rows)).of(found.sets), found.low, found.high, 1e-10)
+    assert proven.all()
+    assert x.tolist() == pytest.approx([1e-14 ** (1 / 3), 0.8, 0.82] * 2, rel=1e-9)
+
+
+def test_a_zero_at_which_newton_arrives_by_small_steps_is_found_all_the_same() -> None:
+    """x^4 - 1e-40: from the middle of the band each step takes off a quarter, eighty of them."""
+    for sign in (1, -1):
+        p = batch([-sign * 1e-40, 0.0, 0.0, 0.0, sign])
+        x, proven = refine(p, np.array([0.0]), np.array([1.0]), 1e-10)
+        assert proven.all()
+        assert x[0] == pytest.approx(1e-10, rel=1e-10)
