@@ -352,13 +352,14 @@ def test_a_crossing_is_named_by_the_signs_beside_it(part: hs.Part, omega: int, s
             assert find_crossings(Chart((beside,))) == (found,)
 
 
-def test_an_irrational_threshold_splits_percepts_where_its_square_says() -> None:
-    """A spring of 1 with a mass before it: r_r = W, compared with sqrt(2)."""
-    result = hs.evaluate(hs.Scene(mass_spring_damper(k=1), (shunt(m=1),), (0, 3), hs.Threshold(sqrt(2), 1)))
-    edge = float(MP.sqrt(MP.sqrt(2)))
+def test_an_irrational_threshold_splits_percepts_where_it_says() -> None:
+    """A spring of 1 with a mass before it: r_r = W, compared with the golden section, whose square is irrational too."""
+    result = hs.evaluate(hs.Scene(mass_spring_damper(k=1), (shunt(m=1),), (0, 3), hs.Threshold((sqrt(5) - 1) / 2, 1)))
+    edge, double = float(MP.sqrt((MP.sqrt(5) - 1) / 2)), float(MP.sqrt(2))
     assert felt(result, "real") == [
-        ("stiffness-to-mass", "lower", edge, float(MP.sqrt(2))),
-        ("stiffness-to-mass", "higher", float(MP.sqrt(2)), 3.0),
+        ("stiffness", "lower", edge, 1.0),
+        ("stiffness-to-mass", "lower", 1.0, double),
+        ("stiffness-to-mass", "higher", double, 3.0),
     ]
 
 
