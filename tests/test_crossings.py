@@ -478,3 +478,13 @@ def test_a_band_must_go_upwards_from_zero_or_more(band: tuple[int, int]) -> None
 def test_an_evaluation_needs_numbers() -> None:
     with pytest.raises(hs.SceneError, match="symbol"):
         ask(mass_spring_damper(k=hs.symbols("k")))
+
+
+@pytest.mark.parametrize(
+    ("kind", "verb"), [("EXCEEDS", "exceeds"), ("RETURNS", "returns below"), ("TOUCHES", "touches")]
+)
+@pytest.mark.parametrize(("part", "ratio"), [(hs.Part.REAL, "r_r"), (hs.Part.IMAG, "r_i")])
+def test_a_crossing_shows_how_its_ratio_meets_the_threshold(kind: str, verb: str, part: hs.Part, ratio: str) -> None:
+    found = hs.evaluate(hs.load_scene("fu2019")).crossings[0]
+    crossing = hs.Crossing(part, found.omega, hs.CrossingKind[kind], 1, 1)
+    assert f"{ratio} {verb} its threshold at" in repr(crossing)
