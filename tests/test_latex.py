@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import unicodedata
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
@@ -19,8 +20,10 @@ from sympy.printing.latex import LatexPrinter
 from texreader import equations, value
 
 from haptisym import Scene, Threshold, effects, environments, evaluate, load_scene, scene_names, symbols
+from haptisym.crossings import Curve
 from haptisym.distortion import Distortion, distort
 from haptisym.evaluation import Evaluation
+from haptisym.jnd import Part
 from haptisym.symbols import X, omega, s
 from haptisym.tex.document import document
 from haptisym.tex.latex import latex
@@ -468,14 +471,18 @@ def test_the_pdf_knows_its_title(title, tmp_path):
     assert wanted.encode() in found or f"FEFF{wanted.encode('utf-16-be').hex()}".encode().upper() in found.upper()
 
 
-def test_an_evaluation_that_is_not_proven_says_so():
-    class Estimate(Evaluation):
-        @property
-        def certified(self) -> bool:
-            return False
-
-    e = evaluate(PAPER)
-    text = document(Estimate(e.scene, e.distortion, e.chart, e.stable))
+def test_what_is_undecided_is_listed_and_nothing_is_called_proven_without_it():
+    """A tangency that stayed open, made from one that did not."""
+    spring_late_by_a_second = Scene(
+        environments.mass_spring_damper(k=1), (effects.delay(1),), (0, 6), Threshold.of(2, 5)
+    )
+    e = evaluate(spring_late_by_a_second)
+    [touch] = [x for x in e.chart.points if x.orders.get((Curve.EXCESS, Part.REAL))]
+    opened = replace(touch, undecided=frozenset([(Curve.EXCESS, Part.REAL)]))
+    points = tuple(opened if x is touch else x for x in e.chart.points)
+    text = document(replace(e, chart=replace(e.chart, points=points)))
+    low, high = touch.omega.enclosure(15)
+    assert f"[{low}, {high}]" in text
     assert "proven, none missed" not in text
-    assert text.count("estimated, not proven") == 2
-    assert "they are not proven" in text
+    assert text.count("but for what is listed as undecided") == 3
+    assert "undecided" not in document(e)

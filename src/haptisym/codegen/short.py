@@ -37,8 +37,9 @@ def program_steps(program: Program) -> Steps:
     >>> a, b = Symbol("a"), Symbol("b")
     >>> write = Writer((a, b))
     >>> difference = write.sub(write.input(a), write.input(b))
-    >>> program_steps(write.program({"y": write.mul(write.constant(3), difference)}))
-    Steps(definitions=((x0, a - b),), results={'y': 3*x0})
+    >>> steps = program_steps(write.program({"y": write.mul(write.constant(3), difference)}))
+    >>> steps.definitions, steps.results
+    (((x0, a - b),), {'y': 3*x0})
     """
     taken = {x.name for x in program.inputs}
     names = (Symbol(name, real=True) for n in count() if (name := f"x{n}") not in taken)

@@ -45,7 +45,7 @@ def document(evaluation: Evaluation, figures: Mapping[str, str] = MappingProxyTy
     >>> from haptisym.scene import Scene
     >>> text = document(evaluate(Scene(environments.kelvin_voigt(290, 2), (effects.first_order_lag(100),))))
     >>> text.isascii(), text.count("begin{table}")
-    (True, 2)
+    (True, 3)
     """
     scene, body = evaluation.scene, _Body(evaluation, SceneForms(evaluation), figures)
     sections = {  # each is written when its turn comes: what is named is numbered in the order in which it is read
