@@ -17,7 +17,7 @@ import numpy as np
 Array: TypeAlias = Any  # numpy arrays of floats
 
 _ROUNDING = 1e-14  # of an operation, relative to the largest values of its operands: some ten roundings of 2^-53 each
-_TINY = 1e-290  # against underflow
+_TINY = 1e-290  # against underflow: of a value, and of a coefficient
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,8 @@ class Model:
 
     def times(self, x: float) -> Model:
         """The product with a number that is known to within some roundings."""
-        r = self.r * abs(x) + _ROUNDING * abs(x) * (np.abs(self.c0) + self.deviation)
+        whole = abs(x) * (np.abs(self.c0) + self.deviation)
+        r = self.r * abs(x) + _ROUNDING * whole + _TINY
         return Model(self.c0 * x, self.c1 * x, self.c2 * x, r)
 
     def power(self, n: int) -> Model:
@@ -78,15 +79,17 @@ class Model:
         return self._chained(self._power(n), self._power(n - 1).times(n))
 
     def _power(self, n: int) -> Model:
-        """The value to a power, without slopes."""
-        if n in (1, 2):
-            return self._value if n == 1 else _product(self._value, self._value)
+        """The value to a power, without slopes; not to 1."""
+        if n == 2:
+            return _product(self._value, self._value)
         a = self.c0[:, :1]
         rho = self.deviation[:, :1] / np.abs(a)
         largest = np.maximum((1 + rho) ** (n - 3), (1 - rho) ** (n - 3))
         rest = np.where(rho < 0.9, abs(n * (n - 1) * (n - 2)) / 6 * rho**3 * largest, np.inf)
         whole = a ** float(n)
-        return self._composed(whole, n * whole / a, n * (n - 1) / 2 * whole / a**2, rest * np.abs(whole))
+        return self._composed(
+            whole, n * whole / a, n * (n - 1) / 2 * whole / a**2, rest * np.maximum(np.abs(whole), _TINY)
+        )
 
     def cosine_and_sine(self) -> tuple[Model, Model]:
         """Of an angle in radians."""
@@ -96,10 +99,11 @@ class Model:
         return self._chained(cosine, -sine), self._chained(sine, cosine)
 
     def sinc(self) -> Model:
-        """sin x/x, whose n-th derivative is nowhere larger than 1/(n + 1)."""
-        f, df, d2f, d3f = _sinc(self.c0[:, :1])
-        rest = self.deviation[:, :1] ** 3 / 6
-        value, slope = self._composed(f, df, d2f / 2, rest / 4), self._composed(df, d2f, d3f / 2, rest / 5)
+        """sin x/x, whose n-th derivative is nowhere larger than 1/(n + 1); the first is a difference of larger numbers."""
+        a, rest = self.c0[:, :1], self.deviation[:, :1] ** 3 / 6
+        f, df, d2f, d3f = _sinc(a)
+        lost = _ROUNDING * np.minimum(np.abs(a), 1)
+        value, slope = self._composed(f, df, d2f / 2, rest / 4), self._composed(df, d2f, d3f / 2, rest / 5 + lost)
         return self._chained(value, slope)
 
     def log(self) -> Model:
@@ -113,7 +117,7 @@ class Model:
     def exp(self) -> Model:
         """The exponential."""
         e, d = np.exp(self.c0[:, :1]), self.deviation[:, :1]
-        value = self._composed(e, e, e / 2, e * d**3 / 6 * np.exp(d))
+        value = self._composed(e, e, e / 2, np.maximum(e, _TINY) * d**3 / 6 * np.exp(d))
         return self._chained(value, value)
 
     def _composed(self, f: Array, df: Array, half: Array, rest: Array) -> Model:
@@ -124,7 +128,8 @@ class Model:
         c2 = df[..., None, None] * x2 + half[..., None, None] * x1[..., :, None] * x1[..., None, :]
         square = 2 * d1 * (d2 + r) + (d2 + r) ** 2  # of x^2, what is not in c2
         whole = np.abs(f) + np.abs(df) * (d1 + d2 + r) + np.abs(half) * (d1 + d2 + r) ** 2
-        radius = (np.abs(df) * r + np.abs(half) * square + rest) * (1 + _ROUNDING) + _ROUNDING * whole + _TINY
+        lost = _ROUNDING * whole + _TINY * (1 + d1 + d2 + r) ** 2
+        radius = (np.abs(df) * r + np.abs(half) * square + rest) * (1 + _ROUNDING) + lost
         return Model(f, c1, c2, radius)
 
     def _chained(self, value: Model, slope: Model) -> Model:
@@ -163,7 +168,7 @@ def _product(x: Model, y: Model) -> Model:
     x2, y2 = np.abs(x.c2).sum((-1, -2)), np.abs(y.c2).sum((-1, -2))
     xs, ys = np.abs(x.c0) + x1 + x2, np.abs(y.c0) + y1 + y2
     r = x1 * y2 + x2 * y1 + x2 * y2 + xs * y.r + ys * x.r + x.r * y.r
-    return Model(c0, c1, c2, r * (1 + _ROUNDING) + _ROUNDING * xs * ys + _TINY)
+    return Model(c0, c1, c2, r * (1 + _ROUNDING) + _ROUNDING * (xs * ys) + _TINY)
 
 
 def constant(value: float, boxes: int, sides: int) -> Model:
@@ -192,5 +197,5 @@ def _flat(value: Array, r: Array) -> Model:
     boxes, rows = r.shape
     c0 = np.zeros(r.shape)
     c0[:, 0] = value
-    r[:, 0] += _ROUNDING * np.abs(value)
+    r[:, 0] += _ROUNDING * np.abs(value) + _TINY
     return Model(c0, np.zeros((boxes, rows, rows - 1)), np.zeros((boxes, rows, rows - 1, rows - 1)), r)

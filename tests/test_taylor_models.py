@@ -1,0 +1,465 @@
+"""Taylor models hold what they promise: each operation on thousands of random operands, against balls of 600 bits.
+
+An operand stands for any value and any slopes that are not farther than ``r`` from its polynomials: rows are independent. One
+of them is taken at a point t, often the farthest there is, and what the operation makes of it has to lie in the result.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import wraps
+from typing import Any
+
+import flint
+import numpy as np
+import pytest
+from flint import arb
+
+from haptisym.tolerance.taylormodels import Model, _product, between, constant, variable
+
+Array = Any
+ROUNDING = 2.0**-53
+exactly = np.frompyfunc(arb, 1, 1)
+certainly_above = np.frompyfunc(lambda x, y: x > y, 2, 1)
+
+
+def with_many_digits(test: Callable[..., None]) -> Callable[..., None]:
+    @wraps(test)
+    def tried(**given: Any) -> None:
+        with flint.ctx.workprec(600):
+            test(**given)
+
+    return tried
+
+
+@dataclass(frozen=True)
+class Points:
+    """Points t of boxes with ``sides`` sides; at the first half of them, corners, operands reach their farthest."""
+
+    t: Array
+    extreme: Array
+
+    @classmethod
+    def drawn(cls, random: np.random.Generator, boxes: int, sides: int) -> Points:
+        t = random.choice([-1.0, -0.75, 0.0, 0.5, 1.0], (boxes, sides))
+        inside = random.uniform(size=boxes) < 0.2
+        t[inside] = random.uniform(-1, 1, (boxes, sides))[inside]
+        extreme = np.arange(boxes) < boxes // 2
+        t[extreme] = random.choice([-1.0, 1.0], (boxes, sides))[extreme]
+        return cls(t, extreme)
+
+    def operand(self, random: np.random.Generator, middle: Array, reach: Array) -> tuple[Model, Array]:
+        """A model, and what it may stand for: rows of any kind, but with values up to ``reach`` away from ``middle``."""
+        boxes, n = self.t.shape
+        first = rows_of(random, self, middle[:, None], reach[:, None])
+        sizes = ten_to(random, (2, boxes, n), *random.choice([(-1, 1), (-18, 18)]))
+        slopes = rows_of(random, self, sizes[0] * random.choice([-1, 0, 1], (boxes, n)), sizes[1])
+        both = [np.concatenate(pair, 1) for pair in zip(first, slopes, strict=True)]
+        model = Model(*both[:4])
+        return model, at(model, self.t) + exactly(both[4]) * exactly(model.r)
+
+
+def rows_of(random: np.random.Generator, points: Points, middle: Array, reach: Array) -> tuple[Array, ...]:
+    """c0, c1, c2, r of rows, some of them 0, with sum of |c1|, |c2| and r about reach; and the share of r that is taken."""
+    (boxes, n), m = points.t.shape, middle.shape[1]
+    weights = ten_to(random, (boxes, m, n * n + n + 1), *random.choice([(-0.5, 0), (-6, 0)]))
+    weights *= random.uniform(size=weights.shape) < random.choice([0.3, 0.8, 1.0], (boxes, m, 1))
+    weights /= np.maximum(weights.sum(-1, keepdims=True), 1e-9)
+    signs, share = random.choice([-1.0, 1.0], weights.shape), random.choice([-1.0, 0.5, 1.0], (boxes, m))
+    turned = np.concatenate([points.t, (points.t[:, :, None] * points.t[:, None, :]).reshape(boxes, n * n)], 1)
+    way = random.choice([-1.0, 1.0], (boxes, m))
+    signs[..., :-1] = np.where(points.extreme[:, None, None], turned[:, None] * way[..., None], signs[..., :-1])
+    share = np.where(points.extreme[:, None], way, share)
+    parts = weights * reach[..., None]
+    signed = parts[..., :-1] * signs[..., :-1]
+    return middle, signed[..., :n], signed[..., n:].reshape(boxes, m, n, n), parts[..., -1], share
+
+
+def ten_to(random: np.random.Generator, shape: Any, low: float, high: float) -> Array:
+    return 10.0 ** random.uniform(low, high, shape)
+
+
+def at(model: Model, t: Array) -> Array:
+    """The polynomials of all rows at t, without rounding."""
+    t, c2 = exactly(t), exactly(model.c2)
+    square = (c2 * t[:, None, :, None] * t[:, None, None, :]).sum((-1, -2))
+    return exactly(model.c0) + (exactly(model.c1) * t[:, None, :]).sum(-1) + square
+
+
+def known(model: Model) -> Array:
+    """Where something is known; there all numbers are finite."""
+    finite = np.isfinite(model.r)
+    for array in (model.c0, model.c1, model.c2):
+        assert np.isfinite(array[finite]).all()
+    return finite
+
+
+def outside(model: Model, t: Array, true: Array) -> Array:
+    """Boxes and rows of which the model, or its bounds, do not hold what is true."""
+    low, high = model.bounds()
+    far = certainly_above(abs(true - at(model, t)), exactly(model.r)).astype(bool) & known(model)
+    assert (~np.isfinite(low[~known(model)])).all()
+    above, below = certainly_above(true, exactly(high)), certainly_above(exactly(low), true)
+    return np.argwhere(far | above.astype(bool) | below.astype(bool))
+
+
+# Sums and products
+
+SIZES = [(-1, 1), (-18, 18), (-323, -290), (-160, -140), (100, 150)]
+RULES: dict[str, tuple[Callable[..., Model], Callable[..., Any], Callable[..., Any]]] = {
+    "sum": (lambda x, y: x + y, lambda v, w: v + w, lambda v, w, a, b: a + b),
+    "difference": (lambda x, y: x - y, lambda v, w: v - w, lambda v, w, a, b: a - b),
+    "product": (lambda x, y: x * y, lambda v, w: v * w, lambda v, w, a, b: v * b + w * a),
+}
+
+
+def pair_of_operands(random: np.random.Generator, boxes: int, sides: int) -> tuple[Points, list[tuple[Model, Array]]]:
+    points, operands = Points.drawn(random, boxes, sides), []
+    for _ in range(2):
+        low, high = np.array([SIZES[i] for i in random.choice(len(SIZES), boxes, p=[0.4, 0.3, 0.1, 0.1, 0.1])]).T
+        size, reach = 10 ** random.uniform(low, high, (2, boxes))
+        operands.append(points.operand(random, size * random.choice([-1, 0, 1], boxes), reach))
+    return points, operands
+
+
+@pytest.mark.parametrize(("sides", "boxes"), [(1, 1000), (3, 300)])
+@pytest.mark.parametrize("rule", RULES)
+@with_many_digits
+def test_a_sum_and_a_product_hold_those_of_all_that_the_operands_may_be(rule: str, sides: int, boxes: int) -> None:
+    ours, value, slope = RULES[rule]
+    points, ((x, v), (y, w)) = pair_of_operands(np.random.default_rng(len(rule) + sides), boxes, sides)
+    first = value(v[:, :1], w[:, :1])
+    true = np.concatenate([first, slope(v[:, :1], w[:, :1], v[:, 1:], w[:, 1:])], 1)
+    with np.errstate(all="ignore"):
+        found = ours(x, y)
+        assert outside(found, points.t, true).tolist() == []
+        assert known(found)[:, 0].mean() > 0.98
+
+
+@pytest.mark.parametrize("sides", [1, 3])
+@with_many_digits
+def test_a_product_with_a_number_and_a_negative_hold_them(sides: int) -> None:
+    """The number may be some roundings off."""
+    random = np.random.default_rng(sides)
+    for factor in (-3.7, 0.1, -1e-20, 1e15, 3e-310, -1e-200, 0.0):
+        points, ((x, v), _) = pair_of_operands(random, 100, sides)
+        off = arb(factor) * (1 + 4 * arb(ROUNDING) * random.choice([-1, 1]))
+        assert outside(x.times(factor), points.t, off * v).tolist() == []
+        assert outside(-x, points.t, -v).tolist() == []
+        assert ((-x).r == x.r).all()
+
+
+@with_many_digits
+def test_where_takes_each_box_from_one_model_or_the_other() -> None:
+    points, ((x, v), (y, w)) = pair_of_operands(np.random.default_rng(8), 200, 2)
+    choice = np.arange(200) % 3 == 0
+    found = x.where(choice, y)
+    assert outside(found, points.t, np.where(choice[:, None], v, w)).tolist() == []
+    for one, a, b in zip(
+        (found.c0, found.c1, found.c2, found.r), (x.c0, x.c1, x.c2, x.r), (y.c0, y.c1, y.c2, y.r), strict=True
+    ):
+        assert (one[choice] == a[choice]).all()
+        assert (one[~choice] == b[~choice]).all()
+
+
+@with_many_digits
+def test_a_product_row_by_row_holds_that_of_each_row() -> None:
+    """Of what is known to within a radius and nothing else, too."""
+    points, ((x, v), (y, w)) = pair_of_operands(np.random.default_rng(9), 300, 2)
+    alone = replace(y, c0=y.c0 * 0, c1=y.c1 * 0, c2=y.c2 * 0)
+    whole = at(alone, points.t) + exactly(alone.r)
+    with np.errstate(all="ignore"):
+        assert outside(_product(x, y), points.t, v * w).tolist() == []
+        assert outside(_product(x, alone), points.t, v * whole).tolist() == []
+
+
+# Beginnings
+
+
+@with_many_digits
+def test_a_constant_a_variable_and_what_lies_between_hold_what_they_stand_for() -> None:
+    """To within four roundings, and no more than a hundred; slopes of constants are 0, those of what lies between unknown."""
+    random = np.random.default_rng(4)
+    for value in (0.0, 1.5, -3e-7, 2e200, -7e-300, 5e-324, *random.normal(size=20)):
+        found = constant(value, 3, 2)
+        assert (found.c0[:, 1:] == 0).all()
+        assert (found.r[:, 1:] == 0).all()
+        assert not found.c1.any()
+        assert not found.c2.any()
+        for sign in (-1, 1):
+            true = np.full((3, 3), arb(0))
+            true[:, 0] = arb(value) * (1 + sign * 4 * arb(ROUNDING)) + sign * arb(2) ** -1075
+            assert outside(found, np.zeros((3, 2)), true).tolist() == []
+        assert (found.r[:, 0] <= 100 * ROUNDING * abs(value) + 1e-280).all()
+    middle, radius = random.normal(size=(2, 30)) * [[3], [1]]
+    for side in range(3):
+        points = Points.drawn(random, 30, 3)
+        found = variable(middle, abs(radius), 8.0, side, 3)
+        true = np.full((30, 4), arb(0))
+        off = 8 * 4 * arb(ROUNDING) * random.choice([-1, 1])
+        true[:, 0] = exactly(middle) + exactly(abs(radius) * points.t[:, side]) + off
+        true[:, 1 + side] = exactly(abs(radius)) + off
+        assert outside(found, points.t, true).tolist() == []
+        assert (found.r <= 8 * 100 * ROUNDING).all()
+        assert (np.delete(found.r, [0, 1 + side], 1) == 0).all()
+    ends = np.sort(
+        np.concatenate(
+            [
+                random.normal(size=(40, 2)),
+                [[0, 5e-324], [-1 - 2**-52, 1], [-1, 1 + 2**-52], [-1e308, 1e308], [3, 3], [-5, -1]],
+            ]
+        ),
+        1,
+    )
+    with np.errstate(over="ignore"):
+        found = between(ends[:, 0], ends[:, 1], 2)
+    low, high = (x[:, 0] for x in found.bounds())
+    assert (low <= ends[:, 0]).all()
+    assert (high >= ends[:, 1]).all()
+    drawn = ends[:40]
+    assert ((high - low)[:40] <= drawn[:, 1] - drawn[:, 0] + 1e-12 * np.abs(drawn).max(1)).all()
+    for end in ends.T:
+        true = np.repeat(exactly(end)[:, None], 3, 1)
+        assert outside(found, np.zeros((46, 2)), true).tolist() == []
+    assert not np.isfinite(found.r[:, 1:]).any()
+
+
+# Functions
+
+
+def slope_of_sinc(x: arb) -> arb:
+    if abs(x) > 1:
+        return (x.cos() - x.sin() / x) / x
+    term, total = -x / 3, arb(0)
+    for k in range(1, 60):  # term = (-1)^k 2 k x^(2 k - 1)/(2 k + 1)!
+        total += term
+        term *= -x * x * (k + 1) / (k * (2 * k + 2) * (2 * k + 3))
+    return total
+
+
+def away_from_zero(random: np.random.Generator, boxes: int) -> tuple[Array, Array]:
+    """Middles of all sizes, and reaches that leave out 0."""
+    size = np.where(random.uniform(size=boxes) < 0.7, ten_to(random, boxes, -2, 2), ten_to(random, boxes, -300, 300))
+    share = random.choice([0, 1e-13, 1e-8, 1e-3, 1e-2, 0.1, 0.5, 0.85, 0.89], boxes)
+    return size * random.choice([-1, 1], boxes), size * share
+
+
+def positive(random: np.random.Generator, boxes: int) -> tuple[Array, Array]:
+    middle, reach = away_from_zero(random, boxes)
+    return abs(middle), reach
+
+
+def angles(random: np.random.Generator, boxes: int) -> tuple[Array, Array]:
+    """Some where a sine, a cosine, sin x/x or one of its first derivatives is 0, others huge, tiny or 0."""
+    special = [0.0, np.pi, -np.pi / 2, 4.493409457909064, -7.725251836937707, 2.0815759778181, 1.5, -1.5, 1e-200, 3e9]
+    middle = np.where(random.uniform(size=boxes) < 0.4, random.choice(special, boxes), random.normal(0, 4, boxes))
+    return middle, random.choice([0, 1e-200, 1e-12, 1e-8, 1e-4, 1e-2, 0.3, 2], boxes)
+
+
+def exponents(random: np.random.Generator, boxes: int) -> tuple[Array, Array]:
+    middle = np.where(random.uniform(size=boxes) < 0.7, random.normal(0, 3, boxes), random.uniform(-900, 800, boxes))
+    return middle, random.choice([0, 1e-12, 1e-6, 1e-2, 0.3, 2, 30, 700], boxes)
+
+
+@dataclass(frozen=True)
+class Function:
+    ours: Callable[[Model], Model]
+    value: Callable[[arb], arb]
+    slope: Callable[[arb], arb]
+    operands: Callable[..., tuple[Array, Array]]
+    third: Callable[[float, float], float]
+    """A bound on the size of the third derivative between two positive numbers."""
+
+
+FUNCTIONS = {
+    "cosine": Function(lambda x: x.cosine_and_sine()[0], arb.cos, lambda v: -v.sin(), angles, lambda x, y: 1.0),
+    "sine": Function(lambda x: x.cosine_and_sine()[1], arb.sin, arb.cos, angles, lambda x, y: 1.0),
+    "sinc": Function(Model.sinc, arb.sinc, slope_of_sinc, angles, lambda x, y: 0.25),
+    "log": Function(Model.log, arb.log, lambda v: 1 / v, positive, lambda x, y: 2 / x**3),
+    "exp": Function(Model.exp, arb.exp, arb.exp, exponents, lambda x, y: np.exp(y)),
+    **{
+        f"power {n}": Function(
+            lambda x, n=n: x.power(n),
+            lambda v, n=n: v**n,
+            lambda v, n=n: n * v ** (n - 1) if n != 1 else arb(1),
+            away_from_zero,
+            lambda x, y, n=n: abs(n * (n - 1) * (n - 2)) * max(x ** (n - 3.0), y ** (n - 3.0)),
+        )
+        for n in (-9, -3, -2, -1, 1, 2, 3, 4, 5, 8)
+    },
+}
+
+
+@pytest.mark.parametrize(("sides", "boxes"), [(1, 500), (3, 100)])
+@pytest.mark.parametrize("name", FUNCTIONS)
+@with_many_digits
+def test_a_function_of_a_model_holds_that_of_all_that_the_operand_may_be(name: str, sides: int, boxes: int) -> None:
+    f, random = FUNCTIONS[name], np.random.default_rng(sum(map(ord, name)) + sides)
+    points = Points.drawn(random, boxes, sides)
+    x, v = points.operand(random, *f.operands(random, boxes))
+    value = np.frompyfunc(f.value, 1, 1)(v[:, :1])
+    true = np.concatenate([value, np.frompyfunc(f.slope, 1, 1)(v[:, :1]) * v[:, 1:]], 1)
+    with np.errstate(all="ignore"):
+        found = f.ours(x)
+        assert outside(found, points.t, true).tolist() == []
+        assert known(found)[:, 0].mean() > 0.6
+        ordinary = (abs(x.c0[:, 0]) < 100) & ((abs(x.c0[:, 0]) > 1e-2) | (f.operands in (angles, exponents)))
+        assert known(found)[ordinary & (x.deviation[:, 0] < 100)].mean() > 0.98
+
+
+@pytest.mark.parametrize("name", ["log", *(f"power {n}" for n in (-9, -3, -2, -1))])
+@with_many_digits
+def test_nothing_is_known_where_a_pole_or_the_log_of_zero_may_lie_in_the_box(name: str) -> None:
+    """Of no slope either, whatever it is."""
+    random = np.random.default_rng(1)
+    points = Points.drawn(random, 400, 2)
+    size = ten_to(random, 400, -200, 200)
+    middle = size * random.choice([-1.0, 0.0, 1.0], 400)
+    x, _ = points.operand(random, middle, size * random.choice([1.0001, 2, 1e9], 400))
+    for operand in (x, replace(x, r=x.r + np.inf), replace(x, c0=x.c0 * np.nan), replace(x, c0=x.c0 * 0, c1=x.c1 * 0)):
+        near = ~(operand.deviation[:, 0] < abs(operand.c0[:, 0]))
+        with np.errstate(all="ignore"):
+            low, high = FUNCTIONS[name].ours(operand).bounds()
+        assert near.mean() > 0.5
+        assert (low[near] == -np.inf).all()
+        assert (high[near] == np.inf).all()
+    with np.errstate(all="ignore"):
+        below = replace(x, c0=-abs(x.deviation) * 3 - 1).log()
+        assert np.isinf(np.array(below.bounds())[:, :, 0]).all()
+
+
+# How near
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+@with_many_digits
+def test_a_function_of_an_exact_straight_line_is_known_to_third_order(name: str) -> None:
+    """The radius is at most the largest |f'''| rho^3/6, and not much more than what the parabola misses at an end."""
+    f = FUNCTIONS[name]
+    for middle in (1.3, 0.7, 2.4):
+        for reach in (0.5, -1e-2, 1e-4, 1e-7):
+            x = replace(flat(middle), c1=np.array([[[reach], [0.0]]]))
+            found, v = f.ours(x), [arb(middle) + sign * arb(reach) for sign in (-1, 1)]
+            lost = 300 * ROUNDING * (abs(float(f.value(arb(middle)))) + 1)
+            assert (
+                found.r[0, 0]
+                <= (1 + 1e-12) * f.third(middle - abs(reach), middle + abs(reach)) / 6 * abs(reach) ** 3 + lost
+            )
+            missed = [f.value(y) - at(found, np.array([[sign]]))[0, 0] for sign, y in zip((-1.0, 1.0), v, strict=True)]
+            assert max(map(abs, missed)) <= arb(float(found.r[0, 0]))
+            if abs(reach) < 0.1 and name not in ("cosine", "sine", "sinc"):
+                assert found.r[0, 0] <= 1.3 * float(max(map(abs, missed))) + lost
+            slopes = [f.slope(y) - at(found, np.array([[sign]]))[0, 1] for sign, y in zip((-1.0, 1.0), v, strict=True)]
+            assert max(map(abs, slopes)) <= arb(float(found.r[0, 1]))
+
+
+@with_many_digits
+def test_the_slope_of_sinc_is_known_to_within_roundings_of_its_size_near_zero_and_to_fourth_order() -> None:
+    for middle in (0.0, 1e-9, -1e-3):
+        found = flat(middle).sinc()
+        assert found.r[0, 1] <= 300 * ROUNDING * abs(middle) + 1e-280
+    for reach in (0.5, 0.1, 1e-3):
+        found = replace(flat(0.0), c1=np.array([[[reach], [0.0]]])).sinc()
+        missed = slope_of_sinc(arb(reach)) - at(found, np.array([[1.0]]))[0, 1]
+        assert missed <= arb(float(found.r[0, 1]))
+        assert found.r[0, 1] <= 1.1 * float(missed) + 1e-14
+
+
+def test_one_and_two_are_powers_of_a_function_that_may_be_zero_too() -> None:
+    x = replace(flat(0.5), c1=np.array([[[2.0], [0.0]]]))
+    assert x.power(1) is x
+    assert np.isfinite(x.power(2).bounds()).all()
+    assert np.isfinite(np.array(x.power(3).bounds())[:, 0, 1]).all()  # its slope is a second power
+
+
+@with_many_digits
+@pytest.mark.parametrize("sides", [1, 3])
+def test_a_parabola_of_a_model_holds_that_of_all_that_the_operand_may_be(sides: int) -> None:
+    """f + df x + half x^2 + rest, where any of them may be 0 and some roundings off, or so small that it vanishes."""
+    random, boxes = np.random.default_rng(sides), 400
+    points = Points.drawn(random, boxes, sides)
+    c0, c1, c2, r, share = rows_of(
+        random, points, np.zeros((boxes, 1)), 10.0 ** random.choice([-9, -1, 1, 9, 120], (boxes, 1))
+    )
+    x = Model(c0, c1, c2, r)
+    v = at(x, points.t) + exactly(share) * exactly(r)
+    numbers = ten_to(random, (3, boxes, 1), -3, 3) * random.choice([-1, 0, 1], (3, boxes, 1))
+    off = exactly(numbers) * (1 + 4 * arb(ROUNDING) * int(random.choice([-1, 1])))
+    rest, lost = random.choice([0, 0, 1e-3], (boxes, 1)), arb(2) ** -1024
+    true = off[0] + off[1] * v + off[2] * v * v + exactly(rest * random.choice([-1, 1], (boxes, 1)))
+    none = np.zeros((boxes, 1))
+    with np.errstate(all="ignore"):
+        assert outside(x._composed(*numbers, rest), points.t, true).tolist() == []
+        assert outside(x._composed(none, none, none, none), points.t, lost * v + lost * v * v).tolist() == []
+
+
+def test_what_a_function_misses_is_attained() -> None:
+    """All signs the same, t at a corner: f(0) + f'(0) D + f''(0)/2 D^2 and the rest, D being as far as the operand goes."""
+    random = np.random.default_rng(12)
+    for _ in range(20):
+        d1, d2, r = random.choice([0.0, 0.01, 0.2], 3)
+        x, D = (
+            Model(
+                np.zeros((1, 2)), *(np.array([[z, 0.0]]).reshape(1, 2, *[1] * k) for z, k in ((d1, 1), (d2, 2), (r, 0)))
+            ),
+            d1 + d2 + r,
+        )
+        found = x.exp()
+        assert (found.c0 + found.deviation)[0, 0] == pytest.approx(1 + D + D**2 / 2 + D**3 / 6 * np.exp(D), rel=1e-12)
+
+
+def flat(middle: float) -> Model:
+    """A number without error, as a function on one side, whose slope is 1."""
+    return Model(np.array([[middle, 1.0]]), np.zeros((1, 2, 1)), np.zeros((1, 2, 1, 1)), np.zeros((1, 2)))
+
+
+@with_many_digits
+def test_what_is_of_second_order_is_known_to_within_roundings() -> None:
+    random = np.random.default_rng(2)
+    for sides in (1, 4):
+        x, y = (
+            Model(
+                random.normal(size=(50, 1 + sides)),
+                random.normal(size=(50, 1 + sides, sides)),
+                np.zeros((50, 1 + sides, sides, sides)),
+                np.zeros((50, 1 + sides)),
+            )
+            for _ in range(2)
+        )
+        sizes = [np.abs(z.c0) + z.deviation for z in (x, y)]
+        for found, size in (
+            (x + y, sizes[0] + sizes[1]),
+            (x - y, sizes[0] + sizes[1]),
+            (x * y, sizes[0][:, :1] * sizes[1] + sizes[1][:, :1] * sizes[0]),
+            (x.times(-7.0), 7 * sizes[0]),
+            (x.power(2), 2 * sizes[0][:, :1] * sizes[0]),
+        ):
+            assert (found.r <= 400 * ROUNDING * size + 1e-280).all()
+            assert (found.r > 0).all()
+            low, high = found.bounds()
+            assert (high - low <= 2.0000001 * found.deviation + 1e-12 * abs(found.c0)).all()
+
+
+@with_many_digits
+def test_what_a_product_misses_is_attained() -> None:
+    """All signs the same, t at a corner: the third and fourth order of the product, and each radius times the other's size."""
+    random = np.random.default_rng(11)
+    for _ in range(30):
+        n = int(random.integers(1, 4))
+        x, y = (
+            Model(
+                *(random.choice([0.0, 1.0, 2.5], (1, 1, *(n,) * order)) for order in (0, 1, 2)),
+                random.choice([0.0, 1.0], (1, 1)),
+            )
+            for _ in range(2)
+        )
+        lone = [
+            replace(z, **{k: np.pad(getattr(z, k), [(0, 0), (0, n), *[(0, 0)] * d]) for k, d in KEYS}) for z in (x, y)
+        ]
+        found = lone[0] * lone[1]
+        most = [float((np.abs(z.c0) + z.deviation)[0, 0]) for z in lone]
+        assert (np.abs(found.c0) + found.deviation)[0, 0] == pytest.approx(most[0] * most[1], rel=1e-12)
+
+
+KEYS = (("c0", 0), ("c1", 1), ("c2", 2), ("r", 0))
