@@ -127,8 +127,8 @@ class Model:
         c1 = df[..., None] * x1
         c2 = df[..., None, None] * x2 + half[..., None, None] * x1[..., :, None] * x1[..., None, :]
         square = 2 * d1 * (d2 + r) + (d2 + r) ** 2  # of x^2, what is not in c2
-        whole = np.abs(f) + np.abs(df) * (d1 + d2 + r) + np.abs(half) * (d1 + d2 + r) ** 2
-        lost = _ROUNDING * whole + _TINY * (1 + d1 + d2 + r) ** 2
+        whole = np.abs(f) + np.abs(df) * (d1 + d2) + np.abs(half) * d1**2  # of what is in f, c1 and c2
+        lost = _ROUNDING * whole + _TINY * (1 + self.deviation[:, :1]) ** 2
         radius = (np.abs(df) * r + np.abs(half) * square + rest) * (1 + _ROUNDING) + lost
         return Model(f, c1, c2, radius)
 
