@@ -277,3 +277,17 @@ def test_one_sided_derivatives_are_said_in_text_and_document() -> None:
     row = found.to_dict()["changeovers"]["perceived"][-1]["parameters"][-1]
     assert (row["name"], row["side"], row["reason"]) == ("zeta", "above", "from above; below there is no scene")
     assert row["digits"]["derivative"] == "-8.40630472854641"  # -960/114.2
+
+
+def test_a_derivative_that_is_exactly_zero_is_told_as_zero() -> None:
+    """k/b = omega_c: the lag cancels the environment's zero, and r_i does not depend on k at first order."""
+    scene = hs.Scene(hs.environments.kelvin_voigt(100, 5), (hs.effects.first_order_lag(20),))
+    found = sensitivity(scene)
+    assert found.certified
+    assert float(found.crossings[0]["k"].derivative) == float(found.crossings[0]["b"].derivative) == 0
+    here, *steps = (
+        Fraction(hs.evaluate(scene.with_values({"k": k})).crossings[0].omega.digits(40))
+        for k in (100, Rational(999, 10), Rational(1001, 10), Rational(9999, 100), Rational(10001, 100))
+    )
+    far, near = [x - here for x in steps[:2]], [x - here for x in steps[2:]]
+    assert all(float(x / y) == pytest.approx(100, rel=0.01) for x, y in zip(far, near, strict=True))  # a parabola

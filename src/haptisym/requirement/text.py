@@ -134,6 +134,8 @@ def _certain(r: Required) -> str:
         why = "" if r.limit is None else f" within the limit of {r.limit:g} s"
         said = f"UNDECIDED: for the values from {where} neither was proven{why}. About all others everything is."
         return fill(said, WIDTH)
+    if not r.feasible:
+        return "Certain: none that will do was missed; that is proven, not sampled."
     if any(isinstance(end.value, Sliver) for span in r.feasible for end in (span.low, span.high)):
         return fill(
             "Certain: each end lies within the enclosure that is given; of some no more digits are known.", WIDTH

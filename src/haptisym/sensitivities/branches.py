@@ -48,9 +48,7 @@ class Meeting:
 
         Complete for polynomials with rational values of the symbols, but where more than two branches of one factor meet.
         """
-        plain = not any(f.ring.functions for f, _ in self.factors)
-        rational = all(isinstance(value, Rational) for value in self._numbers.values())
-        core = self._core() if plain and rational else None
+        core = self._core()
         if core is None:
             return None
         below: list[Branch] = []
@@ -61,6 +59,13 @@ class Meeting:
                 return None
             below, above = below + found[0], above + found[1]
         return below, above
+
+    def is_still(self) -> bool:
+        """Whether a simple zero of the only factor does not move at first order: dF/dp is 0 there. (False: not seen to be.)"""
+        core, [(factor, _)] = self._core(), self.factors
+        return core is not None and self._vanishes(
+            factor.ring, _derivative(factor.ring, factor.F, self.parameter), core
+        )
 
     def _of(self, factor: Equation, core: Polynomial) -> Sides | None:
         """The real branches of one factor F, by the lowest terms of its Taylor series at the point."""
@@ -100,7 +105,10 @@ class Meeting:
         return lines, list(lines)
 
     def _core(self) -> Polynomial | None:
-        """The irreducible polynomial that the frequency is a zero of, for the parameter's value."""
+        """The irreducible polynomial that the frequency is a zero of; None but for polynomials with rational values."""
+        plain = not any(f.ring.functions for f, _ in self.factors)
+        if not plain or not all(isinstance(value, Rational) for value in self._numbers.values()):
+            return None
         left: dict[str, Polynomial] = {}
         for factor, _ in self.factors:
             here = self._here(factor.ring, factor.F)

@@ -249,6 +249,8 @@ def _at(
     if slope.slope.vanishes({p.symbol: p.exact}):
         return _one_sided(p, _ZERO, where)
     if not slope.is_clear():
+        if Meeting(meeting, p.symbol, values).is_still():
+            return _one_sided(p, _ZERO, where)
         return Sensitivity(p.path, p.name, p.unit, None, None, _NOT_CLEAR)
     return _one_sided(p, slope, where)
 
