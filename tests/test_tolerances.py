@@ -28,7 +28,18 @@ from haptisym.tolerance.box import box_of
 from haptisym.tolerance.excess import Excess
 from haptisym.tolerance.proofs import One, Verdict
 from haptisym.tolerance.quantiles import Quantiles, quantiles
-from haptisym.tolerance.search import Cluster, _apart, _together, beyond, bounded, clusters, halves
+from haptisym.tolerance.search import (
+    Cluster,
+    _apart,
+    _Bounded,
+    _contracted,
+    _together,
+    _unclear,
+    beyond,
+    bounded,
+    clusters,
+    halves,
+)
 from haptisym.tolerance.taylormodels import Model, constant, variable
 
 QUICK = {"fu2019-tolerances", "delayed-spring"}.__contains__
@@ -568,6 +579,58 @@ def test_what_is_known_of_cells_holds_in_them() -> None:
         assert (lower[i, 1 - side] == upper[i, 1 - side]).all()
 
 
+def contracted(
+    cell: list[list[float]], c0: float, c1: list[float], c2: list[list[float]], r: float, *slope: float
+) -> list[float]:
+    rows = (np.array([x], float) for x in (cell, c0, c1, c2, r, *slope))
+    return _contracted(*rows)[0].tolist()
+
+
+def test_crossings_in_a_cell_lie_where_a_line_of_the_least_or_the_greatest_slope_may_cross() -> None:
+    """F = c0 + g t_0 + rest, the cell from 0.2 to 0.6: t_0 between -(c0 -+ rest)/g, and omega = 0.4 + 0.2 t_0."""
+    cell, none = [[0.2, 0.6], [0, 1], [0, 1]], [[0.0] * 3] * 3
+    for side in (1, -1):
+        low, high = contracted(cell, 0.1, [2, side * 0.3, 0], none, 0.05, 2, 2)
+        assert low <= 0.4 - 0.2 * 0.225 < 0.4 + 0.2 * 0.125 <= high
+        assert [low, high] == pytest.approx([0.355, 0.425], abs=1e-12)
+        mixed = [[5, 0.5, side * 0.7], [0.5, side * 0.04, 0.02], [0.7, -0.01, 0]]  # terms in t_0 are in the slope
+        low, high = contracted(cell, 0.1, [2, side * 0.3, 0], mixed, 0.05, 2, 2)
+        assert [low, high] == pytest.approx([0.4 - 0.1 * 0.52, 0.4 + 0.1 * 0.32], abs=1e-12)
+        low, high = contracted(cell, side * 0.1, [2, 0.3, 0], none, 0.05, 2, 4)
+        ends = sorted(-(side * 0.1 + x) / g for x in (-0.35, 0.35) for g in (2, 4))
+        assert [low, high] == pytest.approx([0.4 + 0.2 * ends[0], 0.4 + 0.2 * ends[-1]], abs=1e-12)
+        assert contracted(cell, 0.1, [2, 0.3, 0], none, 0.05, *sorted((-side, 2))) == pytest.approx(
+            [0.2, 0.6] if side > 0 else [0.4 - 0.2 * 0.45, 0.4 + 0.2 * 0.25], abs=1e-12
+        )
+    assert contracted(cell, 0.1, [-2, 0.3, 0], none, 0.05, -2, -2) == pytest.approx([0.375, 0.445], abs=1e-12)
+    for slope in ((0, 2), (-2, 0), (-1, 1), (-np.inf, np.inf), (np.nan, 1)):
+        with np.errstate(all="ignore"):
+            low, high = contracted(cell, 0.1, [2, 0.3, 0], none, 0.05, *slope)
+        assert low <= 0.2 < 0.6 <= high
+    with np.errstate(all="ignore"):
+        low, high = contracted(cell, 0.1, [2, 0.3, 0], none, np.inf, 2, 2)
+    assert low <= 0.2 < 0.6 <= high
+    far = contracted(cell, 9.0, [2, 0.3, 0], none, 0.05, 2, 2)
+    assert far == pytest.approx([0.2, 0.2], abs=1e-12)
+
+
+def test_a_cell_is_clear_where_the_corner_with_the_least_or_the_greatest_value_is() -> None:
+    cells = np.array([[[0.0, 1.0], [0.0, 1.0], [0.0, 1.0]]])
+
+    def unclear(of: Callable[..., Model], *signs: int) -> bool:
+        known = _Bounded(cells, np.array([[0, 0, *signs]]), cells[:, 0], np.array([0]))
+        return bool(_unclear(Made(of, 2), known)[0])
+
+    for sign in (1, -1):
+        assert not unclear(lambda w, p, q, c, s=sign: (p + c(0.01)).times(s), sign, 0)  # least at p = 0: 0.01
+        assert unclear(lambda w, p, q, c, s=sign: (p - c(0.01)).times(s), sign, 0)
+        assert not unclear(lambda w, p, q, c, s=sign: (q - p + c(1.01)).times(s), -sign, sign)  # least at p = 1, q = 0
+        assert not unclear(lambda w, p, q, c, s=sign: (q.times(0.1) - p + c(1.2)).times(s), -sign, 0)
+        assert unclear(lambda w, p, q, c, s=sign: (q - p + c(0.9)).times(s), -sign, sign)
+    told = _Bounded(cells, np.array([[1, 0, 0, 0]]), cells[:, 0], np.array([0]))
+    assert not _unclear(Made(lambda w, p, q, c: w - p, 2), told)[0]
+
+
 def test_cells_that_touch_hang_together_and_clusters_that_overlap_in_frequency_are_one() -> None:
     cells = np.array(
         [[[a, a + 1], [b, b + 1]] for a, b in ((0, 0), (5, 5), (1, 1), (2, 0), (7, 5), (6, 5), (0, 9))], float
@@ -660,11 +723,12 @@ def test_with_a_band_from_above_zero_ends_and_bandwidth_are_those_of_the_crossin
     assert (edge.transparent.transparent, edge.noticed.transparent) == (True, False)
 
 
-def test_an_end_that_no_corner_reaches_is_a_bound_a_thousandth_beyond_at_most() -> None:
+@pytest.mark.parametrize("low", [0, 1])
+def test_an_end_that_no_corner_reaches_is_a_bound_a_thousandth_beyond_at_most(low: int) -> None:
     """r_i = omega T (1 + p^2): its crossing is highest at p = 0, which is no corner, and lowest at p = 2."""
     effect = hs.effects.series("1 + s*T*(1 + p^2)", parameters={"T": "10 ms", "p": [-1, 2]})
     spring = hs.environments.mass_spring_damper(k=100)
-    found = tolerances(hs.Scene(spring, (effect,), (0, 20)), samples=0)
+    found = tolerances(hs.Scene(spring, (effect,), (low, 20)), samples=0)
     [x] = found.enclosures
     assert (x.part, x.monotonic["p"]) == (hs.Part.IMAG, 0)
     assert 10 <= float(x.high) <= 10 * 1.002
