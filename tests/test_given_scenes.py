@@ -30,7 +30,7 @@ CALLS: dict[str, Callable[[Any], str]] = {
     "simulate": lambda x: str(hs.simulate(x, hs.sine("5 cm", 10)).estimates),
     "simulation_cost": lambda x: hs.simulation_cost(x, quick=True).scene.title,
     "sweep": lambda x: str(hs.sweep(x, {"effects.filter.omega_n": [40.0]}).bandwidth.values),
-    "tolerances": lambda x: str(hs.tolerances(x, samples=0).box.sides),
+    "tolerances": lambda x: str(hs.tolerances(x, samples=0, limit=0.1).box.sides),
 }
 TIMED = ["cost", "simulation_cost"]  # minutes of measuring: which scene is measured is seen without that
 

@@ -9,6 +9,7 @@ from html import unescape
 from typing import Any
 
 import pytest
+from marks import often
 from pagereader import Page
 from sympy import Basic
 
@@ -38,7 +39,7 @@ ANSWERS: dict[str, Callable[[], Any]] = {
 }
 
 
-@pytest.fixture(scope="module", params=ANSWERS)
+@pytest.fixture(scope="module", params=often(ANSWERS, lambda words: not words.startswith("tolerances")))
 def answer(request: pytest.FixtureRequest) -> tuple[str, Any]:
     """A command line, and the answer of the same verb in Python."""
     return request.param, ANSWERS[request.param]()
