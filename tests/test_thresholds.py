@@ -35,7 +35,7 @@ def _by_critical_values(scene: hs.Scene, path: str, asked: tuple[object, object]
     return Problem(found, free.symbol, scene.band, domain(free, asked), partial(_allowed, scene, free)).solve().feasible  # type: ignore[arg-type]
 
 
-RATIONAL = [n for n in hs.scene_names() if n in {*QUICK, "two-mass-resonance", "steering-wheel", "satellite-contact"}]
+RATIONAL = [n for n in hs.scene_names() if n in {*QUICK, "two-mass-resonance", "steering-wheel"}]
 
 
 @pytest.mark.parametrize("path", ["evaluation.jnd", "evaluation.jnd.real", "evaluation.jnd.imag"])
