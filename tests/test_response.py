@@ -8,12 +8,12 @@ import flint
 import numpy as np
 import pytest
 from flint import arb
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from marks import examples
 from oracles import DIGITS, MP, Case, digits_of
 from strategies import cases, exact, rationals, scene
-from sympy import Abs, Expr, I, Integer, Rational, Symbol, cancel, exp, expand, pi, sin, sqrt, together
+from sympy import Abs, Expr, I, Integer, Rational, Symbol, exp, expand, fraction, pi, sin, sqrt, together
 
 import haptisym as hs
 from haptisym.effects import compliance, first_order_lag, second_order_lowpass, series, shunt
@@ -34,7 +34,8 @@ quotients = st.builds(lambda p, q: p / q, polynomials, denominators)
 
 
 def is_zero(expression: Expr) -> bool:
-    return cancel(together(expression)) == 0
+    """Whether an expression is 0: its numerator over one denominator, multiplied out (``cancel`` may leave 1/2 - 1/2 unadded)."""
+    return expand(fraction(together(expression))[0]) == 0
 
 
 @given(quotients, quotients)
@@ -101,6 +102,7 @@ def test_closed_forms_have_the_values_of_mpmath(case: Case, at: Fraction) -> Non
     d = scene(case).distortion()
     H, G = case.dynamics(MP.mpc(0, digits_of(at)), DIGITS)
     D, size = G - H, abs(H)
+    assume(size > MP.mpf(10) ** -40 * abs(G))  # at a zero of H_env there is no ratio
     expected = {
         "real": D.real, "imag": D.imag,
         "ratio_real": abs(D.real) / size, "ratio_imag": abs(D.imag) / size,
