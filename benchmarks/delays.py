@@ -17,10 +17,10 @@ from mpmath import iv
 from timing import machine, medians, table
 
 import haptisym as hs
-from haptisym.crossings import Curve, excess, find_crossings
-from haptisym.distortion import part_of
-from haptisym.exact.caches import forget
-from haptisym.exact.roots import chart
+from haptisym.judge.crossings import Curve, excess, find_crossings
+from haptisym.kernel.caches import forget
+from haptisym.kernel.roots import chart
+from haptisym.model.distortion import part_of
 
 Interval = Any  # mpmath's iv.mpf
 

@@ -15,10 +15,10 @@ import sympy
 from timing import machine, medians, table
 
 import haptisym as hs
-from haptisym.crossings import Curve, excess, find_crossings
-from haptisym.distortion import part_of
-from haptisym.exact.caches import forget
-from haptisym.exact.roots import chart
+from haptisym.judge.crossings import Curve, excess, find_crossings
+from haptisym.kernel.caches import forget
+from haptisym.kernel.roots import chart
+from haptisym.model.distortion import part_of
 
 SCENE = hs.load_scene("fu2019")
 NUMBERS = {"m": "9/5", "b": "15", "k": "100", "w": "80", "z": "1/2"}

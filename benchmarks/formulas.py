@@ -16,10 +16,10 @@ import sympy
 from timing import machine, medians
 
 import haptisym as hs
-from haptisym.distortion import Chain
-from haptisym.exact.response import on_axis
-from haptisym.formulas.structure import structure
-from haptisym.typeset.plain import plain
+from haptisym.kernel.response import on_axis
+from haptisym.model.distortion import Chain
+from haptisym.verbs.derive.structure import structure
+from haptisym.writing.mathtext import plain
 
 LIMIT = 60.0
 """Seconds that SymPy gets."""

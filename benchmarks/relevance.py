@@ -14,7 +14,7 @@ from evaluate import forget
 from timing import machine, medians, table
 
 import haptisym as hs
-from haptisym.formulas.structure import structure
+from haptisym.verbs.derive.structure import structure
 
 
 def fresh(scene: hs.Scene) -> hs.Scene:

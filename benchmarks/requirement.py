@@ -13,8 +13,8 @@ import sympy
 from timing import machine, medians
 
 import haptisym as hs
-from haptisym.requirement.freeparameter import conditions, free_parameter
-from haptisym.symbols import omega
+from haptisym.kernel.symbols import omega
+from haptisym.verbs.require.freeparameter import conditions, free_parameter
 
 FILTERS = (("80", "0.5"), ("800", "0.5"), ("1200", "0.5"))
 

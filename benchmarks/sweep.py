@@ -19,10 +19,10 @@ import numpy as np
 from timing import machine
 
 import haptisym as hs
-from haptisym.sweeps.axes import axes, paths
-from haptisym.sweeps.batch import Array
-from haptisym.sweeps.exactly import exact_answers
-from haptisym.sweeps.kernel import Kernel
+from haptisym.verbs.sweep.axes import axes, paths
+from haptisym.verbs.sweep.batch import Array
+from haptisym.verbs.sweep.exactly import exact_answers
+from haptisym.verbs.sweep.kernel import Kernel
 
 PAPER = hs.load_scene("fu2019")
 PATHS = {

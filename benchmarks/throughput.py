@@ -21,8 +21,8 @@ from sympy import lambdify
 from timing import machine, medians
 
 import haptisym as hs
-from haptisym.formulas.structure import structure
-from haptisym.symbols import omega
+from haptisym.kernel.symbols import omega
+from haptisym.verbs.derive.structure import structure
 
 RATIOS = ("ratio_real", "ratio_imag")
 BYTES = 24

@@ -160,7 +160,7 @@ assert form - enough_delay == 0
 # The formulas, and the largest ratio on the band over its threshold against the filter's frequency, with the requirement.
 
 # %%
-from haptisym.requirement.figures import save_requirement
+from haptisym.figures.require import save_requirement
 
 output = Path(next((given for given in sys.argv[1:2] if not given.startswith("-")), "derived"))
 output.mkdir(parents=True, exist_ok=True)

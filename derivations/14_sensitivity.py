@@ -116,8 +116,8 @@ for x in found.crossings:
 # ## 6. Formulas and figure
 
 # %%
-from haptisym.sensitivities.figure import save_elasticities
-from haptisym.tex.latex import latex
+from haptisym.figures.sensitivity import save_elasticities
+from haptisym.pages.tex.latex import latex
 
 output = Path(next((given for given in sys.argv[1:2] if not given.startswith("-")), "derived"))
 output.mkdir(parents=True, exist_ok=True)

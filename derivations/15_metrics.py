@@ -207,7 +207,7 @@ print(f"3 dB edge of the paper's filter: {golden.evalf(10)} rad/s")
 from matplotlib.figure import Figure
 from numpy import linspace
 
-from haptisym.tex.latex import latex
+from haptisym.pages.tex.latex import latex
 
 output = Path(next((given for given in sys.argv[1:2] if not given.startswith("-")), "derived"))
 output.mkdir(parents=True, exist_ok=True)

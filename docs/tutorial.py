@@ -172,7 +172,7 @@ print(hs.mathml(d.environment))
 # haptisym:
 
 # %%
-from haptisym.codegen.scene import Language, scene_code
+from haptisym.writing.code.entry import Language, scene_code
 
 code = scene_code(paper, Language.JULIA, parameters=["omega_n"])
 assert "function distortion(omega::Real, omega_n::Real)" in code
@@ -188,7 +188,7 @@ print(code)
 from pathlib import Path
 from tempfile import mkdtemp
 
-from haptisym.report.page import save_report
+from haptisym.pages.report.page import save_report
 
 report = Path(mkdtemp()) / "tutorial.html"
 save_report(felt, report)

@@ -14,8 +14,8 @@ import numpy as np
 from flint import acb, arb, fmpq
 from sympy import Add, Expr, I, Integer, Mul, Pow, Rational, Symbol, cosh, exp, pi, sinh
 
-from haptisym.distortion import Chain
-from haptisym.symbols import s
+from haptisym.kernel.symbols import s
+from haptisym.model.distortion import Chain
 
 BITS = 1000
 

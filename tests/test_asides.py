@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 import haptisym as hs
-from haptisym.report.page import page
-from haptisym.tex.document import document
+from haptisym.pages.report.page import page
+from haptisym.pages.tex.document import document
 
 Call = Callable[..., tuple[int, str, str]]
 

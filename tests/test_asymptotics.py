@@ -7,8 +7,8 @@ import pytest
 from sympy import lambdify, symbols
 
 import haptisym as hs
-from haptisym.formulas.asymptotics import expansion
-from haptisym.peaks import largest
+from haptisym.judge.peaks import largest
+from haptisym.verbs.derive.asymptotics import expansion
 
 NAMES = [name for name in hs.scene_names() if name not in ("admittance-display", "control-stick-in-detail")]
 

@@ -11,7 +11,7 @@ from sympy import Rational
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.jnd import Part
+from haptisym.model.jnd import Part
 
 Dynamics = Callable[[mpmath.mpc, mpmath.mpc], mpmath.mpc]
 """What is felt of a dynamics, and s."""

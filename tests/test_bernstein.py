@@ -14,9 +14,9 @@ from flint import fmpq, fmpq_poly
 from hypothesis import given
 from hypothesis import strategies as st
 
-from haptisym.sweeps import bernstein
-from haptisym.sweeps.batch import MOST_TERMS, Array, Batch, error, nearest, product
-from haptisym.sweeps.bernstein import isolate, refine
+from haptisym.verbs.sweep import bernstein
+from haptisym.verbs.sweep.batch import MOST_TERMS, Array, Batch, error, nearest, product
+from haptisym.verbs.sweep.bernstein import isolate, refine
 
 EDGES = (0.0, 0.3, 0.55, 1.0)
 

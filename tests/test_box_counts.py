@@ -10,7 +10,7 @@ from sympy import Rational
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.tolerance.answers import Tolerances, tolerances
+from haptisym.verbs.tolerances.entry import Tolerances, tolerances
 
 
 def _ranged(draw: random.Random, value: int) -> str:

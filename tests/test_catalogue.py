@@ -15,7 +15,7 @@ from sympy import Expr, I, Rational, symbols
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.catalogue import EFFECTS, ENVIRONMENTS
+from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS
 
 P = Mapping[str, Any]
 

@@ -9,11 +9,11 @@ import mpmath
 import pytest
 
 import haptisym as hs
-from haptisym.caveats import caveats, sampled_loop
-from haptisym.exact.stability import is_stable
-from haptisym.report.page import page
-from haptisym.simulation.motions import sine
-from haptisym.tex.document import document
+from haptisym.kernel.stability import is_stable
+from haptisym.model.caveats import caveats, sampled_loop
+from haptisym.pages.report.page import page
+from haptisym.pages.tex.document import document
+from haptisym.verbs.simulate.motions import sine
 
 WALL = hs.environments.mass_spring_damper(k=200, b=2)
 HOLD = hs.effects.zero_order_hold("4 ms", name="sampler")

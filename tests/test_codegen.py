@@ -25,13 +25,13 @@ from sympy import I, Integer, Rational, Symbol, cosh, exp, pi, sin, sinc, sinh, 
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.codegen.code import About, Argument, Language, code
-from haptisym.codegen.forms import closed_steps
-from haptisym.codegen.names import comment, identifiers
-from haptisym.codegen.printers import nearest_double
-from haptisym.codegen.scene import distortion_code, scene_code, scene_program
-from haptisym.formulas.steps import Steps
-from haptisym.numeric.values import Values
+from haptisym.programs.values import Values
+from haptisym.verbs.derive.steps import Steps
+from haptisym.writing.code.code import About, Argument, Language, code
+from haptisym.writing.code.entry import distortion_code, scene_code, scene_program
+from haptisym.writing.code.forms import closed_steps
+from haptisym.writing.code.names import comment, identifiers
+from haptisym.writing.code.printers import nearest_double
 
 MP = mpmath.mp.clone()
 MP.dps = 60

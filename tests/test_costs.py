@@ -14,18 +14,18 @@ from sympy import Symbol
 
 import haptisym as hs
 from haptisym.cli import app
-from haptisym.costs.costs import Cost
-from haptisym.costs.figure import draw
-from haptisym.costs.hardcases import hard_cases
-from haptisym.costs.hardfigure import draw as draw_hard
-from haptisym.costs.measurement import Row, front
-from haptisym.costs.methods import CROSSINGS, RATIOS, Method
-from haptisym.costs.questions import DOUBLE, Crossings, Found
-from haptisym.costs.stopwatch import interleaved
-from haptisym.costs.tasks import approximated
-from haptisym.costs.usual import RefusedError
-from haptisym.errors import SceneError
+from haptisym.figures.cost import draw
+from haptisym.figures.hardcosts import draw as draw_hard
 from haptisym.figures.style import save_as
+from haptisym.kernel.errors import SceneError
+from haptisym.verbs.cost.entry import Cost
+from haptisym.verbs.cost.hardcases import hard_cases
+from haptisym.verbs.cost.measurement import Row, front
+from haptisym.verbs.cost.methods import CROSSINGS, RATIOS, Method
+from haptisym.verbs.cost.questions import DOUBLE, Crossings, Found
+from haptisym.verbs.cost.stopwatch import interleaved
+from haptisym.verbs.cost.tasks import approximated
+from haptisym.verbs.cost.usual import RefusedError
 
 
 @cache

@@ -12,10 +12,10 @@ from sympy import Rational, sqrt
 from test_latex import check_layout, compiled
 
 import haptisym as hs
-from haptisym.formulas.derivation import QUANTITIES, derive
-from haptisym.formulas.sections import sections
-from haptisym.formulas.text import to_dict
-from haptisym.symbols import X
+from haptisym.kernel.symbols import X
+from haptisym.pages.derive import to_dict
+from haptisym.pages.sections import sections
+from haptisym.verbs.derive.derivation import QUANTITIES, derive
 
 SHORT = ["fu2019", "delayed-spring", "undamped-resonance", "zener-tissue", "stick-with-friction"]
 

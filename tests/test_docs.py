@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import haptisym as hs
-from haptisym.catalogue import EFFECTS, ENVIRONMENTS, Model
+from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Model
 
 ROOT = Path(__file__).parent.parent
 REFERENCE = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")

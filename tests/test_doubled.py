@@ -15,11 +15,11 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from sympy import Rational, Symbol, cos, pi, sin, sinc
 
-from haptisym.numeric import doubled
-from haptisym.numeric.doubled import BLOCK, Doubled, Doubles, add, div, fast_two_sum, of_ball, two_product, two_sum
-from haptisym.numeric.floats import Floats
-from haptisym.numeric.magnitudes import judge
-from haptisym.numeric.program import Program, Writer, sincm1
+from haptisym.programs import doubled
+from haptisym.programs.doubled import BLOCK, Doubled, Doubles, add, div, fast_two_sum, of_ball, two_product, two_sum
+from haptisym.programs.floats import Floats
+from haptisym.programs.magnitudes import judge
+from haptisym.programs.program import Program, Writer, sincm1
 
 numbers = st.floats(min_value=-1e100, max_value=1e100).filter(lambda x: x == 0 or abs(x) > 1e-100)
 pairs = st.tuples(numbers, st.floats(-0.5, 0.5), st.floats(0, 1e-20))

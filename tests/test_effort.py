@@ -8,8 +8,8 @@ from itertools import count
 import pytest
 
 import haptisym as hs
-from haptisym import evaluation
-from haptisym.exact.reals import RealNumber
+from haptisym.judge import evaluation
+from haptisym.kernel.reals import RealNumber
 
 
 @pytest.mark.parametrize(

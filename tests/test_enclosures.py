@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 from marks import examples
 from sympy import Expr, Rational, factor_list, pi, symbols
 
-from haptisym.exact.bernstein import range_of
-from haptisym.exact.eliminants import discriminant, resultant
-from haptisym.exact.reals import expression_ball
-from haptisym.exact.rings import PolynomialRing
-from haptisym.exact.wavesums import Term, WaveSum, _compiled, _power_series
+from haptisym.kernel.bernstein import range_of
+from haptisym.kernel.eliminants import discriminant, resultant
+from haptisym.kernel.reals import expression_ball
+from haptisym.kernel.rings import PolynomialRing
+from haptisym.kernel.wavesums import Term, WaveSum, _compiled, _power_series
 
 small = st.integers(-5, 5)
 rates = st.fractions("1/100", 3, max_denominator=100)

@@ -13,7 +13,7 @@ from sympy import Rational
 
 import haptisym as hs
 from haptisym.environments import expression
-from haptisym.expressions import evaluate
+from haptisym.model.expressions import evaluate
 
 NAMES = {"x": Fraction(3), "y": Fraction(-2, 7), "s_1": Fraction(5, 2)}
 

@@ -241,7 +241,7 @@ def test_the_figure_marks_who_binds(call, tmp_path: Path) -> None:  # type: igno
     status, _, _ = call("evaluate", "palpation-device", "--figures", str(tmp_path))
     assert status == 0
     assert sorted(x.name for x in tmp_path.iterdir()) == ["worst-case.pdf", "worst-case.png", "worst-case.svg"]
-    from haptisym.family.figure import family_figure
+    from haptisym.figures.family import family_figure
 
     figure = family_figure(hs.evaluate_all(hs.load_scenes("palpation-device")))
     upper, lower = figure.axes

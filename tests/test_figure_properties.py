@@ -20,20 +20,20 @@ from matplotlib.patches import Rectangle
 from matplotlib.text import Annotation, Text
 
 import haptisym as hs
-from haptisym.family.figure import save_family_figures
+from haptisym.figures.effects import draw_influences, save_influences
+from haptisym.figures.family import save_family_figures
 from haptisym.figures.files import save_figures
+from haptisym.figures.metrics import draw_measures, draw_verdicts, save_metrics_figure
 from haptisym.figures.nyquist import HEAD, draw_nyquist
 from haptisym.figures.projections import draw_projections
 from haptisym.figures.ratios import draw_ratios
+from haptisym.figures.require import save_requirement
+from haptisym.figures.sensitivity import draw_elasticities, save_elasticities
+from haptisym.figures.simulate import draw_loop, draw_recovered, draw_time, save_simulation_figures
 from haptisym.figures.square import draw_jnd_square
 from haptisym.figures.style import SHADE
-from haptisym.measures.figure import draw_measures, draw_verdicts, save_metrics_figure
-from haptisym.pruning.figure import draw_influences, save_influences
-from haptisym.requirement.figures import save_requirement
-from haptisym.sensitivities.figure import draw_elasticities, save_elasticities
-from haptisym.simulation.figures import draw_loop, draw_recovered, draw_time, save_simulation_figures
-from haptisym.sweeps.figure import save_sweep_figure
-from haptisym.tolerance.figure import draw_tolerances, save_tolerances
+from haptisym.figures.sweep import save_sweep_figure
+from haptisym.figures.tolerances import draw_tolerances, save_tolerances
 
 NATURAL, MASS = "effects.filter.omega_n", "environment.m"
 RESONANT = "two-mass-resonance"

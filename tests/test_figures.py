@@ -28,7 +28,7 @@ from haptisym.figures.nyquist import draw_nyquist
 from haptisym.figures.projections import draw_projections
 from haptisym.figures.ratios import draw_ratios
 from haptisym.figures.square import draw_jnd_square
-from haptisym.percepts import felt
+from haptisym.judge.percepts import felt
 
 PAPER = hs.Scene(mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m"), (second_order_lowpass("80 rad/s", "0.5"),))
 UNDAMPED = hs.Scene(mass_spring_damper(m=1, k=100), (shunt(m="0.1"),))

@@ -7,8 +7,8 @@ from marks import QUICK_SCENES, often
 from sympy import Rational, sqrt, symbols
 
 import haptisym as hs
-from haptisym.formulas.groups import groups
-from haptisym.formulas.structure import structure
+from haptisym.verbs.derive.groups import groups
+from haptisym.verbs.derive.structure import structure
 
 SPRING_MASS = hs.environments.mass_spring_damper
 

@@ -19,17 +19,18 @@ from sympy import Abs, Float, I, Integer, Rational, Symbol, cos, exp, pi, sqrt
 from sympy.printing.latex import LatexPrinter
 from texreader import equations, value
 
-from haptisym import Scene, Threshold, effects, environments, evaluate, load_scene, scene_names, symbols
-from haptisym.crossings import Curve
-from haptisym.distortion import Distortion, distort
-from haptisym.evaluation import Evaluation
-from haptisym.jnd import Part
-from haptisym.symbols import X, omega, s
-from haptisym.tex.document import document
-from haptisym.tex.latex import latex
-from haptisym.tex.lines import LINE, broken, width
-from haptisym.tex.names import escape, symbol_name
-from haptisym.typeset.numerals import approximate
+from haptisym import Scene, Threshold, effects, environments, evaluate, load_scene, scene_names
+from haptisym.judge.crossings import Curve
+from haptisym.judge.evaluation import Evaluation
+from haptisym.kernel import symbols
+from haptisym.kernel.symbols import X, omega, s
+from haptisym.model.distortion import Distortion, distort
+from haptisym.model.jnd import Part
+from haptisym.pages.tex.document import document
+from haptisym.pages.tex.latex import latex
+from haptisym.writing.numerals import approximate
+from haptisym.writing.texlines import LINE, broken, width
+from haptisym.writing.texnames import escape, symbol_name
 
 GOLDEN = Path(__file__).parent / "golden"
 m, b, k, omega_n, zeta, omega_c, tau, J, J_w = symbols("m b k omega_n zeta omega_c tau J J_w")

@@ -14,17 +14,17 @@ from sympy import Abs, Float, I, Integer, Rational, Symbol, acos, asin, atan, co
 from sympy.printing.str import StrPrinter
 
 import haptisym as hs
-from haptisym.exact.rings import PolynomialRing
-from haptisym.symbols import omega, s
-from haptisym.tex.printer import formula, tex
-from haptisym.typeset.boxes import Absolute, Fraction, Name, Numeral, Power, Product, Root, Sum
-from haptisym.typeset.equations import QUANTITIES, equation
-from haptisym.typeset.formula import readable
-from haptisym.typeset.layout import layout
-from haptisym.typeset.mathml import mathml
-from haptisym.typeset.names import CAPITALS, GREEK, greek, letter
-from haptisym.typeset.numerals import is_short, rounded
-from haptisym.typeset.plain import plain, text
+from haptisym.kernel.rings import PolynomialRing
+from haptisym.kernel.symbols import omega, s
+from haptisym.writing.boxes import Absolute, Fraction, Name, Numeral, Power, Product, Root, Sum
+from haptisym.writing.equations import QUANTITIES, equation
+from haptisym.writing.formula import readable
+from haptisym.writing.layout import layout
+from haptisym.writing.mathml import mathml
+from haptisym.writing.mathtext import plain, text
+from haptisym.writing.names import CAPITALS, GREEK, greek, letter
+from haptisym.writing.numerals import is_short, rounded
+from haptisym.writing.texprinter import formula, tex
 
 m, b, k, omega_n, zeta, omega_c, tau, J = hs.symbols("m b k omega_n zeta omega_c tau J")
 

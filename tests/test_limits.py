@@ -11,13 +11,14 @@ from marks import QUICK_SCENES, often
 from sympy import Rational
 
 import haptisym as hs
-from haptisym import budget, effects, environments
-from haptisym.budget import limited, share, tick
-from haptisym.errors import LimitError, SceneError, UndecidedError
-from haptisym.exact.reals import RealNumber
-from haptisym.requirement.designmap import design_map
-from haptisym.requirement.question import Requirement, require
-from haptisym.tolerance.answers import tolerances
+from haptisym import effects, environments
+from haptisym.kernel import budget
+from haptisym.kernel.budget import limited, share, tick
+from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
+from haptisym.kernel.reals import RealNumber
+from haptisym.verbs.require.designmap import design_map
+from haptisym.verbs.require.entry import Requirement, require
+from haptisym.verbs.tolerances.entry import tolerances
 
 # Long delays: one that is free, beside other things that turn
 

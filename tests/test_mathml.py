@@ -29,11 +29,11 @@ from sympy import (
 )
 
 import haptisym as hs
-from haptisym.errors import SceneError
-from haptisym.symbols import X, omega, s
-from haptisym.typeset.boxes import Equation
-from haptisym.typeset.equations import QUANTITIES, equation
-from haptisym.typeset.mathml import markup, mathml
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.symbols import X, omega, s
+from haptisym.writing.boxes import Equation
+from haptisym.writing.equations import QUANTITIES, equation
+from haptisym.writing.mathml import markup, mathml
 
 m, b, k, omega_n, zeta, tau = hs.symbols("m b k omega_n zeta tau")
 

@@ -16,9 +16,9 @@ from sympy import Expr, Rational, lambdify
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.measures.measured import Measured
-from haptisym.measures.text import as_latex
-from haptisym.measures.transparency import Metrics
+from haptisym.pages.metrics import as_latex
+from haptisym.verbs.metrics.entry import Metrics
+from haptisym.verbs.metrics.measured import Measured
 
 STICK = environments.mass_spring_damper("1.8", 15, 100)
 LOWPASS = effects.second_order_lowpass(80, Rational(1, 2))

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import haptisym as hs
-from haptisym.jnd import Part
-from haptisym.requirement.feasible import Kind
-from haptisym.requirement.question import require
+from haptisym.model.jnd import Part
+from haptisym.verbs.require.entry import require
+from haptisym.verbs.require.feasible import Kind
 
 
 def _times(scene: hs.Scene) -> float:

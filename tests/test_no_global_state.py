@@ -86,7 +86,7 @@ def test_importing_the_package_loads_no_plotting_library() -> None:
         hs_modules = sorted(sys.modules)
         print(*hs_modules)
     """).split()
-    assert "haptisym.evaluation" in loaded
+    assert "haptisym.judge.evaluation" in loaded
     assert not {"matplotlib", "pandas", "IPython", "tkinter", "control"} & set(loaded)
 
 

@@ -15,8 +15,8 @@ from pagereader import Page, equations, value
 from sympy import Integer, Rational, pi, sqrt
 
 import haptisym as hs
-from haptisym.exact.reals import ExactNumber
-from haptisym.report.notebook import register
+from haptisym.kernel.reals import ExactNumber
+from haptisym.pages.report.notebook import register
 
 E, F = hs.environments, hs.effects
 m, b, k, omega_n, zeta, tau = hs.symbols("m b k omega_n zeta tau")

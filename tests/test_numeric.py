@@ -21,7 +21,6 @@ from marks import QUICK_SCENES, often
 from sympy import Rational, Symbol, exp, pi, sinc
 
 import haptisym as hs
-from haptisym.distortion import Distortion
 from haptisym.effects import (
     compliance,
     coulomb_friction,
@@ -36,16 +35,17 @@ from haptisym.effects import (
     zero_order_hold,
 )
 from haptisym.environments import expression, kelvin_voigt, mass_spring_damper, spring_pot, zener
-from haptisym.exact.dynamics import Ring
-from haptisym.exact.response import RealFunction, on_axis
-from haptisym.numeric import floats, machine, stable
-from haptisym.numeric.certified import Certified, ProgramValue
-from haptisym.numeric.doubled import Doubled
-from haptisym.numeric.floats import Floats
-from haptisym.numeric.pointvalues import PointValue
-from haptisym.numeric.program import Operation, Program, Writer
-from haptisym.numeric.values import Values
-from haptisym.symbols import s
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.response import RealFunction, on_axis
+from haptisym.kernel.symbols import s
+from haptisym.model.distortion import Distortion
+from haptisym.programs import floats, machine, stable
+from haptisym.programs.certified import Certified, ProgramValue
+from haptisym.programs.doubled import Doubled
+from haptisym.programs.floats import Floats
+from haptisym.programs.pointvalues import PointValue
+from haptisym.programs.program import Operation, Program, Writer
+from haptisym.programs.values import Values
 
 RATIOS = ("ratio_real", "ratio_imag")
 m, b, k, omega_n, zeta = hs.symbols("m b k omega_n zeta")

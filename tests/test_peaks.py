@@ -14,9 +14,9 @@ from test_crossings import ask, paper
 import haptisym as hs
 from haptisym.effects import delay, first_order_lag, series, shunt
 from haptisym.environments import mass_spring_damper
-from haptisym.exact.dynamics import Ring
-from haptisym.exact.response import RealFunction, on_axis
-from haptisym.peaks import largest, tops
+from haptisym.judge.peaks import largest, tops
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.response import RealFunction, on_axis
 
 FU = hs.load_scene("fu2019").with_band(0, 1000)
 

@@ -18,24 +18,16 @@ from sympy import Integer, Rational, sqrt
 
 import haptisym as hs
 from haptisym import Change, Property
-from haptisym.crossings import Curve, find_crossings, transparent_set, unbounded_points
 from haptisym.effects import first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import expression, kelvin_voigt, mass_spring_damper
-from haptisym.exact.reals import ExactNumber
-from haptisym.exact.roots import Chart, Interval, Point, Signs
 from haptisym.figures.projections import draw_projections
-from haptisym.percepts import (
-    NOT_NAMED,
-    Percept,
-    changeovers,
-    find_felt,
-    find_percepts,
-    outside_model,
-    unnamed,
-)
-from haptisym.percepts import felt as percept_words
-from haptisym.report.page import page
-from haptisym.tex.document import document
+from haptisym.judge.crossings import Curve, find_crossings, transparent_set, unbounded_points
+from haptisym.judge.percepts import NOT_NAMED, Percept, changeovers, find_felt, find_percepts, outside_model, unnamed
+from haptisym.judge.percepts import felt as percept_words
+from haptisym.kernel.reals import ExactNumber
+from haptisym.kernel.roots import Chart, Interval, Point, Signs
+from haptisym.pages.report.page import page
+from haptisym.pages.tex.document import document
 
 PAPER = hs.Scene(
     mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m"),

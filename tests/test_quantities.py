@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from sympy import Expr, I, Rational, nan, oo, pi, zoo
 
 import haptisym as hs
-from haptisym.quantities import _USUAL, Dimension, Motion, _measured, decimal, quantity
+from haptisym.model.quantities import _USUAL, Dimension, Motion, _measured, decimal, quantity
 
 EXACT: list[tuple[str, Dimension, Expr]] = [
     ("1.8 kg", Dimension.MASS, Rational(9, 5)),

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 from oracles import MP, rounded
 from sympy import Expr, Integer, Rational, pi
 
-from haptisym.exact.dynamics import Ring
-from haptisym.exact.reals import ExactNumber, RealNumber
-from haptisym.exact.response import RealFunction
-from haptisym.exact.roots import chart
-from haptisym.symbols import omega
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.reals import ExactNumber, RealNumber
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.roots import chart
+from haptisym.kernel.symbols import omega
 
 
 def exact(x: Fraction) -> ExactNumber:

@@ -17,16 +17,16 @@ from marks import QUICK_SCENES, often
 from sympy import Expr, Rational, exp, lambdify, pi
 
 import haptisym as hs
-from haptisym.catalogue import EFFECTS
-from haptisym.pruning.ballchain import TERMS, BallChain, Kept, Piece, _order_at_0, series_arithmetic
-from haptisym.pruning.differences import Difference, _down, _Expansion, _up
-from haptisym.pruning.figure import save_influences
-from haptisym.pruning.relevance import Relevance, relevance
-from haptisym.pruning.subsets import Search
-from haptisym.pruning.suprema import WIDTH
-from haptisym.pruning.text import document, page
-from haptisym.simulation.simulate import simulate
-from haptisym.symbols import s
+from haptisym.figures.effects import save_influences
+from haptisym.kernel.symbols import s
+from haptisym.model.catalogue import EFFECTS
+from haptisym.pages.effects import document, page
+from haptisym.verbs.effects.ballchain import TERMS, BallChain, Kept, Piece, _order_at_0, series_arithmetic
+from haptisym.verbs.effects.differences import Difference, _down, _Expansion, _up
+from haptisym.verbs.effects.relevance import Relevance, relevance
+from haptisym.verbs.effects.subsets import Search
+from haptisym.verbs.effects.suprema import WIDTH
+from haptisym.verbs.simulate.entry import simulate
 
 MP = mpmath.MPContext()
 MP.dps = 40
@@ -691,7 +691,7 @@ def test_a_bound_is_never_told_above_the_tolerance_that_it_is_proven_to_keep() -
 
 def test_of_many_effects_a_small_set_is_found_if_not_surely_the_smallest(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of five effects all sets of up to two are gone through, as for four all are; then they are left out one by one."""
-    monkeypatch.setattr("haptisym.pruning.subsets._MOST_SUBSETS", 16)
+    monkeypatch.setattr("haptisym.verbs.effects.subsets._MOST_SUBSETS", 16)
     values = ["1.5", "0.5", "1.3", "1.001", "1.002"]
     found = relevance(gains(*values), "0.01")
     assert (names(found), found.smallest) == (["g0", "g1", "g2"], False)
@@ -851,7 +851,7 @@ def test_what_stays_undecided_is_never_said_to_stay_within(monkeypatch: pytest.M
     lag = change(hs.Scene(SPRING, (LAG,), (0, 20)), set(), hs.Part.IMAG)
     for undecided, exceeds, said in (((), (), True), ((1,), (), None), ((), (1,), False), ((1,), (1,), False)):
         table = SimpleNamespace(undecided=undecided, where=lambda _, own=exceeds: list(own))
-        monkeypatch.setattr("haptisym.pruning.differences.chart", lambda *_, own=table: own)
+        monkeypatch.setattr("haptisym.verbs.effects.differences.chart", lambda *_, own=table: own)
         assert lag.stays_within(Rational(1, 2)) is said
 
 

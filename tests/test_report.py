@@ -26,12 +26,12 @@ from sympy import Rational, lambdify
 import haptisym as hs
 from haptisym import Part
 from haptisym.cli import main
-from haptisym.crossings import Curve
-from haptisym.report import pdf as report_pdf
-from haptisym.report.html import Html, element, script
-from haptisym.report.page import page, save_report
-from haptisym.symbols import s
-from haptisym.typeset.names import named
+from haptisym.judge.crossings import Curve
+from haptisym.kernel.symbols import s
+from haptisym.pages.report import pdf as report_pdf
+from haptisym.pages.report.page import page, save_report
+from haptisym.writing.htmltext import Html, element, script
+from haptisym.writing.names import named
 
 E, F = hs.environments, hs.effects
 SHIPPED = (
@@ -338,7 +338,7 @@ def test_other_names_and_a_missing_program_are_errors_that_say_so(
 def test_a_document_that_latex_refuses_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     required("pdflatex", shutil.which("pdflatex"))
     monkeypatch.setattr(
-        "haptisym.report.pdf.document", lambda *_: r"\documentclass{article}\begin{document}\no\end{document}"
+        "haptisym.pages.report.pdf.document", lambda *_: r"\documentclass{article}\begin{document}\no\end{document}"
     )
     with pytest.raises(hs.SceneError, match="could not set the document: ! Undefined control sequence"):
         save_report(evaluated("fu2019"), tmp_path / "x.pdf")

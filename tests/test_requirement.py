@@ -24,22 +24,22 @@ from sympy import Expr, Integer, Rational, asin, degree, pi, sqrt, symbols, symp
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.catalogue import values
 from haptisym.cli import main
-from haptisym.errors import SceneError
-from haptisym.exact.dynamics import Ring
-from haptisym.exact.reals import ExactNumber, Sliver
-from haptisym.exact.response import RealFunction
-from haptisym.requirement.cells import BITS, Leaf, Search, _bound_by_phase, _middle
-from haptisym.requirement.criticalvalues import Problem
-from haptisym.requirement.feasible import Kind
-from haptisym.requirement.figures import draw_map, draw_requirement
-from haptisym.requirement.freeparameter import THRESHOLD, Domain, conditions, domain, free_parameter
-from haptisym.requirement.places import MaximumAt, Place, Strip, Verdict, _Box, _clusters, _place, places
-from haptisym.requirement.question import Requirement, _Line, is_quick
-from haptisym.requirement.strips import Shape
-from haptisym.requirement.touches import Surface, touch
-from haptisym.symbols import omega as OMEGA  # noqa: N812
+from haptisym.figures.require import draw_map, draw_requirement
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.reals import ExactNumber, Sliver
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.symbols import omega as OMEGA  # noqa: N812
+from haptisym.model.catalogue import values
+from haptisym.verbs.require.cells import BITS, Leaf, Search, _bound_by_phase, _middle
+from haptisym.verbs.require.criticalvalues import Problem
+from haptisym.verbs.require.entry import Requirement, _Line, is_quick
+from haptisym.verbs.require.feasible import Kind
+from haptisym.verbs.require.freeparameter import THRESHOLD, Domain, conditions, domain, free_parameter
+from haptisym.verbs.require.places import MaximumAt, Place, Strip, Verdict, _Box, _clusters, _place, places
+from haptisym.verbs.require.strips import Shape
+from haptisym.verbs.require.touches import Surface, touch
 
 PAPER = hs.load_scene("fu2019")
 REAL, IMAG = hs.Part.REAL, hs.Part.IMAG
@@ -351,7 +351,7 @@ def test_every_boundary_point_is_a_zero_of_one_of_the_curves() -> None:
 
 
 def test_figures_of_one_and_two_parameters_are_written(tmp_path: Path) -> None:
-    from haptisym.requirement.figures import save_requirement
+    from haptisym.figures.require import save_requirement
 
     save_requirement(hs.require(PAPER, "omega_n"), tmp_path / "one.svg")
     save_requirement(

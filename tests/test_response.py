@@ -18,11 +18,11 @@ from sympy import Abs, Expr, I, Integer, Rational, Symbol, exp, expand, fraction
 import haptisym as hs
 from haptisym.effects import compliance, first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import kelvin_voigt, mass_spring_damper
-from haptisym.exact.axis import _harmonics
-from haptisym.exact.dynamics import Ring
-from haptisym.exact.response import on_axis, squared_modulus
-from haptisym.exact.rings import RationalFunction
-from haptisym.symbols import omega, s
+from haptisym.kernel.axis import _harmonics
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.response import on_axis, squared_modulus
+from haptisym.kernel.rings import RationalFunction
+from haptisym.kernel.symbols import omega, s
 
 m, b, k = hs.symbols("m b k")
 omega_c, omega_n, zeta = hs.symbols("omega_c omega_n zeta")

@@ -19,15 +19,15 @@ from sympy import Expr, Integer, Poly, Rational, Symbol, exp, expand, pi, sqrt
 from sympy.abc import x
 
 import haptisym as hs
-from haptisym.exact.dynamics import Ring
-from haptisym.exact.isolation import SeriesFactor, clear_of, isolated
-from haptisym.exact.levels import Level, algebraic
-from haptisym.exact.reals import ExactNumber, bounds, dyadic
-from haptisym.exact.response import RealFunction, on_axis, squared_modulus
-from haptisym.exact.roots import Chart, _whole, chart, in_order, sign_of_number
-from haptisym.exact.zeros import Undecided, around, at_rising_precision, is_clear, rounded_up, sign_of, tightened
-from haptisym.exact.zeros import Zero as SimpleZero
-from haptisym.symbols import omega, s
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.isolation import SeriesFactor, clear_of, isolated
+from haptisym.kernel.levels import Level, algebraic
+from haptisym.kernel.reals import ExactNumber, bounds, dyadic
+from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
+from haptisym.kernel.roots import Chart, _whole, chart, in_order, sign_of_number
+from haptisym.kernel.symbols import omega, s
+from haptisym.kernel.zeros import Undecided, around, at_rising_precision, is_clear, rounded_up, sign_of, tightened
+from haptisym.kernel.zeros import Zero as SimpleZero
 
 Zero = tuple[Fraction, int]
 """A square of a frequency, and the order of the zero there (negative for a pole)."""
@@ -269,8 +269,8 @@ def test_a_function_that_is_zero_everywhere_has_no_sign_anywhere() -> None:
 def test_taylor_coefficients_of_an_analytic_factor_are_those_of_mpmath_at_any_order() -> None:
     import mpmath
 
-    from haptisym.exact.analytic import AnalyticFactor
-    from haptisym.exact.wavesums import Term
+    from haptisym.kernel.analytic import AnalyticFactor
+    from haptisym.kernel.wavesums import Term
 
     factor = AnalyticFactor(
         (Term((1,), (1,), ((3,), (1,))), Term((0,), (0,), ((2,), (0,), (1,)))),

@@ -13,9 +13,9 @@ from sympy import Expr, Rational
 
 import haptisym as hs
 from haptisym.cli import app
-from haptisym.quantities import dimension_exponents
-from haptisym.sensitivities.answers import sensitivity
-from haptisym.sensitivities.slopes import TOUCH, Sensitive
+from haptisym.model.quantities import dimension_exponents
+from haptisym.verbs.sensitivity.entry import sensitivity
+from haptisym.verbs.sensitivity.slopes import TOUCH, Sensitive
 
 STEP = Rational(1, 10**15)
 SCENES = ["fu2019", "delayed-spring", "organ-tissue", "position-force-teleoperation", "sidestick"]
@@ -134,8 +134,8 @@ def test_at_a_touch_there_is_no_derivative_and_it_is_said() -> None:
 
 
 def test_the_formula_says_where_it_does_not_hold() -> None:
-    from haptisym.formulas.derivation import derive
-    from haptisym.formulas.sections import asked
+    from haptisym.pages.sections import asked
+    from haptisym.verbs.derive.derivation import derive
 
     [section] = asked(derive(touching(), ["a"]), ["d omega_r/d a"])
     assert "here at 3.0000 rad/s" in str(section.notes[0])

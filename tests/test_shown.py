@@ -14,8 +14,8 @@ from pagereader import Page
 from sympy import Basic
 
 import haptisym as hs
-from haptisym.exact.reals import RealNumber
-from haptisym.shown import Answer
+from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.shown import Answer
 
 PAPER = hs.load_scene("fu2019")
 MOST = 200
@@ -95,7 +95,9 @@ def parts(value: Any, depth: int = 4) -> Iterator[Any]:
 def kernel(value: Any) -> bool:
     """Whether a value is a function of the exact or the numeric kernel, which nobody asks for in a session."""
     module = type(value).__module__
-    return module.startswith(("haptisym.exact.", "haptisym.numeric.")) and not isinstance(value, hs.Point | hs.Interval)
+    return module.startswith(("haptisym.kernel.", "haptisym.programs.")) and not isinstance(
+        value, hs.Point | hs.Interval
+    )
 
 
 def ours(value: Any) -> bool:
@@ -132,7 +134,7 @@ def test_every_kind_of_number_shows_its_digits() -> None:
     for kind in kinds(RealNumber):
         if kind.__module__.startswith("haptisym"):
             own = next(x for x in kind.__mro__ if "__repr__" in vars(x))
-            assert own.__module__ == "haptisym.exact.reals", kind
+            assert own.__module__ == "haptisym.kernel.reals", kind
 
 
 @pytest.mark.parametrize(

@@ -22,13 +22,13 @@ from sympy import I, Integer, exp, log, tanh
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.catalogue import EFFECTS, ENVIRONMENTS, Slot, Stiffness, effect, environment
 from haptisym.cli import main
-from haptisym.quantities import Dimension
-from haptisym.simulation.fractional import bank_error, rates_and_weights
-from haptisym.simulation.recordings import Recording
-from haptisym.simulation.threads import one_thread
-from haptisym.symbols import s
+from haptisym.kernel.symbols import s
+from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Slot, Stiffness, effect, environment
+from haptisym.model.quantities import Dimension
+from haptisym.verbs.simulate.fractional import bank_error, rates_and_weights
+from haptisym.verbs.simulate.recordings import Recording
+from haptisym.verbs.simulate.threads import one_thread
 
 MSD = environments.mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m")
 SOFT = environments.kelvin_voigt(200, 5)
@@ -396,10 +396,10 @@ def test_what_the_scene_does_not_need_is_not_imported() -> None:
         "import sys, haptisym as hs\n"
         "assert 'scipy.linalg' not in sys.modules\n"
         "hs.simulate(hs.load_scene('fu2019'), hs.sine('5 cm', 5), duration=2)\n"
-        "assert 'haptisym.simulation.fractional' not in sys.modules and 'matplotlib' not in sys.modules\n"
-        "assert 'haptisym.simulation.recordings' not in sys.modules\n"
+        "assert 'haptisym.verbs.simulate.fractional' not in sys.modules and 'matplotlib' not in sys.modules\n"
+        "assert 'haptisym.verbs.simulate.recordings' not in sys.modules\n"
         "hs.simulate(hs.Scene(hs.environments.spring_pot(80, '0.3')), hs.sine('5 cm', 5), duration=2)\n"
-        "assert 'haptisym.simulation.fractional' in sys.modules\n"
+        "assert 'haptisym.verbs.simulate.fractional' in sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", probe], check=True)
 
@@ -588,7 +588,7 @@ def test_a_noisy_recording_through_an_encoder_is_the_staircase_next_to_it() -> N
 
 
 def test_a_simulation_that_switches_too_often_stops_and_says_what_helps(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("haptisym.simulation.engine._MOST_EVENTS", 20)
+    monkeypatch.setattr("haptisym.verbs.simulate.engine._MOST_EVENTS", 20)
     spring = hs.Scene(environments.mass_spring_damper(k=100))
     with pytest.raises(hs.SceneError, match=r"encoder-quantisation: more than 20 switches before 0\.\d+ s.*--lowpass"):
         hs.simulate(spring, hs.sine("1 cm", 5), extras=[hs.EncoderQuantisation("0.1 mm")])

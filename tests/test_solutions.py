@@ -6,12 +6,12 @@ import pytest
 from sympy import Integer, Rational, acos, asin, pi, sqrt
 
 import haptisym as hs
-from haptisym import catalogue
-from haptisym.crossings import excess
-from haptisym.distortion import Distortion, part_of
-from haptisym.exact.roots import chart
-from haptisym.exact.solutions import solve
-from haptisym.symbols import c, omega
+from haptisym.judge.crossings import excess
+from haptisym.kernel.roots import chart
+from haptisym.kernel.solutions import solve
+from haptisym.kernel.symbols import c, omega
+from haptisym.model import catalogue
+from haptisym.model.distortion import Distortion, part_of
 
 E, F = hs.environments, hs.effects
 TAU, K, B, M, OMEGA_C, K_ALPHA, ALPHA = hs.symbols("tau k b m omega_c k_alpha alpha")

@@ -15,9 +15,9 @@ from sympy import Expr, I, Rational, exp, expand, lambdify, pi, sqrt
 import haptisym as hs
 from haptisym.effects import compliance, second_order_lowpass, series, zero_order_hold
 from haptisym.environments import kelvin_voigt, mass_spring_damper
-from haptisym.exact.dynamics import Ring
-from haptisym.exact.stability import is_stable
-from haptisym.symbols import s
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.stability import is_stable
+from haptisym.kernel.symbols import s
 
 
 def stable(denominator: Expr, numerator: Expr = 1) -> bool:

@@ -12,12 +12,12 @@ from mpmath import mp
 from sympy import Expr, Float, I, Rational
 
 import haptisym as hs
-from haptisym.catalogue import EFFECTS, ENVIRONMENTS
-from haptisym.distortion import Chain
-from haptisym.exact.response import RealFunction
-from haptisym.formulas.steps import Steps
-from haptisym.formulas.structure import structure
-from haptisym.numeric.values import Values
+from haptisym.kernel.response import RealFunction
+from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS
+from haptisym.model.distortion import Chain
+from haptisym.programs.values import Values
+from haptisym.verbs.derive.steps import Steps
+from haptisym.verbs.derive.structure import structure
 
 E, F = hs.environments, hs.effects
 GIVEN = {

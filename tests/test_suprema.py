@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from haptisym.pruning.suprema import WIDTH, Supremum, supremum
+from haptisym.verbs.effects.suprema import WIDTH, Supremum, supremum
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ def test_a_search_goes_on_until_the_enclosure_is_narrow_or_on_one_side_of_the_li
 
 
 def test_a_search_ends_when_bounds_do_not_get_better_and_says_what_it_knows(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("haptisym.pruning.suprema._MOST_CELLS", 30)
+    monkeypatch.setattr("haptisym.verbs.effects.suprema._MOST_CELLS", 30)
     asked: list[Span] = []
     found = supremum(Span(0, 1), lambda x: (asked.append(x), (0.25, 1.0))[1])  # type: ignore[func-returns-value]
     assert found == Supremum(0.25, 1.0)

@@ -27,12 +27,12 @@ from sympy import Expr, Integer, Rational, pi
 
 import haptisym as hs
 from haptisym.cli import main
-from haptisym.sweeps import blocks, kernel
-from haptisym.sweeps.axes import axes, paths, spaced
-from haptisym.sweeps.blocks import Grid, Pace
-from haptisym.sweeps.exactly import COUNTS, FLOATS, exact_answers
-from haptisym.sweeps.kernel import TOLERANCE, Kernel
-from haptisym.sweeps.text import document
+from haptisym.pages.sweep import document
+from haptisym.verbs.sweep import blocks, kernel
+from haptisym.verbs.sweep.axes import axes, paths, spaced
+from haptisym.verbs.sweep.blocks import Grid, Pace
+from haptisym.verbs.sweep.exactly import COUNTS, FLOATS, exact_answers
+from haptisym.verbs.sweep.kernel import TOLERANCE, Kernel
 
 PAPER = hs.load_scene("fu2019")
 NATURAL, MASS = "effects.filter.omega_n", "environment.m"
@@ -399,8 +399,8 @@ def test_blocks_are_cut_by_time_and_a_sweep_interrupted_anywhere_ends_with_the_s
     scene: hs.Scene, vary: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = hs.sweep(scene, vary)
-    monkeypatch.setattr("haptisym.sweeps.blocks.PATIENCE", 0.0)
-    monkeypatch.setattr("haptisym.sweeps.store.PATIENCE", 0.0)
+    monkeypatch.setattr("haptisym.verbs.sweep.blocks.PATIENCE", 0.0)
+    monkeypatch.setattr("haptisym.verbs.sweep.store.PATIENCE", 0.0)
 
     def interrupted(done: int, _sets: int) -> None:
         told.append(done)
@@ -583,7 +583,7 @@ def test_a_wrong_command_line_is_one_message_and_status_2(
 def test_charts_are_drawn_on_the_axes_given(small: Any) -> None:
     from matplotlib.figure import Figure
 
-    from haptisym.sweeps.figure import draw_curves, draw_map
+    from haptisym.figures.sweep import draw_curves, draw_map
 
     ax = Figure().add_subplot()
     draw_map(ax, small)
@@ -601,7 +601,7 @@ def test_the_bandwidth_is_drawn_in_pieces_that_end_where_crossings_come_or_go() 
     """Witness: exact evaluations at both sides of each break, ever closer, and in the middle of every step that is drawn."""
     from matplotlib.figure import Figure
 
-    from haptisym.sweeps.figure import draw_curves
+    from haptisym.figures.sweep import draw_curves
 
     def exact(m: float) -> tuple[float, int]:
         found = hs.evaluate(PAPER.with_values({"m": m}))
@@ -632,7 +632,7 @@ def test_the_bandwidth_is_drawn_in_pieces_that_end_where_crossings_come_or_go() 
 def test_charts_are_in_hz_where_the_scene_or_the_sweep_is() -> None:
     from matplotlib.figure import Figure
 
-    from haptisym.sweeps.figure import draw_curves
+    from haptisym.figures.sweep import draw_curves
 
     ax = Figure().add_subplot()
     lines = draw_curves(ax, hs.sweep(hs.load_scene("sidestick"), {"environment.k": [1.0, 3.0, 9.0]}))
@@ -649,7 +649,7 @@ def test_charts_are_in_hz_where_the_scene_or_the_sweep_is() -> None:
 def test_two_sweeps_are_drawn_in_one_axes() -> None:
     from matplotlib.figure import Figure
 
-    from haptisym.sweeps.figure import draw_curves
+    from haptisym.figures.sweep import draw_curves
 
     ax = Figure().add_subplot()
     for b in (15, 30):
@@ -674,7 +674,7 @@ def test_the_exact_boundary_divides_the_sets_of_a_sweep() -> None:
 
 
 def test_a_map_draws_the_exact_boundary_where_that_is_quick(tmp_path: Path) -> None:
-    from haptisym.sweeps.figure import sweep_figure
+    from haptisym.figures.sweep import sweep_figure
 
     scene = hs.load_scene("fu2019")
     found = hs.sweep(scene, {"effects.filter.omega_n": [60, 100, 140, 180], "environment.m": [0.5, 1, 2, 4]})

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from flint import arb
 
-from haptisym.tolerance.taylormodels import Model, _product, between, constant, variable
+from haptisym.programs.taylormodels import Model, _product, between, constant, variable
 
 Array = Any
 ROUNDING = 2.0**-53

@@ -11,11 +11,11 @@ from sympy import Integer, Rational
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.jnd import Part
-from haptisym.requirement.criticalvalues import Problem
-from haptisym.requirement.feasible import Kind, Span
-from haptisym.requirement.freeparameter import conditions, domain, free_parameter
-from haptisym.requirement.question import Requirement, _allowed, require
+from haptisym.model.jnd import Part
+from haptisym.verbs.require.criticalvalues import Problem
+from haptisym.verbs.require.entry import Requirement, _allowed, require
+from haptisym.verbs.require.feasible import Kind, Span
+from haptisym.verbs.require.freeparameter import conditions, domain, free_parameter
 
 TWO_PEAKS = hs.Scene(environments.mass_spring_damper(k=100), (effects.series("1 + 0.4*s/(s^2 + 2*s + 9)"),), (0, 15))
 """r_r has its peak of 1/5 at 3 rad/s, r_i two of 1/10."""

@@ -12,8 +12,8 @@ from sympy import Expr, Rational, Symbol, diff, pi, sqrt
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.report.page import page
-from haptisym.tex.document import document
+from haptisym.pages.report.page import page
+from haptisym.pages.tex.document import document
 
 WALL = """
 [environment]

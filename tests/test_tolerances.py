@@ -19,16 +19,17 @@ from sympy import Rational
 
 import haptisym as hs
 from haptisym.cli import app
-from haptisym.errors import LimitError
-from haptisym.exact.reals import ExactNumber
-from haptisym.quantities import Dimension
-from haptisym.ranges import ranged
-from haptisym.tolerance.answers import tolerances
-from haptisym.tolerance.box import box_of
-from haptisym.tolerance.excess import Excess
-from haptisym.tolerance.proofs import One, Verdict
-from haptisym.tolerance.quantiles import Quantiles, quantiles
-from haptisym.tolerance.search import (
+from haptisym.kernel.errors import LimitError
+from haptisym.kernel.reals import ExactNumber
+from haptisym.model.quantities import Dimension
+from haptisym.model.ranges import ranged
+from haptisym.programs.taylormodels import Model, constant, variable
+from haptisym.verbs.tolerances.box import box_of
+from haptisym.verbs.tolerances.entry import tolerances
+from haptisym.verbs.tolerances.excess import Excess
+from haptisym.verbs.tolerances.proofs import One, Verdict
+from haptisym.verbs.tolerances.quantiles import Quantiles, quantiles
+from haptisym.verbs.tolerances.search import (
     Cluster,
     _apart,
     _Bounded,
@@ -40,7 +41,6 @@ from haptisym.tolerance.search import (
     clusters,
     halves,
 )
-from haptisym.tolerance.taylormodels import Model, constant, variable
 
 QUICK = {"fu2019-tolerances", "delayed-spring"}.__contains__
 HEAD = 'environment = {{ model = "mass-spring-damper", m = {m} }}\n'
@@ -512,7 +512,7 @@ def test_an_idle_parameter_hinders_nothing_and_an_unknown_piece_stays() -> None:
 
 
 def test_a_search_ends_within_its_budget_and_what_is_left_holds_all_crossings(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("haptisym.tolerance.search._MOST_CELLS", 300)
+    monkeypatch.setattr("haptisym.verbs.tolerances.search._MOST_CELLS", 300)
     waves = Made(lambda w, p, q, c: (w.times(20) + p * q).cosine_and_sine()[1] * (p - q + c(0.3)) + c(0.1), 2)
     found = clusters(waves)
     assert sum(waves.asked) < 2000
@@ -538,7 +538,7 @@ def test_how_far_crossings_go_is_found_beyond_what_was_reached() -> None:
 
 
 def test_without_budget_the_ends_of_the_cells_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("haptisym.tolerance.search._MOST_BEYOND", -1)
+    monkeypatch.setattr("haptisym.verbs.tolerances.search._MOST_BEYOND", -1)
     cells = np.array([[[0.2, 0.5], [0, 1]], [[0.4, 0.8], [0, 1]]])
     assert beyond(BENT, cells, 0.6, highest=True) == 0.8
     assert beyond(BENT, cells, 0.3, highest=False) == 0.2

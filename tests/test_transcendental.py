@@ -9,9 +9,9 @@ from scan import FAMILIES, Draw, disagreements
 from sympy import Integer, Rational, pi
 
 import haptisym as hs
-from haptisym.exact import factoring
-from haptisym.exact.analytic import AnalyticFactor
-from haptisym.exact.stability import is_stable
+from haptisym.kernel import factoring
+from haptisym.kernel.analytic import AnalyticFactor
+from haptisym.kernel.stability import is_stable
 
 E, F = hs.environments, hs.effects
 PAPER = E.mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m")
@@ -93,7 +93,7 @@ def test_a_delayed_loop_is_stable_up_to_a_quarter_turn(a: str) -> None:
     """s + a exp(-s) has all its zeros in the open left half plane exactly for 0 < a < pi/2."""
     from sympy import exp
 
-    from haptisym.exact.dynamics import Ring
+    from haptisym.kernel.dynamics import Ring
 
     f = 1 / (hs.s + Rational(a) * exp(-hs.s))
     assert is_stable(Ring.of([f]).convert(f).reduced()) is (float(a) < np.pi / 2)

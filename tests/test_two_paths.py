@@ -11,10 +11,10 @@ from marks import often
 from strategies import Seeded
 
 import haptisym as hs
-from haptisym.exact import factoring
-from haptisym.exact.analytic import AnalyticFactor
-from haptisym.exact.polynomials import PolynomialFactor, polynomial_factors
-from haptisym.exact.wavesums import Term
+from haptisym.kernel import factoring
+from haptisym.kernel.analytic import AnalyticFactor
+from haptisym.kernel.polynomials import PolynomialFactor, polynomial_factors
+from haptisym.kernel.wavesums import Term
 
 RATIONAL = [name for name in hs.scene_names() if not hs.load_scene(name).distortion().perc.ring.functions]
 

@@ -11,7 +11,7 @@ import pytest
 
 from haptisym.cli import app
 from haptisym.commands.verb import Verb
-from haptisym.costs import costs
+from haptisym.verbs.cost import entry as costs
 
 SCENE = 'environment = { model = "maxwell", k = 100, b = 5 }\neffects = [{ model = "delay", tau = "2 ms" }]\n'
 
@@ -141,11 +141,11 @@ def test_three_parameters_are_swept_where_nothing_is_drawn_and_by_this_process_a
 
 
 def test_what_disagrees_or_stayed_undecided_is_status_3_with_its_page(call, monkeypatch: pytest.MonkeyPatch) -> None:  # type: ignore[no-untyped-def]
-    monkeypatch.setattr("haptisym.simulation.simulate.Simulation.agrees", property(lambda _: False))
+    monkeypatch.setattr("haptisym.verbs.simulate.entry.Simulation.agrees", property(lambda _: False))
     status, out, _ = call("simulate", "fu2019")
     assert status == 3
     assert "H_perc" in out
-    monkeypatch.setattr("haptisym.measures.measured.Measured.certified", property(lambda _: False))
+    monkeypatch.setattr("haptisym.verbs.metrics.measured.Measured.certified", property(lambda _: False))
     status, out, _ = call("metrics", "fu2019")
     assert status == 3
     assert "UNDECIDED" in out
@@ -167,7 +167,7 @@ def test_code_and_documents_are_not_fitted_to_a_terminal_but_pages_are(call, mon
 def test_a_figure_of_what_accuracy_costs_is_where_it_was_asked_for(
     call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:  # type: ignore[no-untyped-def]
-    monkeypatch.setattr("haptisym.costs.costs._BUDGETS", dict.fromkeys(costs._BUDGETS, 0.0))
+    monkeypatch.setattr("haptisym.verbs.cost.entry._BUDGETS", dict.fromkeys(costs._BUDGETS, 0.0))
     figure = tmp_path / "cost.svg"
     status, _, err = call("cost", "fu2019", "--quick", "--figure", str(figure))
     assert (status, err) == (0, f"figure written to {figure}\n")

@@ -8,17 +8,17 @@ import re
 import pytest
 from sympy import Float, Integer, Rational, Symbol, pi, sqrt
 
-from haptisym.codegen.forms import _root
-from haptisym.codegen.names import comment, function_name, identifiers
-from haptisym.codegen.printers import in_doubles, nearest_double, printer
-from haptisym.codegen.scene import Language
-from haptisym.errors import SceneError
-from haptisym.exact.rings import PolynomialRing
-from haptisym.symbols import omega, s
-from haptisym.tex.lines import broken, width
-from haptisym.typeset.formula import readable
-from haptisym.typeset.numerals import approximate, is_short
-from haptisym.typeset.plain import plain
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.rings import PolynomialRing
+from haptisym.kernel.symbols import omega, s
+from haptisym.writing.code.entry import Language
+from haptisym.writing.code.forms import _root
+from haptisym.writing.code.names import comment, function_name, identifiers
+from haptisym.writing.code.printers import in_doubles, nearest_double, printer
+from haptisym.writing.formula import readable
+from haptisym.writing.mathtext import plain
+from haptisym.writing.numerals import approximate, is_short
+from haptisym.writing.texlines import broken, width
 
 WHOLE = [0, 1, 7, 10**6, 10**15 - 1, 10**15, 2**53, 2**53 + 1, 10**20, 10**300]
 OTHERS = [Rational(1, 3), Rational(1, 10), Rational(10**25, 3), Rational(1, 10**200), Rational(123456789, 1000)]

@@ -7,69 +7,69 @@
 -omega**2/(omega**2 + omega_c**2)
 """
 
-from . import effects, environments
-from .catalogue import Effect, Environment
-from .crossings import Crossing, CrossingKind
-from .distortion import Distortion, distort
-from .errors import ExpressionError, HaptisymError, SceneError, UndecidedError
-from .evaluation import Evaluation, evaluate
-from .exact.reals import RealNumber
-from .exact.roots import Interval, Point
-from .jnd import Part, Threshold
-from .numeric.accuracy import Accuracy
-from .peaks import Peak, peaks
-from .percepts import Change, Percept, Property
-from .report.notebook import register as _register
-from .scene import Scene
-from .scenefile import load_scene, parse_scene, scene_names
-from .symbols import omega, s, symbols
-from .tex.latex import latex
-from .typeset.mathml import mathml
+from haptisym import effects, environments
+from haptisym.judge.crossings import Crossing, CrossingKind
+from haptisym.judge.evaluation import Evaluation, evaluate
+from haptisym.judge.peaks import Peak, peaks
+from haptisym.judge.percepts import Change, Percept, Property
+from haptisym.kernel.errors import ExpressionError, HaptisymError, SceneError, UndecidedError
+from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.roots import Interval, Point
+from haptisym.kernel.symbols import omega, s, symbols
+from haptisym.model.catalogue import Effect, Environment
+from haptisym.model.distortion import Distortion, distort
+from haptisym.model.jnd import Part, Threshold
+from haptisym.model.scene import Scene
+from haptisym.model.scenefile import load_scene, parse_scene, scene_names
+from haptisym.pages.report.notebook import register as _register
+from haptisym.pages.tex.latex import latex
+from haptisym.programs.accuracy import Accuracy
+from haptisym.writing.mathml import mathml
 
 _register()
 
 __version__ = "0.1.0"
 
 _ON_DEMAND = {
-    "Cost": "costs.costs",
-    "Derivation": "formulas.answers",
-    "DesignMap": "requirement.designmap",
-    "EncoderQuantisation": "simulation.results",
-    "FamilyEvaluation": "family.evaluation",
-    "ForceSaturation": "simulation.results",
-    "HardCosts": "costs.hardcosts",
-    "Language": "codegen.scene",
-    "Metrics": "measures.transparency",
-    "Relevance": "pruning.answers",
-    "Requirement": "requirement.question",
-    "SceneFamily": "family.family",
-    "Sensitivities": "sensitivities.answers",
-    "Simulation": "simulation.simulate",
-    "Tolerances": "tolerance.answers",
-    "check": "simulation.simulate",
-    "chirp": "simulation.motions",
-    "cost": "costs.costs",
-    "derive": "formulas.answers",
-    "design_map": "requirement.designmap",
-    "distortion_code": "codegen.scene",
-    "evaluate_all": "family.evaluation",
-    "family_names": "scenefile",
-    "hard_costs": "costs.hardcosts",
+    "Cost": "verbs.cost.entry",
+    "Derivation": "verbs.derive.entry",
+    "DesignMap": "verbs.require.designmap",
+    "EncoderQuantisation": "verbs.simulate.results",
+    "FamilyEvaluation": "verbs.family.entry",
+    "ForceSaturation": "verbs.simulate.results",
+    "HardCosts": "verbs.cost.hardcosts",
+    "Language": "writing.code.entry",
+    "Metrics": "verbs.metrics.entry",
+    "Relevance": "verbs.effects.entry",
+    "Requirement": "verbs.require.entry",
+    "SceneFamily": "model.family",
+    "Sensitivities": "verbs.sensitivity.entry",
+    "Simulation": "verbs.simulate.entry",
+    "Tolerances": "verbs.tolerances.entry",
+    "check": "verbs.simulate.entry",
+    "chirp": "verbs.simulate.motions",
+    "cost": "verbs.cost.entry",
+    "derive": "verbs.derive.entry",
+    "design_map": "verbs.require.designmap",
+    "distortion_code": "writing.code.entry",
+    "evaluate_all": "verbs.family.entry",
+    "family_names": "model.scenefile",
+    "hard_costs": "verbs.cost.hardcosts",
     "interop": "",
-    "load_scenes": "scenefile",
-    "metrics": "measures.transparency",
-    "multisine": "simulation.motions",
-    "parse_scenes": "scenefile",
-    "recording": "simulation.recordings",
-    "relevance": "pruning.answers",
-    "require": "requirement.question",
-    "scene_code": "codegen.scene",
-    "sensitivity": "sensitivities.answers",
-    "simulate": "simulation.simulate",
-    "simulation_cost": "costs.costs",
-    "sine": "simulation.motions",
-    "sweep": "sweeps.designspace",
-    "tolerances": "tolerance.answers",
+    "load_scenes": "model.scenefile",
+    "metrics": "verbs.metrics.entry",
+    "multisine": "verbs.simulate.motions",
+    "parse_scenes": "model.scenefile",
+    "recording": "verbs.simulate.recordings",
+    "relevance": "verbs.effects.entry",
+    "require": "verbs.require.entry",
+    "scene_code": "writing.code.entry",
+    "sensitivity": "verbs.sensitivity.entry",
+    "simulate": "verbs.simulate.entry",
+    "simulation_cost": "verbs.cost.entry",
+    "sine": "verbs.simulate.motions",
+    "sweep": "verbs.sweep.entry",
+    "tolerances": "verbs.tolerances.entry",
 }
 """What is loaded only when it is used: simulation needs SciPy (the extra ``simulate``), formulas cost time at start.
 

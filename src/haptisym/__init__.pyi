@@ -1,37 +1,37 @@
-from . import effects, environments, interop
-from .catalogue import Effect, Environment
-from .codegen.scene import Language, distortion_code, scene_code
-from .costs.costs import Cost, cost, simulation_cost
-from .costs.hardcosts import HardCosts, hard_costs
-from .crossings import Crossing, CrossingKind
-from .distortion import Distortion, distort
-from .errors import ExpressionError, HaptisymError, SceneError, UndecidedError
-from .evaluation import Evaluation, evaluate
-from .exact.reals import RealNumber
-from .exact.roots import Interval, Point
-from .family.evaluation import FamilyEvaluation, evaluate_all
-from .family.family import SceneFamily
-from .formulas.answers import Derivation, derive
-from .jnd import Part, Threshold
-from .measures.transparency import Metrics, metrics
-from .numeric.accuracy import Accuracy
-from .peaks import Peak, peaks
-from .percepts import Change, Percept, Property
-from .pruning.answers import Relevance, relevance
-from .requirement.designmap import DesignMap, design_map
-from .requirement.question import Requirement, require
-from .scene import Scene
-from .scenefile import family_names, load_scene, load_scenes, parse_scene, parse_scenes, scene_names
-from .sensitivities.answers import Sensitivities, sensitivity
-from .simulation.motions import chirp, multisine, sine
-from .simulation.recordings import recording
-from .simulation.results import EncoderQuantisation, ForceSaturation
-from .simulation.simulate import Simulation, check, simulate
-from .sweeps.designspace import sweep
-from .symbols import omega, s, symbols
-from .tex.latex import latex
-from .tolerance.answers import Tolerances, tolerances
-from .typeset.mathml import mathml
+from haptisym import effects, environments, interop
+from haptisym.judge.crossings import Crossing, CrossingKind
+from haptisym.judge.evaluation import Evaluation, evaluate
+from haptisym.judge.peaks import Peak, peaks
+from haptisym.judge.percepts import Change, Percept, Property
+from haptisym.kernel.errors import ExpressionError, HaptisymError, SceneError, UndecidedError
+from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.roots import Interval, Point
+from haptisym.kernel.symbols import omega, s, symbols
+from haptisym.model.catalogue import Effect, Environment
+from haptisym.model.distortion import Distortion, distort
+from haptisym.model.family import SceneFamily
+from haptisym.model.jnd import Part, Threshold
+from haptisym.model.scene import Scene
+from haptisym.model.scenefile import family_names, load_scene, load_scenes, parse_scene, parse_scenes, scene_names
+from haptisym.pages.tex.latex import latex
+from haptisym.programs.accuracy import Accuracy
+from haptisym.verbs.cost.entry import Cost, cost, simulation_cost
+from haptisym.verbs.cost.hardcosts import HardCosts, hard_costs
+from haptisym.verbs.derive.entry import Derivation, derive
+from haptisym.verbs.effects.entry import Relevance, relevance
+from haptisym.verbs.family.entry import FamilyEvaluation, evaluate_all
+from haptisym.verbs.metrics.entry import Metrics, metrics
+from haptisym.verbs.require.designmap import DesignMap, design_map
+from haptisym.verbs.require.entry import Requirement, require
+from haptisym.verbs.sensitivity.entry import Sensitivities, sensitivity
+from haptisym.verbs.simulate.entry import Simulation, check, simulate
+from haptisym.verbs.simulate.motions import chirp, multisine, sine
+from haptisym.verbs.simulate.recordings import recording
+from haptisym.verbs.simulate.results import EncoderQuantisation, ForceSaturation
+from haptisym.verbs.sweep.entry import sweep
+from haptisym.verbs.tolerances.entry import Tolerances, tolerances
+from haptisym.writing.code.entry import Language, distortion_code, scene_code
+from haptisym.writing.mathml import mathml
 
 __version__: str
 

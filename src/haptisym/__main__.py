@@ -1,5 +1,5 @@
 """``python -m haptisym`` is ``haptisym``."""
 
-from .cli import main
+from haptisym.cli import main
 
 main()

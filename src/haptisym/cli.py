@@ -12,20 +12,20 @@ from typing import Any
 
 import click
 
-from . import __version__
-from .commands.cost import cost
-from .commands.derive import derive
-from .commands.effects import effects
-from .commands.evaluate import evaluate
-from .commands.metrics import metrics
-from .commands.require import require
-from .commands.scenes import scenes
-from .commands.sensitivity import sensitivity
-from .commands.simulate import simulate
-from .commands.streams import ReaderLeft, interrupts, note, prepare, to_standard_output
-from .commands.sweep import sweep
-from .commands.tolerances import tolerances
-from .errors import HaptisymError, UndecidedError
+from haptisym import __version__
+from haptisym.commands.cost import cost
+from haptisym.commands.derive import derive
+from haptisym.commands.effects import effects
+from haptisym.commands.evaluate import evaluate
+from haptisym.commands.metrics import metrics
+from haptisym.commands.require import require
+from haptisym.commands.scenes import scenes
+from haptisym.commands.sensitivity import sensitivity
+from haptisym.commands.simulate import simulate
+from haptisym.commands.streams import ReaderLeft, interrupts, note, prepare, to_standard_output
+from haptisym.commands.sweep import sweep
+from haptisym.commands.tolerances import tolerances
+from haptisym.kernel.errors import HaptisymError, UndecidedError
 
 
 class _Sisters(click.Group):

@@ -13,7 +13,9 @@ from math import comb, factorial
 
 from sympy import Add, Expr, I, Rational, cosh, exp, pi, sinh
 
-from .catalogue import (
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.symbols import s
+from haptisym.model.catalogue import (
     Amplitude,
     Damping,
     DampingRatio,
@@ -33,8 +35,6 @@ from .catalogue import (
     Time,
     effect,
 )
-from .errors import SceneError
-from .symbols import s
 
 
 def _series(G: Expr) -> Matrix:

@@ -9,7 +9,9 @@ from __future__ import annotations
 
 from sympy import Expr
 
-from .catalogue import (
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.symbols import s
+from haptisym.model.catalogue import (
     Damping,
     DampingList,
     Formula,
@@ -23,8 +25,6 @@ from .catalogue import (
     StiffnessList,
     environment,
 )
-from .errors import SceneError
-from .symbols import s
 
 
 @environment("mass-spring-damper")

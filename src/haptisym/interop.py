@@ -18,14 +18,14 @@ from typing import Any, TypeAlias
 import numpy as np
 from sympy import Add, Expr, Float, I, Integer, Matrix
 
-from . import effects, environments
-from .catalogue import Effect, Environment
-from .errors import SceneError
-from .exact.dynamics import Ring
-from .exact.reals import ExactNumber
-from .exact.rings import PolynomialRing, RationalFunction, degree_in
-from .quantities import Dimension, decimal, quantity
-from .symbols import s
+from haptisym import effects, environments
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.reals import ExactNumber
+from haptisym.kernel.rings import PolynomialRing, RationalFunction, degree_in
+from haptisym.kernel.symbols import s
+from haptisym.model.catalogue import Effect, Environment
+from haptisym.model.quantities import Dimension, decimal, quantity
 
 System: TypeAlias = Any
 """A dynamics in some form: see ``dynamics``."""

@@ -14,11 +14,11 @@ from marks import examples
 from sympy import Rational
 
 import haptisym as hs
-from haptisym.costs.hardcases import FAMILIES, HardCase, hard_cases
-from haptisym.costs.hardcosts import put
-from haptisym.costs.methods import CROSSINGS, NAIVE, RATIOS
-from haptisym.costs.questions import DOUBLE, Crossings, Ratios, right_digits
-from haptisym.jnd import Part
+from haptisym.model.jnd import Part
+from haptisym.verbs.cost.hardcases import FAMILIES, HardCase, hard_cases
+from haptisym.verbs.cost.hardcosts import put
+from haptisym.verbs.cost.methods import CROSSINGS, NAIVE, RATIOS
+from haptisym.verbs.cost.questions import DOUBLE, Crossings, Ratios, right_digits
 
 MP = mpmath.mp.clone()
 MP.dps = 1500
@@ -113,7 +113,7 @@ def is_slow_name(name: str) -> bool:
 
 
 def hs_crossings(question: Crossings) -> tuple[hs.Crossing, ...]:
-    from haptisym.crossings import find_crossings
+    from haptisym.judge.crossings import find_crossings
 
     return find_crossings(question.chart())
 

@@ -8,18 +8,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from haptisym.errors import SceneError
-from haptisym.scene import Scene
-from haptisym.scenefile import load_scene
-
-from .options import environment_option, figure_option, json_option, keep
-from .progress import progress
-from .streams import say, say_document
-from .verb import verb
+from haptisym.commands.options import environment_option, figure_option, json_option, keep
+from haptisym.commands.progress import progress
+from haptisym.commands.streams import say, say_document
+from haptisym.commands.verb import verb
+from haptisym.kernel.errors import SceneError
+from haptisym.model.scene import Scene
+from haptisym.model.scenefile import load_scene
 
 if TYPE_CHECKING:
-    from haptisym.costs.costs import Cost
-    from haptisym.costs.hardcosts import HardCosts
+    from haptisym.verbs.cost.entry import Cost
+    from haptisym.verbs.cost.hardcosts import HardCosts
 
 
 @verb()
@@ -74,10 +73,10 @@ def _measured(
     scene: Scene | None, quick: bool, simulation: bool, told: Callable[[str, float], None]
 ) -> Cost | HardCosts:
     if scene is None:
-        from haptisym.costs.hardcosts import hard_costs
+        from haptisym.verbs.cost.hardcosts import hard_costs
 
         return hard_costs(told=told)
-    from haptisym.costs.costs import cost, simulation_cost
+    from haptisym.verbs.cost.entry import cost, simulation_cost
 
     measure = simulation_cost if simulation else cost
     return measure(scene, quick=quick, told=told)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import click
 
-from haptisym.errors import SceneError
-from haptisym.scene import Scene
-
-from .options import json_option, scene_argument
-from .streams import say, say_document, write
-from .verb import given, verb
+from haptisym.commands.options import json_option, scene_argument
+from haptisym.commands.streams import say, say_document, write
+from haptisym.commands.verb import given, verb
+from haptisym.kernel.errors import SceneError
+from haptisym.model.scene import Scene
 
 _CODE = ("numpy", "c", "octave", "julia", "javascript")
 _OUTPUTS = ("text", "latex", "mathml", "json", *_CODE)
@@ -54,7 +53,7 @@ def derive(
       haptisym derive fu2019 --keep omega_n --of "Re dH" --to latex
       haptisym derive fu2019 --to c > distortion.c
     """
-    from haptisym.formulas.derivation import derive as derive_scene
+    from haptisym.verbs.derive.derivation import derive as derive_scene
 
     if keep and mode:
         raise SceneError(f"--keep says which parameters stay symbols, and so does --{mode}: leave out one of them")
@@ -64,7 +63,7 @@ def derive(
         )
     kept = keep or (() if mode == "numeric" else None)
     if language in _CODE:
-        from haptisym.codegen.scene import Language, scene_code
+        from haptisym.writing.code.entry import Language, scene_code
 
         if names:
             raise SceneError(
@@ -76,8 +75,8 @@ def derive(
             )
         write(scene_code(scene, Language[language.upper()], parameters=kept))
         return
-    from haptisym.formulas import text as derivationtext
-    from haptisym.formulas.sections import asked, sections
+    from haptisym.pages import derive as derivationtext
+    from haptisym.pages.sections import asked, sections
 
     d = derive_scene(scene, kept)
     found = asked(d, names) if names else sections(d)

@@ -7,13 +7,12 @@ from pathlib import Path
 
 import click
 
-from haptisym.scene import Scene
-
-from .limit import within_limit
-from .options import drawn, figure_option, json_option, scene_argument
-from .progress import quiet
-from .streams import say, say_document
-from .verb import verb
+from haptisym.commands.limit import within_limit
+from haptisym.commands.options import drawn, figure_option, json_option, scene_argument
+from haptisym.commands.progress import quiet
+from haptisym.commands.streams import say, say_document
+from haptisym.commands.verb import verb
+from haptisym.model.scene import Scene
 
 
 @verb()
@@ -44,12 +43,12 @@ def effects(scene: Scene, as_json: bool, tolerance: str, figure: Path | None) ->
       haptisym effects sidestick --tolerance 0.1 --figure influences.pdf
       haptisym effects my-device.toml --json
     """
-    from haptisym.pruning.relevance import relevance
-    from haptisym.pruning.text import document, page
+    from haptisym.pages.effects import document, page
+    from haptisym.verbs.effects.relevance import relevance
 
     found = relevance(scene, tolerance)
     if figure is not None:
-        from haptisym.pruning.figure import save_influences
+        from haptisym.figures.effects import save_influences
 
         drawn(save_influences, found, figure)
     text = dumps(document(found), indent=2, ensure_ascii=False) if as_json else page(found)

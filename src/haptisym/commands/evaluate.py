@@ -6,16 +6,23 @@ from pathlib import Path
 
 import click
 
-from haptisym.budget import limited
-from haptisym.errors import SceneError
-from haptisym.evaluation import evaluate as evaluate_scene
-from haptisym.family.family import SceneFamily
-from haptisym.scenefile import chosen, load_scenes
-
-from .limit import limit_option
-from .options import environment_option, figures_option, file_option, hand_over, json_option, keep, keep_figures
-from .progress import progress
-from .verb import verb
+from haptisym.commands.limit import limit_option
+from haptisym.commands.options import (
+    environment_option,
+    figures_option,
+    file_option,
+    hand_over,
+    json_option,
+    keep,
+    keep_figures,
+)
+from haptisym.commands.progress import progress
+from haptisym.commands.verb import verb
+from haptisym.judge.evaluation import evaluate as evaluate_scene
+from haptisym.kernel.budget import limited
+from haptisym.kernel.errors import SceneError
+from haptisym.model.family import SceneFamily
+from haptisym.model.scenefile import chosen, load_scenes
 
 
 @verb()
@@ -91,11 +98,11 @@ def evaluate(
 
         keep_figures(figures, lambda: save_figures(result, figures))
     if latex is not None:
-        from haptisym.tex.document import document
+        from haptisym.pages.tex.document import document
 
         keep("LaTeX", latex, lambda: latex.write_text(document(result), encoding="utf-8"))
     if report is not None:
-        from haptisym.report.page import save_report
+        from haptisym.pages.report.page import save_report
 
         keep("report", report, lambda: save_report(result, report))
     hand_over(result, as_json=as_json)
@@ -105,14 +112,14 @@ def _evaluate_all(
     family: SceneFamily, digits: int, figures: Path | None, as_json: bool, refused: list[str], limit: float
 ) -> None:
     """Several environments at once."""
-    from haptisym.family.evaluation import evaluate_all
+    from haptisym.verbs.family.entry import evaluate_all
 
     if refused:
         raise SceneError(f"{refused[0]} takes one environment: choose it with --environment NAME")
     with progress() as told, limited(limit, told):
         result = evaluate_all(family, digits)
     if figures is not None:
-        from haptisym.family.figure import save_family_figures
+        from haptisym.figures.family import save_family_figures
 
         keep_figures(figures, lambda: save_family_figures(result, figures))
     hand_over(result, as_json=as_json)

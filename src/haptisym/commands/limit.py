@@ -7,10 +7,9 @@ from typing import Any
 
 import click
 
-from haptisym.budget import limited
-
-from .options import Command
-from .progress import progress
+from haptisym.commands.options import Command
+from haptisym.commands.progress import progress
+from haptisym.kernel.budget import limited
 
 SECONDS = 60.0
 

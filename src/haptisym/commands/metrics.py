@@ -7,11 +7,10 @@ from pathlib import Path
 
 import click
 
-from haptisym.scene import Scene
-
-from .options import drawn, figure_option, json_option, scene_argument
-from .streams import say, say_document, write
-from .verb import verb
+from haptisym.commands.options import drawn, figure_option, json_option, scene_argument
+from haptisym.commands.streams import say, say_document, write
+from haptisym.commands.verb import verb
+from haptisym.model.scene import Scene
 
 
 @verb(apart=[("--json", "--to", "--json prints one document, and --to another output")])
@@ -42,12 +41,12 @@ def metrics(
       haptisym metrics steering-wheel --figure metrics.svg
       haptisym metrics fu2019 --to latex > metrics.tex
     """
-    from haptisym.measures import text as metricstext
-    from haptisym.measures.transparency import metrics as measure
+    from haptisym.pages import metrics as metricstext
+    from haptisym.verbs.metrics.entry import metrics as measure
 
     found = measure(scene)
     if figure is not None:
-        from haptisym.measures.figure import save_metrics_figure
+        from haptisym.figures.metrics import save_metrics_figure
 
         drawn(save_metrics_figure, found, figure)
     if as_json:

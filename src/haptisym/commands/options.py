@@ -11,12 +11,11 @@ from typing import Any, Protocol
 
 import click
 
-from haptisym.errors import NothingToDrawError, SceneError
+from haptisym.commands.progress import quiet
+from haptisym.commands.streams import note, say, say_document, to_file
 from haptisym.figures.kinds import checked
-from haptisym.scenefile import load_scene
-
-from .progress import quiet
-from .streams import note, say, say_document, to_file
+from haptisym.kernel.errors import NothingToDrawError, SceneError
+from haptisym.model.scenefile import load_scene
 
 Command = Callable[..., Any]
 

@@ -6,12 +6,11 @@ from pathlib import Path
 
 import click
 
-from haptisym.scene import Scene
-
-from .limit import limit_option
-from .options import drawn, figure_option, hand_over, json_option, scene_argument
-from .progress import progress
-from .verb import given, verb
+from haptisym.commands.limit import limit_option
+from haptisym.commands.options import drawn, figure_option, hand_over, json_option, scene_argument
+from haptisym.commands.progress import progress
+from haptisym.commands.verb import given, verb
+from haptisym.model.scene import Scene
 
 
 @verb()
@@ -71,11 +70,11 @@ def require(
       haptisym require delayed-spring --free tau --any-environment
       haptisym require fu2019 --free omega_n --free zeta --range 60 200 --range 0.1 1 --figure map.svg
     """
-    from haptisym.errors import SceneError
-    from haptisym.jnd import Part
-    from haptisym.requirement.designmap import DesignMap, design_map
-    from haptisym.requirement.question import Requirement
-    from haptisym.requirement.question import require as ask
+    from haptisym.kernel.errors import SceneError
+    from haptisym.model.jnd import Part
+    from haptisym.verbs.require.designmap import DesignMap, design_map
+    from haptisym.verbs.require.entry import Requirement
+    from haptisym.verbs.require.entry import require as ask
 
     if len(paths) > 2 or (ranges and len(ranges) != len(paths)):
         raise SceneError("--free may be given once or twice, and --range not at all or as often, in the same order")
@@ -100,7 +99,7 @@ def require(
                 part=part, any_environment=any_environment, digits=digits, limit=limit, told=told,
             )  # fmt: skip
     if figure is not None:
-        from haptisym.requirement.figures import save_requirement
+        from haptisym.figures.require import save_requirement
 
         drawn(save_requirement, found, figure)
     hand_over(found, as_json=as_json)

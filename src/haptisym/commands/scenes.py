@@ -6,12 +6,11 @@ from json import dumps
 
 import click
 
-from haptisym.errors import SceneError
-from haptisym.scenefile import family_names, load_scenes, scene_names, scene_text
-
-from .options import json_option
-from .streams import say, say_document, write
-from .verb import verb
+from haptisym.commands.options import json_option
+from haptisym.commands.streams import say, say_document, write
+from haptisym.commands.verb import verb
+from haptisym.kernel.errors import SceneError
+from haptisym.model.scenefile import family_names, load_scenes, scene_names, scene_text
 
 
 @verb()

@@ -6,11 +6,10 @@ from pathlib import Path
 
 import click
 
-from haptisym.scene import Scene
-
-from .limit import within_limit
-from .options import drawn, figure_option, hand_over, json_option, scene_argument
-from .verb import verb
+from haptisym.commands.limit import within_limit
+from haptisym.commands.options import drawn, figure_option, hand_over, json_option, scene_argument
+from haptisym.commands.verb import verb
+from haptisym.model.scene import Scene
 
 
 @verb(needs=[("--digits", "--json", "the document")])
@@ -36,11 +35,11 @@ def sensitivity(scene: Scene, as_json: bool, digits: int, figure: Path | None) -
       haptisym sensitivity my-device.toml --figure elasticities.pdf
       haptisym sensitivity my-device.toml --json --digits 50
     """
-    from haptisym.sensitivities.answers import sensitivity as of
+    from haptisym.verbs.sensitivity.entry import sensitivity as of
 
     found = of(scene, digits)
     if figure is not None:
-        from haptisym.sensitivities.figure import save_elasticities
+        from haptisym.figures.sensitivity import save_elasticities
 
         drawn(save_elasticities, found, figure)
     hand_over(found, as_json=as_json)

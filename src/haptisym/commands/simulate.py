@@ -8,12 +8,11 @@ from pathlib import Path
 
 import click
 
-from haptisym.scene import Scene
-
-from .options import figures_option, file_option, json_option, keep, keep_figures, scene_argument
-from .progress import progress
-from .streams import say, say_document
-from .verb import verb
+from haptisym.commands.options import figures_option, file_option, json_option, keep, keep_figures, scene_argument
+from haptisym.commands.progress import progress
+from haptisym.commands.streams import say, say_document
+from haptisym.commands.verb import verb
+from haptisym.model.scene import Scene
 
 
 @verb(
@@ -60,18 +59,18 @@ def simulate(
       haptisym simulate stick-with-friction --amplitude "5 cm" --figures figures
       haptisym simulate fu2019 --motion hand.csv --lowpass "20 Hz" --force force.csv
     """
-    from haptisym.simulation.command import run  # SciPy is loaded for this verb alone
+    from haptisym.verbs.simulate.command import run  # SciPy is loaded for this verb alone
 
     with progress("s simulated") as told:
         runs = run(scene, check, options, told)
     if force is not None:
         keep("force", force, lambda: force.write_text(runs[0].to_csv(), encoding="utf-8"))
     if figures is not None:
-        from haptisym.simulation.figures import save_simulation_figures
+        from haptisym.figures.simulate import save_simulation_figures
 
         keep_figures(figures, lambda: save_simulation_figures(runs, figures))
-    from haptisym.simulation.results import document
-    from haptisym.simulation.text import page
+    from haptisym.pages.simulate import page
+    from haptisym.verbs.simulate.results import document
 
     say_document(dumps(document(runs), indent=2, ensure_ascii=False)) if as_json else say(page(runs))
     if any(x.agrees is False for x in runs):

@@ -12,10 +12,9 @@ from contextlib import contextmanager, suppress
 from io import TextIOWrapper
 from pathlib import Path
 
-from haptisym.errors import HaptisymError
-
-from .fitting import PAGE, fitted
-from .spelling import HANDLER, escaped, register, spelt
+from haptisym.commands.fitting import PAGE, fitted
+from haptisym.commands.spelling import HANDLER, escaped, register, spelt
+from haptisym.kernel.errors import HaptisymError
 
 
 class ReaderLeft(Exception):  # noqa: N818  it is nobody's error

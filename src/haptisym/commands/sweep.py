@@ -16,13 +16,12 @@ from typing import Any
 
 import click
 
-from haptisym.errors import SceneError
-from haptisym.scene import Scene
-
-from .options import figure_option, json_option, keep, scene_argument
-from .progress import progress
-from .streams import say, say_document
-from .verb import verb
+from haptisym.commands.options import figure_option, json_option, keep, scene_argument
+from haptisym.commands.progress import progress
+from haptisym.commands.streams import say, say_document
+from haptisym.commands.verb import verb
+from haptisym.kernel.errors import SceneError
+from haptisym.model.scene import Scene
 
 
 @verb(apart=[("--workers", "--cluster", "--workers computes on this machine, --cluster on others")])
@@ -71,8 +70,8 @@ def sweep(
     """
     if (workers or cluster) and out is None:
         raise SceneError("--workers and --cluster need --out FILE, to which the workers write")
-    from haptisym.sweeps.axes import spaced
-    from haptisym.sweeps.designspace import sweep as sweep_scene
+    from haptisym.verbs.sweep.axes import spaced
+    from haptisym.verbs.sweep.entry import sweep as sweep_scene
 
     asked = [spaced(text, scene) for text in vary]
     if len({path for path, _ in asked}) < len(asked):
@@ -84,10 +83,10 @@ def sweep(
         told = stack.enter_context(progress("sets", kept=_kept(out)))
         found = sweep_scene(scene, dict(asked), out=out, progress=told)
     if figure is not None:
-        from haptisym.sweeps.figure import save_sweep_figure
+        from haptisym.figures.sweep import save_sweep_figure
 
         keep("chart", figure, lambda: save_sweep_figure(found, figure, scene))
-    from haptisym.sweeps.text import document, page
+    from haptisym.pages.sweep import document, page
 
     answer = document(found, out)
     say_document(dumps(answer, indent=2, ensure_ascii=False)) if as_json else say(page(answer))

@@ -6,13 +6,12 @@ from pathlib import Path
 
 import click
 
-from haptisym.errors import SceneError
-from haptisym.scene import Scene
-
-from .limit import limit_option
-from .options import drawn, figure_option, hand_over, json_option, scene_argument
-from .progress import progress
-from .verb import given, verb
+from haptisym.commands.limit import limit_option
+from haptisym.commands.options import drawn, figure_option, hand_over, json_option, scene_argument
+from haptisym.commands.progress import progress
+from haptisym.commands.verb import given, verb
+from haptisym.kernel.errors import SceneError
+from haptisym.model.scene import Scene
 
 
 @verb()
@@ -44,7 +43,7 @@ def tolerances(scene: Scene, as_json: bool, samples: int, seed: int, figure: Pat
       haptisym tolerances my-device.toml --samples 1000 --figure tolerances.pdf
       haptisym tolerances my-device.toml --json
     """
-    from haptisym.tolerance.answers import tolerances as of
+    from haptisym.verbs.tolerances.entry import tolerances as of
 
     if samples == 0 and given(click.get_current_context(), "--seed"):
         raise SceneError(
@@ -54,7 +53,7 @@ def tolerances(scene: Scene, as_json: bool, samples: int, seed: int, figure: Pat
     with progress() as told:
         found = of(scene, samples, seed, limit=limit, told=told)
     if figure is not None:
-        from haptisym.tolerance.figure import save_tolerances
+        from haptisym.figures.tolerances import save_tolerances
 
         drawn(save_tolerances, found, figure)
     hand_over(found, as_json=as_json)

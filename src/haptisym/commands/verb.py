@@ -10,7 +10,7 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
-from haptisym.errors import SceneError
+from haptisym.kernel.errors import SceneError
 
 Pair = tuple[str, str, str]
 """Two options, and what is to be said of them."""

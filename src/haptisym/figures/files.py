@@ -7,16 +7,15 @@ from pathlib import Path
 
 from matplotlib.axes import Axes
 
-from haptisym.evaluation import Evaluation
-from haptisym.jnd import Part
-
-from .kinds import UNDATED
-from .nyquist import draw_nyquist
-from .projections import draw_projections
-from .ratios import draw_ratios
-from .sampling import band_of, ends_of, poles_of
-from .square import draw_jnd_square
-from .style import one_column, save
+from haptisym.figures.kinds import UNDATED
+from haptisym.figures.nyquist import draw_nyquist
+from haptisym.figures.projections import draw_projections
+from haptisym.figures.ratios import draw_ratios
+from haptisym.figures.sampling import band_of, ends_of, poles_of
+from haptisym.figures.square import draw_jnd_square
+from haptisym.figures.style import one_column, save
+from haptisym.judge.evaluation import Evaluation
+from haptisym.model.jnd import Part
 
 
 def save_figures(evaluation: Evaluation, directory: str | Path, kinds: Iterable[str] = tuple(UNDATED)) -> list[Path]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
 
-from haptisym.errors import SceneError
+from haptisym.kernel.errors import SceneError
 
 UNDATED: Mapping[str, Mapping[str, None]] = MappingProxyType(
     {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {"Software": None}}

@@ -9,12 +9,24 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from haptisym.evaluation import Evaluation
-from haptisym.numeric.values import Array, Values
-
-from .sampling import band_of, broken, evenly, in_window, poles_of, refined, sampled
-from .scales import Scale, band_scale
-from .style import GREY, INK, Look, curve_handles, curves, dress, entries, handle, legend, limit, name_dynamics, number
+from haptisym.figures.sampling import band_of, broken, evenly, in_window, poles_of, refined, sampled
+from haptisym.figures.scales import Scale, band_scale
+from haptisym.figures.style import (
+    GREY,
+    INK,
+    Look,
+    curve_handles,
+    curves,
+    dress,
+    entries,
+    handle,
+    legend,
+    limit,
+    name_dynamics,
+    number,
+)
+from haptisym.judge.evaluation import Evaluation
+from haptisym.programs.values import Array, Values
 
 
 def draw_nyquist(

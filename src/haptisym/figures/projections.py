@@ -10,16 +10,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from haptisym.crossings import Curve
-from haptisym.evaluation import Evaluation
-from haptisym.exact.roots import Interval
-from haptisym.jnd import Part
-from haptisym.numeric.values import Array, Values
-
-from .nyquist import responses
-from .sampling import band_of, broken, ends_of, evenly, in_window, poles_of, refined, sampled, top_of
-from .scales import Scale, scale_of
-from .style import (
+from haptisym.figures.nyquist import responses
+from haptisym.figures.sampling import band_of, broken, ends_of, evenly, in_window, poles_of, refined, sampled, top_of
+from haptisym.figures.scales import Scale, scale_of
+from haptisym.figures.style import (
     DOTTED,
     GREY,
     INK,
@@ -44,6 +38,11 @@ from .style import (
     text_width,
     write_note,
 )
+from haptisym.judge.crossings import Curve
+from haptisym.judge.evaluation import Evaluation
+from haptisym.kernel.roots import Interval
+from haptisym.model.jnd import Part
+from haptisym.programs.values import Array, Values
 
 
 @dataclass(frozen=True)

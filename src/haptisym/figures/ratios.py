@@ -9,13 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from haptisym.evaluation import Evaluation
-from haptisym.jnd import Part
-from haptisym.numeric.values import Array, Values
-
-from .sampling import band_of, broken, evenly, in_window, limits_of, refined, sampled, top_of
-from .scales import Scale, scale_of
-from .style import (
+from haptisym.figures.sampling import band_of, broken, evenly, in_window, limits_of, refined, sampled, top_of
+from haptisym.figures.scales import Scale, scale_of
+from haptisym.figures.style import (
     DASHED,
     GREY,
     MOST_LABELS,
@@ -33,6 +29,9 @@ from .style import (
     number,
     shade,
 )
+from haptisym.judge.evaluation import Evaluation
+from haptisym.model.jnd import Part
+from haptisym.programs.values import Array, Values
 
 _NAMES = {Part.REAL: r"$r_\mathrm{r}$", Part.IMAG: r"$r_\mathrm{i}$"}
 

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from sympy import Expr, Poly, PolynomialError, fraction
 
-from haptisym.crossings import Curve
-from haptisym.distortion import Distortion
-from haptisym.evaluation import Evaluation
-from haptisym.exact.roots import Interval, Point
-from haptisym.jnd import Part
-from haptisym.numeric.values import Array
-from haptisym.symbols import s
+from haptisym.judge.crossings import Curve
+from haptisym.judge.evaluation import Evaluation
+from haptisym.kernel.roots import Interval, Point
+from haptisym.kernel.symbols import s
+from haptisym.model.distortion import Distortion
+from haptisym.model.jnd import Part
+from haptisym.programs.values import Array
 
 
 def band_of(evaluation: Evaluation) -> tuple[float, float]:

@@ -10,8 +10,8 @@ from typing import Any
 from matplotlib.axes import Axes
 from sympy import Expr, pi
 
-from haptisym.exact.reals import RealNumber
-from haptisym.tex.results import Hertz
+from haptisym.kernel.reals import RealNumber
+from haptisym.pages.tex.results import Hertz
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ def scale_of(ax: Axes, band: Iterable[Expr], *, hertz: bool | None = None) -> Sc
 def band_scale(band: Iterable[Expr]) -> Scale:
     """Hz where a frequency is a multiple of pi rad/s: then it was written in Hz, or in turns of another kind.
 
-    >>> from haptisym.scenefile import load_scene
+    >>> from haptisym.model.scenefile import load_scene
     >>> band_scale(load_scene("steering-wheel").band).unit, band_scale(load_scene("fu2019").band).unit
     ('Hz', 'rad/s')
     """

@@ -10,16 +10,10 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
-from haptisym.crossings import Curve
-from haptisym.errors import SceneError
-from haptisym.evaluation import Evaluation
-from haptisym.jnd import Part
-from haptisym.numeric.values import Array
-
-from .nyquist import HEAD, arrow, responses, stacked
-from .sampling import band_of, limits_of
-from .scales import band_scale
-from .style import (
+from haptisym.figures.nyquist import HEAD, arrow, responses, stacked
+from haptisym.figures.sampling import band_of, limits_of
+from haptisym.figures.scales import band_scale
+from haptisym.figures.style import (
     DOTTED,
     FULL_NAMES,
     GREY,
@@ -37,6 +31,11 @@ from .style import (
     name_dynamics,
     number,
 )
+from haptisym.judge.crossings import Curve
+from haptisym.judge.evaluation import Evaluation
+from haptisym.kernel.errors import SceneError
+from haptisym.model.jnd import Part
+from haptisym.programs.values import Array
 
 
 def draw_jnd_square(

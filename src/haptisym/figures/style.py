@@ -21,16 +21,15 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator, ScalarFormatter
 from matplotlib.transforms import ScaledTranslation
 from sympy import Symbol
 
-from haptisym.evaluation import Evaluation
-from haptisym.exact.roots import Interval
-from haptisym.jnd import Part
-from haptisym.numeric.values import Array
-from haptisym.quantities import Motion, unit_text
-from haptisym.tex.printer import formula
-
-from .kinds import UNDATED, checked
-from .sampling import ends_of
-from .scales import RADIANS, Scale
+from haptisym.figures.kinds import UNDATED, checked
+from haptisym.figures.sampling import ends_of
+from haptisym.figures.scales import RADIANS, Scale
+from haptisym.judge.evaluation import Evaluation
+from haptisym.kernel.roots import Interval
+from haptisym.model.jnd import Part
+from haptisym.model.quantities import Motion, unit_text
+from haptisym.programs.values import Array
+from haptisym.writing.texprinter import formula
 
 WIDTH = 3.4
 """Inches: one column of a journal."""

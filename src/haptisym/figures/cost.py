@@ -1,0 +1,225 @@
+"""Accuracy against time as a figure: right digits over seconds, both logarithmic, one panel for each question.
+
+Filled marks are proven, open ones are not; the lines are the Pareto fronts of all and of the proven ones: what nothing beats in
+both. Answers with a wrong number of crossings, or without a right digit, stand on the grey strip below.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+from textwrap import fill, wrap
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+from haptisym.figures.style import GREY, INK, SHADE, SMALL, TEXT, number, raised
+from haptisym.pages.cost import duration, summary, wrong
+from haptisym.verbs.cost.measurement import Row, front
+
+_PANEL, _ALONE = (3.5, 2.7), (6.8, 3.6)
+"""Inches: a panel among others, and one alone."""
+_LEAST = 0.7
+"""Right digits below which there are none to speak of."""
+_STRIP = 0.4
+"""Where answers stand that have none, or a wrong count."""
+_DASHED: Any = (0, (3, 2))
+_TITLES = {
+    "evaluate": "Evaluating the ratios at one frequency",
+    "crossings": "Finding all crossings",
+    "delay": "Approximating the delay",
+    "effects": "Leaving an effect out",
+    "simulation": "Simulating in time",
+}
+
+
+def draw_cost(ax: Axes, rows: Sequence[Row]) -> None:
+    """Right digits over time for the methods of one task."""
+    ax.set(xscale="log", yscale="log")
+    times = [row.seconds for row in rows]
+    ax.set_xlim(min(times) / 3, max(times) * 3)
+    ax.set_ylim(_STRIP / 1.5, 2.5 * max(20.0, *(row.digits for row in rows)))
+    ax.axhspan(ax.get_ylim()[0], _LEAST / 1.1, facecolor=SHADE, linewidth=0, zorder=0)
+    telling = [row for row in rows if row.digits > _LEAST]
+    _draw_front(ax, telling, color=GREY, linewidth=0.9, linestyle=_DASHED)
+    _draw_front(ax, [row for row in telling if row.proven], color=INK, linewidth=1.2)
+    for row in rows:
+        _mark(ax, row)
+    _dress(ax)
+    ax.set_title(_TITLES[rows[0].task], fontsize=TEXT, loc="left", color=INK)
+    ax.set_xlabel("time", fontsize=SMALL)
+    ax.set_ylabel("right digits", fontsize=SMALL)
+
+
+def _place(row: Row) -> tuple[float, float]:
+    return row.seconds, row.digits if row.complete and row.digits > _LEAST else _STRIP
+
+
+def _draw_front(ax: Axes, rows: Iterable[Row], **style: Any) -> None:
+    """The steps from which nobody gets more digits in less time."""
+    best = front(rows)
+    if best:
+        end = (ax.get_xlim()[1], best[-1].digits)
+        places = [*((row.seconds, row.digits) for row in best), end]
+        ax.plot(*zip(*places, strict=True), drawstyle="steps-post", zorder=2, **style)
+
+
+def _mark(ax: Axes, row: Row) -> None:
+    ax.plot(
+        *_place(row), linestyle="none", marker="o", markersize=4.6, color=INK,
+        markerfacecolor=INK if row.proven else "white", markeredgewidth=0.9, zorder=4,
+    )  # fmt: skip
+
+
+def _dress(ax: Axes) -> None:
+    ax.tick_params(labelsize=SMALL, width=0.5, length=2.5, color=GREY)
+    ax.spines[["top", "right"]].set_visible(False)
+    for spine in ax.spines.values():
+        spine.set(linewidth=0.5, color=GREY)
+    ax.xaxis.set_major_locator(LogLocator(numticks=8))
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda x, _: duration(x).replace("us", "µs")))
+    ax.yaxis.set_major_formatter(FuncFormatter(lambda y, _: number(y)))
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_minor_locator(NullLocator())
+    ax.set_yticks([y for y in (1, 3, 10, 16, 30, 100, 300, 1000) if y < ax.get_ylim()[1]])
+    ax.grid(visible=True, axis="y", color=SHADE, linewidth=0.5, zorder=0)
+    ax.set_axisbelow(True)
+
+
+# Names beside the marks, clear of marks and of each other.
+
+
+_Box = tuple[float, float, float, float]
+"""Left, bottom, right and top, in ems."""
+
+
+def draw_names(ax: Axes, rows: Sequence[Row]) -> None:
+    """The name of each method beside its mark, where it covers neither a mark nor another name; once the axes have their size."""
+    em = SMALL * ax.figure.dpi / 72
+    places = [tuple(float(x) / em for x in ax.transData.transform(_place(row))) for row in rows]
+    frame: _Box = (ax.bbox.x0 / em, ax.bbox.y0 / em, ax.bbox.x1 / em, ax.bbox.y1 / em)
+    taken: list[_Box] = [(x - 0.5, y - 0.5, x + 0.5, y + 0.5) for x, y in places]
+    lines = [box for line in ax.get_lines() if line.get_drawstyle() == "steps-post" for box in _steps(ax, line, em)]
+    for row, (x, y) in sorted(zip(rows, places, strict=True), key=lambda pair: pair[1], reverse=True):
+        name = raised(f"{row.method}: {wrong(row)}" if wrong(row) else row.method)
+        boxes = list(_boxes(x, y, 0.53 * len(name) + 0.2, 1.2))
+        box = min(
+            boxes,
+            key=lambda b, x=x, y=y: (  # type: ignore[misc]
+                _distance(b, x, y)
+                + 20 * sum(_shared(b, other) for other in taken)
+                + 2 * sum(_shared(b, other) for other in lines)
+                + 60 * _outside(b, frame)
+            ),
+        )
+        taken.append(box)
+        _write(ax, name, box, (x, y), em)
+
+
+def _boxes(x: float, y: float, width: float, height: float) -> Iterable[_Box]:
+    """Places for a name: right, left, above and below its mark, and further away in steps of a line."""
+    for line in (0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.5, -4.5):
+        for left in (0.8, -0.8 - width, -width / 2):
+            if line or left != -width / 2:
+                bottom = y + 1.1 * line - height / 2
+                yield x + left, bottom, x + left + width, bottom + height
+
+
+def _steps(ax: Axes, line: Line2D, em: float) -> Iterable[_Box]:
+    """The flat and the upright pieces of a front, as narrow boxes."""
+    places = [(float(x) / em, float(y) / em) for x, y in ax.transData.transform(line.get_xydata())]
+    for (a, low), (b, high) in pairwise(places):
+        yield a, low - 0.2, b, low + 0.2
+        yield b - 0.2, low, b + 0.2, high
+
+
+def _distance(box: _Box, x: float, y: float) -> float:
+    across = max(box[0] - x, 0.0, x - box[2])
+    return across + abs((box[1] + box[3]) / 2 - y)
+
+
+def _shared(a: _Box, b: _Box) -> float:
+    """The area that two boxes have in common."""
+    width, height = min(a[2], b[2]) - max(a[0], b[0]), min(a[3], b[3]) - max(a[1], b[1])
+    return width * height if width > 0 and height > 0 else 0.0
+
+
+def _outside(box: _Box, frame: _Box) -> float:
+    """How far a box reaches out of the axes."""
+    return sum(max(0.0, x) for x in (frame[0] - box[0], frame[1] - box[1], box[2] - frame[2], box[3] - frame[3]))
+
+
+def _write(ax: Axes, name: str, box: _Box, mark: tuple[float, float], em: float) -> None:
+    middle = ((box[0] + box[2]) / 2, (box[1] + box[3]) / 2)
+    inside = ax.transAxes.inverted()
+    if abs(middle[1] - mark[1]) > 1.6:
+        nearest = (min(max(mark[0], box[0]), box[2]), box[1] if box[1] > mark[1] else box[3])
+        ends = inside.transform([(x * em, y * em) for x, y in (mark, nearest)])
+        ax.plot(*ends.T, color=GREY, linewidth=0.4, transform=ax.transAxes, zorder=3)
+    place = inside.transform((middle[0] * em, middle[1] * em))
+    ground = {"facecolor": "white", "edgecolor": "none", "pad": 0.4} if mark[1] > _strip_top(ax, em) else None
+    style: dict[str, Any] = {"fontsize": SMALL - 0.5, "ha": "center", "va": "center", "color": INK, "zorder": 5}
+    ax.text(place[0], place[1], name, transform=ax.transAxes, bbox=ground, **style)
+
+
+def _strip_top(ax: Axes, em: float) -> float:
+    return float(ax.transData.transform((1, _LEAST))[1]) / em
+
+
+# The whole figure.
+
+
+def draw(rows: Sequence[Row], title: str) -> Figure:
+    """A panel for each task, two in a row; what the marks mean stands below, or in the place that is left."""
+    groups = [group for task in _TITLES if (group := [row for row in rows if row.task == task])]
+    columns = min(2, len(groups))
+    lines = -(-len(groups) // columns)
+    width, height = _PANEL if columns > 1 else _ALONE
+    figure = Figure(figsize=(width * columns, height * lines + 0.3), layout="constrained")
+    axes = figure.subplots(lines, columns, squeeze=False).ravel()
+    for ax, group in zip(axes, groups, strict=False):
+        draw_cost(ax, group)
+    figure.suptitle("\n".join(wrap(title, 88)), fontsize=TEXT + 1, color=INK)
+    style: dict[str, Any] = {"handles": _handles(rows), "fontsize": SMALL, "frameon": False, "handlelength": 2}
+    if len(groups) < len(axes):
+        _explain(axes[-1], summary(rows), style)
+    else:
+        figure.legend(loc="outside lower center", ncols=5, **style)
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    for ax, group in zip(axes, groups, strict=False):
+        draw_names(ax, group)
+    return figure
+
+
+def _explain(ax: Axes, said: str, style: dict[str, Any]) -> None:
+    """The sentence and the legend, in the place of a panel."""
+    ax.set_axis_off()
+    ax.text(
+        0,
+        0.97,
+        fill(raised(said.replace(" us", " µs")), 52),
+        fontsize=SMALL,
+        color=INK,
+        va="top",
+        linespacing=1.5,
+        transform=ax.transAxes,
+    )
+    ax.legend(loc="lower left", bbox_to_anchor=(-0.02, 0.0), labelspacing=0.6, **style)
+
+
+def _handles(rows: Sequence[Row]) -> list[Any]:
+    """What the legend explains: only what is there."""
+    mark: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4.6, "color": INK, "markeredgewidth": 0.9}
+    proven = any(row.proven for row in rows)
+    return [
+        *([Line2D([], [], **mark, label="proven")] if proven else []),
+        Line2D([], [], markerfacecolor="white", **mark, label="not proven"),
+        *([Line2D([], [], color=INK, linewidth=1.2, label="best of the proven")] if proven else []),
+        Line2D([], [], color=GREY, linewidth=0.9, linestyle=_DASHED, label="best of all"),
+        Patch(facecolor=SHADE, label="no digit right, or a wrong count"),
+    ]

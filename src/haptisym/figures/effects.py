@@ -1,0 +1,185 @@
+"""The figure of a scene's influences: what each effect changes, along the band, and which one changes most."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.text import Annotation
+
+from haptisym.figures.scales import scale_of
+from haptisym.figures.style import (
+    DOTTED,
+    GREY,
+    INK,
+    SCENES,
+    SHADE,
+    SMALL,
+    TEXT,
+    WIDTH,
+    _spread,
+    dress,
+    limit,
+    name_frequency,
+    save_as,
+    text_width,
+)
+from haptisym.kernel.errors import SceneError
+from haptisym.model.jnd import Part
+from haptisym.programs.values import Array
+from haptisym.verbs.effects.ballchain import Piece, series_arithmetic
+from haptisym.verbs.effects.relevance import Relevance
+
+_DEPTH = 8  # 2^8 samples along the band
+_DECADES = 3.5  # below the tolerance that are shown
+_STYLES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (5, 1.5, 1, 1.5)))
+
+
+def draw_influences(
+    ax: Axes, found: Relevance, part: Part, *, color: str | None = None, label: str = "", hertz: bool | None = None
+) -> list[Line2D]:
+    """``|r(full) - r(without it)|`` of each effect over the band: bold where it matters, thin grey where it is left out.
+
+    Each curve bears its name at its end. ``color``, ``label``, ``hertz`` : as of ``haptisym.figures.ratios.draw_ratios``; the
+    label stands behind the names. Returns the curves, in the order of the effects.
+
+    >>> from haptisym import load_scene, relevance
+    >>> ax = Figure().add_subplot()
+    >>> len(draw_influences(ax, relevance(load_scene("sidestick")), Part.REAL))
+    2
+    """
+    number = sum(line.get_label() == _TOLERANCE for line in ax.lines)
+    ink, scale = color or SCENES[number % len(SCENES)], scale_of(ax, found.scene.band, hertz=hertz)
+    grid, curves = _sampled(found, part)
+    floor, top = _limits(found, curves)
+    tolerance = float(found.tolerance)
+    ax.axhline(tolerance, color=GREY, linewidth=0.6, linestyle=DOTTED, label=_TOLERANCE)
+    styles, lines = iter(_STYLES * len(curves)), list[Line2D]()
+    for influence, values in zip(found.effects, curves, strict=True):
+        look = (ink, 1.2, next(styles)) if influence.kept else (GREY, 0.6, "-")
+        shown = np.where(values >= floor / 10, values, np.nan)
+        lines += ax.plot(scale.of(grid), shown, color=look[0], linewidth=look[1], linestyle=look[2])
+    dress(ax)
+    ax.set_yscale("log")
+    low, high = (scale.of(float(x)) for x in found.scene.band)
+    limit(ax, (low, high), (floor, top), number=number)
+    ax.tick_params(axis="y", which="minor", length=0)
+    symbol = r"r_\mathrm{r}" if part is Part.REAL else r"r_\mathrm{i}"
+    ax.set_ylabel(f"change of ${symbol}$", fontsize=TEXT)
+    name_frequency(ax, scale)
+    told = f", {label}" if label else f" ({number + 1})" if number else ""
+    ends = [
+        (f"{x.effect.name}{told}", values[-1], ink if x.kept else GREY)
+        for x, values in zip(found.effects, curves, strict=True)
+    ]
+    _name_ends(ax, ends if number else [*ends, (_TOLERANCE, tolerance, GREY)])
+    return lines
+
+
+_TOLERANCE = "tolerance"
+
+
+def draw_dominance(ax: Axes, found: Relevance) -> list[Patch]:
+    """Which effect changes the ratios most, as a strip along the band; a name that has no room is a number, told above.
+
+    Returns the pieces.
+    """
+    names = list(dict.fromkeys(x.effect.name for x in found.dominance))
+    start, end = (float(x) for x in found.scene.band)
+    ax.set(xlim=(start, end), ylim=(0, 1))
+    pieces: list[Patch] = []
+    narrow: list[str] = []
+    slivers: list[str] = []
+    seen = set[str]()
+    for x in found.dominance:
+        low, high = float(x.low), float(x.high)
+        face = SHADE if names.index(x.effect.name) % 2 == 0 else "#c4c4c4"
+        pieces.append(ax.axvspan(low, high, facecolor=face, linewidth=0))
+        room, name = (high - low) / (end - start), x.effect.name
+        if text_width(ax, name) >= room > text_width(ax, "1"):
+            narrow += [] if name in narrow else [name]
+            name = str(narrow.index(name) + 1)
+        elif text_width(ax, name) >= room:
+            slivers.append(name)
+            name = ""
+        else:
+            seen.add(name)
+        ax.text((low + high) / 2, 0.45, name, ha="center", va="center", fontsize=SMALL, color=INK)
+    ax.axis("off")
+    ax.set_title(_dominance_title(narrow, sorted(set(slivers) - seen - set(narrow))), **_QUIET)
+    return pieces
+
+
+_QUIET: dict[str, Any] = {"fontsize": SMALL, "color": GREY, "loc": "left", "pad": 2}
+
+
+def _dominance_title(narrow: list[str], slivers: list[str]) -> str:
+    """What the strip shows, the names that stand as numbers in it, and those of pieces too narrow for that."""
+    told = [", ".join(f"{i} {name}" for i, name in enumerate(narrow, 1))] if narrow else []
+    told += [f"in slivers {', '.join(slivers)}"] if slivers else []
+    title = "changes the ratios most"
+    full = f"{title}: {'; '.join(told)}" if told else title
+    return full if len(full) <= 70 else f"{title}: {len(narrow) + len(slivers)} more in narrow pieces"
+
+
+def save_influences(found: Relevance, path: str | Path) -> Path:
+    """The figure of both parts as .svg, .pdf or .png, by the ending of the file's name; SceneError for any other."""
+    if not found.effects:
+        raise SceneError("figure: the scene has no effects to draw")
+    figure = Figure(figsize=(1.3 * WIDTH, 4.3))
+    figure.subplots_adjust(left=0.13, right=0.74, top=0.94, bottom=0.09, hspace=0.12)
+    strip, real, imag = figure.subplots(3, 1, height_ratios=(0.09, 1, 1))
+    draw_dominance(strip, found)
+    for ax, part in ((real, Part.REAL), (imag, Part.IMAG)):
+        draw_influences(ax, found, part)
+    real.tick_params(labelbottom=False)
+    real.set_xlabel("")
+    return save_as(figure, path)
+
+
+def _sampled(found: Relevance, part: Part) -> tuple[Array, list[Array]]:
+    """Frequencies, and each effect's change of a ratio there."""
+    pieces = [Piece(_DEPTH, i) for i in range(1 << _DEPTH)]
+    with series_arithmetic():
+        grid = np.array([float(found.balls.middle(piece)) for piece in pieces])
+        indices = range(len(found.effects))
+        curves = [np.array([found.without(i, part).at_middle(piece) for piece in pieces]) for i in indices]
+    return grid, curves
+
+
+def _limits(found: Relevance, curves: list[Array]) -> tuple[float, float]:
+    """From some decades below the tolerance, or the largest change, to a little above the largest change."""
+    largest = max((float(values.max()) for values in curves), default=0.0)
+    middle = float(found.tolerance) or largest or 1.0
+    return middle * 10**-_DECADES, 2 * max(largest, middle)
+
+
+_END = "_end"
+"""The mark of names beside the axes, by which those of a scene drawn before are found."""
+
+
+def _name_ends(ax: Axes, ends: list[tuple[str, float, str]]) -> None:
+    """The name of each curve beside its end, those that would overlap moved apart, those that are there already, too."""
+    before = [x for x in ax.texts if isinstance(x, Annotation) and x.get_label() == _END]
+    rows = [(x.get_text(), float(x.xy[1]), str(x.get_color())) for x in before]
+    for old in before:
+        old.remove()
+    low, high = np.log10(ax.get_ylim())
+    seen = sorted(
+        (max((np.log10(value) - low) / (high - low), 0.0), name, max(value, 10**low), color)
+        for name, value, color in [*rows, *ends]
+        if value
+    )
+    height = SMALL * 1.15 * ax.figure.dpi / (72 * ax.bbox.height)
+    places = _spread([share for share, *_ in seen], [height] * len(seen))
+    for (_, name, value, color), place in zip(seen, places, strict=True):
+        ax.annotate(
+            name, xy=(1, value), xytext=(1.05, place), xycoords=ax.get_yaxis_transform(), textcoords="axes fraction",
+            va="center", fontsize=SMALL, color=color, label=_END,
+            arrowprops={"arrowstyle": "-", "linewidth": 0.4, "color": GREY, "shrinkA": 0, "shrinkB": 0, "relpos": (0, 0.5)},
+        )  # fmt: skip

@@ -1,0 +1,146 @@
+"""The figure of several environments: each one's ratios, their envelope, and the one that binds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from haptisym.figures.sampling import broken, sampled
+from haptisym.figures.scales import RADIANS, Scale, band_scale
+from haptisym.figures.style import (
+    BLUE,
+    DASHED,
+    DOTTED,
+    GREY,
+    INK,
+    RED,
+    SHADE,
+    SOLID,
+    TEXT,
+    WIDTH,
+    _legend_height,
+    dress,
+    handle,
+    label_above,
+    legend,
+    name_frequency,
+    save,
+    shade,
+)
+from haptisym.model.jnd import Part
+from haptisym.programs.values import Array
+from haptisym.verbs.family.entry import FamilyEvaluation
+
+_NAMES = {Part.REAL: "r", Part.IMAG: "i"}
+_BINDING: tuple[tuple[str, Any], ...] = ((BLUE, SOLID), (RED, DASHED), ("#6fb0b8", SOLID), ("#d0701f", DASHED))
+"""Colours and strokes of the environments that bind, in the order in which they do."""
+
+
+Ratios: TypeAlias = dict[str, Array]
+"""r_r and r_i in two columns, by the name of the environment."""
+
+
+def draw_envelope(
+    ax: Axes, evaluation: FamilyEvaluation, part: Part, omega: Array, sampled: Ratios, scale: Scale = RADIANS
+) -> list[Line2D]:
+    """r_r or r_i of each environment as a thin line, the largest as a thick one, the binding environments in colour.
+
+    Grey: where every environment is transparent in both parts. A dot marks each end of that at which this part binds.
+    ``omega`` : rad/s; drawn in the unit of ``scale``. Returns the line of each environment.
+    """
+    ratios = {name: both[:, 0 if part is Part.REAL else 1] for name, both in sampled.items()}
+    envelope = np.max(np.nan_to_num(np.stack(list(ratios.values())), nan=np.inf), axis=0)
+    c, at = float(evaluation.family.threshold[part]), scale.of(omega)
+    looks = binding_looks(evaluation)
+    shade(ax, evaluation.transparent, scale)
+    ax.axhline(c, color=GREY, linewidth=0.6, linestyle=DOTTED)
+    lines = []
+    for name, values in ratios.items():
+        color, style = looks.get(name, (GREY, SOLID))
+        width = 1.1 if name in looks else 0.6
+        lines += ax.plot(at, values, color=color, linestyle=style, linewidth=width, zorder=3)
+    ax.plot(at, envelope, color=INK, linewidth=2.2, alpha=0.35, zorder=2, solid_capstyle="butt")
+    for x in (x for x in evaluation.binding if x.part is part):
+        color, place = looks[x.environment][0], scale.of(float(x.omega))
+        ax.plot([place], [c], marker="o", markersize=3.8, color=color, zorder=4, clip_on=False)
+    ax.set(xlim=(at[0], at[-1]), ylim=(0, _height(envelope, c)))
+    dress(ax)
+    ax.set_ylabel(rf"$r_\mathrm{{{_NAMES[part]}}}$", fontsize=TEXT)
+    return lines
+
+
+def _height(envelope: Array, c: float) -> float:
+    """The top of the axes: all of the envelope where it is not far above the threshold."""
+    finite = envelope[np.isfinite(envelope)]
+    highest = float(finite.max()) if finite.size else 0.0
+    return min(max(1.08 * highest, 1.6 * c), 4 * c)
+
+
+def _common_grid(evaluation: FamilyEvaluation) -> Array:
+    grids = [sampled(x) for x in evaluation.answers.values()]  # type: ignore[arg-type]
+    ends = [float(point.omega) for point in evaluation.chart.points]
+    return np.unique(np.concatenate([*grids, ends]))
+
+
+def _sampled(evaluation: FamilyEvaluation, omega: Array) -> Ratios:
+    found = {}
+    for name, answers in evaluation.answers.items():
+        values = answers.distortion.compile()(omega)
+        found[name] = broken(np.stack([values.ratio_real, values.ratio_imag], axis=1), omega, answers.unbounded)
+    return found
+
+
+def binding_looks(evaluation: FamilyEvaluation) -> dict[str, tuple[str, Any]]:
+    """The colour and stroke of each environment that binds somewhere."""
+    names = list(dict.fromkeys(x.environment for x in evaluation.binding))
+    return {name: _BINDING[i % len(_BINDING)] for i, name in enumerate(names)}
+
+
+def save_family_figures(evaluation: FamilyEvaluation, directory: str | Path) -> list[Path]:
+    """The figure ``worst-case`` as SVG, PDF and PNG, one column (3.4 in) wide, in a directory that is made if need be."""
+    folder = Path(directory)
+    folder.mkdir(parents=True, exist_ok=True)
+    return save(folder / "worst-case", family_figure(evaluation))
+
+
+def family_figure(evaluation: FamilyEvaluation) -> Figure:
+    """r_r above r_i, with one legend."""
+    height = 3.3
+    figure = Figure(figsize=(WIDTH, height), layout="compressed")
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    omega, scale = _common_grid(evaluation), band_scale(evaluation.family.first.band)
+    sampled = _sampled(evaluation, omega)
+    for ax, part in ((upper, Part.REAL), (lower, Part.IMAG)):
+        draw_envelope(ax, evaluation, part, omega, sampled, scale)
+    upper.tick_params(labelbottom=False)
+    name_frequency(lower, scale)
+    ends = dict.fromkeys(x.omega for x in evaluation.binding)
+    label_above(upper, [(scale.of(float(x)), scale.digits(x, 4)) for x in ends])
+    legend(upper, _handles(evaluation), lines=1)
+    figure.draw_without_rendering()
+    figure.set_figheight(height + _legend_height(upper))
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    return figure
+
+
+def _handles(evaluation: FamilyEvaluation) -> list[Any]:
+    looks = binding_looks(evaluation)
+    bound = [
+        handle(color, style, f"{name} binds", 1.1, marker="o", markersize=3.8) for name, (color, style) in looks.items()
+    ]
+    others = [] if len(looks) == len(evaluation.family) else [handle(GREY, SOLID, "others", 0.6)]
+    shade = [Patch(facecolor=SHADE, label="all transparent")] if evaluation.transparent else []
+    return [
+        handle(INK, SOLID, "largest", 2.2, alpha=0.35),
+        *bound,
+        *others,
+        handle(GREY, DOTTED, "threshold", 0.6),
+        *shade,
+    ]

@@ -1,0 +1,159 @@
+"""The figure of the measures: |Gamma|, relative distortion and the JND ratios over the band, with the bands of each verdict."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from haptisym.figures.sampling import band_of, ends_of, sampled
+from haptisym.figures.scales import scale_of
+from haptisym.figures.style import (
+    BLUE,
+    DASHED,
+    GREY,
+    INK,
+    RED,
+    SMALL,
+    SOLID,
+    TEXT,
+    WIDTH,
+    Look,
+    _legend_height,
+    dress,
+    entries,
+    legend,
+    limit,
+    name_frequency,
+    save_as,
+)
+from haptisym.model.jnd import Part
+from haptisym.verbs.metrics.measured import Bands
+from haptisym.verbs.metrics.metric import MetricRows
+
+_DOTS_AND_DASHES: Any = (0, (5, 1.5, 1, 1.5))
+_FINE: Any = (0, (1, 1))
+
+
+def save_metrics_figure(m: MetricRows, path: str | Path) -> Path:
+    """The figure in a file; its ending says as what. SceneError for an ending other than .svg, .pdf and .png."""
+    return save_as(metrics_figure(m), path)
+
+
+def metrics_figure(m: MetricRows) -> Figure:
+    """Curves above; below, for each measure, a bar where it is content."""
+    height = 3.4
+    figure = Figure(figsize=(WIDTH, height), layout="compressed")
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1.1))
+    draw_measures(upper, m)
+    draw_verdicts(lower, m)
+    upper.tick_params(labelbottom=False)
+    upper.set_xlabel("")
+    figure.draw_without_rendering()
+    figure.set_figheight(height + _legend_height(upper))
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    return figure
+
+
+def draw_measures(
+    ax: Axes, m: MetricRows, *, color: str | None = None, label: str = "", hertz: bool | None = None
+) -> list[Line2D]:
+    """r_r, r_i, |dH/H_env| and | |Gamma| - 1 | over the band, with the thresholds: all are fractions of |H_env|.
+
+    ``color``, ``label``, ``hertz`` : as of ``haptisym.figures.ratios.draw_ratios``. Returns the four lines.
+
+    >>> from haptisym import load_scene, metrics
+    >>> ax = Figure().add_subplot()
+    >>> [line.get_label() for line in draw_measures(ax, metrics(load_scene("fu2019")))][:2]
+    ['$r_\\\\mathrm{r}$', '$r_\\\\mathrm{i}$']
+    """
+    e = m.evaluation
+    look, scale = Look.on(ax, r"$r_\mathrm{r}$", color, label), scale_of(ax, e.scene.band, hertz=hertz)
+    omega = sampled(e)
+    v = e.distortion.compile()(omega)
+    env, perc = np.hypot(v.environment_real, v.environment_imag), np.hypot(v.perceived_real, v.perceived_imag)
+    relative = np.hypot(v.ratio_real, v.ratio_imag)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        size = np.abs(perc / env - 1)
+    rows = (
+        (v.ratio_real, INK, SOLID, r"$r_\mathrm{r}$"),
+        (v.ratio_imag, INK, DASHED, r"$r_\mathrm{i}$"),
+        (relative, RED, _DOTS_AND_DASHES, r"$|\Delta H/H_\mathrm{env}|$"),
+        (size, BLUE, _FINE, r"$||\Gamma| - 1|$"),
+    )
+    lines = [
+        line
+        for values, own, style, name in rows
+        for line in ax.plot(
+            scale.of(omega), values, color=own if look.plain else look.color, linestyle=style, linewidth=1.1,
+            label=f"{name}{look.suffix}",
+        )
+    ]  # fmt: skip
+    limits = sorted({float(e.scene.threshold[part]) for part in Part})
+    told = entries(ax)
+    thresholds = [
+        ax.axhline(c, color=GREY, linewidth=0.6, label=f"$c = {c:.3g}$") for c in limits if f"$c = {c:.3g}$" not in told
+    ]
+    finite = relative[np.isfinite(relative)]
+    top = max(1.06 * float(finite.max()) if finite.size else 0.0, 1.6 * max(limits))
+    low, high = band_of(e)
+    limit(ax, (scale.of(low), scale.of(high)), (0, min(top, 8 * max(limits))), number=look.number)
+    dress(ax)
+    name_frequency(ax, scale)
+    ax.set_ylabel(r"fraction of $|H_\mathrm{env}|$", fontsize=TEXT)
+    legend(ax, [*lines, *thresholds])
+    return lines
+
+
+def draw_verdicts(
+    ax: Axes, m: MetricRows, *, color: str | None = None, label: str = "", hertz: bool | None = None
+) -> list[Line2D]:
+    """A bar for each measure where it is content, the JND's at the top; those of a further scene below in its colour.
+
+    Returns the bars.
+    """
+    before = len({str(line.get_color()) for line in ax.lines})
+    look = Look(color or (INK, BLUE, RED)[before % 3], color is not None, f", {label}" if label else "", before)
+    scale = scale_of(ax, m.evaluation.scene.band, hertz=hertz)
+    rows = verdict_bands(m)
+    made: list[Line2D] = []
+    for i, (_, bands) in enumerate(reversed(rows)):
+        y = i - 0.24 * before
+        for ends in (scale.of(np.array(ends_of(x))) for x in bands):
+            marker: dict[str, Any] = {"marker": "|", "markersize": 6, "clip_on": False} if ends[0] == ends[1] else {}
+            made += ax.plot(ends, [y, y], color=look.color, linewidth=_BAR, solid_capstyle="butt", **marker)
+    if made and label:
+        made[0].set_label(label)
+        legend(ax, [*entries(ax).values(), made[0]])
+    low, high = band_of(m.evaluation)
+    limit(ax, (scale.of(low), scale.of(high)), (-0.6, len(rows) - 0.4), number=before)
+    dress(ax)
+    ax.set_yticks(range(len(rows)), [name for name, _ in reversed(rows)], fontsize=SMALL)
+    ax.tick_params(axis="y", length=0)
+    name_frequency(ax, scale)
+    return made
+
+
+_BAR = 5.0
+"""Points: how thick the bars are."""
+
+
+def verdict_bands(m: MetricRows) -> list[tuple[str, Bands]]:
+    """Where each verdict is a good one, as far as it depends on the frequency."""
+    own = m.measured
+    rows = [
+        ("JND", m.evaluation.transparent),
+        (r"$|\Delta H/H_\mathrm{env}| \leq c$", own.within),
+        ("within 3 dB", own.inside),
+    ]
+    stable = own.absolutely_stable
+    return [
+        *rows,
+        (r"$\mathrm{Im}\,H_\mathrm{perc} \geq 0$", own.passive),
+        *([("Llewellyn, axis", stable)] if stable is not None else []),
+    ]

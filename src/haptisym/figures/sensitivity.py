@@ -1,0 +1,113 @@
+"""A figure of sensitivities: bars of the elasticities, for each frequency the parameter that moves it most on top."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from matplotlib.axes import Axes
+from matplotlib.container import BarContainer
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from sympy import Symbol
+
+from haptisym.figures.scales import RADIANS, Scale, band_scale
+from haptisym.figures.style import BLUE, GREY, INK, RED, SCENES, SMALL, TEXT, WIDTH, entries, legend, number, save_as
+from haptisym.kernel.errors import NothingToDrawError
+from haptisym.model.jnd import Part
+from haptisym.verbs.sensitivity.slopes import Sensitive, Slopes
+from haptisym.writing.texprinter import formula
+
+_MOST = 12  # bars of one frequency; the text has them all
+_MOST_FREQUENCIES = 12
+_TITLES = {Part.REAL: r"$r_\mathrm{r}$ meets its threshold", Part.IMAG: r"$r_\mathrm{i}$ meets its threshold"}
+_ROW, _HEAD, _FOOT, _SIDE = 0.19, 0.46, 0.62, 0.45
+"""Inches: a bar with the space around it, a panel's title, the axis below, the names at the left, at least."""
+
+
+def draw_elasticities(
+    ax: Axes, found: Sensitive, title: str, scale: Scale = RADIANS, *, color: str | None = None, label: str = ""
+) -> BarContainer:
+    """A bar for each parameter: per cent by which the frequency moves when the parameter grows by 1 per cent.
+
+    ``scale`` : the unit of the frequency in the title. ``color``, ``label`` : of the scene; the bars of a further one on the same
+    axes are narrower, and lie on those of the first. Returns the bars.
+
+    >>> from haptisym import load_scene, sensitivity
+    >>> bars = draw_elasticities(Figure().add_subplot(), sensitivity(load_scene("fu2019")).crossings[0], "first")
+    >>> len(bars)
+    6
+    """
+    before = len(ax.containers)
+    rows = [x for x in found.ranked if x.elasticity is not None and float(x.elasticity)][:_MOST]
+    values = [float(x.elasticity) for x in rows if x.elasticity is not None]
+    names = [f"${formula(Symbol(x.name))}$" for x in rows]
+    ticks = [text.get_text() for text in ax.get_yticklabels()] if before else []
+    ticks += [name for name in names if name not in ticks]
+    places = [ticks.index(name) for name in names]
+    one = color or (SCENES[before] if before else None)
+    bars = ax.barh(
+        places, values, height=0.28 if before else 0.62, color=one or [BLUE if v > 0 else RED for v in values]
+    )
+    if not before:
+        ax.axvline(0, color=INK, linewidth=0.6)
+        where = f"{scale.digits(found.omega, 5)} {scale.unit}{': undefined' if found.reason else ''}"
+        ax.set_title(f"{title}\n{where}", fontsize=TEXT, loc="left")
+        _write_values(ax, values)
+    ax.set_yticks(range(len(ticks)), ticks, fontsize=SMALL)
+    ax.set_ylim(len(ticks) - 0.5, -0.5)
+    ax.tick_params(labelsize=SMALL, length=2, width=0.5, color=INK)
+    ax.tick_params(axis="y", length=0)
+    ax.spines[["top", "right", "left"]].set_visible(False)
+    ax.margins(x=0.28)
+    if label:
+        legend(ax, [*entries(ax).values(), Patch(color=one or BLUE, label=label)], lines=2)
+    return bars
+
+
+def _write_values(ax: Axes, values: Sequence[float]) -> None:
+    """The value of each bar at its end."""
+    for i, v in enumerate(values):
+        shown = f"+{number(v, 3)}" if v > 0 else number(v, 3)
+        ax.annotate(shown, (v, i), (3 if v > 0 else -3, 0), textcoords="offset points",
+                    ha="left" if v > 0 else "right", va="center", fontsize=SMALL, color=GREY)  # fmt: skip
+
+
+def save_elasticities(found: Slopes, path: Path) -> None:
+    """The bars of all crossings in one file; SceneError for another ending than .svg, .pdf or .png, or where there are none."""
+    panels = _panels(found)
+    if not panels:
+        raise NothingToDrawError("there is no crossing nor changeover on the band that parameters could move")
+    rows = [
+        max(1, min(sum(bool(p.elasticity and float(p.elasticity)) for p in x.parameters), _MOST)) for _, x in panels
+    ]
+    figure = Figure(figsize=(WIDTH, sum(_ROW * n + _HEAD for n in rows) + _FOOT))
+    scale, axes = band_scale(found.evaluation.scene.band), list[Axes]()
+    for title, x in panels:
+        axes.append(figure.add_axes((0.1, 0.1, 0.8, 0.8), sharex=axes[0] if axes else None, label=str(len(axes))))
+        draw_elasticities(axes[-1], x, title, scale)
+        axes[-1].tick_params(labelbottom=False)
+    _place(figure, axes, rows)
+    more = len(found.crossings) + len(found.changeovers_environment) + len(found.changeovers_perceived) - len(panels)
+    rest = f"\n({more} more frequencies in the text)" if more > 0 else ""
+    axes[-1].tick_params(labelbottom=True)
+    axes[-1].set_xlabel(rf"elasticity, $(p/\omega)\,\mathrm{{d}}\omega/\mathrm{{d}}p${rest}", fontsize=TEXT)
+    save_as(figure, path)
+
+
+def _place(figure: Figure, axes: Sequence[Axes], rows: Sequence[int]) -> None:
+    """The panels one below the other, each as high as its bars, beside the longest name."""
+    figure.draw_without_rendering()
+    longest = max(label.get_window_extent().width for ax in axes for label in ax.get_yticklabels()) / figure.dpi
+    (width, height), side, top = figure.get_size_inches(), max(_SIDE, longest + 0.12), 0.0
+    for ax, n in zip(axes, rows, strict=True):
+        top += _HEAD + _ROW * n
+        ax.set_position((side / width, 1 - top / height, 1 - (side + 0.12) / width, _ROW * n / height))
+
+
+def _panels(found: Slopes) -> Sequence[tuple[str, Sensitive]]:
+    crossings = [(_TITLES[x.part], x) for x in found.crossings if x.part]
+    env, perc = found.changeovers_environment, found.changeovers_perceived
+    systems = ((r"H_\mathrm{env}", env), (r"H_\mathrm{perc}", perc))
+    changeovers = [(rf"$\mathrm{{Re}}\,{name} = 0$", x) for name, listed in systems for x in listed]
+    return (crossings + changeovers)[:_MOST_FREQUENCIES]

@@ -1,0 +1,220 @@
+"""Figures of a simulation: force and motion in time, force-displacement loops, recovered against closed-form H_perc.
+
+Each ``draw_`` function draws on the axes that it is given; ``save_simulation_figures`` writes them all to files.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from haptisym.figures.scales import scale_of
+from haptisym.figures.style import (
+    BLUE,
+    DASHED,
+    GREY,
+    INK,
+    RED,
+    SMALL,
+    TEXT,
+    Look,
+    dress,
+    legend,
+    limit,
+    name_frequency,
+    one_column,
+    save,
+)
+from haptisym.model.jnd import Part
+from haptisym.model.quantities import Motion as Kind
+from haptisym.programs.values import Array
+from haptisym.verbs.simulate.propagate import POINTS, finer
+from haptisym.verbs.simulate.results import Simulated
+
+_IN_TIME, _IN_LOOPS = 3, 1
+"""Periods that are shown."""
+
+
+def draw_time(ax: Axes, run: Simulated, *, color: str | None = None, label: str = "") -> list[Line2D]:
+    """Force at the hand over the last periods of a run, and the motion of the hand with an axis of its own at the right.
+
+    ``color``, ``label`` : of the run; of a further one on the same axes the force alone is drawn. Returns the lines.
+
+    >>> from matplotlib.figure import Figure
+    >>> from haptisym import load_scene, simulate, sine
+    >>> run = simulate(load_scene("fu2019"), sine("5 cm", "10 rad/s"))
+    >>> ax = Figure().add_subplot()
+    >>> [line.get_label() for line in draw_time(ax, run)], ax.get_ylabel()
+    (['force', 'motion'], 'force (N)')
+    """
+    look = Look.on(ax, "force", color, label)
+    part = _last(run, _IN_TIME)
+    time, motion, force = (_smooth(x[part]) for x in (run.time, run.displacement, run.force))
+    length, newton = _units(run)
+    most, reach = (float(np.abs(x).max()) or 1.0 for x in (force, motion))
+    lines = ax.plot(time, force, color=look.color, linewidth=1.0, label=f"force{look.suffix}", zorder=3)
+    if not look.number:
+        ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
+        factor, shown = _length(reach, length)
+        share = most / (reach * factor)  # the motion is drawn as high as the force
+        lines += ax.plot(
+            time, motion * factor * share, color=BLUE, linestyle=DASHED, linewidth=1.0, label=f"motion{look.suffix}"
+        )
+        _right_axis(ax, share, f"motion ({shown})")
+    limit(ax, (time[0], time[-1]), (-1.08 * most, 1.08 * most), number=look.number)
+    dress(ax)
+    ax.set_xlabel("time (s)", fontsize=TEXT)
+    ax.set_ylabel(f"force ({newton})", fontsize=TEXT)
+    legend(ax, lines)
+    return lines
+
+
+def _right_axis(ax: Axes, share: float, label: str) -> None:
+    """An axis at the right, for what is drawn that many times as high."""
+    there: Any = (lambda y: y / share, lambda y: y * share)
+    right: Any = ax.secondary_yaxis("right", functions=there)
+    right.set_ylabel(label, fontsize=TEXT, color=BLUE)
+    right.tick_params(labelsize=SMALL, width=0.5, length=2.5, color=GREY, labelcolor=BLUE)
+    right.spines["right"].set(linewidth=0.5, color=GREY)
+
+
+def draw_loop(ax: Axes, run: Simulated, *, color: str | None = None, label: str = "") -> list[Line2D]:
+    """Force over displacement: at the hand what the display gives, beside what the environment alone would give.
+
+    The environment's loop is that of H_env under the same motion of the hand, as far as the motion is a sum of sines; otherwise
+    it is what the environment itself went through behind the effects.
+    ``color``, ``label`` : of the run. Returns the lines: environment, hand.
+    """
+    part = _last(run, _IN_LOOPS)
+    length, newton = _units(run)
+    factor, shown = _length(run.motion.amplitude, length)
+    look = Look.on(ax, "at the hand", color, label)
+    if not look.number:
+        ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
+        ax.axvline(0, color=GREY, linewidth=0.4, zorder=0)
+    x, force, name = _environment_loop(run, part)
+    blue, red = (BLUE, RED) if look.plain else (look.color, look.color)
+    lines = ax.plot(_smooth(x) * factor, _smooth(force), color=blue, linewidth=1.1, label=f"{name}{look.suffix}")
+    lines += ax.plot(
+        _smooth(run.displacement[part]) * factor, _smooth(run.force[part]), color=red, linestyle=DASHED, linewidth=1.1,
+        label=f"at the hand{look.suffix}",
+    )  # fmt: skip
+    dress(ax)
+    ax.set_xlabel(f"displacement ({shown})", fontsize=TEXT)
+    ax.set_ylabel(f"force ({newton})", fontsize=TEXT)
+    legend(ax, lines)
+    return lines
+
+
+def draw_recovered(
+    ax: Axes,
+    runs: Sequence[Simulated],
+    part: Part,
+    *,
+    color: str | None = None,
+    label: str = "",
+    hertz: bool | None = None,
+) -> list[Line2D]:
+    """Re or Im of H_perc over frequency: the closed form as a line, what was recovered from the force as rings.
+
+    ``color``, ``label``, ``hertz`` : as of ``haptisym.figures.ratios.draw_ratios``. Returns the line and the rings.
+    """
+    scene = runs[0].scene
+    look, scale = Look.on(ax, "closed form", color, label), scale_of(ax, scene.band, hertz=hertz)
+    rows = sorted((x for run in runs for x in run.estimates), key=lambda x: x.omega)
+    omegas = np.array([x.omega for x in rows])
+    low, high = omegas[0], omegas[-1]
+    margin = 0.04 * (high - low) or 0.1 * high
+    grid = np.linspace(max(low - margin, low / 2), high + margin, 601)
+    values = scene.distortion().compile()(grid)
+    curve = values.perceived_real if part is Part.REAL else values.perceived_imag
+    found = [x.simulated.real if part is Part.REAL else x.simulated.imag for x in rows]
+    if not look.number:
+        ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
+    line, ring = (RED, INK) if look.plain else (look.color, look.color)
+    marker: dict[str, Any] = {"marker": "o", "markersize": 3.8, "markerfacecolor": "white", "markeredgewidth": 0.9}
+    named = {name: f"{name}{look.suffix}" for name in ("closed form", "from the simulated force")}
+    lines = ax.plot(scale.of(grid), curve, color=line, linestyle=DASHED, linewidth=1.1, label=named["closed form"])
+    lines += ax.plot(
+        scale.of(omegas),
+        found,
+        linestyle="none",
+        color=ring,
+        zorder=4,
+        label=named["from the simulated force"],
+        **marker,
+    )
+    limit(ax, (scale.of(grid[0]), scale.of(grid[-1])), _limits(curve, np.array(found)), number=look.number)
+    dress(ax)
+    name_frequency(ax, scale)
+    unit = "N·m/rad" if scene.motion is Kind.ROTATION else "N/m"
+    name = rf"\mathrm{{{'Re' if part is Part.REAL else 'Im'}}}"
+    ax.set_ylabel(rf"${name}\,H_\mathrm{{perc}}$ ({unit})", fontsize=TEXT)
+    legend(ax, lines)
+    return lines
+
+
+def save_simulation_figures(runs: Sequence[Simulated], directory: str | Path) -> list[Path]:
+    """All figures of a simulation as SVG, PDF and PNG, one column (3.4 in) wide, in a directory that is made if need be.
+
+    Time and loops are those of the middle run; H_perc is drawn where at least one ratio was recovered.
+    """
+    folder = Path(directory)
+    folder.mkdir(parents=True, exist_ok=True)
+    run = runs[len(runs) // 2]
+    drawings: dict[str, tuple[float, Callable[[Axes], object]]] = {
+        "simulated-time": (2.0, lambda ax: draw_time(ax, run)),
+        "simulated-loop": (2.4, lambda ax: draw_loop(ax, run)),
+    }
+    if any(run.estimates for run in runs):
+        drawings["recovered-real"] = (2.0, lambda ax: draw_recovered(ax, runs, Part.REAL))
+        drawings["recovered-imag"] = (2.0, lambda ax: draw_recovered(ax, runs, Part.IMAG))
+    return [path for name, (height, draw) in drawings.items() for path in save(folder / name, one_column(height, draw))]
+
+
+def _last(run: Simulated, periods: int) -> slice:
+    """The samples of the last periods: of a sine its own, of several sines one common one, of a chirp the fastest ones."""
+    if not run.motion.omegas and run.motion.name != "chirp":
+        return slice(0, None)
+    low, high = run.motion.span
+    span = periods / low if run.motion.omegas else 3 * periods / high
+    start = run.time[-1] - 2 * np.pi * (span if len(run.motion.omegas) < 2 else 1 / low)
+    return slice(int(np.searchsorted(run.time, start)) // POINTS * POINTS, None)
+
+
+def _smooth(samples: Array) -> Array:
+    """The curve through samples at the nodes of steps, with both ends of each step, so that jumps are upright."""
+    return finer(samples, np.linspace(0, 1, 25))
+
+
+def _environment_loop(run: Simulated, part: slice) -> tuple[Array, Array, str]:
+    if not run.motion.omegas:
+        return run.environment_displacement[part], run.environment_force[part], "environment"
+    values = run.scene.distortion().compile()(np.array(run.motion.omegas))
+    phasors = np.array([run.motion.phasor(omega) for omega in run.motion.omegas])  # type: ignore[attr-defined]
+    forces = (values.environment_real + 1j * values.environment_imag) * phasors
+    turning = np.exp(1j * np.multiply.outer(run.time[part], np.array(run.motion.omegas)))
+    return run.displacement[part], np.asarray((turning @ forces).imag), "environment alone"
+
+
+def _limits(curve: Array, found: Array) -> tuple[float, float]:
+    """Limits that hold what was recovered and, unless it runs away to a pole, the curve."""
+    low, high = float(found.min()), float(found.max())
+    room = max(high - low, 0.1 * max(abs(low), abs(high)), 1e-12)
+    inside = curve[np.isfinite(curve) & (curve > low - room) & (curve < high + room)]
+    low, high = min(low, *inside, low), max(high, *inside, high)
+    return low - 0.08 * room, high + 0.08 * room
+
+
+def _units(run: Simulated) -> tuple[str, str]:
+    return ("rad", "N·m") if run.scene.motion is Kind.ROTATION else ("m", "N")
+
+
+def _length(largest: float, unit: str) -> tuple[float, str]:
+    """How many of the unit in which a displacement is drawn make one of its own, and that unit: mm for small ones."""
+    return (1e3, "mm") if unit == "m" and largest < 0.2 else (1.0, unit)

@@ -1,0 +1,305 @@
+"""Design charts: first crossings and bandwidth over one parameter, or a map of the bandwidth over two.
+
+Each ``draw_`` function draws on the axes that it is given, so that other curves (exact boundaries, a design) can be laid over.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+
+from haptisym.figures.require import draw_boundary
+from haptisym.figures.scales import HERTZ, RADIANS, Scale, floats_scale
+from haptisym.figures.style import (
+    BLUE,
+    DASHED,
+    GREY,
+    INK,
+    RED,
+    SMALL,
+    SOLID,
+    TEXT,
+    Look,
+    dress,
+    entries,
+    handle,
+    legend,
+    limit,
+    name_parameter,
+    number,
+    one_column,
+    save_as,
+)
+from haptisym.kernel.errors import SceneError
+from haptisym.model.scene import Scene
+from haptisym.programs.values import Array
+from haptisym.verbs.require.designmap import DesignMap, design_map
+from haptisym.verbs.require.entry import is_quick
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_MOST_PIXELS = 1200  # along an axis; a chart in print shows no more
+_LEVELS, _SLICES = 7, 31
+_MAP = LinearSegmentedColormap.from_list("bandwidth", ["#5b7fa6", "#a9c0d6", "#f4f7fa"])  # monotone in grey, too
+_CURVES = (("real", BLUE, SOLID, "real part crosses"), ("imag", RED, DASHED, "imaginary part crosses"))
+
+
+def draw_curves(ax: Axes, data: xr.Dataset, *, color: str | None = None, label: str = "") -> list[Line2D]:
+    """First crossings of both parts and the bandwidth over the one parameter of a sweep.
+
+    A curve is broken, with a dot at each end, where it jumps because crossings come or go: nothing was computed in between.
+    ``color``, ``label`` : of the sweep, in the drawing and in the legend. Returns the lines: bandwidth, real, imaginary part.
+
+    >>> from haptisym import load_scene, sweep
+    >>> from matplotlib.figure import Figure
+    >>> found = sweep(load_scene("fu2019"), {"effects.filter.omega_n": [40.0, 60.0, 80.0]})
+    >>> [line.get_label() for line in draw_curves(Figure().add_subplot(), found)]
+    ['bandwidth', 'real part crosses', 'imaginary part crosses']
+    """
+    [path] = _dimensions(data, 1)
+    data = data.load()
+    look = Look.on(ax, "bandwidth", color, label)
+    along, upwards = _axis_scale(data, path), _frequency_scale(ax, data)
+    x = along.of(data[path].values)
+    low, high = (upwards.of(float(end)) for end in data.attrs["band"])
+    counts = _crossings(data)
+    style: dict[str, Any] = {"color": GREY if look.plain else look.color, "linewidth": 3.2, "alpha": 0.5}
+    rows = [("bandwidth", "bandwidth", {**style, "solid_capstyle": "butt"})]
+    for part, own, stroke, name in _CURVES:
+        shown = own if look.plain else look.color
+        rows.append((f"first_crossing_{part}", name, {"color": shown, "linestyle": stroke, "linewidth": 1.1}))
+    lines, dots = list[Line2D](), list[Line2D]()
+    for variable, name, style in rows:
+        y = upwards.of(data[variable].values)
+        parts = [i for i, (part, *_) in enumerate(_CURVES) if variable in ("bandwidth", f"first_crossing_{part}")]
+        jumps = _jumps(y, counts[parts], high - low)
+        broken = np.insert(x, jumps, np.nan), np.insert(y, jumps, np.nan)
+        lines += ax.plot(*broken, label=f"{name}{look.suffix}", **style)
+        dots += _draw_ends(ax, x, y, jumps, str(style["color"]))
+    told = "end of the band" in entries(ax)
+    end = [] if told else [ax.axhline(high, color=GREY, linewidth=0.4, zorder=0, label="end of the band")]
+    limit(ax, (x.min(), x.max()), (low, high * 1.04), number=look.number)
+    dress(ax)
+    _scale(ax, "x", x)
+    ax.set_xlabel(_name(data, path, along), fontsize=TEXT)
+    ax.set_ylabel(upwards.label, fontsize=TEXT)
+    jump = [handle(INK, "none", "crossings come or go", marker="o", markersize=2.4)] if dots else []
+    legend(ax, [*lines[1:], lines[0], *end, *jump])
+    return lines
+
+
+def _jumps(y: Array, counts: Any, band: float) -> Any:
+    """The places before which a curve is broken; ``counts`` : of the crossings of the parts that it depends on, in rows.
+
+    Where a pair of crossings of a part comes or goes, and the curve moves more there than beside: the lowest one may be among
+    them. A crossing alone comes in over an end of the band, so that the curve goes on; there, as elsewhere, it is only broken
+    where it moves far more than on both sides.
+    """
+    steps = np.pad(np.abs(np.diff(y)), 1, constant_values=np.nan)
+    least, most = (np.nan_to_num(pick(steps[:-2], steps[2:])) for pick in (np.fmin, np.fmax))
+    pairs = (np.abs(np.diff(counts, axis=1)) > 1).any(axis=0)
+    smooth = np.where(pairs, np.maximum(1.5 * least, 0.004 * band), np.maximum(6 * most, 0.05 * band))
+    return (steps[1:-1] > smooth).nonzero()[0] + 1
+
+
+def _crossings(data: xr.Dataset) -> Any:
+    """How many crossings there are, of the real part and of the imaginary part."""
+    return np.stack([data[f"crossings_{part}"].values for part, *_ in _CURVES]).astype(np.int64)
+
+
+def _draw_ends(ax: Axes, x: Array, y: Array, jumps: Any, color: str) -> list[Line2D]:
+    """A dot on each side of each break."""
+    ends = np.union1d(jumps - 1, jumps).astype(int)
+    style: dict[str, Any] = {"color": color, "linestyle": "none", "marker": "o", "markersize": 2.4, "zorder": 4}
+    return ax.plot(x[ends], y[ends], **style) if len(ends) else []
+
+
+def draw_map(ax: Axes, data: xr.Dataset, exact: DesignMap | None = None) -> list[Artist]:
+    """The bandwidth over the two parameters of a sweep, the first upwards: contour lines on a quiet map.
+
+    Hatched where the display is not transparent at the band's low end; no shade is darker than the ink of the lines. A thick
+    grey line, which contour lines do not cross, is where the bandwidth jumps from one set to the next.
+    ``exact`` : the same plane by exact slices, whose boundary of the transparent region is drawn: points that are proven, and
+    straight lines between them. Returns the map and its contour lines.
+
+    >>> from haptisym import load_scene, sweep
+    >>> from matplotlib.figure import Figure
+    >>> ax = Figure().add_subplot()
+    >>> found = sweep(load_scene("fu2019"), {"effects.filter.omega_n": [40.0, 60.0, 80.0], "environment.m": [1.0, 2.0]})
+    >>> shown = draw_map(ax, found)
+    >>> ax.get_xlabel(), ax.get_ylabel()
+    ('$m$ (kg)', '$\\\\omega_n$ (rad/s)')
+    """
+    upwards, along = _dimensions(data, 2)
+    data = _thinned(data, (upwards, along)).sortby([upwards, along])
+    scales, unit = (_axis_scale(data, along), _axis_scale(data, upwards)), floats_scale(data.attrs["band"])
+    x, y = scales[0].of(data[along].values), scales[1].of(data[upwards].values)
+    z, (low, high) = unit.of(data.bandwidth.values), (unit.of(float(end)) for end in data.attrs["band"])
+    _scale_axes(ax, x, y)
+    shown: list[Artist] = [ax.pcolormesh(x, y, z, cmap=_MAP, vmin=low, vmax=high, shading="nearest", rasterized=True)]
+    jumps = _jump_edges(data, x, y, z, high - low)
+    _draw_contours(ax, x, y, z, high, shown)
+    if jumps:
+        ax.add_collection(LineCollection(jumps, colors=GREY, linewidths=1.8, alpha=0.8, capstyle="projecting"))
+    ax.set(xlim=(x.min(), x.max()), ylim=(y.min(), y.max()))
+    ax.set_xlabel(_name(data, along, scales[0]), fontsize=TEXT)
+    ax.set_ylabel(_name(data, upwards, scales[1]), fontsize=TEXT)
+    boundary = draw_boundary(ax, exact, width=1.1) if exact else []
+    jump = [handle(GREY, SOLID, "bandwidth jumps", 1.8, alpha=0.8)] if jumps else []
+    lines = [handle(INK, SOLID, f"bandwidth ({unit.unit})", 0.7)]
+    legend(ax, [*lines, *jump, *_plateaus(ax, (x, y, z), high, unit), *boundary])
+    return shown
+
+
+def _draw_contours(ax: Axes, x: Array, y: Array, z: Array, high: float, shown: list[Artist]) -> None:
+    levels = _round_levels(z, high)
+    if len(levels):
+        lines = ax.contour(x, y, z, levels=levels, colors=INK, linewidths=0.7)
+        ax.clabel(lines, fontsize=SMALL, fmt=number, inline_spacing=3)
+        shown.append(lines)
+
+
+def _jump_edges(data: xr.Dataset, x: Array, y: Array, z: Array, band: float) -> list[list[tuple[float, float]]]:
+    """The edges between neighbouring sets across which the bandwidth jumps, as pieces of lines."""
+    counts = _crossings(data)
+    across, up = _edges(x), _edges(y)
+    found = []
+    for i, row in enumerate(z):
+        found += [[(across[j], up[i]), (across[j], up[i + 1])] for j in _jumps(row, counts[:, i], band)]
+    for j, column in enumerate(z.T):
+        found += [[(across[j], up[i]), (across[j + 1], up[i])] for i in _jumps(column, counts[:, :, j], band)]
+    return found
+
+
+def _edges(x: Array) -> Array:
+    """The ends of the cells whose middles are given."""
+    middles = (x[1:] + x[:-1]) / 2
+    edges: Array = np.concatenate([[x[0]], middles, [x[-1]]])
+    return edges
+
+
+def _plateaus(ax: Axes, map_: tuple[Array, Array, Array], high: float, unit: Scale) -> list[Any]:
+    """What contour lines do not tell: nowhere transparent, and transparent up to the end of the band."""
+    x, y, z = map_
+    handles = []
+    whole = f"whole band, {number(high, 4)} {unit.unit}"
+    for where, hatch, label in ((np.isnan(z), "xxxx", "not at the low end"), (z >= high, "....", whole)):
+        if where.any() and not where.all():
+            _hatched(ax, x, y, where, hatch)
+        if where.any():
+            handles.append(Patch(facecolor="white", edgecolor=GREY, hatch=hatch, linewidth=0.4, label=label))
+    return handles
+
+
+def _hatched(ax: Axes, x: Array, y: Array, where: Any, hatch: str) -> None:
+    found = ax.contourf(x, y, where.astype(float), levels=[0.5, 1.5], colors="none", hatches=[hatch])
+    found.set(edgecolor=GREY, linewidth=0.0)
+
+
+def save_sweep_figure(data: xr.Dataset, file: str | Path, scene: Scene | None = None) -> Path:
+    """The chart of a sweep over one or two parameters, as the file's ending says (.svg, .pdf, .png).
+
+    ``scene`` : what was swept; where that takes moments, the exact boundary of the transparent region is drawn on a map.
+    """
+    return save_as(sweep_figure(data, scene), file)
+
+
+def sweep_figure(data: xr.Dataset, scene: Scene | None = None) -> Figure:
+    """The chart of a sweep over one or two parameters, one column (3.4 in) wide."""
+    if len(data.bandwidth.dims) == 1:
+        return one_column(2.2, lambda ax: draw_curves(ax, data))
+    exact = _exact(data, scene) if scene is not None and is_quick(scene) else None
+    return one_column(2.8, lambda ax: draw_map(ax, data, exact))
+
+
+def _exact(data: xr.Dataset, scene: Scene) -> DesignMap:
+    upwards, along = _dimensions(data, 2)
+    ranges = [tuple(float(x) for x in (data[path].min(), data[path].max())) for path in (along, upwards)]
+    return design_map(scene, (along, upwards), [(low, high) for low, high in ranges], slices=_SLICES)
+
+
+def _dimensions(data: xr.Dataset, count: int) -> list[str]:
+    found = [str(name) for name in data.bandwidth.dims]
+    if len(found) != count or min(data.bandwidth.shape) < 2:
+        raise SceneError(
+            f"a chart shows one or two parameters with at least two values each, not {dict(data.bandwidth.sizes)}: "
+            "choose with Dataset.sel, or sweep fewer"
+        )
+    return found
+
+
+def _thinned(data: xr.Dataset, names: tuple[str, str]) -> xr.Dataset:
+    steps = {name: slice(None, None, -(-data.sizes[name] // _MOST_PIXELS)) for name in names}
+    wanted = ["bandwidth", *(f"crossings_{part}" for part, *_ in _CURVES)]
+    return data[wanted].isel(steps).load()
+
+
+def _name(data: xr.Dataset, path: str, scale: Scale) -> str:
+    """Symbol and unit of a parameter, whose element is named only where another one has the same symbol."""
+    keys = {str(other): _symbol(str(other)) for other in data.bandwidth.dims}
+    shared = list(keys.values()).count(keys[path]) > 1 or path.startswith("rendered.")
+    element = "_" + "_".join(path.split(".")[:-1]).removeprefix("effects_").replace("-", "_") if shared else ""
+    unit = str(data[path].attrs.get("units", ""))
+    return name_parameter(keys[path] + element, unit if scale.factor == 1 else scale.unit)
+
+
+def _symbol(path: str) -> str:
+    _, _, key = path.rpartition(".")
+    return key if not path.startswith("evaluation.") else "c" if key == "jnd" else f"c_{key}"
+
+
+def _axis_scale(data: xr.Dataset, path: str) -> Scale:
+    """Hz where the frequencies of an axis begin and end with short numbers in Hz."""
+    is_frequency = data[path].attrs.get("units") == "rad/s"
+    return floats_scale([data[path].values.min(), data[path].values.max()]) if is_frequency else RADIANS
+
+
+def _frequency_scale(ax: Axes, data: xr.Dataset) -> Scale:
+    drawn = {HERTZ.label: HERTZ, RADIANS.label: RADIANS}.get(ax.get_ylabel())
+    return drawn or floats_scale(data.attrs["band"])
+
+
+def _is_logarithmic(x: Array) -> bool:
+    """Whether values are spaced by equal ratios rather than evenly."""
+    if len(x) < 3 or x.min() <= 0:
+        return False
+    even, ratio = np.diff(x), np.diff(np.log(x))
+    return bool(np.ptp(ratio) < 1e-6 * abs(ratio).max() and np.ptp(even) > 1e-6 * abs(even).max())
+
+
+def _scale(ax: Axes, which: str, values: Array) -> None:
+    if not _is_logarithmic(values):
+        return
+    getattr(ax, f"set_{which}scale")("log")
+    axis = getattr(ax, f"{which}axis")
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.set_minor_locator(NullLocator())
+    plain = FuncFormatter(lambda value, _: number(value))
+    axis.set_major_formatter(plain)
+
+
+def _scale_axes(ax: Axes, x: Array, y: Array) -> None:
+    dress(ax)
+    _scale(ax, "x", x)
+    _scale(ax, "y", y)
+
+
+def _round_levels(z: Array, high: float) -> Array:
+    """A few round values between the least and the largest bandwidth, those of the whole band left out."""
+    inside = z[np.isfinite(z) & (z < high)]
+    if not len(inside) or inside.min() == inside.max():
+        return np.zeros(0)
+    levels: Array = np.asarray(MaxNLocator(_LEVELS, steps=[1, 2, 2.5, 5, 10]).tick_values(inside.min(), inside.max()))
+    kept: Array = levels[(levels > inside.min()) & (levels < min(inside.max(), 0.999 * high))]
+    return kept

@@ -1,0 +1,100 @@
+"""A figure of tolerances: the guaranteed enclosures as bars, the crossings of the drawn sets of values as dots on them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from haptisym.figures.scales import Scale, scale_of
+from haptisym.figures.style import (
+    BLUE,
+    GREY,
+    INK,
+    SHADE,
+    SMALL,
+    TEXT,
+    Look,
+    legend,
+    limit,
+    name_frequency,
+    one_column,
+    save_as,
+)
+from haptisym.kernel.errors import NothingToDrawError
+from haptisym.model.jnd import Part
+from haptisym.verbs.tolerances.proofs import BoxAnswers
+
+_NAMES = {Part.REAL: r"$r_\mathrm{r} = c_\mathrm{r}$", Part.IMAG: r"$r_\mathrm{i} = c_\mathrm{i}$"}
+_HEIGHT = 0.7
+
+
+def draw_tolerances(
+    ax: Axes, a: BoxAnswers, *, color: str | None = None, label: str = "", hertz: bool | None = None
+) -> list[Artist]:
+    """A row for each part: grey where it may cross, proven; dots for each drawn set of values; a stroke for the nominal ones.
+
+    ``color``, ``label``, ``hertz`` : as of ``haptisym.figures.ratios.draw_ratios``; enclosures of a further scene are outlines.
+    Returns the bars of the enclosures.
+
+    >>> from haptisym import load_scene, tolerances
+    >>> from matplotlib.figure import Figure
+    >>> ax = Figure().add_subplot()
+    >>> bars = draw_tolerances(ax, tolerances(load_scene("fu2019-tolerances"), samples=20))
+    >>> [text.get_text() for text in ax.get_legend().get_texts()]
+    ['guaranteed for all values', 'drawn at random', 'nominal values']
+    """
+    name = "guaranteed for all values"
+    look, scale = Look.on(ax, name, color, label), scale_of(ax, a.box.scene.band, hertz=hertz)
+    low, high = (scale.of(float(x)) for x in a.box.scene.band)
+    face: dict[str, Any] = {"facecolor": SHADE, "edgecolor": GREY if look.plain else look.color, "linewidth": 0.5}
+    if look.number:
+        face |= {"facecolor": "none", "linewidth": 1.0}
+    bars: list[Artist] = []
+    for row, part in enumerate(Part):
+        for x in a.enclosures:
+            if x.part is part:
+                left, right = scale.of(float(x.low)), scale.of(float(x.high))
+                bars += ax.barh(row, right - left, left=left, height=_HEIGHT, zorder=1, **face)
+        _draw_row(ax, a, row, part, look, scale)
+    limit(ax, (low, high), (-0.5, len(Part) - 0.5), number=look.number)
+    ax.set_ylim(len(Part) - 0.5, -0.5)
+    ax.set_yticks(range(len(Part)), [_NAMES[part] for part in Part], fontsize=TEXT)
+    ax.tick_params(labelsize=SMALL, length=2, width=0.5, color=INK)
+    ax.tick_params(axis="y", length=0, labelsize=TEXT)
+    ax.spines[["top", "right", "left"]].set_visible(False)
+    name_frequency(ax, scale)
+    dots: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 2.2}
+    stroke: dict[str, Any] = {"linestyle": "none", "marker": "|", "markersize": 7, "markeredgewidth": 1.4}
+    handles = [
+        Patch(label=f"{name}{look.suffix}", **face),
+        Line2D([], [], color=BLUE if look.plain else look.color, label=f"drawn at random{look.suffix}", **dots),
+        Line2D([], [], color=INK if look.plain else look.color, label=f"nominal values{look.suffix}", **stroke),
+    ]
+    some = {
+        0: bars,
+        1: any(x.crossings[p] for x in a.samples for p in Part),
+        2: any(a.nominal.crossings[p] for p in Part),
+    }
+    legend(ax, [x for i, x in enumerate(handles) if some[i]])
+    return bars
+
+
+def _draw_row(ax: Axes, a: BoxAnswers, row: int, part: Part, look: Look, scale: Scale) -> None:
+    drawn = [(scale.of(float(x)), n) for n, one in enumerate(a.samples) for x in one.crossings[part]]
+    heights = [row + 0.5 * ((n * 0.618) % 1 - 0.5) for _, n in drawn]  # spread evenly, to tell dots apart
+    ax.plot([x for x, _ in drawn], heights, ".", markersize=1.6, color=BLUE if look.plain else look.color, zorder=2)
+    nominal = [scale.of(float(x)) for x in a.nominal.crossings[part]]
+    ends = (row - _HEIGHT / 2, row + _HEIGHT / 2)
+    ax.vlines(nominal, *ends, color=INK if look.plain else look.color, linewidth=1.4, zorder=3)
+
+
+def save_tolerances(a: BoxAnswers, path: Path) -> None:
+    """The figure in a file; SceneError for another ending than .svg, .pdf or .png, or where no values bring a crossing."""
+    if not a.enclosures and not any(x.crossings[part] for x in (a.nominal, *a.samples) for part in Part):
+        raise NothingToDrawError("no ratio meets its threshold on the band, for any values within the ranges")
+    save_as(one_column(1.5, lambda ax: draw_tolerances(ax, a)), path)

@@ -1,0 +1,1 @@
+"""What a person notices: crossings, percepts, peaks, and the evaluation that holds them."""

@@ -1,0 +1,163 @@
+"""Where a distortion is largest, and how large: the local maxima of the ratios, exact."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property, reduce
+from pathlib import Path
+
+import flint
+from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
+from sympy import CRootOf, Expr, Integer, Poly, Symbol, sqrt
+
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.levels import the_one
+from haptisym.kernel.polynomials import PolynomialFactor, Root
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.roots import chart
+from haptisym.kernel.shown import Shown
+from haptisym.kernel.zeros import Zero
+from haptisym.model.jnd import Part
+from haptisym.model.scene import Scene
+from haptisym.model.scenefile import as_scene
+
+
+@dataclass(frozen=True, repr=False)
+class ValueAt(RealNumber):
+    """The value of a real function at a frequency."""
+
+    function: RealFunction
+    omega: RealNumber
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            return self.function.ball(self.omega.ball(bits))
+
+
+@dataclass(frozen=True, repr=False)
+class Peak(Shown):
+    """A frequency inside the band, rad/s, at which r_r or r_i has a local maximum; ``ratio``: how large it is. Certified."""
+
+    part: Part
+    omega: RealNumber
+    square: RealFunction = field(repr=False)
+
+    def _line(self) -> str:
+        name = "r_r" if self.part is Part.REAL else "r_i"
+        return f"{name} = {self.ratio.digits(6)} at {self.omega.digits(6)} rad/s"
+
+    @property
+    def ratio(self) -> RealNumber:
+        return SquareRoot(ValueAt(self.square, self.omega))
+
+    @cached_property
+    def threshold(self) -> Expr | None:
+        """The ratio as an exact algebraic number, fit for a ``Threshold``: the display then touches it here.
+
+        None where the numbers of the scene are not all rational.
+        """
+        f, axis = self.square.function, self.square.axis
+        top, bottom = (axis.univariate(p) for p in (f.numerator, f.denominator))
+        zero = self.omega.factor if isinstance(self.omega, Root | Zero) else None
+        if top is None or bottom is None or not isinstance(zero, PolynomialFactor):
+            return None
+        return sqrt(_algebraic(_eliminated(top, bottom, zero), ValueAt(self.square, self.omega).ball))
+
+
+def peaks(scene: Scene | str | Path) -> tuple[Peak, ...]:
+    """All local maxima of r_r and r_i inside the band, in ascending order: proven, none missed, none invented.
+
+    >>> from haptisym import effects, environments
+    >>> spring = Scene(environments.mass_spring_damper(k=100), (effects.series("1 + 0.4*s/(s^2 + 2*s + 9)"),))
+    >>> [(p.part.value, p.omega.digits(3), p.ratio.digits(3), p.threshold) for p in peaks(spring)]
+    [('imag', '2.16', '0.100', 1/10), ('real', '3.00', '0.200', 1/5), ('imag', '4.16', '0.100', 1/10)]
+    """
+    scene = as_scene(scene)
+    squares = scene.distortion().squared_ratios
+    slopes = {part: square.derivative() for part, square in squares.items()}
+    points = chart(slopes, *scene.band).points[1:-1]
+    return tuple(
+        Peak(part, x.omega, squares[part])
+        for x in points
+        for part in Part
+        if (x.before[part], x.after[part]) == (1, -1) and x.orders[part] > 0  # no pole
+    )
+
+
+@dataclass(frozen=True)
+class Top:
+    """A frequency at which a real function may be largest on a band, and its value there.
+
+    ``end``: None for a local maximum inside, False for the low and True for the high end of the band.
+    """
+
+    omega: RealNumber
+    value: RealNumber
+    end: bool | None
+
+
+def tops(f: RealFunction, low: Expr, high: Expr) -> tuple[Top, ...] | None:
+    """All places at which a real function can be largest on a closed band: its ends and local maxima, certified.
+
+    None where it is unbounded. UndecidedError where it stayed open whether the slope changes its sign somewhere.
+    """
+    table = chart({"value": f, "slope": f.derivative()}, low, high)
+    if any(point.orders.get("value", 0) < 0 for point in table.points):
+        return None
+    if table.undecided:
+        raise UndecidedError("whether a function has a local maximum where its slope nearly vanishes")
+    first, last = table.points[0], table.points[-1]
+    found = [
+        (x, None if x is not first and x is not last else x is last)
+        for x in table.points
+        if x is first or x is last or (x.before["slope"], x.after["slope"]) == (1, -1)
+    ]
+    return tuple(
+        Top(x.omega, ExactNumber(Integer(0)) if x.orders.get("value") else ValueAt(f, x.omega), end) for x, end in found
+    )
+
+
+def largest(f: RealFunction, low: Expr, high: Expr) -> RealNumber | None:
+    """The largest value of a real function on a closed band, certified; None where it is unbounded.
+
+    >>> from haptisym.kernel.dynamics import Ring
+    >>> from haptisym.kernel.symbols import omega
+    >>> from sympy import Integer
+    >>> largest(RealFunction(Ring().axis.convert(omega / (omega**2 + 4))), Integer(0), Integer(5)).digits(5)
+    '0.25000'
+    """
+    found = tops(f, low, high)
+    return None if found is None else Largest(tuple(x.value for x in found))
+
+
+@dataclass(frozen=True, repr=False)
+class Largest(RealNumber):
+    """The largest of some numbers."""
+
+    numbers: tuple[RealNumber, ...]
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            return reduce(arb.max, (number.ball(bits) for number in self.numbers))
+
+
+def _eliminated(top: list[fmpq], bottom: list[fmpq], zero: PolynomialFactor) -> list[fmpq]:
+    """A polynomial that the value top/bottom at a zero of a polynomial satisfies: coefficients, ascending."""
+    context = fmpq_mpoly_ctx.get(("x", "value"), Ordering.lex)
+    x, value = context.gens()
+    above, below = (sum((n * x**i for i, n in enumerate(row)), context.constant(0)) for row in (top, bottom))
+    at = sum((n * x ** (i * zero.step) for i, (n,) in enumerate(zero.coefficients)), context.constant(0))
+    found = {int(e[1]): c for e, c in at.resultant(above - value * below, "x").to_dict().items()}
+    return [found.get(n, fmpq(0)) for n in range(max(found) + 1)]
+
+
+def _algebraic(polynomial: list[fmpq], near: Callable[[int], Ball]) -> Expr:
+    """The root of a polynomial that is this positive number, given by balls around it."""
+    factors = [
+        PolynomialFactor(tuple((int(c.p),) for c in f.coeffs()), 1) for f, _ in fmpq_poly(polynomial).factor()[1]
+    ]
+    root = the_one([x for f in factors for x in f.positive_roots()], near)
+    minimal = Poly([c for (c,) in root.factor.coefficients[::-1]], Symbol("x"))
+    return CRootOf(minimal, root.index + minimal.count_roots(None, 0))

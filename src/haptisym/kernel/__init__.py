@@ -1,0 +1,1 @@
+"""Exact numbers, functions of omega, certified zeros and charts of them: mathematics that knows no haptics."""

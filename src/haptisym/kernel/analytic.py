@@ -1,0 +1,81 @@
+"""Irreducible functions of omega that delays and fractional powers bring, and their certified zeros."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import flint
+from flint import arb
+from sympy import Expr
+
+from haptisym.kernel.beginnings import beginning, by_powers, clear_of_zero
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.exactwaves import Wave, exact_waves, taylor_coefficients
+from haptisym.kernel.isolation import SeriesFactor, clear_of, isolated
+from haptisym.kernel.reals import Ball, RealNumber, expression_ball
+from haptisym.kernel.wavesums import WaveSum
+from haptisym.kernel.zeros import MOST_BITS, around, is_clear
+
+
+class AnalyticFactor(WaveSum, SeriesFactor):
+    """An irreducible function that holds sines, cosines or powers of omega."""
+
+    def steady_sign(self, low: Expr, high: Expr) -> int:
+        with flint.ctx.workprec(128):
+            value = self.value(arb.union(*around(low, high)))
+            return 1 if value > 0 else -1 if value < 0 else 0
+
+    def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
+        return isolated(self, self._edge(low, above=True), self._edge(high, above=False))
+
+    def _edge(self, place: Expr, *, above: bool) -> Ball:
+        """A dyadic number where a search may start or stop, with no zero between it and the place but at the place itself."""
+        if place == 0 and self.orders:
+            return clear_of_zero(self)
+        order = self.order_at(place)
+        if order or place == 0:  # even functions have slope 0 at 0: keep away from it
+            return clear_of(self, place, order, above=above)
+        with flint.ctx.workprec(128):
+            ball = expression_ball(place)
+            return ball.lower() if above else ball.upper()
+
+    def order_at(self, place: Expr) -> Any:
+        return _order_at(self, place)
+
+
+@lru_cache(maxsize=1024)
+def _order_at(factor: AnalyticFactor, place: Expr) -> Any:
+    if place == 0 and factor.orders:
+        return beginning(factor).exponent
+    with flint.ctx.workprec(128):
+        if is_clear(factor.value(expression_ball(place))):
+            return 0
+    if factor.orders:
+        return _order_with_powers(factor, place)
+    exact = exact_waves(factor, place)
+    if exact is None:
+        factor.sign_at(lambda bits: expression_ball(place))
+        return 0
+    return _exact_order(factor, place, exact)
+
+
+def _order_with_powers(factor: AnalyticFactor, place: Expr) -> int:
+    """Away from 0: all Taylor coefficients vanish that vanish in every part; the next one must not."""
+    parts = by_powers(factor).values()
+    least = min(AnalyticFactor(p.terms, p.rates, p.degrees, ()).order_at(place) for p in parts)
+    with flint.ctx.workprec(MOST_BITS):
+        if is_clear(factor.taylor(expression_ball(place), least)):
+            return int(least)
+    raise UndecidedError(f"the order of a zero at omega = {place} rad/s")
+
+
+def _exact_order(factor: AnalyticFactor, place: Expr, waves: list[Wave]) -> int:
+    """The order of the zero at a place where the waves are known exactly: the first derivative that is not zero there."""
+    for order, found in zip(range(_HIGHEST_ORDER), taylor_coefficients(factor, place, waves), strict=False):
+        if not found.is_zero:
+            return order
+    raise UndecidedError(f"the order of a zero at omega = {place} rad/s")
+
+
+_HIGHEST_ORDER = 200

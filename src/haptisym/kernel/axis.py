@@ -1,0 +1,201 @@
+"""Real functions on ``s = j omega``: a delay is an all-pass of the real variable t = tan(omega tau/2).
+
+exp(-j omega tau) = (1 - j t)/(1 + j t), and s^alpha is omega^alpha times a constant of the same kind: both become quotients
+of polynomials, exact, with exact cancellation. Cosines and sines come back where a function is written or computed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from math import comb
+from typing import TypeAlias
+
+from flint import fmpq
+from sympy import Expr, Symbol, cos, pi, sin, sinc
+
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in
+from haptisym.kernel.symbols import omega
+
+Pair: TypeAlias = tuple[Polynomial, Polynomial]
+"""Real and imaginary part."""
+
+
+@dataclass(frozen=True)
+class Angle:
+    """An angle whose half-angle tangent is a variable: omega tau of a delay, or the constant alpha pi/2 of ``s^alpha``."""
+
+    rate: Expr
+    """Radians per rad/s; for a constant angle, radians."""
+    constant: bool = False
+
+    @property
+    def value(self) -> Expr:
+        return self.rate if self.constant else self.rate * omega
+
+
+class Axis(PolynomialRing):
+    """Real functions on ``s = j omega``: polynomials in omega, pi, the parameters, tan(angle/2) and omega^alpha.
+
+    ``symbols``, ``lags``, ``orders``: those of the dynamics, and ``j`` whether the imaginary unit is among their numbers.
+    """
+
+    def __init__(
+        self, symbols: Iterable[Symbol], lags: Sequence[Expr], orders: Sequence[Expr], *, j: bool = False
+    ) -> None:
+        self.angles = (*(Angle(lag) for lag in lags), *(Angle(pi * x / 2, constant=True) for x in orders))
+        self.orders = tuple(orders)
+        # a name, not tan(...) itself, which SymPy would evaluate at a known angle
+        tangents = [Symbol(f"tan({angle.value}/2)") for angle in self.angles]
+        super().__init__(omega, symbols, [*tangents, *(omega**order for order in orders)])
+        self.delays, self.complex = len(lags), j
+
+    def parts(self, polynomials: Sequence[Polynomial]) -> list[Pair]:
+        """Real and imaginary part of each polynomial in the dynamics' ring, all times the same factor that is not zero."""
+        if not self.functions and not self.complex:
+            return [self._even_and_odd(p) for p in polynomials]
+        highest = [degree_in(polynomials, self.size + i) for i in range(len(self.angles))]
+        return [self._turned(p, highest) for p in polynomials]
+
+    def _even_and_odd(self, polynomial: Polynomial) -> Pair:
+        split: tuple[dict[object, object], dict[object, object]] = ({}, {})
+        for exponents, coefficient in polynomial.to_dict().items():
+            power = int(exponents[0])
+            split[power % 2][exponents] = -coefficient if power % 4 >= 2 else coefficient
+        return self.context.from_dict(split[0]), self.context.from_dict(split[1])
+
+    def _turned(self, polynomial: Polynomial, highest: Sequence[int]) -> Pair:
+        """Each monomial s^n E^k A^l j^i is j^(n+i) times all-passes in the half-angle tangents."""
+        real, imag = self.constant(0), self.constant(0)
+        gens = self.context.gens()
+        for exponents, coefficient in polynomial.to_dict().items():
+            own = [int(n) for n in exponents]
+            turns = own[self.size : self.size + len(self.angles)]
+            base = self.context.from_dict({(*own[: self.size], *[0] * (len(gens) - self.size)): coefficient})
+            quarter = own[0] + (own[-1] if self.complex else 0)
+            x, y = (base, self.constant(0)) if quarter % 2 == 0 else (self.constant(0), base)
+            if quarter % 4 >= 2:
+                x, y = -x, -y
+            for i, (turn, most) in enumerate(zip(turns, highest, strict=True)):
+                a, b = self._all_pass(i, turn, most)
+                x, y = x * a - y * b, x * b + y * a
+            for i, turn in enumerate(turns[self.delays :]):
+                power = gens[self.size + len(self.angles) + i] ** turn
+                x, y = x * power, y * power
+            real, imag = real + x, imag + y
+        return real, imag
+
+    @lru_cache(maxsize=256)  # noqa: B019 - a ring lives as long as its functions
+    def _all_pass(self, index: int, turn: int, most: int) -> Pair:
+        """exp(-j k angle) (1 + j t)^most = (1 - j t)^k (1 + j t)^(most - k); the angle of s^alpha turns the other way."""
+        t = self.context.gens()[self.size + index]
+        sense = -1 if index < self.delays else 1
+        x, y = self.constant(1), self.constant(0)
+        for factor in [sense * t] * turn + [-sense * t] * (most - turn):
+            x, y = x - y * factor, y + x * factor
+        return x, y
+
+    def derivative(self, polynomial: Polynomial) -> RationalFunction:
+        """d/d omega, with d tan(a/2) = (1 + tan(a/2)^2)/2 da and d omega^alpha = alpha omega^(alpha - 1) d omega."""
+        total = self.function(polynomial.derivative(0))
+        for i, angle in enumerate(self.angles, self.size):
+            if not angle.constant:
+                turned = (1 + self.context.gens()[i] ** 2) * polynomial.derivative(i)
+                total += self.convert(angle.rate / 2) * self.function(turned)
+        for i, order in enumerate(self.orders, self.size + len(self.angles)):
+            raised = self.context.gens()[i] * polynomial.derivative(i)
+            total += self.convert(order) * self.function(raised, self.variable)
+        return total
+
+    def trigonometric(self, function: RationalFunction) -> RationalFunction:
+        """The function in cosines and sines of the angles and their multiples, as a person would write it."""
+        degrees = [
+            degree_in([function.numerator, function.denominator], self.size + i) for i in range(len(self.angles))
+        ]
+        even = [n + n % 2 for n in degrees]
+        waves = [
+            (cos(n * a.value), sin(n * a.value))
+            for a, top in zip(self.angles, even, strict=True)
+            for n in range(1, top // 2 + 1)
+        ]
+        powers = self.functions[len(self.angles) :]
+        target = PolynomialRing(omega, self.symbols, [*powers, *(wave for pair in waves for wave in pair)])
+        return target.function(*(self._waves(p, even, target) for p in (function.numerator, function.denominator)))
+
+    def _waves(self, polynomial: Polynomial, even: Sequence[int], target: PolynomialRing) -> Polynomial:
+        total = target.constant(0)
+        gens = target.context.gens()
+        first = target.size + len(self.orders)
+        for exponents, coefficient in polynomial.to_dict().items():
+            own = [int(n) for n in exponents]
+            turns, powers = own[self.size : self.size + len(even)], own[self.size + len(even) :]
+            term = target.context.from_dict({(*own[: self.size], *powers, *[0] * (len(gens) - first)): coefficient})
+            start = first
+            for k, top in zip(turns, even, strict=True):
+                term *= sum(
+                    (c * (gens[start + i] if i >= 0 else 1) for i, c in _harmonics(k, top).items()), target.constant(0)
+                )
+                start += top
+            total += term
+        return total
+
+    def without_circles(self, polynomial: Polynomial) -> tuple[Polynomial, list[int]]:
+        """A polynomial without its factors 1 + tan^2, and how many there were of each angle: cos^2 + sin^2 is 1."""
+        counts = [0] * len(self.angles)
+        if polynomial.is_zero():
+            return polynomial, counts
+        for i, tangent in enumerate(self.context.gens()[self.size : self.size + len(self.angles)]):
+            quotient, rest = divmod(polynomial, tangent**2 + 1)
+            while rest.is_zero():
+                polynomial, counts[i] = quotient, counts[i] + 1
+                quotient, rest = divmod(polynomial, tangent**2 + 1)
+        return polynomial, counts
+
+    def half_angles(self, function: RationalFunction) -> RationalFunction:
+        """The function in half angles, cos(a/2) and sin(a/2)/omega: without cancellation at low frequencies, nor 0/0 at 0."""
+        degrees = [
+            degree_in([function.numerator, function.denominator], self.size + i) for i in range(len(self.angles))
+        ]
+        waves = [wave for angle in self.angles for wave in _half_waves(angle)]
+        target = PolynomialRing(omega, self.symbols, [*self.functions[len(self.angles) :], *waves])
+
+        def homogeneous(polynomial: Polynomial) -> Polynomial:
+            polynomial, circles = self.without_circles(polynomial)
+            tops = [n - 2 * circle for n, circle in zip(degrees, circles, strict=True)]
+            terms = {}
+            for exponents, coefficient in polynomial.to_dict().items():
+                own = [int(n) for n in exponents]
+                turns, powers = own[self.size : self.size + len(degrees)], own[self.size + len(degrees) :]
+                own[0] += sum(k for k, angle in zip(turns, self.angles, strict=True) if not angle.constant)
+                halves = [n for k, top in zip(turns, tops, strict=True) for n in (top - k, k)]
+                terms[(*own[: self.size], *powers, *halves)] = coefficient
+            return target.context.from_dict(terms)
+
+        return target.function(homogeneous(function.numerator), homogeneous(function.denominator))
+
+
+def _half_waves(angle: Angle) -> tuple[Expr, Expr]:
+    half = angle.value / 2
+    return cos(half), sin(half) if angle.constant else angle.rate / 2 * sinc(half)
+
+
+@lru_cache(maxsize=1024)
+def _harmonics(k: int, top: int) -> dict[int, fmpq]:
+    """sin(x/2)^k cos(x/2)^(top - k), top even, as a sum of waves: -1 the constant, 2 (n - 1) is cos n x, 2 n - 1 is sin n x."""
+    # z = exp(j x/2): sin = (z - 1/z)/(2 j), cos = (z + 1/z)/2, and j^k only turns the result
+    coefficients: dict[int, int] = {}
+    for a in range(k + 1):
+        for b in range(top - k + 1):
+            n = top - 2 * (a + b)
+            coefficients[n] = coefficients.get(n, 0) + (-1) ** a * comb(k, a) * comb(top - k, b)
+    sign = (-1) ** (k // 2)
+    found = {}
+    for n, c in coefficients.items():
+        if c == 0 or n < 0:
+            continue
+        if n == 0:
+            found[-1] = fmpq(sign * c, 2**top)
+        else:  # even k pairs up to 2 cos, odd k to 2 j sin, over j^k
+            found[n - 2 if k % 2 == 0 else n - 1] = fmpq(2 * sign * c, 2**top)
+    return found

@@ -1,0 +1,123 @@
+"""A limit in time for a question, and who is told how far it is: whatever may take long ticks it.
+
+It is scoped: ``limited`` sets it for what is called inside and puts back what was there before. Nothing else reads the clock, and
+a question that is asked without a limit is never cut short.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from math import isfinite
+from time import monotonic
+from typing import TypeAlias
+
+from haptisym.kernel.errors import LimitError, SceneError
+
+Told: TypeAlias = Callable[[float, float | None, str], None]
+"""Is called with what is done, of how much (None: nobody knows), and with what it is that is done."""
+
+_PAUSE = 0.1  # s between two words to whoever is told
+
+
+@dataclass(eq=False)
+class Budget:
+    """What a question may take: ``seconds`` of it, None without a limit, and who is told."""
+
+    seconds: float | None
+    deadline: float | None
+    told: Told | None = None
+    outer: Budget | None = None
+    reached: bool = False
+    """Whether something was cut short."""
+    _last: tuple[float, float | None, str] = field(default=(0, None, ""), repr=False)
+    _next: float = field(default=0.0, repr=False)
+
+    def tick(self, done: float | None, total: float | None, what: str) -> None:
+        """LimitError when the time is over; else now and then a word to whoever is told."""
+        now = monotonic()
+        if self.deadline is not None and now > self.deadline:
+            self.reached = True
+            raise LimitError(f"not decided within the limit of {self.seconds:g} s")
+        if done is not None:
+            self._last = done, total, what
+        self._tell_now_and_then(now)
+
+    def say(self, done: float, total: float | None, what: str) -> None:
+        """How far the work is; never a LimitError."""
+        self._last = done, total, what
+        self._tell_now_and_then(monotonic())
+
+    def _tell_now_and_then(self, now: float) -> None:
+        if now >= self._next:
+            self._next = now + _PAUSE
+            self._tell()
+
+    def _tell(self) -> None:
+        if self.told is not None:
+            self.told(*self._last)
+        elif self.outer is not None:
+            self.outer._tell()
+
+
+_budget: ContextVar[Budget | None] = ContextVar("budget", default=None)
+
+
+@contextmanager
+def limited(seconds: float | None = None, told: Told | None = None) -> Iterator[Budget]:
+    """What is called inside may take that many seconds (None: as long as it likes), and no longer than what is around it may.
+
+    >>> with limited(3600) as outer, limited(None) as inner:
+    ...     inner.deadline == outer.deadline
+    True
+    """
+    if seconds is not None and not (isinstance(seconds, int | float) and isfinite(seconds) and seconds > 0):
+        raise SceneError(f"limit: {seconds} must be a number of seconds > 0, or None for none")
+    outer = _budget.get()
+    own = None if seconds is None else monotonic() + seconds
+    if outer is not None and outer.deadline is not None and (own is None or outer.deadline < own):
+        seconds, own = outer.seconds, outer.deadline
+    budget = Budget(seconds, own, told, outer)
+    mark = _budget.set(budget)
+    try:
+        yield budget
+    finally:
+        _budget.reset(mark)
+        if outer is not None:
+            outer.reached |= budget.reached
+
+
+def tick(done: float | None = None, total: float | None = None, what: str = "") -> None:
+    """Say that the work goes on, and how far it is; LimitError where the time for it is over."""
+    budget = _budget.get()
+    if budget is not None:
+        budget.tick(done, total, what)
+
+
+def afford(terms: int, others: int = 1) -> None:
+    """LimitError if work on that many products of terms, which nothing can interrupt, would most likely outlast the limit.
+
+    Dense polynomials are multiplied at about twice ``_PRODUCTS`` terms a second, sparse ones slower.
+    """
+    budget = _budget.get()
+    if budget is not None and budget.deadline is not None:
+        budget.tick(None, None, "")
+        if terms * others > _PRODUCTS * (budget.deadline - monotonic()):
+            budget.reached = True
+            raise LimitError(f"not decided within the limit of {budget.seconds:g} s: formulas grow too long")
+
+
+_PRODUCTS = 5e7
+
+
+@contextmanager
+def share(part: float) -> Iterator[None]:
+    """What is called inside may take that share of the time that is left, so that another way can be tried after it."""
+    budget = _budget.get()
+    if budget is None or budget.deadline is None:
+        yield
+        return
+    with limited(max(part * (budget.deadline - monotonic()), 1e-9), budget.told):
+        yield

@@ -1,0 +1,156 @@
+"""From real functions to irreducible factors, each an exact polynomial or an analytic function."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+from flint import arb
+from sympy import Expr, Integer
+
+from haptisym.kernel.analytic import AnalyticFactor
+from haptisym.kernel.axis import Axis
+from haptisym.kernel.budget import tick
+from haptisym.kernel.levels import Level
+from haptisym.kernel.periodic import PeriodicFactor
+from haptisym.kernel.polynomials import PolynomialFactor, polynomial_factors
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import Polynomial, RationalFunction
+from haptisym.kernel.wavesums import Term
+from haptisym.kernel.zeros import Factor
+
+Factored: TypeAlias = tuple[int, Expr, list[tuple[Factor, int]]]
+
+
+@dataclass(frozen=True)
+class Product:
+    """A function as sign and powers: ``sign * omega^power * product of factor^exponent``."""
+
+    sign: int
+    power: Expr
+    exponents: Mapping[Factor, int]
+
+
+def factored_function(function: RealFunction | Level, known: list[tuple[Polynomial, Factored]]) -> Product:
+    """The function taken apart; ``known`` gathers polynomials that are, as denominators are mostly alike."""
+    if isinstance(function, Level):
+        below = factored_function(RealFunction(function.function.axis.one / _denominator(function.function)), known)
+        return replace(below, exponents={**below.exponents, function.factor: 1})
+    top, bottom = function.function.numerator, function.function.denominator
+    if top.is_zero():
+        return Product(0, Integer(0), {})
+    sign, power, exponents = 1, Integer(0), Counter[Factor]()
+    for polynomial, direction in ((top, 1), (bottom, -1)):
+        found = next((taken for other, taken in known if other == polynomial), None)
+        if found is None:
+            found = _factored(polynomial, function.axis)
+            known.append((polynomial, found))
+        own_sign, own_power, factors = found
+        sign, power = sign * own_sign, power + direction * own_power
+        for factor, exponent in factors:
+            exponents[factor] += direction * exponent
+    return Product(sign, power, {factor: n for factor, n in exponents.items() if n})
+
+
+def _denominator(function: RealFunction) -> RationalFunction:
+    return function.axis.function(function.function.denominator)
+
+
+def _factored(polynomial: Polynomial, axis: Axis) -> Factored:
+    """Sign, power of omega and irreducible factors; half-angle tangents made homogeneous in cosine and sine."""
+    plain = axis.univariate(polynomial)
+    if plain is not None and not axis.functions:
+        own_sign, lowest, simple = polynomial_factors(plain)
+        return own_sign, Integer(lowest), [*simple]
+    # where sines meet odd powers of omega not all functions are even: then none is factored in omega^2, so that one
+    # frequency is never the zero of two different factors
+    number, factors = axis.factors(axis.without_circles(polynomial)[0], in_square=not axis.functions)
+    sign, power = (1 if number > 0 else -1), Integer(0)
+    found: list[tuple[Factor, int]] = []
+    for factor, exponent in factors:
+        exponents = _power_of_omega(factor, axis)
+        if exponents is not None:
+            power += exponent * exponents
+            continue
+        made = _factor(factor, axis)
+        if not _changes(factor, axis):
+            sign *= made.sign_at(lambda _: arb(1)) ** exponent
+        else:
+            found.append((made, exponent))
+    cosines = [(_cosine(axis, i), -n) for i, n in enumerate(_turning(polynomial, axis)) if n]
+    return sign, power, [*found, *cosines]
+
+
+def _power_of_omega(factor: Polynomial, axis: Axis) -> Expr | None:
+    """The exponent of a factor that is omega or omega^alpha itself; None for any other factor."""
+    if factor == axis.variable:
+        return Integer(1)
+    for order, generator in zip(axis.orders, axis.context.gens()[axis.size + len(axis.angles) :], strict=True):
+        if factor == generator:
+            return order
+    return None
+
+
+def _changes(factor: Polynomial, axis: Axis) -> bool:
+    """Whether a factor changes with omega: by omega itself, by an angle of a delay or by a power omega^alpha."""
+    degrees = [int(n) for n in factor.degrees()]
+    return bool(degrees[0]) or any(_turning(factor, axis)) or any(degrees[axis.size + len(axis.angles) :])
+
+
+def _turning(polynomial: Polynomial, axis: Axis) -> list[int]:
+    """The degree in the half-angle tangent of each angle, 0 for the constant ones."""
+    degrees = [int(n) for n in polynomial.degrees()[axis.size :]]
+    return [0 if angle.constant else n for angle, n in zip(axis.angles, degrees, strict=False)]
+
+
+def _factor(factor: Polynomial, axis: Axis) -> Factor:
+    """An irreducible polynomial of the axis as a factor."""
+    degrees = [int(n) for n in factor.degrees()]
+    return _analytic_factor(factor, axis) if any(degrees[axis.size :]) else _polynomial_factor(factor)
+
+
+def _polynomial_factor(factor: Polynomial) -> PolynomialFactor:
+    rows = _rows([((int(e[0]), int(e[1])), int(c.p)) for e, c in factor.to_dict().items()])
+    even = not any(any(row) for row in rows[1::2])
+    return PolynomialFactor(rows[::2] if even else rows, 2 if even else 1)
+
+
+def _rows(terms: Iterable[tuple[tuple[int, int], int]]) -> tuple[tuple[int, ...], ...]:
+    """Coefficients of ascending powers of omega, each as the coefficients of ascending powers of pi."""
+    listed = list(terms)
+    rows: list[list[int]] = [[0] for _ in range(max(power for (power, _), _ in listed) + 1)]
+    for (power, of_pi), value in listed:
+        rows[power].extend([0] * (of_pi + 1 - len(rows[power])))
+        rows[power][of_pi] = value
+    return tuple(tuple(row) for row in rows)
+
+
+def _analytic_factor(factor: Polynomial, axis: Axis) -> AnalyticFactor:
+    angles, first = len(axis.angles), axis.size - 2
+    groups: dict[tuple[int, ...], list[tuple[tuple[int, int], int]]] = {}
+    for exponents, value in zip(factor.monoms(), factor.coeffs(), strict=True):
+        tick()
+        power, of_pi, *own = map(int, exponents)
+        groups.setdefault(tuple(own[first:]), []).append(((power, of_pi), int(value.p)))
+    terms = tuple(Term(waves[:angles], waves[angles:], _rows(found)) for waves, found in sorted(groups.items()))
+    return _made(terms, tuple(int(n) for n in factor.degrees()[axis.size : axis.size + angles]), axis)
+
+
+def _cosine(axis: Axis, index: int) -> AnalyticFactor:
+    """The cosine of a half angle, which homogeneous forms of different degrees leave behind."""
+    degrees = tuple(int(i == index) for i in range(len(axis.angles)))
+    return _made((Term((0,) * len(axis.angles), (0,) * len(axis.orders), ((1,),)),), degrees, axis)
+
+
+def _made(terms: tuple[Term, ...], degrees: tuple[int, ...], axis: Axis) -> AnalyticFactor:
+    """The factor, of the kind that knows most about its zeros; angles that it does not hold are none of its."""
+    own = [i for i, degree in enumerate(degrees) if degree]
+    angles = [axis.angles[i] for i in own]
+    shorter = tuple(Term(tuple(x.turns[i] for i in own), x.powers, x.coefficients) for x in terms)
+    rational = all(len(term.coefficients) == 1 and len(term.coefficients[0]) == 1 for term in terms)
+    alone = len(angles) == 1 and not angles[0].constant and not any(any(term.powers) for term in terms)
+    kind = PeriodicFactor if alone and rational else AnalyticFactor
+    rates = tuple((angle.rate, angle.constant) for angle in angles)
+    return kind(shorter, rates, tuple(degrees[i] for i in own), axis.orders)

@@ -1,0 +1,110 @@
+"""All zeros of a function with Taylor coefficients in balls, on an interval: subdivision until each piece is clear."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+
+import flint
+from flint import arb
+from sympy import Expr
+
+from haptisym.kernel.budget import tick
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import Ball, RealNumber, expression_ball
+from haptisym.kernel.zeros import SmoothFactor, Undecided, Zero, at_rising_precision, is_clear, sign_of
+
+
+class SeriesFactor(SmoothFactor):
+    """A factor that has all its Taylor coefficients."""
+
+    @abstractmethod
+    def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
+        """Enclosures of value, slope and half curvature over a ball of frequencies, tight for a short one."""
+
+
+def isolated(f: SeriesFactor, low: Ball, high: Ball) -> list[RealNumber]:
+    """All zeros between two dyadic numbers: subdivision until each piece is clear, monotone or bent one way only."""
+    found: list[RealNumber] = []
+    pieces = [(low, high)] if low < high else []
+    while pieces:
+        tick()
+        a, b = pieces.pop()
+        answer = _judged(f, a, b, len(found))
+        if answer is None:
+            middle = _cut(f, a, b)
+            pieces += [(middle, b), (a, middle)]
+        else:
+            found += answer
+    return found
+
+
+def _judged(f: SeriesFactor, a: Ball, b: Ball, index: int) -> list[RealNumber] | None:
+    """The zeros in a piece, if it is clear enough to tell."""
+    with flint.ctx.workprec(128):
+        box = a.union(b)
+        value, slope, bend = f.over(box)
+        if is_clear(value):
+            return []
+        if is_clear(slope):
+            return _between(f, a, b, index)
+        if is_clear(bend):
+            return _on_a_bend(f, a, b, sign_of(bend), index)
+        if box.rel_accuracy_bits() > 60:
+            raise UndecidedError(f"how often a function vanishes near omega = {float(box.mid()):.17g} rad/s")
+    return None
+
+
+def _sign(f: SeriesFactor, x: Ball, derivative: int = 0) -> int:
+    """The sign of the function, or of its slope, at a dyadic number; UndecidedError if it stays open."""
+    if sign := at_rising_precision(lambda _: sign_of(f.taylor(x, derivative)) or None):
+        return sign
+    raise UndecidedError(f"the sign of a function at omega = {float(x.mid()):.17g} rad/s")
+
+
+def _between(f: SeriesFactor, a: Ball, b: Ball, index: int) -> list[RealNumber]:
+    """On a monotone piece: one zero or none."""
+    return [Zero(f, a, b, index)] if _sign(f, a) != _sign(f, b) else []
+
+
+def _on_a_bend(f: SeriesFactor, a: Ball, b: Ball, bend: int, index: int) -> list[RealNumber]:
+    """On a piece that bends one way only: the extremum decides between no zero and two, or stays undecided."""
+    left, right = _sign(f, a), _sign(f, b)
+    if left != right:
+        return [Zero(f, a, b, index)]
+    if left != bend or _sign(f, a, 1) == _sign(f, b, 1):
+        return []
+    extremum = Zero(f, a, b, index, derivative=1)
+
+    def extreme(bits: int) -> tuple[Ball, int] | None:
+        at = extremum.ball(bits)
+        sign = sign_of(f.over(at)[0])
+        return (at.mid(), sign) if sign else None
+
+    found = at_rising_precision(extreme)
+    if found is None:
+        return [Undecided(f, extremum)]
+    middle, sign = found
+    return [] if sign == left else [Zero(f, a, middle, index), Zero(f, middle, b, index + 1)]
+
+
+def _cut(f: SeriesFactor, a: Ball, b: Ball) -> Ball:
+    """A dyadic number a little off the middle of a piece, at which the function is not zero."""
+    with flint.ctx.workprec(128):
+        cuts = [(a + (b - a) * share / 256).mid() for share in (127, 131, 113, 149)]
+        return next((cut for cut in cuts if is_clear(f.value(cut))), cuts[0])
+
+
+def clear_of(f: SeriesFactor, place: Expr, order: int, *, above: bool) -> Ball:
+    """A dyadic number beside a zero of known order, with no other zero in between.
+
+    f(x) = f_m(xi) (x - place)^m with f_m the m-th Taylor coefficient about some xi in between, because all lower ones
+    vanish at the place: where the enclosure of f_m over the piece is clear of 0, there is no other zero.
+    """
+    with flint.ctx.workprec(128):
+        centre, reach = expression_ball(place), arb(1) / 4
+        for _ in range(200):
+            end = (centre + (reach if above else -reach)).mid()
+            if is_clear(f.taylor(centre.union(end), order)):
+                return end
+            reach = reach / 4
+    raise UndecidedError(f"whether a function vanishes again near omega = {place} rad/s")

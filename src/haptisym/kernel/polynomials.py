@@ -1,0 +1,186 @@
+"""Irreducible polynomials in omega, and their certified zeros."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import lru_cache
+from itertools import pairwise
+
+import flint
+from flint import acb_poly, arb, arb_poly, fmpq, fmpq_poly, fmpz_poly
+from sympy import Expr, pi
+
+from haptisym.kernel.budget import tick
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import Ball, RealNumber
+from haptisym.kernel.rings import PolynomialRing
+from haptisym.kernel.symbols import omega
+from haptisym.kernel.zeros import SmoothFactor, Zero, around, is_clear, rounded_up, tightened
+
+_MOST_BITS_EXACT = 1 << 20  # polynomials are always decided; this only bounds a mistake of ours
+
+
+@dataclass(frozen=True)
+class PolynomialFactor(SmoothFactor):
+    """An irreducible polynomial in omega^step: its coefficients, ascending, are polynomials in pi over the integers.
+
+    ``step`` is 2 (the variable is then W = omega^2) but for factors of functions in which odd powers meet sines.
+    """
+
+    coefficients: tuple[tuple[int, ...], ...]
+    step: int = 2
+    _hash: int = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_hash", hash((self.coefficients, self.step)))
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    @property
+    def degree(self) -> int:
+        return len(self.coefficients) - 1
+
+    @property
+    def is_rational(self) -> bool:
+        return all(len(c) == 1 for c in self.coefficients)
+
+    def value(self, x: Ball) -> Ball:
+        return _at_precision(self, flint.ctx.prec)[0](x**self.step)
+
+    def series(self, x: Ball, start: int, stop: int) -> list[Ball]:
+        return [(self.value, self._slope)[n](x) for n in range(start, stop)]  # all that a simple zero asks for
+
+    def _slope(self, x: Ball) -> Ball:
+        return _at_precision(self, flint.ctx.prec)[1](x**self.step) * self.step * x ** (self.step - 1)
+
+    def steady_sign(self, low: Expr, high: Expr) -> int:
+        if not self.is_rational:
+            return 0
+        moved = self._moved(*around(low, high))
+        signs = {c > 0 for c in moved if c}
+        # the first coefficient belongs to the high end, the last to the low end
+        return 0 if len(signs) > 1 or not moved[0] or not moved[-1] else 1 if signs.pop() else -1
+
+    def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
+        if self.is_rational and self.degree > 1:
+            start, end = around(low, high)
+            signs = [c > 0 for c in self._moved(start, end) if c]
+            changes = sum(a != b for a, b in pairwise(signs))
+            if changes < 2:  # Descartes' bound, which is then the number
+                return [Zero(self, start, end)] * changes
+        return list(self.positive_roots())
+
+    def positive_roots(self) -> list[Root]:
+        """All positive zeros, ascending."""
+        return [Root(self, i) for i in range(len(_roots(self, 128)))]
+
+    def _moved(self, low: Ball, high: Ball) -> list[fmpq]:
+        """The coefficients of p(x) (1 + t)^n at x = low + (high - low)/(1 + t), which maps t > 0 to what is in between."""
+        start, end = (x.fmpq() ** self.step for x in (low, high))
+        moved = fmpq_poly([c[0] for c in self.coefficients])(fmpq_poly([start, end - start]))
+        row = [moved[n] for n in range(self.degree, -1, -1)]
+        turned = fmpq_poly(row)(fmpq_poly([1, 1]))
+        return [turned[n] for n in range(self.degree + 1)]
+
+    def order_at(self, place: Expr) -> int:
+        # only a linear factor vanishes at a number rational in pi, and none does at 0: powers of omega are apart
+        if self.degree > 1 or place == 0:
+            return 0
+        if self.is_rational and place.is_Rational:
+            return int(self.coefficients[0][0] + self.coefficients[1][0] * place**self.step == 0)
+        ring = PolynomialRing(omega)
+        x = ring.generators[pi]
+        low, high = (sum((n * x**i for i, n in enumerate(c)), ring.constant(0)) for c in self.coefficients)
+        square = ring.convert(place) ** self.step
+        return int((low * square.denominator + high * square.numerator).is_zero())
+
+    def isolated(self, bits: int) -> tuple[Ball, ...] | None:
+        """Balls around all positive roots, ascending; None if that takes more precision than the current one."""
+        if self.degree == 1:
+            low, high = (fmpz_poly(list(c))(arb.pi()) for c in self.coefficients)
+            return _positive([-low / high])
+        if self.is_rational:
+            if len({c[0] > 0 for c in self.coefficients if c[0]}) == 1:
+                return ()  # Descartes: without a change of sign there is no positive root
+            every = fmpz_poly([c[0] for c in self.coefficients]).complex_roots()
+            return _positive([root.real for root, _ in every if root.imag.is_zero()])
+        try:
+            isolated = _real_ones(acb_poly(_at_precision(self, bits)[0]).roots(maxprec=4 * bits))
+        except ValueError:
+            return None
+        both = _at_precision(self, bits)
+
+        def jet(x: Ball, count: int) -> list[Ball]:
+            return [p(x) for p in both[:count]]
+
+        return _positive([tightened(x.lower(), x.upper(), bits, jet) for x in isolated])
+
+
+@dataclass(frozen=True, repr=False)
+class Root(RealNumber):
+    """The frequency at which a polynomial factor vanishes, by its ``index``-th positive root in omega^step."""
+
+    factor: PolynomialFactor
+    index: int
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            root = _roots(self.factor, rounded_up(bits))[self.index]
+            return root.sqrt() if self.factor.step == 2 else root
+
+
+def polynomial_factors(coefficients: list[fmpq]) -> tuple[int, int, list[tuple[PolynomialFactor, int]]]:
+    """Sign, power of omega and irreducible factors of a polynomial in omega, given ascending: in omega^2 where it is even."""
+    lowest = next(n for n, c in enumerate(coefficients) if c)
+    rest, step = coefficients[lowest:], 1
+    if not any(rest[1::2]):
+        rest, step = rest[::2], 2
+    number, factors = fmpq_poly(rest).factor()
+    found = [(PolynomialFactor(tuple((int(c.p),) for c in f.coeffs()), step), n) for f, n in factors]
+    return (1 if number > 0 else -1), lowest, found
+
+
+@lru_cache(maxsize=1024)
+def _at_precision(factor: PolynomialFactor, bits: int) -> tuple[arb_poly, arb_poly]:
+    """The polynomial in omega^step with balls for coefficients, and its derivative."""
+    with flint.ctx.workprec(bits):
+        polynomial = arb_poly([fmpz_poly(list(c))(arb.pi()) for c in factor.coefficients])
+        return polynomial, polynomial.derivative()
+
+
+@lru_cache(maxsize=1024)
+def _roots(factor: PolynomialFactor, bits: int) -> tuple[Ball, ...]:
+    """Balls around all positive roots in omega^step, ascending, computed with at least that many bits."""
+    while bits < _MOST_BITS_EXACT:
+        tick()
+        with flint.ctx.workprec(bits):
+            found = factor.isolated(bits)
+        if found is not None:
+            return found
+        bits *= 2
+    raise UndecidedError("the roots of a polynomial were not told apart at the precision limit")
+
+
+def _real_ones(isolated: Iterable[Ball]) -> list[Ball]:
+    """Of isolated roots of a real polynomial, the real ones: those whose mirror image meets no other root."""
+    roots = list(isolated)
+    alone = [
+        z
+        for i, z in enumerate(roots)
+        if not any(_meet(z.conjugate(), other) for j, other in enumerate(roots) if j != i)
+    ]
+    return [z.real for z in alone if z.imag.contains(0)]
+
+
+def _meet(z: Ball, other: Ball) -> bool:
+    return bool(z.real.overlaps(other.real) and z.imag.overlaps(other.imag))
+
+
+def _positive(roots: Iterable[Ball]) -> tuple[Ball, ...] | None:
+    """The positive ones in order; None if two of them, or one and zero, cannot be told apart at this precision."""
+    ordered = sorted(roots, key=lambda ball: ball.mid())
+    if not all(is_clear(ball) for ball in ordered) or any(a.overlaps(b) for a, b in pairwise(ordered)):
+        return None
+    return tuple(ball for ball in ordered if ball > 0)

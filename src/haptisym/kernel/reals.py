@@ -1,0 +1,289 @@
+"""Real numbers that know themselves to any precision: certified enclosures, correct digits, nearest floats."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context, Decimal
+from fractions import Fraction
+from functools import reduce
+from math import ceil, floor
+from operator import add, mul
+from types import MappingProxyType
+from typing import Any, TypeAlias
+
+import flint
+from flint import arb, fmpq
+from sympy import Add, Expr, Integer, Mul, Pow, Rational, cos, log, pi, sin, sinc
+
+from haptisym.kernel.errors import UndecidedError
+
+Ball: TypeAlias = Any  # flint.arb, which ships no types
+_MOST_BITS = 1 << 20
+
+
+class RealNumber(ABC):
+    """A real number that can be enclosed as tightly as asked for.
+
+    ``float(x)`` is the nearest double, ``x.digits(n)`` has n correct digits, ``x.enclosure(n)`` is a proven interval.
+    """
+
+    __slots__ = ()
+
+    @abstractmethod
+    def ball(self, bits: int) -> Ball:
+        """A ball (flint ``arb``) that contains the number, computed with about that many bits."""
+
+    def __repr__(self) -> str:
+        """Its digits; an interval where so many are not known."""
+        try:
+            return self.digits()
+        except UndecidedError:
+            return "[{}, {}]".format(*self.enclosure(5))
+
+    def tight_ball(self, bits: int) -> Ball:
+        """A ball that contains the number, with that relative accuracy in bits (or exact, as for zero)."""
+        working = bits + 16
+        while working < _MOST_BITS:
+            with flint.ctx.workprec(working):
+                ball = self.ball(working)
+                if ball.is_exact() or ball.rel_accuracy_bits() >= bits:
+                    return ball
+            working *= 2
+        raise UndecidedError(f"{bits} bits of a number were not reached with {_MOST_BITS} bits of working precision")
+
+    def bounds(self, bits: int) -> tuple[Fraction, Fraction]:
+        """Rational lower and upper bounds, that many bits of relative accuracy apart."""
+        return bounds(self.tight_ball(bits))
+
+    def __float__(self) -> float:
+        bits = 60
+        while True:
+            low, high = self.bounds(bits)
+            if (
+                float(low) == float(high) or bits > 2000
+            ):  # beyond that it is the tie between two doubles: any is nearest
+                return float(low)
+            bits *= 4
+
+    def digits(self, count: int = 15) -> str:
+        """The number rounded to ``count`` significant decimal digits, each of them proven.
+
+        >>> ExactNumber(pi).digits(20), ExactNumber(Rational(1, 4)).digits(3)
+        ('3.1415926535897932385', '0.250')
+        """
+        bits = bits_for(count)
+        while True:
+            low, high = self.bounds(bits)
+            # beyond that many digits more it is a tie
+            text = rounded(low, low if bits > 4 * (count + 200) else high, count)
+            if text is not None:
+                return text
+            bits += 64 + bits // 2
+
+    def enclosure(self, count: int = 15) -> tuple[str, str]:
+        """Decimal lower and upper bounds, ``count`` digits or more alike; proven, rounded outward.
+
+        >>> ExactNumber(pi).enclosure(5)
+        ('3.1415926', '3.1415927')
+        """
+        low, high = self.bounds(int((count + 3) * 3.33) + 16)
+        down, up = Context(prec=count + 3, rounding=ROUND_FLOOR), Context(prec=count + 3, rounding=ROUND_CEILING)
+        return _plain(_decimal(low, down)), _plain(_decimal(high, up))
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class ExactNumber(RealNumber):
+    """A number given in closed form: rational, or rational in pi."""
+
+    value: Expr
+
+    def __repr__(self) -> str:
+        return str(self.value) if len(str(self.value)) <= 20 else self.digits()
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            return expression_ball(self.value)
+
+    def __str__(self) -> str:
+        return str(self.value)
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class SquareRoot(RealNumber):
+    """The square root of a number that is not negative.
+
+    >>> SquareRoot(ExactNumber(Integer(2))).digits(10)
+    '1.414213562'
+    """
+
+    square: RealNumber
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            return self.square.ball(bits).max(arb(0)).sqrt()
+
+
+_FUNCTIONS: dict[Any, Callable[[Ball], Ball]] = {cos: arb.cos, sin: arb.sin, sinc: arb.sinc, log: arb.log}
+
+
+def expression_ball(value: Expr, known: Mapping[Expr, Ball] = MappingProxyType({})) -> Ball:
+    """A ball around a number made of rational numbers, pi, roots, logarithms and sines, at the current working precision.
+
+    ``known``: balls that symbols stand for.
+    """
+    if value in known:
+        return known[value]
+    if isinstance(value, Rational):
+        return arb(fmpq(int(value.p), int(value.q)))
+    if value == pi:
+        return arb.pi()
+    if isinstance(value, Add | Mul):
+        return reduce(add if isinstance(value, Add) else mul, (expression_ball(x, known) for x in value.args))
+    if isinstance(value, Pow) and isinstance(value.exp, Integer):
+        return expression_ball(value.base, known) ** int(value.exp)
+    if isinstance(value, Pow):
+        base = expression_ball(value.base, known)
+        if base.is_zero() and value.exp.is_positive:  # where the logarithm ends
+            return base
+        return (base.log() * expression_ball(value.exp, known)).exp()
+    if value.func in _FUNCTIONS:
+        return _FUNCTIONS[value.func](expression_ball(value.args[0], known))
+    raise TypeError(f"{value} is not a real number made of rational numbers, pi, roots, logarithms, sines and cosines")
+
+
+def bits_for(count: int) -> int:
+    """Relative accuracy in bits with which ``count`` decimal digits are tried first."""
+    return int(count * 3.33) + 16
+
+
+def rounded(low: Fraction, high: Fraction, count: int) -> str | None:
+    """What all numbers between two bounds are, rounded to ``count`` significant decimal digits; None if that differs.
+
+    >>> rounded(Fraction(1, 8), Fraction(129, 1024), 2), rounded(Fraction(1, 8), Fraction(1, 7), 2)
+    (None, None)
+    >>> rounded(Fraction(1, 3), Fraction(334, 1000), 2)
+    '0.33'
+    """
+    rounding = Context(prec=count, rounding=ROUND_HALF_EVEN)
+    first, last = (_decimal(x, rounding) for x in (low, high))
+    return _plain(first, count) if first == last else None
+
+
+def bounds(ball: Ball) -> tuple[Fraction, Fraction]:
+    """Rational lower and upper bound of a ball, at the current working precision or better.
+
+    >>> bounds(arb("0.5"))
+    (Fraction(1, 2), Fraction(1, 2))
+    """
+    middle, radius = _dyadic(ball.mid()), _dyadic(ball.rad())
+    return middle - radius, middle + radius
+
+
+def _dyadic(exact: Ball) -> Fraction:
+    mantissa, exponent = exact.man_exp()
+    return int(mantissa) * Fraction(2) ** int(exponent)
+
+
+def _decimal(x: Fraction, context: Context) -> Decimal:
+    return context.divide(Decimal(x.numerator), Decimal(x.denominator))
+
+
+def _plain(x: Decimal, count: int | None = None) -> str:
+    """Positional notation where that is readable; with ``count``, trailing zeros up to that many digits."""
+    if x.is_zero():
+        return "0"
+    if count is not None:
+        x = x.quantize(Decimal(1).scaleb(x.adjusted() - count + 1), context=Context(prec=count + 2))
+    return f"{x:f}" if -6 < x.adjusted() < 21 else str(x)
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Negative(RealNumber):
+    """The opposite of a number.
+
+    >>> Negative(ExactNumber(Integer(2))).digits(3)
+    '-2.00'
+    """
+
+    number: RealNumber
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            return -self.number.ball(bits)
+
+
+def rational_between(low: RealNumber | None, high: RealNumber | None) -> Rational:
+    """The simplest rational number strictly between two different numbers; None stands for no bound on that side.
+
+    >>> rational_between(ExactNumber(Rational(1, 3)), ExactNumber(Rational(2, 3))), rational_between(ExactNumber(pi), None)
+    (1/2, 4)
+    """
+    if low is None or high is None:
+        return _integer_beyond(low, high)
+    bits = 16
+    while bits < _MOST_BITS:
+        below, above = low.bounds(bits)[1], high.bounds(bits)[0]
+        if below < above:
+            found = _simplest(below, above)
+            return Rational(found.numerator, found.denominator)
+        bits *= 2
+    raise UndecidedError("whether two numbers are different")
+
+
+def _integer_beyond(low: RealNumber | None, high: RealNumber | None) -> Integer:
+    if low is not None:
+        return Integer(floor(low.bounds(16)[1]) + 1)
+    return Integer(0) if high is None else Integer(ceil(high.bounds(16)[0]) - 1)
+
+
+def _simplest(low: Fraction, high: Fraction) -> Fraction:
+    """The fraction with the smallest denominator strictly between two others: their continued fractions up to where they part."""
+    if low < 0:
+        return Fraction(0) if high > 0 else -_simplest(-high, -low)
+    whole = floor(low)
+    if whole + 1 < high:
+        return Fraction(whole + 1)
+    if low == whole:
+        return whole + Fraction(1, floor(1 / (high - whole)) + 1)
+    return whole + 1 / _simplest(1 / (high - whole), 1 / (low - whole))
+
+
+def dyadic(x: Fraction) -> Ball:
+    """A dyadic fraction as an exact ball.
+
+    >>> dyadic(Fraction(3, 8))
+    0.375000000000000
+    """
+    return arb(x.numerator) * arb(2) ** (1 - x.denominator.bit_length())
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Sliver(RealNumber):
+    """Some number between two others, of which no more is known."""
+
+    low: Fraction
+    high: Fraction
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            return dyadic(self.low).union(dyadic(self.high))
+
+    def bounds(self, bits: int) -> tuple[Fraction, Fraction]:
+        return self.low, self.high
+
+    def __float__(self) -> float:
+        return float((self.low + self.high) / 2)
+
+    def digits(self, count: int = 15) -> str:
+        """The digits that are known, at most ``count``.
+
+        >>> Sliver(Fraction(1, 4), Fraction(1, 4) + Fraction(1, 2**40)).digits(30)
+        '0.25000000000'
+        """
+        for n in range(count, 0, -1):
+            low, high = (_decimal(x, Context(prec=n, rounding=ROUND_HALF_EVEN)) for x in (self.low, self.high))
+            if low == high:
+                return _plain(low, n)
+        return _plain(_decimal(self.low, Context(prec=1)), 1)

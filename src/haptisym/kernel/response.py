@@ -1,0 +1,127 @@
+"""The real functions that dynamics become on ``s = j omega``.
+
+There even powers of ``s`` are real and odd ones imaginary, so that real part, imaginary part and squared modulus are had by
+polynomial arithmetic alone: no complex numbers, no ``as_real_imag``, no ``simplify``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from sympy import Expr
+
+from haptisym.kernel.axis import Axis
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.reals import Ball, expression_ball
+from haptisym.kernel.rings import RationalFunction
+from haptisym.kernel.symbols import omega
+
+
+@dataclass(frozen=True)
+class Response:
+    """A dynamics on ``s = j omega``: real and imaginary part as exact real functions of omega."""
+
+    raw_real: RationalFunction
+    raw_imag: RationalFunction
+
+    @cached_property
+    def real(self) -> RealFunction:
+        return RealFunction(self.raw_real.reduced())
+
+    @cached_property
+    def imag(self) -> RealFunction:
+        return RealFunction(self.raw_imag.reduced())
+
+
+def on_axis(dynamics: RationalFunction) -> Response:
+    """The values of a dynamics on ``s = j omega``, as real functions of omega.
+
+    >>> from sympy.abc import k, m
+    >>> from haptisym.kernel.symbols import s
+    >>> response = on_axis(Ring.of([m * s**2 + k]).convert(m * s**2 + k))
+    >>> response.real.expression(), response.imag.expression()
+    (k - m*omega**2, 0)
+    """
+    axis = _axis(dynamics)
+    (a, b), (c, d) = axis.parts([dynamics.numerator, dynamics.denominator])
+    modulus = c * c + d * d
+    return Response(axis.function(a * c + b * d, modulus), axis.function(b * c - a * d, modulus))
+
+
+def squared_modulus(dynamics: RationalFunction) -> RealFunction:
+    """|f(j omega)|^2, in lowest terms."""
+    axis = _axis(dynamics)
+    (a, b), (c, d) = axis.parts([dynamics.numerator, dynamics.denominator])
+    return RealFunction(axis.function(a * a + b * b, c * c + d * d).reduced())
+
+
+def _axis(dynamics: RationalFunction) -> Axis:
+    ring = dynamics.ring
+    assert isinstance(ring, Ring)
+    return ring.axis
+
+
+@dataclass(frozen=True)
+class RealFunction:
+    """A real function of omega, in lowest terms as a quotient of polynomials of an ``Axis``."""
+
+    function: RationalFunction
+
+    def __mul__(self, other: RealFunction) -> RealFunction:
+        return RealFunction((self.function * other.function).reduced())
+
+    def __truediv__(self, other: RealFunction) -> RealFunction:
+        return RealFunction((self.function / other.function).reduced())
+
+    def __sub__(self, other: RealFunction) -> RealFunction:
+        return RealFunction((self.function - other.function).reduced())
+
+    @property
+    def is_zero(self) -> bool:
+        return self.function.is_zero
+
+    def derivative(self) -> RealFunction:
+        """d/d omega, in lowest terms.
+
+        >>> RealFunction(Ring().axis.convert(1 / (omega**2 + 1))).derivative().factored()
+        -2*omega/(omega**2 + 1)**2
+        """
+        top, bottom = (self.axis.function(p) for p in (self.function.numerator, self.function.denominator))
+        above, below = (self.axis.derivative(p.numerator) for p in (top, bottom))
+        return RealFunction(((above * bottom - top * below) / (bottom * bottom)).reduced())
+
+    def ball(self, x: Ball) -> Ball:
+        """A ball around the values at a ball of frequencies, at the current working precision; no symbol may be left."""
+        ring = self.half_angled.ring
+        values = {g: expression_ball(g, {omega: x}) for g in ring.meanings if not g.is_Symbol or g == omega}
+        above, below = self.half_angled.numerator, self.half_angled.denominator
+        return ring.ball(above, values) / ring.ball(below, values)
+
+    @cached_property
+    def half_angled(self) -> RationalFunction:
+        """In cos(a/2) and sin(a/2)/omega of its angles a, in lowest terms: nothing cancels that need not."""
+        return self.axis.half_angles(self.function).reduced() if self.axis.angles else self.function
+
+    @property
+    def axis(self) -> Axis:
+        ring = self.function.ring
+        assert isinstance(ring, Axis)
+        return ring
+
+    @property
+    def written(self) -> RationalFunction:
+        """As a person would write it: polynomials in omega, cosines and sines."""
+        return self.axis.trigonometric(self.function) if self.axis.angles else self.function
+
+    def expression(self) -> Expr:
+        """The closed form in omega, in lowest terms, the denominator in factors."""
+        return self.written.expression()
+
+    def factored(self) -> Expr:
+        """The closed form in omega, numerator and denominator in factors."""
+        return self.written.factored()
+
+    def stable(self) -> Expr:
+        """The closed form for floats: half angles, so that 1 - cos x is 2 sin(x/2)^2 and keeps its digits."""
+        return self.half_angled.factored()

@@ -1,0 +1,287 @@
+"""Exact quotients of polynomials: the arithmetic under every closed form.
+
+A ring holds polynomials over the rational numbers in a frequency variable, ``pi``, the parameters and whatever else a
+formula is made of (``exp(-s tau)``, ``s^alpha``, ``cos(omega tau)``): each is one more variable. ``pi`` is transcendental
+and exponentials of different delays are algebraically independent, so that tests for zero stay exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from itertools import count
+from math import gcd, lcm
+from operator import add, mul
+from typing import Any, TypeAlias
+
+from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
+from sympy import Add, Expr, Integer, Mul, Pow, Rational, Symbol, pi
+
+from haptisym.kernel.budget import afford
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.symbols import conflicting
+
+Polynomial: TypeAlias = Any  # flint.fmpq_mpoly, which ships no types
+
+
+class PolynomialRing:
+    """Polynomials over Q in the variable, pi, symbols and further functions; ``meanings`` says what each stands for."""
+
+    def __init__(self, variable: Symbol, symbols: Iterable[Symbol] = (), functions: Iterable[Expr] = ()) -> None:
+        own = sorted(set(symbols) - {variable}, key=str)
+        clash = conflicting([*own])
+        if clash is not None:
+            raise SceneError(f"two different symbols are both named {clash}: give one of them another name")
+        self.symbols = tuple(own)
+        self.functions = tuple(functions)
+        self.meanings: tuple[Expr, ...] = (variable, pi, *self.symbols, *self.functions)
+        self.context = fmpq_mpoly_ctx.get(tuple(f"x{i}" for i in range(len(self.meanings))), Ordering.lex)
+        self.generators = dict(zip(self.meanings, self.context.gens(), strict=True))
+
+    @property
+    def size(self) -> int:
+        """The number of variables before the further functions."""
+        return 2 + len(self.symbols)
+
+    @property
+    def variable(self) -> Polynomial:
+        return self.context.gens()[0]
+
+    def constant(self, value: int | Rational) -> Polynomial:
+        """A rational number as a polynomial."""
+        exact = Rational(value)
+        return self.context.constant(fmpq(int(exact.p), int(exact.q)))
+
+    def function(self, numerator: Polynomial, denominator: Polynomial | None = None) -> RationalFunction:
+        """The quotient of two polynomials of this ring."""
+        return RationalFunction(self, numerator, self.constant(1) if denominator is None else denominator)
+
+    @property
+    def zero(self) -> RationalFunction:
+        return self.function(self.constant(0))
+
+    @property
+    def one(self) -> RationalFunction:
+        return self.function(self.constant(1))
+
+    def convert(self, expression: Expr) -> RationalFunction:
+        """The element that a SymPy expression is; SceneError where it is none.
+
+        >>> from haptisym.kernel.symbols import s
+        >>> PolynomialRing(s).convert(1 / s + s / (s + 1)).expression()
+        (s**2 + s + 1)/(s*(s + 1))
+        """
+        if expression in self.generators:
+            return self.function(self.generators[expression])
+        if isinstance(expression, Rational):
+            return self.function(self.constant(expression))
+        if isinstance(expression, Add):
+            return reduce(add, map(self.convert, expression.args))
+        if isinstance(expression, Mul):
+            return reduce(mul, map(self.convert, expression.args))
+        if isinstance(expression, Pow) and isinstance(expression.exp, Integer):
+            return self.convert(expression.base) ** int(expression.exp)
+        raise SceneError(
+            f"{expression} is not made of {self.meanings[0]} and exact numbers by + - * / and whole powers"
+        )
+
+    def expression(self, polynomial: Polynomial) -> Expr:
+        """A polynomial as a SymPy sum over the powers of the variable, each with its coefficient collected."""
+        return Add(*(coefficient * self.meanings[0] ** n for n, coefficient in self._powers(polynomial).items()))
+
+    def coefficients(self, polynomial: Polynomial) -> list[Expr]:
+        """The coefficients of a polynomial, ascending in powers of the variable."""
+        powers = self._powers(polynomial)
+        return [powers.get(n, Integer(0)) for n in range(max(powers, default=0) + 1)]
+
+    def ball(self, polynomial: Polynomial, values: Mapping[Expr, Any]) -> Any:
+        """A ball around a polynomial's value where its variables are worth these balls, at the current working precision."""
+        known: list[Any] = [values.get(x) for x in self.meanings]
+        powers: dict[tuple[int, int], Any] = {}
+        total = arb(0)
+        for exponents, coefficient in polynomial.to_dict().items():
+            term = arb(coefficient)
+            for place in enumerate(exponents):
+                if place[1]:
+                    if place not in powers:
+                        powers[place] = known[place[0]] ** int(place[1])
+                    term = term * powers[place]
+            total = total + term
+        return total
+
+    def univariate(self, polynomial: Polynomial) -> list[fmpq] | None:
+        """The coefficients of a polynomial that is not 0, ascending, if they are rational numbers; None if they hold more."""
+        if any(polynomial.degrees()[1:]):
+            return None
+        terms = {int(exponents[0]): value for exponents, value in polynomial.to_dict().items()}
+        return [terms.get(n, fmpq(0)) for n in range(max(terms) + 1)]
+
+    def _powers(self, polynomial: Polynomial) -> dict[int, Expr]:
+        powers: dict[int, list[Expr]] = {}
+        for (power, *rest), coefficient in polynomial.to_dict().items():
+            factors = [x ** int(n) for x, n in zip(self.meanings[1:], rest, strict=True) if n]
+            powers.setdefault(int(power), []).append(Mul(Rational(int(coefficient.p), int(coefficient.q)), *factors))
+        return {power: Add(*terms) for power, terms in powers.items()}
+
+    def factored_expression(self, polynomial: Polynomial) -> Expr:
+        """A polynomial as the product of its factors."""
+        unit, factors = self.factors(polynomial)
+        return Mul(unit, *(self.expression(f) ** n for f, n in factors))
+
+    def factors(
+        self, polynomial: Polynomial, *, in_square: bool = True
+    ) -> tuple[Rational, list[tuple[Polynomial, int]]]:
+        """A number and the factors over Q; of an even polynomial, unless told otherwise, those in the square of the variable.
+
+        >>> from haptisym.kernel.symbols import s
+        >>> ring = PolynomialRing(s)
+        >>> [ring.expression(f) for f, _ in ring.factors(ring.variable**4 + 4)[1]]   # not (s^2 - 2 s + 2) (s^2 + 2 s + 2)
+        [s**4 + 4]
+        """
+        if polynomial.is_constant():
+            return Rational(str(polynomial)), []
+        strides, shifts = polynomial.deflation_index()
+        lowest, step = int(shifts[0]), 2 if in_square and int(strides[0]) % 2 == 0 else 1
+        squares = [step, *[1] * (len(self.meanings) - 1)]
+        rest = polynomial / self.variable**lowest if lowest else polynomial
+        unit, factors = self._split(rest.deflate(squares) if step > 1 else rest)
+        inflated = [(factor.inflate(squares) if step > 1 else factor, int(n)) for factor, n in factors]
+        own = [(self.variable, lowest)] if lowest else []
+        return Rational(int(unit.p), int(unit.q)), own + inflated
+
+    def _split(self, polynomial: Polynomial) -> tuple[fmpq, list[tuple[Polynomial, int]]]:
+        """A number and the irreducible factors; those of a polynomial in one variable found as such, which is much faster."""
+        degrees = [int(n) for n in polynomial.degrees()]
+        used = [i for i, n in enumerate(degrees) if n]
+        if len(used) != 1:
+            afford(len(polynomial), len(polynomial))
+            return (self._irreducible(polynomial, used) if used else None) or polynomial.factor()
+        terms = {int(exponents[used[0]]): value for exponents, value in polynomial.to_dict().items()}
+        unit, factors = fmpq_poly([terms.get(n, fmpq(0)) for n in range(max(terms) + 1)]).factor()
+        place = [tuple(n if i == used[0] else 0 for i in range(len(degrees))) for n in range(max(terms) + 1)]
+        return unit, [(self.context.from_dict(dict(zip(place, f.coeffs(), strict=False))), n) for f, n in factors]
+
+    def _irreducible(self, polynomial: Polynomial, used: list[int]) -> tuple[fmpq, list[tuple[Polynomial, int]]] | None:
+        """A polynomial as its only factor, where that is quickly proven; None where it is not.
+
+        At numbers for all variables but one it keeps its degree and is irreducible: of two factors one would be free of that
+        variable. At two numbers for that variable it has no factor in common: there is none that is free of it. Most numbers
+        show both (Hilbert), in a fraction of the time that factoring takes.
+        """
+        degrees = polynomial.degrees()
+        main, *others = sorted(used, key=lambda i: int(degrees[i]))  # the shortest is the cheapest
+        special = polynomial.subs({f"x{i}": number for i, number in zip(others, count(2))}).to_dict()
+        row = {int(exponents[main]): value for exponents, value in special.items()}
+        if max(row, default=0) < int(degrees[main]):
+            return None
+        _, factors = fmpq_poly([row.get(n, 0) for n in range(max(row) + 1)]).factor()
+        if len(factors) != 1 or factors[0][1] != 1:
+            return None
+        one, other = (polynomial.subs({f"x{main}": number}) for number in (2, 3))
+        if not one.gcd(other).is_constant():
+            return None
+        values = polynomial.coeffs()
+        unit = fmpq(gcd(*(int(c.p) for c in values)), lcm(*(int(c.q) for c in values))) * (1 if values[0] > 0 else -1)
+        return unit, [(polynomial / unit, 1)]
+
+    def without_common_functions(self, polynomial: Polynomial) -> tuple[Expr, Polynomial]:
+        """A polynomial without the further functions that all its terms share, and those in front."""
+        monomials = [tuple(map(int, e)) for e in polynomial.monoms()]
+        shared = [min(column) if i >= self.size else 0 for i, column in enumerate(zip(*monomials, strict=True))]
+        if not any(shared):
+            return Integer(1), polynomial
+        rest = {
+            tuple(n - m for n, m in zip(map(int, e), shared, strict=True)): c for e, c in polynomial.to_dict().items()
+        }
+        return Mul(*(x**n for x, n in zip(self.meanings, shared, strict=True))), self.context.from_dict(rest)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RationalFunction:
+    """A quotient of two polynomials of one ring. Arithmetic does not cancel: ``reduced`` does, once, where it matters."""
+
+    ring: PolynomialRing
+    numerator: Polynomial
+    denominator: Polynomial
+
+    def __add__(self, other: RationalFunction) -> RationalFunction:
+        if self.denominator == other.denominator:
+            return self._new(self.numerator + other.numerator, self.denominator)
+        top = _times(self.numerator, other.denominator) + _times(other.numerator, self.denominator)
+        return self._new(top, _times(self.denominator, other.denominator))
+
+    def __neg__(self) -> RationalFunction:
+        return self._new(-self.numerator, self.denominator)
+
+    def __sub__(self, other: RationalFunction) -> RationalFunction:
+        return self + -other
+
+    def __mul__(self, other: RationalFunction) -> RationalFunction:
+        return self._new(_times(self.numerator, other.numerator), _times(self.denominator, other.denominator))
+
+    def __truediv__(self, other: RationalFunction) -> RationalFunction:
+        if other.is_zero:
+            raise SceneError("division by zero")
+        return self._new(_times(self.numerator, other.denominator), _times(self.denominator, other.numerator))
+
+    def __pow__(self, exponent: int) -> RationalFunction:
+        if exponent < 0:
+            return self.ring.one / self**-exponent
+        return self._new(self.numerator**exponent, self.denominator**exponent)
+
+    def _new(self, numerator: Polynomial, denominator: Polynomial) -> RationalFunction:
+        return RationalFunction(self.ring, numerator, denominator)
+
+    @property
+    def is_zero(self) -> bool:
+        return bool(self.numerator.is_zero())
+
+    def equals(self, other: RationalFunction) -> bool:
+        """Whether both are the same function: exact."""
+        return (self - other).is_zero
+
+    def reduced(self) -> RationalFunction:
+        """In lowest terms, the denominator with leading coefficient 1."""
+        afford(len(self.numerator), len(self.denominator))
+        common = self.numerator.gcd(self.denominator)
+        top, bottom = self.numerator / common, self.denominator / common
+        leading = bottom.leading_coefficient()
+        return self._new(top / leading, bottom / leading)
+
+    def cleared(self) -> RationalFunction:
+        """The same function with whole coefficients, as small as they can be, in numerator and denominator."""
+        coefficients = [*self.numerator.coeffs(), *self.denominator.coeffs()]
+        below = reduce(lcm, (int(c.q) for c in coefficients), 1)
+        above = reduce(gcd, (int(c.p) * (below // int(c.q)) for c in coefficients), 0) or 1
+        scale = fmpq(below, above)
+        return self._new(self.numerator * scale, self.denominator * scale)
+
+    def expression(self) -> Expr:
+        """A SymPy quotient, in lowest terms, the denominator in factors."""
+        reduced = self.reduced().cleared()
+        return self.ring.expression(reduced.numerator) / self.ring.factored_expression(reduced.denominator)
+
+    def factored(self) -> Expr:
+        """A SymPy quotient, in lowest terms, both numerator and denominator in factors."""
+        reduced = self.reduced().cleared()
+        return self.ring.factored_expression(reduced.numerator) / self.ring.factored_expression(reduced.denominator)
+
+
+def _times(x: Polynomial, y: Polynomial) -> Polynomial:
+    """The product, where there is time for it."""
+    afford(len(x), len(y))
+    return x * y
+
+
+def cleared(matrix: Sequence[RationalFunction]) -> list[Any]:
+    """The entries times their least common denominator, which a Moebius map does not see."""
+    common = matrix[0].denominator
+    for entry in matrix[1:]:
+        common = common * (entry.denominator / common.gcd(entry.denominator))
+    return [entry.numerator * (common / entry.denominator) for entry in matrix]
+
+
+def degree_in(polynomials: Sequence[Polynomial], index: int) -> int:
+    """The highest degree of any of the polynomials in one variable of their ring."""
+    return max((int(p.degrees()[index]) for p in polynomials if not p.is_zero()), default=0)

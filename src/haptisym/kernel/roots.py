@@ -1,0 +1,257 @@
+"""Where real functions vanish and which signs they have in between: proven, none missed, none invented.
+
+The result is a ``Chart``: all zeros and poles of all functions on a band in order, and the sign of every function
+before, at and after each. Every question about a band (crossings, percepts, activity, stability) is read off a chart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from math import prod
+from typing import Any, TypeAlias
+
+import flint
+from sympy import Expr, Rational
+
+from haptisym.kernel.analytic import AnalyticFactor
+from haptisym.kernel.budget import tick
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.factoring import Factored, Product, factored_function
+from haptisym.kernel.levels import Level
+from haptisym.kernel.polynomials import PolynomialFactor
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import Polynomial, PolynomialRing
+from haptisym.kernel.symbols import omega
+from haptisym.kernel.zeros import MOST_BITS, Factor, Undecided, Zero, at_rising_precision, sign_of
+
+Key: TypeAlias = Hashable
+"""What a function of a chart is called."""
+Signs: TypeAlias = Mapping[Key, int]
+
+
+@dataclass(frozen=True)
+class Point:
+    """A frequency where a function vanishes or has a pole, or an end of the band.
+
+    ``orders``: order of each function there (positive for a zero, negative for a pole; absent if neither).
+    ``before``, ``after``: the sign of each function just below and just above. ``undecided``: the functions of which it
+    is not known whether they vanish here, twice nearby, or not at all.
+    """
+
+    omega: RealNumber
+    orders: Mapping[Key, int]
+    before: Signs
+    after: Signs
+    undecided: frozenset[Key] = frozenset()
+
+    def __repr__(self) -> str:
+        return f"<Point at {self.omega!r} rad/s>"
+
+    @property
+    def at(self) -> Signs:
+        """The sign of each function right here: 0 at a zero; at a pole, the sign on both sides or 0."""
+        return {name: self._sign(name) for name in self.after}
+
+    def _sign(self, name: Key) -> int:
+        order = self.orders.get(name, 0)
+        return 0 if order > 0 or self.before[name] != self.after[name] else self.after[name]
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A piece of the band, between two points; a single frequency if both are the same."""
+
+    low: Point
+    high: Point
+
+    def __repr__(self) -> str:
+        return f"<Interval from {self.low.omega!r} to {self.high.omega!r} rad/s>"
+
+
+@dataclass(frozen=True)
+class Chart:
+    """All zeros and poles of some functions on a band, in order, with the signs of all functions around each.
+
+    The first and the last point are the ends of the band. Between neighbouring points no function vanishes.
+    """
+
+    points: tuple[Point, ...]
+
+    def __repr__(self) -> str:
+        return f"<Chart of {len(self.points[0].after)} functions, {len(self.points)} points>"
+
+    def where(self, test: Callable[[Signs], bool]) -> tuple[Interval, ...]:
+        """The set of frequencies whose signs pass the test, as intervals in order, as few as possible."""
+        found: list[Interval] = []
+        start: Point | None = None
+        for point, following in zip(self.points, [*self.points[1:], None], strict=True):
+            if not test(point.at):
+                start = None
+            elif start is None:
+                start = point
+                found.append(Interval(point, point))
+            if following is not None and test(point.after):
+                if start is None:
+                    start = point
+                    found.append(Interval(point, following))
+                else:
+                    found[-1] = Interval(found[-1].low, following)
+            else:
+                start = None
+        return tuple(found)
+
+    def sign_changes(self, name: Key) -> tuple[Point, ...]:
+        """The points at which a function changes its sign: odd zeros and odd poles."""
+        return tuple(point for point in self.points if point.before[name] * point.after[name] < 0)
+
+    @property
+    def undecided(self) -> tuple[Point, ...]:
+        """The points at which something stayed undecided."""
+        return tuple(point for point in self.points if point.undecided)
+
+
+def chart(functions: Mapping[Any, RealFunction | Level], low: Expr, high: Expr) -> Chart:
+    """The chart of real functions of omega on the band from ``low`` to ``high`` (0 <= low < high, rational in pi).
+
+    Guaranteed: every zero and every pole on the closed band is a point; no other frequency is; all orders and signs are
+    exact. A function that is zero everywhere has sign 0 everywhere. Functions with delays or powers of omega are entire
+    functions, so that tangencies, and nothing else, may stay undecided; their points say so. UndecidedError where even
+    the order of two points, or what happens at an end of the band, stays open.
+
+    >>> from haptisym.kernel.dynamics import Ring
+    >>> from sympy import Integer
+    >>> f = RealFunction(Ring().axis.convert((omega**2 - 2) ** 2 * (omega**2 - 9)))
+    >>> for point in chart({"f": f}, Integer(0), Integer(9)).points:
+    ...     print(point.omega.digits(5), point.before["f"], point.orders.get("f", 0), point.after["f"])
+    0 -1 0 -1
+    1.4142 -1 2 -1
+    3.0000 -1 1 1
+    9.0000 1 0 1
+    """
+    known: list[tuple[Polynomial, Factored]] = []
+    products = {name: factored_function(function, known) for name, function in functions.items()}
+    factors = {factor for product in products.values() for factor in product.exponents}
+    steady = {f: sign for f in factors if (sign := f.steady_sign(low, high))}
+    places = _places(factors - steady.keys(), low, high)
+    signs = _first_signs(products, places, steady)
+    points: list[Point] = []
+    for place in places:
+        orders = {name: n for name, product in products.items() if (n := _order(product, place))}
+        other_side = _turned(signs, products, orders, place)
+        if points:
+            before, after = signs, other_side
+        else:  # the signs just below the low end follow from those just above it
+            before, after = other_side, signs
+        points.append(Point(place.omega, orders, before, after, _undecided(products, place)))
+        signs = after
+    return Chart(tuple(points))
+
+
+def _turned(signs: Signs, products: Mapping[Key, Product], orders: Mapping[Key, int], place: _Place) -> dict[Key, int]:
+    """The signs of the functions on the other side of a place; below omega = 0 functions are mirrored."""
+    odd = [name for name, n in orders.items() if n % 2 and not (place.is_zero and _is_even(products[name]))]
+    return {**signs, **{name: -signs[name] for name in odd}}
+
+
+def _is_even(product: Product) -> bool:
+    """Whether a function counts as even though its order at 0 is odd: powers omega^alpha have no other side."""
+    return not product.power.is_Integer or any(isinstance(f, AnalyticFactor) and f.orders for f in product.exponents)
+
+
+def _undecided(products: Mapping[Key, Product], place: _Place) -> frozenset[Key]:
+    if not place.undecided:
+        return frozenset()
+    return frozenset(name for name, p in products.items() if not place.undecided.isdisjoint(p.exponents))
+
+
+def _order(product: Product, place: _Place) -> int:
+    order = sum(product.exponents.get(factor, 0) * n for factor, n in place.orders.items())
+    return _whole(product.power + order) if place.is_zero else int(order)
+
+
+def _whole(order: Expr) -> int:
+    """An order as a whole number; a fractional one, of omega^alpha at 0, rounded away from 0."""
+    if order.is_Integer:
+        return int(order)
+    sign = sign_of_number(order)
+    return sign * (int(abs(float(order))) + 1)
+
+
+# The places of a chart
+
+
+@dataclass(frozen=True)
+class _Place:
+    """A frequency of the chart, with the order of each factor that vanishes there."""
+
+    omega: RealNumber
+    orders: Mapping[Factor, Any]
+    is_zero: bool = False
+    undecided: frozenset[Factor] = frozenset()
+
+
+def _places(factors: set[Factor], low: Expr, high: Expr) -> list[_Place]:
+    """Both ends of the band and all zeros of all factors between them, in order."""
+    ends = [ExactNumber(low), ExactNumber(high)]
+    at_ends = [{f: n for f in factors if (n := f.order_at(end.value))} for end in ends]
+    # a polynomial factor that vanishes at an end is linear, and that is its one zero
+    done: set[Factor] = {f for found in at_ends for f in found if isinstance(f, PolynomialFactor)}
+    zeros: dict[RealNumber, dict[Factor, int]] = {}
+    for f in factors - done:
+        tick()
+        for number in f.zeros(low, high):
+            zeros.setdefault(number, {})[f] = f.multiplicity(number)
+    ordered = in_order([*ends, *zeros])
+    inside = ordered[ordered.index(ends[0]) + 1 : ordered.index(ends[1])]
+    middle = [_Place(x, zeros[x], undecided=frozenset(zeros[x] if isinstance(x, Undecided) else ())) for x in inside]
+    return [_Place(ends[0], at_ends[0], is_zero=low == 0), *middle, _Place(ends[1], at_ends[1])]
+
+
+def in_order(numbers: list[RealNumber]) -> list[RealNumber]:
+    """Different numbers in ascending order, told apart by enclosures as tight as it takes."""
+    bits = 64
+    while bits <= MOST_BITS * (1 if any(isinstance(x, Zero | Undecided) for x in numbers) else 128):
+        tick()
+        with flint.ctx.workprec(bits):
+            enclosed = sorted(((x.ball(bits), x) for x in numbers), key=lambda pair: pair[0].mid())
+            close = [a for (a, _), (b, _) in pairwise(enclosed) if not a < b]
+            if not close:
+                return [number for _, number in enclosed]
+        bits *= 2
+    raise UndecidedError(f"whether two frequencies near {float(close[0].mid()):.17g} rad/s are the same")
+
+
+def _first_signs(products: Mapping[Key, Product], places: list[_Place], steady: Mapping[Factor, int]) -> dict[Key, int]:
+    """The sign of each function between the first two places."""
+    first, second = places[0].omega, places[1].omega
+
+    def between(bits: int) -> Ball:
+        return (first.ball(bits) + second.ball(bits)) / 2
+
+    signs = dict(steady)
+    for factor in {f for p in products.values() for f in p.exponents} - steady.keys():
+        signs[factor] = factor.sign_at(between)
+    return {
+        name: p.sign * prod(signs[factor] for factor, exponent in p.exponents.items() if exponent % 2)
+        for name, p in products.items()
+    }
+
+
+def sign_of_number(value: Expr) -> int:
+    """The sign of an exact number, rational in pi: exact.
+
+    >>> from sympy import Integer, pi
+    >>> sign_of_number(pi - Integer(3)), sign_of_number(Integer(0))
+    (1, 0)
+    """
+    if isinstance(value, Rational):
+        return int(value.p > 0) - int(value.p < 0)
+    if PolynomialRing(omega).convert(value).is_zero:
+        return 0
+    # a number that is not zero shows it before
+    if sign := at_rising_precision(lambda _: sign_of(expression_ball(value)) or None, most_bits=1 << 19):
+        return sign
+    raise UndecidedError(f"the sign of {value}")

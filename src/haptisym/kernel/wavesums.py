@@ -1,0 +1,256 @@
+"""Sums of polynomials times sines, cosines and powers of omega: their values and Taylor coefficients in balls."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from typing import TypeAlias
+
+import flint
+from flint import arb, arb_mat, arb_poly, fmpz_poly
+from sympy import Expr
+
+from haptisym.kernel.bernstein import range_of
+from haptisym.kernel.budget import tick
+from haptisym.kernel.reals import Ball, expression_ball
+
+_TAYLOR_ORDER = 8
+
+
+@dataclass(frozen=True)
+class Term:
+    """Part of a sum: a polynomial in omega times sines, cosines and powers.
+
+    ``coefficients``: of ascending powers of omega, each a polynomial in pi over the integers. ``turns``: the power of the
+    half angle's sine, for each angle (the cosine has what is missing to the sum's degree). ``powers``: of each omega^alpha.
+    """
+
+    turns: tuple[int, ...]
+    powers: tuple[int, ...]
+    coefficients: tuple[tuple[int, ...], ...]
+
+
+@dataclass(frozen=True)
+class WaveSum:
+    """sum of p(omega) prod sin(a_i/2)^k_i cos(a_i/2)^(n_i - k_i) prod omega^(alpha l): entire for omega > 0, no divisions.
+
+    ``rates``: d a_i/d omega of each angle, rad per rad/s, or ``(angle, None)`` for a constant angle. ``degrees``: the n_i.
+    """
+
+    terms: tuple[Term, ...]
+    rates: tuple[tuple[Expr, bool], ...]
+    degrees: tuple[int, ...]
+    orders: tuple[Expr, ...]
+    _hash: int = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_hash", hash((self.terms, self.degrees)))
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    def value(self, x: Ball) -> Ball:
+        """A ball around the value at a ball of frequencies, at the current working precision."""
+        return _compiled(self, flint.ctx.prec).value(x)
+
+    def series(self, x: Ball, start: int, stop: int) -> list[Ball]:
+        """Balls around the Taylor coefficients of orders from ``start`` to before ``stop`` about every point of a ball."""
+        return _compiled(self, flint.ctx.prec).series(x, start, stop)
+
+    def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
+        """Enclosures of value, slope and half curvature over a ball of frequencies."""
+        return _compiled(self, flint.ctx.prec).over(box)
+
+
+_Turns: TypeAlias = tuple[int, ...]
+_Key: TypeAlias = tuple[_Turns, tuple[int, ...]]
+_Blocks: TypeAlias = Mapping[_Turns, arb_mat]
+"""Coefficients of powers of omega (columns) times waves of the last angle (rows), by the turns of the other angles."""
+
+
+@dataclass(frozen=True, eq=False)
+class Compiled:
+    """A sum with balls of one precision for its constants: waves of constant angles are among the coefficients.
+
+    ``rates``, ``degrees``: of the half angles that turn. ``terms``: sine powers, powers of omega^alpha, polynomial.
+    """
+
+    rates: tuple[Ball, ...]
+    degrees: tuple[int, ...]
+    exponents: tuple[Ball, ...]
+    terms: tuple[tuple[_Turns, tuple[int, ...], arb_poly], ...]
+
+    def value(self, x: Ball) -> Ball:
+        """A ball around the value at a ball of frequencies."""
+        return self.taylor(x, 0)
+
+    def taylor(self, x: Ball, order: int) -> Ball:
+        """A ball around the Taylor coefficient of that order about every point of a ball of frequencies."""
+        return self.series(x, order, order + 1)[0]
+
+    def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
+        """Enclosures of value, slope and half curvature over a ball of frequencies.
+
+        Taylor's theorem about the middle m, f(m + h) = c_0 + c_1 h + ... + c(xi) h^n, with the last coefficient enclosed over the
+        whole ball: tight as soon as the ball is shorter than what the function does, however much its terms cancel.
+        """
+        middle, reach = box.mid(), _powers(box.rad(), _TAYLOR_ORDER + 1)
+        row = [*self.series(middle, 0, _TAYLOR_ORDER), self.taylor(box, _TAYLOR_ORDER)]
+        slopes = [n * c for n, c in enumerate(row)][1:]
+        bends = [n * c / 2 for n, c in enumerate(slopes)][1:]
+        return range_of(row, reach), range_of(slopes, reach), range_of(bends, reach)
+
+    def series(self, x: Ball, start: int, stop: int) -> list[Ball]:
+        """Balls around the Taylor coefficients of orders from ``start`` to before ``stop`` about every point of a ball."""
+        tick()
+        outer, last = self._waves(x)
+        columns = arb_mat(self._width, 1, _powers(x, self._width))
+        found = [arb(0)] * (stop - start)
+        for powers, sums in self._sums.items():
+            first = start if not any(powers) else 0
+            own = [_entry(sums.blocks(n), outer, last, columns) for n in range(first, stop)]
+            if any(powers):
+                exponent = sum((a * n for a, n in zip(self.exponents, powers, strict=True)), arb(0))
+                own = _product(own, _power_series(x, exponent, stop))[start:]
+            found = [a + b for a, b in zip(found, own, strict=True)]
+        return found
+
+    @property
+    def _angles(self) -> list[tuple[Ball, int]]:
+        """Rate and degree of the half angles that turn; one that stands still where there is none."""
+        return list(zip(self.rates, self.degrees, strict=True)) or [(arb(0), 0)]
+
+    def _waves(self, x: Ball) -> tuple[dict[_Turns, Ball], arb_mat]:
+        """All products of sines and cosines: of all half angles but the last, by turns, and of the last one in a row."""
+        *others, last = [_waves(rate * x, degree) for rate, degree in self._angles]
+        outer: dict[_Turns, Ball] = {(): arb(1)}
+        for waves in others:
+            outer = {(*turns, k): known * wave for turns, known in outer.items() for k, wave in enumerate(waves)}
+        return outer, arb_mat(1, len(last), last)
+
+    @cached_property
+    def _width(self) -> int:
+        return 1 + max([0, *(int(polynomial.degree()) for _, _, polynomial in self.terms)])
+
+    @cached_property
+    def _sums(self) -> Mapping[tuple[int, ...], _Derivatives]:
+        """By powers of omega^alpha, what stands before them."""
+        groups: dict[tuple[int, ...], dict[_Turns, arb_poly]] = {}
+        for turns, powers, polynomial in self.terms:
+            groups.setdefault(powers, {})[turns or (0,)] = polynomial
+        return {powers: _Derivatives(self._angles, self._width, own) for powers, own in groups.items()}
+
+
+class _Derivatives:
+    """A sum of polynomials times waves and its derivatives over n!, which are of the same kind: exact, and no longer.
+
+    d sin(a)^k cos(a)^(n - k) = (k sin(a)^(k - 1) cos(a)^(n - k + 1) - (n - k) sin(a)^(k + 1) cos(a)^(n - k - 1)) da.
+    """
+
+    def __init__(self, angles: Sequence[tuple[Ball, int]], width: int, terms: Mapping[_Turns, arb_poly]) -> None:
+        *self._outer, (rate, degree) = angles
+        self._turn, self._shift = _turning(rate, degree), _shift(width)
+        entries: dict[_Turns, list[Ball]] = {}
+        for (*others, k), polynomial in terms.items():
+            block = entries.setdefault(tuple(others), [arb(0)] * (width * (degree + 1)))
+            own = polynomial.coeffs()
+            block[k * width : k * width + len(own)] = own
+        self._known: list[_Blocks] = [{o: arb_mat(degree + 1, width, block) for o, block in entries.items()}]
+
+    def blocks(self, order: int) -> _Blocks:
+        """Those of the Taylor coefficient of an order."""
+        while len(self._known) <= order:
+            self._known.append(self._derived(self._known[-1], len(self._known)))
+        return self._known[order]
+
+    def _derived(self, blocks: _Blocks, order: int) -> _Blocks:
+        found: dict[_Turns, arb_mat] = {}
+        for others, block in blocks.items():
+            tick()
+            parts = [(others, block * self._shift + self._turn * block)]
+            for i, (rate, degree) in enumerate(self._outer):
+                k = others[i]
+                if k:
+                    parts.append(((*others[:i], k - 1, *others[i + 1 :]), block * (rate * k)))
+                if k < degree:
+                    parts.append(((*others[:i], k + 1, *others[i + 1 :]), block * (rate * (k - degree))))
+            for turns, part in parts:
+                found[turns] = found[turns] + part if turns in found else part
+        return {turns: block * (arb(1) / order) for turns, block in found.items()}
+
+
+@lru_cache(maxsize=64)
+def _shift(width: int) -> arb_mat:
+    """What d/d omega does to the coefficients of 1, omega, omega^2, ... in a row: whole numbers, exact at any precision."""
+    shift = arb_mat(width, width)
+    for n in range(1, width):
+        shift[n, n - 1] = n
+    return shift
+
+
+def _turning(rate: Ball, degree: int) -> arb_mat:
+    """What d/d omega does to the coefficients of sin^k cos^(degree - k), k = 0 ... degree, of one half angle."""
+    turn = arb_mat(degree + 1, degree + 1)
+    for k in range(degree):
+        turn[k, k + 1] = rate * (k + 1)
+        turn[k + 1, k] = rate * (k - degree)
+    return turn
+
+
+def _entry(blocks: _Blocks, outer: Mapping[_Turns, Ball], last: arb_mat, columns: arb_mat) -> Ball:
+    """The sum of blocks, given the waves and the powers of omega."""
+    return sum((outer[turns] * (last * block * columns)[0, 0] for turns, block in blocks.items()), arb(0))
+
+
+def _powers(x: Ball, count: int) -> list[Ball]:
+    """1, x, x^2, ..."""
+    found = [arb(1)]
+    for _ in range(count - 1):
+        found.append(found[-1] * x)
+    return found
+
+
+def _waves(half: Ball, degree: int) -> list[Ball]:
+    """sin^k cos^(degree - k) of a half angle, k = 0 ... degree."""
+    sines, cosines = (_powers(wave, degree + 1) for wave in half.sin_cos())
+    return [a * b for a, b in zip(sines, reversed(cosines), strict=True)]
+
+
+def _power_series(x: Ball, exponent: Ball, length: int) -> list[Ball]:
+    """The Taylor coefficients of x^exponent."""
+    found = [(x.log() * exponent).exp()]
+    for n in range(length - 1):
+        found.append(found[-1] * (exponent - n) / (x * (n + 1)))
+    return found
+
+
+def _product(a: Sequence[Ball], b: Sequence[Ball]) -> list[Ball]:
+    """The product of two Taylor series, as long as they are."""
+    return [sum((a[m] * b[n - m] for m in range(n + 1)), arb(0)) for n in range(len(a))]
+
+
+@lru_cache(maxsize=512)
+def _compiled(waves: WaveSum, bits: int) -> Compiled:
+    with flint.ctx.workprec(bits):
+        halves = [expression_ball(rate) / 2 for rate, _ in waves.rates]
+        turning = [i for i, (_, constant) in enumerate(waves.rates) if not constant]
+        fixed = {i: _waves(halves[i], waves.degrees[i]) for i, (_, constant) in enumerate(waves.rates) if constant}
+        terms: dict[_Key, arb_poly] = {}
+        for term in waves.terms:
+            polynomial = arb_poly([_in_pi(c) for c in term.coefficients])
+            for i, wave in fixed.items():
+                polynomial = polynomial * wave[term.turns[i]]
+            key = tuple(term.turns[i] for i in turning), term.powers
+            terms[key] = terms[key] + polynomial if key in terms else polynomial
+        return Compiled(
+            tuple(halves[i] for i in turning),
+            tuple(waves.degrees[i] for i in turning),
+            tuple(expression_ball(order) for order in waves.orders),
+            tuple((*key, polynomial) for key, polynomial in terms.items()),
+        )
+
+
+def _in_pi(row: Sequence[int]) -> Ball:
+    """The value of a polynomial in pi."""
+    return arb(row[0]) if len(row) == 1 else fmpz_poly(list(row))(arb.pi())

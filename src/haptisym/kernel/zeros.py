@@ -1,0 +1,200 @@
+"""What irreducible real functions of omega share: certified zeros, exact orders, signs.
+
+A real function is taken apart into irreducible factors. Different factors vanish at different frequencies (for
+polynomials always, for analytic functions except by coincidence) and each has only simple zeros or such tangencies as
+cannot be told from simple pairs. A factor knows all its zeros in an interval, its order at a given number, and its sign.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any, TypeAlias, TypeVar
+
+import flint
+from flint import arb
+from sympy import Expr
+
+from haptisym.kernel.budget import tick
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import Ball, RealNumber, expression_ball
+
+T = TypeVar("T")
+MOST_BITS = 1 << 13
+"""The precision at which a question about an analytic function is given up as undecided."""
+
+
+def rounded_up(bits: int) -> int:
+    """The next power of two, at least 128: so that questions of about the same precision share one isolation."""
+    return max(128, 1 << (bits - 1).bit_length())
+
+
+def around(low: Expr, high: Expr) -> tuple[Ball, Ball]:
+    """Dyadic numbers that enclose an interval."""
+    with flint.ctx.workprec(128):
+        return expression_ball(low).lower(), expression_ball(high).upper()
+
+
+def sign_of(ball: Ball) -> int:
+    """1 or -1 for a ball on one side of 0; 0 for one that holds it, or is not a number, as a logarithm over 0.
+
+    >>> sign_of(arb("-1.5")), sign_of(arb(1, 2)), sign_of(arb("nan"))
+    (-1, 0, 0)
+    """
+    return int(ball > 0) - int(ball < 0)
+
+
+def is_clear(ball: Ball) -> bool:
+    """Whether a ball lies on one side of 0."""
+    return sign_of(ball) != 0
+
+
+def at_rising_precision(ask: Callable[[int], T | None], most_bits: int = MOST_BITS) -> T | None:
+    """The first answer there is, asked at working precisions of 128, 256, ... bits; None if there is none at the limit."""
+    bits = 128
+    while bits <= most_bits:
+        tick()
+        with flint.ctx.workprec(bits):
+            answer = ask(bits)
+        if answer is not None:
+            return answer
+        bits *= 2
+    return None
+
+
+class Factor(ABC):
+    """An irreducible real function of omega."""
+
+    @abstractmethod
+    def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
+        """All zeros strictly between two numbers, and perhaps others outside; a tangency that stays undecided among them."""
+
+    @abstractmethod
+    def order_at(self, place: Expr) -> Any:
+        """The order of the zero at an exact number, counted in omega; 0 if it is none; a fraction for powers of omega at 0."""
+
+    @abstractmethod
+    def value(self, x: Ball) -> Ball:
+        """A ball around the value at a ball of frequencies, at the current working precision."""
+
+    def steady_sign(self, low: Expr, high: Expr) -> int:
+        """The sign all over a closed interval where a quick look shows that there is no zero on it; 0 where it does not."""
+        return 0
+
+    def multiplicity(self, zero: RealNumber) -> int:
+        """The order of one of the zeros; that of a tangency that stayed undecided is taken as 2."""
+        return 2 if isinstance(zero, Undecided) else 1
+
+    def sign_at(self, place: Callable[[int], Ball], most_bits: int = MOST_BITS) -> int:
+        """The sign at a number that is no zero, given as a function from bits to a ball; UndecidedError at the limit."""
+        if sign := at_rising_precision(lambda bits: sign_of(self.value(place(bits))) or None, most_bits):
+            return sign
+        raise UndecidedError(f"the sign of a function at omega = {float(place(64).mid()):.17g} rad/s")
+
+
+class SmoothFactor(Factor):
+    """A factor whose Taylor coefficients are known."""
+
+    @abstractmethod
+    def series(self, x: Ball, start: int, stop: int) -> list[Ball]:
+        """Balls around the Taylor coefficients of orders from ``start`` to before ``stop`` about every point of a ball."""
+
+    def taylor(self, x: Ball, order: int) -> Ball:
+        """A ball around the Taylor coefficient of that order about every point of a ball of frequencies."""
+        return self.series(x, order, order + 1)[0]
+
+
+@dataclass(frozen=True, repr=False)
+class Zero(RealNumber):
+    """A simple zero of a factor, alone between ``low`` and ``high``, where the signs differ."""
+
+    factor: SmoothFactor
+    low: Ball = field(compare=False)
+    high: Ball = field(compare=False)
+    index: int = 0
+    derivative: int = 0
+    """0 for a zero of the function itself, 1 for one of its slope."""
+
+    def ball(self, bits: int) -> Ball:
+        return _refined(self, self.low, self.high, rounded_up(bits))
+
+
+@dataclass(frozen=True, repr=False)
+class Undecided(RealNumber):
+    """A frequency near which a function has a double zero, or two, or none: not decided at the precision limit."""
+
+    factor: Factor
+    near: Zero
+
+    def ball(self, bits: int) -> Ball:
+        return self.near.ball(bits)
+
+
+@lru_cache(maxsize=4096)
+def _refined(zero: Zero, low: Ball, high: Ball, bits: int) -> Ball:
+    """An enclosure as tight as that many bits allow: interval Newton, with bisection where the slope is not clear of 0."""
+    k = zero.derivative
+
+    def jet(x: Ball, count: int) -> Sequence[Ball]:
+        row = zero.factor.series(x, k, k + count)
+        return [c * (k + 1) ** n for n, c in enumerate(row)]
+
+    with flint.ctx.workprec(bits):
+        if bits > 128:
+            rough = _refined(zero, low, high, bits // 2)
+            closer = low.max(rough.lower()), high.min(rough.upper())
+            if all(is_clear(jet(x, 1)[0]) for x in closer):
+                low, high = closer
+        return tightened(low, high, bits, jet)
+
+
+Jet: TypeAlias = Callable[[Ball, int], Sequence[Ball]]
+"""The value of a function at a ball, or value and slope, as the number asks for."""
+
+
+def tightened(low: Ball, high: Ball, bits: int, jet: Jet) -> Ball:
+    """The enclosure of the one simple zero between two exact numbers, as tight as that many bits allow.
+
+    Interval Newton where the slope is clear of 0, bisection elsewhere. The ends stay exact numbers: a ball around them
+    reaches a little beyond, where a twin of the zero may lie.
+    """
+    near = _approached(low, high, bits, jet)
+    if near is not None:
+        return near
+    left = sign_of(jet(low, 1)[0])
+    while low.union(high).rel_accuracy_bits() < bits - 24:
+        tick()
+        before, middle = high - low, ((low + high) / 2).mid()
+        at, steep = jet(middle, 1)[0], jet(low.union(high), 2)[1]
+        if is_clear(steep):
+            step = middle - at / steep
+            low, high = low.max(step.lower()), high.min(step.upper())
+        if high - low < before / 2:
+            continue
+        if not left or not is_clear(at):
+            break  # the working precision shows no more
+        low, high = (low.max(middle), high) if sign_of(at) == left else (low, high.min(middle))
+    return low.union(high)
+
+
+def _approached(low: Ball, high: Ball, bits: int, jet: Jet) -> Ball | None:
+    """The same where Newton's steps from point to point, which prove nothing, find it, and signs beside it prove it."""
+    x = ((low + high) / 2).mid()
+    for _ in range(_MOST_STEPS):
+        tick()
+        value, slope = jet(x, 2)
+        step = (value / slope).mid()
+        x = (x - step).mid()
+        if not low < x < high:
+            return None
+        if (step / x) ** 2 < arb(2) ** -bits:  # the next step would be at most about the square of it
+            reach = x * arb(2) ** -(bits - 22)
+            ends = (x - reach).mid(), (x + reach).mid()
+            signs = [sign_of(jet(end, 1)[0]) for end in ends]
+            return ends[0].union(ends[1]) if low < ends[0] and ends[1] < high and signs[0] * signs[1] < 0 else None
+    return None
+
+
+_MOST_STEPS = 12

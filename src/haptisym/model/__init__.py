@@ -1,0 +1,1 @@
+"""What is evaluated: scenes, their files and catalogue, the chain of effects, the distortion, thresholds."""

@@ -1,0 +1,343 @@
+"""Closed forms: what is felt instead of the environment, and by how much it differs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from sympy import Abs, Expr, Rational, Symbol, sqrt
+
+from haptisym.kernel.axis import Axis
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.response import RealFunction, Response, on_axis, squared_modulus
+from haptisym.kernel.rings import RationalFunction, cleared
+from haptisym.kernel.shown import Shown, counted
+from haptisym.kernel.symbols import c as threshold
+from haptisym.kernel.symbols import omega, s
+from haptisym.model.catalogue import Effect, Environment, Matrix
+from haptisym.model.jnd import Part
+from haptisym.model.properties import ParameterJND, Properties, first_changeover, properties
+from haptisym.programs.accuracy import Accuracy, Engine
+from haptisym.programs.balls import Point
+from haptisym.programs.program import Program
+from haptisym.programs.stable import stable_program
+
+if TYPE_CHECKING:
+    from haptisym.programs.values import Compiled  # brings NumPy, which a certified answer does not need
+
+
+def distort(environment: Environment, *effects: Effect, rendered: Environment | None = None) -> Distortion:
+    """The distortion of an environment by effects, nearest the environment first; none at all without effects.
+
+    ``rendered`` is what the controller renders where that is not the environment itself: H_perc is built on it, while
+    dH and the ratios compare with ``environment``; where it has ``k="environment.k"``, that is the environment's k. Parameters
+    may be numbers or symbols. Raises SceneError where H_env is zero everywhere or H_perc is not a dynamics.
+
+    >>> from haptisym import effects, environments
+    >>> d = distort(environments.mass_spring_damper(k=100), effects.first_order_lag(20))
+    >>> d.perceived, d.real
+    (2000/(s + 20), -100*omega**2/(omega**2 + 400))
+    """
+    felt = rendered.tied_to(environment) if rendered else environment
+    return Chain(environment.H, felt.H, tuple(e.matrix for e in effects)).distortion()
+
+
+@dataclass(frozen=True)
+class Chain:
+    """The dynamics themselves: H_env, what is rendered for it, and the effects' chain matrices, nearest the environment first."""
+
+    environment: Expr
+    rendered: Expr
+    matrices: tuple[Matrix, ...]
+
+    def distortion(self, ring: Ring | None = None) -> Distortion:
+        """The closed forms of this chain, in a ring that holds it (the smallest one unless given).
+
+        Raises SceneError where H_env is zero everywhere or H_perc is not a dynamics.
+        """
+        ring = ring or self.ring
+        environment = ring.convert(self.environment).reduced()
+        if environment.is_zero:
+            raise SceneError("the environment is zero at every frequency: there is nothing to feel")
+        return Distortion(environment, self.perceived(range(len(self.matrices)), ring), self)
+
+    def perceived(self, places: Iterable[int], ring: Ring | None = None) -> RationalFunction:
+        """H_perc in lowest terms, of the effects at these places alone, in the ring of all unless given another."""
+        ring = ring or self.ring
+        found = ring.convert(self.rendered)
+        for i in places:
+            found = _through(found, [ring.convert(entry) for entry in self.matrices[i]])
+        return found.reduced()
+
+    @cached_property
+    def ring(self) -> Ring:
+        """The ring that holds them all."""
+        # the symbol c comes along so that thresholds may stay symbols; a variable that does not occur costs nothing
+        return Ring.of([*self.entries(), threshold])
+
+    def entries(self) -> tuple[Expr, ...]:
+        """All dynamics in it: H_env, what is rendered, and the entries of the matrices."""
+        return self.environment, self.rendered, *(entry for matrix in self.matrices for entry in matrix)
+
+    @property
+    def parameters(self) -> tuple[Symbol, ...]:
+        """The symbols in it, in the order of their names."""
+        return tuple(sorted(set(self.ring.symbols) - {threshold}, key=str))
+
+    def program(self, fields: Sequence[str]) -> Program:
+        """The straight-line program of some fields of ``numeric.Values``; what is 0 everywhere is written as 0."""
+        write = stable_program(self.environment, self.rendered, self.matrices, self.parameters)
+        program = write(fields, ())
+        # a value that is not 0 at some point settles that a field is not 0 everywhere
+        sample = Point(program, tuple(1.25 + n / 8 for n in range(len(program.inputs)))).balls(128)
+        zero = [name for name in fields if sample[name].contains(0) and self.distortion().vanishes(name)]
+        return write(fields, zero) if zero else program
+
+    def at(self, values: Mapping[Symbol, Expr]) -> Chain:
+        """The same chain with values for some of its symbols."""
+        return self.map(lambda entry: entry.xreplace(values))
+
+    def map(self, change: Callable[[Expr], Expr]) -> Chain:
+        """The chain with every dynamics in it changed."""
+        matrices = tuple((change(a), change(b), change(c), change(d)) for a, b, c, d in self.matrices)
+        return Chain(change(self.environment), change(self.rendered), matrices)
+
+
+def _through(H: RationalFunction, matrix: Sequence[RationalFunction]) -> RationalFunction:
+    """The Moebius map (A H + B)/(C H + D), without fractions inside."""
+    a, b, c, d = cleared(matrix)
+    top = a * H.numerator + b * H.denominator
+    bottom = c * H.numerator + d * H.denominator
+    if bottom.is_zero():
+        raise SceneError("the effects make the perceived dynamics infinite at every frequency (C H + D = 0)")
+    return RationalFunction(H.ring, top, bottom)
+
+
+@dataclass(frozen=True, repr=False)
+class Distortion(Shown):
+    """The environment H_env, the perceived dynamics H_perc and their difference dH = H_perc - H_env (eq. 9), exact.
+
+    Closed forms are SymPy expressions in ``s`` or ``omega``, in lowest terms, with numerators and denominators in factors.
+    ``real``, ``imag``: Re dH and Im dH. ``ratio_real``, ``ratio_imag``: r_r and r_i (eq. 10), what the JND judges.
+    ``relative_real``, ``relative_imag``: Re(dH/H_env) and Im(dH/H_env), which are *not* the ratios.
+    """
+
+    env: RationalFunction = field(repr=False)
+    perc: RationalFunction = field(repr=False)
+    chain: Chain
+
+    def _line(self) -> str:
+        return f"of H_env = {self.chain.environment}, {counted(len(self.chain.matrices), 'effect')}"
+
+    @cached_property
+    def difference(self) -> RationalFunction:
+        """dH in lowest terms: the one place where common factors are cancelled."""
+        return (self.perc - self.env).reduced()
+
+    @cached_property
+    def env_response(self) -> Response:
+        return on_axis(self.env)
+
+    @cached_property
+    def perc_response(self) -> Response:
+        return on_axis(self.perc)
+
+    @cached_property
+    def difference_response(self) -> Response:
+        return on_axis(self.difference)
+
+    @cached_property
+    def relative_response(self) -> Response:
+        return on_axis((self.difference / self.env).reduced())
+
+    @cached_property
+    def squared_modulus(self) -> RealFunction:
+        """``|H_env(j omega)|^2``."""
+        return squared_modulus(self.env)
+
+    @cached_property
+    def squared_ratios(self) -> dict[Part, RealFunction]:
+        """r_r^2 and r_i^2 in lowest terms: limits at zeros of H_env are values, damping-free resonances cancel."""
+        parts = {part: part_of(self.difference_response, part).function for part in Part}
+        return {part: RealFunction((f * f / self.squared_modulus.function).reduced()) for part, f in parts.items()}
+
+    @property
+    def free_symbols(self) -> frozenset[Symbol]:
+        """The parameters that are still symbols."""
+        return frozenset(self.env.expression().free_symbols | self.perc.expression().free_symbols) - {s}
+
+    # Closed forms for people.
+
+    @property
+    def environment(self) -> Expr:
+        """H_env(s)."""
+        return self.env.factored()
+
+    @property
+    def perceived(self) -> Expr:
+        """H_perc(s)."""
+        return self.perc.factored()
+
+    @property
+    def distortion(self) -> Expr:
+        """dH(s) = H_perc - H_env."""
+        return self.difference.factored()
+
+    @property
+    def real(self) -> Expr:
+        return self.difference_response.real.factored()
+
+    @property
+    def imag(self) -> Expr:
+        return self.difference_response.imag.factored()
+
+    @property
+    def ratio_real(self) -> Expr:
+        return magnitude(self.real, self.difference) / self.modulus
+
+    @property
+    def ratio_imag(self) -> Expr:
+        return magnitude(self.imag, self.difference) / self.modulus
+
+    @property
+    def relative_real(self) -> Expr:
+        return self.relative_response.real.factored()
+
+    @property
+    def relative_imag(self) -> Expr:
+        return self.relative_response.imag.factored()
+
+    @property
+    def modulus(self) -> Expr:
+        """``|H_env(j omega)|``."""
+        return sqrt(self.squared_modulus.factored())
+
+    @cached_property
+    def environment_properties(self) -> Properties:
+        """Stiffness, mass, damping and force phasors of the environment."""
+        return properties(self.env_response)
+
+    @cached_property
+    def perceived_properties(self) -> Properties:
+        """Stiffness, mass, damping and force phasors of what is felt."""
+        return properties(self.perc_response)
+
+    def compile(
+        self,
+        accuracy: Accuracy | str = Accuracy.FAST,
+        of: Sequence[str] | None = None,
+        engine: Engine | str = Engine.NUMPY,
+    ) -> Compiled:
+        """A NumPy function ``f(omega, m=..., ...)`` of frequencies (rad/s) and the parameters that are still symbols (SI).
+
+        It returns a named tuple of arrays (``real``, ``imag``, ``ratio_real``, ``ratio_imag``, ...) of the broadcast
+        shape of its arguments, constants included. At a zero of H_env the ratios are their limits.
+
+        accuracy : what is promised of each float, an ``Accuracy`` or its name ("fast", "double-double", "certified").
+        of : the fields wanted, all by default; the named tuple has just these.
+        engine : what runs the level fast, an ``Engine`` or its name: "numpy", or "numba" (the extra ``fast``).
+        ``f.digits(omega, count, ...)`` gives decimal digits instead. Raises SceneError for a choice that there is not.
+
+        >>> from haptisym.environments import kelvin_voigt
+        >>> from haptisym.effects import first_order_lag
+        >>> f = distort(kelvin_voigt(100, 2), first_order_lag(20)).compile(of=["real"])
+        >>> f([0.0, 20.0]).real.tolist()
+        [0.0, -30.0]
+        """
+        from haptisym.programs.values import chosen, compiled
+
+        names = chosen(of)
+        program = self.needed_chain.program(names)
+        return compiled(program, lambda values: self.at(values).functions(names), accuracy, engine)
+
+    @cached_property
+    def needed_chain(self) -> Chain:
+        """The chain with numbers for parameters that cancel: those of effects that undo each other may be any number."""
+        others = sorted(set(self.chain.parameters) - self.free_symbols, key=str)
+        return self.chain.at({x: Rational(n + 7, 5) for n, x in enumerate(others)})
+
+    def vanishes(self, name: str) -> bool:
+        """Whether a field is 0 at all frequencies, whatever the parameters."""
+        kind, _, part = name.rpartition("_")
+        change = self.perc - self.env
+        of = {"relative": change / self.env, "environment": self.env, "perceived": self.perc}.get(kind, change)
+        raw = on_axis(of)
+        return (raw.raw_real if part == "real" else raw.raw_imag).is_zero
+
+    def at(self, values: Mapping[str, Rational]) -> Distortion:
+        """The distortion with exact numbers for the parameters of these names."""
+        known = {x: values[x.name] for x in self.free_symbols}
+        return self.chain.at(known).distortion() if known else self
+
+    def functions(self, names: Sequence[str]) -> dict[str, RealFunction]:
+        """The real functions behind the fields of ``numeric.Values``, in lowest terms; of the ratios their squares."""
+        responses = {"relative": "relative_response", "environment": "env_response", "perceived": "perc_response"}
+        found = {}
+        for name in names:
+            kind, _, part = name.rpartition("_")
+            if kind == "ratio":
+                found[name] = self.squared_ratios[Part(part)]
+            else:
+                found[name] = part_of(getattr(self, responses.get(kind, "difference_response")), Part(part))
+        return found
+
+    def parameter_jnd(self, c: Expr) -> ParameterJND:
+        """The JNDs of stiffness, damping and mass for a threshold c."""
+        least = c * self.modulus
+        return ParameterJND(least, least / omega, least / omega**2)
+
+    @property
+    def changeover_environment(self) -> Expr | None:
+        """The lowest frequency at which Re H_env changes sign, in square roots; None where it has no such form.
+
+        With symbols: while the root is real and positive (the numerator of Re H_env has degree 1 or 2 in omega^2).
+
+        >>> from haptisym.environments import mass_spring_damper
+        >>> from haptisym.kernel.symbols import symbols
+        >>> distort(mass_spring_damper(*symbols("m b k"))).changeover_environment
+        sqrt(k)/sqrt(m)
+        """
+        return first_changeover(self.env_response.real)
+
+    @property
+    def changeover_perceived(self) -> Expr | None:
+        """The lowest frequency at which Re H_perc changes sign, in square roots; None where it has no such form."""
+        return first_changeover(self.perc_response.real)
+
+
+def part_of(response: Response, part: Part) -> RealFunction:
+    """The real or the imaginary part of a response."""
+    return response.real if part is Part.REAL else response.imag
+
+
+def magnitude(form: Expr, dynamics: RationalFunction, *, evaluate: bool = True) -> Expr:
+    """|f| of a form of Re or Im of a dynamics: bars below the line only where the sign changes there.
+
+    ``evaluate`` : whether SymPy may look at what stands above, which takes long for a long form.
+
+    >>> ring = Ring()
+    >>> lossless, lossy = (ring.convert(1 / (s**2 + b * s + 4)) for b in (0, 1))
+    >>> magnitude(1 / (4 - omega**2), lossless), magnitude(1 / (omega**2 + (4 - omega**2)**2), lossy)
+    (1/Abs(omega**2 - 4), 1/(omega**2 + (4 - omega**2)**2))
+    """
+    above, below = form.as_numer_denom()
+    if not _is_definite(dynamics):
+        return Abs(above, evaluate=evaluate) / Abs(below)
+    known = {x: Rational(n + 7, 5) for n, x in enumerate(sorted(below.free_symbols, key=str))}
+    return Abs(above, evaluate=evaluate) / (below if below.xreplace(known).evalf(30) >= 0 else -below)
+
+
+def _is_definite(dynamics: RationalFunction) -> bool:
+    """Whether no factor of |denominator|^2 on s = j omega, as it stands below Re or Im in lowest terms, can change its sign.
+
+    The square itself is nowhere negative; so a factor of odd multiplicity in it keeps its sign. Of an even one, part may
+    have been cancelled.
+    """
+    axis = on_axis(dynamics).raw_real.ring
+    assert isinstance(axis, Axis)
+    c, d = axis.parts([dynamics.denominator])[0]
+    _, factors = axis.factors(axis.without_circles(c * c + d * d)[0])
+    return all(n % 2 or factor == axis.variable for factor, n in factors)

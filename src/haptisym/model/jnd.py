@@ -1,0 +1,77 @@
+"""The just-noticeable difference: how large a change of the dynamics must be for a person to notice it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+from sympy import Expr, Rational
+
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.roots import sign_of_number
+from haptisym.model.quantities import Dimension, Number
+from haptisym.model.ranges import Interval, ranged
+
+
+class Part(Enum):
+    """Real part (stiffness and mass) or imaginary part (damping) of a dynamics."""
+
+    __hash__ = object.__hash__  # members are singletons; the hash by name is slow, and charts look up much
+
+    REAL = "real"
+    IMAG = "imag"
+
+
+@dataclass(frozen=True, slots=True)
+class Threshold:
+    """The JND c of eq. (4): a change of Re H or Im H is noticed when it exceeds that fraction of ``|H|``.
+
+    Each a number > 0: rational, rational in pi, or algebraic as a SymPy expression (for scenes whose numbers are rational).
+    Source: Fu, van Paassen and Mulder (2019), eq. (4); 10 % for the impedances of manual control.
+
+    >>> Threshold.of(0.1)
+    Threshold(real=1/10, imag=1/10)
+    """
+
+    real: Expr = Rational(1, 10)
+    imag: Expr = Rational(1, 10)
+    real_interval: Interval | None = field(default=None, repr=False)
+    imag_interval: Interval | None = field(default=None, repr=False)
+    """Where they may lie, if they are given as ranges (``"0.1 +- 20 %"`` or a pair)."""
+
+    @classmethod
+    def of(cls, real: Number, imag: Number | None = None) -> Threshold:
+        """A threshold from numbers; the imaginary part's is the real part's unless given. SceneError unless > 0."""
+        return cls(real, real if imag is None else imag)
+
+    def __post_init__(self) -> None:
+        for key in ("real", "imag"):
+            value, interval = _fraction(key, getattr(self, key))
+            object.__setattr__(self, key, value)
+            if interval:
+                object.__setattr__(self, f"{key}_interval", interval)
+
+    def __getitem__(self, part: Part) -> Expr:
+        return self.real if part is Part.REAL else self.imag
+
+    def interval(self, part: Part) -> Interval | None:
+        """The range of a part's threshold, if it has one."""
+        return self.real_interval if part is Part.REAL else self.imag_interval
+
+
+def _fraction(key: str, given: Number) -> tuple[Expr, Interval | None]:
+    if isinstance(given, Expr) and is_irrational_algebraic(given) and given.evalf() > 0:
+        return given, None
+    try:
+        found = ranged(given, Dimension.RATIO)
+    except SceneError as error:
+        raise error.within(key) from None
+    value = found.nominal.value
+    if value.free_symbols or any(sign_of_number(x) <= 0 for x in (value, *(found.interval or ()))):
+        raise SceneError(f'{key}: "{given}" must be a number > 0')
+    return value, found.interval
+
+
+def is_irrational_algebraic(value: Expr) -> bool:
+    """Whether a number is real and algebraic, but not rational."""
+    return bool(value.is_number and not value.is_Rational and value.is_algebraic and value.is_real)

@@ -1,0 +1,308 @@
+"""Quantities with units, read exactly: ``"1.8 kg"`` is 9/5, ``"15 Hz"`` is 30 pi rad/s."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from decimal import Decimal
+from enum import Enum
+from fractions import Fraction
+from functools import cache
+from importlib.resources import as_file, files
+from typing import TYPE_CHECKING, TypeAlias
+
+from sympy import Expr, Float, I, Integer, Pow, Rational, nan, oo, pi, preorder_traversal, zoo
+
+from haptisym.kernel.errors import ExpressionError, SceneError
+from haptisym.model.expressions import evaluate
+
+if TYPE_CHECKING:
+    import pint  # costs as much time as SymPy: loaded where a unit is not among the usual ones
+
+Number: TypeAlias = "str | int | float | Decimal | Fraction | Expr"
+
+Exponents: TypeAlias = tuple[tuple[str, Fraction], ...]
+
+_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?:\s*/\s*(\d+)(?![\w.]))?\s*(.*?)\s*", re.DOTALL)
+_JUXTAPOSED = re.compile(r"(?<=[\w)°%])\s+(?=[^\W\d]|[(°%])")  # "N s/m" is N*s/m
+_LONGEST = 200  # characters of a number; 200 digits are more than any measurement has
+_LARGEST_EXPONENT = 300  # of ten; beyond it a float could not show the result
+
+
+class Motion(Enum):
+    """Whether the hand moves along a line (m, N) or about an axis (rad, N m)."""
+
+    TRANSLATION = "translational"
+    ROTATION = "rotational"
+
+
+class Dimension(Enum):
+    """What a parameter measures: its unit for a translation and for a rotation."""
+
+    MASS = ("kg", "kg*m^2")
+    DAMPING = ("N*s/m", "N*m*s/rad")
+    STIFFNESS = ("N/m", "N*m/rad")
+    FORCE = ("N", "N*m")
+    DISPLACEMENT = ("m", "rad")
+    FREQUENCY = ("rad/s", "rad/s")
+    TIME = ("s", "s")
+    RATIO = ("1", "1")
+    ANY = ("", "")
+
+    def unit(self, motion: Motion | None) -> str:
+        """The unit's name, for a known kind of motion; both names where the motion is not known.
+
+        >>> Dimension.MASS.unit(Motion.ROTATION), Dimension.MASS.unit(None), Dimension.TIME.unit(None)
+        ('kg*m^2', 'kg or kg*m^2', 's')
+        """
+        translation, rotation = self.value
+        if motion is None and translation != rotation:
+            return f"{translation} or {rotation}"
+        return rotation if motion is Motion.ROTATION else translation
+
+
+def unit_text(unit: str) -> str:
+    """A unit as it is printed.
+
+    >>> unit_text("kg*m^2")
+    'kg·m²'
+    """
+    return unit.replace("*", "·").replace("^2", "²")
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """An exact SI value (rational times a power of pi, or a symbolic expression) and the motion its unit implies."""
+
+    value: Expr
+    motion: Motion | None = None
+    exponents: Exponents | None = None
+    """Of the base dimensions, as far as the unit tells: ``(("mass", 1), ("time", -2))`` for N/m."""
+
+
+def quantity(given: Number, dimension: Dimension) -> Quantity:
+    """Read a number, or a string of number and unit, exactly.
+
+    ``given``: an int, Decimal, Fraction, float (read as its shortest decimal text), SymPy expression, or a string
+    such as ``"1.8 kg"``, ``"9/5 kg"`` or ``"0.5"``. Bare numbers are SI and rad/s. Raises SceneError, naming the value
+    and the unit expected, for anything else: NaN, infinities, unknown units, wrong dimensions.
+
+    >>> quantity("1.8 kg", Dimension.MASS)
+    Quantity(value=9/5, motion=<Motion.TRANSLATION: 'translational'>, exponents=(('mass', Fraction(1, 1)),))
+    >>> quantity("15 Hz", Dimension.FREQUENCY).value, quantity(0.1, Dimension.RATIO).value
+    (30*pi, 1/10)
+    >>> quantity("15 N", Dimension.STIFFNESS)
+    Traceback (most recent call last):
+      ...
+    haptisym.kernel.errors.SceneError: "15 N" is not a stiffness: expected N/m or N*m/rad
+    """
+    if isinstance(given, str):
+        return _from_text(given, dimension)
+    if isinstance(given, Expr):
+        return Quantity(_exact_expression(given))
+    if isinstance(given, Fraction):
+        return Quantity(Rational(given.numerator, given.denominator))
+    if isinstance(given, int | float | Decimal) and not isinstance(given, bool):
+        return Quantity(decimal(str(given)))
+    shown = str(given).lower() if isinstance(given, bool) else _shown(given)  # as TOML writes it
+    raise SceneError(f"{shown} is not a number, nor a string of a number and a unit")
+
+
+def decimal(text: str) -> Rational:
+    """The exact rational number that a decimal text means.
+
+    >>> decimal("1.8"), decimal("-2.5e-3")
+    (9/5, -1/400)
+    """
+    match = _NUMBER.fullmatch(text)
+    if match is None or match[3]:
+        raise SceneError(f"{_shown(text)} is not a finite decimal number")
+    return _rational(match, text)
+
+
+def _rational(match: re.Match[str], text: str) -> Rational:
+    number = match[1]
+    exponent = re.split("[eE]", number)[1:] or ["0"]
+    if len(number) > _LONGEST or len(match[2] or "") > _LONGEST:
+        raise SceneError(f"{_shown(text)}: a number may have at most {_LONGEST} characters")
+    if len(exponent[0]) > 4 or abs(int(exponent[0])) > _LARGEST_EXPONENT:
+        raise SceneError(f"{_shown(text)}: exponents of ten may go from -{_LARGEST_EXPONENT} to {_LARGEST_EXPONENT}")
+    below = int(match[2] or 1)
+    if below == 0:
+        raise SceneError(f"{_shown(text)} divides by zero")
+    exact = Fraction(number) / below
+    return Rational(exact.numerator, exact.denominator)
+
+
+def _from_text(text: str, dimension: Dimension) -> Quantity:
+    match = _NUMBER.fullmatch(text)
+    if match is None:
+        raise SceneError(f"{_shown(text)} does not start with a finite number{expected(dimension)}")
+    if match[3] and re.match(r",\d", match[3]):
+        raise SceneError(f"{_shown(text)}: decimals are written with a point, as in {text.replace(',', '.', 1)}")
+    value, unit = _rational(match, text), match[3]
+    if not unit:
+        return Quantity(value)
+    factor, exponents = _unit(unit, text, dimension)
+    motion = _motion(exponents, text, dimension)
+    return Quantity(_sized(value * factor, text), motion, tuple(sorted(exponents.items())))
+
+
+_PLAIN = str.maketrans({"·": "*", "×": "*", "⋅": "*", "²": "^2", "³": "^3"})
+
+_USUAL: dict[str, tuple[Expr, dict[str, int]]] = {
+    "1": (Integer(1), {}),
+    "%": (Rational(1, 100), {}),
+    "rad": (Integer(1), {}),
+    "kg": (Integer(1), {"mass": 1}),
+    "g": (Rational(1, 1000), {"mass": 1}),
+    "m": (Integer(1), {"length": 1}),
+    "mm": (Rational(1, 1000), {"length": 1}),
+    "s": (Integer(1), {"time": 1}),
+    "ms": (Rational(1, 1000), {"time": 1}),
+    "rad/s": (Integer(1), {"time": -1}),
+    "Hz": (2 * pi, {"time": -1}),
+    "N": (Integer(1), {"mass": 1, "length": 1, "time": -2}),
+    "N/m": (Integer(1), {"mass": 1, "time": -2}),
+    "N*s/m": (Integer(1), {"mass": 1, "time": -1}),
+    "N*m": (Integer(1), {"mass": 1, "length": 2, "time": -2}),
+    "N*m/rad": (Integer(1), {"mass": 1, "length": 2, "time": -2}),
+    "N*m*s/rad": (Integer(1), {"mass": 1, "length": 2, "time": -1}),
+    "kg*m^2": (Integer(1), {"mass": 1, "length": 2}),
+}
+"""The units that nearly every scene is written in, SI value and dimensions, as Pint has them."""
+
+
+def _unit(unit: str, text: str, dimension: Dimension) -> tuple[Expr, dict[str, Fraction]]:
+    plain = _JUXTAPOSED.sub("*", unit.translate(_PLAIN))
+    if plain in _USUAL:
+        factor, exponents = _USUAL[plain]
+        return factor, {name: Fraction(power) for name, power in exponents.items()}
+    return _measured(plain, unit, text, dimension)
+
+
+def _measured(plain: str, unit: str, text: str, dimension: Dimension) -> tuple[Expr, dict[str, Fraction]]:
+    """A unit's factor and dimensions from Pint's registry."""
+    import pint
+
+    try:
+        measured = evaluate(plain, number=_unit_number, name=_named_unit, sums=False)
+        base = measured.to_root_units()
+    except (ExpressionError, pint.PintError, ArithmeticError):
+        raise SceneError(f"{_shown(text)}: {_shown(unit)} is not a unit{expected(dimension)}") from None
+    exponents = {name.strip("[]"): Fraction(power) for name, power in base.dimensionality.items()}
+    turns = exponents.pop("circle", Fraction(0))
+    if turns.denominator != 1 or (isinstance(base.magnitude, float) and base.magnitude != 1.0):
+        raise SceneError(
+            f"{_shown(text)}: only m, s, kg, N, rad and such, whose factor is 1, may have fractional powers"
+        )
+    exact = Fraction(base.magnitude)
+    return Rational(exact.numerator, exact.denominator) * pi ** Integer(int(turns)), exponents
+
+
+def _unit_number(text: str) -> pint.Quantity[Fraction]:
+    if text != "1":
+        raise ValueError("a unit holds no number but 1")
+    return _registry().Quantity(Fraction(1))
+
+
+def _named_unit(name: str) -> pint.Quantity[Fraction]:
+    import pint
+
+    try:
+        return _registry().Quantity(Fraction(1), name)
+    except (pint.PintError, ValueError):
+        raise KeyError(name) from None
+
+
+def _motion(exponents: dict[str, Fraction], text: str, dimension: Dimension) -> Motion | None:
+    translation, rotation = _dimension_exponents(dimension)
+    if dimension is Dimension.ANY:
+        return None
+    if exponents == translation:
+        return None if translation == rotation else Motion.TRANSLATION
+    if exponents == rotation:
+        return Motion.ROTATION
+    raise SceneError(f"{_shown(text)} is not a {dimension.name.lower()}{expected(dimension)}")
+
+
+def dimension_exponents(dimension: Dimension, motion: Motion | None) -> Exponents | None:
+    """The base dimensions of what a parameter measures; None for one of any dimension.
+
+    >>> dimension_exponents(Dimension.DAMPING, Motion.ROTATION)
+    (('length', Fraction(2, 1)), ('mass', Fraction(1, 1)), ('time', Fraction(-1, 1)))
+    """
+    if dimension is Dimension.ANY:
+        return None
+    return tuple(sorted(_dimension_exponents(dimension)[motion is Motion.ROTATION].items()))
+
+
+def fits(dimension: Dimension, exponents: Exponents | None, wanted: Dimension) -> bool:
+    """Whether a quantity of a dimension (with these exponents, if any unit told them) may stand where one is wanted.
+
+    >>> fits(Dimension.MASS, None, Dimension.STIFFNESS), fits(Dimension.ANY, None, Dimension.STIFFNESS)
+    (False, True)
+    """
+    if Dimension.ANY not in (dimension, wanted):
+        return dimension is wanted
+    return wanted is Dimension.ANY or exponents in (None, *(dimension_exponents(wanted, motion) for motion in Motion))
+
+
+def implied_motion(dimension: Dimension, exponents: Exponents | None) -> Motion | None:
+    """The motion for which a dimension has these exponents; None where neither or both have.
+
+    >>> implied_motion(Dimension.MASS, (("length", Fraction(2)), ("mass", Fraction(1))))
+    <Motion.ROTATION: 'rotational'>
+    """
+    found = [motion for motion in Motion if dimension_exponents(dimension, motion) == exponents]
+    return found[0] if len(found) == 1 else None
+
+
+@cache
+def _dimension_exponents(dimension: Dimension) -> tuple[dict[str, Fraction], dict[str, Fraction]]:
+    translation, rotation = ({} if unit in ("", "1") else _unit(unit, unit, dimension)[1] for unit in dimension.value)
+    return translation, rotation
+
+
+def _exact_expression(given: Expr) -> Expr:
+    """The expression with its floats read as decimals; a number must be finite and rational in pi."""
+    exact = given.xreplace({x: decimal(str(float(x))) for x in given.atoms(Float)})
+    known = all(isinstance(x, Rational) or x == pi or x.args for x in preorder_traversal(exact) if x.is_number)
+    if exact.has(nan, zoo, oo, -oo, I) or (
+        exact.is_number and (not known or any(not x.exp.is_Integer for x in exact.atoms(Pow)))
+    ):
+        raise SceneError(f"{_shown(given)} is not a finite number that is rational, or rational in pi")
+    return exact
+
+
+def _sized(value: Expr, text: str) -> Expr:
+    """A number that a float can show, or an error."""
+    if value != 0 and not Float("1e-300") < abs(value.evalf(5)) < Float("1e300"):
+        raise SceneError(f"{_shown(text)}: in SI units the number must lie between 1e-300 and 1e300")
+    return value
+
+
+def expected(dimension: Dimension) -> str:
+    """The end of a message: which unit should have been there; empty where any may be.
+
+    >>> expected(Dimension.TIME), expected(Dimension.RATIO)
+    (': expected s', ': expected a plain number')
+    """
+    return (
+        ""
+        if dimension is Dimension.ANY
+        else f": expected {dimension.unit(None)}".replace("expected 1", "expected a plain number")
+    )
+
+
+def _shown(given: object) -> str:
+    text = str(given)
+    return f'"{text[:60]}..."' if len(text) > 60 else f'"{text}"'
+
+
+@cache
+def _registry() -> pint.UnitRegistry:
+    import pint
+
+    with as_file(files("haptisym") / "data" / "units.txt") as path:
+        return pint.UnitRegistry(str(path), non_int_type=Fraction, cache_folder=None)

@@ -1,0 +1,98 @@
+"""Quantities that are not known exactly: ``"1.8 kg +- 5 %"``, ``"1.8 kg +- 0.1 kg"`` or a pair of the lowest and the highest."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from sympy import Expr
+
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.roots import sign_of_number
+from haptisym.model.quantities import Dimension, Quantity, decimal, quantity
+
+Interval: TypeAlias = tuple[Expr, Expr]
+"""The lowest and the highest value, exact, in SI."""
+
+_PLUS_MINUS = re.compile(r"\+/?-|±")
+
+
+@dataclass(frozen=True, slots=True)
+class Ranged:
+    """A quantity at its nominal value, and the interval in which it may lie; None if it has just that value."""
+
+    nominal: Quantity
+    interval: Interval | None = None
+
+
+def ranged(given: Any, dimension: Dimension) -> Ranged:
+    """Read a quantity or a range of it, exactly.
+
+    ``given`` : whatever ``quantity`` reads; a string with ``+-`` (or a plus-minus sign) and a deviation, with a unit or in per
+    cent of the centre; or a pair of quantities, whose middle is the nominal value. Raises SceneError for anything else.
+
+    >>> ranged("1.8 kg +- 5 %", Dimension.MASS).interval, ranged(["1.7 kg", "1.9 kg"], Dimension.MASS).nominal.value
+    ((171/100, 189/100), 9/5)
+    >>> ranged("0 kg +- 5 %", Dimension.MASS)
+    Traceback (most recent call last):
+      ...
+    haptisym.kernel.errors.SceneError: "0 kg +- 5 %": a percentage of zero is no range; give the deviation a unit
+    """
+    if isinstance(given, str) and _PLUS_MINUS.search(given):
+        return _around(given, dimension)
+    if isinstance(given, Sequence) and not isinstance(given, str):
+        return _between(given, dimension)
+    return Ranged(quantity(given, dimension))
+
+
+def _around(text: str, dimension: Dimension) -> Ranged:
+    parts = _PLUS_MINUS.split(text)
+    if len(parts) != 2 or not all(part.strip() for part in parts):
+        raise SceneError(f'"{text[:60]}" is not a range: write it as "1.8 kg +- 5 %" or "1.8 kg +- 0.1 kg"')
+    centre = quantity(parts[0], dimension)
+    deviation = _deviation(text, centre, parts[1].strip(), dimension)
+    if sign_of_number(deviation) < 0:
+        raise SceneError(f'"{text[:60]}": the deviation after +- must be >= 0')
+    low, high = centre.value - deviation, centre.value + deviation
+    return Ranged(centre, None if deviation == 0 else (low, high))
+
+
+def _deviation(text: str, centre: Quantity, given: str, dimension: Dimension) -> Expr:
+    if given.endswith("%"):
+        if centre.value == 0:
+            raise SceneError(f'"{text[:60]}": a percentage of zero is no range; give the deviation a unit')
+        return centre.value * sign_of_number(centre.value) * decimal(given[:-1].strip()) / 100
+    found = quantity(given, dimension)
+    if found.exponents != centre.exponents:
+        raise SceneError(f'"{text[:60]}": give the value and its deviation units alike, or the deviation in per cent')
+    return found.value
+
+
+def _between(given: Sequence[Any], dimension: Dimension) -> Ranged:
+    shown = str(list(given))[:60]
+    if len(given) != 2:
+        raise SceneError(f"{shown} is not a range: a list here must be a pair, the lowest and the highest value")
+    low, high = (quantity(x, dimension) for x in given)
+    if low.value.free_symbols or high.value.free_symbols:
+        raise SceneError(f"{shown} is not a range: its ends must be numbers")
+    if low.exponents != high.exponents:
+        raise SceneError(f"{shown}: both ends of a range must have units of the same kind")
+    if sign_of_number(high.value - low.value) < 0:
+        raise SceneError(f"{shown}: the lower end of a range must not be above the upper end")
+    middle = Quantity((low.value + high.value) / 2, low.motion, low.exponents)
+    return Ranged(middle, None if low.value == high.value else (low.value, high.value))
+
+
+def spread(nominal: Expr, interval: Interval) -> str:
+    """How far a range goes, in words.
+
+    >>> from sympy import Rational
+    >>> spread(Rational(9, 5), (Rational(171, 100), Rational(189, 100)))
+    'by 5 %'
+    """
+    low, high = interval
+    if nominal == 0 or sign_of_number(low) * sign_of_number(high) <= 0:
+        return f"from {float(low):.6g} to {float(high):.6g}"
+    return f"by {float(50 * (high - low) / (nominal * sign_of_number(nominal))):.4g} %"

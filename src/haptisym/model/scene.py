@@ -1,0 +1,286 @@
+"""A scene: the environment to be felt, the effects in between, the band of interest and the threshold."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property, reduce
+from itertools import count
+from typing import Any, NamedTuple
+
+from sympy import Expr, Integer, Symbol
+
+from haptisym.kernel.errors import SceneError, meant
+from haptisym.kernel.roots import sign_of_number
+from haptisym.kernel.shown import Shown, titled
+from haptisym.model.catalogue import Effect, Environment, Parameter, Rule, free_name, refuse_references
+from haptisym.model.distortion import Chain, Distortion, distort
+from haptisym.model.jnd import Part, Threshold
+from haptisym.model.quantities import Dimension, Motion, Number, quantity
+from haptisym.model.ranges import Interval, spread
+
+
+class Range(NamedTuple):
+    """What varies: the name of its symbol, its nominal value, and from where to where it may lie."""
+
+    name: str
+    value: Expr
+    interval: Interval
+
+
+@dataclass(frozen=True, repr=False)
+class Scene(Shown):
+    """What is to be evaluated. Valid by construction: SceneError names what is wrong.
+
+    ``effects`` : nearest the environment first. ``band`` : lowest and highest frequency, numbers in rad/s or strings with a
+    unit. ``threshold`` : a Threshold, or one number for both parts.
+    ``rendered`` : what the controller really renders, where that is not the environment itself. A parameter of it may be the
+    environment's: ``k="environment.k"`` is one parameter in two places, with one symbol, one value and one range.
+
+    >>> from haptisym import effects, environments
+    >>> scene = Scene(environments.mass_spring_damper(k=100), (effects.first_order_lag(20),), (Integer(0), Integer(15)))
+    >>> scene.distortion().perceived
+    2000/(s + 20)
+    """
+
+    environment: Environment
+    effects: tuple[Effect, ...] = ()
+    band: tuple[Any, Any] = (Integer(0), Integer(15))
+    threshold: Any = Threshold()
+    rendered: Environment | None = None
+    title: str = ""
+    source: str = ""
+
+    def _line(self) -> str:
+        between = ", ".join(effect.name for effect in self.effects) or "no effects"
+        return f"{titled(self.title)}: {self.environment.model}, {between}, {self.band[0]} to {self.band[1]} rad/s"
+
+    def __post_init__(self) -> None:
+        if len(self.band) != 2:
+            raise SceneError(f"band: {self.band} must be a low and a high end")
+        shown = [f'"{x}"' if isinstance(x, str) else f"{x} rad/s" for x in self.band]
+        low, high = (frequency("band", x) for x in self.band)
+        object.__setattr__(self, "band", (low, high))
+        if not isinstance(self.threshold, Threshold):
+            object.__setattr__(self, "threshold", Threshold.of(self.threshold))
+        if sign_of_number(low) < 0:
+            raise SceneError(f"band: the low end, {shown[0]}, must be >= 0")
+        if sign_of_number(high - low) <= 0:
+            raise SceneError(f"band: the high end, {shown[1]}, must be above the low end, {shown[0]}")
+        self._tie()
+        _one_motion(self.elements())
+        effects = _with_names(self.effects)
+        names = _symbol_names([("", self.environment), ("rendered", self.rendered), *((e.name, e) for e in effects)])
+        renamed = iter(names)
+        object.__setattr__(self, "environment", self.environment.renamed(next(renamed)))
+        rendered = next(renamed)
+        object.__setattr__(self, "rendered", self.rendered.renamed(rendered) if self.rendered else None)
+        object.__setattr__(self, "effects", tuple(effect.renamed(next(renamed)) for effect in effects))
+
+    def _tie(self) -> None:
+        """What is rendered gets the environment's parameters where it refers to them."""
+        try:
+            place = "environment"
+            refuse_references(self.environment.parameters)
+            place = "rendered"
+            if self.rendered:
+                object.__setattr__(self, "rendered", self.rendered.tied_to(self.environment))
+        except SceneError as error:
+            raise error.within(place) from None
+
+    def elements(self) -> Iterator[tuple[str, Environment | Effect]]:
+        """Everything in the scene that has parameters, with its place in a scene file."""
+        yield "environment", self.environment
+        if self.rendered is not None:
+            yield "rendered", self.rendered
+        for effect in self.effects:
+            yield f"effects.{effect.name}", effect
+
+    def placed(self) -> Iterator[tuple[str, Environment | Effect, Parameter]]:
+        """Every parameter, once, with its place in a scene file and the element that it stands in first."""
+        for place, element in self.elements():
+            for p in element.parameters:
+                rules = [q.rule for path, q in self._tied if q.tie == f"{place}.{p.key}"]
+                if not p.tie:
+                    yield place, element, replace(p, rule=reduce(Rule.and_also, rules, p.rule)) if rules else p
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Every parameter of the scene, once, with symbols that are unique in it."""
+        return tuple(p for _, _, p in self.placed())
+
+    @property
+    def _tied(self) -> list[tuple[str, Parameter]]:
+        """The parameters of what is rendered that are the environment's, by their own paths."""
+        return [(f"rendered.{p.key}", p) for p in (self.rendered.parameters if self.rendered else ()) if p.tie]
+
+    @property
+    def ties(self) -> dict[str, str]:
+        """From the path of a parameter that is another's to the path of that: ``rendered.k`` to ``environment.k``."""
+        return {path: p.tie for path, p in self._tied}
+
+    def tied_with(self, path: str) -> tuple[str, ...]:
+        """The path of a parameter and those of what refers to it."""
+        return path, *(own for own, other in self.ties.items() if other == path)
+
+    def untied(self, varied: Collection[str] | None = None) -> tuple[tuple[str, str], ...]:
+        """What environment and [rendered] have by one name and yet twice: pairs of paths, of which one is among ``varied``."""
+        own = {p.key for p in self.rendered.own} if self.rendered else set()
+        pairs = [(f"environment.{p.key}", f"rendered.{p.key}") for p in self.environment.parameters if p.key in own]
+        return tuple(pair for pair in pairs if varied is None or not set(varied).isdisjoint(pair))
+
+    def untied_note(self, varied: Collection[str] | None = None) -> str:
+        """That these are two parameters each, and how to make them one; empty where there are none."""
+        pairs = self.untied(varied)
+        if not pairs:
+            return ""
+        listed = ", ".join(f"{a} and {b}" for a, b in pairs)
+        ties = ", ".join(f'{b.partition(".")[2]} = "{a}"' for a, b in pairs)
+        what = "two parameters" if len(pairs) == 1 else "two parameters each"
+        return f"{listed} are {what}: where one varies the other keeps its value. If they are one, write {ties} in [rendered]."
+
+    def ranges(self, besides: Collection[str] = ()) -> dict[str, Range]:
+        """What has a range, by its path; not those ``besides`` (``evaluation.jnd`` is both thresholds)."""
+        rows = [(f"{place}.{p.key}", p.symbol.name, p.value, p.interval) for place, _, p in self.placed()]
+        c, whole = self.threshold, "evaluation.jnd"
+        limits = [(f"{whole}.{part.value}", f"c_{part.value}", c[part], c.interval(part)) for part in Part]
+        if c.real_interval == c.imag_interval and {*besides}.isdisjoint(path for path, *_ in limits):
+            limits = [(whole, "c", c.real, c.real_interval)]
+        rows += [] if whole in besides else limits
+        return {path: Range(name, x, interval) for path, name, x, interval in rows if interval and path not in besides}
+
+    @property
+    def nominal_note(self) -> str:
+        """That parameters vary and only their nominal values are looked at; empty where none does."""
+        return self.nominal_but()
+
+    def nominal_but(self, besides: Collection[str] = ()) -> str:
+        """The same of all parameters but some, by their paths: those that a question is about."""
+        told: dict[str, list[str]] = {}
+        for x in self.ranges(besides).values():
+            told.setdefault(spread(x.value, x.interval), []).append(x.name)
+        if not told:
+            return ""
+        listed = "; ".join(
+            f"{', '.join(names)} var{'y' if len(names) > 1 else 'ies'} {by}" for by, names in told.items()
+        )
+        what = "these are the nominal values" if besides else "this is the nominal scene"
+        return f"{listed}: {what}; see `haptisym tolerances`."
+
+    def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
+        """What is to be said beside an answer: what is nominal, and which of what is ``varied`` (None: all) has a double."""
+        return [x for x in (self.nominal_but(besides), self.untied_note(varied)) if x]
+
+    def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
+        """The same as keys of a document, where they say something: ``nominal``, ranges by path; ``untied``, pairs of paths."""
+        ranges = {path: [float(end) for end in x.interval] for path, x in self.ranges(besides).items()}
+        untied = [list(pair) for pair in self.untied(varied)]
+        return ({"nominal": ranges} if ranges else {}) | ({"untied": untied} if untied else {})
+
+    @property
+    def motion(self) -> Motion | None:
+        """Whether the hand moves along a line or about an axis; None if no unit in the scene tells."""
+        return next((p.motion for p in self.parameters if p.motion is not None), None)
+
+    def distortion(self) -> Distortion:
+        """The closed forms with every parameter's value in place."""
+        return self._distortion
+
+    @cached_property
+    def _distortion(self) -> Distortion:
+        return distort(self.environment, *self.effects, rendered=self.rendered)
+
+    def symbolic_distortion(self) -> Distortion:
+        """The closed forms with every parameter a symbol."""
+        return self.chain.distortion()
+
+    @property
+    def chain(self) -> Chain:
+        """The dynamics of environment and effects with every parameter a symbol."""
+        rendered = self.rendered or self.environment
+        return Chain(self.environment.dynamics, rendered.dynamics, tuple(e.dynamics for e in self.effects))
+
+    def with_values(self, values: Mapping[str, Number]) -> Scene:
+        """The same scene with other values for some parameters, by the names of their symbols; ``c`` is both thresholds.
+
+        Raises SceneError for a name that the scene does not have, and for a value that the model does not allow.
+
+        >>> from haptisym.model.scenefile import load_scene
+        >>> load_scene("fu2019").with_values({"omega_n": "40 Hz"}).effects[0].matrix[0]
+        6400*pi**2/(s**2 + 80*pi*s + 6400*pi**2)
+        """
+        known = {p.symbol.name for p in self.parameters} | {"c"}
+        unknown = next((name for name in values if name not in known), None)
+        if unknown is not None:
+            raise SceneError(
+                f'the scene has no parameter "{unknown}": {meant(unknown, known)}it has {", ".join(sorted(known))}'
+            )
+        return replace(
+            self,
+            environment=self.environment.with_values(values),
+            effects=tuple(effect.with_values(values) for effect in self.effects),
+            rendered=self.rendered.with_values(values) if self.rendered else None,
+            threshold=Threshold.of(values["c"]) if "c" in values else self.threshold,
+        )
+
+    def with_band(self, low: Number, high: Number) -> Scene:
+        """The same scene on another band, rad/s or with a unit."""
+        return replace(self, band=(frequency("band", low), frequency("band", high)))
+
+
+def frequency(key: str, given: Number) -> Expr:
+    """An exact frequency, rad/s."""
+    try:
+        value = quantity(given, Dimension.FREQUENCY).value
+    except SceneError as error:
+        raise error.within(key) from None
+    if value.free_symbols:
+        raise SceneError(f"{key}: {given} must be a number")
+    return value
+
+
+def _one_motion(elements: Iterable[tuple[str, Environment | Effect]]) -> None:
+    seen: dict[Motion, str] = {}
+    for place, element in elements:
+        for parameter in element.parameters:
+            if parameter.motion is not None:
+                seen.setdefault(parameter.motion, f"{place}.{parameter.key}")
+    if len(seen) > 1:
+        told = " but ".join(f"{where} is {motion.value}" for motion, where in seen.items())
+        raise SceneError(f"translation and rotation cannot be mixed: {told}")
+
+
+def _with_names(effects: Iterable[Effect]) -> list[Effect]:
+    """The effects under names of their own: the second "filter" becomes "filter-2"."""
+    listed = list(effects)
+    taken = {effect.name for effect in listed}
+    named: list[Effect] = []
+    for effect in listed:
+        own = effect.name
+        if any(own == other.name for other in named):
+            own = next(f"{effect.name}-{i}" for i in count(2) if f"{effect.name}-{i}" not in taken)
+            taken.add(own)
+        named.append(replace(effect, name=own))
+    return named
+
+
+def _symbol_names(elements: Iterable[tuple[str, Environment | Effect | None]]) -> list[dict[Symbol, Symbol]]:
+    """For each element, new symbols for those that another element names alike: ``zeta`` becomes ``zeta_filter``."""
+    listed = list(elements)
+    uses = Counter(p.symbol.name for _, element in listed if element for p in element.parameters)
+    taken = set(uses)
+    renamed = []
+    for label, element in listed:
+        suffix = "_" + re.sub(r"\W", "_", label)
+        own = [p.symbol for p in (element.parameters if element else ()) if label and not p.tie]
+        shared = [symbol for symbol in own if uses[symbol.name] > 1]
+        names = {symbol: free_name(f"{symbol.name}{suffix}", taken) for symbol in shared}
+        taken |= set(names.values())
+        renamed.append({symbol: _like(symbol, name) for symbol, name in names.items()})
+    return renamed
+
+
+def _like(symbol: Symbol, name: str) -> Symbol:
+    return Symbol(name, **symbol.assumptions0)

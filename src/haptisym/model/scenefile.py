@@ -1,0 +1,365 @@
+"""Scene files: TOML text to a ``Scene``, with every error naming file, key, value and rule."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from decimal import Decimal
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from sympy import Integer
+
+from haptisym.kernel.errors import SceneError, meant
+from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
+from haptisym.model.distortion import Distortion
+from haptisym.model.family import SceneFamily, named
+from haptisym.model.jnd import Threshold
+from haptisym.model.scene import Scene, frequency
+
+Table: TypeAlias = Mapping[str, Any]
+
+LARGEST_FILE = 1_000_000  # bytes; a scene is a page of text
+MOST_EFFECTS = 100
+_DEFAULT_BAND = (Integer(0), Integer(15))  # rad/s, the band of the paper
+
+
+def scene_names() -> tuple[str, ...]:
+    """The names of the scenes with one environment that the package ships.
+
+    >>> "fu2019" in scene_names()
+    True
+    """
+    return _shipped("scenes")
+
+
+def family_names() -> tuple[str, ...]:
+    """The names of the scenes with several environments that the package ships.
+
+    >>> family_names()
+    ('palpation-device',)
+    """
+    return _shipped("families")
+
+
+def _shipped(folder: str) -> tuple[str, ...]:
+    entries = (files("haptisym") / folder).iterdir()
+    return tuple(sorted(entry.name.removesuffix(".toml") for entry in entries if entry.name.endswith(".toml")))
+
+
+def load_scene(scene: str | Path, environment: str | None = None) -> Scene:
+    """The scene of that name (one that the package ships) or in that file. SceneError says what is wrong with it.
+
+    ``environment`` : which of several environments; without it a scene that has several is an error that lists them.
+
+    >>> load_scene("fu2019").environment.H
+    9*s**2/5 + 15*s + 100
+    >>> load_scene("palpation-device", "muscle").environment.H
+    2*s + 290
+    """
+    return _chosen(*scene_text(scene), environment)
+
+
+def load_scenes(scene: str | Path, environments: Iterable[str | Path] = ()) -> SceneFamily:
+    """The scenes in that file (or of that name), one for each of its environments: one or several.
+
+    ``environments`` : scenes whose environments (each with what is rendered for it) take the place of the scene's own;
+    named after their files. SceneError says what is wrong.
+
+    >>> list(load_scenes("palpation-device")), list(load_scenes("fu2019", ["fu2019", "helicopter-cyclic"]))
+    (['fat', 'muscle', 'liver', 'tumour'], ['fu2019', 'helicopter-cyclic'])
+    """
+    text, name = scene_text(scene)
+    own = parse_scenes(text, name)
+    given = [(label, x) for place in environments for label, x in _labelled(place)]
+    if not given:
+        return own
+    try:
+        return named(((label, _felt_through(own.first, label, x)) for label, x in given), own.title, own.source)
+    except SceneError as error:
+        raise error.within(name) from None
+
+
+def as_scene(given: Scene | str | Path) -> Scene:
+    """A scene as it is, or the one of that name or in that file: what every question about a scene begins with.
+
+    >>> as_scene("fu2019").environment.H
+    9*s**2/5 + 15*s + 100
+    >>> as_scene(load_scene("fu2019").environment)
+    Traceback (most recent call last):
+      ...
+    haptisym.kernel.errors.SceneError: Environment is not a scene: make one with Scene(environment, effects, band, threshold)
+    """
+    return given if isinstance(given, Scene) else load_scene(given)
+
+
+def as_family(given: SceneFamily | Scene | str | Path) -> SceneFamily:
+    """Scenes as they are, or those of that name or in that file; a scene is a family of one."""
+    if isinstance(given, SceneFamily):
+        return given
+    if isinstance(given, Scene):
+        return named([("environment", given)], given.title, given.source)
+    return load_scenes(given)
+
+
+def _felt_through(display: Scene, label: str, other: Scene) -> Scene:
+    """The display of one scene with the environment of another."""
+    try:
+        return replace(display, environment=other.environment, rendered=other.rendered)
+    except SceneError as error:
+        raise error.within(label) from None
+
+
+def _labelled(place: str | Path) -> list[tuple[str, Scene]]:
+    """The environments of a scene as scenes, each by its name; the only one by the name of its file."""
+    text, name = scene_text(place)
+    family = parse_scenes(text, name)
+    if len(family) == 1:
+        return [(name.removesuffix(".toml"), family.first)]
+    return list(family.scenes.items())
+
+
+def parse_scene(text: str, name: str = "scene", environment: str | None = None) -> Scene:
+    """The scene that a TOML text describes; ``name`` is what error messages call it, ``environment`` one of several.
+
+    >>> parse_scene('environment = { model = "maxwell", k = 100, b = "5 N*s/m" }').band
+    (0, 15)
+    """
+    return _chosen(text, name, environment)
+
+
+def parse_scenes(text: str, name: str = "scene") -> SceneFamily:
+    """The scenes that a TOML text describes, one for each of its environments; ``name`` is what error messages call it."""
+    try:
+        family = _scenes(_toml(text))
+        for scene in family.scenes.values():
+            scene.distortion()  # what is wrong with the dynamics as a whole is wrong with this file
+    except SceneError as error:
+        raise error.within(name) from None
+    return family
+
+
+def _chosen(text: str, name: str, environment: str | None) -> Scene:
+    return chosen(parse_scenes(text, name), name, environment)
+
+
+def chosen(family: SceneFamily, name: str, environment: str | None) -> Scene:
+    """One environment of several, or the only one; ``name`` is what error messages call the file."""
+    try:
+        if environment is None:
+            return family.only()
+        scene = family[environment]
+    except SceneError as error:
+        raise error.within(name) from None
+    return replace(scene, title=f"{scene.title or 'Untitled scene'}: {environment}")
+
+
+def scene_text(scene: str | Path) -> tuple[str, str]:
+    """The text of a shipped scene or of a file, and what error messages call it. A file is read once, as pipes can only be."""
+    if not isinstance(scene, str | Path) or "\n" in str(scene):
+        raise SceneError(_instead(scene))
+    name = str(scene)
+    for folder, known in (("scenes", scene_names), ("families", family_names)):
+        if name in known():
+            return (files("haptisym") / folder / f"{name}.toml").read_text(encoding="utf-8"), name
+    path = Path(name)
+    return _read(path), path.name if path.is_file() else name
+
+
+def _instead(given: object) -> str:
+    """What to call with something that is neither the name of a scene nor a path."""
+    if isinstance(given, str):
+        return "this is a scene's text, not its name or path: read it with parse_scene(text)"
+    if isinstance(given, Scene):
+        return "this is a scene already, not the name or path of one"
+    if isinstance(given, SceneFamily):
+        way = f'choose one, as in scenes["{next(iter(given))}"], or ask for all with evaluate_all(scenes)'
+    elif isinstance(given, Distortion):
+        way = "it has no band and no threshold; make one with Scene(environment, effects, band, threshold)"
+    elif isinstance(given, Environment | Effect):
+        way = "make one with Scene(environment, effects, band, threshold)"
+    elif isinstance(getattr(given, "scene", None), Scene):
+        way = "its attribute scene is one"
+    else:
+        way = "give a Scene, the name of one that the package ships, or the path of a scene file"
+    return f"{type(given).__name__} is not a scene: {way}"
+
+
+def _read(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            data = file.read(LARGEST_FILE + 1)  # of a pipe or device nothing else tells how much there is
+    except (OSError, ValueError) as error:
+        raise SceneError(f"{path}: {_no_such_scene(path, error)}") from None
+    if len(data) > LARGEST_FILE:
+        raise SceneError(f"{path}: the file has more than {LARGEST_FILE} bytes; a scene may have at most that")
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise SceneError(f"{path}: the file is written in UTF-16: save it as UTF-8")
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError:
+        raise SceneError(f"{path}: not a text file (UTF-8)") from None
+
+
+def _no_such_scene(path: Path, error: Exception) -> str:
+    known = scene_names() + family_names()
+    files = sorted(x.name for x in path.parent.glob("*.toml"))
+    hint = (
+        meant(f"{path.name}.toml", [x for x in files if x == f"{path.name}.toml"])
+        or meant(path.name, [x for x in files if x != path.name])
+        or meant(path.name.removesuffix(".toml"), known)
+        or f"the package ships {', '.join(known)}"
+    )
+    reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+    return f"neither a scene file ({reason.lower()}) nor a scene of the package; {hint.rstrip()}"
+
+
+_TOML_HINTS = {
+    "Expected newline or end of document": '; a value with a unit goes in quotes, as in k = "100 N/m"',
+    "Invalid value": '; a value with a unit goes in quotes, as in k = "100 N/m"',
+    "('effects',) twice": "; each effect begins with [[effects]]",
+}
+
+
+def _toml(text: str) -> Table:
+    try:
+        return tomllib.loads(text.removeprefix("\N{BYTE ORDER MARK}"), parse_float=Decimal)
+    except tomllib.TOMLDecodeError as error:
+        hint = next((hint for words, hint in _TOML_HINTS.items() if words in str(error)), "")
+        raise SceneError(f"not valid TOML: {error}{hint}") from None
+    except RecursionError:
+        raise SceneError("not valid TOML: nested too deeply") from None
+    except ValueError as error:  # a whole number with thousands of digits
+        raise SceneError(f"not valid TOML: {error}") from None
+
+
+def _scenes(table: Table) -> SceneFamily:
+    _only(table, ("title", "source", "environment", "environments", "rendered", "effects", "evaluation"), "")
+    evaluation = _table(table.get("evaluation", {}), "evaluation")
+    _only(evaluation, ("band", "jnd"), "evaluation")
+    effects = tuple(_effects(table.get("effects", [])))
+    band = _band(evaluation["band"]) if "band" in evaluation else _DEFAULT_BAND
+    threshold = _threshold(evaluation["jnd"]) if "jnd" in evaluation else Threshold()
+    title, source = _text(table, "title"), _text(table, "source")
+    rows = _environments(table) if "environments" in table else [_one_environment(table)]
+    scenes = ((name, Scene(own, effects, band, threshold, rendered)) for name, own, rendered in rows)
+    return named(scenes, title, source)
+
+
+def _one_environment(table: Table) -> tuple[str, Environment, Environment | None]:
+    if "environment" not in table:
+        raise SceneError("[environment] is missing: a scene needs something that should be felt")
+    if isinstance(table["environment"], list):
+        raise SceneError("environment: one is written [environment]; several are written [[environments]], with an s")
+    rendered = _environment(table["rendered"], "rendered") if "rendered" in table else None
+    return "environment", _environment(table["environment"], "environment"), rendered
+
+
+def _environments(table: Table) -> Iterable[tuple[str, Environment, Environment | None]]:
+    """Name, environment and what is rendered for it, of each of several."""
+    given = table["environments"]
+    if not isinstance(given, list) or not given:
+        raise SceneError("environments: must be written [[environments]], once for each environment")
+    for key in ("environment", "rendered"):
+        if key in table:
+            raise SceneError(f"{key}: give either [{key}] or [[environments]], each with its own {key}")
+    for position, one in enumerate(given, 1):
+        own = dict(_table(one, f"environments[{position}]"))
+        name, rendered = own.pop("name", None), own.pop("rendered", None)
+        name = str(own.get("model", position)) if name is None else name
+        place = f'environments[{position}] "{str(name)[:60]}"'
+        if not isinstance(name, str) or not name:
+            raise SceneError(f'environments[{position}]: name: "{name}" must be a string that is not empty')
+        environment = _environment(own, place)
+        yield name, environment, None if rendered is None else _rendered(rendered, environment, f"{place}: rendered")
+
+
+def _rendered(given: Any, environment: Environment, place: str) -> Environment:
+    """What is rendered for an environment; its references are to that environment's values."""
+    try:
+        return _environment(given, place).tied_to(environment)
+    except SceneError as error:
+        raise error.within(place) from None
+
+
+def _environment(given: Any, place: str) -> Environment:
+    model, parameters = _model(given, ENVIRONMENTS, place)
+    return _built(model, parameters, place)  # type: ignore[no-any-return]
+
+
+def _effects(given: Any) -> Iterable[Effect]:
+    if not isinstance(given, list):
+        raise SceneError("effects: must be written [[effects]], once for each effect")
+    if len(given) > MOST_EFFECTS:
+        raise SceneError(f"effects: a scene may have at most {MOST_EFFECTS} effects, this one has {len(given)}")
+    for position, table in enumerate(given, 1):
+        place = f"effects[{position}]"
+        model, parameters = _model(table, EFFECTS, place)
+        if not isinstance(parameters.get("name", ""), str) or parameters.get("name") == "":
+            raise SceneError(f'{place}: name: "{parameters["name"]}" must be a string that is not empty')
+        yield _built(model, parameters, f'{place} "{parameters.get("name", model.name)}"')
+
+
+def _model(given: Any, catalogue: Mapping[str, Model], place: str) -> tuple[Model, dict[str, Any]]:
+    table = dict(_table(given, place))
+    name = table.pop("model", None)
+    if name is None:
+        raise SceneError(f"{place}: model is missing: valid are {', '.join(catalogue)}")
+    if not isinstance(name, str) or name not in catalogue:
+        hint = meant(str(name), catalogue)
+        raise SceneError(f'{place}: unknown model "{str(name)[:60]}": {hint}valid are {", ".join(catalogue)}')
+    return catalogue[name], table
+
+
+def _built(model: Model, parameters: Table, place: str) -> Any:
+    if "parameters" in parameters:
+        _table(parameters["parameters"], f"{place}: parameters")
+    try:
+        return model.build(**parameters)
+    except SceneError as error:
+        raise error.within(place) from None
+
+
+def _band(given: Any) -> tuple[Any, Any]:
+    if not isinstance(given, list) or len(given) != 2:
+        raise SceneError(
+            f'evaluation: band: "{given}" must be a list of two frequencies, as in ["0 rad/s", "15 rad/s"]'
+        )
+    for x in given:
+        frequency("evaluation: band", x)
+    low, high = given  # as they are written, for what may be said about them
+    return low, high
+
+
+def _threshold(given: Any) -> Threshold:
+    try:
+        if not isinstance(given, Mapping):
+            return Threshold.of(given)
+        _only(given, ("real", "imag"), "")
+        if len(given) < 2:
+            raise SceneError("must give both real and imag")
+        return Threshold.of(given["real"], given["imag"])
+    except SceneError as error:
+        raise error.within("evaluation: jnd") from None
+
+
+def _text(table: Table, key: str) -> str:
+    value = table.get(key, "")
+    if not isinstance(value, str):
+        raise SceneError(f'{key}: "{value}" must be a string')
+    return value
+
+
+def _table(given: Any, place: str) -> Table:
+    if not isinstance(given, Mapping):
+        raise SceneError(f'{place}: "{str(given)[:60]}" must be a table of keys and values')
+    return given
+
+
+def _only(table: Table, valid: tuple[str, ...], place: str) -> None:
+    for key in table:
+        if key not in valid:
+            where = f"{place}: " if place else ""
+            raise SceneError(f'{where}unknown key "{key[:60]}": {meant(key, valid)}valid are {", ".join(valid)}')

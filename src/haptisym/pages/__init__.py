@@ -1,0 +1,1 @@
+"""For each answer the page that says it."""

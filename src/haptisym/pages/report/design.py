@@ -1,0 +1,72 @@
+"""The designer's questions on a page: which values of each parameter would keep the display transparent on its whole band."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from haptisym.judge.evaluation import Evaluation
+from haptisym.model.catalogue import values
+from haptisym.model.scene import Scene
+from haptisym.pages.evaluation import both
+from haptisym.pages.report.results import RATIOS
+from haptisym.pages.require import sets
+from haptisym.verbs.require.entry import Requirement, is_quick, require
+from haptisym.verbs.require.freeparameter import THRESHOLD, Free
+from haptisym.writing.htmltext import Html, element, joined, listed, table
+from haptisym.writing.layout import layout
+from haptisym.writing.mathematics import inline
+from haptisym.writing.numerals import rounded
+
+_MOST_PARAMETERS = 8  # for more, ``haptisym require`` has the time
+
+
+def design(e: Evaluation) -> Iterator[Html]:
+    """A row for each parameter: the exact set of values, and what binds at its ends; all others keep the scene's values."""
+    found = requirements(e)
+    if not found:
+        return
+    yield element(
+        "p", "All values of one parameter for which neither ratio exceeds its threshold anywhere on the band, the others "
+        "being as they are in the scene: exact, by critical values and one exact test between each two of them.",
+    )  # fmt: skip
+    if e.scene.untied():
+        yield element("p", e.scene.untied_note())
+    caption = "Values for which the display is transparent on its whole band, proven."
+    yield table(["parameter", "in the scene", "transparent for", "what binds"], [_row(r) for r in found], caption)
+
+
+def requirements(e: Evaluation) -> list[Requirement]:
+    """For each parameter and for the threshold, where that takes no more than moments; none for other scenes."""
+    if len(e.scene.parameters) > _MOST_PARAMETERS or not is_quick(e.scene):
+        return []
+    return [require(e.scene, path) for path in (*_paths(e.scene), THRESHOLD)]
+
+
+def _paths(scene: Scene) -> list[str]:
+    return [f"{place}.{p.key}" for place, _, p in scene.placed()]
+
+
+def _row(r: Requirement) -> list[str]:
+    own = values(r.scene.parameters).get(r.free.symbol, r.scene.threshold.real)
+    return [inline(layout(r.free.symbol)), joined([inline(layout(rounded(own))), _unit(r.free)]), _set(r), _binding(r)]
+
+
+def _set(r: Requirement) -> Html:
+    """The values, with the symbol set as a formula."""
+    said = sets(r).replace(">=", "≥").replace("<=", "≤").replace("*", "·")
+    return joined(re.split(rf"\b{re.escape(r.free.symbol.name)}\b(?= [<>=≤≥])", said), inline(layout(r.free.symbol)))
+
+
+def _unit(free: Free) -> str:
+    return "" if free.unit == "1" else f" {free.unit.replace('*', '·')}"
+
+
+def _binding(r: Requirement) -> Html:
+    ends = [(end, b) for end in r.ends for b in end.bindings if b.part is not None]
+    rows = [
+        joined([RATIOS[b.part], f" at {both(b.omega)}"]) if b.omega is not None else RATIOS[b.part]
+        for _, b in ends
+        if b.part is not None
+    ]
+    return listed(rows) if rows else joined(["–"])

@@ -1,0 +1,219 @@
+"""How values show themselves in notebooks: formulas as LaTeX, tables and sentences as HTML.
+
+``register`` gives each class its ``_repr_latex_`` and ``_repr_html_``; nothing of the user's process is touched. The
+classes themselves know neither LaTeX nor HTML, so that what they compute never depends on how it is shown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from sympy import Expr, ImmutableMatrix
+
+from haptisym.judge.crossings import Crossing
+from haptisym.judge.evaluation import Evaluation
+from haptisym.judge.peaks import Peak
+from haptisym.judge.percepts import Percept
+from haptisym.kernel.reals import ExactNumber, RealNumber
+from haptisym.kernel.roots import Interval, Point
+from haptisym.kernel.symbols import s
+from haptisym.model.catalogue import Effect, Environment, Parameter
+from haptisym.model.distortion import Distortion
+from haptisym.model.jnd import Part, Threshold
+from haptisym.model.quantities import Dimension, Motion
+from haptisym.model.scene import Scene
+from haptisym.pages.report.results import (
+    certainty,
+    changeovers,
+    crossing_sentence,
+    crossing_table,
+    peak_sentence,
+    percept_sentence,
+    percept_table,
+    reservations,
+    stability,
+    transparency,
+    undecided_table,
+)
+from haptisym.pages.report.scene import scene_parts
+from haptisym.pages.tex.latex import ClosedForms
+from haptisym.pages.tex.results import short
+from haptisym.writing.boxes import Box, Equation, Grid
+from haptisym.writing.equations import function
+from haptisym.writing.htmltext import Html, coded, element
+from haptisym.writing.layout import layout
+from haptisym.writing.mathematics import display, formula
+from haptisym.writing.names import named
+from haptisym.writing.numerals import rounded
+from haptisym.writing.texlines import Row, align, is_long
+from haptisym.writing.texprinter import tex
+
+_RATIOS = {Part.REAL: "r_r", Part.IMAG: "r_i"}
+_PER_SECOND = r"\,\mathrm{rad/s}"
+_MOST_TERMS = 50  # of a numerator; a longer one is no formula to look at
+
+
+def register() -> None:
+    """Give the public classes their representations. It is called once, where the package is imported.
+
+    >>> from haptisym.model.jnd import Threshold
+    >>> Threshold.of("0.1")._repr_latex_()
+    '$\\\\displaystyle c = 0.1$'
+    """
+    for method, shown in (("_repr_latex_", _LATEX), ("_repr_html_", _HTML)):
+        for kind, show in shown.items():
+            setattr(kind, method, show)
+
+
+# LaTeX, for what is a formula or a number.
+
+
+def _displayed(*parts: str) -> str:
+    return rf"$\displaystyle {''.join(parts)}$"
+
+
+def _environment(x: Environment) -> str:
+    equation = tex(Equation((function("H", layout(s)), layout(x.dynamics)), ("=",)))
+    return _displayed(equation, _given(x.parameters))
+
+
+def _effect(x: Effect) -> str:
+    a, b, c, d = x.dynamics
+    chain = tex(layout(ImmutableMatrix([[a, b], [c, d]])))
+    hand, environment = (tex(Grid(((named(f"F_{y}"),), (named(f"X_{y}"),)))) for y in "he")
+    return _displayed(f"{hand} = {chain} {environment}", _given(x.parameters))
+
+
+def _given(parameters: Iterable[Parameter]) -> str:
+    """The values of parameters that have one."""
+    return "".join(
+        rf",\quad {_value(named(p.symbol.name), p.value)}{_unit(p)}" for p in parameters if p.value != p.symbol
+    )
+
+
+def _unit(p: Parameter) -> str:
+    if p.motion is None and p.dimension in (Dimension.ANY, Dimension.RATIO):
+        return ""
+    unit = p.dimension.unit(p.motion or Motion.TRANSLATION).replace("*", r"\,")
+    return rf"\,\mathrm{{{unit}}}" if unit not in ("", "1") else ""
+
+
+def _value(name: Box, value: Expr) -> str:
+    """``name = value``, and a decimal where the value is no rational number."""
+    if value.is_Rational or value.free_symbols:
+        return tex(Equation((name, layout(value)), ("=",)))
+    decimal = layout(value.evalf(6) if value.is_algebraic else rounded(value))
+    return tex(Equation((name, layout(value), decimal), ("=", "≈")))
+
+
+def _distortion(x: Distortion) -> str:
+    return f"$${align(_rows(x)).replace('align*', 'aligned')}$$"
+
+
+def _rows(x: Distortion) -> list[Row]:
+    """Dynamics, distortion and ratios, as far as they can be read."""
+    forms, response = ClosedForms(x), x.difference_response
+    rows = forms.dynamics()
+    if max(len(f.numerator) for f in (response.raw_real, response.raw_imag)) <= _MOST_TERMS:
+        rows += [*forms.difference(), *forms.ratios()]
+    return [row for row in rows if row.optional or not is_long(row.value)]
+
+
+def _threshold(x: Threshold) -> str:
+    if x.real == x.imag:
+        return _displayed(_value(named("c"), x.real))
+    return _displayed(_value(named("c_real"), x.real), r",\quad ", _value(named("c_imag"), x.imag))
+
+
+def _number(x: RealNumber) -> str:
+    if not isinstance(x, ExactNumber):
+        return _displayed(_decimal(x.digits()))
+    if x.value.is_Rational:
+        return _displayed(tex(layout(x.value)))
+    return _displayed(tex(Equation((layout(x.value), layout(rounded(x.value, 15))), ("≈",))))
+
+
+def _decimal(digits: str) -> str:
+    mantissa, _, exponent = digits.partition("E")
+    return rf"{mantissa} \times 10^{{{int(exponent)}}}" if exponent else mantissa
+
+
+def _short(x: RealNumber) -> str:
+    return _decimal(short(x))
+
+
+def _crossing(x: Crossing) -> str:
+    threshold = tex(named(f"c_{x.part.value}"))
+    return _displayed(rf"{_ratio(x.part)} = {threshold},\quad \omega = {_decimal(x.omega.digits())}{_PER_SECOND}")
+
+
+def _peak(x: Peak) -> str:
+    return _displayed(rf"{_ratio(x.part)} = {_short(x.ratio)},\quad \omega = {_short(x.omega)}{_PER_SECOND}")
+
+
+def _ratio(part: Part) -> str:
+    return tex(named(_RATIOS[part]))
+
+
+def _point(x: Point) -> str:
+    return _displayed(rf"\omega = {_decimal(x.omega.digits())}{_PER_SECOND}")
+
+
+def _interval(x: Interval) -> str:
+    return _displayed(rf"\left[ {_short(x.low.omega)},\, {_short(x.high.omega)} \right]{_PER_SECOND}")
+
+
+_LATEX: Mapping[type, Callable[[Any], str]] = {
+    Environment: _environment, Effect: _effect, Distortion: _distortion, Threshold: _threshold, RealNumber: _number,
+    Crossing: _crossing, Peak: _peak, Point: _point, Interval: _interval,
+}  # fmt: skip
+
+
+# HTML, for what is a table or a sentence.
+
+
+def _scene_html(x: Scene) -> str:
+    return _block([_title(x), *scene_parts(x, {})])
+
+
+def _evaluation_html(x: Evaluation) -> str:
+    sentences = [changeovers(x), *reservations(x), stability(x), certainty(x)]
+    return _block([
+        _title(x.scene), *_asides(x.given), element("p", transparency(x)), crossing_table(x), undecided_table(x),
+        percept_table(x), *(element("p", sentence) for sentence in sentences),
+    ])  # fmt: skip
+
+
+def _title(x: Scene) -> Html:
+    return element("p", element("strong", x.title or "Untitled scene"))
+
+
+def _asides(x: Scene) -> list[Html]:
+    return [element("p", coded(aside)) for aside in x.asides()]
+
+
+def _block(parts: Iterable[Html]) -> str:
+    return str(element("div", *parts, given={"class": "haptisym"}))
+
+
+def _distortion_html(x: Distortion) -> str:
+    return _block([display([formula(row) for row in _rows(x)])])
+
+
+def _crossing_html(x: Crossing) -> str:
+    return str(crossing_sentence(x))
+
+
+def _peak_html(x: Peak) -> str:
+    return str(peak_sentence(x))
+
+
+def _percept_html(x: Percept) -> str:
+    return str(percept_sentence(x))
+
+
+_HTML: Mapping[type, Callable[[Any], str]] = {
+    Scene: _scene_html, Evaluation: _evaluation_html, Distortion: _distortion_html, Crossing: _crossing_html,
+    Peak: _peak_html, Percept: _percept_html,
+}  # fmt: skip

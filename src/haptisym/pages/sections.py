@@ -1,0 +1,327 @@
+"""A derivation as a person reads it: sections of equations with a word between them, the same for text, LaTeX and MathML."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from sympy import Add, Expr, Integer, Symbol, count_ops
+
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.solutions import Solution
+from haptisym.kernel.symbols import omega
+from haptisym.model.jnd import Part
+from haptisym.model.quantities import Dimension
+from haptisym.verbs.derive.derivation import QUANTITIES, Derivation, bare, listed_name
+from haptisym.verbs.derive.groups import Groups
+from haptisym.verbs.derive.steps import Steps
+from haptisym.verbs.derive.structure import structure
+from haptisym.writing.boxes import Box, Equation, Fraction, Product
+from haptisym.writing.equations import quantity
+from haptisym.writing.layout import layout
+from haptisym.writing.names import named
+
+LONGEST = 120  # operations of a closed form that is written out unasked
+_MOST_PARAMETERS = 20  # beyond which groups are many, and take long to prove
+_MOST_STEPS = 150  # operations of the steps beyond which closed forms would fill pages
+_RATIOS = {Part.REAL: "r_r", Part.IMAG: "r_i"}
+_SHOWN = {
+    "Re dH": "real", "Im dH": "imag", "r_r": "ratio_real", "r_i": "ratio_imag",
+    "Re(dH/H_env)": "relative_real", "Im(dH/H_env)": "relative_imag",
+}  # fmt: skip
+"""Names of quantities, and of the results of ``Steps``."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """``left = value``."""
+
+    left: Box
+    value: Expr
+    relation: str = "="
+
+    @property
+    def equation(self) -> Equation:
+        """As boxes, for text and MathML."""
+        return Equation((self.left, layout(self.value)), (self.relation,))
+
+
+Phrase: TypeAlias = tuple[str | Box, ...]
+"""Words with formulas among them."""
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading, equations, and sentences that say what they mean or what is missing."""
+
+    title: Phrase
+    equations: tuple[Line, ...] = ()
+    notes: tuple[Phrase, ...] = ()
+
+
+def sections(d: Derivation) -> tuple[Section, ...]:
+    """All that a derivation says unasked."""
+    found = [_dynamics(d), _in_steps(d), _written_out(d), _when(d), _changeovers(d), *_dimensionless(d), *_fast(d)]
+    return tuple(section for section in found if section.equations or section.notes)
+
+
+def beyond(d: Derivation) -> tuple[Section, ...]:
+    """What closed forms alone do not show: short steps, crossings solved for omega, groups, leading terms."""
+    found = [_in_steps(d), _solved(d), *_dimensionless(d), *_fast(d)]
+    return tuple(section for section in found if section.equations)
+
+
+def asked(d: Derivation, names: Iterable[str]) -> tuple[Section, ...]:
+    """The quantities with these names, each written out; SceneError for a name that is none."""
+    rows: list[Line] = []
+    notes: list[Phrase] = []
+    for name in names:
+        slope = _SLOPE.fullmatch("".join(name.split()))
+        key = bare(name)
+        if slope:
+            rows.append(_sensitivity(d, slope[1], slope[2]))
+            notes += _touches(d, slope[1])
+        elif key in _SOLVED:
+            solved, said = _answers(_SOLVED[key], _solutions(d, _SOLVED[key]))
+            rows += solved
+            notes += [(named(_SOLVED[key]), ": ", *x) for x in said]
+        else:
+            rows.append(_named(canonical(name), d[name]))
+    return (Section(("Formulas",), tuple(rows), tuple(notes)),)
+
+
+_SLOPE = re.compile(r"domega_([ri])/d(\w+)")
+
+
+def _sensitivity(d: Derivation, letter: str, parameter: str) -> Line:
+    """d omega/d parameter at a crossing, in omega and the parameters."""
+    symbol = next((x for x in d.kept if x.name == parameter), None)
+    if symbol is None:
+        raise SceneError(
+            f'"{parameter}" is not a parameter that stays a symbol: {", ".join(map(str, d.kept)) or "none does"}'
+        )
+    part = _part(letter)
+    above, below = (Product((named("d"), named(name))) for name in (f"omega_{letter}", parameter))
+    return Line(Fraction(above, below), d.sensitivity(part, symbol))
+
+
+def _part(letter: str) -> Part:
+    return next(part for part, ratio in _RATIOS.items() if ratio[-1] == letter)
+
+
+def _touches(d: Derivation, letter: str) -> list[Phrase]:
+    """Where the formula of a sensitivity does not hold."""
+    crossings = d.at().crossings if not any(p.value.free_symbols for p in d.scene.parameters) else ()
+    places = [x.omega.digits(5) for x in crossings if x.part is _part(letter) and x.multiplicity > 1]
+    at = f", here at {' and '.join(places)} rad/s" if places else ""
+    said = f": at a crossing. Undefined where the display only touches its threshold{at}."
+    return [("d ", named(f"omega_{letter}"), said)]
+
+
+def _solutions(d: Derivation, name: str) -> tuple[Solution, ...]:
+    parts = {"omega_r": Part.REAL, "omega_i": Part.IMAG}
+    return d.crossings(parts[name]) if name in parts else d.changeovers(name.removeprefix("omega_"))
+
+
+def canonical(name: str) -> str:
+    """The name of a quantity as it is listed; SceneError for any other."""
+    known = listed_name(name)
+    if known is None:
+        valid = ", ".join([*QUANTITIES, *_SOLVED.values(), "d omega_r/d PARAMETER", "d omega_i/d PARAMETER"])
+        raise SceneError(f'"{name}" is not a quantity: these are {valid}')
+    return known
+
+
+_SOLVED = {bare(name): name for name in ("omega_r", "omega_i", "omega_env", "omega_perc")}
+"""Quantities that are solutions of an equation."""
+
+
+def _defined(symbol: Symbol, value: Expr) -> Line:
+    return Line(layout(symbol), value)
+
+
+def _named(name: str, value: Expr, relation: str = "=") -> Line:
+    return Line(quantity(name), value, relation)
+
+
+def _dynamics(d: Derivation) -> Section:
+    chain = " then ".join(e.name for e in d.scene.effects)
+    note = f"From the environment to the hand: {chain}." if chain else "Nothing stands between environment and hand."
+    rows = [_named("H_env", d["H_env"])]
+    perceived = d["H_perc"] if d.steps.operations <= _MOST_STEPS else None
+    if perceived is not None and count_ops(perceived) <= LONGEST:
+        rows.append(_named("H_perc", perceived))
+    return Section(("Dynamics",), tuple(rows), ((note,),))
+
+
+def _in_steps(d: Derivation) -> Section:
+    return Section((f"In steps ({d.steps.operations} operations in all)",), tuple(_steps(d.steps)))
+
+
+def _steps(steps: Steps) -> Iterator[Line]:
+    for symbol, value in steps.definitions:
+        yield _defined(symbol, value)
+    for name, result in _SHOWN.items():
+        yield _named(name, steps.results[result])
+
+
+def _written_out(d: Derivation) -> Section:
+    """Re dH and Im dH as quotients of polynomials in lowest terms, if they are short."""
+    if d.steps.operations > _MOST_STEPS:
+        note = f"Closed forms of this chain are long. Ask for one by its name: {', '.join(QUANTITIES)}."
+        return Section(("Written out",), (), ((note,),))
+    names = ("Re dH", "Im dH", "|H_env|^2")
+    short = [name for name in names if d.operations(name) <= LONGEST]
+    return Section(("Written out, in lowest terms",), tuple(_named(name, d[name]) for name in short))
+
+
+def _when(d: Derivation) -> Section:
+    title = ("When it is noticed",)
+    if d.steps.operations > _MOST_STEPS:
+        return Section(title)
+    rows: list[Line] = []
+    notes: list[Phrase] = [("A ratio exceeds its threshold exactly where its p is positive.",)]
+    for part in Part:
+        letter = _RATIOS[part][-1]
+        polynomial = d[f"p_{letter}"]
+        if count_ops(polynomial) <= LONGEST:
+            rows.append(_named(f"p_{letter}", polynomial))
+        else:
+            notes.append((named(f"p_{letter}"), f" takes {count_ops(polynomial)} operations; ask for it by its name."))
+        solved, said = _answers(f"omega_{letter}", d.crossings(part))
+        rows += solved
+        notes += [(named(_RATIOS[part]), ": ", *x) for x in said]
+    return Section(title, tuple(rows), tuple(notes))
+
+
+def _solved(d: Derivation) -> Section:
+    """The crossings that have a readable formula."""
+    rows: list[Line] = []
+    notes: list[Phrase] = []
+    for part in Part if d.steps.operations <= _MOST_STEPS else ():
+        solved, said = _answers(f"omega_{_RATIOS[part][-1]}", [x for x in d.crossings(part) if x.omega is not None])
+        rows += solved
+        notes += [(named(_RATIOS[part]), ": ", *x) for x in said]
+    return Section(("Crossings, solved",), tuple(rows), tuple(notes))
+
+
+def _answers(name: str, solutions: Iterable[Solution]) -> tuple[list[Line], list[Phrase]]:
+    """The formulas among some solutions, and what to say about the others."""
+    rows: list[Line] = []
+    notes: list[Phrase] = []
+    for x in solutions:
+        if x.omega is None:
+            what = f"a solution is a root of a factor {_degree(x.equation)}"
+            notes.append((f"{what}: it has no readable formula, the equation is the answer.",))
+            continue
+        rows.append(_named(name, x.omega))
+        notes += _in_force(x)
+        if x.period:
+            notes.append(("so are these plus any multiple of ", layout(x.period), "."))
+    return rows, list(dict.fromkeys(notes))
+
+
+def _in_force(x: Solution) -> list[Phrase]:
+    """Under which conditions a formula holds, in words."""
+    if not x.conditions:
+        return []
+    if max(map(count_ops, x.conditions)) > 4:
+        return [("a formula is in force where nothing under its roots is negative.",)]
+    bounds = (Equation((layout(y), layout(Integer(0))), ("≥",)) for y in x.conditions)
+    return [("in force where ", *_listed((x,) for x in bounds), ".")]
+
+
+def _degree(equation: Expr) -> str:
+    if not equation.is_polynomial(omega):
+        return "in omega and its sines and cosines"
+    degree = max(int(term.as_powers_dict().get(omega, 0)) for term in Add.make_args(equation.expand()))
+    return f"of degree {degree} in omega"
+
+
+def _changeovers(d: Derivation) -> Section:
+    rows: list[Line] = []
+    notes: list[Phrase] = []
+    for system in ("env", "perc") if d.steps.operations <= _MOST_STEPS else ("env",):
+        solved, said = _answers(f"omega_{system}", d.changeovers(system))
+        rows += solved
+        notes += [(named(f"H_{system}"), ": ", *x) for x in said]
+    return Section(("Where spring and inertia change over",), tuple(rows), tuple(notes))
+
+
+def _dimensionless(d: Derivation) -> Iterator[Section]:
+    title = ("Without dimensions",)
+    if len(d.scene.parameters) > _MOST_PARAMETERS:
+        return
+    try:
+        found = d.groups
+    except SceneError as error:
+        yield Section(title, (), ((f"Not possible: {error}.",),))
+        return
+    named = [x for x in (found.frequency, *found.groups) if x.symbol.name != str(x.value)]  # what stays is not told
+    rows = [_defined(group.symbol, group.value) for group in named]
+    before, after = (_counted(len(x), what) for x, what in ((d.scene.parameters, "parameter"), (found.groups, "group")))
+    note = (
+        f"{before} and ", layout(omega), " become ", layout(found.frequency.symbol), f" and {after}; H is in units of ",
+        layout(found.stiffness), ". The ratios, as functions of these:",
+    )  # fmt: skip
+    yield Section(title, tuple(rows), (note,))
+    steps = _in_x(found, structure(found.chain.at(found.values)))
+    yield Section((), tuple(_steps(steps)))
+
+
+def _counted(n: int, what: str) -> str:
+    return f"{n or 'no'} {what}{'' if n == 1 else 's'}"
+
+
+def _in_x(found: Groups, steps: Steps) -> Steps:
+    return Steps(
+        tuple((name, found.forwards(value)) for name, value in steps.definitions),
+        {name: found.forwards(value) for name, value in steps.results.items()},
+    )
+
+
+def _fast(d: Derivation) -> Iterator[Section]:
+    if d.steps.operations > _MOST_STEPS:
+        return
+    try:
+        found = d.expansion()
+    except SceneError:
+        return
+    rows = [
+        _named(name, form, "≈")
+        for name, part in (("Re dH", Part.REAL), ("Im dH", Part.IMAG))
+        if count_ops(form := found.part(part)) <= LONGEST
+    ]
+    if not rows:
+        return
+    low, high = (layout(x) for x in d.scene.band)
+    errors = [
+        (f"{bound.enclosure(1)[1]} in ", named(_RATIOS[part]))
+        for part, bound in found.bounds.items()
+        if bound is not None
+    ]
+    said = (
+        "What is left out makes at most ",
+        *_listed(errors),
+        " on ",
+        low,
+        " to ",
+        high,
+        " rad/s with the scene's numbers: proven.",
+    )
+    fast = _listed((named(x.name), f" {_direction(d, x)}") for x in found.fast)
+    yield Section(("Fast devices: ", *fast), tuple(rows), (said,) if errors else ())
+
+
+def _direction(d: Derivation, fast: Symbol) -> str:
+    dimension = next(p.dimension for p in d.scene.parameters if p.symbol == fast)
+    return "small" if dimension is Dimension.TIME else "large"
+
+
+def _listed(items: Iterable[Phrase]) -> Phrase:
+    """Some phrases with commas between them, and an "and" before the last."""
+    found = list(items)
+    between = [*[", "] * (len(found) - 2), *[" and "] * (len(found) > 1), ""]
+    return tuple(x for item, word in zip(found, between, strict=True) for x in (*item, word) if x)

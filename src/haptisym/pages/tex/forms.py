@@ -1,0 +1,181 @@
+"""The closed forms of a scene: in symbols where a person would read them, in numbers, rounded where these are long."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import comb, prod
+from typing import NamedTuple
+
+from sympy import Abs, Add, Expr, Function, I, Mul, Pow, S, Symbol, pi
+
+from haptisym.judge.crossings import excess
+from haptisym.judge.evaluation import Evaluation
+from haptisym.kernel.response import RealFunction, on_axis
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
+from haptisym.kernel.roots import sign_of_number
+from haptisym.kernel.symbols import c, omega, s
+from haptisym.model.catalogue import values
+from haptisym.model.distortion import Distortion
+from haptisym.model.jnd import Part, is_irrational_algebraic
+from haptisym.pages.tex.latex import ClosedForms
+from haptisym.writing.numerals import approximate
+from haptisym.writing.texlines import Row, is_long
+from haptisym.writing.texprinter import formula
+
+
+class Group(NamedTuple):
+    """Closed forms that belong together, and the function whose length decides whether they can be read."""
+
+    function: Callable[[Distortion], RationalFunction]
+    rows: Callable[[ClosedForms], list[Row]]
+
+
+DYNAMICS = Group(lambda d: d.perc, ClosedForms.dynamics)
+DIFFERENCE = Group(lambda d: d.difference, ClosedForms.difference)
+RATIOS = Group(lambda d: d.difference, ClosedForms.ratios)
+RELATIVE = Group(lambda d: (d.difference / d.env).reduced(), ClosedForms.relative)
+FELT = Group(lambda d: d.perc, lambda forms: forms.properties("perc"))
+
+_LARGEST = 50_000  # products of terms in an expansion in symbols: some tenths of a second
+_MOST_TERMS = 50  # of a numerator in symbols: a third of a page
+
+
+@dataclass(frozen=True)
+class SceneForms:
+    """The closed forms of an evaluated scene; what was found in symbols is kept, as it is asked for again."""
+
+    evaluation: Evaluation
+    found: dict[Group, list[Row] | None] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def symbolic(self) -> Distortion | None:
+        """The distortion in symbols, unless that would be far too long."""
+        return self.evaluation.scene.symbolic_distortion() if _size(self.evaluation) <= _LARGEST else None
+
+    def in_symbols(self, group: Group) -> list[Row] | None:
+        """Closed forms in symbols; None if they would be too long to read."""
+        if group not in self.found:
+            self.found[group] = self._in_symbols(group)
+        return self.found[group]
+
+    def _in_symbols(self, group: Group) -> list[Row] | None:
+        if self.symbolic is None:
+            return None
+        response = on_axis(group.function(self.symbolic))
+        if max(len(x.numerator) for x in (response.raw_real, response.raw_imag)) > _MOST_TERMS:
+            return None
+        rows = group.rows(ClosedForms(self.symbolic))
+        return None if any(is_long(row.value) for row in rows if not row.optional) else rows
+
+    def in_numbers(self, group: Group) -> list[Row]:
+        """Closed forms in numbers: exact, in the places of the symbols, if they are short; else rounded."""
+        known = values(self.evaluation.scene.parameters)
+        rows = self.in_symbols(group) or group.rows(ClosedForms(self.evaluation.distortion))
+        return [_evaluated(row, known) for row in rows]
+
+    def threshold(self, part: Part) -> Row:
+        """The polynomial in omega^2 that is positive exactly where the ratio exceeds its threshold, in factors."""
+        left = rf"p_{'r' if part is Part.REAL else 'i'}(\omega)"
+        given = self.evaluation.scene.threshold[part]
+        limit = c if is_irrational_algebraic(given**2) else given
+        found = excess(self.evaluation.distortion, limit, part)
+        assert isinstance(found, RealFunction)  # a symbol is no algebraic number
+        function = found.written
+        if function.is_zero:
+            return Row(left, S.Zero)
+        unit, factors = function.ring.factors(function.numerator)
+        exact = Mul(1 if unit > 0 else -1, *(function.ring.expression(f) ** n for f, n in factors))
+        if not is_long(exact, lines=2 if exact.has(pi) else 5):
+            return Row(left, exact)
+        if function.ring.functions:
+            return Row(left, approximate(exact, digits=10), relation=r"\approx")
+        sign = sign_of_number(_gain(function, function.numerator))
+        monic = sign * _monic_factors(function, function.numerator, omega)
+        return Row(left, approximate(monic, digits=10), relation=r"\approx")  # fewer lose close roots
+
+    def named(self, rows: list[Row]) -> list[Row]:
+        """The rows with short names for the parameters of effects with long names."""
+        return [replace(row, value=row.value.xreplace(self.short_names)) for row in rows]
+
+    @cached_property
+    def short_names(self) -> dict[Symbol, Symbol]:
+        """The number of an effect, for its long name, in the subscripts of its parameters."""
+        scene = self.evaluation.scene
+        taken = {formula(p.symbol) for p in scene.parameters}
+        found = {}
+        for i, effect in enumerate(scene.effects, 1):
+            label = re.sub("[- ]", "_", effect.name)
+            for symbol in (p.symbol for p in effect.parameters):
+                short_name = Symbol(f"{symbol.name.removesuffix(f'_{label}')}_{i}", **symbol.assumptions0)
+                if len(label) > 8 and symbol.name.endswith(f"_{label}") and formula(short_name) not in taken:
+                    found[symbol] = short_name
+                    taken.add(formula(short_name))
+        return found
+
+
+def _evaluated(row: Row, known: Mapping[Symbol, Expr]) -> Row:
+    """A row with numbers for its parameters; if they are long, in lowest terms and rounded."""
+    exact = row.value.xreplace(known)
+    if approximate(exact) == exact:
+        return replace(row, value=exact)
+    return replace(row, value=approximate(_monic(exact)), relation=r"\approx")
+
+
+def _monic(exact: Expr) -> Expr:
+    """A quotient as a number times factors with leading coefficient 1; a polynomial as it is."""
+    if any(isinstance(x, Abs) or not x.exp.is_Integer for x in exact.atoms(Abs, Pow)):
+        return exact
+    variable = s if exact.has(s) else omega
+    if exact.has(Function, I):
+        return exact
+    function = PolynomialRing(variable).convert(exact).reduced()
+    if function.denominator.is_constant():
+        return exact
+    above, below = _gain(function, function.numerator), _gain(function, function.denominator)
+    numerator = _monic_factors(function, function.numerator, variable)
+    denominator = _monic_factors(function, function.denominator, variable)
+    return Mul(above / below, numerator, 1 / denominator)
+
+
+def _gain(function: RationalFunction, polynomial: Polynomial) -> Expr:
+    """The leading coefficient of a polynomial whose parameters are numbers."""
+    return function.ring.coefficients(polynomial)[-1]
+
+
+def _monic_factors(function: RationalFunction, polynomial: Polynomial, variable: Symbol) -> Expr:
+    """The product of the factors of a polynomial, each with leading coefficient 1."""
+    product = S.One
+    for factor, exponent in function.ring.factors(polynomial)[1]:
+        row = function.ring.coefficients(factor)
+        product *= Add(*(c / row[-1] * variable**n for n, c in enumerate(row))) ** exponent
+    return product
+
+
+# How long an expansion in symbols would be.
+
+
+def _size(e: Evaluation) -> int:
+    """A bound on the products of terms that H_perc makes when all of its parameters are symbols."""
+    above, below = _terms((e.scene.rendered or e.scene.environment).dynamics)
+    for effect in e.scene.effects:
+        (a, p), (b, q), (c, r), (d, t) = map(_terms, effect.dynamics)
+        above, below = a * q * r * t * above + b * p * r * t * below, c * p * q * t * above + d * p * q * r * below
+    return above * below
+
+
+def _terms(expression: Expr) -> tuple[int, int]:
+    """At most how many terms numerator and denominator have when they are multiplied out."""
+    if isinstance(expression, Add):
+        found = [_terms(x) for x in expression.args]
+        below = prod(d for _, d in found)
+        return sum(n * below // d for n, d in found), below
+    if isinstance(expression, Mul):
+        found = [_terms(x) for x in expression.args]
+        return prod(n for n, _ in found), prod(d for _, d in found)
+    if isinstance(expression, Pow) and expression.exp.is_Integer:
+        n, d = (comb(x + abs(int(expression.exp)) - 1, x - 1) for x in _terms(expression.base))
+        return (n, d) if expression.exp > 0 else (d, n)
+    return int(expression != 0), 1

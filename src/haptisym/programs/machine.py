@@ -1,0 +1,114 @@
+"""A program in floats as machine code, made by Numba: one pass over the frequencies, at the speed of memory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+from sympy import Abs, Add, Expr, Float, Mul, Pow, Symbol, cos, lambdify, sin, sinc, sqrt
+
+from haptisym.kernel.errors import SceneError
+from haptisym.programs.floats import Floats, nearest
+from haptisym.programs.program import LAST, SMALL, Operation, Program, sincm1
+
+_WRITTEN: dict[str, Callable[..., Expr]] = {
+    "add": lambda x, y: Add(x, y, evaluate=False),
+    "sub": lambda x, y: Add(x, Mul(-1, y, evaluate=False), evaluate=False),
+    "mul": lambda x, y: Mul(x, y, evaluate=False),
+    "div": lambda x, y: Mul(x, Pow(y, -1, evaluate=False), evaluate=False),
+    "neg": lambda x: Mul(-1, x, evaluate=False),
+    "abs": Abs,
+    "sqrt": lambda x: sqrt(x, evaluate=False),
+    "cos": cos,
+    "sin": sin,
+    "sinc": sinc,
+    "sincm1": sincm1,
+    "power": lambda x, y: Pow(x, y, evaluate=False),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Machine:
+    """A program as machine code: each step rounded for itself, as NumPy does it, and no operation reordered.
+
+    Where a program holds no sines, cosines or powers, the doubles are those of ``Floats``, bit for bit; those may differ
+    by a few units in the last place between NumPy and the mathematical library that Numba calls. Machine code runs where the
+    frequency alone is an array; arrays of parameters are left to ``Floats``.
+    Raises SceneError where Numba is not installed.
+    """
+
+    program: Program
+
+    def __post_init__(self) -> None:
+        if find_spec("numba") is None:
+            raise SceneError('engine: "numba" needs Numba, which is not installed: pip install "haptisym[fast]"')
+
+    def run(self, inputs: Sequence[Any], size: int, out: Any) -> None:
+        """Fill the rows of ``out``, one for each result; an input is a float or an array of that size."""
+        omega, *numbers = inputs
+        if not np.ndim(omega) or any(np.ndim(x) for x in numbers):
+            Floats(self.program).run(inputs, size, out)
+            return
+        results = tuple(self.program.results.values())
+        for n in range(
+            0, len(results), 2
+        ):  # two rows in one pass: more would compete for the cache, and keep loops general
+            step, rows = _step(self.program, results[n : n + 2]), out[n : n + 2]
+            _loops()[len(rows)](step, omega, tuple(numbers), *rows)
+
+
+@lru_cache(maxsize=1)
+def _loops() -> dict[int, Any]:
+    """The passes over all frequencies, for one result and for two."""
+    import numba
+
+    def one(step: Any, omega: Any, numbers: Any, first: Any) -> None:
+        for i in range(omega.size):
+            (first[i],) = step(omega[i], *numbers)
+
+    def two(step: Any, omega: Any, numbers: Any, first: Any, second: Any) -> None:
+        for i in range(omega.size):
+            first[i], second[i] = step(omega[i], *numbers)
+
+    # NumPy's divisions: a check for 0 would keep them one by one
+    return {n: numba.njit(loop, error_model="numpy") for n, loop in ((1, one), (2, two))}
+
+
+@lru_cache(maxsize=64)
+def _step(program: Program, results: tuple[int, ...]) -> Any:
+    """Some results at one frequency, compiled."""
+    import numba
+
+    def wave(x: float) -> float:
+        return np.sin(x) / x if x != 0.0 else 1.0
+
+    def less_one(x: float) -> float:
+        if abs(x) > SMALL:
+            return float(np.sin(x) / x - 1.0)
+        series = 0.0
+        for n in range(LAST, 1, -2):
+            series = -x * x / (n * (n - 1)) * (1.0 + series)
+        return series
+
+    names = [Symbol(f"x{i}") for i in range(len(program.operations))]
+    arguments = [Symbol(f"given{i}") for i in range(len(program.inputs))]
+    needed = program.needed(results)
+    steps = [(names[i], _written(program.operations[i], names, arguments)) for i in needed]
+    waves = {"sinc": wave, "sincm1": less_one}
+    library = {name: numba.njit(f, error_model="numpy") for name, f in waves.items()}
+    found = tuple(names[x] for x in results)
+    # lambdify prints the steps as they are, in their order: they are the common subexpressions, and there is no more
+    source = lambdify(arguments, found, [library, "math"], cse=lambda _: (steps, found))
+    return numba.njit(source, error_model="numpy")
+
+
+def _written(step: Operation, names: Sequence[Symbol], arguments: Sequence[Symbol]) -> Expr:
+    if step.name == "input":
+        return arguments[step.arguments[0]]
+    if step.name == "constant":
+        return Float(float(nearest(step.value)), 17)
+    return _WRITTEN[step.name](*(names[x] for x in step.arguments))

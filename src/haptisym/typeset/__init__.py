@@ -1,1 +1,0 @@
-"""Formulas as boxes, and boxes as plain text and MathML."""

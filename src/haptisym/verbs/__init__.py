@@ -1,0 +1,1 @@
+"""One package a verb, its entry in the module ``entry``: mathematics only."""

@@ -1,0 +1,158 @@
+"""What accuracy costs in time for a scene: measured live, against certified references of higher precision."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field
+from functools import partial
+from math import isinf
+from pathlib import Path
+from typing import Any
+
+from haptisym.kernel.errors import HaptisymError
+from haptisym.kernel.shown import Answer, counted, titled
+from haptisym.model.scene import Scene
+from haptisym.model.scenefile import as_scene
+from haptisym.pages.cost import page, summary
+from haptisym.verbs.cost.measurement import Omission, Row
+from haptisym.verbs.cost.methods import Method
+from haptisym.verbs.cost.questions import check_numbers
+from haptisym.verbs.cost.stopwatch import Timed, interleaved, machine
+from haptisym.verbs.cost.tasks import Task, crossings_task, delay_tasks, effects_tasks, evaluate_task, prepared
+
+Told = Callable[[str, float], None]
+"""Called with what is measured next and the share that is done, from 0 to 1."""
+_ROUNDS = 25
+_BUDGETS = {"evaluate": 4.0, "crossings": 4.0, "delay": 2.0, "effects": 2.0, "simulation": 3.0}
+"""Seconds after which no repeats of a task are begun."""
+
+
+@dataclass(frozen=True, repr=False)
+class Cost(Answer):
+    """Accuracy against time for a scene: ``print`` shows a page, ``to_json`` gives the command line's document.
+
+    ``condition`` : of each question, how much its answer changes, relatively, with what is asked; infinite at a touch.
+    """
+
+    scene: Scene
+    rows: tuple[Row, ...]
+    left_out: tuple[Omission, ...]
+    condition: Mapping[str, float]
+    machine: Mapping[str, str] = field(default_factory=machine)
+
+    def _line(self) -> str:
+        return f"{titled(self.scene.title)}: {counted(len(self.rows), 'measurement')}"
+
+    @property
+    def summary(self) -> str:
+        """What a digit costs here, in a sentence."""
+        return summary(self.rows)
+
+    def task(self, name: str) -> tuple[Row, ...]:
+        """The rows of one task."""
+        return tuple(row for row in self.rows if row.task == name)
+
+    def __str__(self) -> str:
+        return page(self.scene, self.rows, self.left_out, self.condition, self.machine)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The document of ``haptisym cost --json``, schema ``haptisym.cost/1``."""
+        return {
+            "schema": "haptisym.cost/1",
+            "title": self.scene.title,
+            "band": [float(x) for x in self.scene.band],
+            "summary": self.summary,
+            "condition": {task: None if isinf(x) else x for task, x in self.condition.items()},
+            "rows": [asdict(row) for row in self.rows],
+            "left_out": [asdict(x) for x in self.left_out],
+            "machine": dict(self.machine),
+            **self.scene.aside_keys(),
+        }
+
+    def to_json(self) -> str:
+        return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
+
+    def save_figure(self, path: str | Path) -> None:
+        """Write the figure: right digits over time, a panel for each task; .svg, .pdf or .png."""
+        from haptisym.figures.cost import draw
+        from haptisym.figures.style import save_as
+
+        save_as(draw(self.rows, self.scene.title), path)
+
+
+def cost(scene: Scene | str | Path, *, quick: bool = False, told: Told = lambda what, share: None) -> Cost:
+    """Measure what accuracy costs for a scene with numbers: the ratios, the crossings, delays, and each effect left out.
+
+    ``quick`` : fewer methods and fewer repeats, for a first look. ``told`` : called as it goes on. The equations are given to
+    every method beforehand, what is timed is the way from there to the answer; medians of interleaved repeats, so that ratios of
+    times hold on a busy machine. Right digits are those that agree with a certified reference of higher precision.
+    SceneError for a scene with symbols.
+
+    >>> from haptisym.model.scenefile import load_scene
+    >>> found = cost(load_scene("fu2019"), quick=True)
+    >>> sorted({row.task for row in found.rows}), all(row.complete for row in found.rows if row.proven)
+    (['crossings', 'effects', 'evaluate'], True)
+    """
+    scene = as_scene(scene)
+    check_numbers(scene)
+    tasks = [
+        evaluate_task(scene, quick=quick),
+        crossings_task(scene, quick=quick),
+        *delay_tasks(scene),
+        *effects_tasks(scene),
+    ]
+    return _measured(scene, tasks, 0.1 if quick else 1.0, told)
+
+
+def simulation_cost(scene: Scene | str | Path, *, quick: bool = False, told: Told = lambda what, share: None) -> Cost:
+    """Measure what accuracy costs a simulation in time: H_perc recovered along the band, against its closed form.
+
+    Steps, what is left of the transient, and the periods of the lock-in are varied one at a time; then each effect is left out.
+    Needs SciPy. SceneError for a scene that cannot be simulated.
+
+    >>> from haptisym.model.scenefile import load_scene
+    >>> rows = simulation_cost(load_scene("fu2019"), quick=True).rows
+    >>> max(row.digits for row in rows) > 11, min(row.digits for row in rows) < 4
+    (True, True)
+    """
+    scene = as_scene(scene)
+    check_numbers(scene)
+    from haptisym.verbs.cost.simulated import Recovery, simulation_methods
+
+    question = Recovery(scene)
+    question.check()
+    attempts, left_out = prepared(simulation_methods(question), question, "simulation")
+    task = Task("simulation", attempts, lambda method, answer: question.score(answer), left_out)
+    return _measured(scene, [task], 0.3 if quick else 3.0, told)
+
+
+def _measured(scene: Scene, tasks: list[Task], patience: float, told: Told) -> Cost:
+    """All attempts of all tasks, timed and scored; ``patience`` stretches the time that repeats may take."""
+    count, done = sum(len(task.attempts) for task in tasks), 0
+    rows: list[Row] = []
+    left_out = [x for task in tasks for x in task.left_out]
+    for task in tasks:
+        said = partial(_tell, told, task.name, done, count)
+        timed = interleaved(task.attempts, patience * _BUDGETS[task.name], rounds=_ROUNDS, told=said)
+        done += len(task.attempts)
+        left_out += [Omission(task.name, m.name, str(x.answer)) for m, x in timed.items() if _refused(x)]
+        rows += [_row(task, method, x) for method, x in timed.items() if not _refused(x)]
+    told("", 1.0)
+    return Cost(scene, tuple(rows), tuple(left_out), {x.name: x.condition for x in tasks if x.condition is not None})
+
+
+def _tell(told: Told, task: str, before: int, count: int, method: Method, at: int) -> None:
+    told(f"{task}: {method.name}", (before + at) / count)
+
+
+def _refused(timed: Timed) -> bool:
+    return isinstance(timed.answer, HaptisymError)
+
+
+def _row(task: Task, method: Method, timed: Timed) -> Row:
+    score = task.score(method, timed.answer)
+    proven = method.proves and not getattr(timed.answer, "undecided", 0)
+    return Row(
+        task.name, method.name, score.digits, timed.seconds / task.per(method), proven, score.missed, score.invented
+    )

@@ -1,0 +1,208 @@
+"""Which effects of a scene matter: how much each changes the distortion ratios, and the fewest that do for all, with proof.
+
+``|r_full - r_kept| <= bound`` at every frequency of the band. So the full scene meets its threshold c only where the kept scene's
+ratio lies between c - bound and c + bound, and the chart of the kept scene at these two levels encloses all its crossings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import groupby
+from math import inf, nextafter
+from pathlib import Path
+
+from sympy import Expr, Rational
+
+from haptisym.judge.crossings import level
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.roots import Chart, Interval, chart, sign_of_number
+from haptisym.kernel.shown import Shown, titled
+from haptisym.model.catalogue import Effect
+from haptisym.model.jnd import Part
+from haptisym.model.quantities import Dimension, Number, quantity
+from haptisym.model.scene import Scene
+from haptisym.model.scenefile import as_scene
+from haptisym.verbs.derive.structure import structure
+from haptisym.verbs.effects.ballchain import BallChain, Piece, series_arithmetic
+from haptisym.verbs.effects.differences import Difference, Range
+from haptisym.verbs.effects.subsets import Search
+from haptisym.verbs.effects.suprema import Supremum
+
+TOLERANCE = Rational(1, 100)
+"""Unless told otherwise: a tenth of the usual JND."""
+_FINEST = 10  # halvings of the band until two effects count as alike
+
+
+@dataclass(frozen=True)
+class Influence:
+    """What an effect alone does: per part the supremum of ``|r(full) - r(without it)|`` on the band; infinite if unbounded."""
+
+    effect: Effect
+    change: Mapping[Part, Supremum]
+    kept: bool
+
+
+@dataclass(frozen=True)
+class Enclosure:
+    """An interval of the band, rad/s, that the full scene's ratio of that part may have crossings in: outside all there are none.
+
+    ``certain`` : whether it holds at least one, as the ratio is on different sides of its threshold below and above;
+    otherwise it may hold none or several.
+    """
+
+    part: Part
+    low: RealNumber
+    high: RealNumber
+    certain: bool
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """The ends as floats, rounded outward."""
+        low, high = self.low.bounds(60)[0], self.high.bounds(60)[1]
+        down, up = float(low), float(high)
+        return down if down <= low else nextafter(down, 0), up if up >= high else nextafter(up, inf)
+
+
+@dataclass(frozen=True)
+class Dominance:
+    """From ``low`` to ``high``, rad/s, that effect alone changes r_r or r_i more than any other changes either: proven."""
+
+    effect: Effect
+    low: Expr
+    high: Expr
+
+
+@dataclass(frozen=True, repr=False)
+class Relevance(Shown):
+    """Which effects of a scene matter for a tolerance.
+
+    ``pruned`` : the scene with the kept effects only. ``bound`` : per part the largest change that leaving out all others makes,
+    jointly, on the band: proven. ``smallest`` : whether no smaller set does, proven (``docs/relevance.md``).
+    """
+
+    scene: Scene
+    tolerance: Expr
+    pruned: Scene
+    bound: Mapping[Part, Supremum]
+    smallest: bool
+    balls: BallChain = field(repr=False)
+
+    def _line(self) -> str:
+        kept = f"{len(self.pruned.effects)} of {len(self.scene.effects)} effects"
+        return f"{titled(self.scene.title)}: {kept} matter for a tolerance of {self.tolerance}"
+
+    @property
+    def dropped(self) -> tuple[Effect, ...]:
+        """The effects that are left out."""
+        return tuple(e for e in self.scene.effects if e not in self.pruned.effects)
+
+    @cached_property
+    def effects(self) -> tuple[Influence, ...]:
+        """Every effect of the scene with its influence."""
+        return tuple(
+            Influence(effect, {part: self.without(i, part).supremum() for part in Part}, effect in self.pruned.effects)
+            for i, effect in enumerate(self.scene.effects)
+        )
+
+    def without(self, index: int, part: Part) -> Difference:
+        """The change of a ratio, a function of omega, by leaving out one effect."""
+        return Difference(self.scene, self.balls, self.balls.everything - {index}, part)
+
+    @cached_property
+    def crossings(self) -> tuple[Enclosure, ...]:
+        """Where the full scene's crossings lie: in these intervals, in ascending order, and nowhere else on the band."""
+        found = [enclosure for part in Part for enclosure in self._enclosures(part)]
+        return tuple(sorted(found, key=lambda x: (float(x.low), x.part.value)))
+
+    def _enclosures(self, part: Part) -> Iterator[Enclosure]:
+        square, c = self.pruned.distortion().squared_ratios[part], self.pruned.threshold[part]
+        bound = Rational(*self.bound[part].most.as_integer_ratio())
+        levels = {"high": level(square, ((c + bound) ** 2).expand())}
+        if (c - bound).evalf() > 0:
+            levels["low"] = level(square, ((c - bound) ** 2).expand())
+        table = chart(levels, *self.pruned.band)
+        for x in table.where(lambda signs: signs.get("low", 1) >= 0 >= signs["high"]):
+            yield Enclosure(part, x.low.omega, x.high.omega, _passes(table, x))
+        for point in table.undecided:
+            yield Enclosure(part, point.omega, point.omega, certain=False)
+
+    @cached_property
+    def operations(self) -> tuple[int, int]:
+        """Arithmetic operations of the distortion in named steps: for all effects, and for those that are kept."""
+        full, kept = (structure(scene.chain).operations for scene in (self.scene, self.pruned))
+        return full, kept
+
+    @cached_property
+    def dominance(self) -> tuple[Dominance, ...]:
+        """Which effect changes the ratios most, along the band; in the gaps two are alike, or nothing is told to 1/1000 of it."""
+        with series_arithmetic():
+            pieces = list(self._dominated(Piece()))
+        found = []
+        for index, run in groupby(pieces, key=lambda pair: pair[0]):
+            if index is not None:
+                ends = [self.balls.ends(piece) for _, piece in run]
+                found.append(Dominance(self.scene.effects[index], ends[0][0], ends[-1][1]))
+        return tuple(found)
+
+    def _dominated(self, piece: Piece) -> Iterator[tuple[int | None, Piece]]:
+        """The band in pieces, each with the effect that dominates on it, if one does."""
+        ranges = [self._range(i, piece) for i in range(len(self.scene.effects))]
+        first = max(range(len(ranges)), key=lambda i: ranges[i].least, default=None)
+        if first is not None and all(x.most < ranges[first].least for i, x in enumerate(ranges) if i != first):
+            yield first, piece
+        elif first is None or piece.depth >= _FINEST:
+            yield None, piece
+        else:
+            for half in piece.halves():
+                yield from self._dominated(half)
+
+    def _range(self, index: int, piece: Piece) -> Range:
+        """Of the larger one of an effect's changes of r_r and r_i."""
+        real, imag = (self.without(index, part).range(piece) for part in Part)
+        return Range(max(real.least, imag.least), max(real.reached, imag.reached), max(real.most, imag.most))
+
+
+def relevance(scene: Scene | str | Path, tolerance: Number = TOLERANCE) -> Relevance:
+    """Find which effects of a scene matter: the fewest with which r_r and r_i stay within a tolerance of the full scene's.
+
+    ``tolerance`` : a number >= 0, of the ratios. Guaranteed: the bound holds at every frequency of the band for both
+    ratios and all left-out effects together; of 12 effects or fewer no smaller set does. Raises SceneError for a scene with
+    symbols for numbers, and for a tolerance that is none.
+
+    >>> from haptisym import effects, environments
+    >>> between = (effects.first_order_lag("20 rad/s"), effects.first_order_lag("1 MHz", name="cable"))
+    >>> found = relevance(Scene(environments.mass_spring_damper(1.8, 15, 100), between))
+    >>> [e.name for e in found.pruned.effects], found.bound[Part.REAL].most < 1e-5
+    (['first-order-lag'], True)
+    """
+    scene = as_scene(scene)
+    limit = _tolerance(tolerance)
+    free = next((p for p in scene.parameters if p.value.free_symbols), None)
+    if free is not None:
+        raise SceneError(f"{free.key} = {free.value} is a symbol: which effects matter depends on its value")
+    balls = BallChain(scene)
+    choice = Search(scene, balls, limit).choose()
+    kept = tuple(effect for i, effect in enumerate(scene.effects) if i in choice.kept)
+    return Relevance(scene, limit, replace(scene, effects=kept), choice.bound, choice.smallest, balls)
+
+
+def _tolerance(given: Number) -> Expr:
+    try:
+        value = quantity(given, Dimension.RATIO).value
+    except SceneError as error:
+        raise error.within("tolerance") from None
+    if not value.is_Rational or sign_of_number(value) < 0:
+        raise SceneError(f'tolerance: "{given}" must be a number >= 0')
+    return value
+
+
+def _passes(table: Chart, interval: Interval) -> bool:
+    """Whether the kept scene's ratio comes from one side of both levels and leaves to the other."""
+    if interval.low is table.points[0] or interval.high is table.points[-1]:
+        return False
+    before, after = interval.low.before, interval.high.after
+    below = [signs.get("low", 1) < 0 for signs in (before, after)]
+    return below[0] != below[1]

@@ -1,0 +1,250 @@
+"""The measures of transparency that the field uses, side by side with the JND verdict.
+
+Each with its closed form, proven numbers, its source and how well that is known. Derivation: 15_metrics.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from sympy import Integer
+
+from haptisym.judge.evaluation import evaluate
+from haptisym.judge.peaks import largest
+from haptisym.kernel.reals import ExactNumber, RealNumber, SquareRoot
+from haptisym.kernel.response import RealFunction, squared_modulus
+from haptisym.kernel.rings import RationalFunction
+from haptisym.kernel.roots import Point, chart
+from haptisym.kernel.shown import Answer, counted, titled
+from haptisym.model.scene import Scene
+from haptisym.model.scenefile import as_scene
+from haptisym.pages.evaluation import short
+from haptisym.pages.metrics import as_dict, as_json, as_text
+from haptisym.verbs.metrics.disagreements import disagreements
+from haptisym.verbs.metrics.forms import Forms
+from haptisym.verbs.metrics.measured import FAR, Measured, covers, value_at
+from haptisym.verbs.metrics.metric import Metric, MetricRows, Value
+
+
+class Metrics(Answer, MetricRows):
+    """The measures of a scene; ``print`` shows them as a page of text, ``to_json`` gives the command line's document."""
+
+    def _line(self) -> str:
+        return f"{titled(self.evaluation.scene.title)}: {counted(len(self.metrics), 'measure')}"
+
+    def __str__(self) -> str:
+        return as_text(self)
+
+    def to_dict(self) -> dict[str, object]:
+        """The document of ``haptisym metrics --json``, schema ``haptisym.metrics/1``."""
+        return as_dict(self)
+
+    def to_json(self) -> str:
+        """The same as text."""
+        return as_json(self)
+
+
+def metrics(scene: Scene | str | Path) -> Metrics:
+    """The measures of transparency of a scene with numbers for all parameters: each proven on its band.
+
+    Transmitted impedance ratio and relative distortion, Z_min, Z_max and Z_width, sensitivity, the conditions on the axis
+    for passivity and for absolute stability, effective stiffness, mass and damping, free response. Raises SceneError if a
+    parameter is still a symbol.
+
+    >>> from haptisym.model.scenefile import load_scene
+    >>> found = metrics(load_scene("fu2019"))
+    >>> [x.value.digits(6) for x in found["transmitted impedance ratio"].values if x.what.startswith("-3 dB")]
+    ['101.762']
+    """
+    scene = as_scene(scene)
+    m = Measured(evaluate(scene))
+    forms = Forms(scene)
+    rows = (_ratio, _relative, _range, _sensitivity, _passivity, _absolute, _effective, _free)
+    return Metrics(m.evaluation, tuple(row(m, forms) for row in rows), tuple(disagreements(m)), m)
+
+
+def _modulus_at_ends(function: RationalFunction, m: Measured, what: str) -> list[Value]:
+    """|f| at both ends of the band."""
+    square = squared_modulus(function)
+    points = chart({"": square}, *m.band).points
+    found = [value_at(square, points[i], "") for i in (0, -1)]
+    return [
+        Value(f"{what} at {end} end", None if x is None else _root(x), m.unit)
+        for end, x in zip(("low", "high"), found, strict=True)
+    ]
+
+
+def _root(square: RealNumber) -> RealNumber:
+    return square if isinstance(square, ExactNumber) and square.value == 0 else SquareRoot(square)
+
+
+def _largest(square: RealFunction, m: Measured) -> RealNumber | None:
+    """The largest of a modulus on the band, None where unbounded."""
+    if square.is_zero:
+        return ExactNumber(Integer(0))
+    found = largest(square, *m.band)
+    return None if found is None else SquareRoot(found)
+
+
+# The measures
+
+
+def _ratio(m: Measured, forms: Forms) -> Metric:
+    edges = [
+        p for p in m.edges.points if any(p.orders.get(key, 0) > 0 and p.before[key] != p.after[key] for key in _DB)
+    ]
+    values = [Value(_edge(p), p.omega, "rad/s") for p in edges]
+    inside = m.edges.where(lambda signs: signs["-3 dB"] >= 0 >= signs["+3 dB"])
+    upto = "the band" if m.reach == m.band[1] else f"{FAR} times the band's high end"
+    return Metric(
+        "transmitted impedance ratio",
+        (forms.ratio(),),
+        (*values, Value(f"within 3 dB (up to {upto})", inside, "rad/s")),
+        "Lawrence (1993), transparency Z_t = Z_e; the 3 dB edge is common practice",
+        "recalled, not verified",
+        _beside_bandwidth(m, edges) if edges else "no 3 dB edge",
+    )
+
+
+def _beside_bandwidth(m: Measured, edges: list[Point]) -> str:
+    """The first edge against the JND's."""
+    first, bandwidth = f"first edge at {short(edges[0].omega)} rad/s", m.evaluation.bandwidth
+    if bandwidth is None or float(bandwidth) == 0:
+        return f"{first}; the JND test finds no transparent band that begins at the band's low end"
+    if bandwidth is m.evaluation.chart.points[-1].omega:
+        return f"{first}; the JND is nowhere exceeded on the band"
+    return f"{first}, {float(edges[0].omega) / float(bandwidth):.3g} times the bandwidth by the JND"
+
+
+_DB = ("-3 dB", "+3 dB")
+
+
+def _edge(p: Point) -> str:
+    for key in _DB:
+        if p.orders.get(key, 0) > 0 and p.before[key] != p.after[key]:
+            return f"{key} edge, {'rising' if p.after[key] > 0 else 'falling'}"
+    raise AssertionError
+
+
+def _relative(m: Measured, forms: Forms) -> Metric:
+    c = m.least_threshold
+    return Metric(
+        "relative distortion",
+        (forms.relative(),),
+        (
+            Value(f"at most {float(100 * c):.6g} %", m.within, "rad/s"),
+            Value("largest on the band", _largest(m.relative_square, m)),
+        ),
+        "Griffiths, Gillespie and Freudenberg (2008), doi:10.1109/TRO.2008.924256",
+        "abstract read; formula recalled, not verified",
+        "where it is at most c neither r_r nor r_i can exceed c; the JND test asks less, as it judges the two parts apart",
+    )
+
+
+def _range(m: Measured, forms: Forms) -> Metric:
+    least, most, width = m.port.least, m.port.most, m.port.width
+    values = [Value("|Z_min| everywhere", None, m.unit)] if least is None else _modulus_at_ends(least, m, "|Z_min|")
+    for name, function in (("|Z_max|", most), ("|Z_width|", width)):
+        shown = [Value(f"{name} everywhere", None, m.unit)] if function is None else _modulus_at_ends(function, m, name)
+        values += shown
+    empty = "nothing" if least is not None and least.is_zero else "Z_min"
+    verdict = f"where there is nothing, {empty} is felt; a rigid environment is felt as {'rigid' if most is None else 'Z_max'}"
+    return Metric(
+        "impedance range",
+        tuple(forms.range()),
+        tuple(values),
+        "Hashtrudi-Zaad and Salcudean (2001): minimum and dynamic range (width) of the transmitted impedance",
+        "abstract read; formulas recalled, not verified; the limits derived",
+        verdict,
+    )
+
+
+def _sensitivity(m: Measured, forms: Forms) -> Metric:
+    square = m.sensitivity_square
+    value = None if square is None else _largest(square, m)
+    return Metric(
+        "sensitivity",
+        (forms.sensitivity(),),
+        (Value("largest |dH_perc/dH_env| on the band", value),),
+        "Cavusoglu, Sherman and Tendick (2002): fidelity as sensitivity of the transmitted impedance",
+        "recalled, not verified; closed form derived (15_metrics)",
+        "1 where a small change of the environment is passed on as large as it is; says nothing of the environment itself",
+    )
+
+
+_BEYOND = "beyond it nothing was looked at"
+
+
+def _passivity(m: Measured, forms: Forms) -> Metric:
+    whole = covers(m.passive, m.evaluation.chart)
+    return Metric(
+        "passivity",
+        (forms.passivity(),),
+        (
+            Value("Im H_perc >= 0", m.passive, "rad/s"),
+            Value("force stable under imposed motion", _decided(m.evaluation.stable)),
+        ),
+        "Colgate and Brown (1994): at a frequency with Im H_perc >= 0 no energy is taken out of what is rendered",
+        "recalled, not verified; per frequency derived",
+        f"Im H_perc {'>= 0 on the whole band' if whole else '< 0 somewhere on the band: active there'}; {_BEYOND}",
+    )
+
+
+def _decided(answer: bool | None) -> str:  # noqa: FBT001
+    return {True: "yes", False: "no", None: "not decided"}[answer]
+
+
+def _absolute(m: Measured, forms: Forms) -> Metric:
+    bands = m.absolutely_stable
+    values = () if bands is None else (Value("conditions hold", bands, "rad/s"),)
+    if bands is None:
+        verdict = "not offered: D = 0, so that the hybrid matrix does not exist"
+    elif covers(bands, m.evaluation.chart):
+        verdict = f"the conditions on the axis hold on the whole band; {_BEYOND}, nor were poles"
+    else:
+        verdict = (
+            "the conditions on the axis fail somewhere on the band: energy can come out there, with some passive hand or "
+            "environment; poles were not looked at"
+        )
+    return Metric(
+        "absolute stability",
+        tuple(forms.llewellyn()),
+        values,
+        "Llewellyn's criterion, after Adams and Hannaford (1999): its conditions on the axis, frequency by frequency, not those "
+        "on the poles of the two-port",
+        "verified (tutorial chapter 9.3.3)",
+        verdict,
+    )
+
+
+def _effective(m: Measured, forms: Forms) -> Metric:
+    names = {"k": "stiffness", "m": "mass", "b": "damping"}
+    values = [
+        Value(f"{names[key]} at {short(w)} rad/s", x, m.units[key]) for w, row in m.effective for key, x in row.items()
+    ]
+    return Metric(
+        "effective impedance",
+        tuple(forms.effective()),
+        tuple(values),
+        "Colonnese and Okamura: effective stiffness, damping and mass; step 2 of Fu, van Paassen and Mulder (2019)",
+        "recalled, not verified (as step 2 of the paper: verified)",
+        "what step 2 of the JND evaluation judges",
+    )
+
+
+def _free(m: Measured, forms: Forms) -> Metric:
+    found = m.free
+    values = [
+        Value(x.name, x.perceived, x.unit, reference=x.environment, tolerance=x.tolerance, kept=x.passes)
+        for x in found.checks
+    ]
+    blind = found.blind and found.checks and m.evaluation.scene.effects
+    passed = {True: "passes", False: "fails", None: found.refused}[found.passes]
+    return Metric(
+        "free response",
+        tuple(forms.free_response()),
+        tuple(values),
+        "14 CFR Part 60, appendix A, attachment 2 (control dynamics, underdamped)",
+        "verified; the dominant pair of zeros stands for the whole response",
+        f"{passed}; blind to these effects: H_perc has the zeros of H_env" if blind else passed,
+    )

@@ -1,0 +1,222 @@
+"""For which values of one parameter a condition holds all over a band, for scenes with delays and powers: by balls.
+
+The values are cut into cells. A cell is *broken* if at one frequency the condition is broken for all its values, *kept* if
+it holds for all its values on all of the band, both shown in ball arithmetic. Around an end of the set neither can be; there
+the condition is shown to be decided by one place alone, the band's edge or one maximum over frequency, and to change along
+the parameter one way only: then there is one end, a zero of a real function, known to any number of digits. What shows
+neither way is cut in two, down to cells that are 1e-13 of their values wide.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from heapq import heappop, heappush
+from math import sqrt
+
+import flint
+from flint import arb
+from sympy import Expr, Symbol, pi
+
+from haptisym.kernel.budget import tick
+from haptisym.kernel.errors import LimitError
+from haptisym.kernel.reals import ExactNumber, RealNumber, dyadic
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.roots import Interval, chart
+from haptisym.model.jnd import Part
+from haptisym.verbs.require.feasible import Binding, Kind
+from haptisym.verbs.require.freeparameter import Conditions
+from haptisym.verbs.require.places import Edge, MaximumAt, Place, Strip, Summit, Verdict, places
+from haptisym.verbs.require.strips import Shape
+
+BITS = 128
+_NARROW = 1e-13
+"""Of a cell that is cut no further, relative to its values."""
+_COARSE = Fraction(1, 32)
+"""Relative width up to which cells are cut widest first; narrower ones in order."""
+_MOST_CELLS = 800
+_DOUBLINGS = 12
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """Values of the parameter between two numbers, None without bound, and what is known of them.
+
+    ``value``: of a leaf in which the set ends, where; ``verdict`` is then that of the values below it, ``above`` that above.
+    """
+
+    low: Fraction | None
+    high: Fraction | None
+    verdict: Verdict
+    above: Verdict | None = None
+    value: RealNumber | None = None
+    binding: Binding | None = None
+
+
+@dataclass(frozen=True)
+class Search:
+    """Conditions in omega and one parameter, on a band; ``scale``: a usual size of the parameter."""
+
+    conditions: Conditions
+    free: Symbol
+    band: tuple[Expr, Expr]
+    scale: Fraction
+
+    def leaves(self, low: Fraction | None, high: Fraction | None) -> list[Leaf]:
+        """The values from ``low`` to ``high``, cut into leaves in order."""
+        found: list[Leaf] = []
+        start, end = low, high
+        if low is None:
+            below = self._tail(-1, -self.scale if high is None else min(-self.scale, 2 * high))
+            start = below.high
+            found.append(below)
+        if high is None:
+            above = self._tail(1, self.scale if low is None else max(self.scale, 2 * low))
+            end = above.low
+        assert start is not None
+        assert end is not None
+        found += self._cut(start, end)
+        return [*found, above] if high is None else found
+
+    def _cut(self, low: Fraction, high: Fraction) -> list[Leaf]:
+        """The leaves between two numbers, in order; wide cells are cut first, so that no easy one stays open for a hard one."""
+        found, waiting = list[Leaf](), [(_COARSE, low, high)]
+        for _ in range(_MOST_CELLS):
+            if not waiting:
+                break
+            _, a, b = waiting[0]
+            try:
+                tick(len(found), len(found) + len(waiting), "values in cells")
+                leaf = self._judged(a, b)
+            except LimitError:  # what waits stays open
+                break
+            heappop(waiting)
+            if leaf.verdict is not Verdict.OPEN or self._width(a, b) < _NARROW:
+                found.append(leaf)
+                continue
+            middle = _middle(a, b)
+            for x, y in ((a, middle), (middle, b)):
+                heappush(waiting, (-max(self._width(x, y), _COARSE), x, y))
+        found += [Leaf(a, b, Verdict.OPEN) for _, a, b in waiting]
+        return sorted(found, key=lambda leaf: leaf.low or 0)
+
+    def _width(self, low: Fraction, high: Fraction) -> Fraction:
+        """The width of a cell, relative to its values."""
+        return (high - low) / max(abs(low), abs(high), self.scale / 1000)
+
+    def _judged(self, low: Fraction, high: Fraction) -> Leaf:
+        """What balls tell of the values between two numbers."""
+        with flint.ctx.workprec(BITS):
+            a, b = dyadic(low), dyadic(high)
+            strips = {part: Strip.of(shape, a, b) for part, shape in self._shapes.items()}
+            return self._leaf(low, high, strips)
+
+    @cached_property
+    def _shapes(self) -> dict[Part | None, Shape]:
+        return {part: Shape.of(condition, self.free) for part, condition in self.conditions.items()}
+
+    def _leaf(self, low: Fraction, high: Fraction, strips: dict[Part | None, Strip]) -> Leaf:
+        crossing: list[tuple[Part | None, Place, int]] = []
+        is_open = False  # of one part; the other may be broken for all values
+        for part, strip in strips.items():
+            found = places(strip, self.band)
+            if found is Verdict.BROKEN:
+                return Leaf(low, high, Verdict.BROKEN)
+            is_open |= isinstance(found, Verdict)
+            for place in () if isinstance(found, Verdict) else found:
+                signs = strip.signs(place)
+                if signs == (1, 1):
+                    return Leaf(low, high, Verdict.BROKEN)
+                if signs is None:
+                    is_open = True
+                elif signs != (-1, -1):
+                    crossing.append((part, place, signs[0]))
+        if is_open or len(crossing) > 1:
+            return Leaf(low, high, Verdict.OPEN)
+        if not crossing:
+            return Leaf(low, high, Verdict.KEPT)
+        [(part, place, before)] = crossing
+        value = strips[part].crossing(place)
+        verdicts = (Verdict.BROKEN, Verdict.KEPT) if before > 0 else (Verdict.KEPT, Verdict.BROKEN)
+        return Leaf(low, high, *verdicts, value, _binding(part, place, value))
+
+    # Values without bound
+
+    def _tail(self, sign: int, start: Fraction) -> Leaf:
+        """The values beyond a number, the first of its doubles for which they show to be alike."""
+        bound, verdict = start, Verdict.OPEN
+        try:
+            turned = self._tail_by_phase(sign)
+            if turned is not None:
+                return turned
+            for _ in range(_DOUBLINGS):
+                verdict = self._beyond(sign, bound)
+                if verdict is not Verdict.OPEN:
+                    break
+                bound *= 2
+        except LimitError:
+            verdict = Verdict.OPEN
+        return Leaf(bound, None, verdict) if sign > 0 else Leaf(None, bound, verdict)
+
+    def _beyond(self, sign: int, bound: Fraction) -> Verdict:
+        with flint.ctx.workprec(BITS):
+            inverse = arb(0).union(sign / abs(dyadic(bound)))
+            verdicts = set()
+            for shape in self._shapes.values():
+                found = places(Strip.beyond(shape, inverse), self.band)
+                if found is Verdict.BROKEN:
+                    return Verdict.BROKEN
+                verdicts.add(found if isinstance(found, Verdict) else Verdict.OPEN if found else Verdict.KEPT)
+            return Verdict.OPEN if Verdict.OPEN in verdicts else Verdict.KEPT
+
+    def _tail_by_phase(self, sign: int) -> Leaf | None:
+        """Of a parameter that only turns a phase: a long delay has any phase somewhere in any piece of the band."""
+        if sign < 0:
+            return None
+        for condition in self.conditions.values():
+            bound = _bound_by_phase(condition, self.free, self.band)
+            if bound is not None:
+                return Leaf(bound, None, Verdict.BROKEN)
+        return None
+
+
+def _bound_by_phase(condition: RealFunction, free: Symbol, band: tuple[Expr, Expr]) -> Fraction | None:
+    """From where on a delay breaks a condition: at one phase it is broken on a piece of the band, which holds all phases."""
+    axis, numerator = condition.axis, condition.function.numerator
+    turning = [i for i, angle in enumerate(axis.angles) if angle.rate.has(free)]
+    if len(turning) != 1 or numerator.degrees()[axis.meanings.index(free)]:
+        return None
+    index, rate = axis.size + turning[0], axis.angles[turning[0]].rate.diff(free)
+    if axis.angles[turning[0]].constant:
+        return None
+    found: list[Interval] = []
+    for tangent in (1, -1, 3, -3):
+        at = numerator.subs({f"x{index}": tangent})
+        table = chart({"excess": RealFunction(axis.function(at))}, *band)
+        found += table.where(lambda signs: signs["excess"] > 0)
+    lengths = [float(x.high.omega) - float(x.low.omega) for x in found]
+    if not lengths or not max(lengths) > 0:
+        return None
+    # a hundredth off the length makes up for the rounding of floats
+    return Fraction(2 * float(pi) / (float(rate) * max(lengths) * 0.99))
+
+
+def _binding(part: Part | None, place: Place, value: RealNumber) -> Binding:
+    if place.kind is Kind.TOUCH:
+        assert isinstance(value, Summit)
+        return Binding(part, MaximumAt(value), place.kind)
+    assert isinstance(value, Edge)
+    return Binding(part, ExactNumber(value.place), place.kind)
+
+
+def _middle(low: Fraction, high: Fraction) -> Fraction:
+    """A dyadic number inside, between numbers of one sign nearer their geometric mean; never a simple one."""
+    a, b = float(low), float(high)
+    if a >= 0 and (a == 0 or b / a > 4):
+        cut = sqrt(a * b) if a > 0 else b / 16
+    elif b <= 0 and (b == 0 or a / b > 4):
+        cut = -sqrt(a * b) if b < 0 else a / 16
+    else:
+        cut = a + (b - a) * 0.4970703125
+    return Fraction(cut) if a < cut < b else (low + high) / 2

@@ -1,0 +1,64 @@
+"""What a parameter must be, as a formula: the condition at the band's edge, solved for the parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from sympy import Abs, Expr, Float, Symbol
+
+from haptisym.kernel.axis import Axis
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import Polynomial
+from haptisym.kernel.solutions import solve
+from haptisym.kernel.symbols import omega
+
+_DIGITS = 60
+_MOST_TERMS, _MOST_OPERATIONS = 600, 80
+
+
+def closed_form(
+    condition: RealFunction, free: Symbol, place: Symbol, known: Mapping[Symbol, Expr], value: str
+) -> Expr | None:
+    """The formula for a parameter at which a condition binds at a frequency; None where there is no readable one.
+
+    ``condition``: with symbols for all parameters; ``place``: the name of the frequency; ``known``: what all of them are
+    worth; ``value``: decimal digits of the one solution that is meant, at least 60.
+    """
+    turned = _turned(condition, free, place)
+    if turned is None:
+        return None
+    for solution in solve(turned):
+        form = solution.omega
+        if form is not None and form.count_ops() <= _MOST_OPERATIONS and _is(form.xreplace(dict(known)), value):
+            return form
+    return None
+
+
+def _is(number: Expr, value: str) -> bool:
+    found = number.evalf(_DIGITS)
+    return bool(found.is_real and Abs(found - Float(value, _DIGITS)) <= Abs(found) * Float(10) ** (8 - _DIGITS))
+
+
+def _turned(condition: RealFunction, free: Symbol, place: Symbol) -> RealFunction | None:
+    """The condition as a function of the parameter, which takes the place of omega; None where it is no such function."""
+    axis, numerator = condition.axis, condition.function.numerator
+    rates = [(angle.rate / free).cancel() * place for angle in axis.angles]
+    if axis.orders or any(rate.has(free) for rate in rates) or len(numerator.to_dict()) > _MOST_TERMS:
+        return None
+    target = Ring([*(x for x in axis.symbols if x != free), place], rates).axis
+    return RealFunction(target.function(_exchanged(numerator, axis, target, free, place)))
+
+
+def _exchanged(polynomial: Polynomial, axis: Axis, target: Axis, free: Symbol, place: Symbol) -> Polynomial:
+    """The polynomial with omega called ``place`` and the parameter called omega."""
+    names = {omega: place, free: omega}
+    where = [target.meanings.index(names.get(x, x)) for x in axis.meanings[: axis.size]]
+    where += [target.size + i for i in range(len(axis.angles))]
+    terms = {}
+    for exponents, value in polynomial.to_dict().items():
+        own = [0] * len(target.meanings)
+        for i, n in zip(where, exponents, strict=True):
+            own[i] = int(n)
+        terms[tuple(own)] = value
+    return target.context.from_dict(terms)

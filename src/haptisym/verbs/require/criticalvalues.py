@@ -1,0 +1,424 @@
+"""For which values of one parameter a polynomial condition holds all over a band: exact.
+
+A condition N(omega, t) <= 0, N a polynomial, holds on the whole band for a set of values t. The set can begin or end only
+where a zero of N in omega enters over an end of the band, N(end, t) = 0, or where two zeros meet: where the discriminant of
+a factor of N or the resultant of two factors vanishes. These *critical values* are roots of polynomials in t; between
+neighbours the answer is the same for all t, and one exact test at a rational number tells it (a cylindrical
+decomposition in one parameter). At a critical value itself the answer is that of a feasible neighbour, as what does not
+exceed does not exceed in the limit; between two others it is tested in the number field of the value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations, pairwise
+from typing import TypeAlias
+
+import flint
+from flint import arb, fmpq
+from sympy import Expr, Integer, Rational, Symbol, pi
+
+from haptisym.kernel.axis import Axis
+from haptisym.kernel.budget import tick
+from haptisym.kernel.eliminants import discriminant, resultant
+from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
+from haptisym.kernel.polynomials import PolynomialFactor, Root
+from haptisym.kernel.reals import Ball, ExactNumber, Negative, RealNumber, rational_between
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
+from haptisym.kernel.roots import Interval, chart, in_order, sign_of_number
+from haptisym.kernel.symbols import omega
+from haptisym.model.jnd import Part
+from haptisym.verbs.require.feasible import Binding, End, Kind, Span, runs
+from haptisym.verbs.require.freeparameter import Conditions, Domain
+from haptisym.verbs.require.touches import Surface, touch
+
+_MOST_BITS = 1 << 16  # a number that is not zero shows it before
+_LARGE = 10  # degree in omega^2 of a condition: a device of order 4
+_ROUNDS = (8, 32, 128, 512)
+"""Bits by which a critical value is approached for a witness, before its number field is asked."""
+
+Reason: TypeAlias = "tuple[Part | None, Kind] | None"
+"""Which condition is critical, and how; None: the condition is nowhere defined."""
+
+
+@dataclass(frozen=True)
+class Excess:
+    """Frequencies at which a condition is broken, for a value of the parameter."""
+
+    part: Part | None
+    band: Interval
+
+
+@dataclass(frozen=True)
+class Cell:
+    """An open interval of values with one answer, told at a sample: where conditions are broken there; nowhere if feasible."""
+
+    sample: Rational
+    broken: tuple[Excess, ...]
+
+    @property
+    def feasible(self) -> bool:
+        return not self.broken
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The values for which conditions hold, and those about which nothing was proven in time."""
+
+    feasible: tuple[Span, ...]
+    undecided: tuple[tuple[RealNumber | None, RealNumber | None], ...] = ()
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Conditions in omega and one parameter, to be kept on a whole band; ``allowed``: whether the scene exists at a value."""
+
+    conditions: Conditions
+    free: Symbol
+    band: tuple[Expr, Expr]
+    domain: Domain
+    allowed: Callable[[Expr], bool]
+
+    def solve(self) -> Answer:
+        """All values of the domain for which every condition holds on the whole band, as intervals in order.
+
+        LimitError if the time does not last for the critical values; if not for what lies between them, that stays undecided.
+        """
+        values = self._values
+        low, high = self.domain.low, self.domain.high
+        places: list[RealNumber | None] = [*([None] if low is None else []), *values, *([None] if high is None else [])]
+        cells = [self._cell(a, b, i / len(places)) for i, (a, b) in enumerate(pairwise(places))]
+        around = list(zip([None, *cells], [*cells, None], strict=True))
+        at = [self._known_to_hold(x, *near) for x, near in zip(places, around, strict=True)]
+
+        def end(i: int, *, closed: bool) -> End:
+            beside_open = None in cells[max(i - 1, 0) : i + 1]  # the set may go on there
+            return End(places[i], closed, () if beside_open else self._bindings(places[i], around[i]))
+
+        found = runs([x is True for x in at], [cell is not None and cell.feasible for cell in cells])
+        open_ = runs([x is None for x in at], [cell is None for cell in cells])
+        spans = tuple(Span(end(i, closed=a), end(j, closed=b)) for i, j, a, b in found)
+        return Answer(spans, tuple((places[i], places[j]) for i, j, _, _ in open_))
+
+    @property
+    def is_large(self) -> bool:
+        """Whether critical values take long, and balls tell the same: the scene exists for all values of the domain."""
+        functions = [condition.function for condition in self.conditions.values()]
+        if max(int(_in_square(f.numerator).degrees()[0]) for f in functions if not f.numerator.is_zero()) < _LARGE:
+            return False
+        below = [f for g in functions for f, _ in _factors(g.denominator)] + [
+            g.denominator.term_content() for g in functions
+        ]
+        return not any(f.degrees()[self._index] and not f.degrees()[0] for f in below)
+
+    def prepare(self) -> None:
+        """Find the critical values, which is most of the work."""
+        self._values  # noqa: B018 - kept from here on
+
+    def _cell(self, low: RealNumber | None, high: RealNumber | None, done: float) -> Cell | None:
+        """The values between two neighbours; None where the time was over before they were decided."""
+        try:
+            tick(done, 1, "values between critical ones")
+            sample = rational_between(low, high)
+            return Cell(sample, self._broken(sample))
+        except LimitError:
+            return None
+
+    def _known_to_hold(self, value: RealNumber | None, before: Cell | None, after: Cell | None) -> bool | None:
+        """Whether the conditions hold at a value; None where the time was over before that was decided."""
+        try:
+            return value is not None and self._holds(value, before, after)
+        except LimitError:
+            return None
+
+    # Critical values
+
+    @cached_property
+    def _values(self) -> list[RealNumber]:
+        """The critical values in the domain and its ends, in order."""
+        ends = [ExactNumber(x) for x in (self.domain.low, self.domain.high) if x is not None]
+        inside = in_order([*ends, *(x for x in self._reasons if not any(_equal(x, end) for end in ends))])
+        start = inside.index(ends[0]) if self.domain.low is not None else 0
+        stop = inside.index(ends[-1]) + 1 if self.domain.high is not None else len(inside)
+        return inside[start:stop]
+
+    @cached_property
+    def _reasons(self) -> dict[RealNumber, set[Reason]]:
+        """All critical values, and why each is one."""
+        found: dict[RealNumber, set[Reason]] = {}
+        if self.domain.low is None or sign_of_number(self.domain.low) < 0:
+            found[ExactNumber(Integer(0))] = set()
+        for part, condition in self.conditions.items():
+            for reason, polynomial in self._critical(part, condition):
+                for factor, _ in polynomial.factor()[1]:
+                    for value in self._roots(factor):
+                        found.setdefault(value, set()).add(reason)
+        return found
+
+    def _critical(self, part: Part | None, condition: RealFunction) -> Iterator[tuple[Reason, Polynomial]]:
+        """The polynomials in pi and the parameter whose roots are critical."""
+        ring = condition.axis
+        yield None, condition.function.denominator.term_content()
+        for factor, _ in _factors(condition.function.denominator):
+            if not factor.degrees()[0]:
+                yield None, factor
+        factors = [f for f, n in _factors(condition.function.numerator) if n % 2 or not f.degrees()[0]]
+        for f in factors:
+            for kind, end in zip((Kind.START, Kind.EDGE), self.band, strict=True):
+                yield (part, kind), substituted(f, 0, ring.convert(end))
+            if f.degrees()[0] > (2 if _is_even(f) else 1):
+                yield (part, Kind.TOUCH), discriminant(_in_square(f), 0)
+        for f, g in combinations([f for f in factors if f.degrees()[0] and f != ring.variable], 2):
+            if _is_even(f) and _is_even(g):
+                f, g = _in_square(f), _in_square(g)
+            yield (part, Kind.TOUCH), resultant(f, g, 0)
+
+    def _roots(self, factor: Polynomial) -> Iterator[RealNumber]:
+        """The real roots of an irreducible polynomial in pi and the parameter that the domain may hold."""
+        own = [int(n) for n in factor.degrees()]
+        index = self._index
+        if not own[index]:
+            return
+        rows = [[0] * (own[1] + 1) for _ in range(own[index] + 1)]
+        for exponents, value in factor.to_dict().items():
+            rows[int(exponents[index])][int(exponents[1])] = int(value.p)
+        if len(rows) == 2:
+            value = -_in_pi(rows[0]) / _in_pi(rows[1])
+            yield ExactNumber(value.cancel() if value.has(pi) else value)
+            return
+        yield from _positive_roots(rows)
+        if self.domain.low is None or sign_of_number(self.domain.low) < 0:
+            mirrored = [[-n for n in row] if i % 2 else row for i, row in enumerate(rows)]
+            yield from map(Negative, _positive_roots(mirrored))
+
+    @cached_property
+    def _index(self) -> int:
+        """The parameter's number among the variables of the ring."""
+        return self._ring.meanings.index(self.free)
+
+    @property
+    def _ring(self) -> Axis:
+        return next(iter(self.conditions.values())).axis
+
+    # The answer at a value
+
+    def _holds(self, value: RealNumber, before: Cell | None, after: Cell | None) -> bool:
+        """Whether the conditions hold at a critical value, or at an end of the domain."""
+        if not self._belongs(value):
+            return False
+        if isinstance(value, ExactNumber):
+            return self.allowed(value.value) and not self._broken(value.value)
+        if None in self._reasons[value]:
+            return False
+        if (before and before.feasible) or (after and after.feasible):
+            return True
+        return not self._exceeds(value, [cell for cell in (before, after) if cell])
+
+    def _belongs(self, value: RealNumber) -> bool:
+        low = self.domain.low is not None and value == ExactNumber(self.domain.low)
+        high = self.domain.high is not None and value == ExactNumber(self.domain.high)
+        return not (low and not self.domain.holds_low) and not (high and not self.domain.holds_high)
+
+    def _broken(self, value: Expr) -> tuple[Excess, ...]:
+        """Where the first of the broken conditions is, at a number that is rational, or rational in pi; () if none is."""
+        return next((found for part in self.conditions if (found := self._excess(part, value))), ())
+
+    def _excess(self, part: Part | None, value: Expr) -> tuple[Excess, ...]:
+        condition = self.conditions[part].function
+        at, below = self._at(condition.numerator, value), self._at(condition.denominator, value)
+        sign = RealFunction(self._ring.function(at)) if not below.is_zero() else self._one
+        table = chart({part: sign}, *self.band)
+        return tuple(Excess(part, x) for x in table.where(lambda signs: signs[part] > 0))
+
+    @property
+    def _one(self) -> RealFunction:
+        return RealFunction(self._ring.one)
+
+    def _at(self, polynomial: Polynomial, value: Expr) -> Polynomial:
+        return substituted(polynomial, self._index, self._ring.convert(value))
+
+    def _exceeds(self, value: RealNumber, cells: Sequence[Cell]) -> bool:
+        """Whether a condition is broken at an algebraic value between two cells that are not feasible.
+
+        First at frequencies at which one is broken nearby; where none shows, in the number field of the value.
+        """
+        if any(self._positive_at(x, value) for cell in cells for x in cell.broken):
+            return True
+        near = (self._broken(_approached(value, cell.sample, bits)) for bits in _ROUNDS for cell in cells)
+        if any(self._positive_at(x, value) for broken in near for x in broken):
+            return True
+        return any(self._exceeds_exactly(part, value) for part in self.conditions)
+
+    def _positive_at(self, excess: Excess, value: RealNumber) -> bool:
+        """Whether a condition that is broken at a near value shows to be so, at the same frequency, at this one."""
+        place = rational_between(excess.band.low.omega, excess.band.high.omega)
+        with flint.ctx.workprec(512):
+            return bool(self._value(excess.part, ExactNumber(place).ball(512), value.ball(512)) > 0)
+
+    def _value(self, part: Part | None, place: Ball, value: Ball) -> Ball:
+        numerator = self.conditions[part].function.numerator
+        return self._ring.ball(numerator, {omega: place, pi: arb.pi(), self.free: value})
+
+    def _exceeds_exactly(self, part: Part | None, value: RealNumber) -> bool:
+        """By the zeros of the norm: between them a condition has one sign, which any frequency in between tells."""
+        root = value.number if isinstance(value, Negative) else value
+        assert isinstance(root, Root)
+        minimal = _polynomial(self._ring, self._index, root.factor, mirrored=root is not value)
+        norm = resultant(self.conditions[part].function.cleared().numerator, minimal, self._index)
+        places = [x.omega for x in chart({part: RealFunction(self._ring.function(norm))}, *self.band).points]
+        if norm.is_zero():
+            return False
+        return any(self._sign(part, rational_between(a, b), value) > 0 for a, b in pairwise(places))
+
+    def _sign(self, part: Part | None, place: Rational, value: RealNumber) -> int:
+        """The sign of a condition where it is not zero."""
+        bits = 128
+        while bits < _MOST_BITS:
+            with flint.ctx.workprec(bits):
+                ball = self._value(part, ExactNumber(place).ball(bits), value.ball(bits))
+                if ball > 0 or ball < 0:
+                    return 1 if ball > 0 else -1
+            bits *= 2
+        raise UndecidedError(f"the sign of a condition at omega = {place} rad/s")
+
+    # What binds
+
+    def _bindings(self, value: RealNumber | None, around: tuple[Cell | None, Cell | None]) -> tuple[Binding, ...]:
+        if value is None:
+            return ()
+        reasons = self._reasons.get(value, set())
+        found = [
+            Binding(part, ExactNumber(end), kind)
+            for part in self.conditions
+            for kind, end in zip((Kind.EDGE, Kind.START), self.band[::-1], strict=True)
+            if (part, kind) in reasons
+        ]
+        touching = [part for part in self.conditions if (part, Kind.TOUCH) in reasons]
+        try:
+            return (*found, *(x for part in touching for x in self._touches(part, value, around)))
+        except LimitError:  # at which frequency was not found in time
+            return (*found, *(Binding(part, None, Kind.TOUCH) for part in touching))
+
+    def _touches(
+        self, part: Part | None, value: RealNumber, around: tuple[Cell | None, Cell | None]
+    ) -> Iterator[Binding]:
+        """The touches inside the band at a value: what the excess just beside it shrinks to."""
+        numerator = RealFunction(self._ring.function(self.conditions[part].function.numerator))
+        surface = Surface.of(numerator, self.free)
+        for cell in around:
+            if cell is None or cell.feasible:
+                continue
+            for bits in (12, 48, 192):
+                near = self._excess(part, _approached(value, cell.sample, bits))
+                isolated = [touch(surface, value, x.band.low.omega, x.band.high.omega) for x in near if self._inside(x)]
+                if isolated and all(isolated):
+                    yield from (Binding(part, x, Kind.TOUCH) for x in isolated)
+                    return
+
+    def _inside(self, excess: Excess) -> bool:
+        ends = [ExactNumber(x) for x in self.band]
+        return excess.band.low.omega not in ends and excess.band.high.omega not in ends
+
+
+def _equal(x: RealNumber, end: ExactNumber) -> bool:
+    return isinstance(x, ExactNumber) and sign_of_number(x.value - end.value) == 0
+
+
+def _approached(value: RealNumber, sample: Rational, bits: int) -> Rational:
+    """A rational number between a value and a sample, nearer the value by that many bits."""
+    low, high = value.bounds(bits + 64)
+    start = low if ExactNumber(sample).bounds(64)[0] < low else high
+    at = Rational(start.numerator, start.denominator)
+    return at + (sample - at) / 2**bits
+
+
+def _factors(polynomial: Polynomial) -> list[tuple[Polynomial, int]]:
+    """Irreducible factors, in omega^2 where the whole is even in omega."""
+    if not _is_even(polynomial):
+        return [(f, int(n)) for f, n in polynomial.factor()[1]]
+    steps = [2, *[1] * (len(polynomial.degrees()) - 1)]
+    return [(f.inflate(steps), int(n)) for f, n in polynomial.deflate(steps).factor()[1]]
+
+
+def _is_even(polynomial: Polynomial) -> bool:
+    return not any(int(e[0]) % 2 for e in polynomial.monoms())
+
+
+def _in_square(polynomial: Polynomial) -> Polynomial:
+    """An even polynomial as one in omega^2."""
+    return polynomial.deflate([2, *[1] * (len(polynomial.degrees()) - 1)]) if _is_even(polynomial) else polynomial
+
+
+def substituted(polynomial: Polynomial, index: int, value: RationalFunction) -> Polynomial:
+    """A polynomial with a number for one of its variables, times a positive number."""
+    if value.denominator.is_constant() and value.numerator.is_constant():
+        number = _constant(value.numerator) / _constant(value.denominator)
+        return polynomial.subs({f"x{index}": number})
+    degree = int(polynomial.degrees()[index])
+    degree += degree % 2  # an even power of the denominator keeps the sign
+    context = polynomial.context()
+    powers: dict[int, dict[tuple[int, ...], fmpq]] = {}
+    for exponents, coefficient in polynomial.to_dict().items():
+        own = [int(n) for n in exponents]
+        power, own[index] = own[index], 0
+        powers.setdefault(power, {})[tuple(own)] = coefficient
+    return sum(
+        (
+            context.from_dict(terms) * value.numerator**n * value.denominator ** (degree - n)
+            for n, terms in powers.items()
+        ),
+        context.constant(0),
+    )
+
+
+def _constant(polynomial: Polynomial) -> fmpq:
+    return next(iter(polynomial.to_dict().values()), fmpq(0))
+
+
+def _in_pi(row: Sequence[int]) -> Expr:
+    return sum((Integer(n) * pi**i for i, n in enumerate(row)), Integer(0))
+
+
+def _positive_roots(rows: Sequence[Sequence[int]]) -> list[RealNumber]:
+    return [*PolynomialFactor(tuple(_trimmed(row) for row in rows), step=1).positive_roots()]
+
+
+def _trimmed(row: Sequence[int]) -> tuple[int, ...]:
+    """A row without the zeros of high powers of pi, so that a rational one is seen to be so."""
+    last = max((i for i, n in enumerate(row) if n), default=0)
+    return tuple(row[: last + 1])
+
+
+def _polynomial(ring: PolynomialRing, index: int, factor: PolynomialFactor, *, mirrored: bool) -> Polynomial:
+    """A factor in the parameter as a polynomial of the ring."""
+    terms = {}
+    for i, row in enumerate(factor.coefficients):
+        for j, n in enumerate(row):
+            exponents = [0] * len(ring.meanings)
+            exponents[index], exponents[1] = i, j
+            terms[tuple(exponents)] = fmpq(-n if mirrored and i % 2 else n)
+    return ring.context.from_dict(terms)
+
+
+def edge_polynomial(condition: RealFunction, end: Expr) -> Expr:
+    """The polynomial in the parameters that vanishes where a rational condition binds at a frequency."""
+    axis = _without_functions(condition)
+    return axis.factored_expression(substituted(condition.function.numerator, 0, axis.convert(end)))
+
+
+def touch_polynomial(condition: RealFunction) -> Expr:
+    """The discriminant in omega^2 of a rational condition: it vanishes where the condition binds inside the band."""
+    axis = _without_functions(condition)
+    found = axis.constant(1)
+    for f in (f for f, n in _factors(condition.function.numerator) if n % 2 and f.degrees()[0]):
+        found *= discriminant(_in_square(f), 0) if f.degrees()[0] > (2 if _is_even(f) else 1) else 1
+    return axis.factored_expression(found)
+
+
+def _without_functions(condition: RealFunction) -> Axis:
+    if condition.axis.functions:
+        raise SceneError("with delays or powers of s the boundary is no polynomial's zero")
+    return condition.axis

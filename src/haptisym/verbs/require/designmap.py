@@ -1,0 +1,193 @@
+"""Design charts: where in the plane of two parameters a display is transparent on its whole band, by exact slices."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import ceil
+from pathlib import Path
+from textwrap import fill
+from typing import Any
+
+from sympy import Expr
+
+from haptisym.kernel.budget import Told, limited
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.shown import Answer, counted, titled
+from haptisym.model.jnd import Part
+from haptisym.model.quantities import Number
+from haptisym.model.scene import Scene
+from haptisym.model.scenefile import as_scene
+from haptisym.pages.evaluation import WIDTH, listed, table
+from haptisym.pages.require import sets
+from haptisym.verbs.require.criticalvalues import edge_polynomial, touch_polynomial
+from haptisym.verbs.require.entry import Requirement, require
+from haptisym.verbs.require.feasible import Kind
+from haptisym.verbs.require.freeparameter import Free, any_environment_condition, conditions, domain, free_parameter
+
+_MOST_ROWS = 10  # of slices that the text lists; --json has them all
+_CLOSER = 6
+"""Times that the gap between two slices that differ in kind is halved."""
+
+
+@dataclass(frozen=True)
+class Slice:
+    """The exact requirement on the second parameter where the first one has a value."""
+
+    at: Expr
+    requirement: Requirement
+
+
+@dataclass(frozen=True, repr=False)
+class DesignMap(Answer):
+    """The transparent region of a scene in two parameters: exact along each slice, the first parameter being constant there.
+
+    ``slices``: in ascending order of the first parameter. Between two slices nothing is claimed but by ``curves``.
+    """
+
+    scene: Scene
+    free: tuple[Free, Free]
+    ranges: tuple[tuple[Expr, Expr], tuple[Expr, Expr]]
+    slices: tuple[Slice, ...]
+    part: Part | None = None
+    any_environment: bool = False
+
+    def _line(self) -> str:
+        first, second = (x.path for x in self.free)
+        return f"{titled(self.scene.title)}: {second} over {first}, {counted(len(self.slices), 'slice')}"
+
+    @property
+    def certified(self) -> bool:
+        """Whether all slices are."""
+        return all(x.requirement.certified for x in self.slices)
+
+    @property
+    def _paths(self) -> list[str]:
+        return [x.path for x in self.free]
+
+    def curves(self) -> dict[tuple[Part | None, Kind], Expr]:
+        """Polynomials in both parameters (and pi) that vanish on the boundary: at the band's ends, and the discriminants.
+
+        Every point of the boundary is a zero of one of them. SceneError for scenes with delays or powers of s. Those of
+        touches are large for devices of order 4 and more.
+        """
+        found = any_environment_condition(self.scene, self.free) if self.any_environment else self._conditions
+        return {
+            (part, kind): edge_polynomial(condition, end)
+            for part, condition in found.items()
+            for kind, end in zip((Kind.START, Kind.EDGE), self.scene.band, strict=True)
+        } | {(part, Kind.TOUCH): touch_polynomial(condition) for part, condition in found.items()}
+
+    @property
+    def _conditions(self) -> Any:
+        return conditions(self.scene, self.free, (self.part,) if self.part else tuple(Part))
+
+    def to_dict(self) -> dict[str, Any]:
+        """The document of ``haptisym require`` with two parameters, schema ``haptisym.designmap/1``."""
+        return {
+            "schema": "haptisym.designmap/1",
+            "title": self.scene.title,
+            "free": [x.path for x in self.free],
+            "unit": [x.unit for x in self.free],
+            "range": [[float(x) for x in pair] for pair in self.ranges],
+            "band": [float(x) for x in self.scene.band],
+            "slices": [{"at": float(x.at), **x.requirement.rows()} for x in self.slices],
+            "certified": self.certified,
+            **self.scene.aside_keys(self._paths, self._paths),
+        }
+
+    def to_json(self) -> str:
+        """The document as text."""
+        return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
+
+    def __str__(self) -> str:
+        a, b = self.free
+        some = [x for x in self.slices if x.requirement.feasible]
+        where = (
+            f"{len(some)} of them hold values of {b.symbol.name} that make the display transparent on its whole band"
+        )
+        kinds = sorted({y.kind.value for x in some for e in x.requirement.ends for y in e.bindings})
+        lines = [
+            self.scene.title or "Untitled scene",
+            *self.scene.asides(self._paths, self._paths),
+            f"{len(self.slices)} exact slices along {a.symbol.name}: {where}.",
+            f"The boundary is a {listed(kinds)} curve." if kinds else "",
+        ]
+        certain = (
+            "Certain: every value of a slice is proven. Between slices the figure draws straight lines, which prove nothing; "
+            "--slices N gives more of them."
+        )
+        last = certain if self.certified else "UNDECIDED in some slices: see --json."
+        head = "\n".join(fill(line, WIDTH) for line in lines if line)
+        return "\n\n".join((head, self._table(), fill(last, WIDTH))) + "\n"
+
+    def _table(self) -> str:
+        """Some of the slices, the first and the last one among them."""
+        a = self.free[0]
+        step = ceil((len(self.slices) - 1) / _MOST_ROWS)
+        shown = [*self.slices[:-1:step], self.slices[-1]]
+        unit = "" if a.unit == "1" else f" ({a.unit})"
+        return table(
+            (f"{a.symbol.name}{unit}", "transparent for"), [(f"{float(x.at):.6g}", sets(x.requirement)) for x in shown]
+        )
+
+
+def design_map(
+    scene: Scene | str | Path,
+    paths: Sequence[str],
+    ranges: Sequence[tuple[Number, Number]],
+    *,
+    part: Part | None = None,
+    any_environment: bool = False,
+    slices: int = 41,
+    limit: float | None = None,
+    told: Told | None = None,
+) -> DesignMap:
+    """The transparent region in two parameters, by that many slices, and more where their number of intervals changes.
+
+    ``paths``: of both parameters; ``ranges``: of each, SI or with a unit. Every slice is a ``Requirement`` on the second one.
+    ``limit``, ``told``: as in ``require``; of slices that were not reached in time every value is undecided.
+
+    >>> from haptisym.model.scenefile import load_scene
+    >>> found = design_map(load_scene("fu2019"), ["zeta", "omega_n"], [("0.4", "0.6"), (50, 500)], slices=3)
+    >>> [x.requirement.feasible[0].low.value.digits(6) for x in found.slices]
+    ['103.831', '122.356', '141.462']
+    """
+    scene = as_scene(scene)
+    first, second = (free_parameter(scene, path) for path in paths)
+    if first.symbol == second.symbol:
+        raise SceneError(f"{first.path} is asked for twice: a map needs two different parameters")
+    (low, high), other = ((free.value(a), free.value(b)) for free, (a, b) in zip((first, second), ranges, strict=True))
+    for free, pair in zip((first, second), ((low, high), other), strict=True):
+        domain(free, pair)
+
+    def cut(at: Expr, n: int, count: int) -> Slice:
+        budget.say(n, count, "slices")
+        asked = require(first.put(scene, at), second.path, other, part=part, any_environment=any_environment)
+        return Slice(at, asked)
+
+    def cut_all(places: Sequence[Expr]) -> list[Slice]:
+        return [cut(at, n, len(places)) for n, at in enumerate(places)]
+
+    step = (high - low) / (slices - 1)
+    start = [low + step * i for i in range(slices)]
+    with limited(limit, told) as budget:
+        found = cut_all([at for at in start if first.rule.allows(at)])
+        for _ in range(_CLOSER):
+            wanted = [(a.at + b.at) / 2 for a, b in pairwise(found) if _differ(a, b)]
+            if budget.reached:  # what could be told apart is
+                break
+            found = sorted([*found, *cut_all(wanted)], key=lambda x: float(x.at))
+    return DesignMap(scene, (first, second), ((low, high), other), tuple(found), part, any_environment)
+
+
+def _differ(a: Slice, b: Slice) -> bool:
+    """Whether two slices differ in the number of intervals, or in what binds at their ends."""
+    return _pattern(a) != _pattern(b)
+
+
+def _pattern(x: Slice) -> list[list[list[tuple[Part | None, Kind]]]]:
+    spans = x.requirement.feasible
+    return [[[(b.part, b.kind) for b in end.bindings] for end in (span.low, span.high)] for span in spans]

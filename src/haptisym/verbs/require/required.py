@@ -1,0 +1,177 @@
+"""What a parameter must be: the values that were found, with a formula where there is one, and as a document."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from sympy import Expr, Symbol
+
+from haptisym.judge.bounds import relative_square
+from haptisym.judge.crossings import excess, level
+from haptisym.kernel.reals import RealNumber, Sliver
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.symbols import c
+from haptisym.model.catalogue import values
+from haptisym.model.jnd import Part
+from haptisym.model.scene import Scene
+from haptisym.verbs.require.closedforms import closed_form
+from haptisym.verbs.require.feasible import Binding, End, Kind, Span
+from haptisym.verbs.require.freeparameter import Domain, Free
+from haptisym.verbs.require.nearest import Nearest
+
+_NAMES = {Kind.EDGE: Symbol("omega_max", positive=True), Kind.START: Symbol("omega_min", positive=True)}
+
+_MOST_PRODUCTS = 5000
+"""Of terms above and below the line of dH in symbols: beyond it no formula is readable, and building one takes minutes."""
+
+
+@dataclass(frozen=True)
+class Required:
+    """All values of one parameter for which a scene is transparent on its whole band, certified.
+
+    ``feasible``: intervals of values, SI, in order; () means proved that none will do. Each end says what binds there: which
+    part, where on the band. ``undecided``: intervals of values about which nothing is proven; empty for every rational scene.
+    ``limit``: the seconds of a limit that cut the work short, None if none did.
+    ``domain``: the values that were asked about. ``keys``: the parts that were asked about; None for any environment.
+    """
+
+    scene: Scene
+    free: Free
+    domain: Domain
+    feasible: tuple[Span, ...]
+    undecided: tuple[tuple[RealNumber | None, RealNumber | None], ...] = ()
+    keys: tuple[Part | None, ...] = tuple(Part)
+    digits: int = 15
+    limit: float | None = None
+
+    @property
+    def certified(self) -> bool:
+        """Whether every end is proven and nothing was left undecided."""
+        return not self.undecided
+
+    @property
+    def ends(self) -> tuple[End, ...]:
+        """The ends at which a condition binds, in order."""
+        listed = (end for span in self.feasible for end in dict.fromkeys((span.low, span.high)))
+        return tuple(end for end in listed if end.bindings)
+
+    @property
+    def nearest(self) -> Nearest | None:
+        """Where no value will do, the one that comes nearest; None if one will, or if none was found."""
+        return None
+
+    def form(self, end: End) -> Expr | None:
+        """The value at an end as a formula in the scene's symbols, ``c`` and ``omega_max``; None where none is readable."""
+        if end.value is None or isinstance(end.value, Sliver) or float(end.value) <= 0:
+            return None
+        for binding in end.bindings:
+            place = _NAMES.get(binding.kind)
+            if place is not None and binding.omega is not None and float(binding.omega) > 0:
+                condition = self._symbolic(binding.part)
+                if condition is None:
+                    return None
+                known = self._known(binding.part) | {place: self.scene.band[binding.kind is Kind.EDGE]}
+                found = closed_form(condition, self.free.symbol, place, known, end.value.digits(60))
+                if found is not None:
+                    return found
+        return None
+
+    @cached_property
+    def forms(self) -> tuple[Expr | None, ...]:
+        """The formulas of ``ends``, None for each that has none."""
+        return tuple(self.form(end) for end in self.ends)
+
+    def _symbolic(self, part: Part | None) -> RealFunction | None:
+        """The condition with symbols for all parameters; None where it would fill a book."""
+        d = self.scene.symbolic_distortion()
+        if len(d.difference.numerator.monoms()) * len(d.difference.denominator.monoms()) > _MOST_PRODUCTS:
+            return None
+        square = relative_square(d) if part is None else None
+        found = level(square, c**2) if square is not None else excess(d, c, part or Part.REAL)
+        assert isinstance(found, RealFunction)
+        return found
+
+    def _known(self, part: Part | None) -> dict[Symbol, Expr]:
+        limits = self.scene.threshold
+        own = min(limits.real, limits.imag) if part is None else limits[part]
+        return {**values(self.scene.parameters), c: own}
+
+    def to_dict(self) -> dict[str, Any]:
+        """The document of ``haptisym require --json``, schema ``haptisym.requirement/1``."""
+        low, high = (None if x is None else float(x) for x in (self.domain.low, self.domain.high))
+        rows = self.rows()
+        return {
+            "schema": "haptisym.requirement/1",
+            "title": self.scene.title,
+            "free": self.free.path,
+            "unit": self.free.unit,
+            "range": [low, high],
+            "band": [float(x) for x in self.scene.band],
+            "condition": [x.value if x else "any environment" for x in self.keys],
+            "feasible": rows["feasible"],
+            "ends": [[self._end(x.low), self._end(x.high)] for x in self.feasible],
+            "binding": rows["binding"],
+            "closed_form": self.closed_form,
+            "undecided": rows["undecided"],
+            "certified": self.certified,
+            **self.scene.aside_keys([self.free.path], [self.free.path]),
+            **({} if self.nearest is None else {"nearest": _nearest(self.nearest)}),
+            **({"limit": self.limit} if self.undecided and self.limit is not None else {}),
+        }
+
+    def rows(self) -> dict[str, Any]:
+        """What a document says about the values alone."""
+        forms = dict(zip(self.ends, self.forms, strict=True))
+        return {
+            "feasible": [[_float(x.low), _float(x.high)] for x in self.feasible],
+            "binding": [
+                {"at": _float(end), **_binding(b), "closed_form": None if forms[end] is None else str(forms[end])}
+                for end in self.ends
+                for b in end.bindings
+            ],
+            "undecided": [[None if x is None else float(x) for x in pair] for pair in self.undecided],
+            "certified": self.certified,
+        }
+
+    @property
+    def closed_form(self) -> str | None:
+        """The requirement as a formula where each end has one, such as ``tau <= asin(c)/omega_max``."""
+        forms = dict(zip(self.ends, self.forms, strict=True))
+        if not forms or any(form is None for form in forms.values()):
+            return None
+        return " or ".join(x for x in (self._inequality(span, forms) for span in self.feasible) if x)
+
+    def _inequality(self, span: Span, forms: dict[End, Expr | None]) -> str:
+        name = self.free.symbol.name
+        if span.low is span.high:
+            return f"{name} = {forms[span.low]}"
+        low = [f"{name} >= {forms[span.low]}"] if span.low in forms else []
+        high = [f"{name} <= {forms[span.high]}"] if span.high in forms else []
+        return " and ".join(low + high)
+
+    def _end(self, end: End) -> dict[str, Any] | None:
+        if end.value is None:
+            return None
+        enclosure = list(end.value.enclosure(self.digits))
+        return {"digits": end.value.digits(self.digits), "enclosure": enclosure, "closed": end.closed}
+
+    def to_json(self) -> str:
+        """The document of ``haptisym require --json`` as text."""
+        return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
+
+
+def _float(end: End) -> float | None:
+    return None if end.value is None else float(end.value)
+
+
+def _binding(b: Binding) -> dict[str, Any]:
+    omega = None if b.omega is None else float(b.omega)
+    return {"part": b.part.value if b.part else None, "omega": omega, "kind": b.kind.value}
+
+
+def _nearest(x: Nearest) -> dict[str, Any]:
+    row = {"value": float(x.value), "ratio": float(x.ratio), **_binding(x.binding)}
+    return {**row, "times": x.times, "at_least": x.at_least}

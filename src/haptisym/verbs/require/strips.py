@@ -1,0 +1,150 @@
+"""A real function of frequency over an interval of values of one parameter, in balls: for scenes with delays and powers.
+
+The condition N(omega, t) <= 0 is written as a sum of p(omega, t) sin^k cos^(n - k) omega^(alpha l), the waves those of half the
+angles omega tau; n is even, so that the sign is that of the condition itself. Over a ball of values of t this is an analytic
+function of omega with balls for coefficients.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import TypeAlias
+
+import flint
+from flint import arb, arb_poly
+from sympy import Symbol
+
+from haptisym.kernel.axis import Axis
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.reals import Ball, expression_ball
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import Polynomial
+from haptisym.kernel.wavesums import Compiled
+
+_Waves: TypeAlias = tuple[int, ...]
+_Rows: TypeAlias = Mapping[tuple[_Waves, _Waves], list[arb_poly]]
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """What stands above the line of a real function of omega and one parameter."""
+
+    polynomial: Polynomial
+    axis: Axis
+    free: Symbol
+    degrees: tuple[int, ...]
+    """Of the waves of each angle: even, and at least that of the polynomial in the tangent of half the angle."""
+
+    @classmethod
+    def of(cls, function: RealFunction, free: Symbol) -> Shape:
+        axis, numerator = function.axis, function.function.numerator
+        turns = [int(n) for n in numerator.degrees()[axis.size : axis.size + len(axis.angles)]]
+        return cls(numerator, axis, free, tuple(n + n % 2 for n in turns))
+
+    @cached_property
+    def change(self) -> Shape | None:
+        """The derivative in the parameter; None where it is the order of a power, or where nothing depends on it.
+
+        d tan(a/2) = (1 + tan(a/2)^2) da/2, and d cos(a/2)^n = -n tan(a/2) cos(a/2)^n da/2.
+        """
+        axis = self.axis
+        if any(order.has(self.free) for order in axis.orders):
+            return None
+        index = axis.meanings.index(self.free)
+        total = self.polynomial.derivative(index)
+        for i, (angle, n) in enumerate(zip(axis.angles, self.degrees, strict=True), axis.size):
+            if not angle.constant and angle.rate.has(self.free):
+                t = axis.context.gens()[i]
+                rate = axis.convert(angle.rate.diff(self.free) / 2)  # a number, as delays are multiples of one time
+                half = axis.variable * rate.numerator / rate.denominator
+                total += ((1 + t**2) * self.polynomial.derivative(i) - n * t * self.polynomial) * half
+        return None if total.is_zero() else Shape(total, axis, self.free, self.degrees)
+
+    @cached_property
+    def order_at_zero(self) -> int:
+        """A power of omega that every term holds, by itself or in sines, whatever the parameter: what a hold divides by."""
+        axis = self.axis
+        turning = [i for i, angle in enumerate(axis.angles, axis.size) if not angle.constant]
+        return min(int(e[0]) + sum(int(e[i]) for i in turning) for e in self.polynomial.monoms())
+
+    def over(self, value: Ball) -> Compiled:
+        """The function of omega for a ball of values of the parameter, at the current working precision."""
+        known = {self.free: value}
+        rates = [expression_ball(a.rate, known) / 2 for a in self.axis.angles]
+        exponents = [expression_ball(x, known) for x in self.axis.orders]
+        return self._compiled(_coefficients(self, flint.ctx.prec), value, rates, exponents)
+
+    def beyond(self, inverse: Ball) -> Compiled:
+        """The function, over an even power of the parameter, for a ball of values of 1/parameter, which may hold 0.
+
+        Delays that the parameter is part of have waves of any phase: balls from -1 to 1.
+        """
+        if any(x.has(self.free) for x in self.axis.orders):
+            raise SceneError(f"{self.free} is the order of a power: it has no values without bound")
+        most = int(self.polynomial.degrees()[self.axis.meanings.index(self.free)])
+        most += most % 2
+        mirrored = {
+            key: [arb_poly([p[most - n] for n in range(most + 1)]) for p in row]
+            for key, row in _coefficients(self, flint.ctx.prec).items()
+        }
+        rates = [None if a.rate.has(self.free) else expression_ball(a.rate) / 2 for a in self.axis.angles]
+        return self._compiled(mirrored, inverse, rates, [expression_ball(x) for x in self.axis.orders])
+
+    def _compiled(self, coefficients: _Rows, value: Ball, rates: list[Ball | None], exponents: list[Ball]) -> Compiled:
+        constant = [a.constant for a in self.axis.angles]
+        turning = [i for i, rate in enumerate(rates) if rate is not None and not constant[i]]
+        terms: dict[tuple[_Waves, _Waves], arb_poly] = {}
+        for (turns, powers), row in coefficients.items():
+            polynomial = arb_poly([p(value) for p in row])
+            for i, k in enumerate(turns):
+                if i not in turning:
+                    polynomial = polynomial * _wave(rates[i], k, self.degrees[i])
+            key = tuple(turns[i] for i in turning), powers
+            terms[key] = terms[key] + polynomial if key in terms else polynomial
+        return Compiled(
+            tuple(rates[i] for i in turning),
+            tuple(self.degrees[i] for i in turning),
+            tuple(exponents),
+            tuple((*key, polynomial) for key, polynomial in terms.items()),
+        )
+
+
+@lru_cache(maxsize=64)
+def _coefficients(shape: Shape, bits: int) -> _Rows:
+    """By the powers of waves and of omega^alpha: for each power of omega a polynomial in the parameter, with so many bits."""
+    axis, index = shape.axis, shape.axis.meanings.index(shape.free)
+    first, highest = axis.size + len(axis.angles), int(shape.polynomial.degrees()[index])
+    found: dict[tuple[_Waves, _Waves], list[list[Ball]]] = {}
+    with flint.ctx.workprec(bits):
+        for exponents, value in shape.polynomial.to_dict().items():
+            own = [int(n) for n in exponents]
+            rows = found.setdefault((tuple(own[axis.size : first]), tuple(own[first:])), [])
+            rows += [[arb(0)] * (highest + 1) for _ in range(own[0] + 1 - len(rows))]
+            rows[own[0]][own[index]] += arb(value) * arb.pi() ** own[1]
+        return {key: [arb_poly(row) for row in rows] for key, rows in found.items()}
+
+
+def _wave(half: Ball | None, k: int, degree: int) -> Ball:
+    """sin^k cos^(degree - k) of a constant half angle, or of any at all."""
+    if half is None:
+        low = 0 if k % 2 == 0 else -1  # the degree is even
+        return arb(low).union(arb(1)) if degree > 0 else arb(1)
+    sine, cosine = half.sin_cos()
+    return sine**k * cosine ** (degree - k)
+
+
+def value_from_zero(compiled: Compiled, end: Ball) -> Ball:
+    """A ball around the values from omega = 0 to a dyadic number, also with powers omega^alpha, which have no slope at 0."""
+    box = arb(0).union(end)
+    powers = [arb(0).union((end.log() * a).exp()) for a in compiled.exponents]
+    total = arb(0)
+    for turns, own, polynomial in compiled.terms:
+        term = polynomial(box)
+        for rate, k, degree in zip(compiled.rates, turns, compiled.degrees, strict=True):
+            term = term * _wave(rate * box, k, degree)
+        for power, n in zip(powers, own, strict=True):
+            term = term * power**n if n else term
+        total = total + term
+    return total

@@ -1,0 +1,69 @@
+"""Where a function of frequency and of one parameter has an extremum, for a value of the parameter known to any precision."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import flint
+from sympy import Expr, Symbol
+
+from haptisym.kernel.reals import Ball, RealNumber, expression_ball, rational_between
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import PolynomialRing, RationalFunction
+from haptisym.kernel.symbols import omega
+from haptisym.kernel.zeros import rounded_up, tightened
+
+
+@dataclass(frozen=True)
+class Surface:
+    """The slope and the curvature in omega of a function of omega and one parameter, in balls."""
+
+    slope: RationalFunction
+    bend: RationalFunction
+    free: Symbol
+
+    @classmethod
+    def of(cls, function: RealFunction, free: Symbol) -> Surface:
+        slope = function.derivative()
+        return cls(slope.function, slope.derivative().function, free)
+
+    def ball(self, function: RationalFunction, place: Ball, value: Ball) -> Ball:
+        """A ball around the values at balls of frequencies and of the parameter, at the current working precision."""
+        known: dict[Expr, Any] = {omega: place, self.free: value}
+        ring: PolynomialRing = function.ring
+        values = {g: expression_ball(g, known) for g in ring.meanings if not g.is_Symbol or g in known}
+        return ring.ball(function.numerator, values) / ring.ball(function.denominator, values)
+
+
+@dataclass(frozen=True, repr=False)
+class Touch(RealNumber):
+    """The one extremum of a function of omega between two frequencies, where the parameter has a given value."""
+
+    surface: Surface
+    value: RealNumber
+    low: Ball
+    high: Ball
+
+    def ball(self, bits: int) -> Ball:
+        bits = rounded_up(bits)
+        with flint.ctx.workprec(bits):
+            at, surface = self.value.ball(bits), self.surface
+            return tightened(
+                self.low,
+                self.high,
+                bits,
+                lambda x, count: [surface.ball(f, x, at) for f in (surface.slope, surface.bend)[:count]],
+            )
+
+
+def touch(surface: Surface, value: RealNumber, low: RealNumber, high: RealNumber) -> Touch | None:
+    """The extremum between two frequencies, proven to be there and to be the only one; None where that does not show."""
+    middle = rational_between(low, high)
+    with flint.ctx.workprec(256):
+        start, end, at = low.ball(256).lower(), high.ball(256).upper(), value.ball(256)
+        bend = surface.ball(surface.bend, start.union(end), at)
+        left, right = (surface.ball(surface.slope, x, at) for x in (start, end))
+        certain = (bend < 0 and left > 0 and right < 0) or (bend > 0 and left < 0 and right > 0)
+    assert start < expression_ball(middle) < end
+    return Touch(surface, value, start, end) if certain else None

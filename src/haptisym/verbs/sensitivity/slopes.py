@@ -1,0 +1,310 @@
+"""How the frequencies of an evaluation move with each parameter: derivatives and elasticities, exact and certified.
+
+A crossing is a simple zero of F(omega, p) = r^2 - c^2, so that d omega/dp = -(dF/dp)/(dF/d omega) there (implicit
+differentiation). ``Derivation.sensitivity`` has the formula; here it is evaluated in ball arithmetic at the certified
+frequency. Where the display touches its threshold dF/d omega is 0 and the derivative does not exist. Where zeros and poles meet
+(``branches``), where a parameter has the least value that it may have, and at the ends of the band it may exist from one side.
+Derivation: 14_sensitivity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+from types import MappingProxyType
+
+import flint
+from sympy import Expr, Integer, Symbol
+
+from haptisym.judge.crossings import Crossing, CrossingKind, Curve
+from haptisym.judge.evaluation import Evaluation
+from haptisym.kernel.implicit import Equation
+from haptisym.kernel.levels import algebraic
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot
+from haptisym.kernel.roots import Point
+from haptisym.kernel.shown import Shown, counted
+from haptisym.kernel.symbols import c, omega
+from haptisym.model.catalogue import Rule
+from haptisym.model.jnd import Part, is_irrational_algebraic
+from haptisym.verbs.derive.derivation import Derivation, Factors, derive
+from haptisym.verbs.sensitivity.branches import Branch, Meeting, Slope, not_clear
+
+TOUCH = "undefined: the display touches its threshold here"
+_ZERO = ExactNumber(Integer(0))
+_MEET = "undecided: several branches of the equation meet here"
+_NOT_CLEAR = "undecided: dF/dp or dF/d omega is 0 here, or too near to it"
+_FLAT = "undefined: the ratio meets its threshold at 0 rad/s, where it is flat"
+_LEAST = "from above; below there is no scene"
+_THRESHOLD_NAMES = MappingProxyType({Part.REAL: "c_real", Part.IMAG: "c_imag"})
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """How a frequency moves with one parameter p: ``derivative`` = d omega/dp in rad/s per ``unit``, ``elasticity`` =
+    (p/omega) d omega/dp (1). Certified; None where the derivative does not exist.
+
+    ``path``: the parameter's place in a scene file; ``name``: its symbol, ``c`` (or ``c_real``, ``c_imag``) the threshold.
+    ``side``: "above" or "below" where the derivative holds only for larger or for smaller values of the parameter.
+    """
+
+    path: str
+    name: str
+    unit: str
+    derivative: RealNumber | None
+    elasticity: RealNumber | None
+    reason: str = ""
+    """Why there are none, or only from one side."""
+    side: str = ""
+
+
+@dataclass(frozen=True, repr=False)
+class Sensitive(Shown):
+    """A frequency, rad/s, and how it moves with each parameter."""
+
+    omega: RealNumber
+    parameters: tuple[Sensitivity, ...]
+    part: Part | None = None
+    kind: CrossingKind | None = None
+
+    def _line(self) -> str:
+        return f"{self.omega.digits(6)} rad/s: {counted(len(self.parameters), 'parameter')}"
+
+    def __getitem__(self, name: str) -> Sensitivity:
+        return next(x for x in self.parameters if x.name == name)
+
+    @property
+    def reason(self) -> str:
+        """Why there are no derivatives by any parameter; empty where there are some."""
+        reasons = {x.reason if x.derivative is None else "" for x in self.parameters}
+        return reasons.pop() if len(reasons) == 1 else ""
+
+    @property
+    def ranked(self) -> tuple[Sensitivity, ...]:
+        """The parameters, that with the largest elasticity first."""
+        return tuple(sorted(self.parameters, key=lambda x: -abs(float(x.elasticity or 0))))
+
+
+@dataclass(frozen=True)
+class _Place:
+    """A parameter as the rows call it, the symbol that it is in the equations, and its value."""
+
+    path: str
+    name: str
+    unit: str
+    symbol: Symbol
+    value: RealNumber
+    exact: Expr
+    derivation: Derivation = field(repr=False)
+    least: bool = False
+    """Whether no smaller value makes a scene."""
+
+    def factors(self, of: Part | str) -> Factors:
+        """Of r^2 - c^2 of a part, or of Re H of a system: the factors above and below the line."""
+        if of not in self._known:
+            d = self.derivation
+            found = partial(d.factors, of) if isinstance(of, Part) else partial(d.changeover_factors, of)
+            self._known[of] = (*found(pole=False), *found(pole=True))
+        return self._known[of]
+
+    @cached_property
+    def _known(self) -> dict[Part | str, Factors]:
+        return {}
+
+
+@dataclass(frozen=True)
+class Slopes:
+    """How each crossing, changeover and the bandwidth of an evaluation moves with each parameter and the threshold."""
+
+    evaluation: Evaluation = field(repr=False)
+
+    @cached_property
+    def crossings(self) -> tuple[Sensitive, ...]:
+        """In ascending order."""
+        return tuple(self._crossing(x) for x in self.evaluation.crossings)
+
+    @cached_property
+    def changeovers_environment(self) -> tuple[Sensitive, ...]:
+        """Where Re H_env changes its sign."""
+        return tuple(self._changeover("env", Curve.ENVIRONMENT, x) for x in self.evaluation.changeovers_environment)
+
+    @cached_property
+    def changeovers_perceived(self) -> tuple[Sensitive, ...]:
+        """Where Re H_perc changes its sign."""
+        return tuple(self._changeover("perc", Curve.PERCEIVED, x) for x in self.evaluation.changeovers_perceived)
+
+    @cached_property
+    def bandwidth(self) -> Sensitive | None:
+        """The bandwidth; None where there is none."""
+        end = self.evaluation.bandwidth
+        if end is None:
+            return None
+        there = [x for x in self.crossings if x.omega is end and x.kind is not CrossingKind.TOUCHES]
+        places = (*self._parameters, self._thresholds[Part.REAL])
+        reason = self._kink(end, there)
+        if reason:
+            return Sensitive(end, _none(places, reason))
+        return there[0] if there else Sensitive(end, tuple(_still(p) for p in places))
+
+    @property
+    def certified(self) -> bool:
+        """Whether nothing was left undecided."""
+        listed = (*self.crossings, *self.changeovers_environment, *self.changeovers_perceived)
+        decided = not any(p.reason.startswith("undecided") for x in listed for p in x.parameters)
+        return self.evaluation.certified and decided
+
+    @cached_property
+    def _parameters(self) -> tuple[_Place, ...]:
+        return tuple(self._named())
+
+    def _named(self) -> Iterator[_Place]:
+        scene = self.evaluation.scene
+        for place, _, p in scene.placed():
+            one, unit = derive(scene, [p.symbol.name]), p.dimension.unit(scene.motion)
+            least = p.rule is Rule.NONNEGATIVE and p.value == 0
+            yield _Place(f"{place}.{p.key}", p.symbol.name, unit, p.symbol, ExactNumber(p.value), p.value, one, least)
+
+    @cached_property
+    def _thresholds(self) -> dict[Part, _Place]:
+        return {part: self._threshold(part) for part in Part}
+
+    def _threshold(self, part: Part) -> _Place:
+        limits = self.evaluation.scene.threshold
+        alike = limits.real == limits.imag
+        path, name = "evaluation.jnd" + ("" if alike else f".{part.value}"), "c" if alike else _THRESHOLD_NAMES[part]
+        one = derive(self.evaluation.scene, ["c"])
+        return _Place(path, name, "1", c, self._limit(part), limits[part], one)
+
+    def _limit(self, part: Part) -> RealNumber:
+        """The threshold as a number."""
+        value = self.evaluation.scene.threshold[part]
+        return SquareRoot(algebraic((value**2).expand())) if is_irrational_algebraic(value) else ExactNumber(value)
+
+    def _crossing(self, x: Crossing) -> Sensitive:
+        places = (*self._parameters, self._thresholds[x.part])
+        known = {c: self._limit(x.part)}
+        flat = TOUCH if x.kind is CrossingKind.TOUCHES else _FLAT if x.multiplicity > 1 and not float(x.omega) else ""
+        rows = (_at(p, p.factors(x.part), x.omega, known, flat, simple=x.multiplicity == 1) for p in places)
+        return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows), x.part, x.kind)
+
+    def _changeover(self, system: str, curve: Curve, x: Point) -> Sensitive:
+        simple = abs(x.orders[curve, Part.REAL]) == 1
+        rows = (_at(p, p.factors(system), x.omega, {}, simple=simple) for p in self._parameters)
+        return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows))
+
+    def _in_band(self, row: Sensitivity, where: RealNumber) -> Sensitivity:
+        """At an end of the band the frequency leaves it on one side of the parameter's value."""
+        ends = [point.omega for point in (self.evaluation.chart.points[0], self.evaluation.chart.points[-1])]
+        if row.derivative is None or all(where is not end for end in ends) or float(row.derivative) == 0:
+            return row
+        inward = 1 if where is ends[0] else -1
+        side = "above" if (float(row.derivative) > 0) == (inward > 0) else "below"
+        other = {"above": "below", "below": "above"}[side]
+        if row.side and row.side != side:
+            return replace(row, derivative=None, elasticity=None, side="", reason="undefined: it leaves the band")
+        return replace(row, side=side, reason=row.reason or f"from {side}; {other} it lies beyond the band")
+
+    def _kink(self, end: RealNumber, there: list[Sensitive]) -> str:
+        """Why the bandwidth has no derivative; empty where it has."""
+        e = self.evaluation
+        below = self.crossings[: next((i + 1 for i, x in enumerate(self.crossings) if x.omega is end), None)]
+        if e.undecided:
+            return "undecided: whether a ratio touches its threshold on the band"
+        if any(x.kind is CrossingKind.TOUCHES for x in below):
+            return "undefined: the display touches its threshold within the bandwidth"
+        if len(there) > 1:
+            return "undefined: both ratios meet their thresholds here"
+        if end is e.chart.points[0].omega or (there and there[0].reason):
+            return TOUCH
+        if there and end is e.chart.points[-1].omega:
+            return "undefined: a ratio meets its threshold at the very end of the band"
+        return ""
+
+
+def _still(p: _Place) -> Sensitivity:
+    return Sensitivity(p.path, p.name, p.unit, _ZERO, _ZERO)
+
+
+def _none(places: tuple[_Place, ...], reason: str) -> tuple[Sensitivity, ...]:
+    return tuple(Sensitivity(p.path, p.name, p.unit, None, None, reason) for p in places)
+
+
+def _at(
+    p: _Place, factors: Factors, where: RealNumber, known: dict[Symbol, RealNumber], flat: str = "", *, simple: bool
+) -> Sensitivity:
+    """The sensitivity of a frequency at which one or more of these factors vanish.
+
+    ``flat``: why nothing that depends on the parameter has a derivative; ``simple``: whether it is a simple zero or pole.
+    """
+    values = tuple({**known, omega: where, p.symbol: p.value}.items())
+    meeting = not_clear(factors, values)
+    if meeting and not any(_depends(equation, p.symbol) for equation, _ in meeting):
+        return _still(p)
+    if flat:
+        return replace(_still(p), derivative=None, elasticity=None, reason=flat)
+    if len(meeting) != 1 or not simple:
+        return _met(p, Meeting(meeting, p.symbol, values), where)
+    slope = Slope(meeting[0][0].slope(p.symbol), values)
+    if slope.slope.vanishes({p.symbol: p.exact}):
+        return _one_sided(p, _ZERO, where)
+    if not slope.is_clear():
+        if Meeting(meeting, p.symbol, values).is_still():
+            return _one_sided(p, _ZERO, where)
+        return Sensitivity(p.path, p.name, p.unit, None, None, _NOT_CLEAR)
+    return _one_sided(p, slope, where)
+
+
+def _depends(equation: Equation, x: Symbol) -> bool:
+    return bool(equation.partial(x))
+
+
+def _one_sided(p: _Place, derivative: RealNumber, where: RealNumber) -> Sensitivity:
+    """A derivative that holds on both sides, as far as there are two."""
+    elasticity = _ZERO if p.exact == 0 or derivative is _ZERO else _Elasticity(derivative, p.value, where)
+    least = p.least and derivative is not _ZERO
+    side, reason = ("above", _LEAST) if least else ("", "")
+    return Sensitivity(p.path, p.name, p.unit, derivative, elasticity, reason, side)
+
+
+def _met(p: _Place, meeting: Meeting, where: RealNumber) -> Sensitivity:
+    """The sensitivity where several zeros and poles meet."""
+    sides = meeting.sides()
+    if sides is None:
+        return Sensitivity(p.path, p.name, p.unit, None, None, _MEET)
+    below, above = (_alone(side) for side in sides)
+    nothing = Sensitivity(p.path, p.name, p.unit, None, None)
+    if p.least:
+        return replace(nothing, reason=f"undefined: {above}") if isinstance(above, str) else _one_sided(p, above, where)
+    if isinstance(below, str) and isinstance(above, str):
+        return replace(nothing, reason=f"undefined: {above if above == below else f'{above} above, {below} below'}")
+    if isinstance(below, str) or isinstance(above, str):
+        side, there, other = ("above", above, below) if isinstance(below, str) else ("below", below, above)
+        assert isinstance(there, RealNumber)
+        row = _one_sided(p, there, where)
+        return replace(row, side=side, reason=f"from {side}; on the other side {other}")
+    if below == above:
+        return _one_sided(p, above, where)
+    return replace(nothing, reason=f"undefined: {below.digits(5)} from below, {above.digits(5)} from above")
+
+
+def _alone(branches: list[Branch]) -> RealNumber | str:
+    """The slope of a branch that is alone, or what there is instead of one."""
+    if not branches:
+        return "it is not there"
+    if len(branches) > 1:
+        return "it splits into several"
+    return branches[0] or "it moves infinitely fast"
+
+
+@dataclass(frozen=True, repr=False)
+class _Elasticity(RealNumber):
+    """value/omega times a slope."""
+
+    slope: RealNumber
+    value: RealNumber
+    omega: RealNumber
+
+    def ball(self, bits: int) -> Ball:
+        slope, value, omega = (x.ball(bits) for x in (self.slope, self.value, self.omega))
+        with flint.ctx.workprec(bits):
+            return slope * value / omega

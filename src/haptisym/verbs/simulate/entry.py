@@ -1,0 +1,190 @@
+"""Simulation in time as an independent witness: the force at the hand, and from it back to H_perc.
+
+Design. The hand's motion is prescribed. Each element of the scene adds its equations of motion (``blocks``) to a
+network; the algebraic part of these is solved exactly (``descriptor``), which leaves a state equation whose inputs are
+the motion and its derivatives, delay lines, and what clocks, friction and quantisers set. Between events it is solved by
+SciPy's matrix exponential (``propagate``), events are hit exactly (``engine``). The closed form of H_perc is used nowhere.
+Once the transient is over, least squares with sines and cosines of the excited frequencies (a lock-in) recover Re and Im of
+H_perc, and these are held against the closed form.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.shown import Answer, counted, titled
+from haptisym.model.quantities import Dimension, Number
+from haptisym.model.scene import Scene
+from haptisym.model.scenefile import as_scene
+from haptisym.pages.simulate import page
+from haptisym.programs.values import Array
+from haptisym.verbs.simulate.approximations import why_approximate
+from haptisym.verbs.simulate.lockin import Lock
+from haptisym.verbs.simulate.motions import Motion, Sines, multisine, positive, sine
+from haptisym.verbs.simulate.network import Network, name_of
+from haptisym.verbs.simulate.noise import noise_notes
+from haptisym.verbs.simulate.results import Estimate, Extra, Simulated, document
+from haptisym.verbs.simulate.run import Run, check_question, least_duration
+from haptisym.verbs.simulate.threads import one_thread
+
+STEP = 0.9
+"""Radians of the highest frequency on a step; the error estimate compares with steps that are half as long again."""
+_COARSER = 1.5
+_FLOOR = 2e-11  # relative: what rounding leaves of a force that is a sum of larger ones
+
+
+class Simulation(Answer, Simulated):
+    """A simulated run; ``print`` shows it as a page of text, ``to_json`` gives the command line's document."""
+
+    def _line(self) -> str:
+        return f"{titled(self.scene.title)}: {self.motion.name}, {counted(len(self.estimates), 'frequency', 'frequencies')}"
+
+    def __str__(self) -> str:
+        return page([self])
+
+    def to_dict(self) -> dict[str, Any]:
+        """The document of ``haptisym simulate --json``, schema ``haptisym.simulation/1``."""
+        return document([self])
+
+    def to_json(self) -> str:
+        return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
+
+
+def simulate(
+    scene: Scene | str | Path,
+    motion: Motion,
+    *,
+    duration: Number | None = None,
+    extras: Sequence[Extra] = (),
+    progress: Callable[[float, float], None] | None = None,
+) -> Simulation:
+    """The force at the hand for a prescribed motion, and H_perc recovered from it at the frequencies of the motion.
+
+    ``duration``: s, or with a unit (a step is not cut short); as long as transient and lock-in need if not given. ``extras``:
+    encoder quantisation or force saturation. ``progress`` is called with the simulated time and, as far as it is known, the
+    time to simulate, s. Guaranteed: events are hit exactly, and linear parts are integrated without a stability limit; the
+    error of each estimate is estimated, not proven.
+    Raises SceneError for scenes that are not stable or not causal, for symbols, for motions whose derivatives do not exist or
+    whose unit does not fit, and at and beyond the Nyquist frequency of a clock.
+
+    >>> from haptisym.model.scenefile import load_scene
+    >>> run = simulate(load_scene("fu2019"), sine("5 cm", 10))
+    >>> [estimate] = run.estimates
+    >>> run.agrees, bool(abs(estimate.simulated - estimate.closed) < 1e-6 * abs(estimate.closed))
+    (True, True)
+    """
+    with one_thread():
+        return _simulated(as_scene(scene), motion, duration, extras, progress)
+
+
+def _simulated(
+    scene: Scene,
+    motion: Motion,
+    duration: Number | None,
+    extras: Sequence[Extra],
+    progress: Callable[[float, float], None] | None,
+) -> Simulation:
+    check_question(scene, motion, extras)
+    length = motion.duration if duration is None else positive("duration", duration, Dimension.TIME)
+    fine = Run(scene, motion, extras, STEP, progress)
+    if not isinstance(motion, Sines) or (length is not None and length < least_duration(motion)):
+        fine.advance(length or 0.0)
+        return _result(fine, ())
+    found = fine.locked(length)
+    coarse = Run(scene, motion, extras, STEP * _COARSER, progress)
+    other = found if coarse.engine.longest == fine.engine.longest else coarse.again(fine.engine.t)
+    return _result(fine, _estimates(fine, found, other))
+
+
+def check(
+    scene: Scene | str | Path,
+    *,
+    amplitude: Number | None = None,
+    count: int = 10,
+    progress: Callable[[float, float], None] | None = None,
+) -> tuple[Simulation, ...]:
+    """Simulate along the band of a scene, at ``count`` frequencies: all at once, or, with friction, one after the other.
+
+    >>> from haptisym.model.scenefile import load_scene
+    >>> [run] = check(load_scene("zener-tissue"), count=4)
+    >>> len(run.estimates), run.agrees
+    (4, True)
+    """
+    scene = as_scene(scene)
+    if count < 1:
+        raise SceneError(f"count: {count} frequencies; at least 1 is needed")
+    size = default_amplitude(scene) if amplitude is None else amplitude
+    omegas = band_frequencies(scene, count)
+    if any(effect.model == "coulomb-friction" for effect in scene.effects):
+        return tuple(simulate(scene, sine(size, omega), progress=progress) for omega in omegas)
+    return (simulate(scene, multisine(size, omegas), progress=progress),)
+
+
+def band_frequencies(scene: Scene, count: int) -> list[float]:
+    """Frequencies along the band, whole multiples of one, so that they repeat together."""
+    low, high = (float(end) for end in scene.band)
+    base = high / (2 * count)
+    multiples = [n for n in range(1, 2 * count + 1) if n * base >= low]
+    chosen = np.unique(np.round(np.linspace(multiples[0], multiples[-1], min(count, len(multiples)))).astype(int))
+    return [float(n * base) for n in chosen]
+
+
+def default_amplitude(scene: Scene) -> float:
+    """That of the scene's friction, or 5 cm (0.05 rad)."""
+    given = [
+        float(p.value)
+        for e in scene.effects
+        if e.model == "coulomb-friction"
+        for p in e.parameters
+        if p.key == "amplitude"
+    ]
+    return given[0] if given else 0.05
+
+
+# Results
+
+
+def _result(run: Run, estimates: tuple[Estimate, ...]) -> Simulation:
+    engine = run.engine
+    time = engine.record.instants.ravel()
+    columns = [engine.signal(name_of(s)).ravel() for s in (run.ports[-1].F, run.ports[0].X, run.ports[0].F)]
+    hand = run.motion.derivatives(time, 0)[0]
+    return Simulation(
+        run.scene, run.motion, time, hand, columns[0], columns[1], columns[2], estimates, tuple(run.net.built), run.extras,
+        noise_notes(run.scene, run.motion),
+    )  # fmt: skip
+
+
+def _estimates(run: Run, found: Lock, other: Lock) -> tuple[Estimate, ...]:
+    assert isinstance(run.motion, Sines)
+    omegas = np.array(run.motion.omegas)
+    values = run.scene.distortion().compile()(omegas)
+    closed = values.perceived_real + 1j * values.perceived_imag
+    phasors = np.array([run.motion.phasor(omega) for omega in run.motion.omegas])
+    simulated = found.values / phasors
+    numeric = 2 * (found.drift + np.abs(found.values - other.values)) / np.abs(phasors)
+    error = numeric + np.abs(simulated).max() * (_FLOOR + _fractional_error(run.net, omegas))
+    why = (
+        "the closed form knows no quantisation and no saturation"
+        if run.extras
+        else why_approximate(run.engine, run.scene)
+    )
+    return tuple(
+        Estimate(float(w), complex(h), complex(c), float(e), why)
+        for w, h, c, e in zip(omegas, simulated, closed, error, strict=True)
+    )
+
+
+def _fractional_error(net: Network, omegas: Array) -> float:
+    """How far the bank of relaxations is from s^alpha, relatively, at its worst."""
+    if not net.fractional:
+        return 0.0
+    from haptisym.verbs.simulate.fractional import bank_error
+
+    return 3 * max(bank_error(alpha, (low, high), omegas) for alpha, low, high in net.fractional)

@@ -1,0 +1,189 @@
+"""Recorded motions of the hand: CSV files, read with care, as splines."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from haptisym.kernel.errors import SceneError
+from haptisym.model.quantities import Dimension, Number, quantity
+from haptisym.model.quantities import Motion as Kind
+from haptisym.programs.values import Array
+from haptisym.verbs.simulate.motions import positive
+
+_GAP = 1.5  # of the usual spacing of samples; a longer one is a gap
+
+
+@dataclass(frozen=True)
+class Lowpass:
+    """A zero-phase low-pass: a Butterworth filter of half the ``order``, run forth and then back over the recording.
+
+    |G| = 1/(1 + (tan(omega dt/2)/tan(cutoff dt/2))^order (sqrt(2) - 1)): 3 dB less at the ``cutoff``, rad/s, and no delay.
+    A causal filter would delay the motion, and with it all that the scene says about phase; a recording is whole, so that
+    none is needed. Beyond both ends the recording is continued, turned about its end points.
+    """
+
+    cutoff: float
+    order: int
+
+    def __str__(self) -> str:
+        return f"low-passed at {self.cutoff / (2 * pi):.4g} Hz (order {self.order}, zero phase)"
+
+    @classmethod
+    def of(cls, cutoff: Number, order: int) -> Lowpass:
+        if order not in (2, 4, 6, 8):
+            raise SceneError(f"order of the low-pass: {order} is none of 2, 4, 6, 8 (it runs forth and back)")
+        return cls(positive("lowpass", cutoff, Dimension.FREQUENCY), order)
+
+    def smoothed(self, made: Recording) -> Recording:
+        """The recording at even spacing, smoothed. Raises SceneError for a cutoff that its spacing cannot hold."""
+        from scipy.signal import butter, sosfiltfilt
+
+        count = len(made.times)
+        times = np.linspace(0.0, made.times[-1], count)
+        dt = times[1]
+        if self.cutoff >= pi / dt or self.cutoff * made.times[-1] < 2 * pi:
+            raise SceneError(
+                f"lowpass: {self.cutoff:.6g} rad/s must lie between one period in the whole recording, "
+                f"{2 * pi / made.times[-1]:.4g} rad/s, and its Nyquist frequency, {pi / dt:.4g} rad/s"
+            )
+        each = np.tan(self.cutoff * dt / 2) / (2**0.5 - 1) ** (1 / self.order)  # twice this is 3 dB at the cutoff
+        sections = butter(self.order // 2, 2 * np.arctan(each) / pi, output="sos")
+        even = made.derivatives(times, 0)[0]
+        pad = min(count - 1, int(np.ceil(3 * 2 * pi / self.cutoff / dt)))
+        return replace(made, times=times, values=sosfiltfilt(sections, even, padlen=pad), lowpass=self)
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """A recorded motion: a spline of degree 5 through samples at ``times``, s."""
+
+    times: Array
+    values: Array
+    name: str = "recording"
+    kind: Kind | None = None
+    omegas: tuple[float, ...] = ()
+    smoothness: int = 4
+    lowpass: Lowpass | None = None
+    """What smoothed it."""
+
+    @cached_property
+    def _spline(self) -> Any:
+        from scipy.interpolate import make_interp_spline
+
+        return make_interp_spline(self.times, self.values, k=5)
+
+    @property
+    def amplitude(self) -> float:
+        return float(np.abs(self.values).max())
+
+    @property
+    def span(self) -> tuple[float, float]:
+        return 2 * pi / self.times[-1], pi / float(np.diff(self.times).max())
+
+    @property
+    def duration(self) -> float | None:
+        return float(self.times[-1])
+
+    def derivatives(self, t: Array, order: int) -> Array:
+        spline, inside = self._spline, np.clip(t, self.times[0], self.times[-1])
+        # before its first sample the hand is at rest there
+        return np.stack(
+            [np.where((t >= self.times[0]) | (k == 0), spline(inside, nu=k), 0.0) for k in range(order + 1)]
+        )
+
+
+def recording(path: str | Path, *, lowpass: Number | None = None, order: int = 4) -> Recording:
+    """A motion from a CSV file: two columns, time and displacement, with units in the header (``t [s], x [mm]``).
+
+    Without a unit they are s and m (or rad). ``lowpass``: cutoff, rad/s or with a unit, of a smoothing of that ``order`` (see
+    ``Lowpass``); as recorded if not given. SceneError names the line of what is missing, not a number, or not in order, and
+    gaps: spacings more than 1.5 times the usual one.
+    """
+    made = _read(path)
+    if lowpass is None:
+        return made
+    smooth = Lowpass.of(lowpass, order)
+    return replace(smooth.smoothed(made), name=f"{made.name}, {smooth}")
+
+
+def _read(path: str | Path) -> Recording:
+    rows = _rows(Path(path))
+    units = [_unit(path, header) for header in rows[0]] if not _is_number(rows[0][0]) else ["", ""]
+    body = rows[1:] if not _is_number(rows[0][0]) else rows
+    first = 2 if body is not rows else 1
+    if len(body) < 6:
+        raise SceneError(f"{path}: {len(body)} samples; a recorded motion needs at least 6")
+    time = _column(path, body, 0, first) * float(_scale(path, units[0], Dimension.TIME)[0])
+    factor, kind = _scale(path, units[1], Dimension.DISPLACEMENT)
+    values = _column(path, body, 1, first) * factor
+    _regular(path, time, first)
+    return Recording(time - time[0], values, Path(path).name, kind)
+
+
+def _rows(path: Path) -> list[list[str]]:
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else "not a text file (UTF-8)"
+        raise SceneError(f"{path}: {reason.lower()}") from None
+    rows = [[cell.strip() for cell in row] for row in csv.reader(text.splitlines())]
+    while rows and not any(rows[-1]):
+        rows.pop()
+    if not rows:
+        raise SceneError(f"{path}: the file is empty")
+    for number, row in enumerate(rows, 1):
+        if len(row) != 2 or not all(row):
+            raise SceneError(f"{path}: line {number}: needs a time and a displacement, separated by a comma")
+    return rows
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _unit(path: str | Path, header: str) -> str:
+    if "[" not in header:
+        return ""
+    name, _, rest = header.partition("[")
+    unit, closed, _ = rest.partition("]")
+    if not closed or not unit.strip():
+        raise SceneError(f'{path}: line 1: "{header}": write the unit in brackets, as in "{name.strip() or "x"} [mm]"')
+    return unit.strip()
+
+
+def _scale(path: str | Path, unit: str, dimension: Dimension) -> tuple[float, Kind | None]:
+    try:
+        read = quantity(f"1 {unit}", dimension)
+    except SceneError as error:
+        raise error.within(f"{path}: line 1") from None
+    return float(read.value), read.motion
+
+
+def _column(path: str | Path, rows: list[list[str]], index: int, first: int) -> Array:
+    for number, row in enumerate(rows, first):
+        if not _is_number(row[index]) or not np.isfinite(float(row[index])):
+            raise SceneError(f'{path}: line {number}: "{row[index][:40]}" is not a finite number')
+    return np.array([float(row[index]) for row in rows])
+
+
+def _regular(path: str | Path, time: Array, first: int) -> None:
+    steps = np.diff(time)
+    if (steps <= 0).any():
+        raise SceneError(f"{path}: line {int(np.argmax(steps <= 0)) + first + 1}: time does not increase")
+    usual = float(np.median(steps))
+    if (steps > _GAP * usual).any():
+        i = int(np.argmax(steps > _GAP * usual))
+        raise SceneError(
+            f"{path}: line {i + first + 1}: a gap of {steps[i]:.6g} s between samples that are {usual:.6g} s apart"
+        )

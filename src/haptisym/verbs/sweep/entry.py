@@ -1,0 +1,140 @@
+"""Sweeps over design spaces: the certified answers of a scene for every combination of values of some parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from haptisym.kernel.errors import SceneError
+from haptisym.model.scene import Scene
+from haptisym.model.scenefile import as_scene
+from haptisym.verbs.sweep.axes import Values, axes
+from haptisym.verbs.sweep.batch import Array
+from haptisym.verbs.sweep.blocks import SETS_IN_A_BLOCK, VARIABLES, Grid, Pace, compute
+from haptisym.verbs.sweep.kernel import Kernel
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+MOST_BYTES = 4_000_000_000
+"""Of a sweep that is kept in memory: some seventy million sets."""
+Progress = Callable[[int, int], None]
+"""Told how many sets are done, and how many there are."""
+
+
+def sweep(
+    scene: Scene | str | Path,
+    vary: Mapping[str, Values],
+    *,
+    out: str | Path | None = None,
+    lazy: bool = False,
+    block: int = SETS_IN_A_BLOCK,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Evaluate a scene for every combination of values: counts proven, frequencies proven to a relative 1e-10.
+
+    ``vary`` : from paths (``effects.NAME.KEY``, ``environment.KEY``, ``rendered.KEY``, ``evaluation.jnd``) to values: floats in
+    SI units and rad/s, taken as exactly the binary numbers that they are, or strings with a unit ("40 Hz"), taken as the
+    nearest double. Each path is a dimension of the result, in the order given.
+    ``out`` : a Zarr store (FILE.zarr) or NetCDF file (FILE.nc) to which blocks are streamed as they are done. If it is there
+    already and holds a part of this very sweep, the rest is computed; it is computed on the dask client that is active, or
+    with dask's threads. The result is then opened from the file, lazily.
+    ``lazy`` : without ``out``, return dask arrays that are computed when asked for, by whatever scheduler is in use.
+    ``block`` : sets that one worker holds at most, which bounds the memory. They are computed and written in pieces of about
+    a second. Results do not depend on that.
+    ``progress`` : called with the number of sets done and of all sets.
+
+    Variables (frequencies in rad/s; NaN for one that does not exist): ``first_crossing_real``, ``first_crossing_imag``,
+    ``bandwidth``, ``transparent`` (fraction of the band), ``crossings_real``, ``crossings_imag``,
+    ``changeover_environment``, ``changeover_perceived`` (the lowest), ``changeovers_environment``, ``changeovers_perceived``
+    (how many) and ``method``: 0 certified in floats, 1 exact, 2 not answered (undecided at the precision limit, or without
+    dynamics; counts are then -1).
+
+    Raises SceneError for an unknown path, a value that the model does not allow, more sets than memory should hold without
+    ``out``, and a package that is missing.
+
+    >>> from haptisym.model.scenefile import load_scene
+    >>> found = sweep(load_scene("fu2019"), {"effects.filter.omega_n": [40.0, "80 rad/s"], "evaluation.jnd": [0.1, 0.2]})
+    >>> found.bandwidth.values.round(4)
+    array([[ 4.944 ,  7.725 ],
+           [ 7.9789, 15.    ]])
+    """
+    scene = as_scene(scene)
+    xarray = _needed("xarray")
+    grid = Grid.of(scene, axes(scene, vary), _whole(block))
+    if out is not None:
+        from haptisym.verbs.sweep.store import stored
+
+        return stored(grid, Path(out), progress)
+    return _lazy(grid, xarray) if lazy else _now(grid, xarray, progress)
+
+
+def _whole(block: int) -> int:
+    if not isinstance(block, int) or block < 1:
+        raise SceneError(f"block: {block} must be a whole number of sets, at least 1")
+    return block
+
+
+def _needed(package: str) -> Any:
+    from importlib import import_module
+
+    try:
+        return import_module(package)
+    except ImportError:
+        raise SceneError(f'{package} is missing: a sweep needs "pip install haptisym[sweep]"') from None
+
+
+def _coordinates(grid: Grid, xarray: Any) -> dict[str, Any]:
+    return {axis.path: xarray.Variable(axis.path, axis.values, {"units": axis.unit}) for axis in grid.axes}
+
+
+def _now(grid: Grid, xarray: Any, progress: Progress | None) -> xr.Dataset:
+    needed = grid.sets * sum(dtype.itemsize for dtype, _ in VARIABLES.values())
+    if needed > MOST_BYTES:
+        raise SceneError(
+            f'{grid.sets:,} sets take {needed / 1e9:,.0f} GB of memory: let them be streamed to a file, out="FILE.zarr" '
+            "(--out FILE.zarr on the command line), or vary fewer values"
+        )
+    columns = [np.empty(grid.shape, dtype) for dtype, _ in VARIABLES.values()]
+    done, pace = 0, Pace()
+    for region in grid.regions():
+        for piece, answers in grid.pieces(region, pace):
+            for column, answer in zip(columns, answers, strict=True):
+                column[piece] = answer
+            done += answers[0].size
+            if progress:
+                progress(done, grid.sets)
+    return _dataset(grid, xarray, columns)
+
+
+def _dataset(grid: Grid, xarray: Any, columns: list[Any]) -> xr.Dataset:
+    names = [axis.path for axis in grid.axes]
+    variables = {
+        name: (names, column, about) for column, (name, (_, about)) in zip(columns, VARIABLES.items(), strict=True)
+    }
+    found: xr.Dataset = xarray.Dataset(variables, _coordinates(grid, xarray), grid.attributes())
+    return found
+
+
+def _lazy(grid: Grid, xarray: Any) -> xr.Dataset:
+    _needed("dask")
+    chunks = dict(zip((axis.path for axis in grid.axes), grid.block, strict=True))
+    values = [
+        xarray.DataArray(axis.values, dims=[axis.path]).chunk({axis.path: chunks[axis.path]}) for axis in grid.axes
+    ]
+    columns = xarray.apply_ufunc(
+        partial(_block, grid.kernel),
+        *values,
+        dask="parallelized",
+        output_core_dims=[()] * len(VARIABLES),
+        output_dtypes=[dtype for dtype, _ in VARIABLES.values()],
+    )
+    return _dataset(grid, xarray, [column.data for column in columns])
+
+
+def _block(kernel: Kernel, *values: Array) -> tuple[Array, ...]:
+    return compute(kernel, values)

@@ -1,0 +1,94 @@
+"""The answers of a sweep for single sets of parameters, exact: from the certified chart of an evaluation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TypeAlias
+
+from sympy import Expr, Rational, Symbol
+
+from haptisym.judge.crossings import Curve, excess, transparent_set
+from haptisym.judge.percepts import changeovers
+from haptisym.kernel.errors import SceneError, UndecidedError
+from haptisym.kernel.roots import Chart, Point, chart
+from haptisym.model.distortion import part_of
+from haptisym.model.jnd import Part
+from haptisym.model.scene import Scene
+
+FLOATS = ("first_crossing_real", "first_crossing_imag", "bandwidth", "transparent", "changeover_environment",
+          "changeover_perceived")  # fmt: skip
+COUNTS = ("crossings_real", "crossings_imag", "changeovers_environment", "changeovers_perceived")
+ABSENT, UNKNOWN = float("nan"), -1
+FLOAT, EXACT, OPEN = 0, 1, 2
+"""By which method a set was answered: floats with a bound; exactly; not at all, as it stayed undecided or has no dynamics."""
+Row: TypeAlias = dict[str, float]
+
+
+@dataclass(frozen=True)
+class Swept:
+    """A parameter that is swept: the symbol whose values it gives (``c``, ``c_real`` or ``c_imag`` for a threshold)."""
+
+    symbol: Symbol
+    thresholds: tuple[Part, ...] = ()
+    """The thresholds that it is, if it is one."""
+
+
+def exact_answers(scene: Scene, swept: Sequence[Swept], values: Sequence[float]) -> Row:
+    """All variables of a sweep for one set of values, which are taken as exactly the binary numbers that the floats are."""
+    exact = [Rational(*Fraction(float(x)).as_integer_ratio()) for x in values]
+    try:
+        return _row(_chart(scene, swept, exact))
+    except (SceneError, UndecidedError):  # no dynamics at all here (H_env = 0 everywhere, C H + D = 0), or a doubt
+        return no_answer()
+
+
+def no_answer() -> Row:
+    """The row of a set without answers."""
+    return {**dict.fromkeys(FLOATS, ABSENT), **dict.fromkeys(COUNTS, UNKNOWN), "method": OPEN}
+
+
+def _chart(scene: Scene, swept: Sequence[Swept], values: Sequence[Expr]) -> Chart:
+    given = {x.symbol: value for x, value in zip(swept, values, strict=True)}
+    limits = {part: value for x, value in zip(swept, values, strict=True) for part in x.thresholds}
+    known = {p.symbol: p.value for p in scene.parameters}
+    d = scene.chain.at({**known, **given}).distortion()
+    asked = {(Curve.EXCESS, part): excess(d, limits.get(part, scene.threshold[part]), part) for part in Part}
+    asked[Curve.ENVIRONMENT, Part.REAL] = part_of(d.env_response, Part.REAL)
+    asked[Curve.PERCEIVED, Part.REAL] = part_of(d.perc_response, Part.REAL)
+    return chart(asked, *scene.band)
+
+
+def _row(found: Chart) -> Row:
+    if found.undecided:
+        return no_answer()
+    row: Row = {"method": EXACT, **_step(found)}
+    places: Mapping[str, Sequence[Point]] = {
+        "environment": changeovers(found, Curve.ENVIRONMENT),
+        "perceived": changeovers(found, Curve.PERCEIVED),
+    }
+    for name, points in places.items():
+        row[f"changeovers_{name}"] = len(points)
+        row[f"changeover_{name}"] = _first(points)
+    return row
+
+
+def _step(found: Chart) -> Row:
+    """When: crossings and what is transparent."""
+    row: Row = {}
+    for part in Part:
+        points = [p for p in found.points if p.orders.get((Curve.EXCESS, part), 0) > 0]
+        row[f"crossings_{part.value}"] = len(points)
+        row[f"first_crossing_{part.value}"] = _first(points)
+    intervals = transparent_set(found)
+    low, high = (float(found.points[i].omega) for i in (0, -1))
+    clear = sum(float(x.high.omega) - float(x.low.omega) for x in intervals)
+    begins = intervals and intervals[0].low is found.points[0]
+    row["transparent"] = clear / (high - low)
+    row["bandwidth"] = float(intervals[0].high.omega) if begins else ABSENT
+    return row
+
+
+def _first(points: Sequence[Point]) -> float:
+    return float(points[0].omega) if points else ABSENT

@@ -1,0 +1,297 @@
+"""What can be said about a scene whose parameters are known as ranges: proven for all values in the box, or for none.
+
+Two things are kept apart. Proven: the verdict, by branch and bound over band and box in Taylor models (``boxsearch``) and by
+certified charts of single sets of values; the enclosures of the crossings. Estimated: quantiles over sets drawn at random.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from fractions import Fraction
+from functools import cached_property
+from itertools import product
+from random import Random
+from typing import Any, TypeVar
+
+import numpy as np
+from sympy import Expr, Rational
+
+from haptisym.judge.crossings import excess
+from haptisym.kernel.budget import Budget, share, tick
+from haptisym.kernel.errors import LimitError
+from haptisym.kernel.reals import ExactNumber, RealNumber
+from haptisym.kernel.roots import chart
+from haptisym.model.jnd import Part
+from haptisym.verbs.tolerances.box import Box
+from haptisym.verbs.tolerances.excess import Excess
+from haptisym.verbs.tolerances.search import OVERLAP, Cluster, beyond, clusters
+
+TOLERANCE = Fraction(1, 1000)
+"""Of an end of an enclosure that is not exact: how far, relatively, it may lie beyond what is reached."""
+_MOST_CORNERS = 64  # sets of values that are tried as witnesses or as ends
+
+
+class Verdict(Enum):
+    """Whether the display is transparent on the whole band."""
+
+    ALL = "all"
+    NONE = "none"
+    DEPENDS = "depends"
+    UNDECIDED = "undecided"
+
+
+@dataclass(frozen=True)
+class One:
+    """One set of values, certified: the crossings of each part, without touches, and whether all of the band is transparent."""
+
+    values: Mapping[str, Expr]
+    crossings: Mapping[Part, tuple[RealNumber, ...]]
+    bandwidth: RealNumber | None
+    transparent: bool | None
+
+    @property
+    def first(self) -> RealNumber | None:
+        """The lowest crossing of either part."""
+        return min((x[0] for x in self.crossings.values() if x), key=float, default=None)
+
+
+@dataclass(frozen=True)
+class Enclosure:
+    """Where crossings of a part lie: between ``low`` and ``high``, rad/s, whatever the values; guaranteed.
+
+    ``count`` : how many there are for every set of values; None if that depends or is not known. ``at_low``, ``at_high``: the
+    corner of the box at which the end is reached, which then is exact; None for an end that is a bound only, at most
+    ``TOLERANCE`` or what the budget allowed beyond. ``monotonic``: for each parameter 1 if the crossing grows with it
+    throughout the box, -1 if it falls, 0 if neither is proven.
+    """
+
+    part: Part
+    low: RealNumber
+    high: RealNumber
+    count: int | None
+    at_low: Mapping[str, Expr] | None
+    at_high: Mapping[str, Expr] | None
+    monotonic: Mapping[str, int]
+
+
+@dataclass(frozen=True)
+class BoxAnswers:
+    """The answers for a box of parameters; ``samples`` are estimates, all else is proven."""
+
+    box: Box
+    samples: tuple[One, ...] = field(repr=False)
+    seed: int = 0
+    budget: Budget | None = field(default=None, repr=False)
+
+    @property
+    def limit(self) -> float | None:
+        """The seconds of a limit that cut the work short; None if none did."""
+        return self.budget.seconds if self.budget and self.budget.reached else None
+
+    @cached_property
+    def nominal(self) -> One:
+        """The scene at its nominal values."""
+        return self.one({})
+
+    def one(self, values: Mapping[str, Expr]) -> One:
+        """The certified answers for one set of values; what is not named is nominal."""
+        return _one(self.box, values)
+
+    @cached_property
+    def _search(self) -> dict[Part, tuple[Excess, tuple[Cluster, ...]]]:
+        forms = {part: Excess(self.box, part) for part in Part}
+        found = {}
+        for form, time in zip(forms.values(), (0.4, 0.6), strict=True):
+            with share(time):
+                found[form] = clusters(form)
+        return {part: (form, found[form]) for part, form in forms.items()}
+
+    @cached_property
+    def enclosures(self) -> tuple[Enclosure, ...]:
+        """Where crossings lie, for all values: outside these there is none, for no values of the box."""
+        found = (self._enclosure(part, form, x) for part, (form, own) in self._search.items() for x in own)
+        return tuple(sorted(found, key=lambda x: (float(x.low), x.part.value)))
+
+    @cached_property
+    def _corners(self) -> tuple[One, ...]:
+        """The box's corners, or as many of them as are looked at."""
+        ends = product((Fraction(0), Fraction(1)), repeat=len(self.box.sides))
+        names = [side.name for side in self.box.sides]
+        shares = [dict(zip(names, x, strict=True)) for _, x in zip(range(_MOST_CORNERS), ends, strict=False)]
+        return tuple(_in_time(self.one(self.box.values(x)) for x in shares))
+
+    def settle(self) -> None:
+        """Find everything that is told, so that a limit is kept to; LimitError if not even the nominal values are."""
+        _ = self.nominal, self._search, self.enclosures, self.verdict, self.transparent, self.noticed, self.bandwidth
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """Whether the display is transparent on the band for all values, for none, or for some."""
+        if self.transparent is not None and self.noticed is not None:
+            return Verdict.DEPENDS
+        if not any(own for _, own in self._search.values()) and self.nominal.transparent is not None:
+            return Verdict.ALL if self.nominal.transparent else Verdict.NONE
+        return Verdict.NONE if self._always_noticed() else Verdict.UNDECIDED
+
+    @cached_property
+    def transparent(self) -> One | None:
+        """A set of values for which the display is transparent on the band, certified; None if none was found."""
+        return next((x for x in self._witnesses() if x.transparent is True), None)
+
+    @cached_property
+    def noticed(self) -> One | None:
+        """A set of values for which it is not, certified; None if none was found."""
+        return next((x for x in self._witnesses() if x.transparent is False), None)
+
+    def _witnesses(self) -> Iterator[One]:
+        yield self.nominal
+        yield from self.samples
+        if not self._always_noticed():
+            yield from self._corners
+
+    def _always_noticed(self) -> bool:
+        """Whether some frequency is noticed whatever the values: one between clusters, at which a ratio exceeds for all."""
+        return any(self._exceeds_between(part) is not None for part in Part)
+
+    def _exceeds_between(self, part: Part) -> float | None:
+        """The lowest share of the band outside all clusters at which r exceeds c, for the nominal and so for all values."""
+        form, own = self._search[part]
+        if form.is_zero:
+            return None
+        covered = sorted((float(x.cells[:, 0, 0].min()), float(x.cells[:, 0, 1].max())) for x in own)
+        start = 0.0
+        for low, high in [*covered, (1.0, 1.0)]:
+            if low > start:
+                middle = np.array([[[(start + low) / 2] * 2, *[[0.5, 0.5]] * (form.sides - 1)]])
+                try:
+                    exceeds = form.model(middle).bounds()[0][0, 0] > 0
+                except LimitError:
+                    return None
+                if exceeds:
+                    return start
+            start = max(start, high)
+        return None
+
+    @cached_property
+    def bandwidth(self) -> tuple[RealNumber, RealNumber] | None:
+        """The least and the greatest that the bandwidth can be, guaranteed; None if not transparent from the low end on."""
+        low, high = (ExactNumber(x) for x in self.box.scene.band)
+        if self.nominal.bandwidth is None or any(float(x.low) <= float(low) for x in self.enclosures):
+            return None
+        least = min([x.low for x in self.enclosures] or [high], key=float)
+        ends = [self._end_of_first(part) for part in Part]
+        return least, min([x for x in ends if x is not None] or [high], key=float)
+
+    def _end_of_first(self, part: Part) -> RealNumber | None:
+        """From where on r exceeds c whatever the values, at the latest; None if nowhere for certain."""
+        share = self._exceeds_between(part)
+        if share is None:
+            return None
+        before = [x for x in self.enclosures if x.part is part and x.high is not None]
+        low, high = self.box.scene.band
+        edge = float(low) + share * float(high - low)
+        return max((x.high for x in before if float(x.high) <= edge * (1 + 1e-9)), key=float, default=None)
+
+    @property
+    def certified(self) -> bool:
+        """Whether the verdict is proven."""
+        return self.verdict is not Verdict.UNDECIDED
+
+    def _enclosure(self, part: Part, form: Excess, cluster: Cluster) -> Enclosure:
+        steady = self._steady(form, cluster)
+        alone = cluster.regular and cluster.inside
+        own = [x for x in self.nominal.crossings[part] if self._within(x, cluster)]
+        count = len(own) if alone and own else None
+        ends = [self._end(part, form, cluster, steady, highest=highest) for highest in (False, True)]
+        (low, at_low), (high, at_high) = ends
+        return Enclosure(part, low, high, count, at_low, at_high, steady)
+
+    def _steady(self, form: Excess, cluster: Cluster) -> dict[str, int]:
+        """The way in which the crossings of a cluster move with each parameter."""
+        moves = [-sign * cluster.signs[0] for sign in cluster.signs[1:]]
+        return {side.name: int(n) for side, n in zip(self.box.sides, moves, strict=True)}
+
+    def _end(
+        self, part: Part, form: Excess, cluster: Cluster, steady: Mapping[str, int], *, highest: bool
+    ) -> tuple[RealNumber, Mapping[str, Expr] | None]:
+        low, high = self.box.scene.band
+        idle = {side.name for side, used in zip(self.box.sides, form.matters[1:], strict=True) if not used}
+        corners = _in_time(self._ends(steady, idle, highest=highest))
+        found = [(x, one.values) for one in corners for x in one.crossings[part]]
+        found = [(x, values) for x, values in found if self._within(x, cluster)]
+        pick = max if highest else min
+        best = pick(found, key=lambda x: float(x[0]), default=None)
+        exact = all(sign or name in idle for name, sign in steady.items())
+        if best and exact and cluster.regular and cluster.clear_of(highest=highest):
+            return best
+        leaf = cluster.high if highest else cluster.low
+        share = leaf
+        if best:
+            slack = float(TOLERANCE) * float(best[0]) * (1 if highest else -1)
+            reached = (float(best[0]) + slack - float(low)) / float(high - low)
+            share = beyond(form, cluster.cells, reached, highest=highest)
+            share = min(share, leaf) if highest else max(share, leaf)  # not into the frequencies of another cluster
+        share = min(max(share, 0.0), 1.0)
+        return ExactNumber(low + Rational(Fraction(share).numerator, Fraction(share).denominator) * (high - low)), None
+
+    def _ends(self, steady: Mapping[str, int], idle: set[str], *, highest: bool) -> Iterable[One]:
+        """The corners at which a crossing may be highest (lowest)."""
+        choices = []
+        for side in self.box.sides:
+            sign = steady[side.name] * (1 if highest else -1)
+            fixed = Fraction(int(sign > 0))
+            choices.append([fixed] if sign or side.name in idle else [Fraction(0), Fraction(1)])
+        for _, shares in zip(range(_MOST_CORNERS), product(*choices), strict=False):
+            yield self.one(self.box.values({side.name: x for side, x in zip(self.box.sides, shares, strict=True)}))
+
+    def _within(self, x: RealNumber, cluster: Cluster) -> bool:
+        low, high = self.box.scene.band
+        share = (float(x) - float(low)) / float(high - low)
+        return cluster.low - OVERLAP / 4 <= share <= cluster.high + OVERLAP / 4
+
+
+def drawn(box: Box, samples: int, seed: int) -> tuple[One, ...]:
+    """Sets of values drawn uniformly from the box, each answered with certainty."""
+    draw = Random(seed)
+    shares = ({side.name: Fraction(draw.getrandbits(24), (1 << 24) - 1) for side in box.sides} for _ in range(samples))
+    return tuple(_in_time(_told(_one(box, box.values(x)), n, samples) for n, x in enumerate(shares)))
+
+
+def _told(one: One, n: int, samples: int) -> One:
+    tick(n, samples, "sets of values")
+    return one
+
+
+_T = TypeVar("_T")
+
+
+def _in_time(found: Iterable[_T]) -> Iterator[_T]:
+    """What is found before the time is over."""
+    try:
+        yield from found
+    except LimitError:
+        return
+
+
+def _one(box: Box, values: Mapping[str, Expr]) -> One:
+    scene = box.scene_at(values)
+    d = scene.distortion()
+    table = chart({part: excess(d, scene.threshold[part], part) for part in Part}, *scene.band)
+    crossings = {part: tuple(p.omega for p in table.points if _crosses(p.orders.get(part, 0))) for part in Part}
+    intervals = table.where(lambda signs: all(signs[part] <= 0 for part in Part))
+    first = intervals[0] if intervals and intervals[0].low is table.points[0] else None
+    whole = first is not None and first.high is table.points[-1]
+    shown = values or {side.name: _nominal(box, side.name) for side in box.sides}
+    return One(shown, crossings, first.high.omega if first else None, None if table.undecided else whole)
+
+
+def _crosses(order: int) -> bool:
+    """Whether a zero of this order, not a pole, changes the sign."""
+    return order > 0 and order % 2 == 1
+
+
+def _nominal(box: Box, name: str) -> Any:
+    known = {p.symbol.name: p.value for p in box.scene.parameters}
+    return known.get(name, box.scene.threshold[Part.IMAG if name == "c_imag" else Part.REAL])

@@ -1,0 +1,242 @@
+"""Branch and bound over band and box: where r may equal its threshold, and which way such crossings move.
+
+Cells in which the excess keeps its sign are left out, proven. What stays are leaves: crossings lie in them and nowhere else.
+Leaves that touch form a ``Cluster``. Where the slope by omega keeps its sign on all of a cluster away from the ends of the
+band, every crossing in it goes on through the whole box: the implicit function theorem continues it to all values, and it
+cannot leave the cluster, whose surroundings hold none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from haptisym.kernel.budget import tick
+from haptisym.kernel.errors import LimitError
+from haptisym.programs.taylormodels import Array
+from haptisym.verbs.tolerances.excess import Excess
+
+_BATCH = 64  # cells that are bounded together
+_MOST_CELLS = 3000  # that are looked at for one part
+_MOST_SPLITS = 6  # of a cell: then it is a leaf if crossings in it are regular, or move one way with each parameter
+_MOST_BEYOND = 800  # cells that are looked at for one end
+OVERLAP = 1e-8  # shares of the band: clusters nearer to each other are taken as one
+_FIRST = 32  # pieces of the band to begin with
+
+
+@dataclass(frozen=True)
+class Cluster:
+    """Leaves that hang together, (cells, sides, 2) in shares; ``signs``: of the slopes on all of them, 0 where not the same.
+
+    ``regular``: the slope by omega keeps its sign. ``low``, ``high``: bounds on the crossings in it, shares of the band.
+    """
+
+    cells: Array
+    signs: tuple[int, ...]
+    low: float
+    high: float
+
+    @property
+    def regular(self) -> bool:
+        return self.signs[0] != 0
+
+    @property
+    def inside(self) -> bool:
+        """Whether its crossings keep clear of both ends of the band."""
+        return self.clear_of(highest=False) and self.clear_of(highest=True)
+
+    def clear_of(self, *, highest: bool) -> bool:
+        """Whether its crossings keep clear of the high, or the low, end of the band."""
+        return self.high < 1 if highest else self.low > 0
+
+
+@dataclass(frozen=True)
+class _Bounded:
+    """Cells with the signs of value and slopes (0: not known), where their crossings lie, and the side to split."""
+
+    cells: Array
+    signs: Array
+    omega: Array
+    split: Array
+
+
+def clusters(excess: Excess) -> tuple[Cluster, ...]:
+    """All clusters of one part, in ascending order of frequency: outside them no r equals its threshold, proven."""
+    if excess.is_zero:
+        return ()
+    leaves = _leaves(excess)
+    if not len(leaves.cells):
+        return ()
+    label = _together(leaves.cells)
+    found = (_cluster(leaves, label == n) for n in np.unique(label))
+    return tuple(_apart(sorted(found, key=lambda x: x.low)))
+
+
+def _apart(found: list[Cluster]) -> Iterator[Cluster]:
+    """Clusters whose frequencies overlap as one, so that a frequency tells to which a crossing belongs."""
+    waiting = found[0]
+    for x in found[1:]:
+        if x.low > waiting.high + OVERLAP:
+            yield waiting
+            waiting = x
+            continue
+        signs = tuple(a if a == b else 0 for a, b in zip(waiting.signs, x.signs, strict=True))
+        waiting = Cluster(np.concatenate([waiting.cells, x.cells]), signs, waiting.low, max(waiting.high, x.high))
+    yield waiting
+
+
+def _leaves(excess: Excess) -> _Bounded:
+    waiting = [_start(excess.sides)]
+    depth = [np.zeros(_FIRST, int)]
+    kept: list[_Bounded] = []
+    looked = 0
+    while waiting:
+        cells, depths = np.concatenate(waiting), np.concatenate(depth)
+        cells, later, depths, deeper = cells[:_BATCH], cells[_BATCH:], depths[:_BATCH], depths[_BATCH:]
+        waiting, depth = ([later], [deeper]) if len(later) else ([], [])
+        looked += len(cells)
+        try:
+            tick(min(looked, _MOST_CELLS), _MOST_CELLS, "cells of band and ranges")
+            found = bounded(excess, cells)
+            unclear = _unclear(excess, found)
+        except LimitError:  # of what waits nothing is known: crossings may be anywhere in it
+            kept.append(_unbounded(np.concatenate([cells, *waiting])))
+            break
+        steady = (found.signs[:, 2:] != 0)[:, excess.matters[1:]].all(-1)
+        regular, tired = found.signs[:, 1] != 0, depths >= _MOST_SPLITS
+        clear_of_ends = (found.omega[:, 0] > 0) & (found.omega[:, 1] < 1)
+        leaf = unclear & ((steady & regular & clear_of_ends) | ((steady | regular) & tired) | (looked > _MOST_CELLS))
+        kept.append(_chosen(found, leaf))
+        rest = unclear & ~leaf
+        if rest.any():
+            waiting.append(halves(found.cells[rest], found.split[rest]))
+            depth.append(np.tile(depths[rest] + 1, 2))
+    return _Bounded(
+        *(np.concatenate([getattr(x, name) for x in kept]) for name in ("cells", "signs", "omega", "split"))
+    )
+
+
+def _unbounded(cells: Array) -> _Bounded:
+    """Cells of which nothing is known."""
+    count, sides = cells.shape[:2]
+    return _Bounded(cells, np.zeros((count, 1 + sides), int), cells[:, 0].copy(), np.zeros(count, int))
+
+
+def _unclear(excess: Excess, found: _Bounded) -> Array:
+    """Where the excess may vanish: not where it is > 0 at the corner where it is least, or < 0 where it is greatest."""
+    unclear = found.signs[:, 0] == 0
+    for sign in (1, -1):
+        which = np.flatnonzero(unclear)
+        corners = _corner(found.cells[which], found.signs[which, 2:], -sign)
+        if len(which):
+            low, high = (x[:, 0] for x in excess.model(corners).bounds())
+            unclear[which[low > 0 if sign > 0 else high < 0]] = False
+    return unclear
+
+
+def _corner(cells: Array, signs: Array, to: int) -> Array:
+    """Each cell with the parameters along which the excess is monotonic at the end where it is greatest (1) or least (-1)."""
+    moved = cells.copy()
+    at = np.where(signs * to > 0, cells[:, 1:, 1], cells[:, 1:, 0])
+    moved[:, 1:] = np.where(signs[..., None] != 0, at[..., None], cells[:, 1:])
+    return moved
+
+
+def _start(sides: int) -> Array:
+    cells = np.zeros((_FIRST, sides, 2))
+    cells[:, :, 1] = 1
+    cells[:, 0, 0], cells[:, 0, 1] = np.arange(_FIRST) / _FIRST, np.arange(1, _FIRST + 1) / _FIRST
+    return cells
+
+
+def _chosen(x: _Bounded, which: Array) -> _Bounded:
+    return _Bounded(x.cells[which], x.signs[which], x.omega[which], x.split[which])
+
+
+def halves(cells: Array, side: Array) -> Array:
+    """Each cell cut in two along a side."""
+    lower, upper, rows = cells.copy(), cells.copy(), np.arange(len(cells))
+    middle = (cells[rows, side, 0] + cells[rows, side, 1]) / 2
+    lower[rows, side, 1], upper[rows, side, 0] = middle, middle
+    return np.concatenate([lower, upper])
+
+
+def bounded(excess: Excess, cells: Array) -> _Bounded:
+    """What is known about the excess over cells."""
+    model = excess.model(cells)
+    low, high = model.bounds()
+    signs = np.where(low > 0, 1, np.where(high < 0, -1, 0))
+    with np.errstate(all="ignore"):
+        omega = _contracted(cells, model.c0[:, 0], model.c1[:, 0], model.c2[:, 0], model.r[:, 0], low[:, 1], high[:, 1])
+        weight = np.where((signs == 0) & np.isfinite(high), 1 / (high - low), 0.0)
+        score = (weight[:, :, None] * (np.abs(model.c1) + np.abs(model.c2).sum(-1))).sum(1)
+    width = cells[:, :, 1] - cells[:, :, 0]
+    score = np.where(np.isfinite(score).all(-1, keepdims=True) & (weight[:, :1] > 0), score, width)
+    score[:, 0] += np.where(np.isfinite(score[:, 0]), 0.0, 1.0)
+    return _Bounded(cells, signs, omega, np.argmax(np.where(width > 0, score + 1e-300, -1), -1))
+
+
+def _contracted(cells: Array, c0: Array, c1: Array, c2: Array, r: Array, least: Array, most: Array) -> Array:
+    """Where in each cell the excess may vanish, in shares of the band: F = F(t_0 = 0) + dF/dt_0 t_0 for one slope of the cell."""
+    rest = np.abs(c1[:, 1:]).sum(-1) + np.abs(c2[:, 1:, 1:]).sum((-1, -2)) + r
+    ends = np.stack([-(c0 + a * rest * (1 + 1e-13)) / g for a in (-1, 1) for g in (least, most)])
+    steady = (least * most > 0) & np.isfinite(ends).all(0)
+    low = np.where(steady, np.clip(ends.min(0) - 1e-13, -1, 1), -1)
+    high = np.where(steady, np.clip(ends.max(0) + 1e-13, -1, 1), 1)
+    middle, radius = cells[:, 0].mean(-1), (cells[:, 0, 1] - cells[:, 0, 0]) / 2
+    return np.stack([middle + radius * low, middle + radius * high], -1) + np.array([-1e-15, 1e-15])
+
+
+def _together(cells: Array) -> Array:
+    """A label for each cell, the same for cells that touch, directly or through others."""
+    label = np.full(len(cells), -1)
+    for first in range(len(cells)):
+        if label[first] >= 0:
+            continue
+        label[first] = first
+        waiting = [first]
+        while waiting:
+            own = cells[waiting.pop()]
+            touching = (cells[:, :, 0] <= own[:, 1]).all(-1) & (own[:, 0] <= cells[:, :, 1]).all(-1) & (label < 0)
+            label[touching] = first
+            waiting += np.flatnonzero(touching).tolist()
+    return label
+
+
+def _cluster(leaves: _Bounded, own: Array) -> Cluster:
+    signs = leaves.signs[own, 1:]
+    same = np.where((signs == signs[0]).all(0), signs[0], 0)
+    omega = leaves.omega[own]
+    return Cluster(leaves.cells[own], tuple(int(x) for x in same), float(omega[:, 0].min()), float(omega[:, 1].max()))
+
+
+def beyond(excess: Excess, cells: Array, reached: float, *, highest: bool) -> float:
+    """A bound on how low (high) crossings in cells go, shares of the band: ``reached`` itself where none goes beyond."""
+    out, looked = 1 if highest else -1, 0
+    near, far = (0, 1) if highest else (1, 0)
+    waiting = [cells]
+    end = reached
+    while waiting:
+        own = np.concatenate(waiting)
+        own = own[out * (own[:, 0, far] - reached) > 0].copy()
+        own[:, 0, near] = out * np.maximum(out * own[:, 0, near], out * reached)
+        if looked > _MOST_BEYOND or not len(own):
+            return float(out * np.max(out * own[:, 0, far])) if len(own) else end
+        order = np.argsort(-out * own[:, 0, far])
+        own, later = own[order[:_BATCH]], own[order[_BATCH:]]
+        looked += len(own)
+        try:
+            found = bounded(excess, own)
+            found = _chosen(found, _unclear(excess, found))
+        except LimitError:
+            return float(out * np.max(out * np.concatenate([own, later])[:, 0, far]))
+        own = found.cells.copy()
+        own[:, 0, 0], own[:, 0, 1] = (
+            np.maximum(own[:, 0, 0], found.omega[:, 0]),
+            np.minimum(own[:, 0, 1], found.omega[:, 1]),
+        )
+        whole = own[:, 0, 0] <= own[:, 0, 1]
+        waiting = [later, halves(own[whole], found.split[whole])]
+    return end

@@ -1,0 +1,1 @@
+"""Formulas as boxes, and their writers: plain text, MathML, LaTeX, HTML, code."""
