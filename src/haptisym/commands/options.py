@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Sized
 from functools import wraps
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import click
 
@@ -16,6 +16,9 @@ from haptisym.commands.streams import note, say, say_document, to_file
 from haptisym.figures.kinds import checked
 from haptisym.kernel.errors import NothingToDrawError, SceneError
 from haptisym.model.scenefile import load_scene
+
+if TYPE_CHECKING:
+    from haptisym.writing.document import Document
 
 Command = Callable[..., Any]
 
@@ -29,6 +32,9 @@ class Answer(Protocol):
 
     def to_json(self) -> str:
         """The document."""
+
+    def document(self) -> Document:
+        """The page."""
 
 
 def scene_argument(command: Command) -> Command:
@@ -121,8 +127,8 @@ def drawn(save: Callable[..., Any], found: Any, path: Path) -> None:
 
 def hand_over(found: Answer, *, as_json: bool) -> None:
     """Print an answer; exit status 3 where something in it stayed undecided."""
-    text = found.to_json() if as_json else str(found)
+    text = found.to_json() if as_json else found.document() if getattr(found, "_page", "") else str(found)
     quiet()
-    say_document(text) if as_json else say(text)
+    say_document(str(text)) if as_json else say(text)
     if not found.certified:
         sys.exit(3)

@@ -11,10 +11,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from io import TextIOWrapper
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from haptisym.commands.fitting import PAGE, fitted
 from haptisym.commands.spelling import HANDLER, escaped, register, spelt
 from haptisym.kernel.errors import HaptisymError
+
+if TYPE_CHECKING:
+    from haptisym.writing.document import Document
 
 
 class ReaderLeft(Exception):  # noqa: N818  it is nobody's error
@@ -41,8 +45,13 @@ def _is_plain(stream: TextIOWrapper) -> bool:
     return locale in ("C", "POSIX")
 
 
-def say(page: str) -> None:
-    """A page of text on standard output: as wide as the terminal, 96 columns anywhere else so that it can be compared."""
+def say(page: str | Document) -> None:
+    """A page on standard output: as wide as the terminal, 96 columns anywhere else so that it can be compared."""
+    if not isinstance(page, str):
+        from haptisym.writing.plain import plain  # only a page needs the writer
+
+        write(plain(page, columns() if sys.stdout is not None and sys.stdout.isatty() else PAGE, _spell))
+        return
     shown = spelt(page, _encoding())
     write(fitted(shown, columns()) if sys.stdout is not None and sys.stdout.isatty() else shown)
 
@@ -78,6 +87,10 @@ def columns(of: int | None = None) -> int:
     """Columns of the terminal, at most those of a page."""
     size = shutil.get_terminal_size((PAGE, 24)) if of is None else os.get_terminal_size(of)
     return min(size.columns, PAGE)
+
+
+def _spell(words: str) -> str:
+    return spelt(words, _encoding())
 
 
 def _encoding() -> str:

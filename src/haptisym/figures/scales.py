@@ -10,8 +10,8 @@ from typing import Any
 from matplotlib.axes import Axes
 from sympy import Expr, pi
 
+from haptisym.kernel.hertz import Hertz
 from haptisym.kernel.reals import RealNumber
-from haptisym.pages.tex.results import Hertz
 
 
 @dataclass(frozen=True)

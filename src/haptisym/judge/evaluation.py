@@ -23,7 +23,6 @@ from haptisym.model.caveats import sampled_loop
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.pages.evaluation import report
 
 if TYPE_CHECKING:
     from haptisym.verbs.effects.entry import Relevance
@@ -49,6 +48,7 @@ _METHODS = {
 class Evaluation(Answer, Answers):
     """The answers for a scene; ``print`` shows them as a page of text, ``to_json`` gives the command line's document."""
 
+    _page = "haptisym.pages.evaluation:page"
     isolation: float = field(default=0.0, repr=False, compare=False)
     """Seconds in which everything that happens on the band was found and set apart."""
 
@@ -66,9 +66,6 @@ class Evaluation(Answer, Answers):
         kinds = {_METHODS.get(type(crossing.omega), "bisection") for crossing in self.crossings}
         seconds = self.isolation + time.perf_counter() - started
         return Effort(", ".join(sorted(kinds)) or "none needed", bits_for(self.digits), seconds)
-
-    def __str__(self) -> str:
-        return report(self)
 
     def to_dict(self) -> dict[str, Any]:
         """The document of ``haptisym evaluate --json``, schema ``haptisym.evaluation/1``."""

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from html import escape
+from importlib import import_module
 from textwrap import shorten
+from typing import Any, ClassVar
 
 _LINE = 150
 """Characters of a line at most."""
@@ -25,6 +27,16 @@ class Answer(Shown):
     """What a verb answers: ``print`` shows the command line's page of text (``str``), and so does a notebook."""
 
     __slots__ = ()
+    _page: ClassVar[str] = ""
+    """Where the page of such an answer is written, ``module:function``: loaded when a page is wanted."""
+
+    def document(self) -> Any:
+        """The page, a ``haptisym.writing.document.Document`` for any of its writers."""
+        module, _, function = self._page.partition(":")
+        return getattr(import_module(module), function)(self)
+
+    def __str__(self) -> str:
+        return str(import_module("haptisym.writing.plain").plain(self.document()))
 
     def _repr_html_(self) -> str:
         return f'<pre class="haptisym">{escape(str(self))}</pre>'

@@ -1,1 +1,1 @@
-"""For each answer the page that says it."""
+"""For each answer the document that says it: ``page(answer)``, in a module named as the verb."""

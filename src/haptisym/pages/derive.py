@@ -10,7 +10,7 @@ from typing import Any
 
 from haptisym.model.catalogue import Parameter
 from haptisym.model.quantities import Dimension, Motion
-from haptisym.pages.evaluation import WIDTH
+from haptisym.pages.lines import WIDTH
 from haptisym.pages.sections import Phrase, Section
 from haptisym.verbs.derive.derivation import QUANTITIES, Derivation
 from haptisym.writing.mathml import mathml

@@ -6,7 +6,7 @@ from textwrap import fill
 from typing import Any
 
 from haptisym.model.jnd import Part
-from haptisym.pages.evaluation import WIDTH, listed, rounded_up, table
+from haptisym.pages.lines import WIDTH, listed, rounded_up, table
 from haptisym.verbs.effects.relevance import Enclosure, Relevance
 
 

@@ -1,278 +1,251 @@
-"""An evaluation as a page of text that reads like section 3 of the paper: the questions, the answers, what is certain."""
+"""The page of an evaluation, which reads like section 3 of the paper: the questions, the answers, what is certain."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from decimal import ROUND_CEILING, Context
-from io import StringIO
-from math import inf, pi
-from textwrap import fill
+from collections.abc import Iterable, Iterator
 
-from sympy import Expr, Symbol
+from sympy import Symbol
 
 from haptisym.judge.answers import Answers
-from haptisym.judge.crossings import Crossing
-from haptisym.kernel.reals import RealNumber
+from haptisym.judge.crossings import Crossing, CrossingKind
 from haptisym.kernel.rings import RationalFunction
-from haptisym.kernel.roots import Interval, Point
 from haptisym.kernel.symbols import omega, s
 from haptisym.model.jnd import Part
-from haptisym.model.quantities import Motion
+from haptisym.pages.words import (
+    CHANGE,
+    H_ENV,
+    H_PERC,
+    NOT_HELD,
+    OMEGA,
+    OPERATORS,
+    RATIOS,
+    both,
+    caveats,
+    compared,
+    ends,
+    exactly,
+    hertz,
+    lead,
+    limits,
+    percent,
+    places,
+    rounded_up,
+    short,
+    spans,
+    stiffness_unit,
+    title,
+)
+from haptisym.writing.boxes import Prefixed
+from haptisym.writing.document import (
+    Block,
+    Column,
+    Document,
+    Facts,
+    Notes,
+    Paragraph,
+    Phrase,
+    Section,
+    Strong,
+    Table,
+    listed,
+)
 from haptisym.writing.equations import equation
 from haptisym.writing.formula import readable
-from haptisym.writing.mathtext import text
-
-WIDTH = 96
-NOT_HELD = "Whether the display is stable in a hand was not looked at."
-"""Said beside every word about imposed motion, which is easily taken for more."""
-_DIGITS = 5  # of frequencies in sentences; the table of crossings shows all that were asked for
+from haptisym.writing.names import named
 
 
-def report(e: Answers) -> str:
+def page(e: Answers) -> Document:
     """The whole page."""
-    parts = [
-        _heading(e),
-        _pruned(e),
-        _dynamics(e),
-        _step_1(e),
-        _step_2(e),
-        caveats_text(e.caveats),
-        _certain(e),
+    blocks: list[Block] = [
+        *_pruned(e),
+        Facts(tuple(_dynamics(e))),
+        Section("Step 1. When does the hand begin to notice?", tuple(_step_1(e)), "step-1"),
+        Section("Step 2. How is it felt?", tuple(_step_2(e)), "step-2"),
+        *caveats(e.caveats),
+        Paragraph(_certain(e)),
     ]
-    return "\n\n".join(part for part in parts if part) + "\n"
+    return Document(title(e.scene), lead(e.scene, e.given.asides()), tuple(blocks))
 
 
-def _heading(e: Answers) -> str:
-    lines = [e.scene.title or "Untitled scene", e.scene.source, *e.given.asides()]
-    return "\n".join(fill(line, WIDTH) for line in lines if line)
-
-
-def _pruned(e: Answers) -> str:
+def _pruned(e: Answers) -> Iterator[Block]:
     """What was left out of the scene, and what that changes at most."""
     r = e.relevance
     if r is None or not r.dropped:
-        return ""
-    bounds = (
-        f"r_r by at most {rounded_up(r.bound[Part.REAL].most)} and r_i by at most {rounded_up(r.bound[Part.IMAG].most)}"
-    )
-    spans = listed(f"{_rounded(x.bounds)} ({x.part.value})" for x in r.crossings)
-    crossings = f"Its crossings lie in {spans} rad/s" if spans else "It has no crossings on the band"
-    return fill(
-        f"Without {listed(x.name for x in r.dropped)}: leaving them out changes {bounds} anywhere on the band, proven "
-        f"(tolerance {float(r.tolerance):g}). What follows is exact for the scene without them. The full scene differs by no "
-        f"more than that. {crossings}.",
-        WIDTH,
-    )
+        return
+    bounds = listed((RATIOS[part], f" by at most {rounded_up(r.bound[part].most)}") for part in Part)
+    found = listed(f"[{x.bounds[0]:.6g}, {x.bounds[1]:.6g}] ({x.part.value})" for x in r.crossings)
+    yield Paragraph((
+        "Without ", listed(x.name for x in r.dropped), ": leaving them out changes ", bounds, " anywhere on the band, proven ",
+        f"(tolerance {float(r.tolerance):g}). What follows is exact for the scene without them. The full scene differs by ",
+        "no more than that. ", ("Its crossings lie in ", found, " rad/s.") if r.crossings else "It has no crossings on the band.",
+    ))  # fmt: skip
 
 
-def rounded_up(value: float) -> str:
-    """Three digits, rounded up, so that a bound stays one."""
-    if value == inf:
-        return "unbounded"
-    return f"{Context(prec=3, rounding=ROUND_CEILING).create_decimal_from_float(value):.3g}"
-
-
-def _rounded(ends: tuple[float, float]) -> str:
-    return f"[{ends[0]:.6g}, {ends[1]:.6g}]"
-
-
-def _dynamics(e: Answers) -> str:
-    unit = "N m/rad" if e.scene.motion is Motion.ROTATION else "N/m"
-    c = e.scene.threshold
-    limits = percent(c.real) if c.real == c.imag else f"{percent(c.real)} (real) and {percent(c.imag)} (imaginary)"
+def _dynamics(e: Answers) -> Iterator[tuple[str, Phrase]]:
+    """Environment, effects and what they make of it; the band and the threshold."""
+    d, rendered = e.distortion, e.scene.rendered
+    unit = f"  {stiffness_unit(e.scene)}"
+    yield "environment", (_equation("H_env", d.env, s), unit)
+    if rendered:
+        yield "rendered", (_equation("H_rendered", d.env.ring.convert(rendered.H), s), unit)
+    yield "effects", ", ".join(_effect(x.name, x.model) for x in e.scene.effects) or "none"
+    yield "perceived", (_equation("H_perc", d.perc, s), unit)
+    yield "distortion", _equation("Re dH", d.difference_response.real.written, omega)
+    yield "", _equation("Im dH", d.difference_response.imag.written, omega)
     low, high = (e.chart.points[i].omega for i in (0, -1))
-    d = e.distortion
-    rendered = d.env.ring.convert(e.scene.rendered.H) if e.scene.rendered else None
-    rows = [
-        ("environment", f"{_equation('H_env', d.env, s)}  {unit}"),
-        *([("rendered", f"{_equation('H_rendered', rendered, s)}  {unit}")] if rendered else []),
-        ("effects", ", ".join(_effect(x.name, x.model) for x in e.scene.effects) or "none"),
-        ("perceived", f"{_equation('H_perc', d.perc, s)}  {unit}"),
-        ("distortion", _equation("Re dH", d.difference_response.real.written, omega)),
-        ("", _equation("Im dH", d.difference_response.imag.written, omega)),
-        ("band", f"{both(low)} to {both(high)}"),
-        ("threshold", f"{limits} of |H_env|"),
-    ]
-    return "\n".join(fill(text, WIDTH, initial_indent=f"  {key:<13}", subsequent_indent=" " * 19) for key, text in rows)
+    yield "band", (both(low), " to ", both(high))
+    yield "threshold", limits(e.scene.threshold)
 
 
-def _equation(name: str, function: RationalFunction, variable: Symbol) -> str:
+def _equation(name: str, function: RationalFunction, variable: Symbol) -> Phrase:
     form, is_rounded = readable(function, variable)
-    return text(equation(name, form, relation="≈" if is_rounded else "=")).replace("omega", "ω")
+    return equation(name, form, relation="≈" if is_rounded else "=")
 
 
 def _effect(name: str, model: str) -> str:
     return name if name == model else f"{name} ({model})"
 
 
-def _step_1(e: Answers) -> str:
-    question = "Step 1. When does the hand begin to notice?"
-    parts = [_indented(_transparency(e)), _crossings(e), *map(_indented, _any_environment(e))]
-    return "\n\n".join([question, *parts])
+# Step 1, when.
 
 
-def _any_environment(e: Answers) -> list[str]:
-    found = e.any_environment
-    if found is None or not e.scene.effects:
-        return []
-    below, above, end = found.transparent_below, found.opaque_above, e.chart.points[-1].omega
-    if below is end:
-        return ["These effects in series stay unnoticed with any environment whatever on this band."]
-    upto = (
-        "Already at the low end of the band these effects in series are noticed with some environment"
-        if below is None
-        else f"With any environment whatever, up to {short(below)} rad/s these effects in series stay unnoticed"
-    )
-    return [f"{upto}{'' if above is None else f'; with every one they are noticed above {short(above)} rad/s'}."]
+def _step_1(e: Answers) -> Iterator[Block]:
+    yield Paragraph(transparency(e))
+    yield crossings(e)
+    yield from _any_environment(e)
 
 
-def _transparency(e: Answers) -> str:
+def transparency(e: Answers) -> Phrase:
+    """Where neither ratio exceeds its threshold."""
     if not e.transparent:
         return "At every frequency of the band: the display is transparent nowhere."
-    pieces = listed(span(x) for x in e.transparent)
-    if len(e.transparent) == 1 and e.bandwidth is not None and e.transparent[0].high is e.chart.points[-1]:
+    if is_transparent_throughout(e):
         return "Never on this band: the display is perceptually transparent on the whole of it."
+    pieces = spans(e.transparent)
     if e.bandwidth is None:
-        return f"From the low end of the band on. The display is perceptually transparent only {pieces}."
+        return "From the low end of the band on. The display is perceptually transparent only ", pieces, "."
     if len(e.transparent) == 1:
-        return f"At {both(e.bandwidth)}. Below that the display is perceptually transparent: this is its bandwidth."
-    return f"At {both(e.bandwidth)}, its bandwidth. The display is perceptually transparent {pieces}."
+        width = both(e.bandwidth)
+        return "At ", width, ". Below that the display is perceptually transparent: this is its bandwidth."
+    return "At ", both(e.bandwidth), ", its bandwidth. The display is perceptually transparent ", pieces, "."
 
 
-def span(x: Interval) -> str:
-    if x.low is x.high:
-        return f"at {both(x.low.omega)} alone"
-    return f"from {short(x.low.omega)} to {short(x.high.omega)} rad/s"
+def is_transparent_throughout(e: Answers) -> bool:
+    """Whether neither ratio exceeds its threshold anywhere on the band."""
+    found = [(x.low, x.high) for x in e.transparent]
+    return found == [(e.chart.points[0], e.chart.points[-1])]
 
 
-_VERB = {"exceeds": "rises above", "returns": "falls below", "touches": "touches"}
-
-
-def _crossings(e: Answers) -> str:
+def crossings(e: Answers) -> Block:
+    """Every crossing on the band: digits, what happens, enclosure."""
     if not e.crossings:
-        return f"  No ratio meets its threshold on the band{', as far as that was decided' if e.undecided else ''}."
-    headings = ("part", "ω (rad/s)", "Hz", "what happens", "distortion")
-    rows = [(c.part.value, c.omega.digits(e.digits), _hertz(c.omega), _event(e, c), _sense(c)) for c in e.crossings]
-    return table(headings, rows)
+        decided = ", as far as that was decided" if e.undecided else ""
+        return Paragraph(f"No ratio meets its threshold on the band{decided}.")
+    columns = (
+        Column("part"), Column((OMEGA, " (rad/s)"), number=True), Column("Hz", number=True), Column("what happens"),
+        Column("distortion"), Column(("enclosure of ", OMEGA), full=True),
+    )  # fmt: skip
+    caption = f"All crossings of the thresholds on the band, {proven(e)}."
+    return Table(columns, tuple(_crossing(e, c) for c in e.crossings), caption)
 
 
-def _event(e: Answers, c: Crossing) -> str:
-    ratio = "r_r" if c.part is Part.REAL else "r_i"
+def proven(e: Answers) -> str:
+    """How certain a table is."""
+    return "proven: none missed, none invented" if e.certified else "proven, but for what is listed as undecided"
+
+
+def _crossing(e: Answers, c: Crossing) -> tuple[Phrase, ...]:
+    low, high = c.omega.enclosure(e.digits)
+    return c.part.value, exactly(c.omega, e.digits), hertz(c.omega), event(e, c), sense(c), f"[{low}, {high}]"
+
+
+VERBS = {CrossingKind.EXCEEDS: "rises above", CrossingKind.RETURNS: "falls below", CrossingKind.TOUCHES: "touches"}
+
+
+def event(e: Answers, c: Crossing) -> Phrase:
+    """``r_r rises above 10 %``."""
     times = f" ({c.multiplicity}-fold)" if c.multiplicity > 1 else ""
-    return f"{ratio} {_VERB[c.kind.value]} {percent(e.scene.threshold[c.part])}{times}"
+    return RATIOS[c.part], f" {VERBS[c.kind]} {percent(e.scene.threshold[c.part])}{times}"
 
 
-def _sense(c: Crossing) -> str:
-    return f"{'Re' if c.part is Part.REAL else 'Im'} dH {'> 0' if c.sign > 0 else '< 0'}"
+def sense(c: Crossing) -> Phrase:
+    """``Re dH > 0``."""
+    return compared(Prefixed(OPERATORS[c.part], CHANGE), ">" if c.sign > 0 else "<")
 
 
-def _step_2(e: Answers) -> str:
-    lines = ["Step 2. How is it felt?", ""]
-    if e.felt:
-        rows = [(f"{short(x.band.low.omega)} to {short(x.band.high.omega)}", x.part.value, x.words) for x in e.felt]
-        lines += [table(("band (rad/s)", "part", "felt as"), rows), ""]
-    else:
-        lines += ["  Nothing is noticed on the band: neither ratio exceeds its threshold.", ""]
-    notes = [*_changeover_note(e), *_activity_note(e), *_unbounded_note(e), _stability_note(e)]
-    return "\n".join([*lines, *(_indented(note) for note in notes)])
+def _any_environment(e: Answers) -> Iterator[Block]:
+    found = e.any_environment
+    if found is None or not e.scene.effects:
+        return
+    below, above, end = found.transparent_below, found.opaque_above, e.chart.points[-1].omega
+    if below is end:
+        yield Paragraph("These effects in series stay unnoticed with any environment whatever on this band.")
+        return
+    upto: Phrase = "Already at the low end of the band these effects in series are noticed with some environment"
+    if below is not None:
+        upto = ("With any environment whatever, up to ", short(below), " rad/s these effects in series stay unnoticed")
+    beyond = () if above is None else ("; with every one they are noticed above ", short(above), " rad/s")
+    yield Paragraph((upto, beyond, "."))
 
 
-def _changeover_note(e: Answers) -> Iterable[str]:
-    env, perc = (_places(x) for x in (e.changeovers_environment, e.changeovers_perceived))
-    if env or perc:
-        nowhere = "no frequency"
-        yield f"Spring and inertia change over at {env or nowhere} in the environment, at {perc or nowhere} as felt."
+# Step 2, how.
 
 
-def _activity_note(e: Answers) -> Iterable[str]:
+def _step_2(e: Answers) -> Iterator[Block]:
+    yield percepts(e)
+    yield Notes((*_changeovers(e), *_outside_model(e), *_unbounded(e), _stability(e)))
+
+
+def percepts(e: Answers) -> Block:
+    """What is felt where a ratio exceeds its threshold."""
+    if not e.felt:
+        return Paragraph("Nothing is noticed on the band: neither ratio exceeds its threshold.")
+    rows = tuple((ends(x.band), x.part.value, x.words) for x in e.felt)
+    caption = f"What is felt where a ratio exceeds its threshold, {proven(e)}."
+    return Table((Column("band (rad/s)"), Column("part"), Column("felt as")), rows, caption)
+
+
+def _changeovers(e: Answers) -> Iterable[Phrase]:
+    if e.changeovers_environment or e.changeovers_perceived:
+        env, perc = (places(x) if x else "no frequency" for x in (e.changeovers_environment, e.changeovers_perceived))
+        yield "Spring and inertia change over at ", env, " in the environment, at ", perc, " as felt."
+
+
+def _outside_model(e: Answers) -> Iterable[Phrase]:
     if e.outside_model:
-        where = listed(span(x) for x in e.outside_model)
         noticed = "so that no property is named for what is noticed there" if e.unnamed else "but not noticed there"
-        yield f"The imaginary part is outside the paper's model {where}, {noticed}: the display is active (Im H_perc < 0)."
+        active = compared(Prefixed(OPERATORS[Part.IMAG], H_PERC), "<")
+        yield (
+            "The imaginary part is outside the paper's model ", spans(e.outside_model), f", {noticed}: the display is active (",
+            active, ").",
+        )  # fmt: skip
 
 
-def _unbounded_note(e: Answers) -> Iterable[str]:
+def _unbounded(e: Answers) -> Iterable[Phrase]:
     if e.unbounded:
-        yield f"A ratio is unbounded at {_places(e.unbounded)}: nothing to compare with there (H_env = 0, or dH infinite)."
+        why = (compared(H_ENV, "="), ", or ", CHANGE, " infinite")
+        yield "A ratio is unbounded at ", places(e.unbounded), ": nothing to compare with there (", why, ")."
 
 
-def _stability_note(e: Answers) -> str:
+def _stability(e: Answers) -> Phrase:
+    pole = Prefixed(OPERATORS[Part.REAL], named("s"))
     if e.stable is None:
         return f"Whether the force under imposed motion is stable was not decided. {NOT_HELD}"
     if e.stable:
-        return f"The force under imposed motion is stable: all poles of H_perc have Re s < 0. {NOT_HELD}"
-    return "The force under imposed motion is NOT stable: a pole of H_perc has Re s >= 0."
+        left = ("all poles of ", H_PERC, " have ", compared(pole, "<"))
+        return "The force under imposed motion is stable: ", left, f". {NOT_HELD}"
+    right = ("a pole of ", H_PERC, " has ", compared(pole, "≥"))
+    return "The force under imposed motion is ", Strong("NOT"), " stable: ", right, "."
 
 
-def caveats_text(caveats: Iterable[str]) -> str:
-    """What the answers do not say, a paragraph each."""
-    return "\n".join(fill(f"But: {caveat}", WIDTH) for caveat in caveats)
-
-
-def _certain(e: Answers) -> str:
+def _certain(e: Answers) -> Phrase:
     if e.undecided:
-        where = listed(f"{short(point.omega)} rad/s ({part.value})" for part, point in e.undecided)
-        return fill(
-            f"UNDECIDED at the precision limit: whether a ratio touches its threshold, crosses it twice or stays clear of it "
-            f"near {where}. Everything else is proven.",
-            WIDTH,
-        )
-    return fill(
+        where = listed((short(point.omega), f" rad/s ({part.value})") for part, point in e.undecided)
+        return (
+            Strong("UNDECIDED"), " at the precision limit: whether a ratio touches its threshold, crosses it twice or stays ",
+            "clear of it near ", where, ". Everything else is proven.",
+        )  # fmt: skip
+    return (
         "Certain: these are all crossings on the band, none is missed and none invented; every digit, sign and interval "
-        "is proven by exact polynomials and ball arithmetic, not sampled.",
-        WIDTH,
+        "is proven by exact polynomials and ball arithmetic, not sampled."
     )
-
-
-def _places(points: Iterable[Point]) -> str:
-    found = [short(p.omega) for p in points]
-    return f"{listed(found)} rad/s" if found else ""
-
-
-def listed(items: Iterable[str], word: str = "and") -> str:
-    """Items in a sentence: "one, two and three"."""
-    *first, last = [*items] or [""]
-    return f"{', '.join(first)} {word} {last}" if first else last
-
-
-def both(x: RealNumber) -> str:
-    """A frequency in rad/s and Hz."""
-    return f"{short(x)} rad/s ({_hertz(x)} Hz)"
-
-
-def short(x: RealNumber) -> str:
-    """A number with the digits that a sentence takes."""
-    return _trimmed(x.digits(_DIGITS))
-
-
-def _hertz(x: RealNumber) -> str:
-    return f"{float(x) / (2 * pi):.5g}"
-
-
-def _trimmed(digits: str) -> str:
-    return digits.rstrip("0").rstrip(".") if "." in digits and "E" not in digits else digits
-
-
-def percent(c: Expr) -> str:
-    return f"{float(100 * c):.6g} %"
-
-
-def _indented(text: str) -> str:
-    return fill(text, WIDTH, initial_indent="  ", subsequent_indent="  ")
-
-
-def table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table as lines of text."""
-    from rich import box  # Rich is loaded only where a page of text is wanted
-    from rich.console import Console
-    from rich.table import Table
-
-    made = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 2, 0, 0))
-    for heading in headings:
-        made.add_column(heading, overflow="fold")
-    for row in rows:
-        made.add_row(*row)
-    console = Console(file=StringIO(), width=WIDTH - 2, color_system=None, legacy_windows=False)
-    with console.capture() as captured:
-        console.print(made)
-    return "\n".join(f"  {line}".rstrip() for line in captured.get().rstrip("\n").splitlines())

@@ -11,7 +11,7 @@ from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Interval
 from haptisym.model.caveats import caveats
 from haptisym.model.jnd import Part
-from haptisym.pages.evaluation import WIDTH, both, caveats_text, listed, percent, short, span, table
+from haptisym.pages.lines import WIDTH, both, caveats_text, listed, percent, short, span, table
 from haptisym.verbs.family.worstcase import Binding, WorstCase
 
 _LETTER = {Part.REAL: "r_r", Part.IMAG: "r_i"}

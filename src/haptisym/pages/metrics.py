@@ -8,7 +8,7 @@ from textwrap import fill
 from typing import Any
 
 from haptisym.kernel.reals import RealNumber
-from haptisym.pages.evaluation import WIDTH, caveats_text, listed, percent, short, span
+from haptisym.pages.lines import WIDTH, caveats_text, listed, percent, short, span
 from haptisym.verbs.metrics.forms import Form
 from haptisym.verbs.metrics.measured import Bands
 from haptisym.verbs.metrics.metric import Metric, MetricRows, Value

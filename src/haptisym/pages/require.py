@@ -6,7 +6,7 @@ from textwrap import fill
 
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver
 from haptisym.model.jnd import Part
-from haptisym.pages.evaluation import WIDTH, both, listed, short, table
+from haptisym.pages.lines import WIDTH, both, listed, short, table
 from haptisym.verbs.require.feasible import Binding, Kind, Span
 from haptisym.verbs.require.required import Required
 from haptisym.writing.mathtext import plain

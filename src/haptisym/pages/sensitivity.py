@@ -6,7 +6,7 @@ from textwrap import fill, indent
 
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.jnd import Part
-from haptisym.pages.evaluation import WIDTH, both, table
+from haptisym.pages.lines import WIDTH, both, table
 from haptisym.verbs.sensitivity.slopes import Sensitive, Sensitivity, Slopes
 
 _DIGITS = 5

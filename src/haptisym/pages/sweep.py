@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from haptisym.pages.evaluation import WIDTH
+from haptisym.pages.lines import WIDTH
 from haptisym.verbs.sweep.exactly import COUNTS, EXACT, FLOAT, FLOATS, OPEN
 
 if TYPE_CHECKING:

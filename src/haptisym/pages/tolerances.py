@@ -10,7 +10,7 @@ from sympy import Expr
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.jnd import Part
 from haptisym.model.ranges import spread
-from haptisym.pages.evaluation import WIDTH, both, table
+from haptisym.pages.lines import WIDTH, both, table
 from haptisym.verbs.tolerances.proofs import BoxAnswers, Enclosure, Verdict
 from haptisym.verbs.tolerances.quantiles import quantiles
 

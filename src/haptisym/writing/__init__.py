@@ -1,1 +1,1 @@
-"""Formulas as boxes, and their writers: plain text, MathML, LaTeX, HTML, code."""
+"""Documents and formulas as values, and their writers: plain text, MathML, LaTeX, HTML, code."""

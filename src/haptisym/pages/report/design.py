@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from haptisym.judge.evaluation import Evaluation
 from haptisym.model.catalogue import values
 from haptisym.model.scene import Scene
-from haptisym.pages.evaluation import both
+from haptisym.pages.lines import both
 from haptisym.pages.report.results import RATIOS
 from haptisym.pages.require import sets
 from haptisym.verbs.require.entry import Requirement, is_quick, require

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from haptisym.judge.evaluation import Evaluation
+from haptisym.kernel.hertz import Hertz
 from haptisym.pages.report.results import frequency, is_transparent_throughout
-from haptisym.pages.tex.results import Hertz, short
+from haptisym.pages.tex.results import short
 from haptisym.writing.htmltext import Html, element, joined
 
 

@@ -10,11 +10,12 @@ from haptisym.judge.crossings import Crossing, CrossingKind
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.peaks import Peak
 from haptisym.judge.percepts import Percept, felt
+from haptisym.kernel.hertz import Hertz
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Interval, Point
 from haptisym.model.jnd import Part, is_irrational_algebraic
-from haptisym.pages.evaluation import NOT_HELD
-from haptisym.pages.tex.results import Hertz, short
+from haptisym.pages.tex.results import short
+from haptisym.pages.words import NOT_HELD
 from haptisym.writing.boxes import Equation, Numeral, Operator, Prefixed
 from haptisym.writing.htmltext import Html, element, joined, listed, table
 from haptisym.writing.layout import layout

@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from haptisym.judge.evaluation import Evaluation
+from haptisym.kernel.hertz import Hertz
 from haptisym.model.catalogue import Effect, Parameter
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension, Motion
 from haptisym.pages.tex.forms import DIFFERENCE, DYNAMICS, FELT, RATIOS, RELATIVE, Group, SceneForms
 from haptisym.pages.tex.latex import at_s
 from haptisym.pages.tex.results import (
-    Hertz,
     certainty,
     changeovers,
     crossing_tables,

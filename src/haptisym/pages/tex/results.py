@@ -3,39 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-
-import flint
 
 from haptisym.judge.crossings import Crossing, CrossingKind
 from haptisym.judge.evaluation import Evaluation
-from haptisym.kernel.reals import Ball, RealNumber
+from haptisym.kernel.hertz import Hertz
+from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Interval, Point
 from haptisym.model.jnd import Part, is_irrational_algebraic
-from haptisym.pages.evaluation import NOT_HELD
+from haptisym.pages.words import NOT_HELD
 from haptisym.writing.texnames import escape
 from haptisym.writing.texprinter import formula
 
 RATIOS = {Part.REAL: "r_r", Part.IMAG: "r_i"}
 SIGNS = {Part.REAL: r"\Re", Part.IMAG: r"\Im"}
 _NAMES = {Part.REAL: "real", Part.IMAG: "imaginary"}
-
-
-@dataclass(frozen=True, slots=True, repr=False)
-class Hertz(RealNumber):
-    """A frequency in Hz, as certain as the one in rad/s.
-
-    >>> from sympy import pi
-    >>> from haptisym.kernel.reals import ExactNumber
-    >>> Hertz(ExactNumber(3 * pi)).digits(3)
-    '1.50'
-    """
-
-    omega: RealNumber
-
-    def ball(self, bits: int) -> Ball:
-        with flint.ctx.workprec(bits):
-            return self.omega.ball(bits) / (2 * flint.arb.pi())
 
 
 def threshold_value(e: Evaluation, part: Part) -> str:

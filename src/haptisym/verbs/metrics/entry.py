@@ -18,7 +18,7 @@ from haptisym.kernel.roots import Point, chart
 from haptisym.kernel.shown import Answer, counted, titled
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.pages.evaluation import short
+from haptisym.pages.lines import short
 from haptisym.pages.metrics import as_dict, as_json, as_text
 from haptisym.verbs.metrics.disagreements import disagreements
 from haptisym.verbs.metrics.forms import Forms

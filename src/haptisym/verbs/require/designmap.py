@@ -20,7 +20,7 @@ from haptisym.model.jnd import Part
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.pages.evaluation import WIDTH, listed, table
+from haptisym.pages.lines import WIDTH, listed, table
 from haptisym.pages.require import sets
 from haptisym.verbs.require.criticalvalues import edge_polynomial, touch_polynomial
 from haptisym.verbs.require.entry import Requirement, require

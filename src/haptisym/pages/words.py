@@ -1,0 +1,115 @@
+"""The words of all pages: frequencies, bands, thresholds and the names of the ratios, as phrases."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from decimal import ROUND_CEILING, Context
+from math import inf
+
+from sympy import Expr
+
+from haptisym.kernel.hertz import Hertz
+from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.roots import Interval, Point
+from haptisym.model.jnd import Part, Threshold
+from haptisym.model.quantities import Motion
+from haptisym.model.scene import Scene
+from haptisym.writing.boxes import Absolute, Box, Equation, Numeral, Operator, Prefixed, Titled
+from haptisym.writing.document import Notes, Number, Phrase, Strong, coded, listed
+from haptisym.writing.names import named
+
+RATIOS: dict[Part, Box] = {Part.REAL: named("r_r"), Part.IMAG: named("r_i")}
+OPERATORS = {Part.REAL: Operator("Re"), Part.IMAG: Operator("Im")}
+OMEGA, H_ENV, H_PERC = named("omega"), named("H_env"), named("H_perc")
+CHANGE = Titled("dH", Prefixed(named("Delta"), named("H")))
+NOT_HELD = "Whether the display is stable in a hand was not looked at."
+"""Said beside every word about imposed motion, which is easily taken for more."""
+_DIGITS = 5  # of frequencies in sentences; tables show all that were asked for
+
+
+def title(scene: Scene) -> str:
+    return scene.title or "Untitled scene"
+
+
+def lead(scene: Scene, asides: Iterable[str] | None = None) -> tuple[Phrase, ...]:
+    """Where a scene comes from, and what holds of it besides: by default its own asides."""
+    return tuple(x for x in (scene.source, *map(coded, scene.asides() if asides is None else asides)) if x)
+
+
+def trimmed(digits: str) -> str:
+    """Without the zeros at the end of a decimal."""
+    return digits.rstrip("0").rstrip(".") if "." in digits and "E" not in digits else digits
+
+
+def short(x: RealNumber) -> Number:
+    """A number with the digits that a sentence takes."""
+    return Number(trimmed(x.digits(_DIGITS)), float(x))
+
+
+def exactly(x: RealNumber, digits: int) -> Number:
+    """A number with so many digits."""
+    return Number(x.digits(digits), float(x))
+
+
+def hertz(x: RealNumber) -> str:
+    """A frequency given in rad/s, in Hz."""
+    return trimmed(Hertz(x).digits(_DIGITS))
+
+
+def both(x: RealNumber) -> Phrase:
+    """A frequency in rad/s and Hz."""
+    return short(x), f" rad/s ({hertz(x)} Hz)"
+
+
+def span(x: Interval) -> Phrase:
+    """``from 2 to 3 rad/s``, ``at 2 rad/s (0.31831 Hz) alone``."""
+    if x.low is x.high:
+        return "at ", both(x.low.omega), " alone"
+    return "from ", ends(x), " rad/s"
+
+
+def ends(x: Interval) -> Phrase:
+    """``2 to 3``."""
+    return short(x.low.omega) if x.low is x.high else (short(x.low.omega), " to ", short(x.high.omega))
+
+
+def spans(bands: Iterable[Interval]) -> Phrase:
+    return listed(map(span, bands))
+
+
+def places(points: Iterable[Point]) -> Phrase:
+    """``2, 3 and 4 rad/s``."""
+    return listed(short(p.omega) for p in points), " rad/s"
+
+
+def percent(c: Expr) -> str:
+    return f"{float(100 * c):.6g}\xa0%"
+
+
+def limits(c: Threshold) -> Phrase:
+    """The threshold of both parts, or of each where they differ."""
+    said = percent(c.real) if c.real == c.imag else f"{percent(c.real)} (real) and {percent(c.imag)} (imaginary)"
+    return said, " of ", Absolute(H_ENV)
+
+
+def rounded_up(value: float) -> str:
+    """Three digits, rounded up, so that a bound stays one."""
+    if value == inf:
+        return "unbounded"
+    return f"{Context(prec=3, rounding=ROUND_CEILING).create_decimal_from_float(value):.3g}"
+
+
+def compared(left: Box, relation: str) -> Box:
+    """``left < 0``, with any relation."""
+    return Equation((left, Numeral("0")), (relation,))
+
+
+def stiffness_unit(scene: Scene) -> str:
+    """The unit of all dynamics of a scene."""
+    return "N m/rad" if scene.motion is Motion.ROTATION else "N/m"
+
+
+def caveats(found: Iterable[str]) -> tuple[Notes, ...]:
+    """What the answers do not say, a remark each; nothing where there is none."""
+    rows = tuple((Strong("But:"), f" {caveat}") for caveat in found)
+    return (Notes(rows),) if rows else ()
