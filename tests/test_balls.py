@@ -15,10 +15,10 @@ import pytest
 from flint import arb, fmpq
 from sympy import Symbol
 
-from haptisym.numeric import magnitudes
-from haptisym.numeric.balls import FUNCTIONS, Point, nearest_double
-from haptisym.numeric.magnitudes import Range, judge
-from haptisym.numeric.program import Writer
+from haptisym.programs import magnitudes
+from haptisym.programs.balls import FUNCTIONS, Point, nearest_double
+from haptisym.programs.magnitudes import Range, judge
+from haptisym.programs.program import Writer
 
 MP = mpmath.mp.clone()
 MP.dps = 200
