@@ -11,7 +11,7 @@ import pytest
 import haptisym as hs
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Model
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 REFERENCE = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
 
 

@@ -734,7 +734,7 @@ def test_a_spring_with_a_maxwell_branch_and_the_rendering_of_another_are_certifi
 
 
 def test_the_examples_of_the_page_run() -> None:
-    page = Path(__file__).parent.parent / "docs" / "functions.md"
+    page = Path(__file__).parents[2] / "docs" / "functions.md"
     result = doctest.testfile(str(page), module_relative=False)
     assert result.attempted >= 8
     assert result.failed == 0

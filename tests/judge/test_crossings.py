@@ -8,26 +8,15 @@ from fractions import Fraction
 import pytest
 from answers import floats, intervals, of_part, told
 from oracles import DIGITS, MP, Case, Element, rounded
+from paper import ask, paper
 from strategies import evaluate
-from sympy import Rational, sqrt
+from sympy import sqrt
 
 import haptisym as hs
 from haptisym.effects import compliance, first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import expression, mass_spring_damper
 
-ENVIRONMENT = Element("mass-spring-damper", {"m": Fraction(9, 5), "b": Fraction(15), "k": Fraction(100)})
-FILTER = Element("second-order-lowpass", {"omega_n": Fraction(80), "zeta": Fraction(1, 2)})
 SPRING = mass_spring_damper(k=1)
-
-
-def paper(high: int = 15, c: Fraction = Fraction(1, 10)) -> Case:
-    return Case(ENVIRONMENT, (FILTER,), (Fraction(0), Fraction(high)), {"real": c, "imag": c})
-
-
-def ask(environment: hs.Environment, *chain: hs.Effect, band: tuple[object, object] = (0, 15), c: object = "0.1",
-        imag: object = None) -> hs.Evaluation:  # fmt: skip
-    low, high = (Rational(str(x)) for x in band)
-    return hs.evaluate(hs.Scene(environment, chain, (low, high), hs.Threshold.of(c, imag)))
 
 
 # --- the paper's scene -----------------------------------------------------------------------------------------------

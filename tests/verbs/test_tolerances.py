@@ -12,7 +12,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import test_taylor_models as models
 from click.testing import CliRunner
 from marks import often
 from sympy import Rational
@@ -843,15 +842,3 @@ def test_touches_are_no_crossings_of_a_set_of_values() -> None:
 def test_samples_must_be_a_whole_number(samples: object) -> None:
     with pytest.raises(hs.SceneError, match="samples"):
         tolerances(hs.Scene(SOFT, (LAG,)), samples=samples)
-
-
-# --- the models that all of it rests on, operation by operation: how each is tried is in test_taylor_models.py ---------
-
-test_sums_and_products = models.test_a_sum_and_a_product_hold_those_of_all_that_the_operands_may_be
-test_products_row_by_row = models.test_a_product_row_by_row_holds_that_of_each_row
-test_products_with_numbers = models.test_a_product_with_a_number_and_a_negative_hold_them
-test_functions = models.test_a_function_of_a_model_holds_that_of_all_that_the_operand_may_be
-test_functions_of_lines = models.test_a_function_of_an_exact_straight_line_is_known_to_third_order
-test_parabolas = models.test_a_parabola_of_a_model_holds_that_of_all_that_the_operand_may_be
-test_beginnings = models.test_a_constant_a_variable_and_what_lies_between_hold_what_they_stand_for
-test_poles = models.test_nothing_is_known_where_a_pole_or_the_log_of_zero_may_lie_in_the_box

@@ -17,7 +17,7 @@ import pytest
 import haptisym as hs
 
 STUB = files("haptisym") / "__init__.pyi"
-DOCS = [Path(__file__).parents[1] / "README.md", *(Path(__file__).parents[1] / "docs").glob("*.md")]
+DOCS = [Path(__file__).parents[2] / "README.md", *(Path(__file__).parents[2] / "docs").glob("*.md")]
 
 
 def stubbed() -> dict[str, str]:

@@ -8,8 +8,8 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 from marks import QUICK_SCENES, often
+from pdflatex import check_layout, compiled
 from sympy import Rational, sqrt
-from test_latex import check_layout, compiled
 
 import haptisym as hs
 from haptisym.kernel.symbols import X

@@ -2,8 +2,6 @@
 
 import os
 import re
-import shutil
-import subprocess
 import unicodedata
 from dataclasses import replace
 from fractions import Fraction
@@ -14,15 +12,15 @@ import pytest
 import sympy as sp
 from formulas import ATOMS, EXPRESSIONS
 from hypothesis import given
-from marks import QUICK_SCENES, WRITTEN_OUT, often, required
+from marks import QUICK_SCENES, WRITTEN_OUT, often
+from pdflatex import check_layout, compiled
 from sympy import Abs, Float, I, Integer, Rational, Symbol, cos, exp, pi, sqrt
 from sympy.printing.latex import LatexPrinter
 from texreader import equations, value
 
-from haptisym import Scene, Threshold, effects, environments, evaluate, load_scene, scene_names
+from haptisym import Scene, Threshold, effects, environments, evaluate, load_scene, scene_names, symbols
 from haptisym.judge.crossings import Curve
 from haptisym.judge.evaluation import Evaluation
-from haptisym.kernel import symbols
 from haptisym.kernel.symbols import X, omega, s
 from haptisym.model.distortion import Distortion, distort
 from haptisym.model.jnd import Part
@@ -32,7 +30,7 @@ from haptisym.writing.numerals import approximate
 from haptisym.writing.texlines import LINE, broken, width
 from haptisym.writing.texnames import escape, symbol_name
 
-GOLDEN = Path(__file__).parent / "golden"
+GOLDEN = Path(__file__).parents[1] / "golden"
 m, b, k, omega_n, zeta, omega_c, tau, J, J_w = symbols("m b k omega_n zeta omega_c tau J J_w")
 alpha, k_alpha, m_d = symbols("alpha k_alpha m_d")
 
@@ -393,24 +391,6 @@ DOCUMENTS = {
     "teleoperator": Scene(MSD, (effects.position_force_teleoperator("0.5 kg", "0.6 kg", "30 N*s/m", "1 kN/m"),)),
     "active and unstable": Scene(MSD, (effects.shunt(b="-20 N*s/m"), effects.admittance_display("(s + 1)/(s^2 - s + 2)"))),
 }  # fmt: skip
-
-
-def compiled(text: str, folder: Path) -> str:
-    """What pdflatex has to say about a document, which must compile."""
-    required("pdflatex", shutil.which("pdflatex"))
-    (folder / "scene.tex").write_text(text, encoding="ascii")
-    command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "-no-shell-escape", "scene.tex"]
-    for _ in range(2):  # the second time for the references
-        done = subprocess.run(command, cwd=folder, capture_output=True, check=False)
-    log = (folder / "scene.log").read_text(encoding="utf-8", errors="replace")
-    assert done.returncode == 0, log[-3000:]
-    return log
-
-
-def check_layout(log: str) -> None:
-    wide = [float(x) for x in re.findall(r"Overfull \\hbox \((\d+\.\d+)pt", log)]
-    assert max(wide, default=0) <= 20
-    assert "LaTeX Warning" not in log
 
 
 @pytest.mark.parametrize("name", often(scene_names(), QUICK_SCENES.__contains__))

@@ -8,8 +8,8 @@ from fractions import Fraction
 
 import pytest
 from oracles import MP, rounded
+from paper import ask, paper
 from sympy import CRootOf, Expr, I, Integer, Rational, Symbol, exp, pi, sqrt
-from test_crossings import ask, paper
 
 import haptisym as hs
 from haptisym.effects import delay, first_order_lag, series, shunt

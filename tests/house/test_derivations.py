@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from marks import often
 
-DERIVATIONS = Path(__file__).parent.parent / "derivations"
+DERIVATIONS = Path(__file__).parents[2] / "derivations"
 SCRIPTS = sorted(DERIVATIONS.glob("[0-9][0-9]_*.py"))
 
 
