@@ -14,6 +14,7 @@ from typing import Annotated, Any
 import numpy as np
 import pytest
 import threadpoolctl
+from flint import fmpq, fmpq_mat
 from marks import often
 from scipy.interpolate import CubicSpline
 from strategies import BETWEEN, FELT, Seeded, case
@@ -26,7 +27,9 @@ from haptisym.cli import main
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Slot, Stiffness, effect, environment
 from haptisym.model.quantities import Dimension
+from haptisym.verbs.simulate.descriptor import StateSpace, state_space
 from haptisym.verbs.simulate.fractional import bank_error, rates_and_weights
+from haptisym.verbs.simulate.network import Sum
 from haptisym.verbs.simulate.recordings import Recording
 from haptisym.verbs.simulate.threads import one_thread
 
@@ -953,3 +956,59 @@ def test_a_bank_of_relaxations_is_the_power_along_its_band(alpha: float) -> None
         for w in omegas
     ]
     assert np.abs(np.array(value) / (1j * omegas) ** alpha - 1).max() < 1.5e-10
+
+
+# From equations to states, exactly
+
+
+def transfer(system: StateSpace, name: str, order: int, at: fmpq) -> list[fmpq]:
+    """A signal's answer to each input times e^(st), s a number: exact."""
+    size, width = system.size, len(system.inputs)
+    drive = sum((n * at**k for k, n in enumerate(system.N)), fmpq_mat(size, width))
+    eye = fmpq_mat(size, size, [fmpq(int(i == k)) for i in range(size) for k in range(size)])
+    z = (at * eye - system.M).solve(drive)
+    row = system.signal(name, order)
+    moved = row.state * z
+    return [moved[0, i] + sum((c[0, i] * at**k for k, c in enumerate(row.inputs)), fmpq(0)) for i in range(width)]
+
+
+def polynomial(coefficients: list[int], at: fmpq) -> fmpq:
+    return sum((c * at**k for k, c in enumerate(coefficients)), fmpq(0))
+
+
+@pytest.mark.parametrize("driver", ["motion", "held"])
+def test_states_answer_as_their_equations_do_and_only_the_motion_drives_by_derivatives(driver: str) -> None:
+    """y'' + ... of an input's derivatives up to the third, through an algebraic signal: answers are quotients of polynomials."""
+    random = Random(driver)
+    for _ in range(40):
+        below = [random.randint(1, 9) for _ in range(random.randint(1, 4))]
+        above = [random.randint(-9, 9) or 1 for _ in range(random.randint(1, 4))]
+        gain = random.randint(1, 5)
+        x, y, f, hand = (Sum.of(n) for n in ("x", "y", "f", "motion"))
+        source = hand if driver == "motion" else Sum.of("held")
+        equations = [y.through(*below) - source.through(*above), f - gain * y.d() - hand, x - y - 2 * f]
+        system = state_space(equations, ("held",))
+        place = [i.name for i in system.inputs].index(driver)
+        for at in (fmpq(1, 3), fmpq(-7, 2), fmpq(5)):
+            if polynomial(below, at) == 0:
+                continue
+            direct = int(driver == "motion")
+            y_true = polynomial(above, at) / polynomial(below, at)
+            f_true = gain * at * y_true + direct
+            for name, true in (("y", y_true), ("f", f_true), ("x", y_true + 2 * f_true)):
+                for order in (0, 1, 2):
+                    assert transfer(system, name, order, at)[place] == at**order * true
+            # the way back: the chosen variables less what was moved are the states
+            shift = sum((r * at**k for k, r in enumerate(system.shifts)), fmpq_mat(system.size, len(system.inputs)))
+            eye = fmpq_mat(
+                system.size, system.size, [fmpq(int(i == k)) for i in range(system.size) for k in range(system.size)]
+            )
+            drive = sum((n * at**k for k, n in enumerate(system.N)), 0 * shift)
+            states = (at * eye - system.M).solve(drive)
+            names = list(system.columns)
+            for i, column in enumerate(system.chosen):
+                chosen = transfer(system, *names[column], at)[place]
+                assert states[i, place] == chosen - shift[i, place]
+        for channel in system.inputs:
+            if channel.name != "motion":
+                assert set(system.drives(channel)) <= {0}
