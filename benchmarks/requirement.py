@@ -14,7 +14,7 @@ from timing import machine, medians
 
 import haptisym as hs
 from haptisym.kernel.symbols import omega
-from haptisym.verbs.require.freeparameter import conditions, free_parameter
+from haptisym.verbs.require.freeparameter import conditions
 
 FILTERS = (("80", "0.5"), ("800", "0.5"), ("1200", "0.5"))
 
@@ -28,7 +28,7 @@ def cascade(count: int) -> hs.Scene:
 
 def threshold_polynomial(scene: hs.Scene) -> sympy.Poly:
     """The polynomial in omega^2 and the free parameter that is positive where r_i > c."""
-    free = free_parameter(scene, "effects.filter1.omega_n")
+    free = scene.knobs["effects.filter1.omega_n"]
     condition = conditions(scene, [free], [hs.Part.IMAG])[hs.Part.IMAG]
     expression = condition.axis.expression(condition.function.numerator).expand()
     W = sympy.Symbol("W", positive=True)

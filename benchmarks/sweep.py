@@ -19,7 +19,7 @@ import numpy as np
 from timing import machine
 
 import haptisym as hs
-from haptisym.verbs.sweep.axes import axes, paths
+from haptisym.verbs.sweep.axes import axes
 from haptisym.verbs.sweep.batch import Array
 from haptisym.verbs.sweep.exactly import exact_answers
 from haptisym.verbs.sweep.kernel import Kernel
@@ -80,13 +80,13 @@ def grid_and_bisect(sets: Array, block: int = 512) -> Array:
 
 def completed(spans: dict[str, tuple[float, float]], values: Array) -> Array:
     """All five parameters: those that are varied, and the scene's own numbers."""
-    own = {path: float(p.value) for path, p in paths(PAPER).items()}
+    own = {p.path: float(p.value) for p in PAPER.parameters}
     rows = dict(zip(spans, values, strict=True))
     return np.array([rows.get(path, np.full(values.shape[1], own[path])) for path in PATHS])
 
 
 def kernel_for(spans: dict[str, tuple[float, float]]) -> Kernel:
-    return Kernel.of(PAPER, [axis.swept for axis in axes(PAPER, {path: list(span) for path, span in spans.items()})])
+    return Kernel.of(PAPER, [axis.knob for axis in axes(PAPER, {path: list(span) for path, span in spans.items()})])
 
 
 def seconds(run: object, *arguments: object) -> float:

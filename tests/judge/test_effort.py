@@ -79,7 +79,7 @@ def test_one_digit_will_do_and_fifteen_are_given_unasked() -> None:
 
 def test_a_symbol_has_no_evaluation() -> None:
     free = hs.Scene(hs.environments.mass_spring_damper(k=hs.symbols("k")), (hs.effects.delay("1 ms"),))
-    with pytest.raises(hs.SceneError, match=r"k = k is a symbol: an evaluation needs numbers"):
+    with pytest.raises(hs.SceneError, match=r"environment.k = k is a symbol where a number is needed"):
         hs.evaluate(free)
 
 

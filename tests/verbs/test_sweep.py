@@ -29,7 +29,7 @@ import haptisym as hs
 from haptisym.cli import main
 from haptisym.pages.sweep import document
 from haptisym.verbs.sweep import blocks, kernel
-from haptisym.verbs.sweep.axes import axes, paths, spaced
+from haptisym.verbs.sweep.axes import axes, spaced
 from haptisym.verbs.sweep.blocks import Grid, Pace
 from haptisym.verbs.sweep.exactly import COUNTS, FLOATS, exact_answers
 from haptisym.verbs.sweep.kernel import TOLERANCE, Kernel
@@ -104,11 +104,11 @@ def test_thresholds_are_swept_together_or_apart() -> None:
 def test_random_scenes_agree_with_the_exact_answers(seed: int) -> None:
     pick = Seeded(1000 + seed)
     given = scene(case(pick, order=5))
-    names = [path for path, p in paths(given).items() if p.value.is_Rational and p.value > 0][:2]
-    known = paths(given)
+    names = [p.path for p in given.parameters if p.value.is_Rational and p.value > 0][:2]
+    known = given.knobs
     ranges = {path: float(known[path].value) * np.geomspace(0.2, 5.0, 9) for path in names}
     checked = axes(given, ranges)
-    kernel = Kernel.of(given, [axis.swept for axis in checked])
+    kernel = Kernel.of(given, [axis.knob for axis in checked])
     mesh = np.stack([x.ravel() for x in np.meshgrid(*ranges.values(), indexing="ij")])
     columns = kernel.answers(mesh)
     assert kernel.is_polynomial
@@ -122,7 +122,7 @@ def test_hard_parameters_are_never_counted_wrong() -> None:
     rng = np.random.default_rng(3)
     spans = {MASS: (1e-3, 1e3), "environment.b": (1e-6, 1e3), NATURAL: (1.0, 1e4), "effects.filter.zeta": (1e-3, 1.0)}
     checked = axes(PAPER, {path: list(span) for path, span in spans.items()})
-    kernel = Kernel.of(PAPER.with_band(0, 300), [axis.swept for axis in checked])
+    kernel = Kernel.of(PAPER.with_band(0, 300), [axis.knob for axis in checked])
     sets = np.exp([rng.uniform(*np.log(span), 120) for span in spans.values()])
     columns = kernel.answers(sets)
     in_floats = (columns["method"] == 0).nonzero()[0]
@@ -158,7 +158,7 @@ def test_where_the_environment_vanishes_the_exact_path_answers() -> None:
 
 def test_a_scene_with_a_delay_is_answered_exactly_throughout() -> None:
     given = hs.load_scene("delayed-spring")
-    [path] = [path for path in paths(given) if path.endswith("tau")]
+    [path] = [p.path for p in given.parameters if p.key == "tau"]
     found = hs.sweep(given, {path: ["10 ms", "20 ms"]})
     assert (found.method == 1).all()
     assert "every set is answered exactly" in found.attrs["floats"]
@@ -174,7 +174,7 @@ def test_a_set_without_dynamics_says_so_and_stops_nothing() -> None:
 
 
 def test_numbers_far_beyond_any_device_are_not_trusted_to_floats() -> None:
-    kernel = Kernel.of(PAPER, [axis.swept for axis in axes(PAPER, {MASS: [1.0]})])
+    kernel = Kernel.of(PAPER, [axis.knob for axis in axes(PAPER, {MASS: [1.0]})])
     assert kernel.answers(np.array([[1e-200, 1.0]]))["method"].tolist() == [1, 0]
 
 
@@ -205,7 +205,7 @@ def test_sets_that_cross_several_times_are_all_there_whatever_stands_beside_them
 ) -> None:
     monkeypatch.setattr(kernel, "_AT_ONCE", pieces)
     given = RIPPLED.with_band(*band)
-    swept = [axis.swept for axis in axes(given, {"evaluation.jnd": LIMITS})]
+    swept = [axis.knob for axis in axes(given, {"evaluation.jnd": LIMITS})]
     columns = Kernel.of(given, swept).answers(np.array([LIMITS]))
     assert (columns["method"] == 0).sum() >= len(LIMITS) - 1
     truths = [ripples(band, c) for c in LIMITS]
@@ -290,7 +290,7 @@ def test_the_low_end_of_a_band_in_pi_beside_rational_numbers_is_enclosed() -> No
 
 
 def test_curves_of_too_high_a_degree_are_left_to_the_exact_path(monkeypatch: pytest.MonkeyPatch) -> None:
-    swept = [axis.swept for axis in axes(PAPER, {MASS: [1.0]})]
+    swept = [axis.knob for axis in axes(PAPER, {MASS: [1.0]})]
     curves = Kernel.of(PAPER, swept).curves
     assert curves is not None
     degrees = [sum(f.degree for f in families) for families in curves.products]
@@ -307,7 +307,7 @@ def test_curves_of_too_high_a_degree_are_left_to_the_exact_path(monkeypatch: pyt
 def test_wider_floats_prove_what_doubles_leave_open(monkeypatch: pytest.MonkeyPatch) -> None:
     """A damping of 1e-7: two crossings so close beside the resonance that doubles cannot tell them apart."""
     given = PAPER.with_values({"c": "0.05"})
-    swept = [axis.swept for axis in axes(given, {"environment.b": [1.0]})]
+    swept = [axis.knob for axis in axes(given, {"environment.b": [1.0]})]
     found = Kernel.of(given, swept)
     values = np.geomspace(1e-5, 1e-2, 40)[None]
     wide, left = found.in_floats(values)
@@ -481,7 +481,10 @@ def test_another_sweep_is_not_mixed_in(tmp_path: Path) -> None:
     ("vary", "message"),
     [
         ({}, "needs something to vary"),
-        ({"effects.filter.omega": [1.0]}, "nothing called"),
+        (
+            {"effects.filter.omega": [1.0]},
+            'has no parameter "effects.filter.omega": did you mean "effects.filter.omega_n"',
+        ),
         ({MASS: []}, "no values"),
         ({MASS: [1.0, 1.0]}, "only once"),
         ({MASS: [-1.0, 1.0]}, "must be >= 0"),

@@ -174,7 +174,7 @@ def certified_excess(box, part: hs.Part, shares: np.ndarray) -> float:  # type: 
     from flint import arb
 
     exact = {side.name: Fraction(float(x)) for side, x in zip(box.sides, shares[1:], strict=True)}
-    scene = box.scene_at(box.values(exact))
+    scene = box.scene.with_values(box.values(exact))
     low, high = (float(x) for x in scene.band)
     omega = low + float(shares[0]) * (high - low)
     square = scene.distortion().squared_ratios[part].ball(arb(omega))
@@ -214,7 +214,7 @@ def test_the_verdict_is_for_all_for_some_or_for_none(top: int, verdict: Verdict)
     assert found.verdict is verdict
     if verdict is Verdict.DEPENDS:
         for one, expected in ((found.transparent, True), (found.noticed, False)):
-            result = hs.evaluate(found.box.scene_at(one.values))
+            result = hs.evaluate(found.box.scene.with_values(one.values))
             whole = [(float(x.low.omega), float(x.high.omega)) for x in result.transparent] == [(0, top)]
             assert whole is expected
 
@@ -316,11 +316,11 @@ def test_a_box_has_a_side_for_each_range_in_its_units_and_the_threshold_last() -
         assert [box.part_name(part) for part in hs.Part] == (["c", "c"] if names == ["c"] else ["c_real", "c_imag"])
         own = box.values({x.name: Fraction(i, 7) for i, x in enumerate(box.sides)})
         assert own["k"] == Rational(9, 2) + Rational(1, 7)
-        told = box.scene_at(own).threshold
+        told = box.scene.with_values(own).threshold
         for part in hs.Part:
             assert told[part] == own.get(box.part_name(part), jnd[part])
-        assert not any(p.interval for p in box.scene_at(own).parameters if p.symbol.name in own)
-        assert box.scene_at({"k": Rational(5)}).threshold == hs.Threshold(jnd.real, jnd.imag)
+        assert not any(p.interval for p in box.scene.with_values(own).parameters if p.symbol.name in own)
+        assert box.scene.with_values({"k": Rational(5)}).threshold == jnd
     assert [x.unit for x in box_of(hs.Scene(SOFT, (LAG,))).sides] == ["N/m", "rad/s"]
     with pytest.raises(hs.SceneError, match="omega_c = w is a symbol"):
         box_of(hs.Scene(SOFT, (hs.effects.first_order_lag(hs.symbols("w")),)))

@@ -23,7 +23,7 @@ _OUTPUTS = ("text", "latex", "mathml", "json", *_CODE)
     "keep",
     multiple=True,
     metavar="NAME",
-    help="Keep this parameter only (may be repeated; c is the threshold).",
+    help="Keep this parameter only, by path or symbol (may be repeated; c is the threshold).",
 )
 @click.option("--to", "language", type=click.Choice(_OUTPUTS), default="text", show_default=True, help="What to write.")
 @click.option(
@@ -68,10 +68,6 @@ def derive(
         if names:
             raise SceneError(
                 f"--of chooses among formulas, and --to {language} writes all quantities: leave out one of them"
-            )
-        if "c" in keep:
-            raise SceneError(
-                f"--keep c keeps the threshold, of which --to {language} writes nothing: leave out one of them"
             )
         write(scene_code(scene, Language[language.upper()], parameters=kept))
         return

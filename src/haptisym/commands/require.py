@@ -21,7 +21,7 @@ from haptisym.model.scene import Scene
     multiple=True,
     required=True,
     metavar="PATH",
-    help="The parameter asked for, as effects.filter.omega_n, environment.m, evaluation.jnd, or its symbol; twice for a map.",
+    help="The number asked for, as effects.filter.omega_n, evaluation.jnd, or its symbol; twice for a map.",
 )
 @click.option(
     "--range",

@@ -56,7 +56,8 @@ def sweep(
 ) -> None:
     """Evaluate a scene for every combination of parameter values, with proof.
 
-    SCENE is a scene file (TOML) or the name of a shipped scene. PATH is effects.NAME.KEY, environment.KEY or evaluation.jnd.
+    SCENE is a scene file (TOML) or the name of a shipped scene. PATH is effects.NAME.KEY, environment.KEY,
+    evaluation.jnd, or a symbol.
 
     For each set: the first crossing and the number of crossings of each part, the bandwidth, the transparent fraction of the
     band, and the changeovers. Counts are proven, frequencies are proven to a relative 1e-10. A sweep that was interrupted is

@@ -38,12 +38,12 @@ from haptisym.figures.style import (
 )
 from haptisym.model.catalogue import values
 from haptisym.model.jnd import Part
+from haptisym.model.knobs import Knob
 from haptisym.model.quantities import Dimension
 from haptisym.programs.values import Array
 from haptisym.verbs.require.designmap import DesignMap, Slice
 from haptisym.verbs.require.entry import Requirement
 from haptisym.verbs.require.feasible import Binding, Kind, Span
-from haptisym.verbs.require.freeparameter import Free
 
 _GRID, _VALUES = 600, 400
 _COLOUR = {Part.REAL: BLUE, Part.IMAG: RED, None: INK}
@@ -62,15 +62,14 @@ def save_requirement(found: Requirement | DesignMap, path: Path) -> None:
         save_as(one_column(2.3, lambda ax: draw_requirement(ax, found)), path)
 
 
-def parameter_scale(free: Free, given: Iterable[Expr | None]) -> Scale:
+def parameter_scale(free: Knob, given: Iterable[Expr | None]) -> Scale:
     """Hz for a frequency of which a value was given in Hz; else the parameter's own unit."""
     is_frequency = free.dimension is Dimension.FREQUENCY
     return band_scale(x for x in given if x is not None) if is_frequency else RADIANS
 
 
-def _label(free: Free, scale: Scale) -> str:
-    name = free.symbol.name if len(free.parts) != 1 else f"c_{free.parts[0].value}"
-    return name_parameter(name, free.unit if scale.factor == 1 else scale.unit)
+def _label(free: Knob, scale: Scale) -> str:
+    return name_parameter(free.name, free.unit if scale.factor == 1 else scale.unit)
 
 
 # One parameter.
@@ -89,7 +88,7 @@ def draw_requirement(ax: Axes, found: Requirement, *, color: str | None = None, 
     (['real part', 'imaginary part'], '$\\\\omega_n$ (rad/s)')
     """
     looks = [Look.on(ax, _NAME[part], color, label) for part in found.keys]
-    look, own = looks[0], _own(found)
+    look, own = looks[0], found.free.value
     scale = parameter_scale(found.free, (own, found.domain.low, found.domain.high))
     low, high = _window(found)
     spans = _draw_set(ax, found, look, scale, (low, high))
@@ -116,10 +115,6 @@ def draw_requirement(ax: Axes, found: Requirement, *, color: str | None = None, 
 def _dots(ax: Axes, at: Sequence[float], color: str, label: str) -> list[Line2D]:
     style: dict[str, Any] = {"color": color, "markersize": 3.6, "zorder": 4, "label": label}
     return ax.plot(at, [1.0] * len(at), "o", **style) if at else []
-
-
-def _own(found: Requirement) -> Expr:
-    return values(found.scene.parameters).get(found.free.symbol, found.scene.threshold.real)
 
 
 def _draw_set(ax: Axes, found: Requirement, look: Look, scale: Scale, window: tuple[float, float]) -> list[Artist]:
@@ -149,7 +144,7 @@ def _draw_set(ax: Axes, found: Requirement, look: Look, scale: Scale, window: tu
 
 def _window(found: Requirement) -> tuple[float, float]:
     """The values drawn: the range, cut where it is unbounded to about the ends of the set and the scene's own value."""
-    known = [float(_own(found)), *(float(end.value) for end in found.ends if end.value is not None)]
+    known = [float(found.free.value), *(float(end.value) for end in found.ends if end.value is not None)]
     low, high = found.domain.low, found.domain.high
     reach = 2 * max(abs(x) for x in known) or 1.0
     return (float(low) if low is not None else -reach), (float(high) if high is not None else reach)
@@ -222,11 +217,7 @@ _STROKES = "transparent on the slice"
 
 
 def _scales(found: DesignMap) -> tuple[Scale, Scale]:
-    own = values(found.scene.parameters)
-    one, other = (
-        parameter_scale(free, (*pair, own.get(free.symbol)))
-        for free, pair in zip(found.free, found.ranges, strict=True)
-    )
+    one, other = (parameter_scale(x, (*pair, x.value)) for x, pair in zip(found.free, found.ranges, strict=True))
     return one, other
 
 

@@ -155,11 +155,7 @@ def evaluate(scene: Scene | str | Path, digits: int = 15, *, tolerance: Number |
     scene = as_scene(scene)
     if not isinstance(digits, int) or digits < 1:
         raise SceneError(f"digits: {digits} must be a whole number, at least 1")
-    free = [p for p in scene.parameters if p.value.free_symbols]
-    if free:
-        raise SceneError(
-            f"{free[0].key} = {free[0].value} is a symbol: an evaluation needs numbers; use distort for formulas"
-        )
+    scene.knobs.need_numbers()
     found = None if tolerance is None else _relevance(scene, tolerance)
     used = scene if found is None else found.pruned
     distortion = used.distortion()

@@ -75,6 +75,7 @@ def peaks(scene: Scene | str | Path) -> tuple[Peak, ...]:
     [('imag', '2.16', '0.100', 1/10), ('real', '3.00', '0.200', 1/5), ('imag', '4.16', '0.100', 1/10)]
     """
     scene = as_scene(scene)
+    scene.knobs.need_numbers()
     squares = scene.distortion().squared_ratios
     slopes = {part: square.derivative() for part, square in squares.items()}
     points = chart(slopes, *scene.band).points[1:-1]

@@ -102,8 +102,10 @@ class Parameter(Shown):
 
     def with_value(self, given: Number) -> Parameter:
         """The same parameter with another value (in place of a range, too), checked like the first one."""
-        slot = Slot(self.dimension, self.rule)
-        return replace(_parameter(self.key, given, slot, self.symbol.name), symbol=self.symbol, tie=self.tie)
+        read = read_parameter(self.key, given, Slot(self.dimension, self.rule), self.symbol.name)
+        if read.exponents is None:  # a bare number is one in the unit that was there
+            read = replace(read, motion=self.motion, exponents=self.exponents)
+        return replace(read, symbol=self.symbol, tie=self.tie)
 
 
 @dataclass(frozen=True)
@@ -223,7 +225,7 @@ def free_name(name: str, taken: Container[str]) -> str:
     return next(x for x in chain([name], (f"{name}_{i}" for i in count(2))) if x not in taken)
 
 
-def values(parameters: Sequence[Parameter]) -> dict[Symbol, Expr]:
+def values(parameters: Iterable[Parameter]) -> dict[Symbol, Expr]:
     """From each parameter's symbol to its value."""
     return {p.symbol: p.value for p in parameters}
 
@@ -312,7 +314,7 @@ def _bind(
         if slot.formula:
             arguments[key] = _formula(key, value, free)
         elif slot.rule is Rule.ORDER:
-            arguments[key] = int(_parameter(key, value, slot, key).value)
+            arguments[key] = int(read_parameter(key, value, slot, key).value)
         elif slot.several:
             own = _parameters(key, value, slot)
             parameters += own
@@ -348,7 +350,7 @@ _REFERENCE = re.compile(r"\s*[^\W\d]\w*\.[\w.\[\]-]+\s*")  # no quantity begins 
 def _entered(key: str, given: Number, slot: Slot, name: str) -> Parameter:
     """A parameter of a call: a quantity, a range, or a reference to one of the environment's, which waits for ``tied_to``."""
     if not isinstance(given, str) or not ("environment." in given or _REFERENCE.match(given)):
-        return _parameter(key, given, slot, name)
+        return read_parameter(key, given, slot, name)
     if not _REFERENCE.fullmatch(given):
         raise SceneError(f'{key}: {_shown(given)}: a reference stands alone, as in {key} = "environment.{key}"')
     symbol = _symbol(name, slot.rule)
@@ -370,7 +372,8 @@ def _symbol(name: str, rule: Rule) -> Symbol:
     return Symbol(name, real=True) if rule is Rule.ANY else Symbol(name, positive=True)
 
 
-def _parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
+def read_parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
+    """A parameter from a quantity or a range, checked; ``key`` is what errors call it, ``name`` its symbol's."""
     symbol = _symbol(name, slot.rule)
     try:
         found = ranged(given, slot.dimension)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -9,7 +10,7 @@ from sympy import Expr, Rational
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.roots import sign_of_number
-from haptisym.model.quantities import Dimension, Number
+from haptisym.model.quantities import Dimension, Number, require_number
 from haptisym.model.ranges import Interval, ranged
 
 
@@ -46,7 +47,7 @@ class Threshold:
 
     def __post_init__(self) -> None:
         for key in ("real", "imag"):
-            value, interval = _fraction(key, getattr(self, key))
+            value, interval = threshold_value(key, getattr(self, key))
             object.__setattr__(self, key, value)
             if interval:
                 object.__setattr__(self, f"{key}_interval", interval)
@@ -54,21 +55,28 @@ class Threshold:
     def __getitem__(self, part: Part) -> Expr:
         return self.real if part is Part.REAL else self.imag
 
+    def with_limits(self, limits: Mapping[Part, Number]) -> Threshold:
+        """The same with other thresholds (in place of ranges, too) for some parts."""
+        given = {part: (limits[part], None) if part in limits else (self[part], self.interval(part)) for part in Part}
+        (real, real_interval), (imag, imag_interval) = given.values()
+        return Threshold(real, imag, real_interval, imag_interval)
+
     def interval(self, part: Part) -> Interval | None:
         """The range of a part's threshold, if it has one."""
         return self.real_interval if part is Part.REAL else self.imag_interval
 
 
-def _fraction(key: str, given: Number) -> tuple[Expr, Interval | None]:
+def threshold_value(key: str, given: Number) -> tuple[Expr, Interval | None]:
+    """A threshold and its range, if it has one; SceneError, with the key, unless both are > 0."""
     if isinstance(given, Expr) and is_irrational_algebraic(given) and given.evalf() > 0:
         return given, None
     try:
         found = ranged(given, Dimension.RATIO)
+        value = require_number(given, found.nominal).value
     except SceneError as error:
         raise error.within(key) from None
-    value = found.nominal.value
-    if value.free_symbols or any(sign_of_number(x) <= 0 for x in (value, *(found.interval or ()))):
-        raise SceneError(f'{key}: "{given}" must be a number > 0')
+    if any(sign_of_number(x) <= 0 for x in (value, *(found.interval or ()))):
+        raise SceneError(f'{key}: "{given}" must be > 0')
     return value, found.interval
 
 

@@ -108,6 +108,24 @@ def quantity(given: Number, dimension: Dimension) -> Quantity:
     raise SceneError(f"{shown} is not a number, nor a string of a number and a unit")
 
 
+def number(given: Number, dimension: Dimension) -> Quantity:
+    """The same; SceneError for a symbol, too.
+
+    >>> number(Symbol("k"), Dimension.STIFFNESS)
+    Traceback (most recent call last):
+      ...
+    haptisym.errors.SceneError: "k" must be a number
+    """
+    return require_number(given, quantity(given, dimension))
+
+
+def require_number(given: object, read: Quantity) -> Quantity:
+    """What was read; SceneError where it is a symbol."""
+    if read.value.free_symbols:
+        raise SceneError(f"{_shown(given)} must be a number")
+    return read
+
+
 def decimal(text: str) -> Rational:
     """The exact rational number that a decimal text means.
 

@@ -8,26 +8,19 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from itertools import count
-from typing import Any, NamedTuple
+from typing import Any
 
 from sympy import Expr, Integer, Symbol
 
-from haptisym.kernel.errors import SceneError, meant
+from haptisym.kernel.errors import SceneError
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.shown import Shown, titled
-from haptisym.model.catalogue import Effect, Environment, Parameter, Rule, free_name, refuse_references
+from haptisym.model.catalogue import Effect, Environment, Rule, free_name, refuse_references
 from haptisym.model.distortion import Chain, Distortion, distort
 from haptisym.model.jnd import Part, Threshold
-from haptisym.model.quantities import Dimension, Motion, Number, quantity
-from haptisym.model.ranges import Interval, spread
-
-
-class Range(NamedTuple):
-    """What varies: the name of its symbol, its nominal value, and from where to where it may lie."""
-
-    name: str
-    value: Expr
-    interval: Interval
+from haptisym.model.knobs import THRESHOLD, Knob, Knobs, threshold_knobs
+from haptisym.model.quantities import Dimension, Motion, Number, number
+from haptisym.model.ranges import spread
 
 
 @dataclass(frozen=True, repr=False)
@@ -98,32 +91,26 @@ class Scene(Shown):
         for effect in self.effects:
             yield f"effects.{effect.name}", effect
 
-    def placed(self) -> Iterator[tuple[str, Environment | Effect, Parameter]]:
-        """Every parameter, once, with its place in a scene file and the element that it stands in first."""
+    @cached_property
+    def knobs(self) -> Knobs:
+        """Everything that may be varied, by name: each parameter once, and the thresholds."""
+        return Knobs((*self._knobs(), *threshold_knobs(self.threshold)))
+
+    def _knobs(self) -> Iterator[Knob]:
         for place, element in self.elements():
             for p in element.parameters:
-                rules = [q.rule for path, q in self._tied if q.tie == f"{place}.{p.key}"]
                 if not p.tie:
-                    yield place, element, replace(p, rule=reduce(Rule.and_also, rules, p.rule)) if rules else p
+                    tied = [
+                        q for q in (self.rendered.parameters if self.rendered else ()) if q.tie == f"{place}.{p.key}"
+                    ]
+                    rule = reduce(Rule.and_also, (q.rule for q in tied), p.rule)
+                    own = vars(replace(p, rule=rule, motion=p.motion or self.motion))
+                    yield Knob(**own, place=place, model=element.model, also=tuple(f"rendered.{q.key}" for q in tied))
 
     @property
-    def parameters(self) -> tuple[Parameter, ...]:
+    def parameters(self) -> tuple[Knob, ...]:
         """Every parameter of the scene, once, with symbols that are unique in it."""
-        return tuple(p for _, _, p in self.placed())
-
-    @property
-    def _tied(self) -> list[tuple[str, Parameter]]:
-        """The parameters of what is rendered that are the environment's, by their own paths."""
-        return [(f"rendered.{p.key}", p) for p in (self.rendered.parameters if self.rendered else ()) if p.tie]
-
-    @property
-    def ties(self) -> dict[str, str]:
-        """From the path of a parameter that is another's to the path of that: ``rendered.k`` to ``environment.k``."""
-        return {path: p.tie for path, p in self._tied}
-
-    def tied_with(self, path: str) -> tuple[str, ...]:
-        """The path of a parameter and those of what refers to it."""
-        return path, *(own for own, other in self.ties.items() if other == path)
+        return self.knobs.parameters
 
     def untied(self, varied: Collection[str] | None = None) -> tuple[tuple[str, str], ...]:
         """What environment and [rendered] have by one name and yet twice: pairs of paths, of which one is among ``varied``."""
@@ -141,15 +128,15 @@ class Scene(Shown):
         what = "two parameters" if len(pairs) == 1 else "two parameters each"
         return f"{listed} are {what}: where one varies the other keeps its value. If they are one, write {ties} in [rendered]."
 
-    def ranges(self, besides: Collection[str] = ()) -> dict[str, Range]:
+    def ranges(self, besides: Collection[str] = ()) -> dict[str, Knob]:
         """What has a range, by its path; not those ``besides`` (``evaluation.jnd`` is both thresholds)."""
-        rows = [(f"{place}.{p.key}", p.symbol.name, p.value, p.interval) for place, _, p in self.placed()]
-        c, whole = self.threshold, "evaluation.jnd"
-        limits = [(f"{whole}.{part.value}", f"c_{part.value}", c[part], c.interval(part)) for part in Part]
-        if c.real_interval == c.imag_interval and {*besides}.isdisjoint(path for path, *_ in limits):
-            limits = [(whole, "c", c.real, c.real_interval)]
-        rows += [] if whole in besides else limits
-        return {path: Range(name, x, interval) for path, name, x, interval in rows if interval and path not in besides}
+        but = [self.knobs[path] for path in besides]
+        asked = {part for x in but for part in x.parts}
+        parts = [part for part in Part if part not in asked]
+        limits = (
+            self.knobs.limits.values() if not asked else [self.knobs[f"{THRESHOLD}.{part.value}"] for part in parts]
+        )
+        return {x.path: x for x in (*self.parameters, *limits) if x.interval and x not in but}
 
     @property
     def nominal_note(self) -> str:
@@ -160,6 +147,7 @@ class Scene(Shown):
         """The same of all parameters but some, by their paths: those that a question is about."""
         told: dict[str, list[str]] = {}
         for x in self.ranges(besides).values():
+            assert x.interval
             told.setdefault(spread(x.value, x.interval), []).append(x.name)
         if not told:
             return ""
@@ -175,14 +163,14 @@ class Scene(Shown):
 
     def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
         """The same as keys of a document, where they say something: ``nominal``, ranges by path; ``untied``, pairs of paths."""
-        ranges = {path: [float(end) for end in x.interval] for path, x in self.ranges(besides).items()}
+        ranges = {path: [float(end) for end in x.interval or ()] for path, x in self.ranges(besides).items()}
         untied = [list(pair) for pair in self.untied(varied)]
         return ({"nominal": ranges} if ranges else {}) | ({"untied": untied} if untied else {})
 
     @property
     def motion(self) -> Motion | None:
         """Whether the hand moves along a line or about an axis; None if no unit in the scene tells."""
-        return next((p.motion for p in self.parameters if p.motion is not None), None)
+        return next((p.motion for _, x in self.elements() for p in x.parameters if p.motion is not None), None)
 
     def distortion(self) -> Distortion:
         """The closed forms with every parameter's value in place."""
@@ -203,7 +191,7 @@ class Scene(Shown):
         return Chain(self.environment.dynamics, rendered.dynamics, tuple(e.dynamics for e in self.effects))
 
     def with_values(self, values: Mapping[str, Number]) -> Scene:
-        """The same scene with other values for some parameters, by the names of their symbols; ``c`` is both thresholds.
+        """The same scene with other values for some parameters or thresholds, each by any name that ``knobs`` knows.
 
         Raises SceneError for a name that the scene does not have, and for a value that the model does not allow.
 
@@ -211,18 +199,17 @@ class Scene(Shown):
         >>> load_scene("fu2019").with_values({"omega_n": "40 Hz"}).effects[0].matrix[0]
         6400*pi**2/(s**2 + 80*pi*s + 6400*pi**2)
         """
-        known = {p.symbol.name for p in self.parameters} | {"c"}
-        unknown = next((name for name in values if name not in known), None)
-        if unknown is not None:
-            raise SceneError(
-                f'the scene has no parameter "{unknown}": {meant(unknown, known)}it has {", ".join(sorted(known))}'
-            )
+        given = dict(zip(self.knobs.chosen(values), values.values(), strict=True))
+        for knob, value in given.items():
+            knob.check(value)
+        named = {knob.name: value for knob, value in given.items() if not knob.parts}
+        limits = {part: value for knob, value in given.items() for part in knob.parts}
         return replace(
             self,
-            environment=self.environment.with_values(values),
-            effects=tuple(effect.with_values(values) for effect in self.effects),
-            rendered=self.rendered.with_values(values) if self.rendered else None,
-            threshold=Threshold.of(values["c"]) if "c" in values else self.threshold,
+            environment=self.environment.with_values(named),
+            effects=tuple(effect.with_values(named) for effect in self.effects),
+            rendered=self.rendered.with_values(named) if self.rendered else None,
+            threshold=self.threshold.with_limits(limits),
         )
 
     def with_band(self, low: Number, high: Number) -> Scene:
@@ -233,12 +220,9 @@ class Scene(Shown):
 def frequency(key: str, given: Number) -> Expr:
     """An exact frequency, rad/s."""
     try:
-        value = quantity(given, Dimension.FREQUENCY).value
+        return number(given, Dimension.FREQUENCY).value
     except SceneError as error:
         raise error.within(key) from None
-    if value.free_symbols:
-        raise SceneError(f"{key}: {given} must be a number")
-    return value
 
 
 def _one_motion(elements: Iterable[tuple[str, Environment | Effect]]) -> None:

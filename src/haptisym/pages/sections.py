@@ -92,19 +92,16 @@ def asked(d: Derivation, names: Iterable[str]) -> tuple[Section, ...]:
     return (Section(("Formulas",), tuple(rows), tuple(notes)),)
 
 
-_SLOPE = re.compile(r"domega_([ri])/d(\w+)")
+_SLOPE = re.compile(r"domega_([ri])/d([\w.\[\]-]+)")
 
 
 def _sensitivity(d: Derivation, letter: str, parameter: str) -> Line:
     """d omega/d parameter at a crossing, in omega and the parameters."""
-    symbol = next((x for x in d.kept if x.name == parameter), None)
-    if symbol is None:
-        raise SceneError(
-            f'"{parameter}" is not a parameter that stays a symbol: {", ".join(map(str, d.kept)) or "none does"}'
-        )
-    part = _part(letter)
-    above, below = (Product((named("d"), named(name))) for name in (f"omega_{letter}", parameter))
-    return Line(Fraction(above, below), d.sensitivity(part, symbol))
+    part, knob = _part(letter), d.scene.knobs[parameter]
+    if knob.symbol not in d.kept and part not in {*knob.parts} & {*d.kept_thresholds}:
+        raise SceneError(f'"{parameter}" does not stay a symbol: {", ".join(map(str, d.kept)) or "none does"}')
+    above, below = (Product((named("d"), named(name))) for name in (f"omega_{letter}", knob.symbol.name))
+    return Line(Fraction(above, below), d.sensitivity(part, knob.symbol))
 
 
 def _part(letter: str) -> Part:

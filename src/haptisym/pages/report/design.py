@@ -6,13 +6,11 @@ import re
 from collections.abc import Iterator
 
 from haptisym.judge.evaluation import Evaluation
-from haptisym.model.catalogue import values
-from haptisym.model.scene import Scene
+from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.pages.lines import both
 from haptisym.pages.report.results import RATIOS
 from haptisym.pages.require import sets
 from haptisym.verbs.require.entry import Requirement, is_quick, require
-from haptisym.verbs.require.freeparameter import THRESHOLD, Free
 from haptisym.writing.htmltext import Html, element, joined, listed, table
 from haptisym.writing.layout import layout
 from haptisym.writing.mathematics import inline
@@ -40,16 +38,12 @@ def requirements(e: Evaluation) -> list[Requirement]:
     """For each parameter and for the threshold, where that takes no more than moments; none for other scenes."""
     if len(e.scene.parameters) > _MOST_PARAMETERS or not is_quick(e.scene):
         return []
-    return [require(e.scene, path) for path in (*_paths(e.scene), THRESHOLD)]
-
-
-def _paths(scene: Scene) -> list[str]:
-    return [f"{place}.{p.key}" for place, _, p in scene.placed()]
+    return [require(e.scene, path) for path in (*(x.path for x in e.scene.parameters), THRESHOLD)]
 
 
 def _row(r: Requirement) -> list[str]:
-    own = values(r.scene.parameters).get(r.free.symbol, r.scene.threshold.real)
-    return [inline(layout(r.free.symbol)), joined([inline(layout(rounded(own))), _unit(r.free)]), _set(r), _binding(r)]
+    own = joined([inline(layout(rounded(r.free.value))), _unit(r.free)])
+    return [inline(layout(r.free.symbol)), own, _set(r), _binding(r)]
 
 
 def _set(r: Requirement) -> Html:
@@ -58,7 +52,7 @@ def _set(r: Requirement) -> Html:
     return joined(re.split(rf"\b{re.escape(r.free.symbol.name)}\b(?= [<>=≤≥])", said), inline(layout(r.free.symbol)))
 
 
-def _unit(free: Free) -> str:
+def _unit(free: Knob) -> str:
     return "" if free.unit == "1" else f" {free.unit.replace('*', '·')}"
 
 

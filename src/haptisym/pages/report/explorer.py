@@ -112,10 +112,10 @@ def _plot(identity: str, title: str, caption: str) -> Html:
 def _parameters(e: Evaluation, forms: SceneForms) -> dict[Symbol, tuple[Slider, str]]:
     """A slider for each parameter of the scene, with words that say what it is."""
     found: dict[Symbol, tuple[Slider, str]] = {}
-    for place, _, p in e.scene.placed():
+    for p in e.scene.parameters:
         label = inline(named(forms.short_names.get(p.symbol, p.symbol).name))
         slider = _parameter(p, f"explorer-{len(found)}", label, e.scene.motion or Motion.TRANSLATION)
-        found[p.symbol] = slider, f"{p.key} of {place.removeprefix('effects.')}"
+        found[p.symbol] = slider, f"{p.key} of {p.place.removeprefix('effects.')}"
     return found
 
 

@@ -7,8 +7,9 @@ from collections.abc import Iterator, Mapping
 from sympy import Expr, Symbol
 
 from haptisym.kernel.reals import ExactNumber
-from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Parameter
+from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment
 from haptisym.model.jnd import Threshold
+from haptisym.model.knobs import Knob
 from haptisym.model.quantities import Dimension, Motion, unit_text
 from haptisym.model.scene import Scene
 from haptisym.pages.report.results import H_ENV, H_PERC, both, equality
@@ -23,7 +24,7 @@ from haptisym.writing.numerals import rounded
 def scene_parts(scene: Scene, short_names: Mapping[Symbol, Symbol]) -> Iterator[Html]:
     """The chain, the table of parameters, and what is judged; ``short_names``: other symbols for parameters."""
     yield _chain(scene)
-    rows = [_parameter(scene, short_names, place, p) for place, _, p in scene.placed()]
+    rows = [_parameter(scene, short_names, x) for x in scene.parameters]
     if rows:
         head = ["symbol", "of", "parameter", "quantity", "value", "unit"]
         yield table(head, rows, "The parameters, in SI units.", numbers=(4,))
@@ -57,11 +58,11 @@ def _link(place: str, part: Environment | Effect) -> Html:
     return element("li", joined([element("strong", name), *kind, element("span", about)], " "))
 
 
-def _parameter(scene: Scene, short_names: Mapping[Symbol, Symbol], place: str, p: Parameter) -> list[str]:
+def _parameter(scene: Scene, short_names: Mapping[Symbol, Symbol], p: Knob) -> list[str]:
     quantity = "" if p.dimension is Dimension.ANY else p.dimension.name.lower()
     unit = unit_text(p.dimension.unit(scene.motion or Motion.TRANSLATION))
     symbol = inline(named(short_names.get(p.symbol, p.symbol).name))
-    places = ", ".join(x.removeprefix("effects.").rpartition(".")[0] for x in scene.tied_with(f"{place}.{p.key}"))
+    places = ", ".join(x.removeprefix("effects.").rpartition(".")[0] for x in p.paths)
     return [symbol, places, p.key, quantity, _value(p.value), unit or "SI"]
 
 

@@ -154,8 +154,7 @@ class _Body:
 
     def _parameters(self) -> list[str]:
         scene = self.evaluation.scene
-        found = [(", ".join(scene.tied_with(f"{place}.{p.key}")), p) for place, _, p in scene.placed()]
-        rows = [self._parameter(paths.removeprefix("effects."), p) for paths, p in found]
+        rows = [self._parameter(", ".join(x.paths).removeprefix("effects."), x) for x in scene.parameters]
         columns = "l p{5cm} l l l" if any(len(row[1]) > 31 for row in rows) else "l l l l l"
         header = ["symbol", "parameter", "quantity", "value", "unit"]
         return tables("The parameters, in SI units.", "parameters", columns, header, rows)

@@ -17,7 +17,6 @@ from haptisym.model.scenefile import as_scene
 from haptisym.pages.cost import page, summary
 from haptisym.verbs.cost.measurement import Omission, Row
 from haptisym.verbs.cost.methods import Method
-from haptisym.verbs.cost.questions import check_numbers
 from haptisym.verbs.cost.stopwatch import Timed, interleaved, machine
 from haptisym.verbs.cost.tasks import Task, crossings_task, delay_tasks, effects_tasks, evaluate_task, prepared
 
@@ -95,7 +94,7 @@ def cost(scene: Scene | str | Path, *, quick: bool = False, told: Told = lambda 
     (['crossings', 'effects', 'evaluate'], True)
     """
     scene = as_scene(scene)
-    check_numbers(scene)
+    scene.knobs.need_numbers()
     tasks = [
         evaluate_task(scene, quick=quick),
         crossings_task(scene, quick=quick),
@@ -117,8 +116,10 @@ def simulation_cost(scene: Scene | str | Path, *, quick: bool = False, told: Tol
     (True, True)
     """
     scene = as_scene(scene)
-    check_numbers(scene)
+    scene.knobs.need_numbers()
     from haptisym.verbs.cost.simulated import Recovery, simulation_methods
+
+    scene.knobs.need_numbers()
 
     question = Recovery(scene)
     question.check()

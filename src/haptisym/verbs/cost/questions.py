@@ -18,7 +18,7 @@ from sympy import Expr, Rational
 
 from haptisym.judge.crossings import Curve, excess, find_crossings
 from haptisym.judge.peaks import ValueAt
-from haptisym.kernel.errors import SceneError, UndecidedError
+from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial
@@ -219,13 +219,6 @@ def _tight(x: RealNumber, digits: int) -> Ball:
         if x.ball(working).is_finite():
             return x.tight_ball(bits)
     return arb("inf")
-
-
-def check_numbers(scene: Scene) -> None:
-    """SceneError unless every parameter of a scene is a number."""
-    free = next((p for p in scene.parameters if p.value.free_symbols), None)
-    if free is not None:
-        raise SceneError(f"{free.key} = {free.value} is a symbol: accuracy and time can be measured for numbers only")
 
 
 Attempt: TypeAlias = Callable[[], Any]

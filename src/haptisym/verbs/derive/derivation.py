@@ -43,7 +43,7 @@ class Derivation(Shown):
 
     scene: Scene
     kept: tuple[Symbol, ...]
-    symbolic_threshold: bool = True
+    kept_thresholds: tuple[Part, ...] = tuple(Part)
 
     def _line(self) -> str:
         kept = ", ".join(p.name for p in self.kept) or "nothing"
@@ -77,7 +77,7 @@ class Derivation(Shown):
     def threshold(self, part: Part) -> Expr:
         """The threshold of a part: the symbol c, or the scene's number."""
         given = self.scene.threshold[part]
-        return c if self.symbolic_threshold or is_irrational_algebraic(given**2) else given
+        return c if part in self.kept_thresholds or is_irrational_algebraic(given**2) else given
 
     def excess(self, part: Part) -> RealFunction:
         """r^2 - c^2: positive exactly where the ratio exceeds its threshold."""
@@ -158,14 +158,11 @@ def derive(scene: Scene | str | Path, keep: Iterable[str] | None = None) -> Deri
     [sqrt(k)/sqrt(m)]
     """
     scene = as_scene(scene)
-    known = {p.symbol.name: p.symbol for p in scene.parameters}
     if keep is None:
-        return Derivation(scene, tuple(known.values()))
-    names = [keep] if isinstance(keep, str) else list(keep)
-    for name in names:
-        if name not in {*known, "c"}:
-            raise SceneError(f'the scene has no parameter "{name}": it has {", ".join([*known, "c"])}')
-    return Derivation(scene, tuple(known[x] for x in names if x in known), "c" in names)
+        return Derivation(scene, tuple(x.symbol for x in scene.parameters))
+    kept = [scene.knobs[name] for name in ([keep] if isinstance(keep, str) else keep)]
+    thresholds = tuple(part for part in Part if any(part in x.parts for x in kept))
+    return Derivation(scene, tuple(x.symbol for x in kept if not x.parts), thresholds)
 
 
 def _threshold_polynomial(part: Part) -> Callable[[Derivation], Expr]:

@@ -46,4 +46,4 @@ def derive(scene: Scene | str | Path, keep: Iterable[str] | None = None) -> Deri
     omega_n**2*(9*s**2 + 75*s + 500)/(5*omega_n**2 + 5*omega_n*s + 5*s**2)
     """
     found = formulas(scene, keep)
-    return Derivation(found.scene, found.kept, found.symbolic_threshold)
+    return Derivation(found.scene, found.kept, found.kept_thresholds)

@@ -22,7 +22,7 @@ from haptisym.kernel.roots import Chart, Interval, chart, sign_of_number
 from haptisym.kernel.shown import Shown, titled
 from haptisym.model.catalogue import Effect
 from haptisym.model.jnd import Part
-from haptisym.model.quantities import Dimension, Number, quantity
+from haptisym.model.quantities import Dimension, Number, number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.derive.structure import structure
@@ -180,9 +180,7 @@ def relevance(scene: Scene | str | Path, tolerance: Number = TOLERANCE) -> Relev
     """
     scene = as_scene(scene)
     limit = _tolerance(tolerance)
-    free = next((p for p in scene.parameters if p.value.free_symbols), None)
-    if free is not None:
-        raise SceneError(f"{free.key} = {free.value} is a symbol: which effects matter depends on its value")
+    scene.knobs.need_numbers()
     balls = BallChain(scene)
     choice = Search(scene, balls, limit).choose()
     kept = tuple(effect for i, effect in enumerate(scene.effects) if i in choice.kept)
@@ -191,11 +189,11 @@ def relevance(scene: Scene | str | Path, tolerance: Number = TOLERANCE) -> Relev
 
 def _tolerance(given: Number) -> Expr:
     try:
-        value = quantity(given, Dimension.RATIO).value
+        value = number(given, Dimension.RATIO).value
     except SceneError as error:
         raise error.within("tolerance") from None
     if not value.is_Rational or sign_of_number(value) < 0:
-        raise SceneError(f'tolerance: "{given}" must be a number >= 0')
+        raise SceneError(f'tolerance: "{given}" must be rational and >= 0')
     return value
 
 

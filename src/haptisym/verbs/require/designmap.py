@@ -14,9 +14,9 @@ from typing import Any
 from sympy import Expr
 
 from haptisym.kernel.budget import Told, limited
-from haptisym.kernel.errors import SceneError
 from haptisym.kernel.shown import Answer, counted, titled
 from haptisym.model.jnd import Part
+from haptisym.model.knobs import Knob
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
@@ -25,7 +25,7 @@ from haptisym.pages.require import sets
 from haptisym.verbs.require.criticalvalues import edge_polynomial, touch_polynomial
 from haptisym.verbs.require.entry import Requirement, require
 from haptisym.verbs.require.feasible import Kind
-from haptisym.verbs.require.freeparameter import Free, any_environment_condition, conditions, domain, free_parameter
+from haptisym.verbs.require.freeparameter import any_environment_condition, conditions, domain
 
 _MOST_ROWS = 10  # of slices that the text lists; --json has them all
 _CLOSER = 6
@@ -48,7 +48,7 @@ class DesignMap(Answer):
     """
 
     scene: Scene
-    free: tuple[Free, Free]
+    free: tuple[Knob, Knob]
     ranges: tuple[tuple[Expr, Expr], tuple[Expr, Expr]]
     slices: tuple[Slice, ...]
     part: Part | None = None
@@ -156,10 +156,10 @@ def design_map(
     ['103.831', '122.356', '141.462']
     """
     scene = as_scene(scene)
-    first, second = (free_parameter(scene, path) for path in paths)
-    if first.symbol == second.symbol:
-        raise SceneError(f"{first.path} is asked for twice: a map needs two different parameters")
-    (low, high), other = ((free.value(a), free.value(b)) for free, (a, b) in zip((first, second), ranges, strict=True))
+    first, second = scene.knobs.chosen(paths)
+    (low, high), other = (
+        (free.number(a), free.number(b)) for free, (a, b) in zip((first, second), ranges, strict=True)
+    )
     for free, pair in zip((first, second), ((low, high), other), strict=True):
         domain(free, pair)
 

@@ -19,8 +19,8 @@ from haptisym.kernel.levels import Level
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.shown import Answer, titled
-from haptisym.model.catalogue import values
 from haptisym.model.jnd import Part
+from haptisym.model.knobs import Knob
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
@@ -31,11 +31,9 @@ from haptisym.verbs.require.feasible import End, Span, runs, spanned
 from haptisym.verbs.require.freeparameter import (
     Conditions,
     Domain,
-    Free,
     any_environment_condition,
     conditions,
     domain,
-    free_parameter,
 )
 from haptisym.verbs.require.nearest import Nearest, nearest
 from haptisym.verbs.require.places import Verdict
@@ -62,7 +60,7 @@ class Requirement(Answer, Required):
     def _again(self, scene: Scene) -> Required:
         """The same question about another scene."""
         every = self.keys == (None,)
-        free, parts = free_parameter(scene, self.free.path), [part for part in self.keys if part]
+        free, parts = scene.knobs[self.free.path], [part for part in self.keys if part]
         found = any_environment_condition(scene, [free]) if every else conditions(scene, [free], parts)
         return _answered(replace(self, scene=scene, free=free), found)
 
@@ -105,7 +103,7 @@ def require(
         raise SceneError(f"digits: {digits} must be a whole number, at least 1")
     if part is not None and any_environment:
         raise SceneError("for any environment there are no parts: ask for one or the other")
-    free = free_parameter(scene, path)
+    free = scene.knobs[path]
     asked = domain(free, range)
     keys = (part,) if part else tuple(Part)
     start = Requirement(scene, free, asked, (), (), (None,) if any_environment else keys, digits)
@@ -165,7 +163,7 @@ def _threshold_problem(start: Requirement) -> ThresholdProblem:
     return ThresholdProblem({x: f for x, f in squares.items() if f is not None}, kept, scene.band, start.domain)
 
 
-def _allowed(scene: Scene, free: Free, value: Expr) -> bool:
+def _allowed(scene: Scene, free: Knob, value: Expr) -> bool:
     """Whether the scene exists at a value of the parameter."""
     try:
         free.put(scene, value).distortion()
@@ -176,9 +174,8 @@ def _allowed(scene: Scene, free: Free, value: Expr) -> bool:
 
 def _by_balls(start: Requirement, found: Conditions) -> Requirement:
     asked, scene, free = start.domain, start.scene, start.free
-    own = values(scene.parameters).get(free.symbol, scene.threshold.real)
     exists = {x: _allowed(scene, free, x) for x in (asked.low, asked.high) if x is not None}
-    search = Search(found, free.symbol, scene.band, Fraction(abs(float(own)) or 1.0))
+    search = Search(found, free.symbol, scene.band, Fraction(abs(float(free.value)) or 1.0))
     low, high = _outward(asked)
     line = _Line(search.leaves(low, high), asked, exists.__getitem__)
     return replace(start, feasible=line.spans(), undecided=line.undecided)

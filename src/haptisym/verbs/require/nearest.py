@@ -21,9 +21,10 @@ from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import RealNumber, SquareRoot, rational_between
 from haptisym.model.jnd import Part, Threshold
+from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.feasible import Binding, Kind, Span
-from haptisym.verbs.require.freeparameter import Domain, Free
+from haptisym.verbs.require.freeparameter import Domain
 
 
 class Asked(Protocol):
@@ -32,7 +33,7 @@ class Asked(Protocol):
     @property
     def scene(self) -> Scene: ...
     @property
-    def free(self) -> Free: ...
+    def free(self) -> Knob: ...
     @property
     def domain(self) -> Domain: ...
     @property
@@ -103,9 +104,8 @@ def _simple(x: float) -> Rational:
 
 def _tried(r: Asked) -> Iterator[Expr]:
     """Some values of the domain: the scene's own, and its ends or powers of ten."""
-    own = next((p.value for p in r.scene.parameters if p.symbol == r.free.symbol), None)
     low, high = r.domain.low, r.domain.high
-    listed = [own, low, high, *(Integer(10) ** n for n in range(-6, 7, 2))]
+    listed = [r.free.value, low, high, *(Integer(10) ** n for n in range(-6, 7, 2))]
     for x in listed:
         if x is None or (low is not None and bool(x < low)) or (high is not None and bool(x > high)):
             continue

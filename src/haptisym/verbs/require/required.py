@@ -16,10 +16,11 @@ from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import c
 from haptisym.model.catalogue import values
 from haptisym.model.jnd import Part
+from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.closedforms import closed_form
 from haptisym.verbs.require.feasible import Binding, End, Kind, Span
-from haptisym.verbs.require.freeparameter import Domain, Free
+from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.nearest import Nearest
 
 _NAMES = {Kind.EDGE: Symbol("omega_max", positive=True), Kind.START: Symbol("omega_min", positive=True)}
@@ -39,7 +40,7 @@ class Required:
     """
 
     scene: Scene
-    free: Free
+    free: Knob
     domain: Domain
     feasible: tuple[Span, ...]
     undecided: tuple[tuple[RealNumber | None, RealNumber | None], ...] = ()

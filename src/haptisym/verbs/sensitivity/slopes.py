@@ -9,13 +9,11 @@ Derivation: 14_sensitivity.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from types import MappingProxyType
 
 import flint
-from sympy import Expr, Integer, Symbol
+from sympy import Integer, Symbol
 
 from haptisym.judge.crossings import Crossing, CrossingKind, Curve
 from haptisym.judge.evaluation import Evaluation
@@ -27,6 +25,7 @@ from haptisym.kernel.shown import Shown, counted
 from haptisym.kernel.symbols import c, omega
 from haptisym.model.catalogue import Rule
 from haptisym.model.jnd import Part, is_irrational_algebraic
+from haptisym.model.knobs import THRESHOLD, Knob, Knobs
 from haptisym.verbs.derive.derivation import Derivation, Factors, derive
 from haptisym.verbs.sensitivity.branches import Branch, Meeting, Slope, not_clear
 
@@ -36,7 +35,6 @@ _MEET = "undecided: several branches of the equation meet here"
 _NOT_CLEAR = "undecided: dF/dp or dF/d omega is 0 here, or too near to it"
 _FLAT = "undefined: the ratio meets its threshold at 0 rad/s, where it is flat"
 _LEAST = "from above; below there is no scene"
-_THRESHOLD_NAMES = MappingProxyType({Part.REAL: "c_real", Part.IMAG: "c_imag"})
 
 
 @dataclass(frozen=True)
@@ -44,18 +42,30 @@ class Sensitivity:
     """How a frequency moves with one parameter p: ``derivative`` = d omega/dp in rad/s per ``unit``, ``elasticity`` =
     (p/omega) d omega/dp (1). Certified; None where the derivative does not exist.
 
-    ``path``: the parameter's place in a scene file; ``name``: its symbol, ``c`` (or ``c_real``, ``c_imag``) the threshold.
     ``side``: "above" or "below" where the derivative holds only for larger or for smaller values of the parameter.
     """
 
-    path: str
-    name: str
-    unit: str
+    knob: Knob
     derivative: RealNumber | None
     elasticity: RealNumber | None
     reason: str = ""
     """Why there are none, or only from one side."""
     side: str = ""
+
+    @property
+    def path(self) -> str:
+        """The parameter's place in a scene file."""
+        return self.knob.path
+
+    @property
+    def name(self) -> str:
+        """That of its symbol, ``c`` (or ``c_real``, ``c_imag``) the threshold."""
+        return self.knob.name
+
+    @property
+    def unit(self) -> str:
+        """The parameter's; empty where it is not known."""
+        return self.knob.dimension.unit(self.knob.motion)
 
 
 @dataclass(frozen=True, repr=False)
@@ -71,7 +81,8 @@ class Sensitive(Shown):
         return f"{self.omega.digits(6)} rad/s: {counted(len(self.parameters), 'parameter')}"
 
     def __getitem__(self, name: str) -> Sensitivity:
-        return next(x for x in self.parameters if x.name == name)
+        knob = Knobs(tuple(x.knob for x in self.parameters))[name]
+        return next(x for x in self.parameters if x.knob is knob)
 
     @property
     def reason(self) -> str:
@@ -87,17 +98,16 @@ class Sensitive(Shown):
 
 @dataclass(frozen=True)
 class _Place:
-    """A parameter as the rows call it, the symbol that it is in the equations, and its value."""
+    """A parameter, its value, and the equations with its symbol left in."""
 
-    path: str
-    name: str
-    unit: str
-    symbol: Symbol
+    knob: Knob
     value: RealNumber
-    exact: Expr
     derivation: Derivation = field(repr=False)
-    least: bool = False
-    """Whether no smaller value makes a scene."""
+
+    @property
+    def least(self) -> bool:
+        """Whether no smaller value makes a scene."""
+        return self.knob.rule is Rule.NONNEGATIVE and self.knob.value == 0
 
     def factors(self, of: Part | str) -> Factors:
         """Of r^2 - c^2 of a part, or of Re H of a system: the factors above and below the line."""
@@ -155,25 +165,14 @@ class Slopes:
 
     @cached_property
     def _parameters(self) -> tuple[_Place, ...]:
-        return tuple(self._named())
-
-    def _named(self) -> Iterator[_Place]:
         scene = self.evaluation.scene
-        for place, _, p in scene.placed():
-            one, unit = derive(scene, [p.symbol.name]), p.dimension.unit(scene.motion)
-            least = p.rule is Rule.NONNEGATIVE and p.value == 0
-            yield _Place(f"{place}.{p.key}", p.symbol.name, unit, p.symbol, ExactNumber(p.value), p.value, one, least)
+        return tuple(_Place(x, ExactNumber(x.value), derive(scene, [x.path])) for x in scene.parameters)
 
     @cached_property
     def _thresholds(self) -> dict[Part, _Place]:
-        return {part: self._threshold(part) for part in Part}
-
-    def _threshold(self, part: Part) -> _Place:
-        limits = self.evaluation.scene.threshold
-        alike = limits.real == limits.imag
-        path, name = "evaluation.jnd" + ("" if alike else f".{part.value}"), "c" if alike else _THRESHOLD_NAMES[part]
-        one = derive(self.evaluation.scene, ["c"])
-        return _Place(path, name, "1", c, self._limit(part), limits[part], one)
+        scene = self.evaluation.scene
+        one = derive(scene, [THRESHOLD])
+        return {part: _Place(knob, self._limit(part), one) for part, knob in scene.knobs.limits.items()}
 
     def _limit(self, part: Part) -> RealNumber:
         """The threshold as a number."""
@@ -222,11 +221,11 @@ class Slopes:
 
 
 def _still(p: _Place) -> Sensitivity:
-    return Sensitivity(p.path, p.name, p.unit, _ZERO, _ZERO)
+    return Sensitivity(p.knob, _ZERO, _ZERO)
 
 
 def _none(places: tuple[_Place, ...], reason: str) -> tuple[Sensitivity, ...]:
-    return tuple(Sensitivity(p.path, p.name, p.unit, None, None, reason) for p in places)
+    return tuple(Sensitivity(p.knob, None, None, reason) for p in places)
 
 
 def _at(
@@ -236,21 +235,21 @@ def _at(
 
     ``flat``: why nothing that depends on the parameter has a derivative; ``simple``: whether it is a simple zero or pole.
     """
-    values = tuple({**known, omega: where, p.symbol: p.value}.items())
+    values = tuple({**known, omega: where, p.knob.symbol: p.value}.items())
     meeting = not_clear(factors, values)
-    if meeting and not any(_depends(equation, p.symbol) for equation, _ in meeting):
+    if meeting and not any(_depends(equation, p.knob.symbol) for equation, _ in meeting):
         return _still(p)
     if flat:
         return replace(_still(p), derivative=None, elasticity=None, reason=flat)
     if len(meeting) != 1 or not simple:
-        return _met(p, Meeting(meeting, p.symbol, values), where)
-    slope = Slope(meeting[0][0].slope(p.symbol), values)
-    if slope.slope.vanishes({p.symbol: p.exact}):
+        return _met(p, Meeting(meeting, p.knob.symbol, values), where)
+    slope = Slope(meeting[0][0].slope(p.knob.symbol), values)
+    if slope.slope.vanishes({p.knob.symbol: p.knob.value}):
         return _one_sided(p, _ZERO, where)
     if not slope.is_clear():
-        if Meeting(meeting, p.symbol, values).is_still():
+        if Meeting(meeting, p.knob.symbol, values).is_still():
             return _one_sided(p, _ZERO, where)
-        return Sensitivity(p.path, p.name, p.unit, None, None, _NOT_CLEAR)
+        return Sensitivity(p.knob, None, None, _NOT_CLEAR)
     return _one_sided(p, slope, where)
 
 
@@ -260,19 +259,19 @@ def _depends(equation: Equation, x: Symbol) -> bool:
 
 def _one_sided(p: _Place, derivative: RealNumber, where: RealNumber) -> Sensitivity:
     """A derivative that holds on both sides, as far as there are two."""
-    elasticity = _ZERO if p.exact == 0 or derivative is _ZERO else _Elasticity(derivative, p.value, where)
+    elasticity = _ZERO if p.knob.value == 0 or derivative is _ZERO else _Elasticity(derivative, p.value, where)
     least = p.least and derivative is not _ZERO
     side, reason = ("above", _LEAST) if least else ("", "")
-    return Sensitivity(p.path, p.name, p.unit, derivative, elasticity, reason, side)
+    return Sensitivity(p.knob, derivative, elasticity, reason, side)
 
 
 def _met(p: _Place, meeting: Meeting, where: RealNumber) -> Sensitivity:
     """The sensitivity where several zeros and poles meet."""
     sides = meeting.sides()
     if sides is None:
-        return Sensitivity(p.path, p.name, p.unit, None, None, _MEET)
+        return Sensitivity(p.knob, None, None, _MEET)
     below, above = (_alone(side) for side in sides)
-    nothing = Sensitivity(p.path, p.name, p.unit, None, None)
+    nothing = Sensitivity(p.knob, None, None)
     if p.least:
         return replace(nothing, reason=f"undefined: {above}") if isinstance(above, str) else _one_sided(p, above, where)
     if isinstance(below, str) and isinstance(above, str):

@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from haptisym.kernel.errors import SceneError
-from haptisym.model.quantities import Dimension, Number, quantity
+from haptisym.model.quantities import Dimension, Number, number, quantity
 from haptisym.model.quantities import Motion as Kind
 from haptisym.programs.values import Array
 
@@ -164,9 +164,9 @@ def _frequency(given: Number) -> float:
 def positive(key: str, given: Number, dimension: Dimension) -> float:
     """A quantity > 0 as a float in SI units; SceneError names the key."""
     try:
-        value = quantity(given, dimension).value
-        if value.free_symbols or not value > 0:
-            raise SceneError(f'"{given}" must be a number > 0')
+        value = number(given, dimension).value
+        if not value > 0:
+            raise SceneError(f'"{given}" must be > 0')
     except SceneError as error:
         raise error.within(key) from None
     return float(value)

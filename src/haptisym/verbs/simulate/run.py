@@ -201,9 +201,7 @@ def check_question(scene: Scene, motion: Motion, extras: Sequence[Extra]) -> Non
         raise SceneError(f"motion: {motion!r:.60} is no motion: make one with {makers}")
     if not isinstance(extras, Sequence) or not all(isinstance(x, Extra) for x in extras):
         raise SceneError(f"extras: {extras!r:.60} is no list of EncoderQuantisation and ForceSaturation")
-    free = [p for p in scene.parameters if p.value.free_symbols]
-    if free:
-        raise SceneError(f"{free[0].key} = {free[0].value} is a symbol: a simulation needs numbers")
+    scene.knobs.need_numbers()
     _same_kind("motion", motion.kind, scene)
 
 

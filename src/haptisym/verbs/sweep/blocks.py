@@ -104,7 +104,7 @@ class Grid:
 
     @cached_property
     def kernel(self) -> Kernel:
-        return Kernel.of(self.scene, [axis.swept for axis in self.axes])
+        return Kernel.of(self.scene, [axis.knob for axis in self.axes])
 
     def regions(self) -> Iterator[Region]:
         """The blocks, in the order of the grid."""
@@ -177,7 +177,7 @@ class Grid:
         return digest.hexdigest()
 
     def _is_swept(self, symbol: object) -> bool:
-        return any(axis.swept.symbol == symbol for axis in self.axes)
+        return any(axis.knob.symbol == symbol for axis in self.axes)
 
 
 _IN_FLOATS = "method 0 where floats with an error bound prove the counts, exact arithmetic elsewhere"

@@ -13,8 +13,8 @@ from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, PolynomialRing
 from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part
+from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
-from haptisym.verbs.sweep.exactly import Swept
 from haptisym.verbs.sweep.families import Family, Term, family
 
 Product: TypeAlias = tuple[Family, ...]
@@ -51,7 +51,7 @@ class Curves:
         yield from ((x,) for x in self.definite)
 
 
-def sweep_curves(scene: Scene, swept: Sequence[Swept]) -> Curves | None:
+def sweep_curves(scene: Scene, swept: Sequence[Knob]) -> Curves | None:
     """The curves of a scene; None where they are no polynomials (delays, powers s^alpha), or not for all of the sweep."""
     given = {x.symbol for x in swept}
     try:
@@ -73,9 +73,9 @@ def _functions(d: Distortion) -> list[RealFunction]:
 class _Reader:
     """Reads the families off the exact closed forms."""
 
-    def __init__(self, scene: Scene, swept: Sequence[Swept], d: Distortion) -> None:
+    def __init__(self, scene: Scene, swept: Sequence[Knob], d: Distortion) -> None:
         self.scene, self.swept, self.functions = scene, swept, _functions(d)
-        self.symbols = [Symbol("") if x.thresholds else x.symbol for x in swept]
+        self.symbols = [Symbol("") if x.parts else x.symbol for x in swept]
         polynomials = [p for f in self.functions for p in (f.function.numerator, f.function.denominator)]
         self.step = 2 if all(int(e[0]) % 2 == 0 for p in polynomials for e in p.monoms()) else 1
         self.definite: list[Family] = []
@@ -93,7 +93,7 @@ class _Reader:
         ring = f.axis
         (unit, above), (lower, below) = (ring.factors(p) for p in (f.function.numerator, f.function.denominator))
         self.definite += self._all_but_zero(ring, (g for g, _ in below))
-        column = next((i for i, x in enumerate(self.swept) if part in x.thresholds), None)
+        column = next((i for i, x in enumerate(self.swept) if part in x.parts), None)
         if column is None:
             return Excess(
                 self._product(ring, above, unit), self._product(ring, below, lower * self.scene.threshold[part] ** 2)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
-from sympy import Expr, Rational, Symbol
+from sympy import Expr, Rational
 
 from haptisym.judge.crossings import Curve, excess, transparent_set
 from haptisym.judge.percepts import changeovers
@@ -15,6 +14,7 @@ from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.roots import Chart, Point, chart
 from haptisym.model.distortion import part_of
 from haptisym.model.jnd import Part
+from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 
 FLOATS = ("first_crossing_real", "first_crossing_imag", "bandwidth", "transparent", "changeover_environment",
@@ -26,16 +26,7 @@ FLOAT, EXACT, OPEN = 0, 1, 2
 Row: TypeAlias = dict[str, float]
 
 
-@dataclass(frozen=True)
-class Swept:
-    """A parameter that is swept: the symbol whose values it gives (``c``, ``c_real`` or ``c_imag`` for a threshold)."""
-
-    symbol: Symbol
-    thresholds: tuple[Part, ...] = ()
-    """The thresholds that it is, if it is one."""
-
-
-def exact_answers(scene: Scene, swept: Sequence[Swept], values: Sequence[float]) -> Row:
+def exact_answers(scene: Scene, swept: Sequence[Knob], values: Sequence[float]) -> Row:
     """All variables of a sweep for one set of values, which are taken as exactly the binary numbers that the floats are."""
     exact = [Rational(*Fraction(float(x)).as_integer_ratio()) for x in values]
     try:
@@ -49,9 +40,9 @@ def no_answer() -> Row:
     return {**dict.fromkeys(FLOATS, ABSENT), **dict.fromkeys(COUNTS, UNKNOWN), "method": OPEN}
 
 
-def _chart(scene: Scene, swept: Sequence[Swept], values: Sequence[Expr]) -> Chart:
+def _chart(scene: Scene, swept: Sequence[Knob], values: Sequence[Expr]) -> Chart:
     given = {x.symbol: value for x, value in zip(swept, values, strict=True)}
-    limits = {part: value for x, value in zip(swept, values, strict=True) for part in x.thresholds}
+    limits = {part: value for x, value in zip(swept, values, strict=True) for part in x.parts}
     known = {p.symbol: p.value for p in scene.parameters}
     d = scene.chain.at({**known, **given}).distortion()
     asked = {(Curve.EXCESS, part): excess(d, limits.get(part, scene.threshold[part]), part) for part in Part}

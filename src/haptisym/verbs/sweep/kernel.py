@@ -11,11 +11,12 @@ import numpy as np
 from sympy import Expr
 
 from haptisym.kernel.reals import ExactNumber, bounds
+from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.sweep.batch import Array, Batch, product
 from haptisym.verbs.sweep.bernstein import MOST_DEGREE, Zeros, isolate, refine
 from haptisym.verbs.sweep.curves import Curves, Product, sweep_curves
-from haptisym.verbs.sweep.exactly import ABSENT, COUNTS, EXACT, FLOAT, FLOATS, UNKNOWN, Swept, exact_answers
+from haptisym.verbs.sweep.exactly import ABSENT, COUNTS, EXACT, FLOAT, FLOATS, UNKNOWN, exact_answers
 from haptisym.verbs.sweep.families import Family, Powers, within_reach
 
 TOLERANCE = 1e-10
@@ -65,12 +66,12 @@ class Kernel:
     """What a sweep computes, for any values of the swept parameters; can be sent to other processes."""
 
     scene: Scene
-    swept: tuple[Swept, ...]
+    swept: tuple[Knob, ...]
     curves: Curves | None
     band: Band
 
     @classmethod
-    def of(cls, scene: Scene, swept: Sequence[Swept]) -> Kernel:
+    def of(cls, scene: Scene, swept: Sequence[Knob]) -> Kernel:
         curves = sweep_curves(scene, swept)
         if curves is not None and _degree(curves) > MOST_DEGREE:
             curves = None

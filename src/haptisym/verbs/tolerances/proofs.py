@@ -13,7 +13,7 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import product
 from random import Random
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from sympy import Expr, Rational
@@ -276,22 +276,17 @@ def _in_time(found: Iterable[_T]) -> Iterator[_T]:
 
 
 def _one(box: Box, values: Mapping[str, Expr]) -> One:
-    scene = box.scene_at(values)
+    scene = box.scene.with_values(values)
     d = scene.distortion()
     table = chart({part: excess(d, scene.threshold[part], part) for part in Part}, *scene.band)
     crossings = {part: tuple(p.omega for p in table.points if _crosses(p.orders.get(part, 0))) for part in Part}
     intervals = table.where(lambda signs: all(signs[part] <= 0 for part in Part))
     first = intervals[0] if intervals and intervals[0].low is table.points[0] else None
     whole = first is not None and first.high is table.points[-1]
-    shown = values or {side.name: _nominal(box, side.name) for side in box.sides}
+    shown = values or {side.name: box.scene.knobs[side.name].value for side in box.sides}
     return One(shown, crossings, first.high.omega if first else None, None if table.undecided else whole)
 
 
 def _crosses(order: int) -> bool:
     """Whether a zero of this order, not a pole, changes the sign."""
     return order > 0 and order % 2 == 1
-
-
-def _nominal(box: Box, name: str) -> Any:
-    known = {p.symbol.name: p.value for p in box.scene.parameters}
-    return known.get(name, box.scene.threshold[Part.IMAG if name == "c_imag" else Part.REAL])

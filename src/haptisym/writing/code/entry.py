@@ -9,8 +9,9 @@ from sympy import Expr, Pow, Symbol
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.symbols import omega
-from haptisym.model.catalogue import Effect, Environment, Parameter, Rule
+from haptisym.model.catalogue import Rule, values
 from haptisym.model.distortion import Distortion
+from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.model.quantities import Dimension, Motion
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
@@ -70,14 +71,13 @@ def scene_program(scene: Scene | str | Path, parameters: Iterable[str] | None = 
     ['omega', 'k', 'tau']
     """
     scene = as_scene(scene)
-    names = [p.symbol.name for p in scene.parameters]
-    free = names if parameters is None else list(parameters)
-    for x in free:
-        if x not in names:
-            raise SceneError(f'the scene has no parameter "{x}": it has {", ".join(names) or "none"}')
-    fixed = {p.symbol: p.value for p in scene.parameters if p.symbol.name not in free}
+    free = scene.parameters if parameters is None else [scene.knobs[name] for name in parameters]
+    limit = next((x for x in free if x.parts), None)
+    if limit is not None:
+        raise SceneError(f"{limit.path} is a threshold, of which code holds nothing: leave it out")
+    fixed = values(x for x in scene.parameters if x not in free)
     chain = scene.chain.at(fixed)
-    arguments = [a for a in _scene_arguments(scene) if a.symbol.name in free]
+    arguments = [_argument(x, scene.motion) for x in scene.parameters if x in free]
     arguments += [Argument(x) for x in chain.parameters if x not in {a.symbol for a in arguments}]
     about = About(scene.title or "Distortion of a haptic display", _scene_notes(scene, fixed), _results(scene.motion))
     return Program(chain_steps(chain), (FREQUENCY, *arguments), about)
@@ -112,15 +112,13 @@ def _formula(expression: Expr) -> str:
 def _scene_notes(scene: Scene, fixed: Mapping[Symbol, Expr]) -> tuple[str, ...]:
     chain = ", ".join(f"{e.name} ({e.model})" if e.name != e.model else e.name for e in scene.effects) or "none"
     rendered = [f"Rendered instead: {_formula(scene.rendered.dynamics)}"] if scene.rendered else []
-    values = ", ".join(f"{p.symbol} = {_formula(p.value)}" for p in scene.parameters if p.symbol in fixed)
+    given = ", ".join(f"{p.symbol} = {_formula(p.value)}" for p in scene.parameters if p.symbol in fixed)
     return (
         f"H_env(s) = {_formula(scene.environment.dynamics)} ({scene.environment.model})",
         *rendered,
         f"H_perc: through these effects, nearest the environment first: {chain}.",
-        *([f"Fixed values, SI: {values}."] if values else []),
-        *scene.asides(
-            ["evaluation.jnd", *(f"{place}.{p.key}" for place, _, p in scene.placed() if p.symbol not in fixed)]
-        ),
+        *([f"Fixed values, SI: {given}."] if given else []),
+        *scene.asides([THRESHOLD, *(x.path for x in scene.parameters if x.symbol not in fixed)]),
         *_NOTES,
         *([f"Source: {scene.source}"] if scene.source else []),
     )
@@ -129,20 +127,13 @@ def _scene_notes(scene: Scene, fixed: Mapping[Symbol, Expr]) -> tuple[str, ...]:
 _LABELS = {"environment": "the environment", "rendered": "what is rendered"}
 
 
-def _scene_arguments(scene: Scene) -> list[Argument]:
-    found = []
-    for place, element, p in scene.placed():
-        label = _LABELS.get(place) or f"the effect {place.partition('.')[2]}"
-        found.append(_argument(p, label, element, scene.motion))
-    return found
-
-
 _RANGES = {Rule.POSITIVE: "> 0", Rule.NONNEGATIVE: ">= 0", Rule.FRACTION: "between 0 and 1", Rule.ANY: "any sign"}
 
 
-def _argument(p: Parameter, label: str, element: Environment | Effect, motion: Motion | None) -> Argument:
+def _argument(p: Knob, motion: Motion | None) -> Argument:
+    label = _LABELS.get(p.place) or f"the effect {p.place.partition('.')[2]}"
     kind = "number" if p.dimension in (Dimension.ANY, Dimension.RATIO) else p.dimension.name.lower()
     unit = {Dimension.ANY: "SI units", Dimension.RATIO: ""}.get(p.dimension, p.dimension.unit(motion))
     example = f"{nearest_double(p.value):.12g} in the scene" if p.value.is_number else ""
-    model = "" if label.endswith(f" {element.model}") else f" ({element.model})"
+    model = "" if label.endswith(f" {p.model}") else f" ({p.model})"
     return Argument(p.symbol, unit, f"{kind} {p.key} of {label}{model}", _RANGES.get(p.rule, ""), example)
