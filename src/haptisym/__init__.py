@@ -9,7 +9,7 @@
 
 from haptisym import effects, environments
 from haptisym.judge.crossings import Crossing, CrossingKind
-from haptisym.judge.evaluation import Evaluation, evaluate
+from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.peaks import Peak, peaks
 from haptisym.judge.percepts import Change, Percept, Property
 from haptisym.kernel.errors import ExpressionError, HaptisymError, SceneError, UndecidedError
@@ -21,12 +21,8 @@ from haptisym.model.distortion import Distortion, distort
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import load_scene, parse_scene, scene_names
-from haptisym.pages.report.notebook import register as _register
-from haptisym.pages.tex.latex import latex
 from haptisym.programs.accuracy import Accuracy
-from haptisym.writing.mathml import mathml
-
-_register()
+from haptisym.verbs.evaluate.entry import evaluate
 
 __version__ = "0.1.0"
 
@@ -39,13 +35,13 @@ _ON_DEMAND = {
     "ForceSaturation": "verbs.simulate.results",
     "HardCosts": "verbs.cost.hardcosts",
     "Language": "writing.code.entry",
-    "Metrics": "verbs.metrics.entry",
-    "Relevance": "verbs.effects.entry",
-    "Requirement": "verbs.require.entry",
+    "Metrics": "verbs.metrics.metric",
+    "Relevance": "verbs.effects.relevance",
+    "Requirement": "verbs.require.required",
     "SceneFamily": "model.family",
     "Sensitivities": "verbs.sensitivity.entry",
-    "Simulation": "verbs.simulate.entry",
-    "Tolerances": "verbs.tolerances.entry",
+    "Simulation": "verbs.simulate.results",
+    "Tolerances": "verbs.tolerances.proofs",
     "check": "verbs.simulate.entry",
     "chirp": "verbs.simulate.motions",
     "cost": "verbs.cost.entry",
@@ -56,7 +52,9 @@ _ON_DEMAND = {
     "family_names": "model.scenefile",
     "hard_costs": "verbs.cost.hardcosts",
     "interop": "",
+    "latex": "pages.tex.latex",
     "load_scenes": "model.scenefile",
+    "mathml": "writing.mathml",
     "metrics": "verbs.metrics.entry",
     "multisine": "verbs.simulate.motions",
     "parse_scenes": "model.scenefile",

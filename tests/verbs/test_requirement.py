@@ -35,10 +35,12 @@ from haptisym.model.catalogue import values
 from haptisym.model.knobs import THRESHOLD
 from haptisym.verbs.require.cells import BITS, Leaf, Search, _bound_by_phase, _middle
 from haptisym.verbs.require.criticalvalues import Problem
-from haptisym.verbs.require.entry import Requirement, _Line, is_quick
+from haptisym.verbs.require.entry import is_quick
 from haptisym.verbs.require.feasible import Kind
 from haptisym.verbs.require.freeparameter import Domain, conditions, domain
 from haptisym.verbs.require.places import MaximumAt, Place, Strip, Verdict, _Box, _clusters, _place, places
+from haptisym.verbs.require.required import Requirement
+from haptisym.verbs.require.solving import Line
 from haptisym.verbs.require.strips import Shape
 from haptisym.verbs.require.touches import Surface, touch
 
@@ -961,7 +963,7 @@ KEPT, BROKEN, OPEN = Verdict.KEPT, Verdict.BROKEN, Verdict.OPEN
 def line(*rows: object, low: object = 0, high: object = 8, closed: tuple[bool, bool] = (True, True), allowed=None):  # type: ignore[no-untyped-def]
     leaves = [Leaf(*(None if x is None else Fraction(x) for x in row[:2]), *row[2:]) for row in rows]  # type: ignore[index]
     ends = [None if x is None else Rational(x) for x in (low, high)]
-    return _Line(leaves, Domain(*ends, *closed), allowed or (lambda _: True))
+    return Line(leaves, Domain(*ends, *closed), allowed or (lambda _: True))
 
 
 def shown(spans: object) -> list[tuple[object, ...]]:

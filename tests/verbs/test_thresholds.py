@@ -13,9 +13,11 @@ import haptisym as hs
 from haptisym import effects, environments
 from haptisym.model.jnd import Part
 from haptisym.verbs.require.criticalvalues import Problem
-from haptisym.verbs.require.entry import Requirement, _allowed, require
+from haptisym.verbs.require.entry import require
 from haptisym.verbs.require.feasible import Kind, Span
 from haptisym.verbs.require.freeparameter import conditions, domain
+from haptisym.verbs.require.required import Requirement
+from haptisym.verbs.require.solving import allowed
 
 TWO_PEAKS = hs.Scene(environments.mass_spring_damper(k=100), (effects.series("1 + 0.4*s/(s^2 + 2*s + 9)"),), (0, 15))
 """r_r has its peak of 1/5 at 3 rad/s, r_i two of 1/10."""
@@ -32,7 +34,7 @@ def _ends(spans: tuple[Span, ...]) -> list[tuple[str | None, bool, str | None, b
 def _by_critical_values(scene: hs.Scene, path: str, asked: tuple[object, object] | None) -> tuple[Span, ...]:
     free = scene.knobs[path]
     found = conditions(scene, [free])
-    return Problem(found, free.symbol, scene.band, domain(free, asked), partial(_allowed, scene, free)).solve().feasible  # type: ignore[arg-type]
+    return Problem(found, free.symbol, scene.band, domain(free, asked), partial(allowed, scene, free)).solve().feasible  # type: ignore[arg-type]
 
 
 RATIONAL = [n for n in hs.scene_names() if n in {*QUICK, "two-mass-resonance", "steering-wheel"}]

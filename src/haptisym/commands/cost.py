@@ -4,21 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
-from haptisym.commands.options import environment_option, figure_option, json_option, keep
+from haptisym.commands.options import drawn, environment_option, figure_option, json_option, show
 from haptisym.commands.progress import progress
-from haptisym.commands.streams import say, say_document
 from haptisym.commands.verb import verb
+from haptisym.judge.answers import Answer
 from haptisym.kernel.errors import SceneError
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import load_scene
-
-if TYPE_CHECKING:
-    from haptisym.verbs.cost.entry import Cost
-    from haptisym.verbs.cost.hardcosts import HardCosts
 
 
 @verb()
@@ -64,14 +59,11 @@ def cost(
             simulation,
             lambda what, share: told(share, 1.0, what),
         )
-    if figure is not None:
-        keep("figure", figure, lambda: found.save_figure(figure))
-    say_document(found.to_json()) if as_json else say(str(found))
+    drawn(found, figure)
+    show(found, as_json=as_json)
 
 
-def _measured(
-    scene: Scene | None, quick: bool, simulation: bool, told: Callable[[str, float], None]
-) -> Cost | HardCosts:
+def _measured(scene: Scene | None, quick: bool, simulation: bool, told: Callable[[str, float], None]) -> Answer:
     if scene is None:
         from haptisym.verbs.cost.hardcosts import hard_costs
 

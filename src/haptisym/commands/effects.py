@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from json import dumps
 from pathlib import Path
 
 import click
 
 from haptisym.commands.limit import within_limit
-from haptisym.commands.options import drawn, figure_option, json_option, scene_argument
-from haptisym.commands.progress import quiet
-from haptisym.commands.streams import say, say_document
+from haptisym.commands.options import drawn, figure_option, hand_over, json_option, scene_argument
 from haptisym.commands.verb import verb
 from haptisym.model.scene import Scene
 
@@ -43,14 +40,8 @@ def effects(scene: Scene, as_json: bool, tolerance: str, figure: Path | None) ->
       haptisym effects sidestick --tolerance 0.1 --figure influences.pdf
       haptisym effects my-device.toml --json
     """
-    from haptisym.pages.effects import document, page
-    from haptisym.verbs.effects.relevance import relevance
+    from haptisym.verbs.effects.entry import relevance
 
     found = relevance(scene, tolerance)
-    if figure is not None:
-        from haptisym.figures.effects import save_influences
-
-        drawn(save_influences, found, figure)
-    text = dumps(document(found), indent=2, ensure_ascii=False) if as_json else page(found)
-    quiet()
-    say_document(text) if as_json else say(text)
+    drawn(found, figure)
+    hand_over(found, as_json=as_json)

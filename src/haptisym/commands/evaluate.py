@@ -18,11 +18,11 @@ from haptisym.commands.options import (
 )
 from haptisym.commands.progress import progress
 from haptisym.commands.verb import verb
-from haptisym.judge.evaluation import evaluate as evaluate_scene
 from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError
 from haptisym.model.family import SceneFamily
 from haptisym.model.scenefile import chosen, load_scenes
+from haptisym.verbs.evaluate.entry import evaluate as evaluate_scene
 
 
 @verb()

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import click
 
-from haptisym.commands.options import drawn, figure_option, json_option, scene_argument
-from haptisym.commands.streams import say, say_document, write
+from haptisym.commands.options import drawn, end, figure_option, json_option, scene_argument, show
+from haptisym.commands.streams import write
 from haptisym.commands.verb import verb
 from haptisym.model.scene import Scene
 
@@ -41,19 +40,14 @@ def metrics(
       haptisym metrics steering-wheel --figure metrics.svg
       haptisym metrics fu2019 --to latex > metrics.tex
     """
-    from haptisym.pages import metrics as metricstext
     from haptisym.verbs.metrics.entry import metrics as measure
 
     found = measure(scene)
-    if figure is not None:
-        from haptisym.figures.metrics import save_metrics_figure
+    drawn(found, figure)
+    if language == "latex":
+        from haptisym.pages.metrics import as_latex
 
-        drawn(save_metrics_figure, found, figure)
-    if as_json:
-        say_document(metricstext.as_json(found))
-    elif language == "latex":
-        write(metricstext.as_latex(found))
+        write(as_latex(found))
     else:
-        say(metricstext.as_text(found))
-    if not found.measured.certified:
-        sys.exit(3)
+        show(found, as_json=as_json)
+    end(found)

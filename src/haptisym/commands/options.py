@@ -7,34 +7,18 @@ import sys
 from collections.abc import Callable, Sized
 from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any
 
 import click
 
 from haptisym.commands.progress import quiet
 from haptisym.commands.streams import note, say, say_document, to_file
 from haptisym.figures.kinds import checked
+from haptisym.judge.answers import Answer
 from haptisym.kernel.errors import NothingToDrawError, SceneError
 from haptisym.model.scenefile import load_scene
 
-if TYPE_CHECKING:
-    from haptisym.writing.document import Document
-
 Command = Callable[..., Any]
-
-
-class Answer(Protocol):
-    """What a verb answers: a page of text, a document, and whether it is proven."""
-
-    @property
-    def certified(self) -> bool:
-        """Whether nothing stayed undecided."""
-
-    def to_json(self) -> str:
-        """The document."""
-
-    def document(self) -> Document:
-        """The page."""
 
 
 def scene_argument(command: Command) -> Command:
@@ -116,10 +100,12 @@ def keep_figures(folder: Path, save: Callable[[], Sized]) -> None:
     written(f"{count} figures", folder)
 
 
-def drawn(save: Callable[..., Any], found: Any, path: Path) -> None:
-    """Write a figure of an answer, and tell so on standard error; or tell that there is nothing in it to draw."""
+def drawn(found: Answer, path: Path | None) -> None:
+    """Write the figure of an answer where one was asked for, and tell so on standard error, or that there is nothing to draw."""
+    if path is None:
+        return
     try:
-        keep("figure", path, lambda: save(found, path))
+        keep("figure", path, lambda: found.save_figure(path))
     except NothingToDrawError as error:
         quiet()
         note(f"no figure: {error}")
@@ -127,8 +113,18 @@ def drawn(save: Callable[..., Any], found: Any, path: Path) -> None:
 
 def hand_over(found: Answer, *, as_json: bool) -> None:
     """Print an answer; exit status 3 where something in it stayed undecided."""
-    text = found.to_json() if as_json else found.document() if getattr(found, "_page", "") else str(found)
+    show(found, as_json=as_json)
+    end(found)
+
+
+def show(found: Answer, *, as_json: bool) -> None:
+    """Print an answer, as its page or as its document."""
+    said = found.to_json() if as_json else found.document()
     quiet()
-    say_document(str(text)) if as_json else say(text)
+    say_document(said) if as_json else say(said)
+
+
+def end(found: Answer) -> None:
+    """Exit status 3 where something in an answer stayed undecided."""
     if not found.certified:
         sys.exit(3)

@@ -73,8 +73,8 @@ def require(
     from haptisym.kernel.errors import SceneError
     from haptisym.model.jnd import Part
     from haptisym.verbs.require.designmap import DesignMap, design_map
-    from haptisym.verbs.require.entry import Requirement
     from haptisym.verbs.require.entry import require as ask
+    from haptisym.verbs.require.required import Requirement
 
     if len(paths) > 2 or (ranges and len(ranges) != len(paths)):
         raise SceneError("--free may be given once or twice, and --range not at all or as often, in the same order")
@@ -98,8 +98,5 @@ def require(
                 scene, paths[0], *ranges,
                 part=part, any_environment=any_environment, digits=digits, limit=limit, told=told,
             )  # fmt: skip
-    if figure is not None:
-        from haptisym.figures.require import save_requirement
-
-        drawn(save_requirement, found, figure)
+    drawn(found, figure)
     hand_over(found, as_json=as_json)

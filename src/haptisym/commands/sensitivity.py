@@ -38,8 +38,5 @@ def sensitivity(scene: Scene, as_json: bool, digits: int, figure: Path | None) -
     from haptisym.verbs.sensitivity.entry import sensitivity as of
 
     found = of(scene, digits)
-    if figure is not None:
-        from haptisym.figures.sensitivity import save_elasticities
-
-        drawn(save_elasticities, found, figure)
+    drawn(found, figure)
     hand_over(found, as_json=as_json)

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import sys
-from json import dumps
 from pathlib import Path
 
 import click
 
-from haptisym.commands.options import figures_option, file_option, json_option, keep, keep_figures, scene_argument
+from haptisym.commands.options import figures_option, file_option, json_option, keep, keep_figures, scene_argument, show
 from haptisym.commands.progress import progress
-from haptisym.commands.streams import say, say_document
 from haptisym.commands.verb import verb
 from haptisym.model.scene import Scene
 
@@ -69,9 +67,6 @@ def simulate(
         from haptisym.figures.simulate import save_simulation_figures
 
         keep_figures(figures, lambda: save_simulation_figures(runs, figures))
-    from haptisym.pages.simulate import page
-    from haptisym.verbs.simulate.results import document
-
-    say_document(dumps(document(runs), indent=2, ensure_ascii=False)) if as_json else say(page(runs))
-    if any(x.agrees is False for x in runs):
+    show(runs, as_json=as_json)
+    if runs.agrees is False:
         sys.exit(3)

@@ -52,8 +52,5 @@ def tolerances(scene: Scene, as_json: bool, samples: int, seed: int, figure: Pat
 
     with progress() as told:
         found = of(scene, samples, seed, limit=limit, told=told)
-    if figure is not None:
-        from haptisym.figures.tolerances import save_tolerances
-
-        drawn(save_tolerances, found, figure)
+    drawn(found, figure)
     hand_over(found, as_json=as_json)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
+from pathlib import Path
 from textwrap import fill, wrap
 from typing import Any
 
@@ -17,9 +18,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-from haptisym.figures.style import GREY, INK, SHADE, SMALL, TEXT, number, raised
-from haptisym.pages.cost import duration, summary, wrong
+from haptisym.figures.style import GREY, INK, SHADE, SMALL, TEXT, number, raised, save_as
+from haptisym.verbs.cost.entry import Cost
 from haptisym.verbs.cost.measurement import Row, front
+from haptisym.verbs.cost.summary import duration, summary, wrong
 
 _PANEL, _ALONE = (3.5, 2.7), (6.8, 3.6)
 """Inches: a panel among others, and one alone."""
@@ -171,6 +173,11 @@ def _strip_top(ax: Axes, em: float) -> float:
 
 
 # The whole figure.
+
+
+def save_cost(found: Cost, path: str | Path) -> None:
+    """The figure as a file."""
+    save_as(draw(found.rows, found.scene.title), path)
 
 
 def draw(rows: Sequence[Row], title: str) -> Figure:

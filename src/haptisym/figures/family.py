@@ -83,7 +83,7 @@ def _height(envelope: Array, c: float) -> float:
 
 
 def _common_grid(evaluation: FamilyEvaluation) -> Array:
-    grids = [sampled(x) for x in evaluation.answers.values()]  # type: ignore[arg-type]
+    grids = [sampled(x) for x in evaluation.answers.values()]
     ends = [float(point.omega) for point in evaluation.chart.points]
     return np.unique(np.concatenate([*grids, ends]))
 

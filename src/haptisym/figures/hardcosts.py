@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -11,14 +12,20 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
-from haptisym.figures.style import GREY, INK, SMALL, TEXT, raised
-from haptisym.pages.hardcosts import worst_verdict
+from haptisym.figures.style import GREY, INK, SMALL, TEXT, raised, save_as
+from haptisym.verbs.cost.hardcosts import HardCosts
 from haptisym.verbs.cost.measurement import HardRow
+from haptisym.verbs.cost.summary import worst_verdict
 
 _CELL, _LEFT, _LINE = 0.98, 1.95, 0.34  # inches: width of a cell, of the names of families, height of a line
 _TITLES = {"evaluate": "Values of the ratios", "crossings": "Crossings"}
 _DARKEST = 0.42
 """The share of ink of a cell without a right answer: figures on it are still read, in grey print too."""
+
+
+def save_hard_costs(found: HardCosts, path: str | Path) -> None:
+    """The figure as a file."""
+    save_as(draw(found.rows), path)
 
 
 def draw(rows: Sequence[HardRow]) -> Figure:

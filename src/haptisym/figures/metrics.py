@@ -33,18 +33,18 @@ from haptisym.figures.style import (
 )
 from haptisym.model.jnd import Part
 from haptisym.verbs.metrics.measured import Bands
-from haptisym.verbs.metrics.metric import MetricRows
+from haptisym.verbs.metrics.metric import Metrics
 
 _DOTS_AND_DASHES: Any = (0, (5, 1.5, 1, 1.5))
 _FINE: Any = (0, (1, 1))
 
 
-def save_metrics_figure(m: MetricRows, path: str | Path) -> Path:
+def save_metrics_figure(m: Metrics, path: str | Path) -> Path:
     """The figure in a file; its ending says as what. SceneError for an ending other than .svg, .pdf and .png."""
     return save_as(metrics_figure(m), path)
 
 
-def metrics_figure(m: MetricRows) -> Figure:
+def metrics_figure(m: Metrics) -> Figure:
     """Curves above; below, for each measure, a bar where it is content."""
     height = 3.4
     figure = Figure(figsize=(WIDTH, height), layout="compressed")
@@ -61,7 +61,7 @@ def metrics_figure(m: MetricRows) -> Figure:
 
 
 def draw_measures(
-    ax: Axes, m: MetricRows, *, color: str | None = None, label: str = "", hertz: bool | None = None
+    ax: Axes, m: Metrics, *, color: str | None = None, label: str = "", hertz: bool | None = None
 ) -> list[Line2D]:
     """r_r, r_i, |dH/H_env| and | |Gamma| - 1 | over the band, with the thresholds: all are fractions of |H_env|.
 
@@ -111,7 +111,7 @@ def draw_measures(
 
 
 def draw_verdicts(
-    ax: Axes, m: MetricRows, *, color: str | None = None, label: str = "", hertz: bool | None = None
+    ax: Axes, m: Metrics, *, color: str | None = None, label: str = "", hertz: bool | None = None
 ) -> list[Line2D]:
     """A bar for each measure where it is content, the JND's at the top; those of a further scene below in its colour.
 
@@ -143,7 +143,7 @@ _BAR = 5.0
 """Points: how thick the bars are."""
 
 
-def verdict_bands(m: MetricRows) -> list[tuple[str, Bands]]:
+def verdict_bands(m: Metrics) -> list[tuple[str, Bands]]:
     """Where each verdict is a good one, as far as it depends on the frequency."""
     own = m.measured
     rows = [

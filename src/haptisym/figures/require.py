@@ -42,8 +42,8 @@ from haptisym.model.knobs import Knob
 from haptisym.model.quantities import Dimension
 from haptisym.programs.values import Array
 from haptisym.verbs.require.designmap import DesignMap, Slice
-from haptisym.verbs.require.entry import Requirement
 from haptisym.verbs.require.feasible import Binding, Kind, Span
+from haptisym.verbs.require.required import Requirement
 
 _GRID, _VALUES = 600, 400
 _COLOUR = {Part.REAL: BLUE, Part.IMAG: RED, None: INK}

@@ -15,7 +15,8 @@ from haptisym.figures.scales import RADIANS, Scale, band_scale
 from haptisym.figures.style import BLUE, GREY, INK, RED, SCENES, SMALL, TEXT, WIDTH, entries, legend, number, save_as
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.model.jnd import Part
-from haptisym.verbs.sensitivity.slopes import Sensitive, Slopes
+from haptisym.verbs.sensitivity.entry import Sensitivities
+from haptisym.verbs.sensitivity.slopes import Sensitive
 from haptisym.writing.texprinter import formula
 
 _MOST = 12  # bars of one frequency; the text has them all
@@ -73,7 +74,7 @@ def _write_values(ax: Axes, values: Sequence[float]) -> None:
                     ha="left" if v > 0 else "right", va="center", fontsize=SMALL, color=GREY)  # fmt: skip
 
 
-def save_elasticities(found: Slopes, path: Path) -> None:
+def save_elasticities(found: Sensitivities, path: Path) -> None:
     """The bars of all crossings in one file; SceneError for another ending than .svg, .pdf or .png, or where there are none."""
     panels = _panels(found)
     if not panels:
@@ -105,7 +106,7 @@ def _place(figure: Figure, axes: Sequence[Axes], rows: Sequence[int]) -> None:
         ax.set_position((side / width, 1 - top / height, 1 - (side + 0.12) / width, _ROW * n / height))
 
 
-def _panels(found: Slopes) -> Sequence[tuple[str, Sensitive]]:
+def _panels(found: Sensitivities) -> Sequence[tuple[str, Sensitive]]:
     crossings = [(_TITLES[x.part], x) for x in found.crossings if x.part]
     env, perc = found.changeovers_environment, found.changeovers_perceived
     systems = ((r"H_\mathrm{env}", env), (r"H_\mathrm{perc}", perc))

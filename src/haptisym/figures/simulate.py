@@ -34,13 +34,13 @@ from haptisym.model.jnd import Part
 from haptisym.model.quantities import Motion as Kind
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.propagate import POINTS, finer
-from haptisym.verbs.simulate.results import Simulated
+from haptisym.verbs.simulate.results import Simulation
 
 _IN_TIME, _IN_LOOPS = 3, 1
 """Periods that are shown."""
 
 
-def draw_time(ax: Axes, run: Simulated, *, color: str | None = None, label: str = "") -> list[Line2D]:
+def draw_time(ax: Axes, run: Simulation, *, color: str | None = None, label: str = "") -> list[Line2D]:
     """Force at the hand over the last periods of a run, and the motion of the hand with an axis of its own at the right.
 
     ``color``, ``label`` : of the run; of a further one on the same axes the force alone is drawn. Returns the lines.
@@ -83,7 +83,7 @@ def _right_axis(ax: Axes, share: float, label: str) -> None:
     right.spines["right"].set(linewidth=0.5, color=GREY)
 
 
-def draw_loop(ax: Axes, run: Simulated, *, color: str | None = None, label: str = "") -> list[Line2D]:
+def draw_loop(ax: Axes, run: Simulation, *, color: str | None = None, label: str = "") -> list[Line2D]:
     """Force over displacement: at the hand what the display gives, beside what the environment alone would give.
 
     The environment's loop is that of H_env under the same motion of the hand, as far as the motion is a sum of sines; otherwise
@@ -113,7 +113,7 @@ def draw_loop(ax: Axes, run: Simulated, *, color: str | None = None, label: str 
 
 def draw_recovered(
     ax: Axes,
-    runs: Sequence[Simulated],
+    runs: Sequence[Simulation],
     part: Part,
     *,
     color: str | None = None,
@@ -159,7 +159,7 @@ def draw_recovered(
     return lines
 
 
-def save_simulation_figures(runs: Sequence[Simulated], directory: str | Path) -> list[Path]:
+def save_simulation_figures(runs: Sequence[Simulation], directory: str | Path) -> list[Path]:
     """All figures of a simulation as SVG, PDF and PNG, one column (3.4 in) wide, in a directory that is made if need be.
 
     Time and loops are those of the middle run; H_perc is drawn where at least one ratio was recovered.
@@ -177,7 +177,7 @@ def save_simulation_figures(runs: Sequence[Simulated], directory: str | Path) ->
     return [path for name, (height, draw) in drawings.items() for path in save(folder / name, one_column(height, draw))]
 
 
-def _last(run: Simulated, periods: int) -> slice:
+def _last(run: Simulation, periods: int) -> slice:
     """The samples of the last periods: of a sine its own, of several sines one common one, of a chirp the fastest ones."""
     if not run.motion.omegas and run.motion.name != "chirp":
         return slice(0, None)
@@ -192,7 +192,7 @@ def _smooth(samples: Array) -> Array:
     return finer(samples, np.linspace(0, 1, 25))
 
 
-def _environment_loop(run: Simulated, part: slice) -> tuple[Array, Array, str]:
+def _environment_loop(run: Simulation, part: slice) -> tuple[Array, Array, str]:
     if not run.motion.omegas:
         return run.environment_displacement[part], run.environment_force[part], "environment"
     values = run.scene.distortion().compile()(np.array(run.motion.omegas))
@@ -211,7 +211,7 @@ def _limits(curve: Array, found: Array) -> tuple[float, float]:
     return low - 0.08 * room, high + 0.08 * room
 
 
-def _units(run: Simulated) -> tuple[str, str]:
+def _units(run: Simulation) -> tuple[str, str]:
     return ("rad", "N·m") if run.scene.motion is Kind.ROTATION else ("m", "N")
 
 

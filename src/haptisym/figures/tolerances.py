@@ -27,14 +27,14 @@ from haptisym.figures.style import (
 )
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.model.jnd import Part
-from haptisym.verbs.tolerances.proofs import BoxAnswers
+from haptisym.verbs.tolerances.proofs import Tolerances
 
 _NAMES = {Part.REAL: r"$r_\mathrm{r} = c_\mathrm{r}$", Part.IMAG: r"$r_\mathrm{i} = c_\mathrm{i}$"}
 _HEIGHT = 0.7
 
 
 def draw_tolerances(
-    ax: Axes, a: BoxAnswers, *, color: str | None = None, label: str = "", hertz: bool | None = None
+    ax: Axes, a: Tolerances, *, color: str | None = None, label: str = "", hertz: bool | None = None
 ) -> list[Artist]:
     """A row for each part: grey where it may cross, proven; dots for each drawn set of values; a stroke for the nominal ones.
 
@@ -84,7 +84,7 @@ def draw_tolerances(
     return bars
 
 
-def _draw_row(ax: Axes, a: BoxAnswers, row: int, part: Part, look: Look, scale: Scale) -> None:
+def _draw_row(ax: Axes, a: Tolerances, row: int, part: Part, look: Look, scale: Scale) -> None:
     drawn = [(scale.of(float(x)), n) for n, one in enumerate(a.samples) for x in one.crossings[part]]
     heights = [row + 0.5 * ((n * 0.618) % 1 - 0.5) for _, n in drawn]  # spread evenly, to tell dots apart
     ax.plot([x for x, _ in drawn], heights, ".", markersize=1.6, color=BLUE if look.plain else look.color, zorder=2)
@@ -93,7 +93,7 @@ def _draw_row(ax: Axes, a: BoxAnswers, row: int, part: Part, look: Look, scale: 
     ax.vlines(nominal, *ends, color=INK if look.plain else look.color, linewidth=1.4, zorder=3)
 
 
-def save_tolerances(a: BoxAnswers, path: Path) -> None:
+def save_tolerances(a: Tolerances, path: Path) -> None:
     """The figure in a file; SceneError for another ending than .svg, .pdf or .png, or where no values bring a crossing."""
     if not a.enclosures and not any(x.crossings[part] for x in (a.nominal, *a.samples) for part in Part):
         raise NothingToDrawError("no ratio meets its threshold on the band, for any values within the ranges")

@@ -32,6 +32,11 @@ class AnyEnvironment:
     transparent_below: RealNumber | None
     opaque_above: RealNumber | None
 
+    def row(self) -> dict[str, float | None]:
+        """As a row of a document."""
+        ends = {"transparent_below": self.transparent_below, "opaque_above": self.opaque_above}
+        return {name: None if omega is None else float(omega) for name, omega in ends.items()}
+
 
 def relative_square(distortion: Distortion) -> RealFunction | None:
     """|G - 1|^2 of a chain of series effects, a function of omega without the environment; None for any other chain.

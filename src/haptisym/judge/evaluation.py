@@ -1,31 +1,65 @@
-"""The two-step evaluation of a scene, and its answers as text and JSON."""
+"""The two-step evaluation of a scene: when a distortion is noticed, and how it is felt."""
 
 from __future__ import annotations
 
-import json
 import time
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple, Protocol
 
-from haptisym.judge.answers import Answers
-from haptisym.judge.crossings import Crossing, curves
+from sympy import Expr
+
+from haptisym.judge.answers import Answer
+from haptisym.judge.bounds import AnyEnvironment, any_environment
+from haptisym.judge.crossings import Crossing, Curve, curves, find_crossings, transparent_set, unbounded_points
+from haptisym.judge.percepts import Felt, Percept, changeovers, find_felt, find_percepts, outside_model, unnamed
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.periodic import Turned
 from haptisym.kernel.polynomials import Root
-from haptisym.kernel.reals import ExactNumber, bits_for
-from haptisym.kernel.roots import Interval, chart
-from haptisym.kernel.shown import Answer, counted, titled
+from haptisym.kernel.reals import ExactNumber, RealNumber, bits_for
+from haptisym.kernel.roots import Chart, Interval, Point, chart
+from haptisym.kernel.shown import counted, titled
 from haptisym.kernel.stability import is_stable
 from haptisym.kernel.zeros import Zero
-from haptisym.model.caveats import sampled_loop
-from haptisym.model.quantities import Number
+from haptisym.model.catalogue import Effect
+from haptisym.model.caveats import caveats, sampled_loop
+from haptisym.model.distortion import Distortion
+from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 
-if TYPE_CHECKING:
-    from haptisym.verbs.effects.entry import Relevance
+
+class LeftOut(Protocol):
+    """What is proven of a scene when effects are left out of it: ``Relevance`` is that."""
+
+    @property
+    def scene(self) -> Scene:
+        """With all effects."""
+
+    @property
+    def pruned(self) -> Scene:
+        """With those that are kept."""
+
+    @property
+    def tolerance(self) -> Expr:
+        """The change of a ratio that was allowed."""
+
+    @property
+    def dropped(self) -> tuple[Effect, ...]:
+        """The effects that are left out."""
+
+    @property
+    def bound(self) -> Mapping[Part, Any]:
+        """Per part the largest change: ``most``, a proven upper bound."""
+
+    @property
+    def crossings(self) -> Sequence[Any]:
+        """Where the full scene's crossings are: ``part`` and ``bounds``."""
+
+    def row(self) -> dict[str, Any]:
+        """What a document says of the full scene."""
 
 
 class Effort(NamedTuple):
@@ -45,17 +79,109 @@ _METHODS = {
 
 
 @dataclass(frozen=True, repr=False)
-class Evaluation(Answer, Answers):
-    """The answers for a scene; ``print`` shows them as a page of text, ``to_json`` gives the command line's document."""
+class Evaluation(Answer):
+    """The answers for a scene, all proven: nothing is missed on the band and nothing is invented.
 
-    _page = "haptisym.pages.evaluation:page"
-    isolation: float = field(default=0.0, repr=False, compare=False)
-    """Seconds in which everything that happens on the band was found and set apart."""
+    ``crossings``: where r_r or r_i meets its threshold. ``transparent``: where neither exceeds it, a union of closed
+    intervals. ``changeovers``: where Re H_env and Re H_perc change sign. ``percepts``: what is felt where a ratio
+    exceeds; ``felt`` : the same in words, with what has no name. ``outside_model``: where Im H_perc < 0; ``unnamed`` : where
+    the imaginary part is noticed there. ``unbounded``: where a ratio is infinite. ``stable``: whether the force under imposed
+    motion is stable, which is to say all poles of H_perc lie in the open left half plane; it says nothing about a display
+    that is held in a hand. None where that is not decided, or the poles do not tell it (a sampled loop).
+    ``digits``: decimal digits shown of each crossing. ``undecided``: where
+    something stayed open at the precision limit (a tangency of a scene with delays): empty for every rational scene.
+    ``relevance`` : what was left out, where a tolerance was given; all answers are then those of the pruned scene, ``scene``.
+    ``isolation`` : seconds in which everything that happens on the band was found and set apart.
+    """
+
+    _schema: ClassVar[str] = "haptisym.evaluation/1"
+    _page: ClassVar[str] = "haptisym.pages.evaluation:page"
+
+    scene: Scene
+    distortion: Distortion
+    chart: Chart
+    stable: bool | None
+    digits: int = 15
+    relevance: LeftOut | None = None
+    isolation: float = field(default=0.0, compare=False)
 
     def _line(self) -> str:
         width = "no bandwidth" if self.bandwidth is None else f"bandwidth {self.bandwidth.digits(5)} rad/s"
         found = counted(len(self.crossings), "crossing"), counted(len(self.percepts), "percept")
         return f"{titled(self.scene.title)}: {width}, {', '.join(found)}"
+
+    @property
+    def given(self) -> Scene:
+        """The scene that was asked about, with what was left out of it."""
+        return self.scene if self.relevance is None else self.relevance.scene
+
+    @property
+    def _about(self) -> Scene:
+        return self.given
+
+    @cached_property
+    def crossings(self) -> tuple[Crossing, ...]:
+        return find_crossings(self.chart)
+
+    @cached_property
+    def transparent(self) -> tuple[Interval, ...]:
+        return transparent_set(self.chart)
+
+    @property
+    def bandwidth(self) -> RealNumber | None:
+        """The end of the transparent interval that starts at the band's low end; None if none does."""
+        first = self.transparent[0] if self.transparent else None
+        return first.high.omega if first and first.low is self.chart.points[0] else None
+
+    @cached_property
+    def changeovers_environment(self) -> tuple[Point, ...]:
+        return changeovers(self.chart, Curve.ENVIRONMENT)
+
+    @cached_property
+    def changeovers_perceived(self) -> tuple[Point, ...]:
+        return changeovers(self.chart, Curve.PERCEIVED)
+
+    @cached_property
+    def percepts(self) -> tuple[Percept, ...]:
+        return find_percepts(self.chart)
+
+    @cached_property
+    def felt(self) -> tuple[Felt, ...]:
+        """Everything that is noticed, as what it is felt, in words: percepts, and where no property is named."""
+        return find_felt(self.chart)
+
+    @cached_property
+    def unnamed(self) -> tuple[Interval, ...]:
+        """Where Im H_perc < 0 and the imaginary part is noticed all the same: no property is named for it there."""
+        return unnamed(self.chart)
+
+    @cached_property
+    def outside_model(self) -> tuple[Interval, ...]:
+        return outside_model(self.chart)
+
+    @cached_property
+    def unbounded(self) -> tuple[Point, ...]:
+        return unbounded_points(self.chart)
+
+    @cached_property
+    def undecided(self) -> tuple[tuple[Part, Point], ...]:
+        """Where it stayed open at the precision limit whether a ratio touches its threshold, crosses it twice or not at all."""
+        return tuple((p, x) for x in self.chart.undecided for p in Part if (Curve.EXCESS, p) in x.undecided)
+
+    @cached_property
+    def any_environment(self) -> AnyEnvironment | None:
+        """What the scene's effects do to every environment at once; None unless all of them are in series."""
+        return any_environment(self.scene)
+
+    @property
+    def caveats(self) -> tuple[str, ...]:
+        """Where the scene's formulas stand for more than they hold, a sentence each."""
+        return caveats(self.scene)
+
+    @property
+    def certified(self) -> bool:
+        """Whether every number here is proven, none estimated, and nothing was left undecided."""
+        return not self.undecided
 
     @cached_property
     def effort(self) -> Effort:
@@ -67,62 +193,29 @@ class Evaluation(Answer, Answers):
         seconds = self.isolation + time.perf_counter() - started
         return Effort(", ".join(sorted(kinds)) or "none needed", bits_for(self.digits), seconds)
 
-    def to_dict(self) -> dict[str, Any]:
-        """The document of ``haptisym evaluate --json``, schema ``haptisym.evaluation/1``."""
+    def _body(self) -> dict[str, Any]:
+        changeovers = {"environment": self.changeovers_environment, "perceived": self.changeovers_perceived}
         return {
-            "schema": "haptisym.evaluation/1",
-            "title": self.scene.title,
             "band": [float(point.omega) for point in (self.chart.points[0], self.chart.points[-1])],
             "threshold": {"real": str(self.scene.threshold.real), "imag": str(self.scene.threshold.imag)},
             "crossings": [self._crossing(c) for c in self.crossings],
             "transparent": [_interval(x) for x in self.transparent],
             "bandwidth": None if self.bandwidth is None else float(self.bandwidth),
-            "changeovers": {
-                "environment": [float(p.omega) for p in self.changeovers_environment],
-                "perceived": [float(p.omega) for p in self.changeovers_perceived],
-            },
-            "percepts": [
-                {
-                    "part": p.part.value,
-                    "band": _interval(p.band),
-                    "property": p.property.value,
-                    "change": p.change.value,
-                }
-                for p in self.percepts
-            ],
+            "changeovers": {system: [float(p.omega) for p in points] for system, points in changeovers.items()},
+            "percepts": [_percept(p) for p in self.percepts],
             "outside_model": [_interval(x) for x in self.outside_model],
             **({"unnamed": [_interval(x) for x in self.unnamed]} if self.unnamed else {}),
             "unbounded": [float(p.omega) for p in self.unbounded],
             "stable": self.stable,
-            "any_environment": self._any_environment(),
+            "any_environment": None if self.any_environment is None else self.any_environment.row(),
             "certified": self.certified,
             **({"caveats": list(self.caveats)} if self.caveats else {}),
-            **self.given.aside_keys(),
-            **self._undecided(),
-            **self._relevance(),
         }
 
-    def _any_environment(self) -> dict[str, float | None] | None:
-        found = self.any_environment
-        if found is None:
-            return None
-        ends = {"transparent_below": found.transparent_below, "opaque_above": found.opaque_above}
-        return {name: None if omega is None else float(omega) for name, omega in ends.items()}
-
-    def _undecided(self) -> dict[str, Any]:
-        """The key ``undecided``, present only where something is."""
+    def _left(self) -> dict[str, Any]:
         rows = [{"part": part.value, "enclosure": list(p.omega.enclosure(self.digits))} for part, p in self.undecided]
-        return {"undecided": rows} if rows else {}
-
-    def _relevance(self) -> dict[str, Any]:
-        """The key ``relevance``, present only where a tolerance was given: what was left out, and the proven bound on it."""
-        r = self.relevance
-        if r is None:
-            return {}
-        from haptisym.pages.effects import pruned  # loaded where it is asked for
-
-        names = {"kept": [e.name for e in r.pruned.effects], "dropped": [e.name for e in r.dropped]}
-        return {"relevance": {"tolerance": float(r.tolerance), **names, **pruned(r)}}
+        found: dict[str, Any] = {"undecided": rows} if rows else {}
+        return found | ({} if self.relevance is None else {"relevance": self.relevance.row()})
 
     def _crossing(self, c: Crossing) -> dict[str, Any]:
         return {
@@ -135,17 +228,11 @@ class Evaluation(Answer, Answers):
             "multiplicity": c.multiplicity,
         }
 
-    def to_json(self) -> str:
-        """The document of ``haptisym evaluate --json`` as text."""
-        return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
 
-
-def evaluate(scene: Scene | str | Path, digits: int = 15, *, tolerance: Number | None = None) -> Evaluation:
+def evaluate(scene: Scene | str | Path, digits: int = 15, *, left_out: LeftOut | None = None) -> Evaluation:
     """Evaluate a scene with numbers for all parameters; ``digits`` decimal digits of each crossing, as many as wanted.
 
-    ``tolerance`` : if given, only the effects that matter for it are used (see ``relevance``); the answers are those of the scene
-    without the others, and ``relevance`` says by how much the full scene's ratios may differ, and where its crossings are.
-    Raises SceneError if a parameter is still a symbol.
+    ``left_out`` : what is known of the scene that ``scene`` is the rest of. Raises SceneError if a parameter is still a symbol.
 
     >>> from haptisym import effects, environments
     >>> scene = Scene(environments.mass_spring_damper(1.8, 15, 100), (effects.second_order_lowpass(80, 0.5),))
@@ -156,21 +243,18 @@ def evaluate(scene: Scene | str | Path, digits: int = 15, *, tolerance: Number |
     if not isinstance(digits, int) or digits < 1:
         raise SceneError(f"digits: {digits} must be a whole number, at least 1")
     scene.knobs.need_numbers()
-    found = None if tolerance is None else _relevance(scene, tolerance)
-    used = scene if found is None else found.pruned
-    distortion = used.distortion()
+    distortion = scene.distortion()
     started = time.perf_counter()
-    table = chart(curves(distortion, used.threshold), *used.band)
+    table = chart(curves(distortion, scene.threshold), *scene.band)
     isolation = time.perf_counter() - started
-    stable = None if sampled_loop(used) else is_stable(distortion.perc)
-    return Evaluation(used, distortion, table, stable, digits, found, isolation)
-
-
-def _relevance(scene: Scene, tolerance: Number) -> Relevance:
-    from haptisym.verbs.effects.entry import relevance  # loaded where it is asked for
-
-    return relevance(scene, tolerance)
+    stable = None if sampled_loop(scene) else is_stable(distortion.perc)
+    return Evaluation(scene, distortion, table, stable, digits, left_out, isolation)
 
 
 def _interval(x: Interval) -> list[float]:
     return [float(x.low.omega), float(x.high.omega)]
+
+
+def _percept(p: Percept) -> dict[str, Any]:
+    names = {"property": p.property.value, "change": p.change.value}
+    return {"part": p.part.value, "band": _interval(p.band), **names}

@@ -18,12 +18,13 @@ from flint import arb, fmpq
 from sympy import Add, Expr, Integer, Mul, Pow, Rational, cos, log, pi, sin, sinc
 
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.shown import Viewed
 
 Ball: TypeAlias = Any  # flint.arb, which ships no types
 _MOST_BITS = 1 << 20
 
 
-class RealNumber(ABC):
+class RealNumber(Viewed, ABC):
     """A real number that can be enclosed as tightly as asked for.
 
     ``float(x)`` is the nearest double, ``x.digits(n)`` has n correct digits, ``x.enclosure(n)`` is a proven interval.

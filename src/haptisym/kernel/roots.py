@@ -24,6 +24,7 @@ from haptisym.kernel.polynomials import PolynomialFactor
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, PolynomialRing
+from haptisym.kernel.shown import Viewed
 from haptisym.kernel.symbols import omega
 from haptisym.kernel.zeros import MOST_BITS, Factor, Undecided, Zero, at_rising_precision, sign_of
 
@@ -33,7 +34,7 @@ Signs: TypeAlias = Mapping[Key, int]
 
 
 @dataclass(frozen=True)
-class Point:
+class Point(Viewed):
     """A frequency where a function vanishes or has a pole, or an end of the band.
 
     ``orders``: order of each function there (positive for a zero, negative for a pole; absent if neither).
@@ -61,7 +62,7 @@ class Point:
 
 
 @dataclass(frozen=True)
-class Interval:
+class Interval(Viewed):
     """A piece of the band, between two points; a single frequency if both are the same."""
 
     low: Point

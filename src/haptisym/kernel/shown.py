@@ -1,17 +1,34 @@
-"""How values show themselves in a session: a short line each; an answer in print and in a notebook as its page of text."""
+"""How values show themselves: a short line each in a session, and in a notebook the formula, table or sentence that they are."""
 
 from __future__ import annotations
 
-from html import escape
-from importlib import import_module
 from textwrap import shorten
-from typing import Any, ClassVar
 
 _LINE = 150
 """Characters of a line at most."""
+_NOTEBOOK = "haptisym.pages.report.notebook"
 
 
-class Shown:
+class Viewed:
+    """A value that a notebook shows as LaTeX or HTML; what writes them is loaded where one is shown."""
+
+    __slots__ = ()
+
+    def _repr_latex_(self) -> str | None:
+        return self._view("latex")
+
+    def _repr_html_(self) -> str | None:
+        return self._view("html")
+
+    def _view(self, language: str) -> str | None:
+        """None where that language has nothing for such a value."""
+        from pkgutil import resolve_name
+
+        found: str | None = resolve_name(f"{_NOTEBOOK}:{language}")(self)
+        return found
+
+
+class Shown(Viewed):
     """A value that a session shows as one short line: its kind, and what ``_line`` says of it."""
 
     __slots__ = ()
@@ -21,25 +38,6 @@ class Shown:
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {shorten(self._line(), _LINE, placeholder=' ...')}>"
-
-
-class Answer(Shown):
-    """What a verb answers: ``print`` shows the command line's page of text (``str``), and so does a notebook."""
-
-    __slots__ = ()
-    _page: ClassVar[str] = ""
-    """Where the page of such an answer is written, ``module:function``: loaded when a page is wanted."""
-
-    def document(self) -> Any:
-        """The page, a ``haptisym.writing.document.Document`` for any of its writers."""
-        module, _, function = self._page.partition(":")
-        return getattr(import_module(module), function)(self)
-
-    def __str__(self) -> str:
-        return str(import_module("haptisym.writing.plain").plain(self.document()))
-
-    def _repr_html_(self) -> str:
-        return f'<pre class="haptisym">{escape(str(self))}</pre>'
 
 
 def titled(title: str) -> str:

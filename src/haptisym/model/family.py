@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import chain, count
 from typing import Any
@@ -76,14 +76,15 @@ class SceneFamily(Shown):
         threshold: Threshold = self.first.threshold
         return threshold
 
-    def asides(self) -> list[str]:
+    def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
         """What is to be said beside an answer for all: of each scene in which parameters vary, that it is the nominal one."""
-        return [f"{name}: {note}" for name, scene in self.scenes.items() for note in scene.asides()]
+        return [f"{name}: {note}" for name, scene in self.scenes.items() for note in scene.asides(besides, varied)]
 
-    def ranges(self) -> dict[str, Any]:
-        """What varies in each scene where something does, as ``Scene.aside_keys`` has it."""
-        found = {name: scene.aside_keys().get("nominal") for name, scene in self.scenes.items()}
-        return {name: ranges for name, ranges in found.items() if ranges}
+    def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
+        """The same as the key ``nominal`` of a document: the ranges of each scene in which something varies."""
+        found = {name: scene.aside_keys(besides, varied).get("nominal") for name, scene in self.scenes.items()}
+        ranges = {name: own for name, own in found.items() if own}
+        return {"nominal": ranges} if ranges else {}
 
     def listed(self) -> str:
         """The names of the environments in one line."""

@@ -10,6 +10,7 @@ from sympy import Expr, Rational
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.roots import sign_of_number
+from haptisym.kernel.shown import Viewed
 from haptisym.model.quantities import Dimension, Number, require_number
 from haptisym.model.ranges import Interval, ranged
 
@@ -24,7 +25,7 @@ class Part(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Threshold:
+class Threshold(Viewed):
     """The JND c of eq. (4): a change of Re H or Im H is noticed when it exceeds that fraction of ``|H|``.
 
     Each a number > 0: rational, rational in pi, or algebraic as a SymPy expression (for scenes whose numbers are rational).

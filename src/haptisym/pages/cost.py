@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from math import isinf
 from textwrap import fill
 
-from haptisym.model.scene import Scene
+from haptisym.verbs.cost.entry import Cost
 from haptisym.verbs.cost.measurement import Omission, Row
+from haptisym.verbs.cost.summary import duration, wrong
 
 WIDTH = 96
 TASKS = {
@@ -20,73 +21,12 @@ TASKS = {
 """What each task asks."""
 
 
-def page(
-    scene: Scene,
-    rows: Sequence[Row],
-    left_out: Sequence[Omission],
-    condition: Mapping[str, float],
-    machine: Mapping[str, str],
-) -> str:
+def page(found: Cost) -> str:
     """The whole page."""
-    tables = [
-        _table(task, [row for row in rows if row.task == task], condition.get(task))
-        for task in TASKS
-        if any(row.task == task for row in rows)
-    ]
-    said = f"{scene.title or 'Untitled scene'}: what accuracy costs"
-    heading = "\n".join(fill(line, WIDTH) for line in (said, *scene.asides()))
-    return "\n\n".join([heading, fill(summary(rows), WIDTH), *tables, _notes(left_out, machine)]) + "\n"
-
-
-def summary(rows: Sequence[Row]) -> str:
-    """What a digit costs, in a sentence."""
-    proven = sorted((x for x in rows if x.task == "crossings" and x.proven), key=lambda x: x.digits)
-    if len(proven) < 2:
-        return _best(rows)
-    first, last = proven[0], proven[-1]
-    each = (last.seconds - first.seconds) / (last.digits - first.digits)
-    grids = [x for x in rows if x.task == "crossings" and x.method.startswith("grid") and x.method[-1].isdigit()]
-    finest = max(grids, key=lambda x: x.seconds, default=None)
-    price = f"{duration(each)} a digit" if each > 0 else "no time that shows"
-    return (
-        f"Here all crossings, proven, to {first.digits:.0f} digits take {duration(first.seconds)}; more digits cost {price}: "
-        f"{last.digits:.0f} of them take {duration(last.seconds)}" + (f"; {_grid(finest)}" if finest else "") + "."
-    )
-
-
-def _grid(row: Row) -> str:
-    if not row.complete:
-        return f"a {row.method} points takes {duration(row.seconds)} and {wrong(row)}"
-    return f"a {row.method} points takes {duration(row.seconds)} for {row.digits:.1f} digits, and proves nothing"
-
-
-def _best(rows: Sequence[Row]) -> str:
-    best = max((x for x in rows if x.complete), key=lambda x: x.digits, default=None)
-    if best is None:
-        return "Here no method found all crossings and no others."
-    low = min((x for x in rows if x.complete), key=lambda x: x.seconds)
-    return (
-        f"Here {best.digits:.1f} digits take {duration(best.seconds)} ({best.method}), and the fastest way gives "
-        f"{low.digits:.1f} digits in {duration(low.seconds)} ({low.method})."
-    )
-
-
-def wrong(row: Row) -> str:
-    """What is wrong with a count of crossings; "" where nothing is."""
-    parts = [f"{word} {n}" for word, n in (("misses", row.missed), ("invents", row.invented)) if n]
-    return " and ".join(parts)
-
-
-def duration(seconds: float) -> str:
-    """A time with three digits and a readable unit.
-
-    >>> duration(0.00123456), duration(3.2e-7)
-    ('1.23 ms', '320 ns')
-    """
-    for unit, name in ((1.0, "s"), (1e-3, "ms"), (1e-6, "us")):
-        if seconds >= unit:
-            return f"{float(f'{seconds / unit:.3g}'):g} {name}"
-    return f"{float(f'{seconds / 1e-9:.3g}'):g} ns"
+    tables = [_table(task, found.task(task), found.condition.get(task)) for task in TASKS if found.task(task)]
+    said = f"{found.scene.title or 'Untitled scene'}: what accuracy costs"
+    heading = "\n".join(fill(line, WIDTH) for line in (said, *found.asides()))
+    return "\n\n".join([heading, fill(found.summary, WIDTH), *tables, _notes(found.left_out, found.machine)]) + "\n"
 
 
 def _table(task: str, rows: Sequence[Row], condition: float | None) -> str:

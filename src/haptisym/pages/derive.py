@@ -11,13 +11,18 @@ from typing import Any
 from haptisym.model.catalogue import Parameter
 from haptisym.model.quantities import Dimension, Motion
 from haptisym.pages.lines import WIDTH
-from haptisym.pages.sections import Phrase, Section
+from haptisym.pages.sections import Phrase, Section, sections
 from haptisym.verbs.derive.derivation import QUANTITIES, Derivation
 from haptisym.writing.mathml import mathml
 from haptisym.writing.mathtext import plain, text
 from haptisym.writing.texlines import Names, Row, align
 from haptisym.writing.texnames import coded, spaced
 from haptisym.writing.texprinter import formula, tex
+
+
+def page(d: Derivation) -> str:
+    """The page of all sections."""
+    return as_text(d, sections(d))
 
 
 def as_text(d: Derivation, sections: Iterable[Section]) -> str:

@@ -1,9 +1,8 @@
-"""Which effects matter, as a page of text and as a document."""
+"""Which effects matter, as a page of text."""
 
 from __future__ import annotations
 
 from textwrap import fill
-from typing import Any
 
 from haptisym.model.jnd import Part
 from haptisym.pages.lines import WIDTH, listed, rounded_up, table
@@ -14,37 +13,6 @@ def page(r: Relevance) -> str:
     """The answer of ``haptisym effects``: what matters, by how much each changes the ratios, where, and what is certain."""
     parts = [_heading(r), _verdict(r), _effects(r), _dominance(r), _crossings(r), _certain(r)]
     return "\n\n".join(part for part in parts if part) + "\n"
-
-
-def document(r: Relevance) -> dict[str, Any]:
-    """The document of ``haptisym effects --json``, schema ``haptisym.effects/1``."""
-    return {
-        "schema": "haptisym.effects/1",
-        "title": r.scene.title,
-        "tolerance": float(r.tolerance),
-        "effects": [
-            {"name": x.effect.name, "model": x.effect.model, "influence": _upper(x.change), "kept": x.kept}
-            for x in r.effects
-        ],
-        **pruned(r),
-        "dominance": [{"name": x.effect.name, "band": [float(x.low), float(x.high)]} for x in r.dominance],
-        "operations": dict(zip(("full", "kept"), r.operations, strict=True)),
-        **r.scene.aside_keys(),
-    }
-
-
-def pruned(r: Relevance) -> dict[str, Any]:
-    """What a pruned scene still says about the full one: bound, crossings, and whether no smaller set of effects does."""
-    return {
-        "bound": _upper(r.bound),
-        "smallest": r.smallest,
-        "crossings": [{"part": x.part.value, "enclosure": [*x.bounds], "certain": x.certain} for x in r.crossings],
-    }
-
-
-def _upper(change: Any) -> dict[str, float | None]:
-    """Certified upper bounds; null where there is none."""
-    return {part.value: change[part].most if change[part].is_finite else None for part in Part}
 
 
 def _heading(r: Relevance) -> str:

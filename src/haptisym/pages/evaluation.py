@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator
 
 from sympy import Symbol
 
-from haptisym.judge.answers import Answers
 from haptisym.judge.crossings import Crossing, CrossingKind
+from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.symbols import omega, s
 from haptisym.model.jnd import Part
@@ -54,7 +54,7 @@ from haptisym.writing.formula import readable
 from haptisym.writing.names import named
 
 
-def page(e: Answers) -> Document:
+def page(e: Evaluation) -> Document:
     """The whole page."""
     blocks: list[Block] = [
         *_pruned(e),
@@ -64,10 +64,10 @@ def page(e: Answers) -> Document:
         *caveats(e.caveats),
         Paragraph(_certain(e)),
     ]
-    return Document(title(e.scene), lead(e.scene, e.given.asides()), tuple(blocks))
+    return Document(title(e.scene), lead(e.scene, e.asides()), tuple(blocks))
 
 
-def _pruned(e: Answers) -> Iterator[Block]:
+def _pruned(e: Evaluation) -> Iterator[Block]:
     """What was left out of the scene, and what that changes at most."""
     r = e.relevance
     if r is None or not r.dropped:
@@ -81,7 +81,7 @@ def _pruned(e: Answers) -> Iterator[Block]:
     ))  # fmt: skip
 
 
-def _dynamics(e: Answers) -> Iterator[tuple[str, Phrase]]:
+def _dynamics(e: Evaluation) -> Iterator[tuple[str, Phrase]]:
     """Environment, effects and what they make of it; the band and the threshold."""
     d, rendered = e.distortion, e.scene.rendered
     unit = f"  {stiffness_unit(e.scene)}"
@@ -109,13 +109,13 @@ def _effect(name: str, model: str) -> str:
 # Step 1, when.
 
 
-def _step_1(e: Answers) -> Iterator[Block]:
+def _step_1(e: Evaluation) -> Iterator[Block]:
     yield Paragraph(transparency(e))
     yield crossings(e)
     yield from _any_environment(e)
 
 
-def transparency(e: Answers) -> Phrase:
+def transparency(e: Evaluation) -> Phrase:
     """Where neither ratio exceeds its threshold."""
     if not e.transparent:
         return "At every frequency of the band: the display is transparent nowhere."
@@ -130,13 +130,13 @@ def transparency(e: Answers) -> Phrase:
     return "At ", both(e.bandwidth), ", its bandwidth. The display is perceptually transparent ", pieces, "."
 
 
-def is_transparent_throughout(e: Answers) -> bool:
+def is_transparent_throughout(e: Evaluation) -> bool:
     """Whether neither ratio exceeds its threshold anywhere on the band."""
     found = [(x.low, x.high) for x in e.transparent]
     return found == [(e.chart.points[0], e.chart.points[-1])]
 
 
-def crossings(e: Answers) -> Block:
+def crossings(e: Evaluation) -> Block:
     """Every crossing on the band: digits, what happens, enclosure."""
     if not e.crossings:
         decided = ", as far as that was decided" if e.undecided else ""
@@ -149,12 +149,12 @@ def crossings(e: Answers) -> Block:
     return Table(columns, tuple(_crossing(e, c) for c in e.crossings), caption)
 
 
-def proven(e: Answers) -> str:
+def proven(e: Evaluation) -> str:
     """How certain a table is."""
     return "proven: none missed, none invented" if e.certified else "proven, but for what is listed as undecided"
 
 
-def _crossing(e: Answers, c: Crossing) -> tuple[Phrase, ...]:
+def _crossing(e: Evaluation, c: Crossing) -> tuple[Phrase, ...]:
     low, high = c.omega.enclosure(e.digits)
     return c.part.value, exactly(c.omega, e.digits), hertz(c.omega), event(e, c), sense(c), f"[{low}, {high}]"
 
@@ -162,7 +162,7 @@ def _crossing(e: Answers, c: Crossing) -> tuple[Phrase, ...]:
 VERBS = {CrossingKind.EXCEEDS: "rises above", CrossingKind.RETURNS: "falls below", CrossingKind.TOUCHES: "touches"}
 
 
-def event(e: Answers, c: Crossing) -> Phrase:
+def event(e: Evaluation, c: Crossing) -> Phrase:
     """``r_r rises above 10 %``."""
     times = f" ({c.multiplicity}-fold)" if c.multiplicity > 1 else ""
     return RATIOS[c.part], f" {VERBS[c.kind]} {percent(e.scene.threshold[c.part])}{times}"
@@ -173,7 +173,7 @@ def sense(c: Crossing) -> Phrase:
     return compared(Prefixed(OPERATORS[c.part], CHANGE), ">" if c.sign > 0 else "<")
 
 
-def _any_environment(e: Answers) -> Iterator[Block]:
+def _any_environment(e: Evaluation) -> Iterator[Block]:
     found = e.any_environment
     if found is None or not e.scene.effects:
         return
@@ -191,12 +191,12 @@ def _any_environment(e: Answers) -> Iterator[Block]:
 # Step 2, how.
 
 
-def _step_2(e: Answers) -> Iterator[Block]:
+def _step_2(e: Evaluation) -> Iterator[Block]:
     yield percepts(e)
     yield Notes((*_changeovers(e), *_outside_model(e), *_unbounded(e), _stability(e)))
 
 
-def percepts(e: Answers) -> Block:
+def percepts(e: Evaluation) -> Block:
     """What is felt where a ratio exceeds its threshold."""
     if not e.felt:
         return Paragraph("Nothing is noticed on the band: neither ratio exceeds its threshold.")
@@ -205,13 +205,13 @@ def percepts(e: Answers) -> Block:
     return Table((Column("band (rad/s)"), Column("part"), Column("felt as")), rows, caption)
 
 
-def _changeovers(e: Answers) -> Iterable[Phrase]:
+def _changeovers(e: Evaluation) -> Iterable[Phrase]:
     if e.changeovers_environment or e.changeovers_perceived:
         env, perc = (places(x) if x else "no frequency" for x in (e.changeovers_environment, e.changeovers_perceived))
         yield "Spring and inertia change over at ", env, " in the environment, at ", perc, " as felt."
 
 
-def _outside_model(e: Answers) -> Iterable[Phrase]:
+def _outside_model(e: Evaluation) -> Iterable[Phrase]:
     if e.outside_model:
         noticed = "so that no property is named for what is noticed there" if e.unnamed else "but not noticed there"
         active = compared(Prefixed(OPERATORS[Part.IMAG], H_PERC), "<")
@@ -221,13 +221,13 @@ def _outside_model(e: Answers) -> Iterable[Phrase]:
         )  # fmt: skip
 
 
-def _unbounded(e: Answers) -> Iterable[Phrase]:
+def _unbounded(e: Evaluation) -> Iterable[Phrase]:
     if e.unbounded:
         why = (compared(H_ENV, "="), ", or ", CHANGE, " infinite")
         yield "A ratio is unbounded at ", places(e.unbounded), ": nothing to compare with there (", why, ")."
 
 
-def _stability(e: Answers) -> Phrase:
+def _stability(e: Evaluation) -> Phrase:
     pole = Prefixed(OPERATORS[Part.REAL], named("s"))
     if e.stable is None:
         return f"Whether the force under imposed motion is stable was not decided. {NOT_HELD}"
@@ -238,7 +238,7 @@ def _stability(e: Answers) -> Phrase:
     return "The force under imposed motion is ", Strong("NOT"), " stable: ", right, "."
 
 
-def _certain(e: Answers) -> Phrase:
+def _certain(e: Evaluation) -> Phrase:
     if e.undecided:
         where = listed((short(point.omega), f" rad/s ({part.value})") for part, point in e.undecided)
         return (

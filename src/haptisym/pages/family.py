@@ -5,25 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterable
 from textwrap import fill
 
-from haptisym.judge.answers import Answers
 from haptisym.judge.crossings import Curve
+from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Interval
 from haptisym.model.caveats import caveats
 from haptisym.model.jnd import Part
 from haptisym.pages.lines import WIDTH, both, caveats_text, listed, percent, short, span, table
-from haptisym.verbs.family.worstcase import Binding, WorstCase
+from haptisym.verbs.family.entry import Binding, FamilyEvaluation
 
 _LETTER = {Part.REAL: "r_r", Part.IMAG: "r_i"}
 
 
-def page(w: WorstCase) -> str:
+def page(w: FamilyEvaluation) -> str:
     """The whole page."""
     parts = [_heading(w), _each(w), _worst(w), caveats_text(caveats(w.family.first)), _certain(w)]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def _heading(w: WorstCase) -> str:
+def _heading(w: FamilyEvaluation) -> str:
     low, high = (w.chart.points[i].omega for i in (0, -1))
     c = w.family.threshold
     limits = percent(c.real) if c.real == c.imag else f"{percent(c.real)} (real) and {percent(c.imag)} (imaginary)"
@@ -33,52 +33,52 @@ def _heading(w: WorstCase) -> str:
         ("threshold", f"{limits} of |H_env|"),
     ]
     lines = [fill(x, WIDTH) for x in (w.family.title or "Untitled scene", w.family.source) if x]
-    lines += [fill(x, WIDTH) for x in w.family.asides()]
+    lines += [fill(x, WIDTH) for x in w.asides()]
     shown = [fill(x, WIDTH, initial_indent=f"  {key:<13}", subsequent_indent=" " * 15) for key, x in rows]
     return "\n".join([*lines, "", *shown])
 
 
-def _each(w: WorstCase) -> str:
+def _each(w: FamilyEvaluation) -> str:
     headings = ("environment", "r_r > c from", "r_i > c from", "bandwidth", "felt as")
     rows = [(name, *(_first(x, part) for part in Part), _bandwidth(x), _felt(x)) for name, x in w.answers.items()]
     return f"Each environment (rad/s)\n\n{table(headings, rows)}"
 
 
-def _first(e: Answers, part: Part) -> str:
+def _first(e: Evaluation, part: Part) -> str:
     """Where a part is first noticed."""
     noticed = first_noticed(e, part)
     return "never" if noticed is None else short(noticed)
 
 
-def first_noticed(e: Answers, part: Part) -> RealNumber | None:
+def first_noticed(e: Evaluation, part: Part) -> RealNumber | None:
     """The lowest frequency beyond which a part's ratio exceeds its threshold; None if it never does on the band."""
     exceeded = [p.low.omega for p in noticed_bands(e, part)]
     return exceeded[0] if exceeded else None
 
 
-def noticed_bands(e: Answers, part: Part) -> tuple[Interval, ...]:
+def noticed_bands(e: Evaluation, part: Part) -> tuple[Interval, ...]:
     """Where a part's ratio exceeds its threshold (up to the ends, at which it may just meet it)."""
     return e.chart.where(lambda signs: signs[Curve.EXCESS, part] > 0)
 
 
-def _bandwidth(e: Answers) -> str:
+def _bandwidth(e: Evaluation) -> str:
     if e.bandwidth is None:
         return "none"
     return "whole band" if e.bandwidth is e.chart.points[-1].omega else short(e.bandwidth)
 
 
-def _felt(e: Answers) -> str:
+def _felt(e: Evaluation) -> str:
     """How each part is felt where it is first noticed."""
     first = {x.part: x.words for x in reversed(e.felt)}
     return "; ".join(first[part] for part in Part if part in first) or "-"
 
 
-def _worst(w: WorstCase) -> str:
+def _worst(w: FamilyEvaluation) -> str:
     lines = [_transparency(w), *map(_bound, _grouped(w.binding))]
     return "\n".join(["Worst case: transparent with every one of them", "", *(_indented(x) for x in lines)])
 
 
-def _transparency(w: WorstCase) -> str:
+def _transparency(w: FamilyEvaluation) -> str:
     whole = w.bandwidth is w.chart.points[-1].omega
     if not w.transparent:
         return "Nowhere on the band."
@@ -105,7 +105,7 @@ def _bound(place: tuple[RealNumber, list[Binding]]) -> str:
     return f"At {short(omega)} rad/s {who} {'binds' if len(rows) == 1 else 'bind'}."
 
 
-def _certain(w: WorstCase) -> str:
+def _certain(w: FamilyEvaluation) -> str:
     if not w.certified:
         return "UNDECIDED at the precision limit near some frequency: evaluate each environment alone to see where."
     return fill(

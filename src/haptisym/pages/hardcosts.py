@@ -2,43 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from math import isinf
 from statistics import median
 from textwrap import fill
 
-from haptisym.pages.cost import WIDTH, duration
+from haptisym.pages.cost import WIDTH
 from haptisym.verbs.cost.hardcases import FAMILIES
+from haptisym.verbs.cost.hardcosts import HardCosts
 from haptisym.verbs.cost.measurement import HardRow
+from haptisym.verbs.cost.summary import duration, worst_verdict
 
 
-def page(rows: Sequence[HardRow], machine: Mapping[str, str]) -> str:
+def page(found: HardCosts) -> str:
     """The whole page."""
+    rows = found.rows
     families = [name for name in FAMILIES if any(row.family == name for row in rows)]
     blocks = [_block(name, [row for row in rows if row.family == name]) for name in families]
-    measured = "Measured on " + ", ".join(f"{name} {value}" for name, value in machine.items()) + "."
+    measured = "Measured on " + ", ".join(f"{name} {value}" for name, value in found.machine.items()) + "."
     told = (
         "Right: to the digits that the method's numbers hold but for one, and no crossing missed or invented. Digits are "
         "those of the worst case, times medians over the cases. The condition number says how much an answer changes, "
         "relatively, with the frequency or the threshold; what a method loses beyond its logarithm is the method's own loss."
     )
     return (
-        "\n\n".join(["The hard cases", fill(summary(rows), WIDTH), *blocks, fill(told, WIDTH), fill(measured, WIDTH)])
+        "\n\n".join(["The hard cases", fill(found.summary, WIDTH), *blocks, fill(told, WIDTH), fill(measured, WIDTH)])
         + "\n"
-    )
-
-
-def summary(rows: Sequence[HardRow]) -> str:
-    """How many of the questions each side answers right, in a sentence."""
-    count = len({(row.family, row.case) for row in rows})
-    proven = [row for row in rows if row.ours and row.proven]
-    wrong = sum(row.verdict != "right" for row in proven)
-    usual = [row for row in rows if not row.ours and row.answered]
-    failed = sum(row.verdict != "right" for row in usual)
-    said = "none of them wrong" if not wrong else f"{wrong} of them WRONG"
-    return (
-        f"{count} hard questions: haptisym gives {len(proven)} proven answers, {said}; of {len(usual)} answers by the usual ways "
-        f"{failed} lose digits, miss crossings or invent some, and none says so."
     )
 
 
@@ -66,15 +55,3 @@ def _line(rows: Sequence[HardRow]) -> str:
     time = duration(median(row.seconds for row in answered))
     told = f"{name}{f'{right}/{len(answered)}':>7}  {worst:>6.1f}  {time:>8}  {proven:<6}"
     return f"{told}  {worst_verdict(answered)}".rstrip()
-
-
-def worst_verdict(rows: Iterable[HardRow]) -> str:
-    """What goes wrong in some cases, all together; "" where nothing does."""
-    listed = list(rows)
-    missed, invented = sum(row.missed for row in listed), sum(row.invented for row in listed)
-    if missed or invented:
-        return " and ".join(f"{word} {n}" for word, n in (("misses", missed), ("invents", invented)) if n)
-    if any(row.verdict == "undecided" for row in listed):
-        return f"{sum(row.verdict == 'undecided' for row in listed)} undecided, and said so"
-    bad = [row for row in listed if row.verdict != "right"]
-    return min(bad, key=lambda row: row.digits).verdict if bad else ""

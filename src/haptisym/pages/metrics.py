@@ -1,17 +1,15 @@
-"""Measures of transparency as a page of text, as LaTeX and as JSON."""
+"""Measures of transparency as a page of text and as LaTeX."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from json import dumps
 from textwrap import fill
-from typing import Any
 
 from haptisym.kernel.reals import RealNumber
 from haptisym.pages.lines import WIDTH, caveats_text, listed, percent, short, span
 from haptisym.verbs.metrics.forms import Form
 from haptisym.verbs.metrics.measured import Bands
-from haptisym.verbs.metrics.metric import Metric, MetricRows, Value
+from haptisym.verbs.metrics.metric import Metric, Metrics, Value
 from haptisym.writing.mathtext import text
 from haptisym.writing.texlines import Names, Row, align
 from haptisym.writing.texnames import coded, escape
@@ -26,19 +24,19 @@ _OPEN = (
 )
 
 
-def as_text(m: MetricRows) -> str:
+def as_text(m: Metrics) -> str:
     """A page of text."""
     blocks = [_heading(m), *map(_metric_text, m.metrics), _notes(m), caveats_text(m.evaluation.caveats), _certain(m)]
     return "\n\n".join(block for block in blocks if block) + "\n"
 
 
-def _heading(m: MetricRows) -> str:
+def _heading(m: Metrics) -> str:
     e = m.evaluation
-    lines = [fill(line, WIDTH) for line in (e.scene.title or "Untitled scene", *e.scene.asides())]
+    lines = [fill(line, WIDTH) for line in (e.scene.title or "Untitled scene", *m.asides())]
     return "\n".join([*lines, "", _indented(f"JND: {jnd_verdict(m)}")])
 
 
-def jnd_verdict(m: MetricRows) -> str:
+def jnd_verdict(m: Metrics) -> str:
     """What the JND evaluation says, in a line."""
     e = m.evaluation
     c = e.scene.threshold
@@ -87,28 +85,28 @@ def _bands(bands: Bands) -> str:
     return listed(span(x) for x in bands)
 
 
-def _notes(m: MetricRows) -> str:
+def _notes(m: Metrics) -> str:
     if not m.notes:
         return ""
     return "\n".join(["Where they disagree", *(_indented(note) for note in m.notes)])
 
 
-def _certain(m: MetricRows) -> str:
-    return fill(_PROVEN if m.measured.certified else _OPEN, WIDTH)
+def _certain(m: Metrics) -> str:
+    return fill(_PROVEN if m.certified else _OPEN, WIDTH)
 
 
 def _indented(words: str) -> str:
     return fill(words, WIDTH, initial_indent="  ", subsequent_indent="  ")
 
 
-def as_latex(m: MetricRows) -> str:
+def as_latex(m: Metrics) -> str:
     r"""LaTeX: a table of verdicts (booktabs) and, for each measure, its formulas in an ``align*`` (amsmath)."""
     names = Names()
-    asides = map(coded, m.evaluation.scene.asides())
+    asides = map(coded, m.asides())
     return "\n\n".join([*asides, _latex_table(m), *(_metric_latex(x, names) for x in m.metrics if x.forms)]) + "\n"
 
 
-def _latex_table(m: MetricRows) -> str:
+def _latex_table(m: Metrics) -> str:
     rows = [("JND", jnd_verdict(m), ""), *((x.name, x.verdict, x.evidence) for x in m.metrics)]
     lines = [" & ".join(map(escape, row)) + r" \\" for row in rows]
     head = [
@@ -140,58 +138,3 @@ def _aligned(forms: Sequence[Form], names: Names) -> list[str]:
 
 
 _TEX = {"=": "=", "≈": r"\approx"}
-
-
-def as_json(m: MetricRows) -> str:
-    """The document of ``haptisym metrics --json``, schema ``haptisym.metrics/1``."""
-    return dumps(as_dict(m), indent=2, ensure_ascii=False)
-
-
-def as_dict(m: MetricRows) -> dict[str, Any]:
-    """The same as a dictionary."""
-    e = m.evaluation
-    return {
-        "schema": "haptisym.metrics/1",
-        "title": e.scene.title,
-        "band": [float(e.chart.points[i].omega) for i in (0, -1)],
-        "jnd": {
-            "threshold": {"real": str(e.scene.threshold.real), "imag": str(e.scene.threshold.imag)},
-            "transparent": _pairs(e.transparent),
-            "bandwidth": None if e.bandwidth is None else float(e.bandwidth),
-        },
-        "metrics": [_metric_dict(x) for x in m.metrics],
-        "notes": list(m.notes),
-        **({"caveats": list(e.caveats)} if e.caveats else {}),
-        "certified": m.measured.certified,
-        **e.scene.aside_keys(),
-    }
-
-
-def _metric_dict(x: Metric) -> dict[str, Any]:
-    return {
-        "name": x.name,
-        "formula": [{"text": text(form.equation), "latex": tex(form.equation)} for form in x.forms],
-        "values": [_value_dict(v) for v in x.values],
-        "unit": next((v.unit for v in x.values), ""),
-        "source": x.source,
-        "evidence": x.evidence,
-        "verdict": x.verdict,
-    }
-
-
-def _value_dict(x: Value) -> dict[str, Any]:
-    found = {"what": x.what, "value": _plain(x.value), "unit": x.unit}
-    if x.reference is None:
-        return found
-    return {**found, "environment": _plain(x.reference), "tolerance": x.tolerance, "kept": x.kept}
-
-
-def _plain(value: RealNumber | int | str | Bands | None) -> Any:
-    """A number, a list of bands, a word, or null for what is infinite."""
-    if isinstance(value, tuple):
-        return _pairs(value)
-    return float(value) if isinstance(value, RealNumber) else value
-
-
-def _pairs(bands: Bands) -> list[list[float]]:
-    return [[float(x.low.omega), float(x.high.omega)] for x in bands]

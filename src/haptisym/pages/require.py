@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
+from math import ceil
 from textwrap import fill
 
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver
 from haptisym.model.jnd import Part
 from haptisym.pages.lines import WIDTH, both, listed, short, table
+from haptisym.verbs.require.designmap import DesignMap
 from haptisym.verbs.require.feasible import Binding, Kind, Span
-from haptisym.verbs.require.required import Required
+from haptisym.verbs.require.required import Requirement
 from haptisym.writing.mathtext import plain
 
 
-def page(r: Required) -> str:
+def page(r: Requirement) -> str:
     """The whole page."""
     parts = [_heading(r), _question(r), _answer(r), _nearest(r), _ends(r), _formula(r), _certain(r)]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def _heading(r: Required) -> str:
-    asides = r.scene.asides([r.free.path], [r.free.path])
-    return "\n".join(fill(line, WIDTH) for line in (r.scene.title or "Untitled scene", *asides))
+def _heading(r: Requirement) -> str:
+    return "\n".join(fill(line, WIDTH) for line in (r.scene.title or "Untitled scene", *r.asides()))
 
 
-def _question(r: Required) -> str:
+def _question(r: Requirement) -> str:
     low, high = (both(x) for x in _band(r))
     kept = {None: "|G - 1| <= c", Part.REAL: "r_r <= c_real", Part.IMAG: "r_i <= c_imag"}
     rows = [
@@ -39,11 +40,11 @@ def _unit(unit: str) -> str:
     return "a plain number" if unit == "1" else f"in {unit}"
 
 
-def _band(r: Required) -> list[RealNumber]:
+def _band(r: Requirement) -> list[RealNumber]:
     return [ExactNumber(x) for x in r.scene.band]
 
 
-def _asked(r: Required) -> str:
+def _asked(r: Requirement) -> str:
     low, high = r.domain.low, r.domain.high
     if low is None:
         return "all values" if high is None else f"values up to {float(high):.6g}"
@@ -52,7 +53,7 @@ def _asked(r: Required) -> str:
     return f"values from {float(low):.6g} to {float(high):.6g}"
 
 
-def _answer(r: Required) -> str:
+def _answer(r: Requirement) -> str:
     who = "with any environment whatever" if r.keys == (None,) else "on the whole band"
     if not r.feasible:
         known = "No value that was asked about makes" if r.certified else "No value is proven to make"
@@ -61,7 +62,7 @@ def _answer(r: Required) -> str:
     return fill(f"{known} exactly for {sets(r)}." if r.certified else f"{known}, proven, for {sets(r)}.", WIDTH)
 
 
-def _nearest(r: Required) -> str:
+def _nearest(r: Requirement) -> str:
     """Where no value will do: the nearest one found, what binds there, and what was proven about all others."""
     x = r.nearest
     if x is None:
@@ -79,7 +80,7 @@ def _nearest(r: Required) -> str:
     return fill(f"{said} {least}", WIDTH)
 
 
-def sets(r: Required) -> str:
+def sets(r: Requirement) -> str:
     """The values, as in a sentence: "omega_n >= 122.36 rad/s"; "no value" for none."""
     if not r.feasible:
         return "no value"
@@ -100,7 +101,7 @@ def _span(x: Span, name: str, unit: str) -> str:
     return f"{left}{name}{right}{unit}"
 
 
-def _ends(r: Required) -> str:
+def _ends(r: Requirement) -> str:
     rows = [(end.value.digits(r.digits), _part(b), _where(b)) for end in r.ends for b in end.bindings if end.value]
     if not rows:
         return "  Nothing binds at an end." if r.feasible else ""
@@ -118,7 +119,7 @@ def _where(b: Binding) -> str:
     ] + place
 
 
-def _formula(r: Required) -> str:
+def _formula(r: Requirement) -> str:
     name = r.free.symbol.name
     forms = [f"{name} = {plain(form)}" for form in r.forms if form is not None]
     if not forms:
@@ -127,7 +128,7 @@ def _formula(r: Required) -> str:
     return "\n".join(["Closed form, from the condition at the end of the band:", *rows])
 
 
-def _certain(r: Required) -> str:
+def _certain(r: Requirement) -> str:
     if r.undecided:
         where = listed([f"{_limit(a)} to {_limit(b)}" for a, b in r.undecided], "and")
         why = "" if r.limit is None else f" within the limit of {r.limit:g} s"
@@ -147,3 +148,40 @@ def _certain(r: Required) -> str:
 
 def _limit(x: RealNumber | None) -> str:
     return "infinity" if x is None else f"{float(x):.6g}"
+
+
+# A map of two parameters.
+
+
+def map_page(m: DesignMap) -> str:
+    """The page of a map: how many slices hold values that do, some of them, what is certain."""
+    a, b = m.free
+    some = [x for x in m.slices if x.requirement.feasible]
+    where = f"{len(some)} of them hold values of {b.symbol.name} that make the display transparent on its whole band"
+    kinds = sorted({y.kind.value for x in some for e in x.requirement.ends for y in e.bindings})
+    lines = [
+        m.scene.title or "Untitled scene",
+        *m.asides(),
+        f"{len(m.slices)} exact slices along {a.symbol.name}: {where}.",
+        f"The boundary is a {listed(kinds)} curve." if kinds else "",
+    ]
+    certain = (
+        "Certain: every value of a slice is proven. Between slices the figure draws straight lines, which prove nothing; "
+        "--slices N gives more of them."
+    )
+    last = certain if m.certified else "UNDECIDED in some slices: see --json."
+    head = "\n".join(fill(line, WIDTH) for line in lines if line)
+    return "\n\n".join((head, _slices(m), fill(last, WIDTH))) + "\n"
+
+
+_MOST_ROWS = 10  # of slices that are listed; the document has them all
+
+
+def _slices(m: DesignMap) -> str:
+    """Some of the slices, the first and the last one among them."""
+    a = m.free[0]
+    step = ceil((len(m.slices) - 1) / _MOST_ROWS)
+    shown = [*m.slices[:-1:step], m.slices[-1]]
+    unit = "" if a.unit == "1" else f" ({a.unit})"
+    rows = [(f"{float(x.at):.6g}", sets(x.requirement)) for x in shown]
+    return table((f"{a.symbol.name}{unit}", "transparent for"), rows)

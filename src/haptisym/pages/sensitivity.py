@@ -7,32 +7,33 @@ from textwrap import fill, indent
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.jnd import Part
 from haptisym.pages.lines import WIDTH, both, table
-from haptisym.verbs.sensitivity.slopes import Sensitive, Sensitivity, Slopes
+from haptisym.verbs.sensitivity.entry import Sensitivities
+from haptisym.verbs.sensitivity.slopes import Sensitive, Sensitivity
 
 _DIGITS = 5
 _RATIO = {Part.REAL: "r_r", Part.IMAG: "r_i"}
 
 
-def page(found: Slopes) -> str:
+def page(found: Sensitivities) -> str:
     """The whole page."""
     scene = found.evaluation.scene
-    heading = "\n".join(fill(line, WIDTH) for line in (scene.title or "Untitled scene", *scene.asides(varied=None)))
+    heading = "\n".join(fill(line, WIDTH) for line in (scene.title or "Untitled scene", *found.asides()))
     parts = [heading, *_crossings(found), *_changeovers(found), _bandwidth(found), _certain(found)]
     return "\n\n".join(parts) + "\n"
 
 
-def _crossings(found: Slopes) -> list[str]:
+def _crossings(found: Sensitivities) -> list[str]:
     if not found.crossings:
         return ["No ratio meets its threshold on the band: there is no crossing to move."]
     return [_block(f"Crossing of {_RATIO[x.part]} at {both(x.omega)}", x) for x in found.crossings if x.part]
 
 
-def _changeovers(found: Slopes) -> list[str]:
+def _changeovers(found: Sensitivities) -> list[str]:
     systems = (("H_env", found.changeovers_environment), ("H_perc", found.changeovers_perceived))
     return [_block(f"Changeover of {name} at {both(x.omega)}", x) for name, listed in systems for x in listed]
 
 
-def _bandwidth(found: Slopes) -> str:
+def _bandwidth(found: Sensitivities) -> str:
     x = found.bandwidth
     if x is None:
         return "No transparent band starts at the low end of the band: there is no bandwidth to move."
@@ -67,7 +68,7 @@ def _signed(x: RealNumber) -> str:
     return digits if digits.startswith("-") or digits == "0" else f"+{digits}"
 
 
-def _certain(found: Slopes) -> str:
+def _certain(found: Sensitivities) -> str:
     if not found.certified:
         return fill("UNDECIDED at the precision limit where it says so. Everything else is proven.", WIDTH)
     return fill(

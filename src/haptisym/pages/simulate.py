@@ -7,19 +7,20 @@ from math import pi
 from textwrap import fill
 
 from haptisym.model.quantities import Motion as Kind
-from haptisym.verbs.simulate.results import Estimate, Simulated
+from haptisym.verbs.simulate.results import Estimate, Simulation, Simulations
 
 _WIDTH = 96
 
 
-def page(runs: Sequence[Simulated]) -> str:
+def page(found: Simulation | Simulations) -> str:
     """The whole page; several runs of one scene, one for each frequency, are one table."""
+    runs = found.runs
     notes = [fill(note, _WIDTH) for note in runs[0].notes]
     parts = [_heading(runs), _table(runs), *notes, _verdict(runs)]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def _heading(runs: Sequence[Simulated]) -> str:
+def _heading(runs: Sequence[Simulation]) -> str:
     first = runs[0]
     length, force = ("rad", "N m") if first.scene.motion is Kind.ROTATION else ("m", "N")
     kind = first.motion.name + (f", {len(runs)} runs" if len(runs) > 1 else "")
@@ -30,12 +31,12 @@ def _heading(runs: Sequence[Simulated]) -> str:
         ("time", f"0 to {max(float(run.time[-1]) for run in runs):.4g} s"),
         ("force", f"up to {most:.4g} {force} at the hand"),
     ]
-    title = (first.scene.title or "Untitled scene", *first.scene.asides())
+    title = (first.scene.title or "Untitled scene", *first.asides())
     lines = [fill(line, _WIDTH) for line in title if line]
     return "\n".join([*lines, *(fill(f"  {key:<11}{text}", _WIDTH, subsequent_indent=" " * 13) for key, text in rows)])
 
 
-def _table(runs: Sequence[Simulated]) -> str:
+def _table(runs: Sequence[Simulation]) -> str:
     rows = [x for run in runs for x in run.estimates]
     if not rows:
         return ""
@@ -53,7 +54,7 @@ def _row(x: Estimate) -> str:
     )
 
 
-def _verdict(runs: Sequence[Simulated]) -> str:
+def _verdict(runs: Sequence[Simulation]) -> str:
     rows = [x for run in runs for x in run.estimates]
     if not rows:
         return "No ratio is recovered from this motion or from so short a run."

@@ -11,7 +11,7 @@ from haptisym.kernel.reals import RealNumber
 from haptisym.model.jnd import Part
 from haptisym.model.ranges import spread
 from haptisym.pages.lines import WIDTH, both, table
-from haptisym.verbs.tolerances.proofs import BoxAnswers, Enclosure, Verdict
+from haptisym.verbs.tolerances.proofs import Enclosure, Tolerances, Verdict
 from haptisym.verbs.tolerances.quantiles import quantiles
 
 _RATIO = {Part.REAL: "r_r", Part.IMAG: "r_i"}
@@ -24,24 +24,23 @@ _VERDICTS = {
 }
 
 
-def page(a: BoxAnswers) -> str:
+def page(a: Tolerances) -> str:
     """The whole page."""
     parts = [_heading(a), _varying(a), _verdict(a), _enclosures(a), _bandwidth(a), _estimates(a)]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def _heading(a: BoxAnswers) -> str:
+def _heading(a: Tolerances) -> str:
     low, high = a.box.scene.band
-    asides = [a.box.scene.untied_note(a.box.scene.ranges())]
     lines = [
         a.box.scene.title or "Untitled scene",
-        *filter(None, asides),
+        *a.asides(),
         f"Band: {float(low):.6g} to {float(high):.6g} rad/s",
     ]
     return "\n".join(fill(line, WIDTH) for line in lines)
 
 
-def _varying(a: BoxAnswers) -> str:
+def _varying(a: Tolerances) -> str:
     nominal = a.nominal.values
     rows = [
         (
@@ -56,7 +55,7 @@ def _varying(a: BoxAnswers) -> str:
     return table(("varies", "from", "to", "", ""), rows)
 
 
-def _verdict(a: BoxAnswers) -> str:
+def _verdict(a: Tolerances) -> str:
     lines = [fill(_VERDICTS[a.verdict], WIDTH)]
     for title, one in (("Transparent", a.transparent), ("Noticed", a.noticed)):
         if one is not None and a.verdict in (Verdict.DEPENDS, Verdict.UNDECIDED):
@@ -84,7 +83,7 @@ def listed(values: Mapping[str, Expr]) -> str:
     return ", ".join(f"{name} = {float(x):.6g}" for name, x in values.items())
 
 
-def _enclosures(a: BoxAnswers) -> str:
+def _enclosures(a: Tolerances) -> str:
     if not a.enclosures:
         return "No ratio meets its threshold on the band, for no values within the ranges: proven."
     head = "Guaranteed: where the ratios meet their thresholds, whatever the values\n\n"
@@ -103,7 +102,7 @@ def _end(x: RealNumber, at: Mapping[str, Expr] | None) -> str:
     return f"{'=' if at else ''}{x.digits(6)}"
 
 
-def _bandwidth(a: BoxAnswers) -> str:
+def _bandwidth(a: Tolerances) -> str:
     if a.bandwidth is None:
         return fill(
             "That the display is transparent from the low end of the band on is not proven for all values.", WIDTH
@@ -112,10 +111,10 @@ def _bandwidth(a: BoxAnswers) -> str:
     return fill(f"Guaranteed: the bandwidth lies between {both(low)} and {both(high)}.", WIDTH)
 
 
-def _estimates(a: BoxAnswers) -> str:
+def _estimates(a: Tolerances) -> str:
     if not a.samples:
         return ""
-    q = quantiles(a)
+    q = quantiles(a.samples)
     rows = [("first crossing", *map(_quantile, _of(q.first))), ("bandwidth", *map(_quantile, _of(q.bandwidth)))]
     head = f"Estimated, NOT guaranteed: quantiles over {len(a.samples)} sets of values, drawn uniformly (seed {a.seed})\n\n"
     share = f"Of these sets {q.transparent} are transparent on the whole band."

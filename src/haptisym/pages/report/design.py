@@ -10,7 +10,8 @@ from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.pages.lines import both
 from haptisym.pages.report.results import RATIOS
 from haptisym.pages.require import sets
-from haptisym.verbs.require.entry import Requirement, is_quick, require
+from haptisym.verbs.require.entry import is_quick, require
+from haptisym.verbs.require.required import Requirement
 from haptisym.writing.htmltext import Html, element, joined, listed, table
 from haptisym.writing.layout import layout
 from haptisym.writing.mathematics import inline

@@ -1,16 +1,17 @@
 """How values show themselves in notebooks: formulas as LaTeX, tables and sentences as HTML.
 
-``register`` gives each class its ``_repr_latex_`` and ``_repr_html_``; nothing of the user's process is touched. The
-classes themselves know neither LaTeX nor HTML, so that what they compute never depends on how it is shown.
+The classes themselves know neither LaTeX nor HTML: ``Viewed`` finds what is here when a value is shown.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from html import escape
 from typing import Any
 
 from sympy import Expr, ImmutableMatrix
 
+from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Crossing
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.peaks import Peak
@@ -54,16 +55,24 @@ _PER_SECOND = r"\,\mathrm{rad/s}"
 _MOST_TERMS = 50  # of a numerator; a longer one is no formula to look at
 
 
-def register() -> None:
-    """Give the public classes their representations. It is called once, where the package is imported.
+def latex(x: Any) -> str | None:
+    """LaTeX of a formula or a number; None for anything else.
 
     >>> from haptisym.model.jnd import Threshold
     >>> Threshold.of("0.1")._repr_latex_()
     '$\\\\displaystyle c = 0.1$'
     """
-    for method, shown in (("_repr_latex_", _LATEX), ("_repr_html_", _HTML)):
-        for kind, show in shown.items():
-            setattr(kind, method, show)
+    return _shown(_LATEX, x)
+
+
+def html(x: Any) -> str | None:
+    """HTML of a table, a sentence or a page; None for anything else."""
+    return _shown(_HTML, x)
+
+
+def _shown(views: Mapping[type, Callable[[Any], str]], x: Any) -> str | None:
+    kind = next((kind for kind in type(x).__mro__ if kind in views), None)
+    return None if kind is None else views[kind](x)
 
 
 # LaTeX, for what is a formula or a number.
@@ -180,7 +189,7 @@ def _scene_html(x: Scene) -> str:
 def _evaluation_html(x: Evaluation) -> str:
     sentences = [changeovers(x), *reservations(x), stability(x), certainty(x)]
     return _block([
-        _title(x.scene), *_asides(x.given), element("p", transparency(x)), crossing_table(x), undecided_table(x),
+        _title(x.scene), *_asides(x), element("p", transparency(x)), crossing_table(x), undecided_table(x),
         percept_table(x), *(element("p", sentence) for sentence in sentences),
     ])  # fmt: skip
 
@@ -189,7 +198,7 @@ def _title(x: Scene) -> Html:
     return element("p", element("strong", x.title or "Untitled scene"))
 
 
-def _asides(x: Scene) -> list[Html]:
+def _asides(x: Evaluation) -> list[Html]:
     return [element("p", coded(aside)) for aside in x.asides()]
 
 
@@ -213,7 +222,11 @@ def _percept_html(x: Percept) -> str:
     return str(percept_sentence(x))
 
 
+def _answer_html(x: Answer) -> str:
+    return f'<pre class="haptisym">{escape(str(x))}</pre>'
+
+
 _HTML: Mapping[type, Callable[[Any], str]] = {
-    Scene: _scene_html, Evaluation: _evaluation_html, Distortion: _distortion_html, Crossing: _crossing_html,
-    Peak: _peak_html, Percept: _percept_html,
+    Answer: _answer_html, Scene: _scene_html, Evaluation: _evaluation_html, Distortion: _distortion_html,
+    Crossing: _crossing_html,    Peak: _peak_html, Percept: _percept_html,
 }  # fmt: skip

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from functools import partial
 from math import isinf
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
+from haptisym.judge.answers import Answer
 from haptisym.kernel.errors import HaptisymError
-from haptisym.kernel.shown import Answer, counted, titled
+from haptisym.kernel.shown import counted, titled
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.pages.cost import page, summary
 from haptisym.verbs.cost.measurement import Omission, Row
 from haptisym.verbs.cost.methods import Method
 from haptisym.verbs.cost.stopwatch import Timed, interleaved, machine
+from haptisym.verbs.cost.summary import summary
 from haptisym.verbs.cost.tasks import Task, crossings_task, delay_tasks, effects_tasks, evaluate_task, prepared
 
 Told = Callable[[str, float], None]
@@ -29,10 +29,14 @@ _BUDGETS = {"evaluate": 4.0, "crossings": 4.0, "delay": 2.0, "effects": 2.0, "si
 
 @dataclass(frozen=True, repr=False)
 class Cost(Answer):
-    """Accuracy against time for a scene: ``print`` shows a page, ``to_json`` gives the command line's document.
+    """Accuracy against time for a scene, measured.
 
     ``condition`` : of each question, how much its answer changes, relatively, with what is asked; infinite at a touch.
     """
+
+    _schema: ClassVar[str] = "haptisym.cost/1"
+    _page: ClassVar[str] = "haptisym.pages.cost:page"
+    _figure: ClassVar[str] = "haptisym.figures.cost:save_cost"
 
     scene: Scene
     rows: tuple[Row, ...]
@@ -44,6 +48,11 @@ class Cost(Answer):
         return f"{titled(self.scene.title)}: {counted(len(self.rows), 'measurement')}"
 
     @property
+    def certified(self) -> bool:
+        """False: times are measured."""
+        return False
+
+    @property
     def summary(self) -> str:
         """What a digit costs here, in a sentence."""
         return summary(self.rows)
@@ -52,32 +61,15 @@ class Cost(Answer):
         """The rows of one task."""
         return tuple(row for row in self.rows if row.task == name)
 
-    def __str__(self) -> str:
-        return page(self.scene, self.rows, self.left_out, self.condition, self.machine)
-
-    def to_dict(self) -> dict[str, Any]:
-        """The document of ``haptisym cost --json``, schema ``haptisym.cost/1``."""
+    def _body(self) -> dict[str, Any]:
         return {
-            "schema": "haptisym.cost/1",
-            "title": self.scene.title,
             "band": [float(x) for x in self.scene.band],
             "summary": self.summary,
             "condition": {task: None if isinf(x) else x for task, x in self.condition.items()},
             "rows": [asdict(row) for row in self.rows],
             "left_out": [asdict(x) for x in self.left_out],
             "machine": dict(self.machine),
-            **self.scene.aside_keys(),
         }
-
-    def to_json(self) -> str:
-        return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
-
-    def save_figure(self, path: str | Path) -> None:
-        """Write the figure: right digits over time, a panel for each task; .svg, .pdf or .png."""
-        from haptisym.figures.cost import draw
-        from haptisym.figures.style import save_as
-
-        save_as(draw(self.rows, self.scene.title), path)
 
 
 def cost(scene: Scene | str | Path, *, quick: bool = False, told: Told = lambda what, share: None) -> Cost:

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from math import isinf
-from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
+from haptisym.judge.answers import Answer, Subject
 from haptisym.kernel.errors import HaptisymError
-from haptisym.kernel.shown import Answer, counted
-from haptisym.pages.hardcosts import page, summary
+from haptisym.kernel.shown import counted
 from haptisym.verbs.cost.hardcases import FAMILIES, HardCase, hard_cases
 from haptisym.verbs.cost.measurement import HardRow
 from haptisym.verbs.cost.methods import CROSSINGS, RATIOS, Method
 from haptisym.verbs.cost.questions import Crossings, Ratios
 from haptisym.verbs.cost.stopwatch import interleaved, machine
+from haptisym.verbs.cost.summary import hard_summary
 
 VALUES = (
     "H_perc - H_env in floats",
@@ -35,9 +34,27 @@ _CLOSE = 1.5  # digits: 30 units in the last place of a double
 _SPARE = 8  # digits of the reference beyond those of the methods
 
 
+class HardCases:
+    """What the question is about: no scene of the user's, and so nothing is to be said beside the answer."""
+
+    title = "The hard cases"
+
+    def asides(self, *_: object) -> list[str]:
+        """Nothing."""
+        return []
+
+    def aside_keys(self, *_: object) -> dict[str, Any]:
+        """Nothing."""
+        return {}
+
+
 @dataclass(frozen=True, repr=False)
 class HardCosts(Answer):
-    """Every hard case with every method: ``print`` shows a page, ``to_json`` gives the command line's document."""
+    """Every hard case with every method, measured."""
+
+    _schema: ClassVar[str] = "haptisym.cost/1"
+    _page: ClassVar[str] = "haptisym.pages.hardcosts:page"
+    _figure: ClassVar[str] = "haptisym.figures.hardcosts:save_hard_costs"
 
     rows: tuple[HardRow, ...]
     machine: Mapping[str, str] = field(default_factory=machine)
@@ -46,35 +63,22 @@ class HardCosts(Answer):
         return counted(len(self.rows), "answer")
 
     @property
+    def certified(self) -> bool:
+        """False: times are measured."""
+        return False
+
+    @property
     def summary(self) -> str:
         """How many of the questions each side answers right."""
-        return summary(self.rows)
+        return hard_summary(self.rows)
 
-    def __str__(self) -> str:
-        return page(self.rows, self.machine)
+    @property
+    def _about(self) -> Subject:
+        return HardCases()
 
-    def to_dict(self) -> dict[str, Any]:
-        """The document of ``haptisym cost --hard-cases --json``, schema ``haptisym.cost/1``."""
-        return {
-            "schema": "haptisym.cost/1",
-            "title": "The hard cases",
-            "summary": self.summary,
-            "families": FAMILIES,
-            "rows": [
-                {**asdict(row), "condition": None if isinf(row.condition) else row.condition} for row in self.rows
-            ],
-            "machine": dict(self.machine),
-        }
-
-    def to_json(self) -> str:
-        return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
-
-    def save_figure(self, path: str | Path) -> None:
-        """Write the figure: families against methods; .svg, .pdf or .png."""
-        from haptisym.figures.hardcosts import draw
-        from haptisym.figures.style import save_as
-
-        save_as(draw(self.rows), path)
+    def _body(self) -> dict[str, Any]:
+        rows = [{**asdict(row), "condition": None if isinf(row.condition) else row.condition} for row in self.rows]
+        return {"summary": self.summary, "families": FAMILIES, "rows": rows, "machine": dict(self.machine)}
 
 
 def hard_costs(

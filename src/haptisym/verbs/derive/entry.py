@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
-from haptisym.kernel.shown import Answer
+from haptisym.judge.answers import Answer
 from haptisym.model.scene import Scene
-from haptisym.pages.derive import as_json, as_latex, as_text, to_dict
+from haptisym.pages.derive import as_json, as_latex, to_dict
 from haptisym.pages.sections import sections
 from haptisym.verbs.derive.derivation import Derivation as Formulas
 from haptisym.verbs.derive.derivation import derive as formulas
@@ -16,9 +16,8 @@ from haptisym.verbs.derive.derivation import derive as formulas
 
 class Derivation(Answer, Formulas):
     __doc__ = Formulas.__doc__
-
-    def __str__(self) -> str:
-        return as_text(self, sections(self))
+    _schema: ClassVar[str] = "haptisym.derivation/1"
+    _page: ClassVar[str] = "haptisym.pages.derive:page"
 
     def to_latex(self) -> str:
         """What ``haptisym derive --to latex`` prints."""

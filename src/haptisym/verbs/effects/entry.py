@@ -1,33 +1,23 @@
-"""Which effects matter, as a result: a page of text and the document of the command line."""
+"""Which effects of a scene matter for a tolerance."""
 
 from __future__ import annotations
 
-import json
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
-from haptisym.kernel.shown import Answer
-from haptisym.model.quantities import Number
+from sympy import Expr, Rational
+
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.roots import sign_of_number
+from haptisym.model.quantities import Dimension, Number, number
 from haptisym.model.scene import Scene
-from haptisym.pages.effects import document, page
-from haptisym.verbs.effects.relevance import TOLERANCE
-from haptisym.verbs.effects.relevance import Relevance as Pruned
-from haptisym.verbs.effects.relevance import relevance as pruned
+from haptisym.model.scenefile import as_scene
+from haptisym.verbs.effects.ballchain import BallChain
+from haptisym.verbs.effects.relevance import Relevance
+from haptisym.verbs.effects.subsets import Search
 
-
-class Relevance(Answer, Pruned):
-    __doc__ = Pruned.__doc__
-
-    def __str__(self) -> str:
-        return page(self)
-
-    def to_dict(self) -> dict[str, Any]:
-        """The document of ``haptisym effects --json``, schema ``haptisym.effects/1``."""
-        return document(self)
-
-    def to_json(self) -> str:
-        """The document of ``haptisym effects --json`` as text."""
-        return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
+TOLERANCE = Rational(1, 100)
+"""Unless told otherwise: a tenth of the usual JND."""
 
 
 def relevance(scene: Scene | str | Path, tolerance: Number = TOLERANCE) -> Relevance:
@@ -37,8 +27,27 @@ def relevance(scene: Scene | str | Path, tolerance: Number = TOLERANCE) -> Relev
     ratios and all left-out effects together; of 12 effects or fewer no smaller set does. Raises SceneError for a scene with
     symbols for numbers, and for a tolerance that is none.
 
-    >>> relevance("fu2019", "1 %")
-    <Relevance "Numerical example of Fu, van Paassen and ...": 1 of 1 effects matter for a tolerance of 1/100>
+    >>> from haptisym import effects, environments
+    >>> from haptisym.model.jnd import Part
+    >>> between = (effects.first_order_lag("20 rad/s"), effects.first_order_lag("1 MHz", name="cable"))
+    >>> found = relevance(Scene(environments.mass_spring_damper(1.8, 15, 100), between))
+    >>> [e.name for e in found.pruned.effects], found.bound[Part.REAL].most < 1e-5
+    (['first-order-lag'], True)
     """
-    found = pruned(scene, tolerance)
-    return Relevance(found.scene, found.tolerance, found.pruned, found.bound, found.smallest, found.balls)
+    scene = as_scene(scene)
+    limit = _tolerance(tolerance)
+    scene.knobs.need_numbers()
+    balls = BallChain(scene)
+    choice = Search(scene, balls, limit).choose()
+    kept = tuple(effect for i, effect in enumerate(scene.effects) if i in choice.kept)
+    return Relevance(scene, limit, replace(scene, effects=kept), choice.bound, choice.smallest, balls)
+
+
+def _tolerance(given: Number) -> Expr:
+    try:
+        value = number(given, Dimension.RATIO).value
+    except SceneError as error:
+        raise error.within("tolerance") from None
+    if not value.is_Rational or sign_of_number(value) < 0:
+        raise SceneError(f'tolerance: "{given}" must be rational and >= 0')
+    return value

@@ -7,32 +7,27 @@ ratio lies between c - bound and c + bound, and the chart of the kept scene at t
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import groupby
 from math import inf, nextafter
-from pathlib import Path
+from typing import Any, ClassVar
 
 from sympy import Expr, Rational
 
+from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import level
-from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.roots import Chart, Interval, chart, sign_of_number
-from haptisym.kernel.shown import Shown, titled
+from haptisym.kernel.roots import Chart, Interval, chart
+from haptisym.kernel.shown import titled
 from haptisym.model.catalogue import Effect
 from haptisym.model.jnd import Part
-from haptisym.model.quantities import Dimension, Number, number
 from haptisym.model.scene import Scene
-from haptisym.model.scenefile import as_scene
 from haptisym.verbs.derive.structure import structure
 from haptisym.verbs.effects.ballchain import BallChain, Piece, series_arithmetic
 from haptisym.verbs.effects.differences import Difference, Range
-from haptisym.verbs.effects.subsets import Search
 from haptisym.verbs.effects.suprema import Supremum
 
-TOLERANCE = Rational(1, 100)
-"""Unless told otherwise: a tenth of the usual JND."""
 _FINEST = 10  # halvings of the band until two effects count as alike
 
 
@@ -76,12 +71,16 @@ class Dominance:
 
 
 @dataclass(frozen=True, repr=False)
-class Relevance(Shown):
+class Relevance(Answer):
     """Which effects of a scene matter for a tolerance.
 
     ``pruned`` : the scene with the kept effects only. ``bound`` : per part the largest change that leaving out all others makes,
     jointly, on the band: proven. ``smallest`` : whether no smaller set does, proven (``docs/relevance.md``).
     """
+
+    _schema: ClassVar[str] = "haptisym.effects/1"
+    _page: ClassVar[str] = "haptisym.pages.effects:page"
+    _figure: ClassVar[str] = "haptisym.figures.effects:save_influences"
 
     scene: Scene
     tolerance: Expr
@@ -164,37 +163,37 @@ class Relevance(Shown):
         real, imag = (self.without(index, part).range(piece) for part in Part)
         return Range(max(real.least, imag.least), max(real.reached, imag.reached), max(real.most, imag.most))
 
+    def _body(self) -> dict[str, Any]:
+        return {
+            "tolerance": float(self.tolerance),
+            "effects": [
+                {"name": x.effect.name, "model": x.effect.model, "influence": _upper(x.change), "kept": x.kept}
+                for x in self.effects
+            ],
+            **self._full(),
+            "dominance": [{"name": x.effect.name, "band": [float(x.low), float(x.high)]} for x in self.dominance],
+            "operations": dict(zip(("full", "kept"), self.operations, strict=True)),
+        }
 
-def relevance(scene: Scene | str | Path, tolerance: Number = TOLERANCE) -> Relevance:
-    """Find which effects of a scene matter: the fewest with which r_r and r_i stay within a tolerance of the full scene's.
+    def row(self) -> dict[str, Any]:
+        """What a document about the pruned scene says of the full one."""
+        names = {"kept": [e.name for e in self.pruned.effects], "dropped": [e.name for e in self.dropped]}
+        return {"tolerance": float(self.tolerance), **names, **self._full()}
 
-    ``tolerance`` : a number >= 0, of the ratios. Guaranteed: the bound holds at every frequency of the band for both
-    ratios and all left-out effects together; of 12 effects or fewer no smaller set does. Raises SceneError for a scene with
-    symbols for numbers, and for a tolerance that is none.
-
-    >>> from haptisym import effects, environments
-    >>> between = (effects.first_order_lag("20 rad/s"), effects.first_order_lag("1 MHz", name="cable"))
-    >>> found = relevance(Scene(environments.mass_spring_damper(1.8, 15, 100), between))
-    >>> [e.name for e in found.pruned.effects], found.bound[Part.REAL].most < 1e-5
-    (['first-order-lag'], True)
-    """
-    scene = as_scene(scene)
-    limit = _tolerance(tolerance)
-    scene.knobs.need_numbers()
-    balls = BallChain(scene)
-    choice = Search(scene, balls, limit).choose()
-    kept = tuple(effect for i, effect in enumerate(scene.effects) if i in choice.kept)
-    return Relevance(scene, limit, replace(scene, effects=kept), choice.bound, choice.smallest, balls)
+    def _full(self) -> dict[str, Any]:
+        """What is proven of the full scene: bound, crossings, and whether no smaller set of effects does."""
+        return {
+            "bound": _upper(self.bound),
+            "smallest": self.smallest,
+            "crossings": [
+                {"part": x.part.value, "enclosure": [*x.bounds], "certain": x.certain} for x in self.crossings
+            ],
+        }
 
 
-def _tolerance(given: Number) -> Expr:
-    try:
-        value = number(given, Dimension.RATIO).value
-    except SceneError as error:
-        raise error.within("tolerance") from None
-    if not value.is_Rational or sign_of_number(value) < 0:
-        raise SceneError(f'tolerance: "{given}" must be rational and >= 0')
-    return value
+def _upper(change: Mapping[Part, Supremum]) -> dict[str, float | None]:
+    """Certified upper bounds; null where there is none."""
+    return {part.value: change[part].most if change[part].is_finite else None for part in Part}
 
 
 def _passes(table: Chart, interval: Interval) -> bool:

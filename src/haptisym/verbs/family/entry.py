@@ -1,22 +1,51 @@
-"""The evaluation of several environments at once, and its answers as text and JSON."""
+"""What one display does to several environments at once: each, where all stay transparent, and which one binds."""
 
 from __future__ import annotations
 
-import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
-from haptisym.judge.evaluation import evaluate
-from haptisym.kernel.shown import Answer, counted, titled
+from haptisym.judge.answers import Answer
+from haptisym.judge.crossings import excess
+from haptisym.judge.evaluation import Evaluation, evaluate
+from haptisym.kernel.levels import Level
+from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.roots import Chart, Interval, Key, Signs, chart
+from haptisym.kernel.shown import counted, titled
 from haptisym.model.family import SceneFamily
+from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_family
-from haptisym.pages.family import page
-from haptisym.verbs.family.worstcase import Binding, WorstCase, common_chart
 
 
-class FamilyEvaluation(Answer, WorstCase):
-    """The answers for a family; ``print`` shows them as a page of text, ``to_json`` gives the command line's document."""
+@dataclass(frozen=True)
+class Binding:
+    """At this end of the common transparent set this environment's ratio of this part exceeds its threshold beyond."""
+
+    omega: RealNumber
+    environment: str
+    part: Part
+
+
+@dataclass(frozen=True, repr=False)
+class FamilyEvaluation(Answer):
+    """The answers for each environment of a family, and what holds for all of them. All proven.
+
+    ``answers`` : by the names of the environments. ``chart`` : r^2 - c^2 of each environment and part, (name, part), on
+    one band, so that ends of different environments are told apart, or found equal, exactly.
+    """
+
+    _schema: ClassVar[str] = "haptisym.evaluations/1"
+    _page: ClassVar[str] = "haptisym.pages.family:page"
+
+    family: SceneFamily
+    answers: Mapping[str, Evaluation]
+    chart: Chart
+    digits: int = 15
 
     def _line(self) -> str:
         width = (
@@ -24,23 +53,54 @@ class FamilyEvaluation(Answer, WorstCase):
         )
         return f"{titled(self.family.title)}: {counted(len(self.answers), 'environment')}, {width}"
 
-    def __str__(self) -> str:
-        return page(self)
+    @property
+    def _about(self) -> SceneFamily:
+        return self.family
 
-    def to_dict(self) -> dict[str, Any]:
-        """The document of ``haptisym evaluate --json`` for several environments, schema ``haptisym.evaluations/1``."""
-        each = [{"name": name, **x.to_dict()} for name, x in self.answers.items()]  # type: ignore[attr-defined]
+    @cached_property
+    def transparent(self) -> tuple[Interval, ...]:
+        """The frequencies at which every environment is transparent: closed intervals, perhaps none."""
+        return self.chart.where(lambda signs: all(sign <= 0 for sign in signs.values()))
+
+    @property
+    def bandwidth(self) -> RealNumber | None:
+        """The end of the common transparent interval that starts at the band's low end; None if none does."""
+        first = self.transparent[0] if self.transparent else None
+        return first.high.omega if first and first.low is self.chart.points[0] else None
+
+    @cached_property
+    def binding(self) -> tuple[Binding, ...]:
+        """Who binds at each end of the common transparent set inside the band, in ascending order.
+
+        Several where their ratios meet their thresholds at the same frequency. Where not even the band's low end is in
+        the set, who stands in the way there comes first.
+        """
+        lowest, highest = self.chart.points[0], self.chart.points[-1]
+        blocked = lowest.at if any(sign > 0 for sign in lowest.at.values()) else lowest.after
+        found = self._exceeding(lowest.omega, blocked) if self.bandwidth is None else []
+        for x in self.transparent:
+            found += [] if x.low is lowest else self._exceeding(x.low.omega, x.low.before)
+            found += [] if x.high is highest else self._exceeding(x.high.omega, x.high.after)
+        return tuple(dict.fromkeys(found))
+
+    def _exceeding(self, omega: RealNumber, signs: Signs) -> list[Binding]:
+        keys = [(name, part) for name in self.family for part in Part]
+        return [Binding(omega, name, part) for name, part in keys if signs[name, part] > 0]
+
+    @property
+    def certified(self) -> bool:
+        """Whether nothing was left undecided, in any environment or in the worst case."""
+        return not self.chart.undecided and all(x.certified for x in self.answers.values())
+
+    def _body(self) -> dict[str, Any]:
         return {
-            "schema": "haptisym.evaluations/1",
-            "title": self.family.title,
             "band": [float(point.omega) for point in (self.chart.points[0], self.chart.points[-1])],
             "threshold": {"real": str(self.family.threshold.real), "imag": str(self.family.threshold.imag)},
-            "environments": each,
+            "environments": [{"name": name, **x.to_dict()} for name, x in self.answers.items()],
             "transparent": [[float(x.low.omega), float(x.high.omega)] for x in self.transparent],
             "binding": [self._binding(x) for x in self.binding],
             "bandwidth": None if self.bandwidth is None else float(self.bandwidth),
             "certified": self.certified,
-            **({"nominal": ranges} if (ranges := self.family.ranges()) else {}),
         }
 
     def _binding(self, x: Binding) -> dict[str, Any]:
@@ -51,10 +111,6 @@ class FamilyEvaluation(Answer, WorstCase):
             "environment": x.environment,
             "part": x.part.value,
         }
-
-    def to_json(self) -> str:
-        """The document of ``haptisym evaluate --json`` as text."""
-        return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
 
 
 def evaluate_all(family: SceneFamily | Scene | str | Path, digits: int = 15) -> FamilyEvaluation:
@@ -72,3 +128,13 @@ def evaluate_all(family: SceneFamily | Scene | str | Path, digits: int = 15) -> 
     family = as_family(family)
     answers = {name: evaluate(scene, digits) for name, scene in family.scenes.items()}
     return FamilyEvaluation(family, answers, common_chart(family), digits)
+
+
+def common_chart(family: SceneFamily) -> Chart:
+    """r^2 - c^2 of all environments and parts on the family's band, in one ring: equal functions are found equal."""
+    ring = family.ring()
+    functions: dict[Key, RealFunction | Level] = {}
+    for name, scene in family.scenes.items():
+        distortion = scene.distortion().chain.distortion(ring)
+        functions |= {(name, part): excess(distortion, family.threshold[part], part) for part in Part}
+    return chart(functions, *family.band)

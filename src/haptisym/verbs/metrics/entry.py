@@ -15,33 +15,13 @@ from haptisym.kernel.reals import ExactNumber, RealNumber, SquareRoot
 from haptisym.kernel.response import RealFunction, squared_modulus
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import Point, chart
-from haptisym.kernel.shown import Answer, counted, titled
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.pages.lines import short
-from haptisym.pages.metrics import as_dict, as_json, as_text
 from haptisym.verbs.metrics.disagreements import disagreements
 from haptisym.verbs.metrics.forms import Forms
 from haptisym.verbs.metrics.measured import FAR, Measured, covers, value_at
-from haptisym.verbs.metrics.metric import Metric, MetricRows, Value
-
-
-class Metrics(Answer, MetricRows):
-    """The measures of a scene; ``print`` shows them as a page of text, ``to_json`` gives the command line's document."""
-
-    def _line(self) -> str:
-        return f"{titled(self.evaluation.scene.title)}: {counted(len(self.metrics), 'measure')}"
-
-    def __str__(self) -> str:
-        return as_text(self)
-
-    def to_dict(self) -> dict[str, object]:
-        """The document of ``haptisym metrics --json``, schema ``haptisym.metrics/1``."""
-        return as_dict(self)
-
-    def to_json(self) -> str:
-        """The same as text."""
-        return as_json(self)
+from haptisym.verbs.metrics.metric import Metric, Metrics, Value
 
 
 def metrics(scene: Scene | str | Path) -> Metrics:

@@ -35,6 +35,7 @@ from haptisym.writing.formula import readable
 from haptisym.writing.layout import layout
 from haptisym.writing.mathtext import text
 from haptisym.writing.names import named
+from haptisym.writing.texprinter import tex
 
 MOST_SYMBOLS = 8
 """Parameters that a formula in symbols may have; with more it would fill pages."""
@@ -63,6 +64,10 @@ class Form(Shown):
         ]
         relations = ["="] * (len(sides) - 1)
         return Equation(tuple(sides), (*relations[:-1], self.relation))
+
+    def row(self) -> dict[str, str]:
+        """As a row of a document."""
+        return {"text": text(self.equation), "latex": tex(self.equation)}
 
 
 @dataclass(frozen=True)

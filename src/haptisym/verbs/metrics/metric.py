@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
+from haptisym.judge.answers import Answer
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.shown import Shown
+from haptisym.kernel.shown import Shown, counted, titled
+from haptisym.model.scene import Scene
 from haptisym.verbs.metrics.forms import Form
 from haptisym.verbs.metrics.measured import Bands, Measured
 
@@ -42,17 +45,79 @@ class Metric(Shown):
         return f"{self.name}: {self.verdict}"
 
 
-@dataclass(frozen=True)
-class MetricRows:
+@dataclass(frozen=True, repr=False)
+class Metrics(Answer):
     """All measures of a scene, its JND evaluation, and where they disagree (``notes``)."""
+
+    _schema: ClassVar[str] = "haptisym.metrics/1"
+    _page: ClassVar[str] = "haptisym.pages.metrics:as_text"
+    _figure: ClassVar[str] = "haptisym.figures.metrics:save_metrics_figure"
 
     evaluation: Evaluation
     metrics: tuple[Metric, ...]
     notes: tuple[str, ...]
-    measured: Measured = field(repr=False)
+    measured: Measured
+
+    def _line(self) -> str:
+        return f"{titled(self.scene.title)}: {counted(len(self.metrics), 'measure')}"
+
+    @property
+    def scene(self) -> Scene:
+        """That of the evaluation."""
+        return self.evaluation.scene
+
+    @property
+    def certified(self) -> bool:
+        """Whether nothing that a measure is read off was left undecided."""
+        return self.measured.certified
 
     def __getitem__(self, name: str) -> Metric:
         for metric in self.metrics:
             if metric.name == name:
                 return metric
         raise SceneError(f'no measure is called "{name}": these are {", ".join(x.name for x in self.metrics)}')
+
+    def _body(self) -> dict[str, Any]:
+        e = self.evaluation
+        return {
+            "band": [float(e.chart.points[i].omega) for i in (0, -1)],
+            "jnd": {
+                "threshold": {"real": str(e.scene.threshold.real), "imag": str(e.scene.threshold.imag)},
+                "transparent": _pairs(e.transparent),
+                "bandwidth": None if e.bandwidth is None else float(e.bandwidth),
+            },
+            "metrics": [_metric_row(x) for x in self.metrics],
+            "notes": list(self.notes),
+            **({"caveats": list(e.caveats)} if e.caveats else {}),
+            "certified": self.certified,
+        }
+
+
+def _metric_row(x: Metric) -> dict[str, Any]:
+    return {
+        "name": x.name,
+        "formula": [form.row() for form in x.forms],
+        "values": [_value_row(v) for v in x.values],
+        "unit": next((v.unit for v in x.values), ""),
+        "source": x.source,
+        "evidence": x.evidence,
+        "verdict": x.verdict,
+    }
+
+
+def _value_row(x: Value) -> dict[str, Any]:
+    found = {"what": x.what, "value": _plain(x.value), "unit": x.unit}
+    if x.reference is None:
+        return found
+    return {**found, "environment": _plain(x.reference), "tolerance": x.tolerance, "kept": x.kept}
+
+
+def _plain(value: RealNumber | int | str | Bands | None) -> Any:
+    """A number, a list of bands, a word, or null for what is infinite."""
+    if isinstance(value, tuple):
+        return _pairs(value)
+    return float(value) if isinstance(value, RealNumber) else value
+
+
+def _pairs(bands: Bands) -> list[list[float]]:
+    return [[float(x.low.omega), float(x.high.omega)] for x in bands]

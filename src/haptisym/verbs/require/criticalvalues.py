@@ -31,7 +31,7 @@ from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
 from haptisym.kernel.roots import Interval, chart, in_order, sign_of_number
 from haptisym.kernel.symbols import omega
 from haptisym.model.jnd import Part
-from haptisym.verbs.require.feasible import Binding, End, Kind, Span, runs
+from haptisym.verbs.require.feasible import Binding, End, Kind, Solved, Span, runs
 from haptisym.verbs.require.freeparameter import Conditions, Domain
 from haptisym.verbs.require.touches import Surface, touch
 
@@ -65,14 +65,6 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Answer:
-    """The values for which conditions hold, and those about which nothing was proven in time."""
-
-    feasible: tuple[Span, ...]
-    undecided: tuple[tuple[RealNumber | None, RealNumber | None], ...] = ()
-
-
-@dataclass(frozen=True)
 class Problem:
     """Conditions in omega and one parameter, to be kept on a whole band; ``allowed``: whether the scene exists at a value."""
 
@@ -82,7 +74,7 @@ class Problem:
     domain: Domain
     allowed: Callable[[Expr], bool]
 
-    def solve(self) -> Answer:
+    def solve(self) -> Solved:
         """All values of the domain for which every condition holds on the whole band, as intervals in order.
 
         LimitError if the time does not last for the critical values; if not for what lies between them, that stays undecided.
@@ -101,7 +93,7 @@ class Problem:
         found = runs([x is True for x in at], [cell is not None and cell.feasible for cell in cells])
         open_ = runs([x is None for x in at], [cell is None for cell in cells])
         spans = tuple(Span(end(i, closed=a), end(j, closed=b)) for i, j, a, b in found)
-        return Answer(spans, tuple((places[i], places[j]) for i, j, _, _ in open_))
+        return Solved(spans, tuple((places[i], places[j]) for i, j, _, _ in open_))
 
     @property
     def is_large(self) -> bool:

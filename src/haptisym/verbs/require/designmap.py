@@ -2,32 +2,28 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import ceil
 from pathlib import Path
-from textwrap import fill
-from typing import Any
+from typing import Any, ClassVar
 
 from sympy import Expr
 
+from haptisym.judge.answers import Answer
 from haptisym.kernel.budget import Told, limited
-from haptisym.kernel.shown import Answer, counted, titled
+from haptisym.kernel.shown import counted, titled
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import Knob
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.pages.lines import WIDTH, listed, table
-from haptisym.pages.require import sets
 from haptisym.verbs.require.criticalvalues import edge_polynomial, touch_polynomial
-from haptisym.verbs.require.entry import Requirement, require
+from haptisym.verbs.require.entry import require
 from haptisym.verbs.require.feasible import Kind
 from haptisym.verbs.require.freeparameter import any_environment_condition, conditions, domain
+from haptisym.verbs.require.required import Requirement
 
-_MOST_ROWS = 10  # of slices that the text lists; --json has them all
 _CLOSER = 6
 """Times that the gap between two slices that differ in kind is halved."""
 
@@ -47,6 +43,10 @@ class DesignMap(Answer):
     ``slices``: in ascending order of the first parameter. Between two slices nothing is claimed but by ``curves``.
     """
 
+    _schema: ClassVar[str] = "haptisym.designmap/1"
+    _page: ClassVar[str] = "haptisym.pages.require:map_page"
+    _figure: ClassVar[str] = "haptisym.figures.require:save_requirement"
+
     scene: Scene
     free: tuple[Knob, Knob]
     ranges: tuple[tuple[Expr, Expr], tuple[Expr, Expr]]
@@ -62,10 +62,6 @@ class DesignMap(Answer):
     def certified(self) -> bool:
         """Whether all slices are."""
         return all(x.requirement.certified for x in self.slices)
-
-    @property
-    def _paths(self) -> list[str]:
-        return [x.path for x in self.free]
 
     def curves(self) -> dict[tuple[Part | None, Kind], Expr]:
         """Polynomials in both parameters (and pi) that vanish on the boundary: at the band's ends, and the discriminants.
@@ -84,54 +80,20 @@ class DesignMap(Answer):
     def _conditions(self) -> Any:
         return conditions(self.scene, self.free, (self.part,) if self.part else tuple(Part))
 
-    def to_dict(self) -> dict[str, Any]:
-        """The document of ``haptisym require`` with two parameters, schema ``haptisym.designmap/1``."""
+    @property
+    def _varied(self) -> tuple[list[str], list[str]]:
+        paths = [x.path for x in self.free]
+        return paths, paths
+
+    def _body(self) -> dict[str, Any]:
         return {
-            "schema": "haptisym.designmap/1",
-            "title": self.scene.title,
             "free": [x.path for x in self.free],
             "unit": [x.unit for x in self.free],
             "range": [[float(x) for x in pair] for pair in self.ranges],
             "band": [float(x) for x in self.scene.band],
             "slices": [{"at": float(x.at), **x.requirement.rows()} for x in self.slices],
             "certified": self.certified,
-            **self.scene.aside_keys(self._paths, self._paths),
         }
-
-    def to_json(self) -> str:
-        """The document as text."""
-        return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
-
-    def __str__(self) -> str:
-        a, b = self.free
-        some = [x for x in self.slices if x.requirement.feasible]
-        where = (
-            f"{len(some)} of them hold values of {b.symbol.name} that make the display transparent on its whole band"
-        )
-        kinds = sorted({y.kind.value for x in some for e in x.requirement.ends for y in e.bindings})
-        lines = [
-            self.scene.title or "Untitled scene",
-            *self.scene.asides(self._paths, self._paths),
-            f"{len(self.slices)} exact slices along {a.symbol.name}: {where}.",
-            f"The boundary is a {listed(kinds)} curve." if kinds else "",
-        ]
-        certain = (
-            "Certain: every value of a slice is proven. Between slices the figure draws straight lines, which prove nothing; "
-            "--slices N gives more of them."
-        )
-        last = certain if self.certified else "UNDECIDED in some slices: see --json."
-        head = "\n".join(fill(line, WIDTH) for line in lines if line)
-        return "\n\n".join((head, self._table(), fill(last, WIDTH))) + "\n"
-
-    def _table(self) -> str:
-        """Some of the slices, the first and the last one among them."""
-        a = self.free[0]
-        step = ceil((len(self.slices) - 1) / _MOST_ROWS)
-        shown = [*self.slices[:-1:step], self.slices[-1]]
-        unit = "" if a.unit == "1" else f" ({a.unit})"
-        return table(
-            (f"{a.symbol.name}{unit}", "transparent for"), [(f"{float(x.at):.6g}", sets(x.requirement)) for x in shown]
-        )
 
 
 def design_map(

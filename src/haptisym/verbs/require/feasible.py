@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from itertools import groupby
@@ -54,6 +54,20 @@ class Span(Shown):
 
     def _line(self) -> str:
         return spanned(self)
+
+
+@dataclass(frozen=True)
+class Solved:
+    """The values for which conditions hold, and those about which nothing was proven in time."""
+
+    feasible: tuple[Span, ...]
+    undecided: tuple[tuple[RealNumber | None, RealNumber | None], ...] = ()
+
+
+def bound_ends(spans: Iterable[Span]) -> tuple[End, ...]:
+    """The ends at which a condition binds, in order."""
+    listed = (end for span in spans for end in dict.fromkeys((span.low, span.high)))
+    return tuple(end for end in listed if end.bindings)
 
 
 def spanned(span: Span) -> str:

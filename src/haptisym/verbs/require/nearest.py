@@ -7,7 +7,7 @@ larger thresholds: where the answer is empty, none does, proven.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import inf, sqrt
@@ -25,6 +25,7 @@ from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.feasible import Binding, Kind, Span
 from haptisym.verbs.require.freeparameter import Domain
+from haptisym.verbs.require.solving import Keys, solve
 
 
 class Asked(Protocol):
@@ -41,7 +42,7 @@ class Asked(Protocol):
     @property
     def undecided(self) -> tuple[Any, ...]: ...
     @property
-    def keys(self) -> tuple[Part | None, ...]: ...
+    def keys(self) -> Keys: ...
 
 
 _SECONDS = 10.0
@@ -64,8 +65,8 @@ class Nearest:
     at_least: float
 
 
-def nearest(r: Asked, ask: Callable[[Scene], Asked]) -> Nearest | None:
-    """The value that comes nearest where none will do; None where none shows. ``ask``: the same question about another scene."""
+def nearest(r: Asked) -> Nearest | None:
+    """The value that comes nearest where none will do, found in ten seconds; None where none shows."""
     if r.feasible or r.undecided or r.free.parts:
         return None
     best: Nearest | None = None
@@ -81,7 +82,8 @@ def nearest(r: Asked, ask: Callable[[Scene], Asked]) -> Nearest | None:
                 between = _simple(sqrt(least * best.times))
                 if not least < float(between) < best.times:
                     break
-                found = ask(_scaled(r.scene, between))
+                scaled = _scaled(r.scene, between)
+                found = solve(scaled, scaled.knobs[r.free.path], r.domain, r.keys)
                 if found.undecided:
                     break
                 if not found.feasible:

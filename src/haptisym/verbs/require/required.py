@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 from sympy import Expr, Symbol
 
+from haptisym.judge.answers import Answer
 from haptisym.judge.bounds import relative_square
 from haptisym.judge.crossings import excess, level
 from haptisym.kernel.reals import RealNumber, Sliver
 from haptisym.kernel.response import RealFunction
+from haptisym.kernel.shown import titled
 from haptisym.kernel.symbols import c
 from haptisym.model.catalogue import values
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.closedforms import closed_form
-from haptisym.verbs.require.feasible import Binding, End, Kind, Span
+from haptisym.verbs.require.feasible import Binding, End, Kind, Span, bound_ends, spanned
 from haptisym.verbs.require.freeparameter import Domain
-from haptisym.verbs.require.nearest import Nearest
+from haptisym.verbs.require.nearest import Nearest, nearest
+from haptisym.verbs.require.solving import Keys
 
 _NAMES = {Kind.EDGE: Symbol("omega_max", positive=True), Kind.START: Symbol("omega_min", positive=True)}
 
@@ -29,8 +31,8 @@ _MOST_PRODUCTS = 5000
 """Of terms above and below the line of dH in symbols: beyond it no formula is readable, and building one takes minutes."""
 
 
-@dataclass(frozen=True)
-class Required:
+@dataclass(frozen=True, repr=False)
+class Requirement(Answer):
     """All values of one parameter for which a scene is transparent on its whole band, certified.
 
     ``feasible``: intervals of values, SI, in order; () means proved that none will do. Each end says what binds there: which
@@ -39,14 +41,23 @@ class Required:
     ``domain``: the values that were asked about. ``keys``: the parts that were asked about; None for any environment.
     """
 
+    _schema: ClassVar[str] = "haptisym.requirement/1"
+    _page: ClassVar[str] = "haptisym.pages.require:page"
+    _figure: ClassVar[str] = "haptisym.figures.require:save_requirement"
+
     scene: Scene
     free: Knob
     domain: Domain
     feasible: tuple[Span, ...]
     undecided: tuple[tuple[RealNumber | None, RealNumber | None], ...] = ()
-    keys: tuple[Part | None, ...] = tuple(Part)
+    keys: Keys = tuple(Part)
     digits: int = 15
     limit: float | None = None
+
+    def _line(self) -> str:
+        spans = " or ".join(map(spanned, self.feasible)) or "none will do"
+        unit = f" ({self.free.unit})" if self.free.unit not in ("", "1") else ""
+        return f"{titled(self.scene.title)}: {self.free.path}{unit}: {spans}"
 
     @property
     def certified(self) -> bool:
@@ -56,13 +67,12 @@ class Required:
     @property
     def ends(self) -> tuple[End, ...]:
         """The ends at which a condition binds, in order."""
-        listed = (end for span in self.feasible for end in dict.fromkeys((span.low, span.high)))
-        return tuple(end for end in listed if end.bindings)
+        return bound_ends(self.feasible)
 
-    @property
+    @cached_property
     def nearest(self) -> Nearest | None:
-        """Where no value will do, the one that comes nearest; None if one will, or if none was found."""
-        return None
+        """Where no value will do, the one that comes nearest; found in ten seconds or not at all."""
+        return nearest(self)
 
     def form(self, end: End) -> Expr | None:
         """The value at an end as a formula in the scene's symbols, ``c`` and ``omega_max``; None where none is readable."""
@@ -100,13 +110,14 @@ class Required:
         own = min(limits.real, limits.imag) if part is None else limits[part]
         return {**values(self.scene.parameters), c: own}
 
-    def to_dict(self) -> dict[str, Any]:
-        """The document of ``haptisym require --json``, schema ``haptisym.requirement/1``."""
+    @property
+    def _varied(self) -> tuple[list[str], list[str]]:
+        return [self.free.path], [self.free.path]
+
+    def _body(self) -> dict[str, Any]:
         low, high = (None if x is None else float(x) for x in (self.domain.low, self.domain.high))
         rows = self.rows()
         return {
-            "schema": "haptisym.requirement/1",
-            "title": self.scene.title,
             "free": self.free.path,
             "unit": self.free.unit,
             "range": [low, high],
@@ -118,10 +129,11 @@ class Required:
             "closed_form": self.closed_form,
             "undecided": rows["undecided"],
             "certified": self.certified,
-            **self.scene.aside_keys([self.free.path], [self.free.path]),
-            **({} if self.nearest is None else {"nearest": _nearest(self.nearest)}),
-            **({"limit": self.limit} if self.undecided and self.limit is not None else {}),
         }
+
+    def _left(self) -> dict[str, Any]:
+        found = {} if self.nearest is None else {"nearest": _nearest(self.nearest)}
+        return found | ({"limit": self.limit} if self.undecided and self.limit is not None else {})
 
     def rows(self) -> dict[str, Any]:
         """What a document says about the values alone."""
@@ -158,10 +170,6 @@ class Required:
             return None
         enclosure = list(end.value.enclosure(self.digits))
         return {"digits": end.value.digits(self.digits), "enclosure": enclosure, "closed": end.closed}
-
-    def to_json(self) -> str:
-        """The document of ``haptisym require --json`` as text."""
-        return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
 
 
 def _float(end: End) -> float | None:

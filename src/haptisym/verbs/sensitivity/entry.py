@@ -1,45 +1,159 @@
-"""Sensitivities as a result: formulas, a page of text and the document of the command line."""
+"""How each frequency of a scene moves with each parameter, as an answer."""
 
 from __future__ import annotations
 
-import json
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from sympy import Expr
 
-from haptisym.judge.evaluation import evaluate
-from haptisym.kernel.shown import Answer, counted, titled
+from haptisym.judge.answers import Answer
+from haptisym.judge.crossings import Crossing, CrossingKind, Curve
+from haptisym.judge.evaluation import Evaluation, evaluate
+from haptisym.kernel.levels import algebraic
+from haptisym.kernel.reals import ExactNumber, RealNumber, SquareRoot
+from haptisym.kernel.roots import Point
+from haptisym.kernel.shown import counted, titled
 from haptisym.kernel.symbols import c
-from haptisym.model.jnd import Part
+from haptisym.model.jnd import Part, is_irrational_algebraic
+from haptisym.model.knobs import THRESHOLD
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.pages.sensitivity import page
 from haptisym.verbs.derive.derivation import derive
-from haptisym.verbs.sensitivity.slopes import Sensitive, Sensitivity, Slopes
+from haptisym.verbs.sensitivity.slopes import (
+    FLAT,
+    TOUCH,
+    Place,
+    Sensitive,
+    Sensitivity,
+    at,
+    none,
+    still,
+)
 
 
-class Sensitivities(Answer, Slopes):
-    """How the frequencies of a scene move with its parameters; ``print`` shows tables, ``to_json`` gives the document."""
+@dataclass(frozen=True, repr=False)
+class Sensitivities(Answer):
+    """How each crossing, changeover and the bandwidth of an evaluation moves with each parameter and the threshold."""
+
+    _schema: ClassVar[str] = "haptisym.sensitivity/1"
+    _page: ClassVar[str] = "haptisym.pages.sensitivity:page"
+    _figure: ClassVar[str] = "haptisym.figures.sensitivity:save_elasticities"
+
+    evaluation: Evaluation
 
     def _line(self) -> str:
         changeovers = len(self.changeovers_environment) + len(self.changeovers_perceived)
         found = counted(len(self.crossings), "crossing"), counted(changeovers, "changeover")
         return f"{titled(self.evaluation.scene.title)}: {', '.join(found)}"
 
+    @property
+    def scene(self) -> Scene:
+        """That of the evaluation."""
+        return self.evaluation.scene
+
+    @property
+    def _varied(self) -> tuple[tuple[()], None]:
+        return (), None
+
+    @cached_property
+    def crossings(self) -> tuple[Sensitive, ...]:
+        """In ascending order."""
+        return tuple(self._crossing(x) for x in self.evaluation.crossings)
+
+    @cached_property
+    def changeovers_environment(self) -> tuple[Sensitive, ...]:
+        """Where Re H_env changes its sign."""
+        return tuple(self._changeover("env", Curve.ENVIRONMENT, x) for x in self.evaluation.changeovers_environment)
+
+    @cached_property
+    def changeovers_perceived(self) -> tuple[Sensitive, ...]:
+        """Where Re H_perc changes its sign."""
+        return tuple(self._changeover("perc", Curve.PERCEIVED, x) for x in self.evaluation.changeovers_perceived)
+
+    @cached_property
+    def bandwidth(self) -> Sensitive | None:
+        """The bandwidth; None where there is none."""
+        end = self.evaluation.bandwidth
+        if end is None:
+            return None
+        there = [x for x in self.crossings if x.omega is end and x.kind is not CrossingKind.TOUCHES]
+        places = (*self._parameters, self._thresholds[Part.REAL])
+        reason = self._kink(end, there)
+        if reason:
+            return Sensitive(end, none(places, reason))
+        return there[0] if there else Sensitive(end, tuple(still(p) for p in places))
+
+    @property
+    def certified(self) -> bool:
+        """Whether nothing was left undecided."""
+        listed = (*self.crossings, *self.changeovers_environment, *self.changeovers_perceived)
+        decided = not any(p.reason.startswith("undecided") for x in listed for p in x.parameters)
+        return self.evaluation.certified and decided
+
+    @cached_property
+    def _parameters(self) -> tuple[Place, ...]:
+        return tuple(Place(x, ExactNumber(x.value), derive(self.scene, [x.path])) for x in self.scene.parameters)
+
+    @cached_property
+    def _thresholds(self) -> dict[Part, Place]:
+        one = derive(self.scene, [THRESHOLD])
+        return {part: Place(knob, self._limit(part), one) for part, knob in self.scene.knobs.limits.items()}
+
+    def _limit(self, part: Part) -> RealNumber:
+        """The threshold as a number."""
+        value = self.evaluation.scene.threshold[part]
+        return SquareRoot(algebraic((value**2).expand())) if is_irrational_algebraic(value) else ExactNumber(value)
+
+    def _crossing(self, x: Crossing) -> Sensitive:
+        places = (*self._parameters, self._thresholds[x.part])
+        known = {c: self._limit(x.part)}
+        flat = TOUCH if x.kind is CrossingKind.TOUCHES else FLAT if x.multiplicity > 1 and not float(x.omega) else ""
+        rows = (at(p, p.factors(x.part), x.omega, known, flat, simple=x.multiplicity == 1) for p in places)
+        return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows), x.part, x.kind)
+
+    def _changeover(self, system: str, curve: Curve, x: Point) -> Sensitive:
+        simple = abs(x.orders[curve, Part.REAL]) == 1
+        rows = (at(p, p.factors(system), x.omega, {}, simple=simple) for p in self._parameters)
+        return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows))
+
+    def _in_band(self, row: Sensitivity, where: RealNumber) -> Sensitivity:
+        """At an end of the band the frequency leaves it on one side of the parameter's value."""
+        ends = [point.omega for point in (self.evaluation.chart.points[0], self.evaluation.chart.points[-1])]
+        if row.derivative is None or all(where is not end for end in ends) or float(row.derivative) == 0:
+            return row
+        inward = 1 if where is ends[0] else -1
+        side = "above" if (float(row.derivative) > 0) == (inward > 0) else "below"
+        other = {"above": "below", "below": "above"}[side]
+        if row.side and row.side != side:
+            return replace(row, derivative=None, elasticity=None, side="", reason="undefined: it leaves the band")
+        return replace(row, side=side, reason=row.reason or f"from {side}; {other} it lies beyond the band")
+
+    def _kink(self, end: RealNumber, there: list[Sensitive]) -> str:
+        """Why the bandwidth has no derivative; empty where it has."""
+        e = self.evaluation
+        below = self.crossings[: next((i + 1 for i, x in enumerate(self.crossings) if x.omega is end), None)]
+        if e.undecided:
+            return "undecided: whether a ratio touches its threshold on the band"
+        if any(x.kind is CrossingKind.TOUCHES for x in below):
+            return "undefined: the display touches its threshold within the bandwidth"
+        if len(there) > 1:
+            return "undefined: both ratios meet their thresholds here"
+        if end is e.chart.points[0].omega or (there and there[0].reason):
+            return TOUCH
+        if there and end is e.chart.points[-1].omega:
+            return "undefined: a ratio meets its threshold at the very end of the band"
+        return ""
+
     def formula(self, part: Part, name: str) -> Expr:
         """d omega/d parameter at a crossing of that part, in omega and all parameters; ``name`` may be ``c``."""
         d = derive(self.evaluation.scene)
         return d.sensitivity(part, next((x for x in d.kept if x.name == name), c))
 
-    def __str__(self) -> str:
-        return page(self)
-
-    def to_dict(self) -> dict[str, Any]:
-        """The document of ``haptisym sensitivity --json``, schema ``haptisym.sensitivity/1``."""
+    def _body(self) -> dict[str, Any]:
         return {
-            "schema": "haptisym.sensitivity/1",
-            "title": self.evaluation.scene.title,
             "crossings": [self._row(x) for x in self.crossings],
             "changeovers": {
                 "environment": [self._row(x) for x in self.changeovers_environment],
@@ -47,12 +161,7 @@ class Sensitivities(Answer, Slopes):
             },
             "bandwidth": None if self.bandwidth is None else self._row(self.bandwidth),
             "certified": self.certified,
-            **self.evaluation.scene.aside_keys(varied=None),
         }
-
-    def to_json(self) -> str:
-        """The document of ``haptisym sensitivity --json`` as text."""
-        return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
 
     def _row(self, x: Sensitive) -> dict[str, Any]:
         part = {"part": x.part.value} if x.part else {}

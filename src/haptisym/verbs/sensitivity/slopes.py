@@ -15,25 +15,22 @@ from functools import cached_property, partial
 import flint
 from sympy import Integer, Symbol
 
-from haptisym.judge.crossings import Crossing, CrossingKind, Curve
-from haptisym.judge.evaluation import Evaluation
+from haptisym.judge.crossings import CrossingKind
 from haptisym.kernel.implicit import Equation
-from haptisym.kernel.levels import algebraic
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot
-from haptisym.kernel.roots import Point
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
 from haptisym.kernel.shown import Shown, counted
-from haptisym.kernel.symbols import c, omega
+from haptisym.kernel.symbols import omega
 from haptisym.model.catalogue import Rule
-from haptisym.model.jnd import Part, is_irrational_algebraic
-from haptisym.model.knobs import THRESHOLD, Knob, Knobs
-from haptisym.verbs.derive.derivation import Derivation, Factors, derive
+from haptisym.model.jnd import Part
+from haptisym.model.knobs import Knob, Knobs
+from haptisym.verbs.derive.derivation import Derivation, Factors
 from haptisym.verbs.sensitivity.branches import Branch, Meeting, Slope, not_clear
 
 TOUCH = "undefined: the display touches its threshold here"
 _ZERO = ExactNumber(Integer(0))
 _MEET = "undecided: several branches of the equation meet here"
 _NOT_CLEAR = "undecided: dF/dp or dF/d omega is 0 here, or too near to it"
-_FLAT = "undefined: the ratio meets its threshold at 0 rad/s, where it is flat"
+FLAT = "undefined: the ratio meets its threshold at 0 rad/s, where it is flat"
 _LEAST = "from above; below there is no scene"
 
 
@@ -97,7 +94,7 @@ class Sensitive(Shown):
 
 
 @dataclass(frozen=True)
-class _Place:
+class Place:
     """A parameter, its value, and the equations with its symbol left in."""
 
     knob: Knob
@@ -122,114 +119,18 @@ class _Place:
         return {}
 
 
-@dataclass(frozen=True)
-class Slopes:
-    """How each crossing, changeover and the bandwidth of an evaluation moves with each parameter and the threshold."""
-
-    evaluation: Evaluation = field(repr=False)
-
-    @cached_property
-    def crossings(self) -> tuple[Sensitive, ...]:
-        """In ascending order."""
-        return tuple(self._crossing(x) for x in self.evaluation.crossings)
-
-    @cached_property
-    def changeovers_environment(self) -> tuple[Sensitive, ...]:
-        """Where Re H_env changes its sign."""
-        return tuple(self._changeover("env", Curve.ENVIRONMENT, x) for x in self.evaluation.changeovers_environment)
-
-    @cached_property
-    def changeovers_perceived(self) -> tuple[Sensitive, ...]:
-        """Where Re H_perc changes its sign."""
-        return tuple(self._changeover("perc", Curve.PERCEIVED, x) for x in self.evaluation.changeovers_perceived)
-
-    @cached_property
-    def bandwidth(self) -> Sensitive | None:
-        """The bandwidth; None where there is none."""
-        end = self.evaluation.bandwidth
-        if end is None:
-            return None
-        there = [x for x in self.crossings if x.omega is end and x.kind is not CrossingKind.TOUCHES]
-        places = (*self._parameters, self._thresholds[Part.REAL])
-        reason = self._kink(end, there)
-        if reason:
-            return Sensitive(end, _none(places, reason))
-        return there[0] if there else Sensitive(end, tuple(_still(p) for p in places))
-
-    @property
-    def certified(self) -> bool:
-        """Whether nothing was left undecided."""
-        listed = (*self.crossings, *self.changeovers_environment, *self.changeovers_perceived)
-        decided = not any(p.reason.startswith("undecided") for x in listed for p in x.parameters)
-        return self.evaluation.certified and decided
-
-    @cached_property
-    def _parameters(self) -> tuple[_Place, ...]:
-        scene = self.evaluation.scene
-        return tuple(_Place(x, ExactNumber(x.value), derive(scene, [x.path])) for x in scene.parameters)
-
-    @cached_property
-    def _thresholds(self) -> dict[Part, _Place]:
-        scene = self.evaluation.scene
-        one = derive(scene, [THRESHOLD])
-        return {part: _Place(knob, self._limit(part), one) for part, knob in scene.knobs.limits.items()}
-
-    def _limit(self, part: Part) -> RealNumber:
-        """The threshold as a number."""
-        value = self.evaluation.scene.threshold[part]
-        return SquareRoot(algebraic((value**2).expand())) if is_irrational_algebraic(value) else ExactNumber(value)
-
-    def _crossing(self, x: Crossing) -> Sensitive:
-        places = (*self._parameters, self._thresholds[x.part])
-        known = {c: self._limit(x.part)}
-        flat = TOUCH if x.kind is CrossingKind.TOUCHES else _FLAT if x.multiplicity > 1 and not float(x.omega) else ""
-        rows = (_at(p, p.factors(x.part), x.omega, known, flat, simple=x.multiplicity == 1) for p in places)
-        return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows), x.part, x.kind)
-
-    def _changeover(self, system: str, curve: Curve, x: Point) -> Sensitive:
-        simple = abs(x.orders[curve, Part.REAL]) == 1
-        rows = (_at(p, p.factors(system), x.omega, {}, simple=simple) for p in self._parameters)
-        return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows))
-
-    def _in_band(self, row: Sensitivity, where: RealNumber) -> Sensitivity:
-        """At an end of the band the frequency leaves it on one side of the parameter's value."""
-        ends = [point.omega for point in (self.evaluation.chart.points[0], self.evaluation.chart.points[-1])]
-        if row.derivative is None or all(where is not end for end in ends) or float(row.derivative) == 0:
-            return row
-        inward = 1 if where is ends[0] else -1
-        side = "above" if (float(row.derivative) > 0) == (inward > 0) else "below"
-        other = {"above": "below", "below": "above"}[side]
-        if row.side and row.side != side:
-            return replace(row, derivative=None, elasticity=None, side="", reason="undefined: it leaves the band")
-        return replace(row, side=side, reason=row.reason or f"from {side}; {other} it lies beyond the band")
-
-    def _kink(self, end: RealNumber, there: list[Sensitive]) -> str:
-        """Why the bandwidth has no derivative; empty where it has."""
-        e = self.evaluation
-        below = self.crossings[: next((i + 1 for i, x in enumerate(self.crossings) if x.omega is end), None)]
-        if e.undecided:
-            return "undecided: whether a ratio touches its threshold on the band"
-        if any(x.kind is CrossingKind.TOUCHES for x in below):
-            return "undefined: the display touches its threshold within the bandwidth"
-        if len(there) > 1:
-            return "undefined: both ratios meet their thresholds here"
-        if end is e.chart.points[0].omega or (there and there[0].reason):
-            return TOUCH
-        if there and end is e.chart.points[-1].omega:
-            return "undefined: a ratio meets its threshold at the very end of the band"
-        return ""
-
-
-def _still(p: _Place) -> Sensitivity:
+def still(p: Place) -> Sensitivity:
+    """Of a frequency that does not depend on the parameter."""
     return Sensitivity(p.knob, _ZERO, _ZERO)
 
 
-def _none(places: tuple[_Place, ...], reason: str) -> tuple[Sensitivity, ...]:
+def none(places: tuple[Place, ...], reason: str) -> tuple[Sensitivity, ...]:
+    """Of a frequency that has no derivative by any of them."""
     return tuple(Sensitivity(p.knob, None, None, reason) for p in places)
 
 
-def _at(
-    p: _Place, factors: Factors, where: RealNumber, known: dict[Symbol, RealNumber], flat: str = "", *, simple: bool
+def at(
+    p: Place, factors: Factors, where: RealNumber, known: dict[Symbol, RealNumber], flat: str = "", *, simple: bool
 ) -> Sensitivity:
     """The sensitivity of a frequency at which one or more of these factors vanish.
 
@@ -238,9 +139,9 @@ def _at(
     values = tuple({**known, omega: where, p.knob.symbol: p.value}.items())
     meeting = not_clear(factors, values)
     if meeting and not any(_depends(equation, p.knob.symbol) for equation, _ in meeting):
-        return _still(p)
+        return still(p)
     if flat:
-        return replace(_still(p), derivative=None, elasticity=None, reason=flat)
+        return replace(still(p), derivative=None, elasticity=None, reason=flat)
     if len(meeting) != 1 or not simple:
         return _met(p, Meeting(meeting, p.knob.symbol, values), where)
     slope = Slope(meeting[0][0].slope(p.knob.symbol), values)
@@ -257,7 +158,7 @@ def _depends(equation: Equation, x: Symbol) -> bool:
     return bool(equation.partial(x))
 
 
-def _one_sided(p: _Place, derivative: RealNumber, where: RealNumber) -> Sensitivity:
+def _one_sided(p: Place, derivative: RealNumber, where: RealNumber) -> Sensitivity:
     """A derivative that holds on both sides, as far as there are two."""
     elasticity = _ZERO if p.knob.value == 0 or derivative is _ZERO else _Elasticity(derivative, p.value, where)
     least = p.least and derivative is not _ZERO
@@ -265,7 +166,7 @@ def _one_sided(p: _Place, derivative: RealNumber, where: RealNumber) -> Sensitiv
     return Sensitivity(p.knob, derivative, elasticity, reason, side)
 
 
-def _met(p: _Place, meeting: Meeting, where: RealNumber) -> Sensitivity:
+def _met(p: Place, meeting: Meeting, where: RealNumber) -> Sensitivity:
     """The sensitivity where several zeros and poles meet."""
     sides = meeting.sides()
     if sides is None:

@@ -8,10 +8,10 @@ from math import pi
 from haptisym.kernel.errors import SceneError
 from haptisym.model.quantities import Dimension
 from haptisym.model.scene import Scene
-from haptisym.verbs.simulate.entry import Simulation, band_frequencies, check, default_amplitude, simulate
+from haptisym.verbs.simulate.entry import band_frequencies, check, default_amplitude, simulate
 from haptisym.verbs.simulate.motions import Motion, chirp, multisine, positive, sine
 from haptisym.verbs.simulate.recordings import recording
-from haptisym.verbs.simulate.results import EncoderQuantisation, Extra, ForceSaturation
+from haptisym.verbs.simulate.results import EncoderQuantisation, Extra, ForceSaturation, Simulations
 
 
 def run(
@@ -19,7 +19,7 @@ def run(
     along_band: bool,  # noqa: FBT001
     options: Mapping[str, str | None],
     progress: Callable[[float, float], None] | None = None,
-) -> tuple[Simulation, ...]:
+) -> Simulations:
     """The runs of one call: one, or with ``along_band`` those of a check along the band. ``progress`` as in ``simulate``."""
     refused = [
         key for key in ("omega", "duration", "quantise", "saturate", "lowpass") if along_band and options.get(key)
@@ -29,7 +29,8 @@ def run(
     if along_band:
         return check(scene, amplitude=options.get("amplitude"), progress=progress)
     made = motion(scene, options)
-    return (simulate(scene, made, duration=options.get("duration"), extras=_extras(options), progress=progress),)
+    found = simulate(scene, made, duration=options.get("duration"), extras=_extras(options), progress=progress)
+    return Simulations([found])
 
 
 def motion(scene: Scene, options: Mapping[str, str | None]) -> Motion:

@@ -10,26 +10,22 @@ H_perc, and these are held against the closed form.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.shown import Answer, counted, titled
 from haptisym.model.quantities import Dimension, Number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.pages.simulate import page
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.approximations import why_approximate
 from haptisym.verbs.simulate.lockin import Lock
 from haptisym.verbs.simulate.motions import Motion, Sines, multisine, positive, sine
 from haptisym.verbs.simulate.network import Network, name_of
 from haptisym.verbs.simulate.noise import noise_notes
-from haptisym.verbs.simulate.results import Estimate, Extra, Simulated, document
+from haptisym.verbs.simulate.results import Estimate, Extra, Simulation, Simulations
 from haptisym.verbs.simulate.run import Run, check_question, least_duration
 from haptisym.verbs.simulate.threads import one_thread
 
@@ -37,23 +33,6 @@ STEP = 0.9
 """Radians of the highest frequency on a step; the error estimate compares with steps that are half as long again."""
 _COARSER = 1.5
 _FLOOR = 2e-11  # relative: what rounding leaves of a force that is a sum of larger ones
-
-
-class Simulation(Answer, Simulated):
-    """A simulated run; ``print`` shows it as a page of text, ``to_json`` gives the command line's document."""
-
-    def _line(self) -> str:
-        return f"{titled(self.scene.title)}: {self.motion.name}, {counted(len(self.estimates), 'frequency', 'frequencies')}"
-
-    def __str__(self) -> str:
-        return page([self])
-
-    def to_dict(self) -> dict[str, Any]:
-        """The document of ``haptisym simulate --json``, schema ``haptisym.simulation/1``."""
-        return document([self])
-
-    def to_json(self) -> str:
-        return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
 
 
 def simulate(
@@ -108,7 +87,7 @@ def check(
     amplitude: Number | None = None,
     count: int = 10,
     progress: Callable[[float, float], None] | None = None,
-) -> tuple[Simulation, ...]:
+) -> Simulations:
     """Simulate along the band of a scene, at ``count`` frequencies: all at once, or, with friction, one after the other.
 
     >>> from haptisym.model.scenefile import load_scene
@@ -122,8 +101,8 @@ def check(
     size = default_amplitude(scene) if amplitude is None else amplitude
     omegas = band_frequencies(scene, count)
     if any(effect.model == "coulomb-friction" for effect in scene.effects):
-        return tuple(simulate(scene, sine(size, omega), progress=progress) for omega in omegas)
-    return (simulate(scene, multisine(size, omegas), progress=progress),)
+        return Simulations(simulate(scene, sine(size, omega), progress=progress) for omega in omegas)
+    return Simulations([simulate(scene, multisine(size, omegas), progress=progress)])
 
 
 def band_frequencies(scene: Scene, count: int) -> list[float]:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
+from haptisym.judge.answers import Answer
+from haptisym.kernel.shown import counted, titled
 from haptisym.model.quantities import Motion as Kind
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
@@ -54,25 +56,44 @@ class Estimate:
         return None if self.approximate else self.difference <= self.error
 
 
-@dataclass(frozen=True, eq=False)
-class Simulated:
+@dataclass(frozen=True, eq=False, repr=False)
+class Simulation(Answer):
     """A simulated run. Arrays over time, s: the hand's ``displacement``, m or rad, and ``force``, N or N m, and the same of
     the environment (``environment_displacement``, ``environment_force``). ``estimates``: H_perc at each excited frequency,
     none for a chirp or a recording or where the run is too short. ``built``: the models that were simulated.
     """
 
+    _schema: ClassVar[str] = "haptisym.simulation/1"
+    _page: ClassVar[str] = "haptisym.pages.simulate:page"
+
     scene: Scene
     motion: Motion
-    time: Array = field(repr=False)
-    displacement: Array = field(repr=False)
-    force: Array = field(repr=False)
-    environment_displacement: Array = field(repr=False)
-    environment_force: Array = field(repr=False)
+    time: Array
+    displacement: Array
+    force: Array
+    environment_displacement: Array
+    environment_force: Array
     estimates: tuple[Estimate, ...]
     built: tuple[str, ...]
     extras: tuple[Extra, ...] = ()
     notes: tuple[str, ...] = ()
     """What a reader of the force should know."""
+
+    def _line(self) -> str:
+        return f"{titled(self.scene.title)}: {self.motion.name}, {counted(len(self.estimates), 'frequency', 'frequencies')}"
+
+    @property
+    def runs(self) -> tuple[Simulation, ...]:
+        """This one alone: ``Simulations`` are several."""
+        return (self,)
+
+    @property
+    def certified(self) -> bool:
+        """False: errors of a simulation are estimated."""
+        return False
+
+    def _body(self) -> dict[str, Any]:
+        return _body(self.runs)
 
     def to_csv(self) -> str:
         """The run in time as a table, units in its header; rows are as far apart as the steps of the simulation want them."""
@@ -92,13 +113,44 @@ class Simulated:
         return all(verdicts) if verdicts else None
 
 
-def document(runs: Sequence[Simulated]) -> dict[str, Any]:
-    """Runs of one scene as the document of schema ``haptisym.simulation/1``."""
+class Simulations(Answer, tuple[Simulation, ...]):
+    """Runs of one scene, one for each frequency: as a page and as a document they are one answer."""
+
+    _schema: ClassVar[str] = Simulation._schema
+    _page: ClassVar[str] = Simulation._page
+
+    def _line(self) -> str:
+        return f"{titled(self.scene.title)}: {counted(len(self), 'run')}"
+
+    @property
+    def scene(self) -> Scene:
+        """That of each of them."""
+        return self[0].scene
+
+    @property
+    def runs(self) -> tuple[Simulation, ...]:
+        """All of them."""
+        return tuple(self)
+
+    @property
+    def certified(self) -> bool:
+        """False: errors of a simulation are estimated."""
+        return False
+
+    @property
+    def agrees(self) -> bool | None:
+        """Whether all estimates agree with the closed forms; None where no exact closed form could be compared."""
+        verdicts = [x.agrees for x in self if x.agrees is not None]
+        return all(verdicts) if verdicts else None
+
+    def _body(self) -> dict[str, Any]:
+        return _body(self.runs)
+
+
+def _body(runs: Sequence[Simulation]) -> dict[str, Any]:
     first, rows = runs[0], [x for run in runs for x in run.estimates]
     verdicts = [x.agrees for x in rows if x.agrees is not None]
     return {
-        "schema": "haptisym.simulation/1",
-        "title": first.scene.title,
         "motion": {
             "kind": first.motion.name,
             "amplitude": first.motion.amplitude,
@@ -112,7 +164,6 @@ def document(runs: Sequence[Simulated]) -> dict[str, Any]:
         "estimates": [_estimate_row(x) for x in rows],
         "agrees": all(verdicts) if verdicts else None,
         **({"notes": list(first.notes)} if first.notes else {}),
-        **first.scene.aside_keys(),
     }
 
 

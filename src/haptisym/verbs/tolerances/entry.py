@@ -1,78 +1,18 @@
-"""Tolerances as a result: what holds for all values within the ranges of a scene, as text and JSON."""
+"""What holds for all values within the ranges of a scene."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
-
-from sympy import Expr
 
 from haptisym.kernel.budget import Told, limited, share
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.shown import Answer, counted, titled
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.pages.tolerances import page
 from haptisym.verbs.tolerances.box import box_of
-from haptisym.verbs.tolerances.proofs import BoxAnswers, Enclosure, One, drawn
-from haptisym.verbs.tolerances.quantiles import quantiles
+from haptisym.verbs.tolerances.proofs import Tolerances
+from haptisym.verbs.tolerances.single import drawn
 
 SEED = 2019
-
-
-class Tolerances(Answer, BoxAnswers):
-    """The answers for all values within the ranges; ``print`` shows them, ``to_json`` gives the document."""
-
-    def _line(self) -> str:
-        sides = ", ".join(x.name for x in self.box.sides)
-        found = counted(len(self.enclosures), "enclosure")
-        return f"{titled(self.box.scene.title)}: {sides} in their ranges, transparent for {self.verdict.value}, {found}"
-
-    def __str__(self) -> str:
-        return page(self)
-
-    def to_dict(self) -> dict[str, Any]:
-        """The document of ``haptisym tolerances --json``, schema ``haptisym.tolerances/1``."""
-        scene = self.box.scene
-        sides = [{"name": x.name, "low": float(x.low), "high": float(x.high)} for x in self.box.sides]
-        return {
-            "schema": "haptisym.tolerances/1",
-            "title": scene.title,
-            "band": [float(x) for x in scene.band],
-            "varying": sides,
-            "verdict": self.verdict.value,
-            "witnesses": {"transparent": _witness(self.transparent), "noticed": _witness(self.noticed)},
-            "crossings": [self._enclosure_row(x) for x in self.enclosures],
-            "bandwidth": None if self.bandwidth is None else [float(x) for x in self.bandwidth],
-            "estimates": self._estimates(),
-            "certified": self.certified,
-            **(
-                {"untied": [list(pair) for pair in scene.untied(scene.ranges())]}
-                if scene.untied(scene.ranges())
-                else {}
-            ),
-            **({} if self.limit is None else {"limit": self.limit}),
-        }
-
-    def to_json(self) -> str:
-        """The document of ``haptisym tolerances --json`` as text."""
-        return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
-
-    def _enclosure_row(self, x: Enclosure) -> dict[str, Any]:
-        corners = {"low": _values(x.at_low), "high": _values(x.at_high)}
-        enclosure = [x.low.enclosure()[0], x.high.enclosure()[1]]
-        row = {"part": x.part.value, "omega": [float(x.low), float(x.high)], "enclosure": enclosure}
-        return {**row, "count": x.count, "reached_at": corners, "monotonic": dict(x.monotonic)}
-
-    def _estimates(self) -> dict[str, Any] | None:
-        if not self.samples:
-            return None
-        q = quantiles(self)
-        rows = {"first_crossing": q.first, "bandwidth": q.bandwidth}
-        shown = {key: {str(p): x for p, x in row.items()} for key, row in rows.items()}
-        return {"samples": len(self.samples), "seed": self.seed, **shown, "transparent": q.transparent}
 
 
 def tolerances(
@@ -112,11 +52,3 @@ def tolerances(
 
 
 _FOR_SAMPLES = 0.3  # of the time
-
-
-def _witness(one: One | None) -> dict[str, str] | None:
-    return None if one is None else _values(one.values)
-
-
-def _values(values: Mapping[str, Expr] | None) -> dict[str, str] | None:
-    return None if values is None else {name: str(x) for name, x in values.items()}

@@ -6,27 +6,29 @@ certified charts of single sets of values; the enclosures of the crossings. Esti
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
-from random import Random
-from typing import TypeVar
+from typing import Any, ClassVar
 
 import numpy as np
 from sympy import Expr, Rational
 
-from haptisym.judge.crossings import excess
-from haptisym.kernel.budget import Budget, share, tick
+from haptisym.judge.answers import Answer
+from haptisym.kernel.budget import Budget, share
 from haptisym.kernel.errors import LimitError
 from haptisym.kernel.reals import ExactNumber, RealNumber
-from haptisym.kernel.roots import chart
+from haptisym.kernel.shown import counted, titled
 from haptisym.model.jnd import Part
+from haptisym.model.scene import Scene
 from haptisym.verbs.tolerances.box import Box
 from haptisym.verbs.tolerances.excess import Excess
+from haptisym.verbs.tolerances.quantiles import quantiles
 from haptisym.verbs.tolerances.search import OVERLAP, Cluster, beyond, clusters
+from haptisym.verbs.tolerances.single import One, in_time, one
 
 TOLERANCE = Fraction(1, 1000)
 """Of an end of an enclosure that is not exact: how far, relatively, it may lie beyond what is reached."""
@@ -40,21 +42,6 @@ class Verdict(Enum):
     NONE = "none"
     DEPENDS = "depends"
     UNDECIDED = "undecided"
-
-
-@dataclass(frozen=True)
-class One:
-    """One set of values, certified: the crossings of each part, without touches, and whether all of the band is transparent."""
-
-    values: Mapping[str, Expr]
-    crossings: Mapping[Part, tuple[RealNumber, ...]]
-    bandwidth: RealNumber | None
-    transparent: bool | None
-
-    @property
-    def first(self) -> RealNumber | None:
-        """The lowest crossing of either part."""
-        return min((x[0] for x in self.crossings.values() if x), key=float, default=None)
 
 
 @dataclass(frozen=True)
@@ -76,14 +63,32 @@ class Enclosure:
     monotonic: Mapping[str, int]
 
 
-@dataclass(frozen=True)
-class BoxAnswers:
+@dataclass(frozen=True, repr=False)
+class Tolerances(Answer):
     """The answers for a box of parameters; ``samples`` are estimates, all else is proven."""
 
+    _schema: ClassVar[str] = "haptisym.tolerances/1"
+    _page: ClassVar[str] = "haptisym.pages.tolerances:page"
+    _figure: ClassVar[str] = "haptisym.figures.tolerances:save_tolerances"
+
     box: Box
-    samples: tuple[One, ...] = field(repr=False)
+    samples: tuple[One, ...]
     seed: int = 0
-    budget: Budget | None = field(default=None, repr=False)
+    budget: Budget | None = None
+
+    def _line(self) -> str:
+        sides = ", ".join(x.name for x in self.box.sides)
+        found = counted(len(self.enclosures), "enclosure")
+        return f"{titled(self.box.scene.title)}: {sides} in their ranges, transparent for {self.verdict.value}, {found}"
+
+    @property
+    def _about(self) -> Scene:
+        return self.box.scene
+
+    @property
+    def _varied(self) -> tuple[Collection[str], Collection[str]]:
+        ranges = self.box.scene.ranges()
+        return ranges, ranges
 
     @property
     def limit(self) -> float | None:
@@ -97,7 +102,7 @@ class BoxAnswers:
 
     def one(self, values: Mapping[str, Expr]) -> One:
         """The certified answers for one set of values; what is not named is nominal."""
-        return _one(self.box, values)
+        return one(self.box, values)
 
     @cached_property
     def _search(self) -> dict[Part, tuple[Excess, tuple[Cluster, ...]]]:
@@ -120,7 +125,7 @@ class BoxAnswers:
         ends = product((Fraction(0), Fraction(1)), repeat=len(self.box.sides))
         names = [side.name for side in self.box.sides]
         shares = [dict(zip(names, x, strict=True)) for _, x in zip(range(_MOST_CORNERS), ends, strict=False)]
-        return tuple(_in_time(self.one(self.box.values(x)) for x in shares))
+        return tuple(in_time(self.one(self.box.values(x)) for x in shares))
 
     def settle(self) -> None:
         """Find everything that is told, so that a limit is kept to; LimitError if not even the nominal values are."""
@@ -218,7 +223,7 @@ class BoxAnswers:
     ) -> tuple[RealNumber, Mapping[str, Expr] | None]:
         low, high = self.box.scene.band
         idle = {side.name for side, used in zip(self.box.sides, form.matters[1:], strict=True) if not used}
-        corners = _in_time(self._ends(steady, idle, highest=highest))
+        corners = in_time(self._ends(steady, idle, highest=highest))
         found = [(x, one.values) for one in corners for x in one.crossings[part]]
         found = [(x, values) for x, values in found if self._within(x, cluster)]
         pick = max if highest else min
@@ -251,42 +256,40 @@ class BoxAnswers:
         share = (float(x) - float(low)) / float(high - low)
         return cluster.low - OVERLAP / 4 <= share <= cluster.high + OVERLAP / 4
 
+    def _body(self) -> dict[str, Any]:
+        sides = [{"name": x.name, "low": float(x.low), "high": float(x.high)} for x in self.box.sides]
+        return {
+            "band": [float(x) for x in self.box.scene.band],
+            "varying": sides,
+            "verdict": self.verdict.value,
+            "witnesses": {"transparent": _witness(self.transparent), "noticed": _witness(self.noticed)},
+            "crossings": [self._enclosure_row(x) for x in self.enclosures],
+            "bandwidth": None if self.bandwidth is None else [float(x) for x in self.bandwidth],
+            "estimates": self._estimates(),
+            "certified": self.certified,
+        }
 
-def drawn(box: Box, samples: int, seed: int) -> tuple[One, ...]:
-    """Sets of values drawn uniformly from the box, each answered with certainty."""
-    draw = Random(seed)
-    shares = ({side.name: Fraction(draw.getrandbits(24), (1 << 24) - 1) for side in box.sides} for _ in range(samples))
-    return tuple(_in_time(_told(_one(box, box.values(x)), n, samples) for n, x in enumerate(shares)))
+    def _left(self) -> dict[str, Any]:
+        return {} if self.limit is None else {"limit": self.limit}
 
+    def _enclosure_row(self, x: Enclosure) -> dict[str, Any]:
+        corners = {"low": _values(x.at_low), "high": _values(x.at_high)}
+        enclosure = [x.low.enclosure()[0], x.high.enclosure()[1]]
+        row = {"part": x.part.value, "omega": [float(x.low), float(x.high)], "enclosure": enclosure}
+        return {**row, "count": x.count, "reached_at": corners, "monotonic": dict(x.monotonic)}
 
-def _told(one: One, n: int, samples: int) -> One:
-    tick(n, samples, "sets of values")
-    return one
-
-
-_T = TypeVar("_T")
-
-
-def _in_time(found: Iterable[_T]) -> Iterator[_T]:
-    """What is found before the time is over."""
-    try:
-        yield from found
-    except LimitError:
-        return
-
-
-def _one(box: Box, values: Mapping[str, Expr]) -> One:
-    scene = box.scene.with_values(values)
-    d = scene.distortion()
-    table = chart({part: excess(d, scene.threshold[part], part) for part in Part}, *scene.band)
-    crossings = {part: tuple(p.omega for p in table.points if _crosses(p.orders.get(part, 0))) for part in Part}
-    intervals = table.where(lambda signs: all(signs[part] <= 0 for part in Part))
-    first = intervals[0] if intervals and intervals[0].low is table.points[0] else None
-    whole = first is not None and first.high is table.points[-1]
-    shown = values or {side.name: box.scene.knobs[side.name].value for side in box.sides}
-    return One(shown, crossings, first.high.omega if first else None, None if table.undecided else whole)
+    def _estimates(self) -> dict[str, Any] | None:
+        if not self.samples:
+            return None
+        q = quantiles(self.samples)
+        rows = {"first_crossing": q.first, "bandwidth": q.bandwidth}
+        shown = {key: {str(p): x for p, x in row.items()} for key, row in rows.items()}
+        return {"samples": len(self.samples), "seed": self.seed, **shown, "transparent": q.transparent}
 
 
-def _crosses(order: int) -> bool:
-    """Whether a zero of this order, not a pole, changes the sign."""
-    return order > 0 and order % 2 == 1
+def _witness(one: One | None) -> dict[str, str] | None:
+    return None if one is None else _values(one.values)
+
+
+def _values(values: Mapping[str, Expr] | None) -> dict[str, str] | None:
+    return None if values is None else {name: str(x) for name, x in values.items()}

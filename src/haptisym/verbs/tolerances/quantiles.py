@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil
 
-from haptisym.verbs.tolerances.proofs import BoxAnswers
+from haptisym.verbs.tolerances.single import One
 
 LEVELS = (5, 50, 95)
 
@@ -23,9 +23,8 @@ class Quantiles:
     transparent: int
 
 
-def quantiles(answers: BoxAnswers) -> Quantiles:
+def quantiles(samples: Sequence[One]) -> Quantiles:
     """The quantiles of an answer's samples, of which there must be one at least."""
-    samples = answers.samples
     first = [None if x.first is None else float(x.first) for x in samples]
     width = [None if x.bandwidth is None else float(x.bandwidth) for x in samples]
     beyond, never = float("inf"), -float("inf")  # no crossing on the band: beyond it; no bandwidth: less than any

@@ -1,0 +1,84 @@
+"""What was measured, in a sentence, and the words for times and counts that go with it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from haptisym.verbs.cost.measurement import HardRow, Row
+
+
+def summary(rows: Sequence[Row]) -> str:
+    """What a digit costs, in a sentence."""
+    proven = sorted((x for x in rows if x.task == "crossings" and x.proven), key=lambda x: x.digits)
+    if len(proven) < 2:
+        return _best(rows)
+    first, last = proven[0], proven[-1]
+    each = (last.seconds - first.seconds) / (last.digits - first.digits)
+    grids = [x for x in rows if x.task == "crossings" and x.method.startswith("grid") and x.method[-1].isdigit()]
+    finest = max(grids, key=lambda x: x.seconds, default=None)
+    price = f"{duration(each)} a digit" if each > 0 else "no time that shows"
+    return (
+        f"Here all crossings, proven, to {first.digits:.0f} digits take {duration(first.seconds)}; more digits cost {price}: "
+        f"{last.digits:.0f} of them take {duration(last.seconds)}" + (f"; {_grid(finest)}" if finest else "") + "."
+    )
+
+
+def _grid(row: Row) -> str:
+    if not row.complete:
+        return f"a {row.method} points takes {duration(row.seconds)} and {wrong(row)}"
+    return f"a {row.method} points takes {duration(row.seconds)} for {row.digits:.1f} digits, and proves nothing"
+
+
+def _best(rows: Sequence[Row]) -> str:
+    best = max((x for x in rows if x.complete), key=lambda x: x.digits, default=None)
+    if best is None:
+        return "Here no method found all crossings and no others."
+    low = min((x for x in rows if x.complete), key=lambda x: x.seconds)
+    return (
+        f"Here {best.digits:.1f} digits take {duration(best.seconds)} ({best.method}), and the fastest way gives "
+        f"{low.digits:.1f} digits in {duration(low.seconds)} ({low.method})."
+    )
+
+
+def wrong(row: Row) -> str:
+    """What is wrong with a count of crossings; "" where nothing is."""
+    parts = [f"{word} {n}" for word, n in (("misses", row.missed), ("invents", row.invented)) if n]
+    return " and ".join(parts)
+
+
+def duration(seconds: float) -> str:
+    """A time with three digits and a readable unit.
+
+    >>> duration(0.00123456), duration(3.2e-7)
+    ('1.23 ms', '320 ns')
+    """
+    for unit, name in ((1.0, "s"), (1e-3, "ms"), (1e-6, "us")):
+        if seconds >= unit:
+            return f"{float(f'{seconds / unit:.3g}'):g} {name}"
+    return f"{float(f'{seconds / 1e-9:.3g}'):g} ns"
+
+
+def hard_summary(rows: Sequence[HardRow]) -> str:
+    """How many of the questions each side answers right, in a sentence."""
+    count = len({(row.family, row.case) for row in rows})
+    proven = [row for row in rows if row.ours and row.proven]
+    wrong = sum(row.verdict != "right" for row in proven)
+    usual = [row for row in rows if not row.ours and row.answered]
+    failed = sum(row.verdict != "right" for row in usual)
+    said = "none of them wrong" if not wrong else f"{wrong} of them WRONG"
+    return (
+        f"{count} hard questions: haptisym gives {len(proven)} proven answers, {said}; of {len(usual)} answers by the usual ways "
+        f"{failed} lose digits, miss crossings or invent some, and none says so."
+    )
+
+
+def worst_verdict(rows: Iterable[HardRow]) -> str:
+    """What goes wrong in some cases, all together; "" where nothing does."""
+    listed = list(rows)
+    missed, invented = sum(row.missed for row in listed), sum(row.invented for row in listed)
+    if missed or invented:
+        return " and ".join(f"{word} {n}" for word, n in (("misses", missed), ("invents", invented)) if n)
+    if any(row.verdict == "undecided" for row in listed):
+        return f"{sum(row.verdict == 'undecided' for row in listed)} undecided, and said so"
+    bad = [row for row in listed if row.verdict != "right"]
+    return min(bad, key=lambda row: row.digits).verdict if bad else ""

@@ -1,0 +1,179 @@
+"""The values of one parameter with which conditions hold on a whole band, by the way that fits the conditions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import cached_property, partial
+from typing import TypeAlias
+
+import flint
+from sympy import Expr, Rational
+
+from haptisym.judge.bounds import relative_square
+from haptisym.judge.crossings import excess
+from haptisym.kernel.budget import share
+from haptisym.kernel.errors import LimitError, SceneError
+from haptisym.kernel.levels import Level
+from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, expression_ball
+from haptisym.kernel.response import RealFunction
+from haptisym.model.jnd import Part
+from haptisym.model.knobs import Knob
+from haptisym.model.scene import Scene
+from haptisym.verbs.require.cells import Leaf, Search
+from haptisym.verbs.require.criticalvalues import Problem
+from haptisym.verbs.require.feasible import End, Solved, Span, bound_ends, runs
+from haptisym.verbs.require.freeparameter import Conditions, Domain, any_environment_condition, conditions
+from haptisym.verbs.require.places import Verdict
+from haptisym.verbs.require.thresholds import ThresholdProblem
+
+Keys: TypeAlias = tuple[Part | None, ...]
+"""The parts that are asked about; None for any environment."""
+_SLIVER = Fraction(1, 10**9)
+"""Relative width of values that may be given as an end by their enclosure alone."""
+
+
+def solve(scene: Scene, free: Knob, asked: Domain, keys: Keys) -> Solved:
+    """All values of the domain that keep the conditions; those about which the time did not last are undecided."""
+    try:
+        if free.parts:
+            return Solved(_threshold_problem(scene, free, asked, keys).solve())
+        found = _conditions(scene, free, keys)
+        return _by_balls(scene, free, asked, found) if _has_functions(found) else _exactly(scene, free, asked, found)
+    except LimitError:
+        return Solved((), ((_exact(asked.low), _exact(asked.high)),))
+
+
+def _conditions(scene: Scene, free: Knob, keys: Keys) -> Conditions:
+    parts = tuple(part for part in keys if part)
+    return conditions(scene, [free], parts) if parts else any_environment_condition(scene, [free])
+
+
+def _has_functions(found: Conditions) -> bool:
+    return any(f.axis.functions for f in found.values())
+
+
+def _exactly(scene: Scene, free: Knob, asked: Domain, found: Conditions) -> Solved:
+    """By critical values; where these take too long, by balls in the time that is left."""
+    problem = Problem(found, free.symbol, scene.band, asked, partial(allowed, scene, free))
+    if problem.is_large:
+        with share(_FOR_BALLS):
+            quick = _by_balls(scene, free, asked, found)
+        if not quick.undecided and not any(isinstance(x.value, Sliver) for x in bound_ends(quick.feasible)):
+            return quick
+    try:
+        with share(_FOR_CRITICAL_VALUES):
+            problem.prepare()
+    except LimitError:
+        return _by_balls(scene, free, asked, found)
+    return problem.solve()
+
+
+_FOR_BALLS, _FOR_CRITICAL_VALUES = 0.4, 0.6
+"""Of the time that is left: balls are quick about large devices; where critical values are not known by then, balls must do."""
+
+
+def _threshold_problem(scene: Scene, free: Knob, asked: Domain, keys: Keys) -> ThresholdProblem:
+    """The question for a threshold: the conditions that it is not part of stay as they are."""
+    d = scene.distortion()
+    parts = [part for part in keys if part in (*free.parts, None)]
+    squares = {part: d.squared_ratios[part] if part else relative_square(d) for part in parts}
+    kept: Mapping[Part | None, RealFunction | Level] = {
+        part: excess(d, scene.threshold[part], part) for part in keys if part and part not in free.parts
+    }
+    return ThresholdProblem({x: f for x, f in squares.items() if f is not None}, kept, scene.band, asked)
+
+
+def allowed(scene: Scene, free: Knob, value: Expr) -> bool:
+    """Whether the scene exists at a value of the parameter."""
+    try:
+        free.put(scene, value).distortion()
+    except SceneError:
+        return False
+    return True
+
+
+def _by_balls(scene: Scene, free: Knob, asked: Domain, found: Conditions) -> Solved:
+    exists = {x: allowed(scene, free, x) for x in (asked.low, asked.high) if x is not None}
+    search = Search(found, free.symbol, scene.band, Fraction(abs(float(free.value)) or 1.0))
+    low, high = _outward(asked)
+    line = Line(search.leaves(low, high), asked, exists.__getitem__)
+    return Solved(line.spans(), line.undecided)
+
+
+def _outward(asked: Domain) -> tuple[Fraction | None, Fraction | None]:
+    """Doubles that enclose the values that are asked about."""
+    with flint.ctx.workprec(53):
+        low, high = (None if x is None else expression_ball(x) for x in (asked.low, asked.high))
+        return (
+            None if low is None else Fraction(float(low.lower())),
+            None if high is None else Fraction(float(high.upper())),
+        )
+
+
+@dataclass(frozen=True)
+class Line:
+    """The leaves of a search as points and gaps between them."""
+
+    leaves: list[Leaf]
+    domain: Domain
+    allowed: Callable[[Expr], bool] = field(repr=False)
+
+    @cached_property
+    def _merged(self) -> list[Leaf]:
+        """The leaves with neighbours of one verdict joined, and narrow open ones between two verdicts made ends."""
+        joined: list[Leaf] = []
+        for leaf in self.leaves:
+            last = joined[-1] if joined else None
+            if last and last.above is None and leaf.above is None and last.verdict is leaf.verdict:
+                joined[-1] = replace(last, high=leaf.high)
+            else:
+                joined.append(leaf)
+        return [self._as_end(i, joined) for i in range(len(joined))]
+
+    def _as_end(self, i: int, leaves: list[Leaf]) -> Leaf:
+        leaf = leaves[i]
+        if leaf.verdict is not Verdict.OPEN or not 0 < i < len(leaves) - 1:
+            return leaf
+        before, after = leaves[i - 1].above or leaves[i - 1].verdict, leaves[i + 1].verdict
+        assert leaf.low is not None
+        assert leaf.high is not None
+        if before is after or leaf.high - leaf.low > _SLIVER * max(abs(leaf.low), abs(leaf.high)):
+            return leaf
+        return replace(leaf, verdict=before, above=after, value=Sliver(leaf.low, leaf.high))
+
+    def spans(self) -> tuple[Span, ...]:
+        """The values for which the conditions are kept."""
+        low, high = self.domain.low, self.domain.high
+        points: list[End] = [End(_exact(low))]
+        gaps: list[Verdict] = []
+        for leaf in self._merged:
+            if leaf.above is not None:
+                gaps.append(leaf.verdict)
+                points.append(End(leaf.value, bindings=(leaf.binding,) if leaf.binding else ()))
+            gaps.append(leaf.above or leaf.verdict)
+            points.append(End(None if leaf.high is None else ExactNumber(_rational(leaf.high))))
+        points[-1] = End(_exact(high))
+        kept = [gap is Verdict.KEPT for gap in gaps]
+        at = [bool(near) for near in (any(kept[max(i - 1, 0) : i + 1]) for i in range(len(points)))]
+        at[0] = at[0] and low is not None and self.domain.holds_low and self.allowed(low)
+        at[-1] = at[-1] and high is not None and self.domain.holds_high and self.allowed(high)
+        return tuple(Span(replace(points[i], closed=a), replace(points[j], closed=b)) for i, j, a, b in runs(at, kept))
+
+    @property
+    def undecided(self) -> tuple[tuple[RealNumber | None, RealNumber | None], ...]:
+        """The values about which nothing is proven."""
+        return tuple((_number(leaf.low), _number(leaf.high)) for leaf in self._merged if leaf.verdict is Verdict.OPEN)
+
+
+def _number(x: Fraction | None) -> RealNumber | None:
+    return None if x is None else ExactNumber(_rational(x))
+
+
+def _rational(x: Fraction) -> Rational:
+    return Rational(x.numerator, x.denominator)
+
+
+def _exact(x: Expr | None) -> RealNumber | None:
+    return None if x is None else ExactNumber(x)
