@@ -18,7 +18,6 @@ from timing import machine, medians
 import haptisym as hs
 from haptisym.kernel.response import on_axis
 from haptisym.model.distortion import Chain
-from haptisym.verbs.derive.structure import structure
 from haptisym.writing.mathtext import plain
 
 LIMIT = 60.0
@@ -46,7 +45,7 @@ def exact(count: int) -> object:
 
 def display(count: int) -> list[str]:
     """The formulas in named steps, written as text."""
-    steps = structure(cascade(count))
+    steps = cascade(count).steps
     return [f"{name} = {plain(value)}" for name, value in (*steps.definitions, *steps.results.items())]
 
 
@@ -85,7 +84,7 @@ def main() -> None:
             if other
             else f"> {LIMIT:.0f} s  > {LIMIT / found['exact']:.0f} x"
         )
-        operations = structure(cascade(count)).operations
+        operations = cascade(count).steps.operations
         print(
             f"{2 * count:5d} {1000 * found['exact']:16.2f} ms {1000 * found['display']:13.2f} ms {operations:12d}   {said}"
         )

@@ -22,7 +22,6 @@ from timing import machine, medians
 
 import haptisym as hs
 from haptisym.kernel.symbols import omega
-from haptisym.verbs.derive.structure import structure
 
 RATIOS = ("ratio_real", "ratio_imag")
 BYTES = 24
@@ -54,7 +53,7 @@ def by_hand(w: Any, block: int = 8192) -> Any:
 
 def plain_lambdify(distortion: Any) -> Callable[[Any], Any]:
     """The structured steps, all put in, as SymPy compiles them with its own common subexpressions."""
-    steps = structure(distortion)
+    steps = distortion.chain.steps
     shown = steps.at({})
     forms = [shown[name].subs(list(reversed(steps.definitions))) for name in RATIOS]
     return lambdify(omega, forms, "numpy", cse=True)

@@ -8,7 +8,6 @@ from sympy import Rational, sqrt, symbols
 
 import haptisym as hs
 from haptisym.verbs.derive.groups import groups
-from haptisym.verbs.derive.structure import structure
 
 SPRING_MASS = hs.environments.mass_spring_damper
 
@@ -32,12 +31,12 @@ def test_the_ratios_of_the_dimensionless_scene_are_the_scenes_own_at_other_value
         if p.symbol in {x for o in scene.chain.ring.orders for x in o.free_symbols}
     }
     numbers = {p.symbol: Rational(n + 2, 3) ** 10 for n, p in enumerate(scene.parameters)} | fixed
-    own = structure(scene.chain).at({**numbers, hs.omega: Rational(7, 5) ** 10})
+    own = scene.chain.steps.at({**numbers, hs.omega: Rational(7, 5) ** 10})
     values = {
         g.symbol: g.value.xreplace({**numbers, hs.omega: Rational(7, 5) ** 10})
         for g in (found.frequency, *found.groups)
     }
-    steps = structure(found.chain.at(found.values)).at({**values, hs.omega: values[found.frequency.symbol]})
+    steps = found.chain.at(found.values).steps.at({**values, hs.omega: values[found.frequency.symbol]})
     scale = found.stiffness.xreplace(numbers)
     for key in ("ratio_real", "ratio_imag", "relative_real"):
         assert abs((own[key] - steps[key]).evalf(40)) < 10**-30

@@ -25,8 +25,8 @@ from sympy import I, Integer, Rational, Symbol, cosh, exp, pi, sin, sinc, sinh, 
 
 import haptisym as hs
 from haptisym import effects, environments
+from haptisym.programs.steps import Steps
 from haptisym.programs.values import Values
-from haptisym.verbs.derive.steps import Steps
 from haptisym.writing.code.code import About, Argument, Language, code
 from haptisym.writing.code.entry import distortion_code, scene_code, scene_program
 from haptisym.writing.code.forms import closed_steps

@@ -24,6 +24,7 @@ from haptisym.programs.accuracy import Accuracy, Engine
 from haptisym.programs.balls import Point
 from haptisym.programs.program import Program
 from haptisym.programs.stable import stable_program
+from haptisym.programs.steps import DISTORTION, Steps, page_steps
 
 if TYPE_CHECKING:
     from haptisym.programs.values import Compiled  # brings NumPy, which a certified answer does not need
@@ -95,6 +96,14 @@ class Chain:
         sample = Point(program, tuple(1.25 + n / 8 for n in range(len(program.inputs)))).balls(128)
         zero = [name for name in fields if sample[name].contains(0) and self.distortion().vanishes(name)]
         return write(fields, zero) if zero else program
+
+    @cached_property
+    def steps(self) -> Steps:
+        """All fields of ``numeric.Values`` in named steps, as a page shows them: of what is felt, H_env + dH."""
+        found = page_steps(self.program((*DISTORTION, "environment_real", "environment_imag")))
+        of = found.results
+        felt = {f"perceived_{part.value}": of[f"environment_{part.value}"] + of[part.value] for part in Part}
+        return Steps(found.definitions, {**of, **felt})
 
     def at(self, values: Mapping[Symbol, Expr]) -> Chain:
         """The same chain with values for some of its symbols."""

@@ -14,10 +14,9 @@ from haptisym.kernel.solutions import Solution
 from haptisym.kernel.symbols import omega
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension
+from haptisym.programs.steps import DISTORTION, Steps
 from haptisym.verbs.derive.derivation import QUANTITIES, Derivation, bare, listed_name
 from haptisym.verbs.derive.groups import Groups
-from haptisym.verbs.derive.steps import Steps
-from haptisym.verbs.derive.structure import structure
 from haptisym.writing.boxes import Box, Equation, Fraction, Product
 from haptisym.writing.equations import quantity
 from haptisym.writing.layout import layout
@@ -27,10 +26,7 @@ LONGEST = 120  # operations of a closed form that is written out unasked
 _MOST_PARAMETERS = 20  # beyond which groups are many, and take long to prove
 _MOST_STEPS = 150  # operations of the steps beyond which closed forms would fill pages
 _RATIOS = {Part.REAL: "r_r", Part.IMAG: "r_i"}
-_SHOWN = {
-    "Re dH": "real", "Im dH": "imag", "r_r": "ratio_real", "r_i": "ratio_imag",
-    "Re(dH/H_env)": "relative_real", "Im(dH/H_env)": "relative_imag",
-}  # fmt: skip
+_SHOWN = dict(zip(("Re dH", "Im dH", "r_r", "r_i", "Re(dH/H_env)", "Im(dH/H_env)"), DISTORTION, strict=True))
 """Names of quantities, and of the results of ``Steps``."""
 
 
@@ -158,10 +154,11 @@ def _in_steps(d: Derivation) -> Section:
 
 
 def _steps(steps: Steps) -> Iterator[Line]:
-    for symbol, value in steps.definitions:
+    shown = steps.only(_SHOWN.values())
+    for symbol, value in shown.definitions:
         yield _defined(symbol, value)
     for name, result in _SHOWN.items():
-        yield _named(name, steps.results[result])
+        yield _named(name, shown.results[result])
 
 
 def _written_out(d: Derivation) -> Section:
@@ -264,7 +261,7 @@ def _dimensionless(d: Derivation) -> Iterator[Section]:
         layout(found.stiffness), ". The ratios, as functions of these:",
     )  # fmt: skip
     yield Section(title, tuple(rows), (note,))
-    steps = _in_x(found, structure(found.chain.at(found.values)))
+    steps = _in_x(found, found.chain.at(found.values).steps)
     yield Section((), tuple(_steps(steps)))
 
 

@@ -41,11 +41,15 @@ class Operation:
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """Operations in order, and the indices of the results by name. Inputs are in the order of ``inputs``."""
+    """Operations in order, and the indices of the results by name. Inputs are in the order of ``inputs``.
+
+    ``labels`` : what a reader calls a step; with a minus before it, what he calls its negative.
+    """
 
     inputs: tuple[Symbol, ...]
     operations: tuple[Operation, ...]
     results: Mapping[str, int]
+    labels: Mapping[int, str] = field(default_factory=dict)
 
     def needed(self, results: Iterable[int]) -> list[int]:
         """The steps that some steps need, themselves included, in order."""
@@ -76,6 +80,7 @@ class Writer:
     inputs: tuple[Symbol, ...]
     operations: list[Operation] = field(default_factory=list)
     known: dict[Operation, int] = field(default_factory=dict)
+    labels: dict[int, str] = field(default_factory=dict)
 
     def _step(self, name: str, *arguments: int, value: Any = None) -> int:
         if name in ("add", "mul"):
@@ -91,6 +96,18 @@ class Writer:
 
     def constant(self, value: Any) -> int:
         return self._step("constant", value=value if isinstance(value, fmpq) else fmpq(value))
+
+    def label(self, x: int, name: str) -> int:
+        """The same step under a name, for a reader: the first name stays; inputs, their squares and numbers have none."""
+        step = self.operations[x]
+        is_square = len(set(step.arguments)) == 1 < len(step.arguments)
+        if step.name == "neg":
+            self.label(step.arguments[0], f"-{name}")
+        elif not (
+            step.name in ("input", "constant") or (is_square and self.operations[step.arguments[0]].name == "input")
+        ):
+            self.labels.setdefault(x, name)
+        return x
 
     def number(self, x: int) -> fmpq | None:
         """The rational number that a step is, if it is one."""
@@ -231,7 +248,8 @@ class Writer:
         used = whole.needed(results.values())
         place = {old: new for new, old in enumerate(used)}
         steps = tuple(_moved(self.operations[x], place) for x in used)
-        return Program(self.inputs, steps, {name: place[x] for name, x in results.items()})
+        labels = {place[x]: name for x, name in self.labels.items() if x in place}
+        return Program(self.inputs, steps, {name: place[x] for name, x in results.items()}, labels)
 
 
 def _moved(step: Operation, place: Mapping[int, int]) -> Operation:

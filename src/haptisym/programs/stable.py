@@ -4,12 +4,16 @@ What cancels for every parameter is cancelled before there are numbers: each eff
 G - 1 in lowest terms. Effects in a row are put together by 1 + P' + j Q' = (g + j Q)(1 + p + j q), with g = Re G of those so
 far: P' = P + g p - Q q telescopes and keeps its digits at low frequencies, and Q' = g q + Q (1 + p) is taken from the
 product, where it keeps them at high ones. What is felt is the product, never the sum H_env + dH.
+
+The steps that a reader would name have labels: R + j X of an environment, and R_n + j X_n of what is felt behind effect n,
+N = |H_env|^2, P_n + j Q_n of an effect, G_n = 1 + P_n, S_n + j T_n of a shunt, Y_n + j Z_n of a
+factor in a two-port, U + j V of a denominator and M = U^2 + V^2, K + j L of what stands over it, E + j F of dH.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from sympy import Add, Expr, Symbol
@@ -40,30 +44,39 @@ def stable_program(
 @dataclass
 class _Author:
     write: Writer
+    factors: dict[Pair, int] = field(default_factory=dict)
 
     def fields(self, environment: Expr, rendered: Expr, matrices: Sequence[Sequence[Expr]]) -> dict[str, int]:
-        H = self.sum_of_fractions(environment)
+        H = self.named("RX", self.sum_of_fractions(environment, "_e"))
         felt, dH = H, self.pair(0, 0)
         if rendered != environment:
             ring = Ring.of([rendered, environment])
             more = (ring.convert(rendered) - ring.convert(environment)).reduced()
-            felt, dH = self.sum_of_fractions(rendered), self.closed(more)
-        runs = _runs([list(map(Ring.of(matrix).convert, matrix)) for matrix in matrices])
-        for run in runs:
-            felt, dH = self.after(run, felt, dH)
-        fraction, relative = (dH, self.write.constant(1)), None
+            felt, dH = self.named("RX", self.sum_of_fractions(rendered, "_r"), "_r"), self.closed(more, "_d")
+            dH = self.named("EF", dH, "_r")
+        runs, last = _runs([list(map(Ring.of(matrix).convert, matrix)) for matrix in matrices]), len(matrices)
+        labels = [f"_{n}" for n in range(1, last + 1)] if last > 1 else [""]
+        fraction, relative = None, None
         if rendered == environment and len(runs) == 1 and _is_series(runs[0][0]):
-            relative = self.series([row[0] for row in runs[0]])[1]
-            if len(runs[0]) == 1:  # the one effect's denominator stays below the line: a division less
-                above, below = self.fraction(_less_one(runs[0][0][0]))
-                fraction = self.times(H, above), below
-        return self.results(H, felt, fraction, relative)
+            if last == 1:  # the one effect's denominator stays below the line: a division less
+                above, below = self.fraction(_less_one(runs[0][0][0]), "")
+                letters = "PQ" if self.write.number(below) == 1 else "KL"
+                fraction = self.named("EF", self.times(H, self.named(letters, above))), below
+            relative = self.series([row[0] for row in runs[0]], labels)[1]
+        for run in runs:
+            own, labels = labels[: len(run)], labels[len(run) :]
+            felt, dH = self.after(run, felt, dH, own)
+            if labels:
+                felt, dH = self.named("RX", felt, own[-1]), self.named("EF", dH, own[-1])
+        return self.results(H, felt, fraction or (self.named("EF", dH), self.write.constant(1)), relative)
 
-    def after(self, run: Sequence[Sequence[RationalFunction]], felt: Pair, dH: Pair) -> tuple[Pair, Pair]:
+    def after(
+        self, run: Sequence[Sequence[RationalFunction]], felt: Pair, dH: Pair, labels: Sequence[str]
+    ) -> tuple[Pair, Pair]:
         """What is felt, and by how much it differs, behind some more effects."""
         if not _is_series(run[0]):
-            return self.port(run[0], felt, dH)
-        gain, change = self.series([row[0] for row in run])
+            return self.port(run[0], felt, dH, labels[0])
+        gain, change = self.series([row[0] for row in run], labels)
         return self.times(felt, gain), self.plus(dH, self.times(felt, change))
 
     def results(self, H: Pair, felt: Pair, fraction: tuple[Pair, int], relative: Pair | None) -> dict[str, int]:
@@ -73,7 +86,7 @@ class _Author:
             ratios = found if w.number(X) == 0 else (found[1], found[0])
             real, imag = (w.abs(x) for x in ratios)
         else:
-            N = w.add(w.mul(R, R), w.mul(X, X))
+            N = w.label(self.square(H), "N")
             found = relative or self.over(self.times(dH, (R, w.neg(X))), N)
             above, below = fraction
             scale = w.div(w.constant(1), w.mul(below, w.sqrt(N)))
@@ -83,43 +96,46 @@ class _Author:
             f"{kind}{part}": x for kind, pair in pairs.items() for part, x in zip(("real", "imag"), pair, strict=True)
         }
 
-    def sum_of_fractions(self, H: Expr) -> Pair:
+    def sum_of_fractions(self, H: Expr, label: str) -> Pair:
         """The polynomial of a dynamics and each of its fractions for itself, as they are written in the model."""
         ring = Ring.of([H])
         terms = [ring.convert(term).reduced() for term in Add.make_args(H)]
         whole, total = ring.zero, self.pair(0, 0)
-        for term in terms:
+        fractions = [term for term in terms if not term.denominator.is_constant()]
+        for n, term in enumerate(terms, 1):
             if term.denominator.is_constant():
                 whole = whole + term
             else:
-                total = self.plus(total, self.closed(term))
-        return self.plus(self.closed(whole.reduced()), total)
+                total = self.plus(total, self.closed(term, f"{label}{n}" if len(fractions) > 1 else label))
+        return self.plus(self.closed(whole.reduced(), label), total)
 
-    def series(self, gains: Sequence[RationalFunction]) -> tuple[Pair, Pair]:
+    def series(self, gains: Sequence[RationalFunction], labels: Sequence[str]) -> tuple[Pair, Pair]:
         """G and G - 1 of effects in a row."""
         G, (P, Q) = self.pair(1, 0), self.pair(0, 0)
-        for gain in gains:
-            own, (p, q) = self.closed(gain), self.closed(_less_one(gain))
+        for gain, label in zip(gains, labels, strict=True):
+            p, q = self.named("PQ", self.closed(_less_one(gain), label), label)
+            own = self.named("GQ", self.closed(gain, label), label)
             telescoped = self.write.sub(self.write.add(P, self.write.mul(G[0], p)), self.write.mul(Q, q))
             G = self.times(G, own)
-            P, Q = telescoped, G[1]
+            P, Q = self.named("PQ", (telescoped, G[1]), f"{labels[0]}{label}")
+            self.write.label(G[0], f"G{labels[0]}{label}")
         return G, (P, Q)
 
-    def port(self, matrix: Sequence[RationalFunction], felt: Pair, dH: Pair) -> tuple[Pair, Pair]:
+    def port(self, matrix: Sequence[RationalFunction], felt: Pair, dH: Pair, label: str) -> tuple[Pair, Pair]:
         """(A H + B)/(C H + D), and what it adds, ((A - D) H + B - C H^2)/(C H + D)."""
         A, B, C, D = map(matrix[0].ring.function, cleared(matrix))
         if C.is_zero:  # beside the environment
-            Z = self.closed((B / D).reduced())
-            gain, change = self.series([(A / D).reduced()])
+            Z = self.named("ST", self.closed((B / D).reduced(), label), label)
+            gain, change = self.series([(A / D).reduced()], [label])
             moved = self.plus(self.times(felt, change), Z)
             return self.plus(self.times(felt, gain), Z), self.plus(dH, moved)
         a, b, c, d, difference = (self.entry(x) for x in (A, B, C, D, A - D))
         c_H = self.times(c, felt)
-        below = self.plus(c_H, d)
-        modulus = self.write.add(self.write.mul(below[0], below[0]), self.write.mul(below[1], below[1]))
+        below = self.named("UV", self.plus(c_H, d), label)
+        modulus = self.write.label(self.square(below), f"M{label}")
         turned = (below[0], self.write.neg(below[1]))
         above = self.plus(self.times(a, felt), b)
-        added = self.plus(self.times(self.minus(difference, c_H), felt), b)
+        added = self.named("KL", self.plus(self.times(self.minus(difference, c_H), felt), b), label)
         result, more = (self.over(self.times(x, turned), modulus) for x in (above, added))
         return result, self.plus(dH, more)
 
@@ -129,14 +145,21 @@ class _Author:
         total: Pair = (self.write.expression(unit), self.write.constant(0))
         for factor, n in factors:
             for _ in range(n):
-                total = self.times(total, self.closed(entry.ring.function(factor)))
+                total = self.times(total, self.factor(entry.ring.function(factor)))
         return total
 
-    def closed(self, f: RationalFunction) -> Pair:
-        """Re and Im of a dynamics on s = j omega."""
-        return self.over(*self.fraction(f))
+    def factor(self, f: RationalFunction) -> Pair:
+        """Re and Im of a factor, numbered unless it is a mere parameter."""
+        pair = self.closed(f, "")
+        if all(self.write.operations[x].name in ("input", "constant") for x in pair):
+            return pair
+        return self.named("YZ", pair, f"_{self.factors.setdefault(pair, len(self.factors) + 1)}")
 
-    def fraction(self, f: RationalFunction) -> tuple[Pair, int]:
+    def closed(self, f: RationalFunction, label: str) -> Pair:
+        """Re and Im of a dynamics on s = j omega; ``label`` : what its U, V and M are marked with."""
+        return self.over(*self.fraction(f, label))
+
+    def fraction(self, f: RationalFunction, label: str) -> tuple[Pair, int]:
         """The same, over the squared modulus U^2 + V^2 of its denominator, or over 1 where that is no common one."""
         axis, f, one = _ring(f).axis, f.cleared(), self.write.constant(1)
         if f.is_zero:
@@ -149,8 +172,8 @@ class _Author:
         if f.denominator.is_constant() or any(not x.is_zero() and not x.gcd(square).is_constant() for x in above):
             response = on_axis(f)
             return (self.quotient(response.real), self.quotient(response.imag)), one
-        U, V = (self.write.polynomial(axis, x) for x in (u, v))
-        M = self.write.add(self.write.mul(U, U), self.write.mul(V, V))
+        below = self.named("UV", (self.write.polynomial(axis, u), self.write.polynomial(axis, v)), label)
+        M = self.write.label(self.square(below), f"M{label}")
         return (self.write.product(axis, above[0]), self.write.product(axis, above[1])), M
 
     def has_functions(self, f: RationalFunction) -> bool:
@@ -167,6 +190,13 @@ class _Author:
             return self.write.product(f.ring, f.numerator / f.denominator.leading_coefficient())
         f = f.cleared()
         return self.write.div(self.write.product(f.ring, f.numerator), self.write.product(f.ring, f.denominator))
+
+    def named(self, letters: str, pair: Pair, label: str = "") -> Pair:
+        return self.write.label(pair[0], f"{letters[0]}{label}"), self.write.label(pair[1], f"{letters[1]}{label}")
+
+    def square(self, x: Pair) -> int:
+        """|x|^2"""
+        return self.write.add(self.write.mul(x[0], x[0]), self.write.mul(x[1], x[1]))
 
     def pair(self, real: int, imag: int) -> Pair:
         return self.write.constant(real), self.write.constant(imag)

@@ -24,10 +24,9 @@ from haptisym.model.jnd import Part, is_irrational_algebraic
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
+from haptisym.programs.steps import Steps
 from haptisym.verbs.derive.asymptotics import Expansion, expansion
 from haptisym.verbs.derive.groups import Groups, groups
-from haptisym.verbs.derive.steps import Steps
-from haptisym.verbs.derive.structure import structure
 
 Factors: TypeAlias = tuple[tuple[Equation, int], ...]
 """Irreducible factors as equations, each with its order."""
@@ -62,7 +61,7 @@ class Derivation(Shown):
     @cached_property
     def steps(self) -> Steps:
         """The distortion in named steps, which stay short as devices are cascaded."""
-        return structure(self.chain)
+        return self.chain.steps
 
     def __getitem__(self, name: str) -> Expr:
         key = listed_name(name)

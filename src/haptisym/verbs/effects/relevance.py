@@ -23,7 +23,6 @@ from haptisym.kernel.shown import titled
 from haptisym.model.catalogue import Effect
 from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
-from haptisym.verbs.derive.structure import structure
 from haptisym.verbs.effects.ballchain import BallChain, Piece, series_arithmetic
 from haptisym.verbs.effects.differences import Difference, Range
 from haptisym.verbs.effects.suprema import Supremum
@@ -131,7 +130,7 @@ class Relevance(Answer):
     @cached_property
     def operations(self) -> tuple[int, int]:
         """Arithmetic operations of the distortion in named steps: for all effects, and for those that are kept."""
-        full, kept = (structure(scene.chain).operations for scene in (self.scene, self.pruned))
+        full, kept = (scene.chain.steps.operations for scene in (self.scene, self.pruned))
         return full, kept
 
     @cached_property

@@ -10,7 +10,7 @@ from sympy import Symbol, pi, sinc
 from haptisym import __version__
 from haptisym.kernel.errors import SceneError
 from haptisym.programs.program import sincm1
-from haptisym.verbs.derive.steps import Steps
+from haptisym.programs.steps import Steps
 from haptisym.writing.code.languages import Described, Routine, laid_out
 from haptisym.writing.code.names import Language, comment, function_name, identifiers
 from haptisym.writing.code.printers import in_doubles, printer
@@ -83,7 +83,7 @@ def code(
     <BLANKLINE>
     """
     listed = tuple(arguments)
-    steps = _needed(steps)
+    steps = steps.only(steps.results)
     _check(steps, listed)
     own = function_name(name, language)
     symbols = [*(a.symbol for a in listed), *(x for x, _ in steps.definitions)]
@@ -110,17 +110,6 @@ def code(
 
 def _sorted(symbols: Iterable[Symbol]) -> list[Symbol]:
     return sorted(symbols, key=str)
-
-
-def _needed(steps: Steps) -> Steps:
-    """The steps without definitions that nothing uses."""
-    used = {x for e in steps.results.values() for x in e.free_symbols}
-    kept = []
-    for name, value in reversed(steps.definitions):
-        if name in used:
-            used |= value.free_symbols
-            kept.append((name, value))
-    return Steps(tuple(reversed(kept)), steps.results)
 
 
 def _check(steps: Steps, arguments: tuple[Argument, ...]) -> None:

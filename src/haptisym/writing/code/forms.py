@@ -24,9 +24,8 @@ from haptisym.model.distortion import Chain, Distortion, part_of
 from haptisym.model.jnd import Part
 from haptisym.programs.program import sincm1
 from haptisym.programs.stable import without_sinc_less_one
+from haptisym.programs.steps import Steps, code_steps
 from haptisym.programs.values import Values
-from haptisym.verbs.derive.steps import Steps
-from haptisym.writing.code.short import program_steps
 
 
 def chain_steps(chain: Chain) -> Steps:
@@ -42,7 +41,7 @@ def chain_steps(chain: Chain) -> Steps:
     >>> steps.at({omega: Integer(10)})["relative_real"], steps.operations < 40
     (-1/5, True)
     """
-    steps = program_steps(chain.program(Values._fields))
+    steps = code_steps(chain.program(Values._fields))
     return steps if _has_no_limits(chain, steps) else closed_steps(chain.distortion())
 
 

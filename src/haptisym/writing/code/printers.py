@@ -20,7 +20,7 @@ from sympy.printing.precedence import PRECEDENCE
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import ExactNumber, bounds, expression_ball
-from haptisym.verbs.derive.steps import map_numbers
+from haptisym.programs.steps import map_numbers
 from haptisym.writing.code.names import Language
 
 _MOST_FACTORS = 12  # of a whole power that is written as a product

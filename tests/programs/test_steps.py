@@ -6,7 +6,7 @@ import pytest
 from sympy import Integer, Rational, Symbol, cos, symbols
 
 import haptisym as hs
-from haptisym.verbs.derive.steps import Steps
+from haptisym.programs.steps import Steps
 
 a, b, x0 = symbols("a b x0")
 
