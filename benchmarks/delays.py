@@ -17,7 +17,8 @@ from mpmath import iv
 from timing import machine, medians, table
 
 import haptisym as hs
-from haptisym.judge.crossings import Curve, excess, find_crossings
+from haptisym.judge.criteria import Criterion, noticed
+from haptisym.judge.crossings import Curve, find_crossings
 from haptisym.kernel.caches import forget
 from haptisym.kernel.roots import chart
 from haptisym.model.distortion import part_of
@@ -33,11 +34,9 @@ def fresh(scene: hs.Scene) -> hs.Scene:
 
 def questions(scene: hs.Scene) -> dict[object, object]:
     """What tells the crossings: where r^2 - c^2 vanishes, and the sign of dH."""
-    d, asked = scene.distortion(), {}
-    for part in hs.Part:
-        asked[Curve.EXCESS, part] = excess(d, scene.threshold[part], part)
-        asked[Curve.DIFFERENCE, part] = part_of(d.difference_response, part)
-    return asked
+    d = scene.distortion()
+    signs = {(Curve.DIFFERENCE, part): part_of(d.difference_response, part) for part in hs.Part}
+    return {x: x.function(d) for x in noticed(scene.threshold)} | signs
 
 
 def crossings(asked: dict[object, object], scene: hs.Scene) -> list[float]:
@@ -49,7 +48,7 @@ def crossings(asked: dict[object, object], scene: hs.Scene) -> list[float]:
 def zeros_only(asked: dict[object, object], scene: hs.Scene) -> list[float]:
     """All frequencies at which r^2 - c^2 vanishes, each with its order, caches empty: what the contender is asked for, too."""
     forget()
-    table_of_zeros = chart({key: f for key, f in asked.items() if key[0] is Curve.EXCESS}, *scene.band)
+    table_of_zeros = chart({key: f for key, f in asked.items() if isinstance(key, Criterion)}, *scene.band)
     return sorted(float(x.omega) for x in table_of_zeros.points if any(n > 0 for n in x.orders.values()))
 
 
@@ -59,8 +58,7 @@ Compiled = tuple[Callable[[Any], Any], Callable[[Any], Any]]
 def compiled(asked: dict[object, object]) -> list[Compiled]:
     """The division-free threshold equations and their slopes as functions of an mpmath interval."""
     found = []
-    for part in hs.Part:
-        equation = asked[Curve.EXCESS, part].written
+    for equation in (function.written for key, function in asked.items() if isinstance(key, Criterion)):
         f = equation.ring.expression(equation.numerator)
         found.append((on_intervals(f), on_intervals(f.diff(hs.omega))))
     return found

@@ -15,7 +15,8 @@ import sympy
 from timing import machine, medians, table
 
 import haptisym as hs
-from haptisym.judge.crossings import Curve, excess, find_crossings
+from haptisym.judge.criteria import noticed
+from haptisym.judge.crossings import Curve, find_crossings
 from haptisym.kernel.caches import forget
 from haptisym.kernel.roots import chart
 from haptisym.model.distortion import part_of
@@ -36,14 +37,8 @@ def crossings_only() -> list[float]:
     """The certified crossings alone, from the scene's text values on, with empty caches."""
     forget()
     d = hs.distort(SCENE.environment, *SCENE.effects)
-    asked = {
-        (curve, part): f
-        for part in hs.Part
-        for curve, f in (
-            (Curve.EXCESS, excess(d, SCENE.threshold[part], part)),
-            (Curve.DIFFERENCE, part_of(d.difference_response, part)),
-        )
-    }
+    asked = {x: x.function(d) for x in noticed(SCENE.threshold)}
+    asked |= {(Curve.DIFFERENCE, part): part_of(d.difference_response, part) for part in hs.Part}
     return [float(c.omega) for c in find_crossings(chart(asked, *SCENE.band))]
 
 

@@ -15,6 +15,7 @@ from sympy import sqrt
 import haptisym as hs
 from haptisym.effects import compliance, first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import expression, mass_spring_damper
+from haptisym.judge.criteria import noticed
 
 SPRING = mass_spring_damper(k=1)
 
@@ -475,5 +476,6 @@ def test_an_evaluation_needs_numbers() -> None:
 @pytest.mark.parametrize(("part", "ratio"), [(hs.Part.REAL, "r_r"), (hs.Part.IMAG, "r_i")])
 def test_a_crossing_shows_how_its_ratio_meets_the_threshold(kind: str, verb: str, part: hs.Part, ratio: str) -> None:
     found = hs.evaluate(hs.load_scene("fu2019")).crossings[0]
-    crossing = hs.Crossing(part, found.omega, hs.CrossingKind[kind], 1, 1)
+    [criterion] = [x for x in noticed(hs.Threshold()) if x.part is part]
+    crossing = hs.Crossing(criterion, found.omega, hs.CrossingKind[kind], 1, 1)
     assert f"{ratio} {verb} its threshold at" in repr(crossing)

@@ -21,7 +21,8 @@ from haptisym import Change, Property
 from haptisym.effects import first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import expression, kelvin_voigt, mass_spring_damper
 from haptisym.figures.projections import draw_projections
-from haptisym.judge.crossings import Curve, find_crossings, transparent_set, unbounded_points
+from haptisym.judge.criteria import kept, noticed
+from haptisym.judge.crossings import Curve, find_crossings, unbounded_points
 from haptisym.judge.percepts import NOT_NAMED, Percept, changeovers, find_felt, find_percepts, outside_model, unnamed
 from haptisym.judge.percepts import felt as percept_words
 from haptisym.kernel.reals import ExactNumber
@@ -234,6 +235,7 @@ def test_effects_act_on_what_is_rendered() -> None:
 
 # --- charts of any signs ---------------------------------------------------------------------------------------------
 
+JND = dict(zip(hs.Part, noticed(hs.Threshold()), strict=True))
 FELT = {
     (1, 1): "stiffness", (-1, -1): "mass", (1, -1): "stiffness-to-mass", (-1, 1): "mass-to-stiffness",
     (0, 1): "stiffness", (1, 0): "stiffness", (0, -1): "mass", (-1, 0): "mass",
@@ -243,16 +245,16 @@ FELT = {
 def any_chart(seed: int) -> Chart:
     """Up to nine points with signs drawn for each cell; some repeat, so that there is something to join."""
     pick = random.Random(seed)
-    keys = [(curve, part) for curve in Curve for part in hs.Part]
+    keys = [*JND.values(), *((curve, part) for curve in Curve for part in hs.Part)]
     cells: list[dict[object, int]] = []
     for _ in range(pick.randint(1, 8)):
         fresh = {key: pick.choice((-1, 0, 1)) for key in keys}
         cell = dict(cells[-1]) if cells and pick.random() < 0.6 else fresh
         for part in hs.Part:
             if pick.random() < 0.5:
-                cell[Curve.EXCESS, part] = 1
+                cell[JND[part]] = 1
             if not cell[Curve.ENVIRONMENT, part] and not cell[Curve.PERCEIVED, part]:
-                cell[Curve.EXCESS, part] = -1  # what is zero throughout in both is not noticed
+                cell[JND[part]] = -1  # what is zero throughout in both is not noticed
         cells.append(cell)
     points = []
     for n, (before, after) in enumerate(pairwise([cells[0], *cells, cells[-1]])):
@@ -278,7 +280,7 @@ def test_percepts_cover_exactly_the_cells_above_and_are_joined_where_nothing_cha
         labels = {}
         for n, point in enumerate(chart.points[:-1]):
             signs = {curve: point.after[curve, part] for curve in Curve}
-            if signs[Curve.EXCESS] <= 0 or (part is hs.Part.IMAG and signs[Curve.PERCEIVED] < 0):
+            if point.after[JND[part]] <= 0 or (part is hs.Part.IMAG and signs[Curve.PERCEIVED] < 0):
                 continue
             kind = "damping" if part is hs.Part.IMAG else FELT[signs[Curve.ENVIRONMENT], signs[Curve.PERCEIVED]]
             larger = signs[Curve.DIFFERENCE] * signs[Curve.SUM]  # of |perc|^2 - |env|^2
@@ -286,7 +288,7 @@ def test_percepts_cover_exactly_the_cells_above_and_are_joined_where_nothing_cha
         assert {n: x[1:] for n, x in told.items()} == labels
         for n in labels:
             if n + 1 in labels:
-                at = chart.points[n + 1].orders.get((Curve.EXCESS, part), 0)
+                at = chart.points[n + 1].orders.get(JND[part], 0)
                 assert (told[n][0] == told[n + 1][0]) == (labels[n] == labels[n + 1] and at <= 0)
 
 
@@ -303,9 +305,9 @@ def test_what_is_transparent_active_or_unbounded_is_read_off_the_signs_of_every_
     def told(found: tuple[Interval, ...]) -> list[tuple[int, int]]:
         return [(int(float(x.low.omega)), int(float(x.high.omega))) for x in found]
 
-    assert told(transparent_set(chart)) == spans(lambda s: max(s[Curve.EXCESS, p] for p in hs.Part) <= 0)
+    assert told(kept(chart)) == spans(lambda s: max(s[x] for x in JND.values()) <= 0)
     assert told(outside_model(chart)) == spans(lambda s: s[Curve.PERCEIVED, hs.Part.IMAG] < 0)
-    infinite = [p for p in chart.points if min(p.orders.get((Curve.EXCESS, part), 0) for part in hs.Part) < 0]
+    infinite = [p for p in chart.points if min(p.orders.get(JND[part], 0) for part in hs.Part) < 0]
     assert list(unbounded_points(chart)) == infinite
     for curve in (Curve.ENVIRONMENT, Curve.PERCEIVED):
         signs = [(p.before[curve, hs.Part.REAL], p.after[curve, hs.Part.REAL]) for p in chart.points]
@@ -319,15 +321,18 @@ def test_what_is_transparent_active_or_unbounded_is_read_off_the_signs_of_every_
 def test_a_crossing_is_named_by_the_signs_beside_it(part: hs.Part, omega: int, signs: tuple[int, int]) -> None:
     """At rest, below which there is nothing, a ratio above it exceeds and one below it touches."""
     other = next(p for p in hs.Part if p is not part)
-    (before, after), quiet = signs, {(curve, p): -1 for curve in Curve for p in hs.Part}
+    (before, after), quiet = (
+        signs,
+        dict.fromkeys([*JND.values(), *((curve, p) for curve in Curve for p in hs.Part)], -1),
+    )
     for order in (1, 2, 3):
         for difference in (-1, 1):
-            orders = {(Curve.EXCESS, part): order, (Curve.ENVIRONMENT, other): 4, (Curve.EXCESS, other): -2}
+            orders = {JND[part]: order, (Curve.ENVIRONMENT, other): 4, JND[other]: -2}
             point = Point(
                 ExactNumber(Integer(omega)),
                 orders,
-                {**quiet, (Curve.EXCESS, part): before},
-                {**quiet, (Curve.EXCESS, part): after, (Curve.DIFFERENCE, part): difference},
+                {**quiet, JND[part]: before},
+                {**quiet, JND[part]: after, (Curve.DIFFERENCE, part): difference},
             )
             [found] = find_crossings(Chart((point,)))
             kinds = {
@@ -338,9 +343,9 @@ def test_a_crossing_is_named_by_the_signs_beside_it(part: hs.Part, omega: int, s
             }
             assert (found.part, found.sign, found.multiplicity) == (part, difference, order)
             assert found.kind.value == kinds[signs]
-            open_ = dataclasses.replace(point, undecided=frozenset({(Curve.EXCESS, part)}))
+            open_ = dataclasses.replace(point, undecided=frozenset({JND[part]}))
             assert find_crossings(Chart((open_,))) == ()
-            beside = dataclasses.replace(point, undecided=frozenset({(Curve.EXCESS, other), (Curve.ENVIRONMENT, part)}))
+            beside = dataclasses.replace(point, undecided=frozenset({JND[other], (Curve.ENVIRONMENT, part)}))
             assert find_crossings(Chart((beside,))) == (found,)
 
 
@@ -453,7 +458,7 @@ def test_all_that_is_noticed_has_its_words_part_by_part_in_order(seed: int) -> N
         return [(float(x.low.omega), float(x.high.omega)) for x in found]
 
     def active(signs: Signs) -> bool:
-        return signs[Curve.EXCESS, hs.Part.IMAG] == 1 and signs[Curve.PERCEIVED, hs.Part.IMAG] == -1
+        return signs[JND[hs.Part.IMAG]] == 1 and signs[Curve.PERCEIVED, hs.Part.IMAG] == -1
 
     without_name = unnamed(chart)
     assert without_name == chart.where(active)

@@ -6,7 +6,8 @@ import pytest
 from sympy import Integer, Rational, acos, asin, pi, sqrt
 
 import haptisym as hs
-from haptisym.judge.crossings import excess
+from haptisym.judge.criteria import noticed
+from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import chart
 from haptisym.kernel.solutions import solve
 from haptisym.kernel.symbols import c, omega
@@ -48,11 +49,18 @@ def numeric_scene(name: str, high: int) -> hs.Scene:
     return hs.Scene(with_numbers(environment), tuple(map(with_numbers, effects)), (0, high))
 
 
+def excess(d: hs.Distortion, part: hs.Part) -> RealFunction:
+    """r^2 - c^2 of a part, c a symbol."""
+    [found] = [x.function(d) for x in noticed(hs.Threshold(), free=hs.Part) if x.part is part]
+    assert isinstance(found, RealFunction)
+    return found
+
+
 @pytest.mark.parametrize("part", list(hs.Part), ids=lambda p: p.value)
 @pytest.mark.parametrize("name", CASES)
 def test_formulas_give_exactly_the_certified_crossings(name: str, part: hs.Part) -> None:
     high = 150
-    formulas = solve(excess(symbolic(name), c, part))
+    formulas = solve(excess(symbolic(name), part))
     assert all(x.omega is not None for x in formulas)
     found = set()
     for solution in formulas:
@@ -68,8 +76,8 @@ def test_formulas_give_exactly_the_certified_crossings(name: str, part: hs.Part)
 
 def test_a_delay_on_a_spring_is_noticed_at_the_inverse_sine_and_cosine() -> None:
     d = symbolic("delay on a spring")
-    assert solve(excess(d, c, hs.Part.IMAG))[0].omega == asin(c) / TAU
-    assert solve(excess(d, c, hs.Part.REAL))[0].omega == acos(1 - c) / TAU
+    assert solve(excess(d, hs.Part.IMAG))[0].omega == asin(c) / TAU
+    assert solve(excess(d, hs.Part.REAL))[0].omega == acos(1 - c) / TAU
 
 
 @pytest.mark.parametrize(
@@ -100,6 +108,6 @@ def test_formulas_give_every_zero_of_what_is_felt_behind_a_delay(name: str, part
 
 
 def test_what_cannot_be_inverted_is_its_own_answer() -> None:
-    [solution] = solve(excess(hs.distort(E.kelvin_voigt(K, B), F.delay(TAU)), c, hs.Part.REAL))
+    [solution] = solve(excess(hs.distort(E.kelvin_voigt(K, B), F.delay(TAU)), hs.Part.REAL))
     assert solution.omega is None
     assert solution.equation.has(omega)

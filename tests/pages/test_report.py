@@ -24,9 +24,7 @@ from pagereader import Page, equations, value
 from sympy import Rational, lambdify
 
 import haptisym as hs
-from haptisym import Part
 from haptisym.cli import main
-from haptisym.judge.crossings import Curve
 from haptisym.kernel.symbols import s
 from haptisym.pages.report import pdf as report_pdf
 from haptisym.pages.report.page import page, save_report
@@ -245,7 +243,7 @@ def test_what_is_undecided_is_said() -> None:
     """A tangency that stayed open, made from one that did not."""
     result = evaluated("tangency")
     points = [
-        replace(x, undecided=frozenset([(Curve.EXCESS, Part.REAL)])) if x.orders.get((Curve.EXCESS, Part.REAL)) else x
+        replace(x, undecided=frozenset(result.criteria[:1])) if x.orders.get(result.criteria[0]) else x
         for x in result.chart.points
     ]
     opened = replace(result, chart=replace(result.chart, points=tuple(points)))

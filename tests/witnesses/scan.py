@@ -303,11 +303,7 @@ def first_side(result: Any, part: str) -> bool:
     if found:
         return bool(found[0].kind.value == "returns")
     # no crossing: all of the band, or (but for an active display) nothing
-    [told] = {
-        sign
-        for (curve, of), sign in result.chart.points[0].after.items()
-        if curve.name == "EXCESS" and of.value == part
-    }
+    [told] = [result.chart.points[0].after[x] for x in result.criteria if x.name == part]
     return bool(told > 0)
 
 

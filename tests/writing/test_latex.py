@@ -19,11 +19,9 @@ from sympy.printing.latex import LatexPrinter
 from texreader import equations, value
 
 from haptisym import Scene, Threshold, effects, environments, evaluate, load_scene, scene_names, symbols
-from haptisym.judge.crossings import Curve
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.symbols import X, omega, s
 from haptisym.model.distortion import Distortion, distort
-from haptisym.model.jnd import Part
 from haptisym.pages.tex.document import document
 from haptisym.pages.tex.latex import latex
 from haptisym.writing.numerals import approximate
@@ -458,8 +456,9 @@ def test_what_is_undecided_is_listed_and_nothing_is_called_proven_without_it():
         environments.mass_spring_damper(k=1), (effects.delay(1),), (0, 6), Threshold.of(2, 5)
     )
     e = evaluate(spring_late_by_a_second)
-    [touch] = [x for x in e.chart.points if x.orders.get((Curve.EXCESS, Part.REAL))]
-    opened = replace(touch, undecided=frozenset([(Curve.EXCESS, Part.REAL)]))
+    real = e.criteria[0]
+    [touch] = [x for x in e.chart.points if x.orders.get(real)]
+    opened = replace(touch, undecided=frozenset([real]))
     points = tuple(opened if x is touch else x for x in e.chart.points)
     text = document(replace(e, chart=replace(e.chart, points=points)))
     low, high = touch.omega.enclosure(15)

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from haptisym.figures.sampling import broken, sampled
+from haptisym.figures.sampling import broken, columns, sampled
 from haptisym.figures.scales import RADIANS, Scale, band_scale
 from haptisym.figures.style import (
     BLUE,
@@ -32,31 +32,32 @@ from haptisym.figures.style import (
     name_frequency,
     save,
     shade,
+    written,
 )
-from haptisym.model.jnd import Part
+from haptisym.judge.criteria import noticed
 from haptisym.programs.values import Array
 from haptisym.verbs.family.entry import FamilyEvaluation
 
-_NAMES = {Part.REAL: "r", Part.IMAG: "i"}
 _BINDING: tuple[tuple[str, Any], ...] = ((BLUE, SOLID), (RED, DASHED), ("#6fb0b8", SOLID), ("#d0701f", DASHED))
 """Colours and strokes of the environments that bind, in the order in which they do."""
 
 
 Ratios: TypeAlias = dict[str, Array]
-"""r_r and r_i in two columns, by the name of the environment."""
+"""What is judged, a column for each criterion, by the name of the environment."""
 
 
 def draw_envelope(
-    ax: Axes, evaluation: FamilyEvaluation, part: Part, omega: Array, sampled: Ratios, scale: Scale = RADIANS
+    ax: Axes, evaluation: FamilyEvaluation, which: int, omega: Array, sampled: Ratios, scale: Scale = RADIANS
 ) -> list[Line2D]:
-    """r_r or r_i of each environment as a thin line, the largest as a thick one, the binding environments in colour.
+    """One ratio of each environment as a thin line, the largest as a thick one, the binding environments in colour.
 
-    Grey: where every environment is transparent in both parts. A dot marks each end of that at which this part binds.
+    Grey: where every environment is transparent. A dot marks each end of that at which this criterion, the ``which``-th, binds.
     ``omega`` : rad/s; drawn in the unit of ``scale``. Returns the line of each environment.
     """
-    ratios = {name: both[:, 0 if part is Part.REAL else 1] for name, both in sampled.items()}
+    ratios = {name: all_[:, which] for name, all_ in sampled.items()}
     envelope = np.max(np.nan_to_num(np.stack(list(ratios.values())), nan=np.inf), axis=0)
-    c, at = float(evaluation.family.threshold[part]), scale.of(omega)
+    criterion = noticed(evaluation.family.threshold)[which]
+    c, at = float(criterion.threshold), scale.of(omega)
     looks = binding_looks(evaluation)
     shade(ax, evaluation.transparent, scale)
     ax.axhline(c, color=GREY, linewidth=0.6, linestyle=DOTTED)
@@ -66,12 +67,12 @@ def draw_envelope(
         width = 1.1 if name in looks else 0.6
         lines += ax.plot(at, values, color=color, linestyle=style, linewidth=width, zorder=3)
     ax.plot(at, envelope, color=INK, linewidth=2.2, alpha=0.35, zorder=2, solid_capstyle="butt")
-    for x in (x for x in evaluation.binding if x.part is part):
+    for x in (x for x in evaluation.binding if x.criterion == criterion):
         color, place = looks[x.environment][0], scale.of(float(x.omega))
         ax.plot([place], [c], marker="o", markersize=3.8, color=color, zorder=4, clip_on=False)
     ax.set(xlim=(at[0], at[-1]), ylim=(0, _height(envelope, c)))
     dress(ax)
-    ax.set_ylabel(rf"$r_\mathrm{{{_NAMES[part]}}}$", fontsize=TEXT)
+    ax.set_ylabel(written(criterion), fontsize=TEXT)
     return lines
 
 
@@ -92,7 +93,7 @@ def _sampled(evaluation: FamilyEvaluation, omega: Array) -> Ratios:
     found = {}
     for name, answers in evaluation.answers.items():
         values = answers.distortion.compile()(omega)
-        found[name] = broken(np.stack([values.ratio_real, values.ratio_imag], axis=1), omega, answers.unbounded)
+        found[name] = broken(columns(answers.criteria, values), omega, answers.unbounded)
     return found
 
 
@@ -110,21 +111,23 @@ def save_family_figures(evaluation: FamilyEvaluation, directory: str | Path) -> 
 
 
 def family_figure(evaluation: FamilyEvaluation) -> Figure:
-    """r_r above r_i, with one legend."""
-    height = 3.3
+    """A panel for each criterion, one above the other, with one legend."""
+    count = len(noticed(evaluation.family.threshold))
+    height = 0.7 + 1.3 * count
     figure = Figure(figsize=(WIDTH, height), layout="compressed")
-    upper, lower = figure.subplots(2, 1, sharex=True)
+    panels = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
     omega, scale = _common_grid(evaluation), band_scale(evaluation.family.first.band)
     sampled = _sampled(evaluation, omega)
-    for ax, part in ((upper, Part.REAL), (lower, Part.IMAG)):
-        draw_envelope(ax, evaluation, part, omega, sampled, scale)
-    upper.tick_params(labelbottom=False)
-    name_frequency(lower, scale)
+    for which, ax in enumerate(panels):
+        draw_envelope(ax, evaluation, which, omega, sampled, scale)
+    for ax in panels[:-1]:
+        ax.tick_params(labelbottom=False)
+    name_frequency(panels[-1], scale)
     ends = dict.fromkeys(x.omega for x in evaluation.binding)
-    label_above(upper, [(scale.of(float(x)), scale.digits(x, 4)) for x in ends])
-    legend(upper, _handles(evaluation), lines=1)
+    label_above(panels[0], [(scale.of(float(x)), scale.digits(x, 4)) for x in ends])
+    legend(panels[0], _handles(evaluation), lines=1)
     figure.draw_without_rendering()
-    figure.set_figheight(height + _legend_height(upper))
+    figure.set_figheight(height + _legend_height(panels[0]))
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     return figure

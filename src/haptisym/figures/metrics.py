@@ -31,7 +31,6 @@ from haptisym.figures.style import (
     name_frequency,
     save_as,
 )
-from haptisym.model.jnd import Part
 from haptisym.verbs.metrics.measured import Bands
 from haptisym.verbs.metrics.metric import Metrics
 
@@ -94,7 +93,7 @@ def draw_measures(
             label=f"{name}{look.suffix}",
         )
     ]  # fmt: skip
-    limits = sorted({float(e.scene.threshold[part]) for part in Part})
+    limits = sorted({float(x.threshold) for x in e.criteria})
     told = entries(ax)
     thresholds = [
         ax.axhline(c, color=GREY, linewidth=0.6, label=f"$c = {c:.3g}$") for c in limits if f"$c = {c:.3g}$" not in told

@@ -38,7 +38,6 @@ from haptisym.figures.style import (
     text_width,
     write_note,
 )
-from haptisym.judge.crossings import Curve
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.roots import Interval
 from haptisym.model.jnd import Part
@@ -80,8 +79,9 @@ def draw_projections(
     first = rf"$|{name}\,H_\mathrm{{env}}|$"
     look, scale = Look.on(ax, first, color, label), scale_of(ax, evaluation.scene.band, hertz=hertz)
     f, grid = evaluation.distortion.compile(), sampled(evaluation)
-    noticed = evaluation.chart.where(lambda signs: signs[Curve.EXCESS, part] > 0)
-    unnoticed = evaluation.chart.where(lambda signs: signs[Curve.EXCESS, part] <= 0)
+    own = [x for x in evaluation.criteria if x.part is part]
+    noticed = evaluation.chart.where(lambda signs: any(signs[x] > 0 for x in own))
+    unnoticed = evaluation.chart.where(lambda signs: all(signs[x] <= 0 for x in own))
     top = 1.3 * top_of(_magnitudes(f, grid, part), _magnitudes(f, evenly(evaluation), part)) or 1.0
     omega = refined(lambda w: in_window(_magnitudes(f, w, part), 0, top), grid)
     values = broken(_magnitudes(f, omega, part), omega, poles_of(evaluation))

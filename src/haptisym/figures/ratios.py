@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import groupby
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from haptisym.figures.sampling import band_of, broken, evenly, in_window, limits_of, refined, sampled, top_of
+from haptisym.figures.sampling import band_of, broken, columns, evenly, in_window, refined, sampled, top_of
 from haptisym.figures.scales import Scale, scale_of
 from haptisym.figures.style import (
     DASHED,
     GREY,
     MOST_LABELS,
     SOLID,
+    STROKES,
     TEXT,
     Look,
     bars,
@@ -28,12 +29,10 @@ from haptisym.figures.style import (
     name_frequency,
     number,
     shade,
+    written,
 )
 from haptisym.judge.evaluation import Evaluation
-from haptisym.model.jnd import Part
-from haptisym.programs.values import Array, Values
-
-_NAMES = {Part.REAL: r"$r_\mathrm{r}$", Part.IMAG: r"$r_\mathrm{i}$"}
+from haptisym.programs.values import Array
 
 
 def draw_ratios(
@@ -56,20 +55,33 @@ def draw_ratios(
     >>> len(lines), ax.get_xlabel(), ax.get_xlim() == (0, 40)
     (2, '$\\\\omega$ (rad/s)', True)
     """
-    look, scale = Look.on(ax, _NAMES[Part.REAL], color, label), scale_of(ax, evaluation.scene.band, hertz=hertz)
-    f, limits = evaluation.distortion.compile(), limits_of(evaluation)
+    first = written(evaluation.criteria[0])
+    look, scale = Look.on(ax, first, color, label), scale_of(ax, evaluation.scene.band, hertz=hertz)
+    criteria, f = evaluation.criteria, evaluation.distortion.compile()
+    limits = [float(x.threshold) for x in criteria]
+
+    def judged(omega: Array) -> Array:
+        return columns(criteria, f(omega))
+
     grid = sampled(evaluation)
-    top = max(top_of(_ratios(f, grid), _ratios(f, evenly(evaluation)), max(limits)), 2 * max(limits))
-    omega = refined(lambda w: in_window(_ratios(f, w), 0, top), grid)
-    ratios = broken(_ratios(f, omega), omega, evaluation.unbounded)
+    top = max(top_of(judged(grid), judged(evenly(evaluation)), max(limits)), 2 * max(limits))
+    omega = refined(lambda w: in_window(judged(w), 0, top), grid)
+    ratios = broken(judged(omega), omega, evaluation.unbounded)
     where = f"transparent{look.suffix}"
     found = evaluation.transparent
     spans = bars(ax, found, look, scale, where) if look.number else shade(ax, found, scale, where)
     thresholds = _draw_thresholds(ax, limits)
     lines = [
         line
-        for values, part in zip(ratios.T, Part, strict=True)
-        for line in _draw_curve(ax, scale.of(omega), values, look, part)
+        for values, x, style in zip(ratios.T, criteria, STROKES, strict=False)
+        for line in ax.plot(
+            scale.of(omega),
+            values,
+            color=look.color,
+            linewidth=1.1,
+            linestyle=style,
+            label=f"{written(x)}{look.suffix}",
+        )
     ]
     limit(ax, _span(evaluation, scale), (0, top), number=look.number)
     dress(ax)
@@ -87,11 +99,6 @@ def _span(evaluation: Evaluation, scale: Scale) -> tuple[float, float]:
     return scale.of(low), scale.of(high)
 
 
-def _draw_curve(ax: Axes, at: Array, values: Array, look: Look, part: Part) -> list[Line2D]:
-    style = SOLID if part is Part.REAL else DASHED
-    return ax.plot(at, values, color=look.color, linewidth=1.1, linestyle=style, label=f"{_NAMES[part]}{look.suffix}")
-
-
 def _draw_thresholds(ax: Axes, limits: Sequence[float]) -> list[Line2D]:
     """The thresholds that are not drawn yet; entries of them all."""
     names = (r"c_\mathrm{r}", r"c_\mathrm{i}") if len(set(limits)) > 1 else ("c",)
@@ -103,21 +110,16 @@ def _draw_thresholds(ax: Axes, limits: Sequence[float]) -> list[Line2D]:
     return made
 
 
-def _ratios(f: Callable[..., Values], omega: Array) -> Array:
-    values = f(omega)
-    return np.stack([values.ratio_real, values.ratio_imag], axis=1)
-
-
 def _mark_crossings(ax: Axes, evaluation: Evaluation, look: Look, scale: Scale) -> list[Line2D]:
-    """A dot where r_r, a ring where r_i meets its threshold."""
+    """A dot where the first ratio, a ring where the other meets its threshold."""
     made: list[Line2D] = []
-    for part, c, face in zip(Part, limits_of(evaluation), (look.color, "white"), strict=True):
-        omega = [scale.of(float(crossing.omega)) for crossing in evaluation.crossings if crossing.part is part]
+    for x, face in zip(evaluation.criteria, (look.color, "white"), strict=False):
+        omega = [scale.of(float(crossing.omega)) for crossing in evaluation.crossings if crossing.criterion == x]
         if not omega:  # an unclipped line without points would upset the layout
             continue
         made += ax.plot(
-            omega, [c] * len(omega), linestyle="none", marker="o", markersize=3.6, color=look.color,
-            markerfacecolor=face, markeredgewidth=0.8, zorder=4, clip_on=False, label=f"{_NAMES[part]} crosses{look.suffix}",
+            omega, [float(x.threshold)] * len(omega), linestyle="none", marker="o", markersize=3.6, color=look.color,
+            markerfacecolor=face, markeredgewidth=0.8, zorder=4, clip_on=False, label=f"{written(x)} crosses{look.suffix}",
         )  # fmt: skip
     return made
 

@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 from sympy import Expr, Poly, PolynomialError, fraction
 
+from haptisym.judge.criteria import Criterion
 from haptisym.judge.crossings import Curve
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.roots import Interval, Point
 from haptisym.kernel.symbols import s
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
-from haptisym.programs.values import Array
+from haptisym.programs.values import Array, Values
 
 
 def band_of(evaluation: Evaluation) -> tuple[float, float]:
@@ -24,6 +25,11 @@ def band_of(evaluation: Evaluation) -> tuple[float, float]:
 
 def ends_of(interval: Interval) -> tuple[float, float]:
     return float(interval.low.omega), float(interval.high.omega)
+
+
+def columns(criteria: Iterable[Criterion], values: Values) -> Array:
+    """What criteria judge, a column each, from compiled values."""
+    return np.stack([x.sampled(values) for x in criteria if x.sampled], axis=1)
 
 
 def evenly(evaluation: Evaluation) -> Array:

@@ -12,16 +12,28 @@ from matplotlib.patches import Patch
 from sympy import Symbol
 
 from haptisym.figures.scales import RADIANS, Scale, band_scale
-from haptisym.figures.style import BLUE, GREY, INK, RED, SCENES, SMALL, TEXT, WIDTH, entries, legend, number, save_as
+from haptisym.figures.style import (
+    BLUE,
+    GREY,
+    INK,
+    RED,
+    SCENES,
+    SMALL,
+    TEXT,
+    WIDTH,
+    entries,
+    legend,
+    number,
+    save_as,
+    written,
+)
 from haptisym.kernel.errors import NothingToDrawError
-from haptisym.model.jnd import Part
 from haptisym.verbs.sensitivity.entry import Sensitivities
 from haptisym.verbs.sensitivity.slopes import Sensitive
 from haptisym.writing.texprinter import formula
 
 _MOST = 12  # bars of one frequency; the text has them all
 _MOST_FREQUENCIES = 12
-_TITLES = {Part.REAL: r"$r_\mathrm{r}$ meets its threshold", Part.IMAG: r"$r_\mathrm{i}$ meets its threshold"}
 _ROW, _HEAD, _FOOT, _SIDE = 0.19, 0.46, 0.62, 0.45
 """Inches: a bar with the space around it, a panel's title, the axis below, the names at the left, at least."""
 
@@ -107,7 +119,7 @@ def _place(figure: Figure, axes: Sequence[Axes], rows: Sequence[int]) -> None:
 
 
 def _panels(found: Sensitivities) -> Sequence[tuple[str, Sensitive]]:
-    crossings = [(_TITLES[x.part], x) for x in found.crossings if x.part]
+    crossings = [(f"{written(x.criterion)} meets its threshold", x) for x in found.crossings if x.criterion]
     env, perc = found.changeovers_environment, found.changeovers_perceived
     systems = ((r"H_\mathrm{env}", env), (r"H_\mathrm{perc}", perc))
     changeovers = [(rf"$\mathrm{{Re}}\,{name} = 0$", x) for name, listed in systems for x in listed]

@@ -15,7 +15,6 @@ from haptisym.figures.sampling import band_of, limits_of
 from haptisym.figures.scales import band_scale
 from haptisym.figures.style import (
     DOTTED,
-    FULL_NAMES,
     GREY,
     INK,
     SHADE,
@@ -31,10 +30,9 @@ from haptisym.figures.style import (
     name_dynamics,
     number,
 )
-from haptisym.judge.crossings import Curve
+from haptisym.judge.criteria import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.errors import SceneError
-from haptisym.model.jnd import Part
 from haptisym.programs.values import Array
 
 
@@ -56,7 +54,7 @@ def draw_jnd_square(
     >>> ax.get_title()
     '$\\\\omega$ = 10 rad/s: noticed in the real part'
     """
-    noticed = [part for part in Part if _sign_at(evaluation, omega, (Curve.EXCESS, part)) > 0]
+    noticed = [x for x in evaluation.criteria if _sign_at(evaluation, omega, x) > 0]
     tips = stacked(responses(evaluation.distortion.compile(), np.array([omega])))
     if not np.isfinite(tips).all():
         raise SceneError(f"omega: the dynamics are infinite at {omega:g} rad/s")
@@ -88,21 +86,21 @@ def _projected() -> list[Artist]:
     ]
 
 
-def _verdict(noticed: Sequence[Part]) -> str:
+def _verdict(noticed: Sequence[Criterion]) -> str:
     if not noticed:
         return "not noticed"
-    return f"noticed in {'both parts' if len(noticed) == 2 else f'the {FULL_NAMES[noticed[0]]} part'}"
+    return f"noticed in {'both parts' if len(noticed) == 2 else f'the {noticed[0].words}'}"
 
 
-def _sign_at(evaluation: Evaluation, omega: float, key: tuple[Curve, Part]) -> int:
-    """The proven sign of a function of the chart at a frequency."""
+def _sign_at(evaluation: Evaluation, omega: float, criterion: Criterion) -> int:
+    """The proven sign of what is judged at a frequency."""
     points = evaluation.chart.points
     below = [point for point in points if float(point.omega) <= omega]
     if not below or omega > float(points[-1].omega):
         raise SceneError(
             f"omega: {omega:g} rad/s is not on the band, {' to '.join(f'{x:g}' for x in band_of(evaluation))}"
         )
-    return below[-1].at[key] if float(below[-1].omega) == omega else below[-1].after[key]
+    return (below[-1].at if float(below[-1].omega) == omega else below[-1].after)[criterion]
 
 
 def _draw_region(ax: Axes, tip: Array, reach: Array, look: Look) -> Rectangle:

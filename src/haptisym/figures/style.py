@@ -24,9 +24,9 @@ from sympy import Symbol
 from haptisym.figures.kinds import UNDATED, checked
 from haptisym.figures.sampling import ends_of
 from haptisym.figures.scales import RADIANS, Scale
+from haptisym.judge.criteria import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.roots import Interval
-from haptisym.model.jnd import Part
 from haptisym.model.quantities import Motion, unit_text
 from haptisym.programs.values import Array
 from haptisym.writing.texprinter import formula
@@ -41,10 +41,25 @@ DASHED: Any = (0, (4, 1.6))
 DOTTED: Any = (0, (1, 2))
 LEADER = {"arrowstyle": "-", "linewidth": 0.5, "color": GREY, "shrinkA": 0, "shrinkB": 0}
 CURVES = ((BLUE, SOLID, r"H_\mathrm{env}"), (RED, DASHED, r"H_\mathrm{perc}"))
-FULL_NAMES = {Part.REAL: "real", Part.IMAG: "imaginary"}
+STROKES = (SOLID, DASHED, DOTTED)
+"""Of the criteria of a scene, in their order."""
 SCENES = (INK, "#d0701f", BLUE, "#6fb0b8", "#7d4a8c")
 """Colours of the first, second, ... scene that is drawn on the same axes."""
 MOST_LABELS, MOST_NUMBERS = 4, 8
+
+
+def written(x: Criterion) -> str:
+    """The symbol of what a criterion judges, for a legend or an axis."""
+    return f"${_index(x.symbol)}$"
+
+
+def threshold_symbol(x: Criterion) -> str:
+    """Its threshold, with the index that the symbol has."""
+    return f"${_index(re.sub('^[^_]*', 'c', x.symbol))}$"
+
+
+def _index(symbol: str) -> str:
+    return re.sub(r"_(\w+)", r"_\\mathrm{\1}", symbol)
 
 
 @dataclass(frozen=True)

@@ -8,16 +8,20 @@ Derivation: 11_any_environment.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+from typing import Any
 
-from sympy import Integer
+from sympy import Expr, sqrt
 
-from haptisym.judge.crossings import level
+from haptisym.judge.criteria import Criterion, noticed
+from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.response import RealFunction, squared_modulus
 from haptisym.kernel.roots import chart
+from haptisym.kernel.symbols import c
 from haptisym.model.distortion import Distortion
-from haptisym.model.jnd import Part
+from haptisym.model.jnd import Part, Threshold
 from haptisym.model.scene import Scene
 
 
@@ -56,6 +60,29 @@ def relative_square(distortion: Distortion) -> RealFunction | None:
     return squared_modulus((distortion.difference / distortion.env).reduced())
 
 
+def _square(distortion: Distortion) -> RealFunction:
+    found = relative_square(distortion)
+    if found is None:
+        raise SceneError("only effects in series can be judged for any environment: this scene has others")
+    return found
+
+
+def _modulus(values: Any) -> Any:
+    return abs(values.relative_real + 1j * values.relative_imag)
+
+
+ANY_ENVIRONMENT = Criterion(
+    "any environment", "any environment", "|G - 1|", "|G - 1| <= c", _square, _modulus,
+    kept="transparent with any environment whatever",
+)  # fmt: skip
+"""Judges the effects of a scene alone, whatever stands behind them."""
+
+
+def for_any_environment(threshold: Threshold, free: Collection[Part] = ()) -> Criterion:
+    """|G - 1| <= c, with the smaller threshold, or with the symbol c where a threshold is free."""
+    return replace(ANY_ENVIRONMENT, threshold=c if free else min(threshold.real, threshold.imag))
+
+
 def any_environment(scene: Scene) -> AnyEnvironment | None:
     """The bounds for a scene whose effects are all in series; None for any other.
 
@@ -64,12 +91,13 @@ def any_environment(scene: Scene) -> AnyEnvironment | None:
     >>> found.transparent_below.digits(5), found.opaque_above.digits(6)
     ('7.9223', '11.1001')
     """
-    square = relative_square(scene.distortion())
-    if square is None:
+    d = scene.distortion()
+    if relative_square(d) is None:
         return None
-    squares = [(scene.threshold[part] ** 2).expand() for part in Part]
-    least, most = min(squares), sum(squares, Integer(0))
-    table = chart({"all": level(square, least), "none": level(square, most)}, *scene.band)
+    least = for_any_environment(scene.threshold)
+    most: Expr = sqrt(sum(x.limit for x in noticed(scene.threshold)))
+    beyond = replace(least, threshold=most)
+    table = chart({"all": least.function(d), "none": beyond.function(d)}, *scene.band)
     transparent = table.where(lambda signs: signs["all"] <= 0)
     opaque = table.where(lambda signs: signs["none"] > 0)
     starts = [x.high.omega for x in transparent[:1] if x.low is table.points[0]]

@@ -13,7 +13,8 @@ from sympy import Expr
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.bounds import AnyEnvironment, any_environment
-from haptisym.judge.crossings import Crossing, Curve, curves, find_crossings, transparent_set, unbounded_points
+from haptisym.judge.criteria import Criterion, judged, kept, noticed
+from haptisym.judge.crossings import Crossing, Curve, curves, find_crossings, unbounded_points
 from haptisym.judge.percepts import Felt, Percept, changeovers, find_felt, find_percepts, outside_model, unnamed
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.periodic import Turned
@@ -119,13 +120,18 @@ class Evaluation(Answer):
     def _about(self) -> Scene:
         return self.given
 
+    @property
+    def criteria(self) -> tuple[Criterion, ...]:
+        """What is judged."""
+        return judged(self.chart)
+
     @cached_property
     def crossings(self) -> tuple[Crossing, ...]:
         return find_crossings(self.chart)
 
     @cached_property
     def transparent(self) -> tuple[Interval, ...]:
-        return transparent_set(self.chart)
+        return kept(self.chart)
 
     @property
     def bandwidth(self) -> RealNumber | None:
@@ -164,9 +170,9 @@ class Evaluation(Answer):
         return unbounded_points(self.chart)
 
     @cached_property
-    def undecided(self) -> tuple[tuple[Part, Point], ...]:
+    def undecided(self) -> tuple[tuple[Criterion, Point], ...]:
         """Where it stayed open at the precision limit whether a ratio touches its threshold, crosses it twice or not at all."""
-        return tuple((p, x) for x in self.chart.undecided for p in Part if (Curve.EXCESS, p) in x.undecided)
+        return tuple((x, point) for point in self.chart.undecided for x in self.criteria if x in point.undecided)
 
     @cached_property
     def any_environment(self) -> AnyEnvironment | None:
@@ -213,13 +219,13 @@ class Evaluation(Answer):
         }
 
     def _left(self) -> dict[str, Any]:
-        rows = [{"part": part.value, "enclosure": list(p.omega.enclosure(self.digits))} for part, p in self.undecided]
+        rows = [{"part": x.name, "enclosure": list(p.omega.enclosure(self.digits))} for x, p in self.undecided]
         found: dict[str, Any] = {"undecided": rows} if rows else {}
         return found | ({} if self.relevance is None else {"relevance": self.relevance.row()})
 
     def _crossing(self, c: Crossing) -> dict[str, Any]:
         return {
-            "part": c.part.value,
+            "part": c.criterion.name,
             "omega": float(c.omega),
             "digits": c.omega.digits(self.digits),
             "enclosure": list(c.omega.enclosure(self.digits)),
@@ -245,7 +251,7 @@ def evaluate(scene: Scene | str | Path, digits: int = 15, *, left_out: LeftOut |
     scene.knobs.need_numbers()
     distortion = scene.distortion()
     started = time.perf_counter()
-    table = chart(curves(distortion, scene.threshold), *scene.band)
+    table = chart(curves(distortion, noticed(scene.threshold)), *scene.band)
     isolation = time.perf_counter() - started
     stable = None if sampled_loop(scene) else is_stable(distortion.perc)
     return Evaluation(scene, distortion, table, stable, digits, left_out, isolation)

@@ -11,6 +11,7 @@ import flint
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
 from sympy import CRootOf, Expr, Integer, Poly, Symbol, sqrt
 
+from haptisym.judge.criteria import Criterion, Judged, noticed
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.levels import the_one
 from haptisym.kernel.polynomials import PolynomialFactor, Root
@@ -19,7 +20,6 @@ from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import chart
 from haptisym.kernel.shown import Shown
 from haptisym.kernel.zeros import Zero
-from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 
@@ -37,16 +37,15 @@ class ValueAt(RealNumber):
 
 
 @dataclass(frozen=True, repr=False)
-class Peak(Shown):
-    """A frequency inside the band, rad/s, at which r_r or r_i has a local maximum; ``ratio``: how large it is. Certified."""
+class Peak(Judged, Shown):
+    """A frequency inside the band, rad/s, at which a ratio has a local maximum; ``ratio``: how large it is. Certified."""
 
-    part: Part
+    criterion: Criterion
     omega: RealNumber
     square: RealFunction = field(repr=False)
 
     def _line(self) -> str:
-        name = "r_r" if self.part is Part.REAL else "r_i"
-        return f"{name} = {self.ratio.digits(6)} at {self.omega.digits(6)} rad/s"
+        return f"{self.criterion.symbol} = {self.ratio.digits(6)} at {self.omega.digits(6)} rad/s"
 
     @property
     def ratio(self) -> RealNumber:
@@ -71,19 +70,19 @@ def peaks(scene: Scene | str | Path) -> tuple[Peak, ...]:
 
     >>> from haptisym import effects, environments
     >>> spring = Scene(environments.mass_spring_damper(k=100), (effects.series("1 + 0.4*s/(s^2 + 2*s + 9)"),))
-    >>> [(p.part.value, p.omega.digits(3), p.ratio.digits(3), p.threshold) for p in peaks(spring)]
+    >>> [(p.criterion.name, p.omega.digits(3), p.ratio.digits(3), p.threshold) for p in peaks(spring)]
     [('imag', '2.16', '0.100', 1/10), ('real', '3.00', '0.200', 1/5), ('imag', '4.16', '0.100', 1/10)]
     """
     scene = as_scene(scene)
     scene.knobs.need_numbers()
-    squares = scene.distortion().squared_ratios
-    slopes = {part: square.derivative() for part, square in squares.items()}
-    points = chart(slopes, *scene.band).points[1:-1]
+    d = scene.distortion()
+    squares = {x: x.measure(d) for x in noticed(scene.threshold)}
+    points = chart({x: square.derivative() for x, square in squares.items()}, *scene.band).points[1:-1]
     return tuple(
-        Peak(part, x.omega, squares[part])
-        for x in points
-        for part in Part
-        if (x.before[part], x.after[part]) == (1, -1) and x.orders[part] > 0  # no pole
+        Peak(x, point.omega, square)
+        for point in points
+        for x, square in squares.items()
+        if (point.before[x], point.after[x]) == (1, -1) and point.orders[x] > 0  # no pole
     )
 
 

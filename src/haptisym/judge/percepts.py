@@ -7,6 +7,7 @@ from enum import Enum
 from itertools import pairwise
 from typing import NamedTuple
 
+from haptisym.judge.criteria import Criterion, judged
 from haptisym.judge.crossings import Curve
 from haptisym.kernel.roots import Chart, Interval, Point, Signs
 from haptisym.kernel.shown import Shown
@@ -85,18 +86,18 @@ def find_percepts(chart: Chart) -> tuple[Percept, ...]:
 
     Proven by signs on whole intervals, never sampled. No damping percept is claimed where Im H_perc < 0.
     """
-    return tuple(percept for part in Part for percept in _percepts(chart, part))
+    return tuple(percept for x in judged(chart) if x.part for percept in _percepts(chart, x, x.part))
 
 
-def _percepts(chart: Chart, part: Part) -> list[Percept]:
+def _percepts(chart: Chart, criterion: Criterion, part: Part) -> list[Percept]:
     """Maximal runs of cells with one label, over points at which the ratio still exceeds its threshold."""
     runs: list[Percept] = []
     for low, high in pairwise(chart.points):
-        label = _label(low.after, part)
+        label = _label(low.after, part) if low.after[criterion] > 0 else None
         if label is None:
             continue
         last = runs[-1] if runs else None
-        if last and last.band.high is low and (last.property, last.change) == label and low.at[Curve.EXCESS, part] > 0:
+        if last and last.band.high is low and (last.property, last.change) == label and low.at[criterion] > 0:
             runs[-1] = replace(last, band=Interval(last.band.low, high))
         else:
             runs.append(Percept(part, Interval(low, high), *label))
@@ -104,8 +105,6 @@ def _percepts(chart: Chart, part: Part) -> list[Percept]:
 
 
 def _label(signs: Signs, part: Part) -> tuple[Property, Change] | None:
-    if signs[Curve.EXCESS, part] <= 0:
-        return None
     env, perc = signs[Curve.ENVIRONMENT, part], signs[Curve.PERCEIVED, part]
     if part is Part.IMAG and perc < 0:
         return None
@@ -139,4 +138,5 @@ def outside_model(chart: Chart) -> tuple[Interval, ...]:
 
 def unnamed(chart: Chart) -> tuple[Interval, ...]:
     """Where Im H_perc < 0 and the imaginary part is noticed all the same: no property is named for it there."""
-    return chart.where(lambda signs: signs[Curve.EXCESS, Part.IMAG] > 0 > signs[Curve.PERCEIVED, Part.IMAG])
+    damping = [x for x in judged(chart) if x.part is Part.IMAG]
+    return chart.where(lambda signs: signs[Curve.PERCEIVED, Part.IMAG] < 0 and any(signs[x] > 0 for x in damping))

@@ -35,7 +35,7 @@ from haptisym.pages.words import (
     stiffness_unit,
     title,
 )
-from haptisym.writing.boxes import Prefixed
+from haptisym.writing.boxes import Operator, Prefixed
 from haptisym.writing.document import (
     Block,
     Column,
@@ -156,21 +156,21 @@ def proven(e: Evaluation) -> str:
 
 def _crossing(e: Evaluation, c: Crossing) -> tuple[Phrase, ...]:
     low, high = c.omega.enclosure(e.digits)
-    return c.part.value, exactly(c.omega, e.digits), hertz(c.omega), event(e, c), sense(c), f"[{low}, {high}]"
+    return c.criterion.name, exactly(c.omega, e.digits), hertz(c.omega), event(c), sense(c), f"[{low}, {high}]"
 
 
 VERBS = {CrossingKind.EXCEEDS: "rises above", CrossingKind.RETURNS: "falls below", CrossingKind.TOUCHES: "touches"}
 
 
-def event(e: Evaluation, c: Crossing) -> Phrase:
+def event(c: Crossing) -> Phrase:
     """``r_r rises above 10 %``."""
     times = f" ({c.multiplicity}-fold)" if c.multiplicity > 1 else ""
-    return RATIOS[c.part], f" {VERBS[c.kind]} {percent(e.scene.threshold[c.part])}{times}"
+    return named(c.criterion.symbol), f" {VERBS[c.kind]} {percent(c.criterion.threshold)}{times}"
 
 
 def sense(c: Crossing) -> Phrase:
-    """``Re dH > 0``."""
-    return compared(Prefixed(OPERATORS[c.part], CHANGE), ">" if c.sign > 0 else "<")
+    """``Re dH > 0``; nothing where both parts are judged."""
+    return compared(Prefixed(Operator(c.criterion.component), CHANGE), ">" if c.sign > 0 else "<") if c.sign else ""
 
 
 def _any_environment(e: Evaluation) -> Iterator[Block]:
@@ -240,7 +240,7 @@ def _stability(e: Evaluation) -> Phrase:
 
 def _certain(e: Evaluation) -> Phrase:
     if e.undecided:
-        where = listed((short(point.omega), f" rad/s ({part.value})") for part, point in e.undecided)
+        where = listed((short(point.omega), f" rad/s ({x.name})") for x, point in e.undecided)
         return (
             Strong("UNDECIDED"), " at the precision limit: whether a ratio touches its threshold, crosses it twice or stays ",
             "clear of it near ", where, ". Everything else is proven.",

@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from textwrap import fill
 
-from haptisym.judge.crossings import Curve
+from haptisym.judge.criteria import Criterion, noticed
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.roots import Interval
 from haptisym.model.caveats import caveats
 from haptisym.model.jnd import Part
 from haptisym.pages.lines import WIDTH, both, caveats_text, listed, percent, short, span, table
 from haptisym.verbs.family.entry import Binding, FamilyEvaluation
-
-_LETTER = {Part.REAL: "r_r", Part.IMAG: "r_i"}
 
 
 def page(w: FamilyEvaluation) -> str:
@@ -39,26 +36,16 @@ def _heading(w: FamilyEvaluation) -> str:
 
 
 def _each(w: FamilyEvaluation) -> str:
-    headings = ("environment", "r_r > c from", "r_i > c from", "bandwidth", "felt as")
-    rows = [(name, *(_first(x, part) for part in Part), _bandwidth(x), _felt(x)) for name, x in w.answers.items()]
+    criteria = noticed(w.family.threshold)
+    headings = ("environment", *(f"{x.symbol} > c from" for x in criteria), "bandwidth", "felt as")
+    rows = [(name, *(_first(e, x) for x in criteria), _bandwidth(e), _felt(e)) for name, e in w.answers.items()]
     return f"Each environment (rad/s)\n\n{table(headings, rows)}"
 
 
-def _first(e: Evaluation, part: Part) -> str:
-    """Where a part is first noticed."""
-    noticed = first_noticed(e, part)
-    return "never" if noticed is None else short(noticed)
-
-
-def first_noticed(e: Evaluation, part: Part) -> RealNumber | None:
-    """The lowest frequency beyond which a part's ratio exceeds its threshold; None if it never does on the band."""
-    exceeded = [p.low.omega for p in noticed_bands(e, part)]
-    return exceeded[0] if exceeded else None
-
-
-def noticed_bands(e: Evaluation, part: Part) -> tuple[Interval, ...]:
-    """Where a part's ratio exceeds its threshold (up to the ends, at which it may just meet it)."""
-    return e.chart.where(lambda signs: signs[Curve.EXCESS, part] > 0)
+def _first(e: Evaluation, criterion: Criterion) -> str:
+    """The lowest frequency beyond which a ratio exceeds its threshold."""
+    exceeded = e.chart.where(lambda signs: signs[criterion] > 0)
+    return short(exceeded[0].low.omega) if exceeded else "never"
 
 
 def _bandwidth(e: Evaluation) -> str:
@@ -101,7 +88,7 @@ def _grouped(binding: Iterable[Binding]) -> list[tuple[RealNumber, list[Binding]
 
 def _bound(place: tuple[RealNumber, list[Binding]]) -> str:
     omega, rows = place
-    who = listed(f"{x.environment} ({x.part.value} part, {_LETTER[x.part]})" for x in rows)
+    who = listed(f"{x.environment} ({x.criterion.name} part, {x.criterion.symbol})" for x in rows)
     return f"At {short(omega)} rad/s {who} {'binds' if len(rows) == 1 else 'bind'}."
 
 

@@ -5,13 +5,11 @@ from __future__ import annotations
 from textwrap import fill, indent
 
 from haptisym.kernel.reals import RealNumber
-from haptisym.model.jnd import Part
 from haptisym.pages.lines import WIDTH, both, table
 from haptisym.verbs.sensitivity.entry import Sensitivities
 from haptisym.verbs.sensitivity.slopes import Sensitive, Sensitivity
 
 _DIGITS = 5
-_RATIO = {Part.REAL: "r_r", Part.IMAG: "r_i"}
 
 
 def page(found: Sensitivities) -> str:
@@ -25,7 +23,11 @@ def page(found: Sensitivities) -> str:
 def _crossings(found: Sensitivities) -> list[str]:
     if not found.crossings:
         return ["No ratio meets its threshold on the band: there is no crossing to move."]
-    return [_block(f"Crossing of {_RATIO[x.part]} at {both(x.omega)}", x) for x in found.crossings if x.part]
+    return [_block(f"Crossing of {_ratio(x)} at {both(x.omega)}", x) for x in found.crossings]
+
+
+def _ratio(x: Sensitive) -> str:
+    return x.criterion.symbol if x.criterion else ""
 
 
 def _changeovers(found: Sensitivities) -> list[str]:
@@ -37,8 +39,8 @@ def _bandwidth(found: Sensitivities) -> str:
     x = found.bandwidth
     if x is None:
         return "No transparent band starts at the low end of the band: there is no bandwidth to move."
-    if x.part is not None:
-        same = f"Bandwidth: {both(x.omega)}, the first crossing of {_RATIO[x.part]}; it moves as that one does."
+    if x.criterion is not None:
+        same = f"Bandwidth: {both(x.omega)}, the first crossing of {_ratio(x)}; it moves as that one does."
         return fill(same, WIDTH)
     if x.reason:
         return fill(f"Bandwidth: {both(x.omega)}; its derivative is {x.reason}.", WIDTH)

@@ -58,10 +58,10 @@ def _unit(free: Knob) -> str:
 
 
 def _binding(r: Requirement) -> Html:
-    ends = [(end, b) for end in r.ends for b in end.bindings if b.part is not None]
+    bindings = [b for end in r.ends for b in end.bindings if b.part is not None]
     rows = [
         joined([RATIOS[b.part], f" at {both(b.omega)}"]) if b.omega is not None else RATIOS[b.part]
-        for _, b in ends
+        for b in bindings
         if b.part is not None
     ]
     return listed(rows) if rows else joined(["–"])

@@ -12,6 +12,7 @@ from typing import Any
 from sympy import Expr, ImmutableMatrix
 
 from haptisym.judge.answers import Answer
+from haptisym.judge.criteria import Judged
 from haptisym.judge.crossings import Crossing
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.peaks import Peak
@@ -21,7 +22,7 @@ from haptisym.kernel.roots import Interval, Point
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import Effect, Environment, Parameter
 from haptisym.model.distortion import Distortion
-from haptisym.model.jnd import Part, Threshold
+from haptisym.model.jnd import Threshold
 from haptisym.model.quantities import Dimension, Motion
 from haptisym.model.scene import Scene
 from haptisym.pages.report.results import (
@@ -50,7 +51,6 @@ from haptisym.writing.numerals import rounded
 from haptisym.writing.texlines import Row, align, is_long
 from haptisym.writing.texprinter import tex
 
-_RATIOS = {Part.REAL: "r_r", Part.IMAG: "r_i"}
 _PER_SECOND = r"\,\mathrm{rad/s}"
 _MOST_TERMS = 50  # of a numerator; a longer one is no formula to look at
 
@@ -153,16 +153,16 @@ def _short(x: RealNumber) -> str:
 
 
 def _crossing(x: Crossing) -> str:
-    threshold = tex(named(f"c_{x.part.value}"))
-    return _displayed(rf"{_ratio(x.part)} = {threshold},\quad \omega = {_decimal(x.omega.digits())}{_PER_SECOND}")
+    threshold = tex(named(f"c_{x.criterion.name}"))
+    return _displayed(rf"{_ratio(x)} = {threshold},\quad \omega = {_decimal(x.omega.digits())}{_PER_SECOND}")
 
 
 def _peak(x: Peak) -> str:
-    return _displayed(rf"{_ratio(x.part)} = {_short(x.ratio)},\quad \omega = {_short(x.omega)}{_PER_SECOND}")
+    return _displayed(rf"{_ratio(x)} = {_short(x.ratio)},\quad \omega = {_short(x.omega)}{_PER_SECOND}")
 
 
-def _ratio(part: Part) -> str:
-    return tex(named(_RATIOS[part]))
+def _ratio(x: Judged) -> str:
+    return tex(named(x.criterion.symbol))
 
 
 def _point(x: Point) -> str:

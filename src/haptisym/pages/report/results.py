@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from sympy import Expr
 
+from haptisym.judge.criteria import Criterion
 from haptisym.judge.crossings import Crossing, CrossingKind
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.peaks import Peak
@@ -84,10 +85,10 @@ def _crossing(e: Evaluation, c: Crossing) -> list[str]:
     enclosure = element("span", *ends, given={"class": "enclosure"})
     hertz = Hertz(c.omega).digits(min(e.digits, 6))
     return [
-        PART_NAMES[c.part],
+        c.criterion.words.removesuffix(" part"),
         number(c.omega, _wrapped(c.omega.digits(e.digits))),
         hertz,
-        event(e, c),
+        event(c),
         sense(c),
         enclosure,
     ]
@@ -100,10 +101,10 @@ def _wrapped(digits: str) -> str:
     return element("span", digits, given={"class": "long"}) if len(digits) > _LONG else digits
 
 
-def event(e: Evaluation, c: Crossing) -> Html:
+def event(c: Crossing) -> Html:
     """``r_r rises above 0.1``."""
     times = f" ({c.multiplicity}-fold)" if c.multiplicity > 1 else ""
-    return joined([RATIOS[c.part], f" {_VERBS[c.kind]} ", limit(e.scene.threshold[c.part]), times])
+    return joined([ratio(c.criterion), f" {_VERBS[c.kind]} ", limit(c.criterion.threshold), times])
 
 
 def limit(c: Expr) -> str:
@@ -111,8 +112,16 @@ def limit(c: Expr) -> str:
     return f"{float(100 * c):.6g}\xa0%"
 
 
+def ratio(x: Criterion) -> Html:
+    """What a criterion judges, as a formula."""
+    return inline(named(x.symbol))
+
+
 def sense(c: Crossing) -> Html:
-    part = Prefixed(Operator("Re" if c.part is Part.REAL else "Im"), Prefixed(named("Delta"), named("H")))
+    """The sign of the component of dH that is judged; nothing where both are."""
+    if not c.sign:
+        return Html()
+    part = Prefixed(Operator(c.criterion.component), Prefixed(named("Delta"), named("H")))
     return inline(Equation((part, Numeral("0")), (">" if c.sign > 0 else "<",)))
 
 
@@ -138,13 +147,13 @@ def is_transparent_throughout(e: Evaluation) -> bool:
 def crossing_sentence(c: Crossing) -> Html:
     """``r_r rises above its threshold at 7.97891679017471 rad/s``."""
     where = number(c.omega, c.omega.digits())
-    return joined([RATIOS[c.part], f" {_VERBS[c.kind]} its threshold at ", where, " rad/s (", sense(c), ")"])
+    return joined([ratio(c.criterion), f" {_VERBS[c.kind]} its threshold at ", where, " rad/s (", sense(c), ")"])
 
 
 def peak_sentence(x: Peak) -> Html:
     """``r_r has a local maximum of 0.2 at 3 rad/s``."""
     height = number(x.ratio, short(x.ratio))
-    return joined([RATIOS[x.part], " has a local maximum of ", height, " at ", frequency(x.omega), " rad/s"])
+    return joined([ratio(x.criterion), " has a local maximum of ", height, " at ", frequency(x.omega), " rad/s"])
 
 
 # Step 2, how.
@@ -216,8 +225,8 @@ def undecided_table(e: Evaluation) -> Html:
     if not e.undecided:
         return Html()
     rows = [
-        [PART_NAMES[part], joined(["[", low, ", ", high, "]"])]
-        for part, (low, high) in ((part, point.omega.enclosure(e.digits)) for part, point in e.undecided)
+        [x.words.removesuffix(" part"), joined(["[", low, ", ", high, "]"])]
+        for x, (low, high) in ((x, point.omega.enclosure(e.digits)) for x, point in e.undecided)
     ]
     caption = "Undecided at the precision limit: whether the ratio touches its threshold here, crosses it twice or stays clear."
     return table(["part", joined(["near ", OMEGA, " (rad/s)"])], rows, caption, numbers=(1,))

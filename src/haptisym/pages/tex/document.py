@@ -278,7 +278,7 @@ def _through(e: Evaluation) -> str:
 
 
 def _limits(e: Evaluation) -> str:
-    real, imag = (threshold_value(e, part) for part in Part)
+    real, imag = (threshold_value(e.scene.threshold[part]) for part in Part)
     if real == imag:
         return f"the fraction $c {real}$"
     return f"the fraction $c {real}$ (real) or $c {imag}$ (imaginary)"

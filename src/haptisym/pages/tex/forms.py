@@ -11,12 +11,12 @@ from typing import NamedTuple
 
 from sympy import Abs, Add, Expr, Function, I, Mul, Pow, S, Symbol, pi
 
-from haptisym.judge.crossings import excess
+from haptisym.judge.criteria import noticed
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
 from haptisym.kernel.roots import sign_of_number
-from haptisym.kernel.symbols import c, omega, s
+from haptisym.kernel.symbols import omega, s
 from haptisym.model.catalogue import values
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part, is_irrational_algebraic
@@ -79,9 +79,9 @@ class SceneForms:
     def threshold(self, part: Part) -> Row:
         """The polynomial in omega^2 that is positive exactly where the ratio exceeds its threshold, in factors."""
         left = rf"p_{'r' if part is Part.REAL else 'i'}(\omega)"
-        given = self.evaluation.scene.threshold[part]
-        limit = c if is_irrational_algebraic(given**2) else given
-        found = excess(self.evaluation.distortion, limit, part)
+        limits = self.evaluation.scene.threshold
+        free = [x for x in Part if is_irrational_algebraic(limits[x] ** 2)]
+        found = next(x for x in noticed(limits, free) if x.part is part).function(self.evaluation.distortion)
         assert isinstance(found, RealFunction)  # a symbol is no algebraic number
         function = found.written
         if function.is_zero:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from sympy import Expr
+
 from haptisym.judge.crossings import Crossing, CrossingKind
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.hertz import Hertz
@@ -15,13 +17,11 @@ from haptisym.writing.texnames import escape
 from haptisym.writing.texprinter import formula
 
 RATIOS = {Part.REAL: "r_r", Part.IMAG: "r_i"}
-SIGNS = {Part.REAL: r"\Re", Part.IMAG: r"\Im"}
 _NAMES = {Part.REAL: "real", Part.IMAG: "imaginary"}
 
 
-def threshold_value(e: Evaluation, part: Part) -> str:
+def threshold_value(c: Expr) -> str:
     """The threshold after its sign: of equality, or of approximation where it is an irrational algebraic number."""
-    c = e.scene.threshold[part]
     return rf"\approx {formula(c.evalf(12))}" if is_irrational_algebraic(c) else f"= {formula(c)}"
 
 
@@ -44,12 +44,19 @@ _LONG_NUMBER = 25  # digits; a longer one is set on several lines
 
 
 def _crossing(e: Evaluation, c: Crossing) -> list[str]:
-    event = f"${RATIOS[c.part]}$ {_VERBS[c.kind]} ${threshold_value(e, c.part).removeprefix('= ')}$"
-    sense = rf"${SIGNS[c.part]} \Delta H {'>' if c.sign > 0 else '<'} 0$"
+    event = f"${c.criterion.symbol}$ {_VERBS[c.kind]} ${threshold_value(c.criterion.threshold).removeprefix('= ')}$"
+    sense = rf"$\{c.criterion.component} \Delta H {'>' if c.sign > 0 else '<'} 0$" if c.sign else ""
     digits = c.omega.digits(e.digits)
     if len(digits) > _LONG_NUMBER:
         digits = r"\allowbreak ".join(digits[i : i + 5] for i in range(0, len(digits), 5))
-    return [_NAMES[c.part], digits, Hertz(c.omega).digits(5), event, sense, str(c.multiplicity)]
+    return [
+        c.criterion.words.removesuffix(" part"),
+        digits,
+        Hertz(c.omega).digits(5),
+        event,
+        sense,
+        str(c.multiplicity),
+    ]
 
 
 def transparency(e: Evaluation) -> str:
@@ -137,8 +144,8 @@ def undecided_tables(e: Evaluation) -> list[str]:
         return []
     caption = "Undecided at the precision limit: whether the ratio touches its threshold here, crosses it twice or stays clear."
     rows = [
-        [_NAMES[part], f"[{low}, {high}]"]
-        for part, (low, high) in ((part, point.omega.enclosure(e.digits)) for part, point in e.undecided)
+        [x.words.removesuffix(" part"), f"[{low}, {high}]"]
+        for x, (low, high) in ((x, point.omega.enclosure(e.digits)) for x, point in e.undecided)
     ]
     return tables(caption, "undecided", "l l", ["part", r"near $\omega$ (rad/s)"], rows)
 

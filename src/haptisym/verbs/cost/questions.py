@@ -16,7 +16,8 @@ import flint
 from flint import arb
 from sympy import Expr, Rational
 
-from haptisym.judge.crossings import Curve, excess, find_crossings
+from haptisym.judge.criteria import Criterion, noticed
+from haptisym.judge.crossings import Curve, find_crossings
 from haptisym.judge.peaks import ValueAt
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot
@@ -99,11 +100,16 @@ class Crossings:
         return cls(scene.distortion(), scene.threshold, scene.band)
 
     @cached_property
+    def criteria(self) -> tuple[Criterion, ...]:
+        """What is judged."""
+        return noticed(self.threshold)
+
+    @cached_property
     def functions(self) -> Mapping[Any, Any]:
         """What tells the crossings: the signs of r^2 - c^2 and of dH."""
         d = self.distortion
         return {
-            **{(Curve.EXCESS, part): excess(d, self.threshold[part], part) for part in Part},
+            **{x: x.function(d) for x in self.criteria},
             **{(Curve.DIFFERENCE, part): part_of(d.difference_response, part) for part in Part},
         }
 

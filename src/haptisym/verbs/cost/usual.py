@@ -15,7 +15,6 @@ import numpy as np
 from sympy import Expr, Float, Integer, Rational, lambdify
 
 from haptisym.interop import to_control, to_scipy
-from haptisym.judge.crossings import Curve
 from haptisym.kernel.errors import HaptisymError
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import s
@@ -176,7 +175,7 @@ def companion_way(question: Crossings) -> Attempt:
 def _polynomial(question: Crossings, part: Part) -> Array:
     if any(is_irrational_algebraic(question.threshold[x]) for x in Part):
         raise RefusedError("the threshold is not rational")
-    excess = question.functions[Curve.EXCESS, part]
+    excess = question.functions[next(x for x in question.criteria if x.part is part)]
     assert isinstance(excess, RealFunction)
     row = None if excess.axis.functions else excess.axis.univariate(excess.function.cleared().numerator)
     if row is None:

@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 from sympy import Expr, I, Symbol, count_ops
 
-from haptisym.judge.crossings import excess
+from haptisym.judge.criteria import Criterion, noticed
 from haptisym.judge.evaluation import Evaluation, evaluate
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.implicit import Equation
@@ -73,40 +73,51 @@ class Derivation(Shown):
         """How many operations a closed form takes, written out."""
         return int(count_ops(self[name]))
 
-    def threshold(self, part: Part) -> Expr:
-        """The threshold of a part: the symbol c, or the scene's number."""
-        given = self.scene.threshold[part]
-        return c if part in self.kept_thresholds or is_irrational_algebraic(given**2) else given
+    @cached_property
+    def criteria(self) -> tuple[Criterion, ...]:
+        """What is judged, each with the symbol c for its threshold, or with the scene's number."""
+        limits = self.scene.threshold
+        free = [x for x in Part if x in self.kept_thresholds or is_irrational_algebraic(limits[x] ** 2)]
+        return noticed(limits, free)
 
-    def excess(self, part: Part) -> RealFunction:
+    def criterion(self, of: Part | Criterion) -> Criterion:
+        """What is judged of a part, or by that name."""
+        name = of.value if isinstance(of, Part) else of.name
+        return next(x for x in self.criteria if x.name == name)
+
+    def threshold(self, of: Part | Criterion) -> Expr:
+        """The threshold of a part: the symbol c, or the scene's number."""
+        return self.criterion(of).threshold
+
+    def excess(self, of: Part | Criterion) -> RealFunction:
         """r^2 - c^2: positive exactly where the ratio exceeds its threshold."""
-        found = excess(self.distortion, self.threshold(part), part)
+        found = self.criterion(of).function(self.distortion)
         assert isinstance(found, RealFunction)
         return found
 
-    def crossings(self, part: Part) -> tuple[Solution, ...]:
+    def crossings(self, of: Part | Criterion) -> tuple[Solution, ...]:
         """Where the ratio meets its threshold: formulas, or for factors without a readable one the equation itself."""
-        return solve(self.excess(part))
+        return solve(self.excess(of))
 
     def changeovers(self, system: str) -> tuple[Solution, ...]:
         """Where Re H of the environment ("env") or of what is felt ("perc") vanishes."""
         response = self.distortion.env_response if system == "env" else self.distortion.perc_response
         return solve(response.real)
 
-    def sensitivity(self, part: Part, parameter: Symbol) -> Expr:
+    def sensitivity(self, of: Part | Criterion, parameter: Symbol) -> Expr:
         """d omega/d parameter at a crossing: -(dF/d parameter)/(dF/d omega) for the equation F = 0 of the crossing.
 
         At a touch dF/d omega is 0 too and the derivative does not exist: the formula holds at simple crossings only.
         """
-        return self.equation(part).slope(parameter).expression()
+        return self.equation(of).slope(parameter).expression()
 
-    def equation(self, part: Part) -> Equation:
+    def equation(self, of: Part | Criterion) -> Equation:
         """F = 0 at the crossings: F is the numerator of r^2 - c^2."""
-        return _equation(self.excess(part))
+        return _equation(self.excess(of))
 
-    def factors(self, part: Part, *, pole: bool = False) -> Factors:
+    def factors(self, of: Part | Criterion, *, pole: bool = False) -> Factors:
         """The irreducible factors of r^2 - c^2 above the line (below it, with ``pole``), each an equation, with its order."""
-        return _factors(self.excess(part), pole=pole)
+        return _factors(self.excess(of), pole=pole)
 
     def changeover_factors(self, system: str, *, pole: bool = False) -> Factors:
         """The same of Re H of "env" or "perc"."""

@@ -14,7 +14,7 @@ from math import inf, nextafter
 from flint import arb
 from sympy import Expr
 
-from haptisym.judge.crossings import level
+from haptisym.judge.criteria import level
 from haptisym.judge.peaks import largest
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import Ball, SquareRoot

@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 from sympy import Expr, Rational
 
 from haptisym.judge.answers import Answer
-from haptisym.judge.crossings import level
+from haptisym.judge.criteria import level
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Chart, Interval, chart
 from haptisym.kernel.shown import titled

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
-from haptisym.judge.crossings import excess
+from haptisym.judge.criteria import Criterion, Judged, noticed
 from haptisym.judge.evaluation import Evaluation, evaluate
 from haptisym.kernel.levels import Level
 from haptisym.kernel.reals import RealNumber
@@ -17,25 +17,24 @@ from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import Chart, Interval, Key, Signs, chart
 from haptisym.kernel.shown import counted, titled
 from haptisym.model.family import SceneFamily
-from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_family
 
 
 @dataclass(frozen=True)
-class Binding:
-    """At this end of the common transparent set this environment's ratio of this part exceeds its threshold beyond."""
+class Binding(Judged):
+    """At this end of the common transparent set this environment breaks this criterion beyond."""
 
     omega: RealNumber
     environment: str
-    part: Part
+    criterion: Criterion
 
 
 @dataclass(frozen=True, repr=False)
 class FamilyEvaluation(Answer):
     """The answers for each environment of a family, and what holds for all of them. All proven.
 
-    ``answers`` : by the names of the environments. ``chart`` : r^2 - c^2 of each environment and part, (name, part), on
+    ``answers`` : by the names of the environments. ``chart`` : r^2 - c^2 of each environment and criterion, (name, criterion), on
     one band, so that ends of different environments are told apart, or found equal, exactly.
     """
 
@@ -84,8 +83,8 @@ class FamilyEvaluation(Answer):
         return tuple(dict.fromkeys(found))
 
     def _exceeding(self, omega: RealNumber, signs: Signs) -> list[Binding]:
-        keys = [(name, part) for name in self.family for part in Part]
-        return [Binding(omega, name, part) for name, part in keys if signs[name, part] > 0]
+        keys = [(name, x) for name in self.family for x in noticed(self.family.threshold)]
+        return [Binding(omega, name, x) for name, x in keys if signs[name, x] > 0]
 
     @property
     def certified(self) -> bool:
@@ -109,7 +108,7 @@ class FamilyEvaluation(Answer):
             "digits": x.omega.digits(self.digits),
             "enclosure": list(x.omega.enclosure(self.digits)),
             "environment": x.environment,
-            "part": x.part.value,
+            "part": x.criterion.name,
         }
 
 
@@ -122,7 +121,7 @@ def evaluate_all(family: SceneFamily | Scene | str | Path, digits: int = 15) -> 
 
     >>> from haptisym.model.scenefile import load_scenes
     >>> found = evaluate_all(load_scenes("fu2019", ["fu2019", "helicopter-cyclic"]))
-    >>> [(x.omega.digits(6), x.environment, x.part.value) for x in found.binding]
+    >>> [(x.omega.digits(6), x.environment, x.criterion.name) for x in found.binding]
     [('7.97892', 'fu2019', 'real')]
     """
     family = as_family(family)
@@ -131,10 +130,10 @@ def evaluate_all(family: SceneFamily | Scene | str | Path, digits: int = 15) -> 
 
 
 def common_chart(family: SceneFamily) -> Chart:
-    """r^2 - c^2 of all environments and parts on the family's band, in one ring: equal functions are found equal."""
+    """r^2 - c^2 of all environments and criteria on the family's band, in one ring: equal functions are found equal."""
     ring = family.ring()
     functions: dict[Key, RealFunction | Level] = {}
     for name, scene in family.scenes.items():
         distortion = scene.distortion().chain.distortion(ring)
-        functions |= {(name, part): excess(distortion, family.threshold[part], part) for part in Part}
+        functions |= {(name, x): x.function(distortion) for x in noticed(family.threshold)}
     return chart(functions, *family.band)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from sympy import Integer
 
+from haptisym.judge.criteria import Criterion, kept
 from haptisym.judge.evaluation import evaluate
 from haptisym.judge.peaks import largest
 from haptisym.kernel.reals import ExactNumber, RealNumber, SquareRoot
@@ -20,6 +21,7 @@ from haptisym.model.scenefile import as_scene
 from haptisym.pages.lines import short
 from haptisym.verbs.metrics.disagreements import disagreements
 from haptisym.verbs.metrics.forms import Forms
+from haptisym.verbs.metrics.judging import TOO_LARGE, WITHIN_3_DB
 from haptisym.verbs.metrics.measured import FAR, Measured, covers, value_at
 from haptisym.verbs.metrics.metric import Metric, Metrics, Value
 
@@ -70,11 +72,9 @@ def _largest(square: RealFunction, m: Measured) -> RealNumber | None:
 
 
 def _ratio(m: Measured, forms: Forms) -> Metric:
-    edges = [
-        p for p in m.edges.points if any(p.orders.get(key, 0) > 0 and p.before[key] != p.after[key] for key in _DB)
-    ]
+    edges = [p for p in m.edges.points if any(_passes(p, x) for x in WITHIN_3_DB)]
     values = [Value(_edge(p), p.omega, "rad/s") for p in edges]
-    inside = m.edges.where(lambda signs: signs["-3 dB"] >= 0 >= signs["+3 dB"])
+    inside = kept(m.edges)
     upto = "the band" if m.reach == m.band[1] else f"{FAR} times the band's high end"
     return Metric(
         "transmitted impedance ratio",
@@ -96,24 +96,23 @@ def _beside_bandwidth(m: Measured, edges: list[Point]) -> str:
     return f"{first}, {float(edges[0].omega) / float(bandwidth):.3g} times the bandwidth by the JND"
 
 
-_DB = ("-3 dB", "+3 dB")
+def _passes(p: Point, x: Criterion) -> bool:
+    return p.orders.get(x, 0) > 0 and p.before[x] != p.after[x]
 
 
 def _edge(p: Point) -> str:
-    for key in _DB:
-        if p.orders.get(key, 0) > 0 and p.before[key] != p.after[key]:
-            return f"{key} edge, {'rising' if p.after[key] > 0 else 'falling'}"
-    raise AssertionError
+    x = next(x for x in WITHIN_3_DB if _passes(p, x))
+    return f"{x.name} edge, {'rising' if (p.after[x] > 0) == (x is TOO_LARGE) else 'falling'}"
 
 
 def _relative(m: Measured, forms: Forms) -> Metric:
-    c = m.least_threshold
+    c, square = m.relative.threshold, m.relative.measure(m.d)
     return Metric(
         "relative distortion",
         (forms.relative(),),
         (
             Value(f"at most {float(100 * c):.6g} %", m.within, "rad/s"),
-            Value("largest on the band", _largest(m.relative_square, m)),
+            Value("largest on the band", _largest(square, m)),
         ),
         "Griffiths, Gillespie and Freudenberg (2008), doi:10.1109/TRO.2008.924256",
         "abstract read; formula recalled, not verified",

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeAlias
 
-from sympy import Expr, Integer, Rational
+from sympy import Expr, Integer
 
-from haptisym.judge.crossings import Curve, level
+from haptisym.judge.criteria import PASSIVE, Criterion, kept
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.peaks import ValueAt
-from haptisym.kernel.levels import Level
 from haptisym.kernel.reals import ExactNumber, RealNumber
-from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
+from haptisym.kernel.response import RealFunction, squared_modulus
 from haptisym.kernel.rings import RationalFunction
-from haptisym.kernel.roots import Chart, Interval, Point, Signs, chart
+from haptisym.kernel.roots import Chart, Interval, Point, chart
 from haptisym.kernel.symbols import omega
 from haptisym.model.distortion import Distortion
-from haptisym.model.jnd import Part
 from haptisym.model.quantities import Motion
 from haptisym.verbs.metrics.freeresponse import FreeResponse, free_response
+from haptisym.verbs.metrics.judging import LLEWELLYN, WITHIN_3_DB, relative
 from haptisym.verbs.metrics.twoport import TwoPort
 
 Bands: TypeAlias = tuple[Interval, ...]
@@ -53,14 +53,9 @@ class Measured:
         return self.d.env.ring.convert(self.d.chain.rendered).reduced()
 
     @cached_property
-    def ratio_square(self) -> RealFunction:
-        """|H_perc/H_env|^2."""
-        return squared_modulus((self.d.perc / self.d.env).reduced())
-
-    @cached_property
-    def relative_square(self) -> RealFunction:
-        """|dH/H_env|^2."""
-        return squared_modulus((self.d.difference / self.d.env).reduced())
+    def relative(self) -> Criterion:
+        """|dH/H_env| against the smaller threshold."""
+        return relative(min(x.threshold for x in self.evaluation.criteria))
 
     @cached_property
     def sensitivity_square(self) -> RealFunction | None:
@@ -75,59 +70,51 @@ class Measured:
     @cached_property
     def edges(self) -> Chart:
         """Where the transmitted impedance is 3 dB below and above the environment."""
-        return chart(self._decibels(), self.band[0], self.reach)
+        return self._chart(WITHIN_3_DB, self.reach)
 
-    def _decibels(self) -> dict[str, RealFunction | Level]:
-        limits = {"-3 dB": Rational(1, 2), "+3 dB": Integer(2)}
-        return {key: level(self.ratio_square, limit) for key, limit in limits.items()}
+    def _chart(self, criteria: Iterable[Criterion], high: Expr) -> Chart:
+        return chart({x: x.function(self.d) for x in criteria}, self.band[0], high)
 
     @cached_property
     def _inside(self) -> Chart:
-        return chart(self._decibels(), *self.band)
+        return self._chart(WITHIN_3_DB, self.band[1])
 
     @property
     def inside(self) -> Bands:
         """Where it is within 3 dB of the environment's, on the band."""
-        return self._inside.where(lambda signs: signs["-3 dB"] >= 0 >= signs["+3 dB"])
-
-    @cached_property
-    def least_threshold(self) -> Expr:
-        threshold = self.evaluation.scene.threshold
-        return min(threshold.real, threshold.imag)
+        return kept(self._inside)
 
     @cached_property
     def _within(self) -> Chart:
-        return chart({"excess": level(self.relative_square, (self.least_threshold**2).expand())}, *self.band)
+        return self._chart([self.relative], self.band[1])
 
     @property
     def within(self) -> Bands:
         """Where |dH/H_env| is at most the smaller threshold."""
-        return self._within.where(lambda signs: signs["excess"] <= 0)
+        return kept(self._within)
 
     @cached_property
+    def _passive(self) -> Chart:
+        return self._chart([PASSIVE], self.band[1])
+
+    @property
     def passive(self) -> Bands:
         """Where Im H_perc >= 0."""
-        return self.evaluation.chart.where(lambda signs: signs[Curve.PERCEIVED, Part.IMAG] >= 0)
+        return kept(self._passive)
 
     @cached_property
     def _llewellyn(self) -> Chart | None:
-        least, leak, gain = self.port.least, self.port.leak, self.port.gain
-        if least is None or leak is None or gain is None:
-            return None
-        own, other = on_axis(least).imag, on_axis(leak).imag
-        margin = on_axis(gain).real - RealFunction((own * other).function + (own * other).function)
-        functions = {"h11": own, "h22": other, "margin": margin, "excess": margin * margin - squared_modulus(gain)}
-        return chart(functions, *self.band)
+        return None if self.port.least is None else self._chart(LLEWELLYN, self.band[1])
 
     @property
     def absolutely_stable(self) -> Bands | None:
         """Where Llewellyn's conditions on the axis hold; None where the hybrid matrix does not exist (D = 0)."""
-        return None if self._llewellyn is None else self._llewellyn.where(_llewellyn)
+        return None if self._llewellyn is None else kept(self._llewellyn)
 
     @property
     def certified(self) -> bool:
         """Whether nothing on any chart was left undecided."""
-        charts = (self.edges, self._inside, self._within, self._llewellyn)
+        charts = (self.edges, self._inside, self._within, self._passive, self._llewellyn)
         return self.evaluation.certified and not any(x.undecided for x in charts if x is not None)
 
     @cached_property
@@ -138,15 +125,11 @@ class Measured:
         real, imag = self.d.perc_response.real, self.d.perc_response.imag
         minus = RealFunction(axis.convert(Integer(-1)))
         own = {"k": real, "m": minus * real / (w * w), "b": imag / w}
-        excesses = {part: level(self.d.squared_ratios[part], (c**2).expand()) for part, c in self._limits().items()}
+        excesses = {x: x.function(self.d) for x in self.evaluation.criteria}
         points = chart({**own, **excesses}, *self.band).points
-        shown = [
-            p for i, p in enumerate(points) if i in (0, len(points) - 1) or any(p.orders.get(x, 0) > 0 for x in Part)
-        ]
+        ends = (points[0], points[-1])
+        shown = [p for p in points if p in ends or any(p.orders.get(x, 0) > 0 for x in excesses)]
         return tuple((p.omega, {key: value_at(f, p, key) for key, f in own.items()}) for p in shown)
-
-    def _limits(self) -> dict[Part, Expr]:
-        return {part: self.evaluation.scene.threshold[part] for part in Part}
 
     @cached_property
     def free(self) -> FreeResponse:
@@ -163,10 +146,6 @@ class Measured:
         if self.evaluation.scene.motion is Motion.ROTATION:
             return {"k": "N m/rad", "m": "kg m^2", "b": "N m s/rad"}
         return {"k": "N/m", "m": "kg", "b": "N s/m"}
-
-
-def _llewellyn(signs: Signs) -> bool:
-    return signs["h11"] >= 0 >= signs["h22"] and signs["margin"] >= 0 and signs["excess"] >= 0
 
 
 def value_at(f: RealFunction, point: Point, key: object) -> RealNumber | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from haptisym.judge.crossings import excess
+from haptisym.judge.criteria import noticed
 from haptisym.kernel.budget import Told, limited
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.response import RealFunction
@@ -69,8 +69,8 @@ def is_quick(scene: Scene) -> bool:
     (True, False)
     """
     d = scene.distortion()
-    for part in Part:
-        f = excess(d, scene.threshold[part], part)
+    for x in noticed(scene.threshold):
+        f = x.function(d)
         if not isinstance(f, RealFunction) or f.axis.functions:
             return False
         coefficients = f.axis.univariate(f.function.numerator)

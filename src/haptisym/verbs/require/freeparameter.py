@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from sympy import Expr, Integer
 
 from haptisym.judge.bounds import relative_square
-from haptisym.judge.crossings import excess, level
+from haptisym.judge.criteria import level, noticed
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import sign_of_number
@@ -66,11 +66,9 @@ Conditions = Mapping[Part | None, RealFunction]
 def conditions(scene: Scene, free: Iterable[Knob], parts: Iterable[Part] = Part) -> dict[Part | None, RealFunction]:
     """r^2 - c^2 of each part, with the free parameters left as symbols."""
     listed = list(free)
-    d, limits = _distortion(scene, listed), _limits(scene, listed)
-    found: dict[Part | None, RealFunction] = {}
-    for part in parts:
-        found[part] = _real(excess(d, limits[part], part))
-    return found
+    d, free_parts = _distortion(scene, listed), {part for x in listed for part in x.parts}
+    criteria = dict(zip(Part, noticed(scene.threshold, free_parts), strict=True))
+    return {part: _real(criteria[part].function(d)) for part in parts}
 
 
 def any_environment_condition(scene: Scene, free: Iterable[Knob]) -> dict[Part | None, RealFunction]:

@@ -10,7 +10,7 @@ from sympy import Expr, Symbol
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.bounds import relative_square
-from haptisym.judge.crossings import excess, level
+from haptisym.judge.criteria import level
 from haptisym.kernel.reals import RealNumber, Sliver
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.shown import titled
@@ -101,7 +101,7 @@ class Requirement(Answer):
         if len(d.difference.numerator.monoms()) * len(d.difference.denominator.monoms()) > _MOST_PRODUCTS:
             return None
         square = relative_square(d) if part is None else None
-        found = level(square, c**2) if square is not None else excess(d, c, part or Part.REAL)
+        found = level(d.squared_ratios[part or Part.REAL] if square is None else square, c**2)
         assert isinstance(found, RealFunction)
         return found
 

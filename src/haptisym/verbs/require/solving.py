@@ -12,7 +12,7 @@ import flint
 from sympy import Expr, Rational
 
 from haptisym.judge.bounds import relative_square
-from haptisym.judge.crossings import excess
+from haptisym.judge.criteria import noticed
 from haptisym.kernel.budget import share
 from haptisym.kernel.errors import LimitError, SceneError
 from haptisym.kernel.levels import Level
@@ -80,7 +80,10 @@ def _threshold_problem(scene: Scene, free: Knob, asked: Domain, keys: Keys) -> T
     parts = [part for part in keys if part in (*free.parts, None)]
     squares = {part: d.squared_ratios[part] if part else relative_square(d) for part in parts}
     kept: Mapping[Part | None, RealFunction | Level] = {
-        part: excess(d, scene.threshold[part], part) for part in keys if part and part not in free.parts
+        part: x.function(d)
+        for part, x in zip(Part, noticed(scene.threshold), strict=True)
+        if part in keys
+        if part and part not in free.parts
     }
     return ThresholdProblem({x: f for x, f in squares.items() if f is not None}, kept, scene.band, asked)
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import flint
 from sympy import Expr
 
-from haptisym.judge.crossings import level
+from haptisym.judge.criteria import level
 from haptisym.judge.peaks import Largest, Top, tops
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.levels import Level

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 from sympy import Expr
 
 from haptisym.judge.answers import Answer
+from haptisym.judge.criteria import Criterion
 from haptisym.judge.crossings import Crossing, CrossingKind, Curve
 from haptisym.judge.evaluation import Evaluation, evaluate
 from haptisym.kernel.levels import algebraic
@@ -80,7 +81,7 @@ class Sensitivities(Answer):
         if end is None:
             return None
         there = [x for x in self.crossings if x.omega is end and x.kind is not CrossingKind.TOUCHES]
-        places = (*self._parameters, self._thresholds[Part.REAL])
+        places = (*self._parameters, next(iter(self._thresholds.values())))
         reason = self._kink(end, there)
         if reason:
             return Sensitive(end, none(places, reason))
@@ -98,21 +99,16 @@ class Sensitivities(Answer):
         return tuple(Place(x, ExactNumber(x.value), derive(self.scene, [x.path])) for x in self.scene.parameters)
 
     @cached_property
-    def _thresholds(self) -> dict[Part, Place]:
-        one = derive(self.scene, [THRESHOLD])
-        return {part: Place(knob, self._limit(part), one) for part, knob in self.scene.knobs.limits.items()}
-
-    def _limit(self, part: Part) -> RealNumber:
-        """The threshold as a number."""
-        value = self.evaluation.scene.threshold[part]
-        return SquareRoot(algebraic((value**2).expand())) if is_irrational_algebraic(value) else ExactNumber(value)
+    def _thresholds(self) -> dict[Criterion, Place]:
+        one, knobs = derive(self.scene, [THRESHOLD]), self.scene.knobs.limits.values()
+        return {x: Place(knob, _limit(x), one) for x, knob in zip(self.evaluation.criteria, knobs, strict=True)}
 
     def _crossing(self, x: Crossing) -> Sensitive:
-        places = (*self._parameters, self._thresholds[x.part])
-        known = {c: self._limit(x.part)}
+        places = (*self._parameters, self._thresholds[x.criterion])
+        known = {c: _limit(x.criterion)}
         flat = TOUCH if x.kind is CrossingKind.TOUCHES else FLAT if x.multiplicity > 1 and not float(x.omega) else ""
-        rows = (at(p, p.factors(x.part), x.omega, known, flat, simple=x.multiplicity == 1) for p in places)
-        return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows), x.part, x.kind)
+        rows = (at(p, p.factors(x.criterion), x.omega, known, flat, simple=x.multiplicity == 1) for p in places)
+        return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows), x.criterion, x.kind)
 
     def _changeover(self, system: str, curve: Curve, x: Point) -> Sensitive:
         simple = abs(x.orders[curve, Part.REAL]) == 1
@@ -164,7 +160,7 @@ class Sensitivities(Answer):
         }
 
     def _row(self, x: Sensitive) -> dict[str, Any]:
-        part = {"part": x.part.value} if x.part else {}
+        part = {"part": x.criterion.name} if x.criterion else {}
         kind = {"kind": x.kind.value} if x.kind else {}
         reason = {"reason": x.reason} if x.reason else {}
         rows = [self._parameter(p) for p in x.parameters]
@@ -176,6 +172,12 @@ class Sensitivities(Answer):
         digits = {key: None if x is None else x.digits(self.evaluation.digits) for key, x in values.items()}
         reason = ({"reason": p.reason} if p.reason else {}) | ({"side": p.side} if p.side else {})
         return {"path": p.path, "name": p.name, "unit": p.unit, **floats, "digits": digits, **reason}
+
+
+def _limit(x: Criterion) -> RealNumber:
+    """The threshold as a number."""
+    irrational = is_irrational_algebraic(x.threshold)
+    return SquareRoot(algebraic(x.limit)) if irrational else ExactNumber(x.threshold)
 
 
 def sensitivity(scene: Scene | str | Path, digits: int = 15) -> Sensitivities:

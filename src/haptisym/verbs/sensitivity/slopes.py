@@ -15,13 +15,13 @@ from functools import cached_property, partial
 import flint
 from sympy import Integer, Symbol
 
+from haptisym.judge.criteria import Criterion
 from haptisym.judge.crossings import CrossingKind
 from haptisym.kernel.implicit import Equation
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
 from haptisym.kernel.shown import Shown, counted
 from haptisym.kernel.symbols import omega
 from haptisym.model.catalogue import Rule
-from haptisym.model.jnd import Part
 from haptisym.model.knobs import Knob, Knobs
 from haptisym.verbs.derive.derivation import Derivation, Factors
 from haptisym.verbs.sensitivity.branches import Branch, Meeting, Slope, not_clear
@@ -67,11 +67,11 @@ class Sensitivity:
 
 @dataclass(frozen=True, repr=False)
 class Sensitive(Shown):
-    """A frequency, rad/s, and how it moves with each parameter."""
+    """A frequency, rad/s, and how it moves with each parameter; ``criterion``: of a crossing, whose it is."""
 
     omega: RealNumber
     parameters: tuple[Sensitivity, ...]
-    part: Part | None = None
+    criterion: Criterion | None = None
     kind: CrossingKind | None = None
 
     def _line(self) -> str:
@@ -106,16 +106,16 @@ class Place:
         """Whether no smaller value makes a scene."""
         return self.knob.rule is Rule.NONNEGATIVE and self.knob.value == 0
 
-    def factors(self, of: Part | str) -> Factors:
-        """Of r^2 - c^2 of a part, or of Re H of a system: the factors above and below the line."""
+    def factors(self, of: Criterion | str) -> Factors:
+        """Of r^2 - c^2 of a criterion, or of Re H of a system: the factors above and below the line."""
         if of not in self._known:
             d = self.derivation
-            found = partial(d.factors, of) if isinstance(of, Part) else partial(d.changeover_factors, of)
+            found = partial(d.changeover_factors, of) if isinstance(of, str) else partial(d.factors, of)
             self._known[of] = (*found(pole=False), *found(pole=True))
         return self._known[of]
 
     @cached_property
-    def _known(self) -> dict[Part | str, Factors]:
+    def _known(self) -> dict[Criterion | str, Factors]:
         return {}
 
 

@@ -8,12 +8,15 @@ from typing import TypeAlias
 
 from sympy import Expr, Rational
 
-from haptisym.judge.crossings import Curve, excess, transparent_set
+from haptisym.judge.criteria import judged, kept, noticed
+from haptisym.judge.crossings import Curve
 from haptisym.judge.percepts import changeovers
 from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.roots import Chart, Point, chart
+from haptisym.kernel.levels import Level
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.roots import Chart, Key, Point, chart
 from haptisym.model.distortion import part_of
-from haptisym.model.jnd import Part
+from haptisym.model.jnd import Part, Threshold
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 
@@ -45,7 +48,8 @@ def _chart(scene: Scene, swept: Sequence[Knob], values: Sequence[Expr]) -> Chart
     limits = {part: value for x, value in zip(swept, values, strict=True) for part in x.parts}
     known = {p.symbol: p.value for p in scene.parameters}
     d = scene.chain.at({**known, **given}).distortion()
-    asked = {(Curve.EXCESS, part): excess(d, limits.get(part, scene.threshold[part]), part) for part in Part}
+    threshold = Threshold(*(limits.get(part, scene.threshold[part]) for part in Part))
+    asked: dict[Key, RealFunction | Level] = {x: x.function(d) for x in noticed(threshold)}
     asked[Curve.ENVIRONMENT, Part.REAL] = part_of(d.env_response, Part.REAL)
     asked[Curve.PERCEIVED, Part.REAL] = part_of(d.perc_response, Part.REAL)
     return chart(asked, *scene.band)
@@ -68,11 +72,11 @@ def _row(found: Chart) -> Row:
 def _step(found: Chart) -> Row:
     """When: crossings and what is transparent."""
     row: Row = {}
-    for part in Part:
-        points = [p for p in found.points if p.orders.get((Curve.EXCESS, part), 0) > 0]
-        row[f"crossings_{part.value}"] = len(points)
-        row[f"first_crossing_{part.value}"] = _first(points)
-    intervals = transparent_set(found)
+    for x in judged(found):
+        points = [p for p in found.points if p.orders.get(x, 0) > 0]
+        row[f"crossings_{x.name}"] = len(points)
+        row[f"first_crossing_{x.name}"] = _first(points)
+    intervals = kept(found)
     low, high = (float(found.points[i].omega) for i in (0, -1))
     clear = sum(float(x.high.omega) - float(x.low.omega) for x in intervals)
     begins = intervals and intervals[0].low is found.points[0]

@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from sympy import Expr
 
-from haptisym.judge.crossings import excess
+from haptisym.judge.criteria import noticed
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import LimitError
 from haptisym.kernel.reals import RealNumber
@@ -60,7 +60,7 @@ def in_time(found: Iterable[_T]) -> Iterator[_T]:
 def one(box: Box, values: Mapping[str, Expr]) -> One:
     scene = box.scene.with_values(values)
     d = scene.distortion()
-    table = chart({part: excess(d, scene.threshold[part], part) for part in Part}, *scene.band)
+    table = chart({part: x.function(d) for part, x in zip(Part, noticed(scene.threshold), strict=True)}, *scene.band)
     crossings = {part: tuple(p.omega for p in table.points if _crosses(p.orders.get(part, 0))) for part in Part}
     intervals = table.where(lambda signs: all(signs[part] <= 0 for part in Part))
     first = intervals[0] if intervals and intervals[0].low is table.points[0] else None

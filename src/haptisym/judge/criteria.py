@@ -1,0 +1,132 @@
+"""Criteria: what is judged of a display at every frequency, each a real function of omega that must not be positive."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
+
+from sympy import Expr, Integer
+
+from haptisym.kernel.levels import Level, algebraic
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import RationalFunction
+from haptisym.kernel.roots import Chart, Interval
+from haptisym.kernel.symbols import c
+from haptisym.model.distortion import Distortion
+from haptisym.model.jnd import Part, Threshold, is_irrational_algebraic
+
+Measure: TypeAlias = Callable[[Distortion], RealFunction]
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """A condition on a display at each frequency: ``measure`` - ``limit`` must not be positive.
+
+    ``name`` : as JSON calls it. ``words`` : in a legend. ``symbol`` : of what is judged. ``rule`` : the condition, written.
+    ``measure`` : of a distortion, an exact real function of omega and of what is a symbol in it; for a ratio r it is r^2.
+    ``sampled`` : the ratio from the fields of compiled values, for drawings.
+    ``threshold`` : c of a ratio, a number or a symbol; 0 where the measure itself must not be positive.
+    ``part`` : the component of dH that is judged; None where both are.
+    ``kept`` : what a display is called that keeps it on a whole band.
+    """
+
+    name: str
+    words: str
+    symbol: str
+    rule: str
+    measure: Measure
+    sampled: Callable[[Any], Any] | None = None
+    threshold: Expr = Integer(0)
+    part: Part | None = None
+    kept: str = "transparent on the whole band"
+
+    def __hash__(self) -> int:
+        return hash(self.name)  # charts look up much
+
+    @property
+    def component(self) -> str:
+        """The operator that gives the component of dH that is judged; empty where both are."""
+        return {Part.REAL: "Re", Part.IMAG: "Im"}.get(self.part, "") if self.part else ""
+
+    @property
+    def limit(self) -> Expr:
+        """What the measure is held against: c^2, or 0."""
+        return (self.threshold**2).expand()
+
+    def function(self, d: Distortion) -> RealFunction | Level:
+        """r^2 - c^2 in lowest terms: positive exactly where the criterion is broken, a pole where the measure is unbounded.
+
+        As common factors are gone, a resonance at which H_env and dH vanish together invents no crossing.
+        """
+        return level(self.measure(d), self.limit)
+
+
+class Judged:
+    """Something that is said of one criterion."""
+
+    criterion: Criterion
+
+    @property
+    def part(self) -> Part | None:
+        """The component of dH that is judged; None where both are."""
+        return self.criterion.part
+
+
+def level(measure: RealFunction, limit: Expr) -> RealFunction | Level:
+    """A real function minus a number, which for a function >= 0 may be irrational algebraic: positive where it is above."""
+    if is_irrational_algebraic(limit):
+        return Level(measure, algebraic(limit))
+    f = measure.function
+    bound = f.ring.convert(limit)
+    top = f.numerator * bound.denominator - bound.numerator * f.denominator
+    return RealFunction(RationalFunction(f.ring, top, f.denominator * bound.denominator))
+
+
+def _square_real(d: Distortion) -> RealFunction:
+    return d.squared_ratios[Part.REAL]
+
+
+def _square_imag(d: Distortion) -> RealFunction:
+    return d.squared_ratios[Part.IMAG]
+
+
+def _ratio_real(values: Any) -> Any:
+    return values.ratio_real
+
+
+def _ratio_imag(values: Any) -> Any:
+    return values.ratio_imag
+
+
+def _given_away(d: Distortion) -> RealFunction:
+    return RealFunction(d.perc_response.imag.axis.zero) - d.perc_response.imag
+
+
+_JND: Mapping[Part, Criterion] = {
+    part: Criterion(name, f"{words} part", symbol, f"{symbol} <= c_{name}", square, ratio, part=part)
+    for part, name, words, symbol, square, ratio in (
+        (Part.REAL, "real", "real", "r_r", _square_real, _ratio_real),
+        (Part.IMAG, "imag", "imaginary", "r_i", _square_imag, _ratio_imag),
+    )
+}
+
+
+def noticed(threshold: Threshold, free: Collection[Part] = ()) -> tuple[Criterion, ...]:
+    """What must hold so that nothing is noticed: r_r <= c_real and r_i <= c_imag, eq. (4); c a symbol for the ``free`` parts."""
+    return tuple(replace(x, threshold=c if part in free else threshold[part]) for part, x in _JND.items())
+
+
+PASSIVE = Criterion("passive", "passive", "-Im H_perc", "Im H_perc >= 0", _given_away, kept="passive on the whole band")
+"""The display gives no energy away at that frequency."""
+
+
+def judged(chart: Chart) -> tuple[Criterion, ...]:
+    """The criteria among the functions of a chart."""
+    return tuple(x for x in chart.points[0].after if isinstance(x, Criterion))
+
+
+def kept(chart: Chart) -> tuple[Interval, ...]:
+    """All frequencies of the band at which every criterion is kept: closed intervals, perhaps none."""
+    criteria = judged(chart)
+    return chart.where(lambda signs: all(signs[x] <= 0 for x in criteria))
