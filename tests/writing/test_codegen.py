@@ -29,9 +29,9 @@ from haptisym.programs.steps import Steps
 from haptisym.programs.values import Values
 from haptisym.writing.code.code import About, Argument, Language, code
 from haptisym.writing.code.entry import distortion_code, scene_code, scene_program
-from haptisym.writing.code.forms import closed_steps
 from haptisym.writing.code.names import comment, identifiers
 from haptisym.writing.code.printers import nearest_double
+from haptisym.writing.code.steps import closed_steps
 
 MP = mpmath.mp.clone()
 MP.dps = 60
@@ -521,7 +521,7 @@ def test_no_text_ends_a_comment(text):
 
 def test_the_steps_are_exactly_the_closed_forms():
     d = hs.load_scene("fu2019").symbolic_distortion()
-    steps = closed_steps(d).expressions()
+    steps = closed_steps(d.chain).at({})
     wanted = {
         "real": d.real,
         "imag": d.imag,
@@ -540,7 +540,7 @@ def test_other_computations_are_printed_too():
     x = hs.symbols("x")
     about = About("Two waves", ("A note.",), {"y": ("a wave", "m")})
     text = code(
-        Steps.sharing({"y": sin(x) + sinc(x), "z": sin(x) ** 2}),
+        Steps((), {"y": sin(x) + sinc(x), "z": sin(x) ** 2}),
         [Argument(x, "rad", "phase")],
         Language.NUMPY,
         name="waves",

@@ -12,7 +12,6 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import PolynomialRing
 from haptisym.kernel.symbols import omega, s
 from haptisym.writing.code.entry import Language
-from haptisym.writing.code.forms import _root
 from haptisym.writing.code.names import comment, function_name, identifiers
 from haptisym.writing.code.printers import in_doubles, nearest_double, printer
 from haptisym.writing.formula import readable
@@ -42,12 +41,6 @@ def test_pi_alone_keeps_its_name_in_code_and_with_a_number_it_is_one_double(lang
     assert "pi" in write.text(in_doubles(pi)).lower()
     assert float(write.text(in_doubles(3 * pi))) == nearest_double(3 * pi)
     assert in_doubles(pi * sqrt(2)) == Float(nearest_double(pi * sqrt(2)), precision=53)
-
-
-@pytest.mark.parametrize("n", range(8))
-def test_the_root_of_a_power_squares_to_the_power(n: int) -> None:
-    a = Symbol("a", positive=True)
-    assert _root(a, n) ** 2 == a**n
 
 
 @pytest.mark.parametrize("language", Language, ids=lambda x: x.name)

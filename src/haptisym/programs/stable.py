@@ -20,7 +20,7 @@ from sympy import Add, Expr, Symbol
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.response import RealFunction, on_axis
-from haptisym.kernel.rings import RationalFunction, cleared, degree_in
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, cleared, degree_in
 from haptisym.kernel.symbols import omega
 from haptisym.programs.program import Program, Writer, sincm1
 
@@ -36,13 +36,15 @@ def stable_program(
     Each matrix is taken in a ring of its own: the angles of one effect are no multiples of those of another, and stay short.
     ``inputs`` : the parameters, after omega.
     """
-    author = _Author(Writer((omega, *inputs)))
+    author = Author(Writer((omega, *inputs)))
     found, nothing = author.fields(environment, rendered, matrices), author.write.constant(0)
     return lambda of, zero: author.write.program({name: nothing if name in zero else found[name] for name in of})
 
 
 @dataclass
-class _Author:
+class Author:
+    """Writes dynamics on s = j omega as steps for their real and imaginary parts."""
+
     write: Writer
     factors: dict[Pair, int] = field(default_factory=dict)
 
@@ -187,9 +189,13 @@ class _Author:
             return self.write.mul(self.write.expression(sincm1(angle)), self.quotient(rest))
         f = real.half_angled
         if f.denominator.is_constant():
-            return self.write.product(f.ring, f.numerator / f.denominator.leading_coefficient())
+            return self.product(f.ring, f.numerator / f.denominator.leading_coefficient())
         f = f.cleared()
-        return self.write.div(self.write.product(f.ring, f.numerator), self.write.product(f.ring, f.denominator))
+        return self.write.div(self.product(f.ring, f.numerator), self.product(f.ring, f.denominator))
+
+    def product(self, ring: PolynomialRing, polynomial: Polynomial) -> int:
+        """A polynomial as the product of its factors."""
+        return self.write.product(ring, polynomial)
 
     def named(self, letters: str, pair: Pair, label: str = "") -> Pair:
         return self.write.label(pair[0], f"{letters[0]}{label}"), self.write.label(pair[1], f"{letters[1]}{label}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Mapping, Set
 from dataclasses import dataclass, field
 from itertools import count
 from types import MappingProxyType
@@ -11,7 +11,6 @@ from types import MappingProxyType
 from sympy import (
     Abs,
     Add,
-    Dummy,
     Expr,
     Mul,
     Pow,
@@ -19,10 +18,8 @@ from sympy import (
     Symbol,
     cos,
     count_ops,
-    cse,
     default_sort_key,
     factor_terms,
-    numbered_symbols,
     sin,
     sinc,
     sqrt,
@@ -62,41 +59,6 @@ class Steps(Shown):
             if early:
                 raise SceneError(f"{name} = {value} uses {min(map(str, early))} before its definition")
 
-    @classmethod
-    def sharing(cls, results: Mapping[str, Expr]) -> Steps:
-        """The computation of some expressions in which each common subexpression is computed once.
-
-        >>> from sympy import symbols
-        >>> a, b = symbols("a b")
-        >>> steps = Steps.sharing({"up": (a + b) ** 2, "down": 1 / (a + b)})
-        >>> steps.definitions, steps.results
-        (((x0, a + b),), {'up': x0**2, 'down': 1/x0})
-        """
-        return cls((), results).shared()
-
-    def shared(self) -> Steps:
-        """The same computation, with a definition for what occurs twice or more, and for what a whole power is taken of.
-
-        Numbers that stand together, such as 2 pi/3, stay together.
-        """
-        names = [name for name, _ in self.definitions]
-        hidden: dict[Expr, Symbol] = {}
-        values = [map_numbers(e, lambda x: _hide(x, hidden)) for e in self._values()]
-        powers = [x for e in values for x in e.atoms(Pow) if x.exp.is_Integer and x.exp != -1 and not x.base.is_Symbol]
-        taken = {x.name for x in self.free_symbols | {*names}}
-        fresh = (x for x in numbered_symbols("x", real=True) if x.name not in taken)
-        # a base that is listed by itself as well occurs twice: it gets its name
-        bases = sorted({x.base for x in powers}, key=default_sort_key)
-        found, kept = cse([*values, *bases], symbols=fresh, order="none")
-        shown = {symbol: number for number, symbol in hidden.items()}
-        found = [(name, value.xreplace(shown)) for name, value in found]
-        kept = [value.xreplace(shown) for value in kept]
-        own, rest = kept[: len(names)], kept[len(names) : len(values)]
-        alias = {value: name for name, value in zip(names, own, strict=True) if value in dict(found)}
-        listed = [(alias.get(name, name), value.xreplace(alias)) for name, value in found]
-        listed += [(x, e.xreplace(alias)) for x, e in zip(names, own, strict=True) if e not in alias]
-        return Steps(_ordered(listed), {x: e.xreplace(alias) for x, e in zip(self.results, rest, strict=True)})
-
     def only(self, names: Iterable[str]) -> Steps:
         """Some of the results, and the definitions that they need, but those that are one result and nothing else."""
         results = {name: self.results[name] for name in names}
@@ -126,21 +88,17 @@ class Steps(Shown):
 
         >>> from sympy import cos, symbols
         >>> a, b = symbols("a b")
-        >>> Steps((), {"y": (a + b) * cos(a + b)}).operations, Steps.sharing({"y": (a + b) * cos(a + b)}).operations
-        (4, 3)
+        >>> Steps((), {"y": (a + b) * cos(a + b)}).operations
+        4
         """
         return sum(int(count_ops(map_numbers(e, _constant))) for e in self._values())
-
-    def expressions(self) -> dict[str, Expr]:
-        """The results as expressions in the arguments alone: all definitions put in."""
-        return self.at({})
 
     def at(self, values: Mapping[Symbol, Expr]) -> dict[str, Expr]:
         """The results for given values of the arguments (exact for exact values), computed definition by definition.
 
         >>> from sympy import Integer, symbols
         >>> a, b = symbols("a b")
-        >>> Steps.sharing({"y": (a + b) ** 2 + 1 / (a + b)}).at({a: Integer(1), b: Integer(2)})
+        >>> Steps(((c := Symbol("c"), a + b),), {"y": c**2 + 1 / c}).at({a: Integer(1), b: Integer(2)})
         {'y': 28/3}
         """
         known: dict[Symbol, Expr] = dict(values)
@@ -317,26 +275,5 @@ def map_numbers(expression: Expr, change: Callable[[Expr], Expr]) -> Expr:
     return expression.func(*(map_numbers(x, change) for x in expression.args)) if expression.args else expression
 
 
-def _hide(number: Expr, hidden: dict[Expr, Symbol]) -> Expr:
-    """A symbol for an irrational number, so that it is not taken apart."""
-    return number if number.is_Rational else hidden.setdefault(number, Dummy(real=True))
-
-
 def _constant(number: Expr) -> Expr:
     return number if number.is_Integer else Symbol("number")
-
-
-def _ordered(definitions: Sequence[tuple[Symbol, Expr]]) -> tuple[tuple[Symbol, Expr], ...]:
-    """The definitions so that each comes after all that it uses, otherwise in their order."""
-    values = dict(definitions)
-    placed: dict[Symbol, Expr] = {}
-
-    def place(name: Symbol) -> None:
-        for used in sorted(values[name].free_symbols & values.keys() - placed.keys(), key=default_sort_key):
-            place(used)
-        placed[name] = values[name]
-
-    for name in values:
-        if name not in placed:
-            place(name)
-    return tuple(placed.items())

@@ -16,8 +16,8 @@ from haptisym.model.quantities import Dimension, Motion
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.writing.code.code import About, Argument, Language, Program
-from haptisym.writing.code.forms import chain_steps
 from haptisym.writing.code.printers import nearest_double
+from haptisym.writing.code.steps import chain_steps
 from haptisym.writing.mathtext import plain
 
 __all__ = ["Language", "distortion_code", "scene_code", "scene_program"]
