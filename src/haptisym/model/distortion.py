@@ -13,7 +13,7 @@ from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.response import RealFunction, Response, on_axis, squared_modulus
-from haptisym.kernel.rings import RationalFunction, cleared
+from haptisym.kernel.rings import Polynomial, RationalFunction, cleared
 from haptisym.kernel.shown import Shown, counted
 from haptisym.kernel.symbols import c as threshold
 from haptisym.kernel.symbols import omega, s
@@ -105,6 +105,20 @@ class Chain:
         felt = {f"perceived_{part.value}": of[f"environment_{part.value}"] + of[part.value] for part in Part}
         return Steps(found.definitions, {**of, **felt})
 
+    def without_axis_zeros(self) -> tuple[Chain, bool]:
+        """A chain with the same ratios, though H_env has no zeros on s = j omega; whether r_r is its r_i.
+
+        All dynamics are taken over the factors Z of H_env that are real or imaginary there: H/Z behind [[A, B/Z], [C Z, D]].
+        """
+        environment = self.ring.convert(self.environment).reduced()
+        Z = self.ring.function(_axis_zeros(self.ring, environment.numerator))
+        if Z.numerator.is_constant():
+            return self, False
+        over = lambda x, power: (self.ring.convert(x) * Z**power).reduced().expression() if x else x  # noqa: E731
+        matrices = tuple((a, over(b, -1), over(c, 1), d) for a, b, c, d in self.matrices)
+        odd = int(Z.numerator.monoms()[0][0]) % 2 == 1
+        return Chain(over(self.environment, -1), over(self.rendered, -1), matrices), odd
+
     def at(self, values: Mapping[Symbol, Expr]) -> Chain:
         """The same chain with values for some of its symbols."""
         return self.map(lambda entry: entry.xreplace(values))
@@ -113,6 +127,16 @@ class Chain:
         """The chain with every dynamics in it changed."""
         matrices = tuple((change(a), change(b), change(c), change(d)) for a, b, c, d in self.matrices)
         return Chain(change(self.environment), change(self.rendered), matrices)
+
+
+def _axis_zeros(ring: Ring, polynomial: Polynomial) -> Polynomial:
+    """The factors of a polynomial that can vanish on s = j omega: s itself, and those in s^2."""
+    found = ring.constant(1)
+    for factor, n in ring.factors(polynomial, in_square=False)[1] if polynomial else ():
+        even = len({int(exponents[0]) % 2 for exponents in factor.monoms()}) == 1
+        if factor.degrees()[0] and even and not any(factor.degrees()[ring.size :]):
+            found = found * factor**n
+    return found
 
 
 def _through(H: RationalFunction, matrix: Sequence[RationalFunction]) -> RationalFunction:

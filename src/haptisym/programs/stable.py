@@ -87,13 +87,15 @@ class Author:
             found = relative or ((self.over(dH, R)) if w.number(X) == 0 else self.over((dH[1], w.neg(dH[0])), X))
             ratios = found if w.number(X) == 0 else (found[1], found[0])
             real, imag = (w.abs(x) for x in ratios)
+            squared = tuple(w.mul(x, x) for x in ratios)
         else:
             N = w.label(self.square(H), "N")
             found = relative or self.over(self.times(dH, (R, w.neg(X))), N)
             above, below = fraction
             scale = w.div(w.constant(1), w.mul(below, w.sqrt(N)))
             real, imag = (w.mul(w.abs(x), scale) for x in above)
-        pairs = {"": dH, "ratio_": (real, imag), "relative_": found, "environment_": H, "perceived_": felt}
+            squared = tuple(w.div(w.power(w.div(x, below), 2), N) for x in above)
+        pairs = {"": dH, "ratio_": (real, imag), "squared_": squared, "relative_": found, "environment_": H, "perceived_": felt}
         return {
             f"{kind}{part}": x for kind, pair in pairs.items() for part, x in zip(("real", "imag"), pair, strict=True)
         }

@@ -9,6 +9,7 @@ a proof, not an estimate. Where ``r`` is not finite nothing is known.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import factorial
 from typing import Any, TypeAlias
 
@@ -20,9 +21,12 @@ _ROUNDING = 1e-14  # of an operation, relative to the largest values of its oper
 _TINY = 1e-290  # against underflow: of a value, and of a coefficient
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False)
 class Model:
-    """``c0`` (boxes, m), ``c1`` (boxes, m, n), ``c2`` (boxes, m, n, n), ``r`` (boxes, m); m = 1 + n: the value and its slopes."""
+    """``c0`` (boxes, m), ``c1`` (boxes, m, n), ``c2`` (boxes, m, n, n), ``r`` (boxes, m).
+
+    m = 1 + n: the value and its slopes; or m = 1: the value alone.
+    """
 
     c0: Array
     c1: Array
@@ -30,9 +34,21 @@ class Model:
     r: Array
 
     @property
+    def arrays(self) -> tuple[Array, ...]:
+        return self.c0, self.c1, self.c2, self.r
+
+    @property
     def deviation(self) -> Array:
         """Bounds on the distance from ``c0``."""
-        return np.abs(self.c1).sum(-1) + np.abs(self.c2).sum((-1, -2)) + self.r
+        return self._first + self._second + self.r
+
+    @cached_property
+    def _first(self) -> Array:
+        return np.abs(self.c1).sum(-1)
+
+    @cached_property
+    def _second(self) -> Array:
+        return np.abs(self.c2).sum((-1, -2))
 
     def bounds(self) -> tuple[Array, Array]:
         """The least and the greatest that the value and each slope can be, (boxes, m); infinite where nothing is known."""
@@ -53,14 +69,21 @@ class Model:
 
     def __mul__(self, other: Model) -> Model:
         """The product, its slopes by the product rule."""
-        by_value, by_slope = _product(self._value, other), _product(self, other._value)
-        for array in (by_slope.c0, by_slope.c1, by_slope.c2, by_slope.r):
-            array[:, 0] = 0
-        return by_value + by_slope
+        found = _product(self, other._value)
+        if other is self:
+            return Model(*(np.concatenate([x[:, :1], 2 * x[:, 1:]], 1) for x in found.arrays))
+        if self.c0.shape[1] > 1:
+            for array, more in zip(found.arrays, _product(self._value, other._slopes).arrays, strict=True):
+                array[:, 1:] += more
+        return found
 
-    @property
+    @cached_property
     def _value(self) -> Model:
-        return Model(self.c0[:, :1], self.c1[:, :1], self.c2[:, :1], self.r[:, :1])
+        return self if self.c0.shape[1] == 1 else Model(*(x[:, :1] for x in self.arrays))
+
+    @cached_property
+    def _slopes(self) -> Model:
+        return Model(*(x[:, 1:] for x in self.arrays))
 
     def times(self, x: float) -> Model:
         """The product with a number that is known to within some roundings."""
@@ -68,28 +91,25 @@ class Model:
         r = self.r * abs(x) + _ROUNDING * whole + _TINY
         return Model(self.c0 * x, self.c1 * x, self.c2 * x, r)
 
-    def power(self, n: int) -> Model:
-        """The function to a whole power, not 0; unknown where it may be 0, unless n is 1 or 2.
+    def __truediv__(self, other: Model) -> Model:
+        """The quotient q, its slopes (x' - q y')/y; unknown where the divisor may be 0."""
+        y = other._value
+        q = _quotient(self._value, y)
+        if self.c0.shape[1] == 1:
+            return q
+        return q._over(_quotient(self._slopes - _product(q, other._slopes), y))
 
-        (1 + y)^n to second order; for |y| <= rho the rest is at most |n (n - 1) (n - 2)|/6 rho^3 times the
-        largest (1 + y)^(n - 3).
-        """
-        if n in (1, 2):
-            return self if n == 1 else self * self
-        return self._chained(self._power(n), self._power(n - 1).times(n))
+    def number(self, x: float) -> Model:
+        """A number that is known to within some roundings, over the same boxes."""
+        boxes, rows, sides = self.c1.shape
+        return constant(x, boxes, sides, slopes=rows > 1)
 
-    def _power(self, n: int) -> Model:
-        """The value to a power, without slopes; not to 1."""
-        if n == 2:
-            return _product(self._value, self._value)
-        a = self.c0[:, :1]
-        rho = self.deviation[:, :1] / np.abs(a)
-        largest = np.maximum((1 + rho) ** (n - 3), (1 - rho) ** (n - 3))
-        rest = np.where(rho < 0.9, abs(n * (n - 1) * (n - 2)) / 6 * rho**3 * largest, np.inf)
-        whole = a ** float(n)
-        return self._composed(
-            whole, n * whole / a, n * (n - 1) / 2 * whole / a**2, rest * np.maximum(np.abs(whole), _TINY)
-        )
+    def plus(self, x: float) -> Model:
+        """The sum with a number that is known to within some roundings."""
+        c0, r = self.c0.copy(), self.r.copy()
+        c0[:, 0] += x
+        r[:, 0] += _ROUNDING * (abs(x) + np.abs(self.c0[:, 0]) + self.deviation[:, 0]) + _TINY
+        return Model(c0, self.c1, self.c2, r)
 
     def cosine_and_sine(self) -> tuple[Model, Model]:
         """Of an angle in radians."""
@@ -106,13 +126,27 @@ class Model:
         value, slope = self._composed(f, df, d2f / 2, rest / 4), self._composed(df, d2f, d3f / 2, rest / 5 + lost)
         return self._chained(value, slope)
 
+    def sincm1(self) -> Model:
+        """sin x/x - 1, to within roundings of itself also where x is small."""
+        a = self.c0[:, :1]
+        _, df, d2f, _ = _sinc(a)
+        value = self._composed(_sincm1(a), df, d2f / 2, self.deviation[:, :1] ** 3 / 24)
+        return value._over(self.sinc()._slopes)
+
+    def to_the(self, order: Model) -> Model:
+        """A function >= 0 to a power > 0: where it may be 0 its slopes are unknown."""
+        smooth = (self.log() * order).exp()
+        (least, most), top = (x[:, 0] for x in order.bounds()), np.maximum(self.bounds()[1][:, 0], 0.0)
+        rough = between(np.zeros(len(top)), np.maximum(top**least, top**most) * (1 + 1e-12), *self.c1.shape[1:])
+        return smooth.where(np.isfinite(smooth.bounds()[1]).all(-1), rough)
+
     def log(self) -> Model:
         """The logarithm; unknown where the function may be 0."""
         a = self.c0[:, :1]
         rho = self.deviation[:, :1] / a
         rest = np.where((rho >= 0) & (rho < 0.9), rho**3 / 3 / (1 - rho), np.inf)
         value = self._composed(np.log(a), 1 / a, -1 / (2 * a**2), rest)
-        return self._chained(value, self._power(-1))
+        return self._chained(value, _quotient(self._value.number(1.0), self._value))
 
     def exp(self) -> Model:
         """The exponential."""
@@ -134,9 +168,11 @@ class Model:
 
     def _chained(self, value: Model, slope: Model) -> Model:
         """The value in row 0, and slope times each slope of this function in the others."""
-        found = _product(slope, self)
-        found.c0[:, :1], found.c1[:, :1], found.c2[:, :1], found.r[:, :1] = value.c0, value.c1, value.c2, value.r
-        return found
+        return value._over(_product(slope, self._slopes)) if self.c0.shape[1] > 1 else value
+
+    def _over(self, slopes: Model) -> Model:
+        """This value with those slopes."""
+        return Model(*(np.concatenate(pair, 1) for pair in zip(self.arrays, slopes.arrays, strict=True)))
 
     def where(self, known: Array, other: Model) -> Model:
         """This model for the boxes where ``known`` holds, and the other one for the rest."""
@@ -145,12 +181,19 @@ class Model:
         return Model(np.where(k, self.c0, other.c0), c1, c2, np.where(k, self.r, other.r))
 
 
+def _sincm1(x: Array) -> Array:
+    near = np.polynomial.Polynomial(sum(_SERIES[1:]))
+    return np.where(np.abs(x) < 1.5, near(x), np.sin(x) / np.where(x == 0, 1.0, x) - 1)
+
+
+_SERIES = [(-1.0) ** k / factorial(2 * k + 1) * np.eye(1, 29, 2 * k)[0] for k in range(14)]
+"""The terms of sin x/x, each as the coefficients of a polynomial."""
+
+
 def _sinc(x: Array) -> tuple[Array, ...]:
     """sin x/x and three derivatives: near 0 by their series, else by x f'' + 2 f' + x f = 0."""
-    terms = [(-1.0) ** k / factorial(2 * k + 1) * np.eye(1, 29, 2 * k)[0] for k in range(14)]
-    near = [
-        np.polynomial.Polynomial(sum(terms)).deriv(n) if n else np.polynomial.Polynomial(sum(terms)) for n in range(4)
-    ]
+    near = [np.polynomial.Polynomial(sum(_SERIES))]
+    near += [near[0].deriv(n) for n in (1, 2, 3)]
     far = np.where(np.abs(x) < 1.5, 1.5, x)
     f = np.sin(far) / far
     df = (np.cos(far) - f) / far
@@ -164,38 +207,51 @@ def _product(x: Model, y: Model) -> Model:
     c0 = x.c0 * y.c0
     c1 = x.c0[..., None] * y.c1 + y.c0[..., None] * x.c1
     c2 = x.c0[..., None, None] * y.c2 + y.c0[..., None, None] * x.c2 + x.c1[..., :, None] * y.c1[..., None, :]
-    x1, y1 = np.abs(x.c1).sum(-1), np.abs(y.c1).sum(-1)
-    x2, y2 = np.abs(x.c2).sum((-1, -2)), np.abs(y.c2).sum((-1, -2))
-    xs, ys = np.abs(x.c0) + x1 + x2, np.abs(y.c0) + y1 + y2
-    r = x1 * y2 + x2 * y1 + x2 * y2 + xs * y.r + ys * x.r + x.r * y.r
+    xs, ys = np.abs(x.c0) + x._first + x._second, np.abs(y.c0) + y._first + y._second
+    r = x._first * y._second + x._second * (y._first + y._second) + xs * y.r + x.r * (ys + y.r)
     return Model(c0, c1, c2, r * (1 + _ROUNDING) + _ROUNDING * (xs * ys) + _TINY)
 
 
-def constant(value: float, boxes: int, sides: int) -> Model:
+def _quotient(x: Model, y: Model) -> Model:
+    """Each row over a value: the parabola q for which x - q y begins with the third order, and how large (x - q y)/y is.
+
+    Of numerator and denominator that vary alike nothing is lost so, and little of others.
+    """
+    a = y.c0
+    w1, w2 = y.c1 / a[..., None], y.c2 / a[..., None, None]
+    c0 = x.c0 / a
+    c1 = x.c1 / a[..., None] - c0[..., None] * w1
+    c2 = x.c2 / a[..., None, None] - c0[..., None, None] * w2 - c1[..., :, None] * w1[..., None, :]
+    missed = x - _product(Model(c0, c1, c2, np.zeros(c0.shape)), y)
+    least = np.abs(a) * (1 - _ROUNDING) - y.deviation * (1 + _ROUNDING)
+    r = (np.abs(missed.c0) + missed.deviation) / least * (1 + _ROUNDING) + _TINY
+    return Model(c0, c1, c2, np.where(least > 0, r, np.inf))
+
+
+def constant(value: float, boxes: int, sides: int, *, slopes: bool = True) -> Model:
     """A number, known to within some roundings; its slopes are 0."""
-    zero = np.zeros((boxes, 1 + sides))
-    return _flat(np.full(boxes, value), zero)
+    return _flat(np.full(boxes, value), np.zeros((boxes, 1 + sides if slopes else 1)), sides)
 
 
-def variable(middle: Array, radius: Array, size: float, side: int, sides: int) -> Model:
-    """middle + radius t_side for each box, to within some roundings of numbers up to ``size``."""
-    found = _flat(middle, np.zeros((len(middle), 1 + sides)))
+def variable(middle: Array, radius: Array, size: float, side: int, sides: int, *, slopes: bool = True) -> Model:
+    """middle + radius t_side for each box, to within some roundings of numbers up to ``size``; with or without its slopes."""
+    found = _flat(middle, np.zeros((len(middle), 1 + sides)), sides)
     found.c1[:, 0, side] = radius
     found.c0[:, 1 + side] = radius
     found.r[:, 0] = found.r[:, 1 + side] = _ROUNDING * size
-    return found
+    return found if slopes else found._value
 
 
-def between(low: Array, high: Array, sides: int) -> Model:
+def between(low: Array, high: Array, rows: int, sides: int) -> Model:
     """A function that lies between two numbers, with slopes of which nothing is known."""
-    r = np.full((len(low), 1 + sides), np.inf)
+    r = np.full((len(low), rows), np.inf)
     r[:, 0] = (high - low) / 2 * (1 + _ROUNDING)
-    return _flat((low + high) / 2, r)
+    return _flat((low + high) / 2, r, sides)
 
 
-def _flat(value: Array, r: Array) -> Model:
+def _flat(value: Array, r: Array, sides: int) -> Model:
     boxes, rows = r.shape
-    c0 = np.zeros(r.shape)
+    c0, c1, c2 = (np.zeros((boxes, rows, *[sides] * n), order="F") for n in range(3))
     c0[:, 0] = value
     r[:, 0] += _ROUNDING * np.abs(value) + _TINY
-    return Model(c0, np.zeros((boxes, rows, rows - 1)), np.zeros((boxes, rows, rows - 1, rows - 1)), r)
+    return Model(c0, c1, c2, np.asfortranarray(r))

@@ -102,7 +102,14 @@ class Tolerances(Answer):
 
     def one(self, values: Mapping[str, Expr]) -> One:
         """The certified answers for one set of values; what is not named is nominal."""
-        return one(self.box, values)
+        key = tuple(values.items())
+        if key not in self._known:
+            self._known[key] = one(self.box, values)
+        return self._known[key]
+
+    @cached_property
+    def _known(self) -> dict[tuple[tuple[str, Expr], ...], One]:
+        return {}
 
     @cached_property
     def _search(self) -> dict[Part, tuple[Excess, tuple[Cluster, ...]]]:

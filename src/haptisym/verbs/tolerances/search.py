@@ -18,7 +18,7 @@ from haptisym.kernel.errors import LimitError
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.tolerances.excess import Excess
 
-_BATCH = 64  # cells that are bounded together
+_BATCH = 256  # cells that are bounded together
 _MOST_CELLS = 3000  # that are looked at for one part
 _MOST_SPLITS = 6  # of a cell: then it is a leaf if crossings in it are regular, or move one way with each parameter
 _MOST_BEYOND = 800  # cells that are looked at for one end
@@ -127,12 +127,11 @@ def _unbounded(cells: Array) -> _Bounded:
 def _unclear(excess: Excess, found: _Bounded) -> Array:
     """Where the excess may vanish: not where it is > 0 at the corner where it is least, or < 0 where it is greatest."""
     unclear = found.signs[:, 0] == 0
-    for sign in (1, -1):
-        which = np.flatnonzero(unclear)
-        corners = _corner(found.cells[which], found.signs[which, 2:], -sign)
-        if len(which):
-            low, high = (x[:, 0] for x in excess.model(corners).bounds())
-            unclear[which[low > 0 if sign > 0 else high < 0]] = False
+    which = np.flatnonzero(unclear)
+    if len(which):
+        corners = [_corner(found.cells[which], found.signs[which, 2:], to) for to in (-1, 1)]
+        low, high = (x[:, 0] for x in excess.model(np.concatenate(corners), slopes=False).bounds())
+        unclear[which] = ~((low[: len(which)] > 0) | (high[len(which) :] < 0))
     return unclear
 
 
@@ -192,16 +191,17 @@ def _contracted(cells: Array, c0: Array, c1: Array, c2: Array, r: Array, least: 
 def _together(cells: Array) -> Array:
     """A label for each cell, the same for cells that touch, directly or through others."""
     label = np.full(len(cells), -1)
-    for first in range(len(cells)):
-        if label[first] >= 0:
-            continue
+    low, high = np.ascontiguousarray(cells.T)
+    alone = np.arange(len(cells))
+    while len(alone):
+        first, waiting = alone[0], [alone[0]]
         label[first] = first
-        waiting = [first]
         while waiting:
-            own = cells[waiting.pop()]
-            touching = (cells[:, :, 0] <= own[:, 1]).all(-1) & (own[:, 0] <= cells[:, :, 1]).all(-1) & (label < 0)
-            label[touching] = first
-            waiting += np.flatnonzero(touching).tolist()
+            own = waiting.pop()
+            near = (low[:, alone] <= high[:, own, None]).all(0) & (low[:, own, None] <= high[:, alone]).all(0)
+            label[alone[near]] = first
+            waiting += [x for x in alone[near].tolist() if x != first or own != first]
+            alone = alone[~near]
     return label
 
 
