@@ -2,9 +2,10 @@
 
     python benchmarks/tolerances.py [--against CHECKOUT] [--limit SECONDS] [--drawn N] [SCENE ...]
 
-A row is a scene with a tolerance of 5 % on some of its numbers, its threshold among them: at most four at a time, all of them in turn.
-Each row is run here and in the other checkout by turns, each in a process of its own that has warmed up.
-``width``: all enclosures together, as a share of the band; ``wider``: what the worst enclosure here adds to those there, likewise;
+A row is a scene with a tolerance of 5 % on some of its numbers, its threshold among them: at most four at a time, all of
+them in turn. Each row is run here and in the other checkout by turns, each in a process of its own that has warmed up; seconds
+are the processor's. ``width``: all enclosures together, as a share of the band; ``wider``: what the worst enclosure here
+adds to those there, likewise;
 ``out``: how many crossings of members of the box, drawn at random, lie in no enclosure.
 
 Left out: quantiles, which are single evaluations (``evaluate.py``).
@@ -52,16 +53,18 @@ def ranged(name: str, numbers: list[str]) -> hs.Scene:
     scene = hs.load_scene(name)
     known = {p.symbol.name: p.value for p in scene.parameters}
     ranges = {x: around(known[x]) for x in numbers if x != "c"}
-    threshold = hs.Threshold.of(*(around(scene.threshold[part]) if "c" in numbers else scene.threshold[part] for part in hs.Part))
+    threshold = hs.Threshold.of(
+        *(around(scene.threshold[part]) if "c" in numbers else scene.threshold[part] for part in hs.Part)
+    )
     return replace(scene.with_values(ranges), threshold=threshold)
 
 
 def answered(name: str, numbers: list[str], limit: float, drawn: int) -> dict[str, Any]:
     """One row in this process."""
     scene = ranged(name, numbers)
-    started = time.perf_counter()
+    started = time.process_time()
     found = hs.tolerances(scene, samples=0, limit=limit)
-    seconds = time.perf_counter() - started
+    seconds = time.process_time() - started
     enclosures = [(x.part.value, float(x.low), float(x.high)) for x in found.enclosures]
     out = sum(outside(member, enclosures) for member in members(scene, numbers, drawn))
     band = [float(x) for x in scene.band]
@@ -73,6 +76,7 @@ def members(scene: hs.Scene, numbers: list[str], count: int) -> Iterator[hs.Scen
     """Scenes of the box, drawn at random, half of them at its corners."""
     draw = random.Random(14)
     for n in range(count):
+
         def value(low: Any, high: Any, n: int = n) -> Any:
             return low + (high - low) * (Rational(draw.randint(0, 1 << 20), 1 << 20) if n % 2 else draw.randint(0, 1))
 
@@ -85,7 +89,9 @@ def members(scene: hs.Scene, numbers: list[str], count: int) -> Iterator[hs.Scen
 def outside(scene: hs.Scene, enclosures: list[tuple[str, float, float]]) -> int:
     """How many crossings of a scene lie in none of them."""
     crossings = [(x.part.value, float(x.omega)) for x in hs.evaluate(scene).crossings]
-    return sum(not any(p == q and a * (1 - 1e-12) <= w <= b * (1 + 1e-12) for q, a, b in enclosures) for p, w in crossings)
+    return sum(
+        not any(p == q and a * (1 - 1e-12) <= w <= b * (1 + 1e-12) for q, a, b in enclosures) for p, w in crossings
+    )
 
 
 class Checkout:
@@ -100,7 +106,7 @@ class Checkout:
         )
 
     def ask(self, *question: Any) -> dict[str, Any]:
-        """One row; KeyError-free: a row that fails is told by its message."""
+        """One row."""
         assert self.process.stdin
         assert self.process.stdout
         self.process.stdin.write(json.dumps(question) + "\n")
@@ -135,7 +141,8 @@ def wider(here: dict[str, Any], there: dict[str, Any]) -> float:
 def shown(name: str, numbers: list[str], here: dict[str, Any], there: dict[str, Any] | None) -> str:
     """One line of the table."""
     mark = "*" if here["cut"] else " "
-    line = f"{name:<28} {' '.join(numbers):<58.58} {here['seconds']:8.2f}{mark} {here['verdict']:<9} {width(here):6.3f} {here['out']:3d}"
+    line = f"{name:<28} {' '.join(numbers):<40.40} {here['seconds']:8.2f}{mark} {here['verdict']:<9}"
+    line = f"{line} {width(here):6.3f} {here['out']:3d}"
     if there is None:
         return line
     mark = "*" if there["cut"] else " "
@@ -158,7 +165,10 @@ def main() -> None:
     print(machine())
     folders = [Path(__file__).parent.parent, *([asked.against] if asked.against else [])]
     checkouts = [Checkout(folder) for folder in folders]
-    print(f"\n=== tolerances ===\n{'scene':<28} {'5 % on':<58} {'seconds':>8}  {'verdict':<9} {'width':>6} {'out':>3}", end="")
+    print(
+        f"\n=== tolerances ===\n{'scene':<28} {'5 % on':<40} {'seconds':>8}  {'verdict':<9} {'width':>6} {'out':>3}",
+        end="",
+    )
     print(f" | {'seconds':>8}  {'verdict':<9} {'width':>6} {'wider':>7} {'faster':>8}" if asked.against else "")
     total = [0.0] * len(checkouts)
     for name in asked.scenes or hs.scene_names():

@@ -20,7 +20,7 @@ import haptisym as hs
 from haptisym.figures.effects import save_influences
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import EFFECTS
-from haptisym.verbs.effects.ballchain import TERMS, BallChain, Kept, Piece, _order_at_0, series_arithmetic
+from haptisym.verbs.effects.ballchain import TERMS, BallChain, Kept, Piece, series_arithmetic
 from haptisym.verbs.effects.differences import Difference, _down, _Expansion, _up
 from haptisym.verbs.effects.entry import relevance
 from haptisym.verbs.effects.relevance import Relevance
@@ -844,7 +844,7 @@ def test_the_order_of_a_zero_at_0_counts_delays_as_what_they_are() -> None:
         (1 - e, 1), (1 - f, 1), (e - f, 1), (s, 1), (s * (1 - e) ** 2, 3), (s / 200 - (1 - e), 2), (s + 1, 0), (e, 0),
         ((1 - e) * (1 - f), 2), ((1 - e) * pi / 1000 - (1 - f) / 200, 2), (1 - e * f, 1), (s**4, 4), (s - s, inf),
     ):  # fmt: skip
-        assert _order_at_0(ring, ring.convert(form).numerator) == order, form
+        assert ring.order_at_0(ring.convert(form).numerator) == order, form
 
 
 def test_what_stays_undecided_is_never_said_to_stay_within(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import cached_property, reduce
+from math import inf
 
 from sympy import Add, Expr, I, Integer, Pow, Rational, Symbol, cosh, exp, gcd, preorder_traversal, sinh
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.rings import PolynomialRing, RationalFunction
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
 from haptisym.kernel.symbols import s
 
 _MOST_MULTIPLE = 32  # of a common unit delay; beyond it commensurable delays are treated as independent of each other
@@ -57,6 +58,35 @@ class Ring(PolynomialRing):
             if multiple.is_Integer:
                 return self.function(self.generators[exp(-s * unit)]) ** (sign * int(multiple))
         raise SceneError(f"the delay {lag} is not in this ring")
+
+    def order_at_0(self, polynomial: Polynomial) -> float:
+        """The order of the zero at s = 0, where every delay is 1; powers s^alpha are taken as if they were independent of s.
+
+        >>> from sympy import exp
+        >>> ring = Ring.of([exp(-s)])
+        >>> [ring.order_at_0(ring.convert(x).numerator) for x in (s**3, 1 - exp(-s), s - 1 + exp(-s), s - s)]
+        [3, 1, 2, inf]
+        """
+        order = 0
+        while self.at_0(polynomial).is_zero():
+            if polynomial.is_zero():
+                return inf
+            polynomial, order = self.slope(polynomial), order + 1
+        return order
+
+    def at_0(self, polynomial: Polynomial) -> Polynomial:
+        """The value at s = 0, in pi and the symbols."""
+        delays = dict.fromkeys(range(self.size, self.size + len(self.lags)), 1)
+        return polynomial.subs({0: 0, **delays})
+
+    def slope(self, polynomial: Polynomial) -> Polynomial:
+        """d/ds, with d/ds exp(-s tau) = -tau exp(-s tau), times the denominators of the delays."""
+        rates = [self.convert(lag) for lag in self.lags]
+        common = reduce(lambda x, y: x * y, (rate.denominator for rate in rates), self.constant(1))
+        total = common * polynomial.derivative(0)
+        for i, rate in enumerate(rates, self.size):
+            total -= rate.numerator * (common / rate.denominator) * self.context.gens()[i] * polynomial.derivative(i)
+        return total
 
     @cached_property
     def axis(self) -> Axis:

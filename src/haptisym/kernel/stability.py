@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import reduce
 from itertools import pairwise
 from math import prod
 
@@ -41,8 +40,8 @@ def is_stable(dynamics: RationalFunction) -> bool | None:
         return None
     if any(degree_in([dynamics.denominator], i) for i in range(lags.stop, lags.stop + len(ring.orders))):
         return None
-    order = _order_at_0(dynamics.denominator, ring)
-    if order > _order_at_0(dynamics.numerator, ring, order):
+    order = int(ring.order_at_0(dynamics.denominator))
+    if order > ring.order_at_0(dynamics.numerator):
         return False  # a pole at 0
     explicit = min(int(e[0]) for e in dynamics.denominator.monoms())
     shortened = dynamics.denominator / ring.variable**explicit
@@ -52,29 +51,6 @@ def is_stable(dynamics: RationalFunction) -> bool | None:
         return _mikhailov(shortened, ring, order - explicit)
     except UndecidedError:
         return None
-
-
-def _order_at_0(polynomial: Polynomial, ring: Ring, most: int = 1000) -> int:
-    """The order of the zero at s = 0, where 1 - exp(-s tau) has one too; no more than asked for."""
-    order = 0
-    while order < most and _at_0(polynomial, ring) == 0:
-        polynomial, order = _derivative(polynomial, ring), order + 1
-    return order
-
-
-def _at_0(polynomial: Polynomial, ring: Ring) -> Expr:
-    """The value at s = 0, where every delay is 1; with powers of s^alpha in it, as if they were independent of s."""
-    return sum((value for power, _, value in _terms(polynomial, ring) if power == 0), Integer(0))
-
-
-def _derivative(polynomial: Polynomial, ring: Ring) -> Polynomial:
-    """d/ds, with d/ds exp(-s tau) = -tau exp(-s tau), times the denominators of the delays (positive numbers)."""
-    rates = [ring.convert(lag) for lag in ring.lags]
-    common = reduce(lambda x, y: x * y, (rate.denominator for rate in rates), ring.constant(1))
-    total = common * polynomial.derivative(0)
-    for i, rate in enumerate(rates, ring.size):
-        total -= rate.numerator * (common / rate.denominator) * ring.context.gens()[i] * polynomial.derivative(i)
-    return total
 
 
 def _routh(dynamics: RationalFunction) -> bool:
@@ -144,8 +120,8 @@ def _mikhailov(denominator: Polynomial, ring: Ring, removable: int) -> bool | No
 def _sign_at_0(polynomial: Polynomial, ring: Ring, order: int) -> int:
     """The sign of the first Taylor coefficient at 0 that is not 0, the one of that order."""
     for _ in range(order):
-        polynomial = _derivative(polynomial, ring)
-    return sign_of_number(_at_0(polynomial, ring))
+        polynomial = ring.slope(polynomial)
+    return sign_of_number(ring.expression(ring.at_0(polynomial)))
 
 
 def _leading(denominator: Polynomial, ring: Ring) -> tuple[int | None, int]:

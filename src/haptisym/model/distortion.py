@@ -114,10 +114,13 @@ class Chain:
         Z = self.ring.function(_axis_zeros(self.ring, environment.numerator))
         if Z.numerator.is_constant():
             return self, False
-        over = lambda x, power: (self.ring.convert(x) * Z**power).reduced().expression() if x else x  # noqa: E731
-        matrices = tuple((a, over(b, -1), over(c, 1), d) for a, b, c, d in self.matrices)
+
+        def times(x: Expr, power: int) -> Expr:
+            return (self.ring.convert(x) * Z**power).reduced().expression() if x else x
+
+        matrices = tuple((a, times(b, -1), times(c, 1), d) for a, b, c, d in self.matrices)
         odd = int(Z.numerator.monoms()[0][0]) % 2 == 1
-        return Chain(over(self.environment, -1), over(self.rendered, -1), matrices), odd
+        return Chain(times(self.environment, -1), times(self.rendered, -1), matrices), odd
 
     def at(self, values: Mapping[Symbol, Expr]) -> Chain:
         """The same chain with values for some of its symbols."""

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeAlias
 
-from flint import arb
+import flint
 
 from haptisym.kernel.budget import tick
-
 from haptisym.programs.balls import FUNCTIONS, constant_ball
-from haptisym.programs.program import Operation, Program
+from haptisym.programs.program import Program
 from haptisym.programs.taylormodels import Model
 
 Value: TypeAlias = Model | float
@@ -75,9 +74,10 @@ class Modelled:
     def _constants(self) -> Mapping[int, float]:
         """The steps that depend on no input, to within a rounding."""
         balls: dict[int, Any] = {}
-        for i, step in enumerate(self.program.operations):
-            if step.name == "constant":
-                balls[i] = constant_ball(step.value)
-            elif step.name != "input" and all(x in balls for x in step.arguments):
-                balls[i] = FUNCTIONS[step.name](*(balls[x] for x in step.arguments))
-        return {i: float(x.mid()) for i, x in balls.items()}
+        with flint.ctx.workprec(200):
+            for i, step in enumerate(self.program.operations):
+                if step.name == "constant":
+                    balls[i] = constant_ball(step.value)
+                elif step.name != "input" and all(x in balls for x in step.arguments):
+                    balls[i] = FUNCTIONS[step.name](*(balls[x] for x in step.arguments))
+            return {i: float(x.mid()) for i, x in balls.items()}

@@ -95,7 +95,14 @@ class Author:
             scale = w.div(w.constant(1), w.mul(below, w.sqrt(N)))
             real, imag = (w.mul(w.abs(x), scale) for x in above)
             squared = tuple(w.div(w.power(w.div(x, below), 2), N) for x in above)
-        pairs = {"": dH, "ratio_": (real, imag), "squared_": squared, "relative_": found, "environment_": H, "perceived_": felt}
+        pairs = {
+            "": dH,
+            "ratio_": (real, imag),
+            "squared_": squared,
+            "relative_": found,
+            "environment_": H,
+            "perceived_": felt,
+        }
         return {
             f"{kind}{part}": x for kind, pair in pairs.items() for part, x in zip(("real", "imag"), pair, strict=True)
         }
@@ -133,7 +140,8 @@ class Author:
             gain, change = self.series([(A / D).reduced()], [label])
             moved = self.plus(self.times(felt, change), Z)
             return self.plus(self.times(felt, gain), Z), self.plus(dH, moved)
-        a, b, c, d, difference = (self.entry(x) for x in (A, B, C, D, A - D))
+        common = int(min(_ring(x).order_at_0(x.numerator) for x in (A, B, C, D)))  # then C H + D is not 0 at 0
+        a, b, c, d, difference = (self.entry(x, common) for x in (A, B, C, D, A - D))
         c_H = self.times(c, felt)
         below = self.named("UV", self.plus(c_H, d), label)
         modulus = self.write.label(self.square(below), f"M{label}")
@@ -143,13 +151,15 @@ class Author:
         result, more = (self.over(self.times(x, turned), modulus) for x in (above, added))
         return result, self.plus(dH, more)
 
-    def entry(self, entry: RationalFunction) -> Pair:
-        """An entry of a chain matrix, a polynomial: the product of its factors."""
-        unit, factors = entry.ring.factors(entry.numerator, in_square=False)
+    def entry(self, entry: RationalFunction, zeros: int) -> Pair:
+        """An entry of a chain matrix, a polynomial, over s^zeros: the product of its factors."""
+        ring = _ring(entry)
+        unit, factors = ring.factors(entry.numerator, in_square=False)
         total: Pair = (self.write.expression(unit), self.write.constant(0))
-        for factor, n in factors:
-            for _ in range(n):
-                total = self.times(total, self.factor(entry.ring.function(factor)))
+        for factor in (factor for factor, n in factors for _ in range(n)):
+            own = int(min(ring.order_at_0(factor), zeros))
+            over = ring.function(factor, ring.variable**own).reduced()
+            total, zeros = self.times(total, self.factor(over)), zeros - own
         return total
 
     def factor(self, f: RationalFunction) -> Pair:

@@ -12,7 +12,6 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
-from math import inf
 from typing import Any, TypeAlias
 
 import flint
@@ -98,7 +97,7 @@ class BallChain(Shown):
 
     def _block(self, entries: Sequence[RationalFunction]) -> _Block:
         polynomials = cleared([x.reduced() for x in entries])
-        order = min(_order_at_0(self.ring, p) for p in polynomials)
+        order = min(self.ring.order_at_0(p) for p in polynomials)
         return _Block(tuple(_form(self.ring, p) for p in polynomials), int(order))
 
     def ends(self, piece: Piece) -> tuple[Expr, Expr]:
@@ -236,33 +235,3 @@ def _axis_zeros(ring: Ring, polynomial: Polynomial) -> Polynomial:
         if factor == ring.variable or (even and not any(factor.degrees()[2:])):
             found = found * factor**n
     return found
-
-
-def _order_at_0(ring: Ring, polynomial: Polynomial) -> float:
-    """To which order a polynomial vanishes at s = 0, where every delay is 1; powers s^alpha are left out of account."""
-    if polynomial.is_zero():
-        return inf
-    delays = {
-        i: ring.convert(meaning.args[0].coeff(s)) for i, meaning in enumerate(ring.meanings) if isinstance(meaning, exp)
-    }
-    order = 0
-    while _vanishes(ring, polynomial, delays):
-        polynomial, order = _slope(ring, polynomial, delays), order + 1
-    return order
-
-
-def _vanishes(ring: Ring, polynomial: Polynomial, delays: dict[int, RationalFunction]) -> bool:
-    total = ring.constant(0)
-    for exponents, coefficient in polynomial.to_dict().items():
-        if exponents[0] == 0:
-            rest = tuple(0 if i in delays else int(n) for i, n in enumerate(exponents))
-            total = total + ring.context.from_dict({rest: coefficient})
-    return bool(total.is_zero())
-
-
-def _slope(ring: Ring, polynomial: Polynomial, delays: dict[int, RationalFunction]) -> Polynomial:
-    """The numerator of d/ds, with d exp(-s tau) = -tau exp(-s tau) ds."""
-    total = ring.function(polynomial.derivative(0))
-    for i, rate in delays.items():
-        total += rate * ring.function(polynomial.derivative(i) * ring.context.gens()[i])
-    return total.numerator

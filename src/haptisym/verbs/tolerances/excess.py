@@ -5,14 +5,12 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from sympy import Expr, Rational, Symbol
+from sympy import Expr, Rational
 
 from haptisym.kernel.reals import expression_ball
 from haptisym.model.jnd import Part, is_irrational_algebraic
 from haptisym.programs.modelled import Modelled
 from haptisym.programs.taylormodels import Array, Model, variable
-from haptisym.kernel.symbols import omega
-
 from haptisym.verbs.tolerances.box import Box
 
 
@@ -46,9 +44,9 @@ class Excess:
     def model(self, cells: Array, *, slopes: bool = True) -> Model:
         """The excess over each cell; t_i goes from -1 to 1 along its side i. Unknown where a pole may lie in the cell."""
         with np.errstate(all="ignore"):  # what is not finite is unknown, which every caller asks about
-            inputs = [self._variable(i, cells, slopes) for i in self._inputs]
+            inputs = [self._variable(i, cells, slopes=slopes) for i in self._inputs]
             square = Modelled(self._program).run(inputs)[self._name]
-            c = inputs[0].number(self._c) if self._limit is None else self._variable(self._limit, cells, slopes)
+            c = inputs[0].number(self._c) if self._limit is None else self._variable(self._limit, cells, slopes=slopes)
             minus = -(c * c)
             return minus + square if isinstance(square, Model) else minus.plus(square)
 
@@ -60,7 +58,7 @@ class Excess:
         places = {0, self._limit, *(self._inputs[i] for i in used)}
         return np.array([i in places for i in range(self.sides)])
 
-    def _variable(self, i: int, cells: Array, slopes: bool) -> Model:  # noqa: FBT001
+    def _variable(self, i: int, cells: Array, *, slopes: bool) -> Model:
         (low, width), (start, end) = self._intervals[i], cells[:, i].T
         middle, radius = low + width * (start + end) / 2, width * (end - start) / 2
         return variable(middle, radius, abs(low) + width, i, self.sides, slopes=slopes)

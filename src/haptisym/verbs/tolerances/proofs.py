@@ -172,9 +172,8 @@ class Tolerances(Answer):
         form, own = self._search[part]
         if form.is_zero:
             return None
-        covered = sorted((float(x.cells[:, 0, 0].min()), float(x.cells[:, 0, 1].max())) for x in own)
         start = 0.0
-        for low, high in [*covered, (1.0, 1.0)]:
+        for low, high in [*((x.low, x.high) for x in own), (1.0, 1.0)]:
             if low > start:
                 middle = np.array([[[(start + low) / 2] * 2, *[[0.5, 0.5]] * (form.sides - 1)]])
                 try:
