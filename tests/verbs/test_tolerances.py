@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
 from math import sqrt
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -807,7 +806,7 @@ def one(first: float | None, bandwidth: float | None, transparent: bool | None =
 
 def test_quantiles_are_values_that_so_many_per_cent_do_not_exceed() -> None:
     def of(*samples: One) -> Quantiles:
-        return quantiles(SimpleNamespace(samples=samples))  # type: ignore[arg-type]
+        return quantiles(samples)
 
     twenty = of(*(one(21 - n, 2 * n) for n in range(1, 21)))
     assert (twenty.first, twenty.bandwidth) == ({5: 1, 50: 10, 95: 19}, {5: 2, 50: 20, 95: 38})
