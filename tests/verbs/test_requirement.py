@@ -31,8 +31,8 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import ExactNumber, Sliver
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import omega as OMEGA  # noqa: N812
-from haptisym.model.catalogue import values
 from haptisym.model.knobs import THRESHOLD
+from haptisym.model.parameters import values
 from haptisym.verbs.require.cells import BITS, Leaf, Search, _bound_by_phase, _middle
 from haptisym.verbs.require.criticalvalues import Problem
 from haptisym.verbs.require.entry import is_quick

@@ -36,9 +36,9 @@ from haptisym.figures.style import (
     save_as,
     write_note,
 )
-from haptisym.model.catalogue import values
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import Knob
+from haptisym.model.parameters import values
 from haptisym.model.quantities import Dimension
 from haptisym.programs.values import Array
 from haptisym.verbs.require.designmap import DesignMap, Slice

@@ -43,3 +43,13 @@ def meant(given: str, valid: Iterable[str]) -> str:
     names = list(valid)
     close = [x for x in names if x.endswith(f".{given}")][:1] or get_close_matches(given, names, n=1)
     return f'did you mean "{close[0]}"? ' if close else ""
+
+
+def quoted(given: object) -> str:
+    """What was given, in quotes, not at length.
+
+    >>> quoted("9" * 100) == '"' + "9" * 60 + '..."'
+    True
+    """
+    text = str(given)
+    return f'"{text[:60]}..."' if len(text) > 60 else f'"{text}"'

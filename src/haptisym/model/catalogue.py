@@ -7,105 +7,35 @@ is the checked version: numbers, strings with units or symbols go in, an ``Envir
 from __future__ import annotations
 
 import inspect
-import re
-from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from enum import Enum
 from functools import wraps
-from itertools import chain, count
 from typing import Annotated, Any, TypeAlias, get_args, get_type_hints
 
 from sympy import Expr, Float, Integer, Symbol
 
-from haptisym.kernel.errors import SceneError, meant
-from haptisym.kernel.roots import sign_of_number
+from haptisym.kernel.errors import SceneError, meant, quoted
 from haptisym.kernel.shown import Shown
 from haptisym.kernel.symbols import s
 from haptisym.model import expressions
-from haptisym.model.quantities import Dimension, Exponents, Motion, Number, decimal, expected, fits, implied_motion
-from haptisym.model.ranges import Interval, ranged
+from haptisym.model.parameters import (
+    NAMED,
+    Parameter,
+    Rule,
+    Slot,
+    enter_list,
+    enter_parameter,
+    free_name,
+    read_parameter,
+    refuse_references,
+    renamed,
+    tied_to,
+    values,
+    with_values,
+)
+from haptisym.model.quantities import Dimension, Number, decimal
 
 Matrix: TypeAlias = tuple[Expr, Expr, Expr, Expr]
-
-
-class Rule(Enum):
-    """What values a parameter may have."""
-
-    POSITIVE = "must be > 0"
-    NONNEGATIVE = "must be >= 0"
-    ANY = "may have any value"
-    FRACTION = "must lie between 0 and 1"
-    ORDER = "must be a whole number from 1 to 10"
-
-    def and_also(self, other: Rule) -> Rule:
-        """The stricter one of two rules that one value keeps.
-
-        >>> Rule.ANY.and_also(Rule.NONNEGATIVE).and_also(Rule.POSITIVE).name
-        'POSITIVE'
-        """
-        return min(self, other, key=[Rule.ORDER, Rule.FRACTION, Rule.POSITIVE, Rule.NONNEGATIVE, Rule.ANY].index)
-
-    def allows(self, value: Expr) -> bool:
-        """Whether an exact number keeps the rule; symbols are taken at their word."""
-        if value.free_symbols:
-            return self is not Rule.ORDER
-        sign = sign_of_number(value)
-        if self is Rule.POSITIVE:
-            return sign > 0
-        if self is Rule.NONNEGATIVE:
-            return sign >= 0
-        if self is Rule.FRACTION:
-            return sign > 0 and sign_of_number(value - 1) < 0
-        if self is Rule.ORDER:
-            return bool(value.is_Integer) and 1 <= int(value) <= 10
-        return True
-
-
-@dataclass(frozen=True)
-class Slot:
-    """A place for a parameter in a model: what it measures, what it may be, whether it may be absent or a list."""
-
-    dimension: Dimension
-    rule: Rule = Rule.POSITIVE
-    required: bool = True
-    several: bool = False
-    formula: bool = False
-
-
-@dataclass(frozen=True, repr=False)
-class Parameter(Shown):
-    """A named number of a scene: its symbol in formulas and its exact value (SI; or a symbol that the user chose)."""
-
-    symbol: Symbol
-    value: Expr
-    dimension: Dimension
-    motion: Motion | None = None
-    key: str = ""
-    """Its name in the model, as a scene file writes it."""
-    exponents: Exponents | None = None
-    """Of the base dimensions, as far as the unit that was given tells."""
-    rule: Rule = Rule.ANY
-    interval: Interval | None = None
-    """Where the value may lie, if the scene gives a range; ``value`` is then the nominal one."""
-    tie: str = ""
-    """The environment's parameter that it is ("environment.k"), with its symbol, value and range; empty for one of its own."""
-
-    def _line(self) -> str:
-        return self.stated()
-
-    def stated(self) -> str:
-        """``m = 9/5 kg``, and between which values it may lie."""
-        plain = self.dimension in (Dimension.ANY, Dimension.RATIO) or self.value == self.symbol
-        unit = "" if plain else f" {self.dimension.unit(self.motion or Motion.TRANSLATION)}"
-        spread = f", from {self.interval[0]} to {self.interval[1]}{unit}" if self.interval else ""
-        return f"{self.symbol} = {self.value}{unit}{spread}" if self.value != self.symbol else str(self.symbol)
-
-    def with_value(self, given: Number) -> Parameter:
-        """The same parameter with another value (in place of a range, too), checked like the first one."""
-        read = read_parameter(self.key, given, Slot(self.dimension, self.rule), self.symbol.name)
-        if read.exponents is None:  # a bare number is one in the unit that was there
-            read = replace(read, motion=self.motion, exponents=self.exponents)
-        return replace(read, symbol=self.symbol, tie=self.tie)
 
 
 @dataclass(frozen=True)
@@ -138,11 +68,11 @@ class Environment(Shown):
 
     def with_values(self, given: Mapping[str, Number]) -> Environment:
         """The same environment with other values for the parameters whose symbols have these names."""
-        return replace(self, parameters=_with_values(self.parameters, given))
+        return replace(self, parameters=with_values(self.parameters, given))
 
     def renamed(self, names: Mapping[Symbol, Symbol]) -> Environment:
         """The same environment with other symbols for its parameters."""
-        return replace(self, parameters=_renamed(self.parameters, names), dynamics=self.dynamics.xreplace(names))
+        return replace(self, parameters=renamed(self.parameters, names), dynamics=self.dynamics.xreplace(names))
 
     @property
     def own(self) -> tuple[Parameter, ...]:
@@ -159,7 +89,7 @@ class Environment(Shown):
         2*s + 500
         """
         known = {f"environment.{p.key}": p for p in environment.parameters}
-        tied = {p.key: _tied(p, known, self._slot(p.key)) for p in self.parameters if p.tie}
+        tied = {p.key: tied_to(p, known, self._slot(p.key)) for p in self.parameters if p.tie}
         names = {p.symbol: tied[p.key].symbol for p in self.parameters if p.tie}
         taken = {x.name for x in (*names.values(), *(p.symbol for p in self.own))}
         for x in (p.symbol for p in self.own if p.symbol in names.values()):
@@ -170,7 +100,7 @@ class Environment(Shown):
 
     def _slot(self, key: str) -> Slot:
         """The place that a parameter has in the model."""
-        return ENVIRONMENTS[self.model].slots.get(key.partition("[")[0], _NAMED)
+        return ENVIRONMENTS[self.model].slots.get(key.partition("[")[0], NAMED)
 
 
 @dataclass(frozen=True, repr=False)
@@ -198,44 +128,12 @@ class Effect(Shown):
 
     def with_values(self, given: Mapping[str, Number]) -> Effect:
         """The same effect with other values for the parameters whose symbols have these names."""
-        return replace(self, parameters=_with_values(self.parameters, given))
+        return replace(self, parameters=with_values(self.parameters, given))
 
     def renamed(self, names: Mapping[Symbol, Symbol]) -> Effect:
         """The same effect with other symbols for its parameters."""
         a, b, c, d = (entry.xreplace(names) for entry in self.dynamics)
-        return replace(self, parameters=_renamed(self.parameters, names), dynamics=(a, b, c, d))
-
-
-def _tied(p: Parameter, known: Mapping[str, Parameter], slot: Slot) -> Parameter:
-    """The environment's parameter that one refers to, in its place."""
-    shown, other = f'{p.key}: "{p.tie}"', known.get(p.tie)
-    if other is None:
-        valid = f"valid are {', '.join(known)}" if known else "it has none"
-        raise SceneError(f"{shown} is no parameter of the environment: {meant(p.tie, known)}{valid}")
-    if not fits(other.dimension, other.exponents, slot.dimension):
-        raise SceneError(f"{shown} is not a {slot.dimension.name.lower()}{expected(slot.dimension)}")
-    if not all(slot.rule.allows(x) for x in (other.value, *(other.interval or ()))):
-        raise SceneError(f"{shown} {slot.rule.value}")
-    motion = other.motion or implied_motion(slot.dimension, other.exponents)
-    return replace(other, key=p.key, tie=p.tie, rule=slot.rule, motion=motion)
-
-
-def free_name(name: str, taken: Container[str]) -> str:
-    """The name, or with a number behind it the first one that is not taken."""
-    return next(x for x in chain([name], (f"{name}_{i}" for i in count(2))) if x not in taken)
-
-
-def values(parameters: Iterable[Parameter]) -> dict[Symbol, Expr]:
-    """From each parameter's symbol to its value."""
-    return {p.symbol: p.value for p in parameters}
-
-
-def _with_values(parameters: Sequence[Parameter], given: Mapping[str, Number]) -> tuple[Parameter, ...]:
-    return tuple(p.with_value(given[p.symbol.name]) if p.symbol.name in given else p for p in parameters)
-
-
-def _renamed(parameters: Sequence[Parameter], names: Mapping[Symbol, Symbol]) -> tuple[Parameter, ...]:
-    return tuple(replace(p, symbol=names.get(p.symbol, p.symbol)) for p in parameters)
+        return replace(self, parameters=renamed(self.parameters, names), dynamics=(a, b, c, d))
 
 
 ENVIRONMENTS: dict[str, Model] = {}
@@ -305,8 +203,8 @@ def _bind(
     named = kwargs.pop("parameters", {}) if formulas else {}
     given = _given(slots, args, kwargs, formulas=formulas)
     if not isinstance(named, Mapping):
-        raise SceneError(f"parameters: {_shown(named)} must map names to values")
-    free = tuple(_entered(key, value, _NAMED, key) for key, value in dict(named).items())
+        raise SceneError(f"parameters: {quoted(named)} must map names to values")
+    free = tuple(enter_parameter(key, value, NAMED, key) for key, value in dict(named).items())
     parameters: list[Parameter] = list(free)
     arguments: dict[str, Any] = {}
     for key, value in given.items():
@@ -316,11 +214,11 @@ def _bind(
         elif slot.rule is Rule.ORDER:
             arguments[key] = int(read_parameter(key, value, slot, key).value)
         elif slot.several:
-            own = _parameters(key, value, slot)
+            own = enter_list(key, value, slot)
             parameters += own
             arguments[key] = [p.symbol for p in own]
         else:
-            own = [_entered(key, value, slot, key)]
+            own = [enter_parameter(key, value, slot, key)]
             parameters += own
             arguments[key] = own[0].symbol
     return tuple(parameters), arguments
@@ -344,63 +242,6 @@ def _given(
     return {key: given[key] for key in slots if key in given}
 
 
-_REFERENCE = re.compile(r"\s*[^\W\d]\w*\.[\w.\[\]-]+\s*")  # no quantity begins with a name
-
-
-def _entered(key: str, given: Number, slot: Slot, name: str) -> Parameter:
-    """A parameter of a call: a quantity, a range, or a reference to one of the environment's, which waits for ``tied_to``."""
-    if not isinstance(given, str) or not ("environment." in given or _REFERENCE.match(given)):
-        return read_parameter(key, given, slot, name)
-    if not _REFERENCE.fullmatch(given):
-        raise SceneError(f'{key}: {_shown(given)}: a reference stands alone, as in {key} = "environment.{key}"')
-    symbol = _symbol(name, slot.rule)
-    return Parameter(symbol, symbol, slot.dimension, key=key, rule=slot.rule, tie=given.strip())
-
-
-def refuse_references(parameters: Iterable[Parameter]) -> None:
-    """SceneError where a parameter refers to another and is not one of what is rendered."""
-    for p in parameters:
-        if p.tie:
-            raise SceneError(
-                f'{p.key}: "{p.tie}": only what is rendered can refer to another value, the environment\'s'
-            )
-
-
-def _symbol(name: str, rule: Rule) -> Symbol:
-    if not name.isidentifier() or name in ("s", "omega", "pi", "j"):
-        raise SceneError(f'"{name}" cannot name a parameter: use letters, digits and _, and not s, omega, pi or j')
-    return Symbol(name, real=True) if rule is Rule.ANY else Symbol(name, positive=True)
-
-
-def read_parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
-    """A parameter from a quantity or a range, checked; ``key`` is what errors call it, ``name`` its symbol's."""
-    symbol = _symbol(name, slot.rule)
-    try:
-        found = ranged(given, slot.dimension)
-    except SceneError as error:
-        raise error.within(key) from None
-    read = found.nominal
-    reserved = {x.name for x in read.value.free_symbols} & {"s", "omega", "X"}
-    if reserved:
-        raise SceneError(f"{key}: {_shown(given)} contains {min(reserved)}, which has a meaning of its own here")
-    if found.interval and slot.rule is Rule.ORDER:
-        raise SceneError(f"{key}: {_shown(given)} {slot.rule.value}, and no range")
-    if not all(slot.rule.allows(x) for x in (read.value, *(found.interval or ()))):
-        raise SceneError(f"{key}: {_shown(given)} {slot.rule.value}")
-    return Parameter(symbol, read.value, slot.dimension, read.motion, key, read.exponents, slot.rule, found.interval)
-
-
-def _parameters(key: str, given: Any, slot: Slot) -> list[Parameter]:
-    if not isinstance(given, Sequence) or isinstance(given, str) or not given:
-        raise SceneError(f"{key}: {_shown(given)} must be a list of at least one quantity")
-    if len(given) > MOST_BRANCHES:
-        raise SceneError(f"{key}: a list may have at most {MOST_BRANCHES} entries, this one has {len(given)}")
-    return [replace(_entered(f"{key}[{i}]", x, slot, f"{key}_{i}"), key=f"{key}[{i}]") for i, x in enumerate(given, 1)]
-
-
-MOST_BRANCHES = 20  # of a list parameter: as many Maxwell branches as any published tissue model has
-
-
 def _formula(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
     """A formula as an expression in ``s`` and the parameters' symbols."""
     if isinstance(given, Expr):
@@ -410,7 +251,7 @@ def _formula(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
     if isinstance(given, int | float):
         given = str(given)
     if not isinstance(given, str):
-        raise SceneError(f"{key}: {_shown(given)} is not a formula: write it as a string")
+        raise SceneError(f"{key}: {quoted(given)} is not a formula: write it as a string")
     names: dict[str, Expr] = {"s": s, **{p.symbol.name: p.symbol for p in parameters}}
     try:
         return expressions.evaluate(given, number=_number, name=lambda name: _known(name, names))
@@ -426,11 +267,6 @@ def _known(name: str, names: Mapping[str, Expr]) -> Expr:
     if name not in names:
         raise ValueError(f'unknown name "{name}" (known are {", ".join(names)}; add others under parameters)')
     return names[name]
-
-
-def _shown(given: object) -> str:
-    text = str(given)
-    return f'"{text[:60]}..."' if len(text) > 60 else f'"{text}"'
 
 
 # What model signatures are made of. Environments are passive: their parameters cannot be negative.
@@ -455,4 +291,3 @@ FractionalStiffness: TypeAlias = Annotated[Any, Slot(Dimension.ANY)]
 Force: TypeAlias = Annotated[Any, Slot(Dimension.FORCE, Rule.NONNEGATIVE)]
 Amplitude: TypeAlias = Annotated[Any, Slot(Dimension.DISPLACEMENT)]
 Formula: TypeAlias = Annotated[Any, Slot(Dimension.ANY, Rule.ANY, formula=True)]
-_NAMED = Slot(Dimension.ANY, Rule.ANY)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from itertools import chain, count
 from typing import Any
 
 from sympy import Expr
@@ -14,6 +13,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.shown import Shown, titled
 from haptisym.kernel.symbols import c
 from haptisym.model.jnd import Threshold
+from haptisym.model.parameters import free_name
 from haptisym.model.scene import Scene
 
 MOST_ENVIRONMENTS = 100
@@ -114,6 +114,5 @@ def named(scenes: Iterable[tuple[str, Scene]], title: str = "", source: str = ""
     """A family of scenes under names of their own: the second "liver" becomes "liver-2"."""
     found: dict[str, Scene] = {}
     for name, scene in scenes:
-        free = next(x for x in chain([name], (f"{name}-{i}" for i in count(2))) if x not in found)
-        found[free] = replace(scene, title=title, source=source)
+        found[free_name(name, found, "-")] = replace(scene, title=title, source=source)
     return SceneFamily(found, title, source)

@@ -10,8 +10,8 @@ from sympy import Expr
 
 from haptisym.kernel.errors import SceneError, meant
 from haptisym.kernel.symbols import c
-from haptisym.model.catalogue import Parameter, Rule, Slot, read_parameter
 from haptisym.model.jnd import Part, Threshold, threshold_value
+from haptisym.model.parameters import Parameter, Rule, Slot, read_parameter
 from haptisym.model.quantities import Dimension, Number, number
 
 THRESHOLD = "evaluation.jnd"

@@ -8,23 +8,18 @@ from decimal import Decimal
 from enum import Enum
 from fractions import Fraction
 from functools import cache
-from importlib.resources import as_file, files
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
-from sympy import Expr, Float, I, Integer, Pow, Rational, nan, oo, pi, preorder_traversal, zoo
+from sympy import Expr, Float, I, Pow, Rational, nan, oo, pi, preorder_traversal, zoo
 
-from haptisym.kernel.errors import ExpressionError, SceneError
-from haptisym.model.expressions import evaluate
-
-if TYPE_CHECKING:
-    import pint  # costs as much time as SymPy: loaded where a unit is not among the usual ones
+from haptisym.kernel.errors import SceneError, quoted
+from haptisym.model.units import read_unit
 
 Number: TypeAlias = "str | int | float | Decimal | Fraction | Expr"
 
 Exponents: TypeAlias = tuple[tuple[str, Fraction], ...]
 
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?:\s*/\s*(\d+)(?![\w.]))?\s*(.*?)\s*", re.DOTALL)
-_JUXTAPOSED = re.compile(r"(?<=[\w)°%])\s+(?=[^\W\d]|[(°%])")  # "N s/m" is N*s/m
 _LONGEST = 200  # characters of a number; 200 digits are more than any measurement has
 _LARGEST_EXPONENT = 300  # of ten; beyond it a float could not show the result
 
@@ -104,17 +99,18 @@ def quantity(given: Number, dimension: Dimension) -> Quantity:
         return Quantity(Rational(given.numerator, given.denominator))
     if isinstance(given, int | float | Decimal) and not isinstance(given, bool):
         return Quantity(decimal(str(given)))
-    shown = str(given).lower() if isinstance(given, bool) else _shown(given)  # as TOML writes it
+    shown = str(given).lower() if isinstance(given, bool) else quoted(given)  # as TOML writes it
     raise SceneError(f"{shown} is not a number, nor a string of a number and a unit")
 
 
 def number(given: Number, dimension: Dimension) -> Quantity:
     """The same; SceneError for a symbol, too.
 
+    >>> from sympy import Symbol
     >>> number(Symbol("k"), Dimension.STIFFNESS)
     Traceback (most recent call last):
       ...
-    haptisym.errors.SceneError: "k" must be a number
+    haptisym.kernel.errors.SceneError: "k" must be a number
     """
     return require_number(given, quantity(given, dimension))
 
@@ -122,7 +118,7 @@ def number(given: Number, dimension: Dimension) -> Quantity:
 def require_number(given: object, read: Quantity) -> Quantity:
     """What was read; SceneError where it is a symbol."""
     if read.value.free_symbols:
-        raise SceneError(f"{_shown(given)} must be a number")
+        raise SceneError(f"{quoted(given)} must be a number")
     return read
 
 
@@ -134,7 +130,7 @@ def decimal(text: str) -> Rational:
     """
     match = _NUMBER.fullmatch(text)
     if match is None or match[3]:
-        raise SceneError(f"{_shown(text)} is not a finite decimal number")
+        raise SceneError(f"{quoted(text)} is not a finite decimal number")
     return _rational(match, text)
 
 
@@ -142,12 +138,12 @@ def _rational(match: re.Match[str], text: str) -> Rational:
     number = match[1]
     exponent = re.split("[eE]", number)[1:] or ["0"]
     if len(number) > _LONGEST or len(match[2] or "") > _LONGEST:
-        raise SceneError(f"{_shown(text)}: a number may have at most {_LONGEST} characters")
+        raise SceneError(f"{quoted(text)}: a number may have at most {_LONGEST} characters")
     if len(exponent[0]) > 4 or abs(int(exponent[0])) > _LARGEST_EXPONENT:
-        raise SceneError(f"{_shown(text)}: exponents of ten may go from -{_LARGEST_EXPONENT} to {_LARGEST_EXPONENT}")
+        raise SceneError(f"{quoted(text)}: exponents of ten may go from -{_LARGEST_EXPONENT} to {_LARGEST_EXPONENT}")
     below = int(match[2] or 1)
     if below == 0:
-        raise SceneError(f"{_shown(text)} divides by zero")
+        raise SceneError(f"{quoted(text)} divides by zero")
     exact = Fraction(number) / below
     return Rational(exact.numerator, exact.denominator)
 
@@ -155,82 +151,15 @@ def _rational(match: re.Match[str], text: str) -> Rational:
 def _from_text(text: str, dimension: Dimension) -> Quantity:
     match = _NUMBER.fullmatch(text)
     if match is None:
-        raise SceneError(f"{_shown(text)} does not start with a finite number{expected(dimension)}")
+        raise SceneError(f"{quoted(text)} does not start with a finite number{expected(dimension)}")
     if match[3] and re.match(r",\d", match[3]):
-        raise SceneError(f"{_shown(text)}: decimals are written with a point, as in {text.replace(',', '.', 1)}")
+        raise SceneError(f"{quoted(text)}: decimals are written with a point, as in {text.replace(',', '.', 1)}")
     value, unit = _rational(match, text), match[3]
     if not unit:
         return Quantity(value)
-    factor, exponents = _unit(unit, text, dimension)
+    factor, exponents = read_unit(unit, text, expected(dimension))
     motion = _motion(exponents, text, dimension)
     return Quantity(_sized(value * factor, text), motion, tuple(sorted(exponents.items())))
-
-
-_PLAIN = str.maketrans({"·": "*", "×": "*", "⋅": "*", "²": "^2", "³": "^3"})
-
-_USUAL: dict[str, tuple[Expr, dict[str, int]]] = {
-    "1": (Integer(1), {}),
-    "%": (Rational(1, 100), {}),
-    "rad": (Integer(1), {}),
-    "kg": (Integer(1), {"mass": 1}),
-    "g": (Rational(1, 1000), {"mass": 1}),
-    "m": (Integer(1), {"length": 1}),
-    "mm": (Rational(1, 1000), {"length": 1}),
-    "s": (Integer(1), {"time": 1}),
-    "ms": (Rational(1, 1000), {"time": 1}),
-    "rad/s": (Integer(1), {"time": -1}),
-    "Hz": (2 * pi, {"time": -1}),
-    "N": (Integer(1), {"mass": 1, "length": 1, "time": -2}),
-    "N/m": (Integer(1), {"mass": 1, "time": -2}),
-    "N*s/m": (Integer(1), {"mass": 1, "time": -1}),
-    "N*m": (Integer(1), {"mass": 1, "length": 2, "time": -2}),
-    "N*m/rad": (Integer(1), {"mass": 1, "length": 2, "time": -2}),
-    "N*m*s/rad": (Integer(1), {"mass": 1, "length": 2, "time": -1}),
-    "kg*m^2": (Integer(1), {"mass": 1, "length": 2}),
-}
-"""The units that nearly every scene is written in, SI value and dimensions, as Pint has them."""
-
-
-def _unit(unit: str, text: str, dimension: Dimension) -> tuple[Expr, dict[str, Fraction]]:
-    plain = _JUXTAPOSED.sub("*", unit.translate(_PLAIN))
-    if plain in _USUAL:
-        factor, exponents = _USUAL[plain]
-        return factor, {name: Fraction(power) for name, power in exponents.items()}
-    return _measured(plain, unit, text, dimension)
-
-
-def _measured(plain: str, unit: str, text: str, dimension: Dimension) -> tuple[Expr, dict[str, Fraction]]:
-    """A unit's factor and dimensions from Pint's registry."""
-    import pint
-
-    try:
-        measured = evaluate(plain, number=_unit_number, name=_named_unit, sums=False)
-        base = measured.to_root_units()
-    except (ExpressionError, pint.PintError, ArithmeticError):
-        raise SceneError(f"{_shown(text)}: {_shown(unit)} is not a unit{expected(dimension)}") from None
-    exponents = {name.strip("[]"): Fraction(power) for name, power in base.dimensionality.items()}
-    turns = exponents.pop("circle", Fraction(0))
-    if turns.denominator != 1 or (isinstance(base.magnitude, float) and base.magnitude != 1.0):
-        raise SceneError(
-            f"{_shown(text)}: only m, s, kg, N, rad and such, whose factor is 1, may have fractional powers"
-        )
-    exact = Fraction(base.magnitude)
-    return Rational(exact.numerator, exact.denominator) * pi ** Integer(int(turns)), exponents
-
-
-def _unit_number(text: str) -> pint.Quantity[Fraction]:
-    if text != "1":
-        raise ValueError("a unit holds no number but 1")
-    return _registry().Quantity(Fraction(1))
-
-
-def _named_unit(name: str) -> pint.Quantity[Fraction]:
-    import pint
-
-    try:
-        return _registry().Quantity(Fraction(1), name)
-    except (pint.PintError, ValueError):
-        raise KeyError(name) from None
 
 
 def _motion(exponents: dict[str, Fraction], text: str, dimension: Dimension) -> Motion | None:
@@ -241,7 +170,7 @@ def _motion(exponents: dict[str, Fraction], text: str, dimension: Dimension) -> 
         return None if translation == rotation else Motion.TRANSLATION
     if exponents == rotation:
         return Motion.ROTATION
-    raise SceneError(f"{_shown(text)} is not a {dimension.name.lower()}{expected(dimension)}")
+    raise SceneError(f"{quoted(text)} is not a {dimension.name.lower()}{expected(dimension)}")
 
 
 def dimension_exponents(dimension: Dimension, motion: Motion | None) -> Exponents | None:
@@ -278,7 +207,7 @@ def implied_motion(dimension: Dimension, exponents: Exponents | None) -> Motion 
 
 @cache
 def _dimension_exponents(dimension: Dimension) -> tuple[dict[str, Fraction], dict[str, Fraction]]:
-    translation, rotation = ({} if unit in ("", "1") else _unit(unit, unit, dimension)[1] for unit in dimension.value)
+    translation, rotation = ({} if unit in ("", "1") else read_unit(unit, unit, "")[1] for unit in dimension.value)
     return translation, rotation
 
 
@@ -289,14 +218,14 @@ def _exact_expression(given: Expr) -> Expr:
     if exact.has(nan, zoo, oo, -oo, I) or (
         exact.is_number and (not known or any(not x.exp.is_Integer for x in exact.atoms(Pow)))
     ):
-        raise SceneError(f"{_shown(given)} is not a finite number that is rational, or rational in pi")
+        raise SceneError(f"{quoted(given)} is not a finite number that is rational, or rational in pi")
     return exact
 
 
 def _sized(value: Expr, text: str) -> Expr:
     """A number that a float can show, or an error."""
     if value != 0 and not Float("1e-300") < abs(value.evalf(5)) < Float("1e300"):
-        raise SceneError(f"{_shown(text)}: in SI units the number must lie between 1e-300 and 1e300")
+        raise SceneError(f"{quoted(text)}: in SI units the number must lie between 1e-300 and 1e300")
     return value
 
 
@@ -311,16 +240,3 @@ def expected(dimension: Dimension) -> str:
         if dimension is Dimension.ANY
         else f": expected {dimension.unit(None)}".replace("expected 1", "expected a plain number")
     )
-
-
-def _shown(given: object) -> str:
-    text = str(given)
-    return f'"{text[:60]}..."' if len(text) > 60 else f'"{text}"'
-
-
-@cache
-def _registry() -> pint.UnitRegistry:
-    import pint
-
-    with as_file(files("haptisym") / "data" / "units.txt") as path:
-        return pint.UnitRegistry(str(path), non_int_type=Fraction, cache_folder=None)

@@ -7,7 +7,6 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
-from itertools import count
 from typing import Any
 
 from sympy import Expr, Integer, Symbol
@@ -15,10 +14,11 @@ from sympy import Expr, Integer, Symbol
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.shown import Shown, titled
-from haptisym.model.catalogue import Effect, Environment, Rule, free_name, refuse_references
+from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.distortion import Chain, Distortion, distort
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.knobs import THRESHOLD, Knob, Knobs, threshold_knobs
+from haptisym.model.parameters import Rule, free_name, refuse_references
 from haptisym.model.quantities import Dimension, Motion, Number, number
 from haptisym.model.ranges import spread
 
@@ -244,7 +244,7 @@ def _with_names(effects: Iterable[Effect]) -> list[Effect]:
     for effect in listed:
         own = effect.name
         if any(own == other.name for other in named):
-            own = next(f"{effect.name}-{i}" for i in count(2) if f"{effect.name}-{i}" not in taken)
+            own = free_name(own, taken, "-")
             taken.add(own)
         named.append(replace(effect, name=own))
     return named

@@ -8,7 +8,7 @@ from json import dumps
 from textwrap import fill
 from typing import Any
 
-from haptisym.model.catalogue import Parameter
+from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import Dimension, Motion
 from haptisym.pages.lines import WIDTH
 from haptisym.pages.sections import Phrase, Section, sections

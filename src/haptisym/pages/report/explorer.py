@@ -10,8 +10,8 @@ from typing import Any
 from sympy import Symbol
 
 from haptisym.judge.evaluation import Evaluation
-from haptisym.model.catalogue import Parameter, Rule
 from haptisym.model.jnd import Part
+from haptisym.model.parameters import Parameter, Rule
 from haptisym.model.quantities import Dimension, Motion
 from haptisym.pages.report.results import H_ENV, H_PERC, OMEGA, RATIOS
 from haptisym.pages.tex.forms import SceneForms

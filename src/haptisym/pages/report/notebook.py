@@ -20,9 +20,10 @@ from haptisym.judge.percepts import Percept
 from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.roots import Interval, Point
 from haptisym.kernel.symbols import s
-from haptisym.model.catalogue import Effect, Environment, Parameter
+from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Threshold
+from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import Dimension, Motion
 from haptisym.model.scene import Scene
 from haptisym.pages.report.results import (

@@ -9,8 +9,9 @@ from types import MappingProxyType
 
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.hertz import Hertz
-from haptisym.model.catalogue import Effect, Parameter
+from haptisym.model.catalogue import Effect
 from haptisym.model.jnd import Part
+from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import Dimension, Motion
 from haptisym.pages.tex.forms import DIFFERENCE, DYNAMICS, FELT, RATIOS, RELATIVE, Group, SceneForms
 from haptisym.pages.tex.latex import at_s

@@ -17,9 +17,9 @@ from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.symbols import omega, s
-from haptisym.model.catalogue import values
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part, is_irrational_algebraic
+from haptisym.model.parameters import values
 from haptisym.pages.tex.latex import ClosedForms
 from haptisym.writing.numerals import approximate
 from haptisym.writing.texlines import Row, is_long

@@ -19,8 +19,8 @@ from sympy import Dummy, Expr, Integer, Matrix, Mul, Rational, Symbol, linsolve,
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.symbols import omega, s
-from haptisym.model.catalogue import Parameter
 from haptisym.model.distortion import Chain, Distortion
+from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import Dimension, Motion, dimension_exponents
 from haptisym.model.scene import Scene
 

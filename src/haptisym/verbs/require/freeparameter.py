@@ -13,10 +13,10 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.symbols import c
-from haptisym.model.catalogue import Rule, values
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import THRESHOLD, Knob
+from haptisym.model.parameters import Rule, values
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 

@@ -15,9 +15,9 @@ from haptisym.kernel.reals import RealNumber, Sliver
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.shown import titled
 from haptisym.kernel.symbols import c
-from haptisym.model.catalogue import values
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import Knob
+from haptisym.model.parameters import values
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.closedforms import closed_form
 from haptisym.verbs.require.feasible import Binding, End, Kind, Span, bound_ends, spanned

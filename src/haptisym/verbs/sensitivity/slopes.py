@@ -21,8 +21,8 @@ from haptisym.kernel.implicit import Equation
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
 from haptisym.kernel.shown import Shown, counted
 from haptisym.kernel.symbols import omega
-from haptisym.model.catalogue import Rule
 from haptisym.model.knobs import Knob, Knobs
+from haptisym.model.parameters import Rule
 from haptisym.verbs.derive.derivation import Derivation, Factors
 from haptisym.verbs.sensitivity.branches import Branch, Meeting, Slope, not_clear
 

@@ -9,9 +9,9 @@ from sympy import Expr, Pow, Symbol
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.symbols import omega
-from haptisym.model.catalogue import Rule, values
 from haptisym.model.distortion import Distortion
 from haptisym.model.knobs import THRESHOLD, Knob
+from haptisym.model.parameters import Rule, values
 from haptisym.model.quantities import Dimension, Motion
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene

@@ -1,0 +1,170 @@
+"""What a scene file says: TOML tables to scenes, with every error naming key, value and rule."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Mapping
+from decimal import Decimal
+from typing import Any, TypeAlias
+
+from sympy import Integer
+
+from haptisym.kernel.errors import SceneError, meant
+from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
+from haptisym.model.family import SceneFamily, named
+from haptisym.model.jnd import Threshold
+from haptisym.model.scene import Scene, frequency
+
+Table: TypeAlias = Mapping[str, Any]
+
+MOST_EFFECTS = 100
+_DEFAULT_BAND = (Integer(0), Integer(15))  # rad/s, the band of the paper
+_TOML_HINTS = {
+    "Expected newline or end of document": '; a value with a unit goes in quotes, as in k = "100 N/m"',
+    "Invalid value": '; a value with a unit goes in quotes, as in k = "100 N/m"',
+    "('effects',) twice": "; each effect begins with [[effects]]",
+}
+
+
+def _toml(text: str) -> Table:
+    try:
+        return tomllib.loads(text.removeprefix("\N{BYTE ORDER MARK}"), parse_float=Decimal)
+    except tomllib.TOMLDecodeError as error:
+        hint = next((hint for words, hint in _TOML_HINTS.items() if words in str(error)), "")
+        raise SceneError(f"not valid TOML: {error}{hint}") from None
+    except RecursionError:
+        raise SceneError("not valid TOML: nested too deeply") from None
+    except ValueError as error:  # a whole number with thousands of digits
+        raise SceneError(f"not valid TOML: {error}") from None
+
+
+def read_scenes(text: str) -> SceneFamily:
+    """The scenes of a TOML text, one for each of its environments. SceneError names key, value and rule."""
+    table = _toml(text)
+    _only(table, ("title", "source", "environment", "environments", "rendered", "effects", "evaluation"), "")
+    evaluation = _table(table.get("evaluation", {}), "evaluation")
+    _only(evaluation, ("band", "jnd"), "evaluation")
+    effects = tuple(_effects(table.get("effects", [])))
+    band = _band(evaluation["band"]) if "band" in evaluation else _DEFAULT_BAND
+    threshold = _threshold(evaluation["jnd"]) if "jnd" in evaluation else Threshold()
+    title, source = _text(table, "title"), _text(table, "source")
+    rows = _environments(table) if "environments" in table else [_one_environment(table)]
+    scenes = ((name, Scene(own, effects, band, threshold, rendered)) for name, own, rendered in rows)
+    return named(scenes, title, source)
+
+
+def _one_environment(table: Table) -> tuple[str, Environment, Environment | None]:
+    if "environment" not in table:
+        raise SceneError("[environment] is missing: a scene needs something that should be felt")
+    if isinstance(table["environment"], list):
+        raise SceneError("environment: one is written [environment]; several are written [[environments]], with an s")
+    rendered = _environment(table["rendered"], "rendered") if "rendered" in table else None
+    return "environment", _environment(table["environment"], "environment"), rendered
+
+
+def _environments(table: Table) -> Iterable[tuple[str, Environment, Environment | None]]:
+    """Name, environment and what is rendered for it, of each of several."""
+    given = table["environments"]
+    if not isinstance(given, list) or not given:
+        raise SceneError("environments: must be written [[environments]], once for each environment")
+    for key in ("environment", "rendered"):
+        if key in table:
+            raise SceneError(f"{key}: give either [{key}] or [[environments]], each with its own {key}")
+    for position, one in enumerate(given, 1):
+        own = dict(_table(one, f"environments[{position}]"))
+        name, rendered = own.pop("name", None), own.pop("rendered", None)
+        name = str(own.get("model", position)) if name is None else name
+        place = f'environments[{position}] "{str(name)[:60]}"'
+        if not isinstance(name, str) or not name:
+            raise SceneError(f'environments[{position}]: name: "{name}" must be a string that is not empty')
+        environment = _environment(own, place)
+        yield name, environment, None if rendered is None else _rendered(rendered, environment, f"{place}: rendered")
+
+
+def _rendered(given: Any, environment: Environment, place: str) -> Environment:
+    """What is rendered for an environment; its references are to that environment's values."""
+    try:
+        return _environment(given, place).tied_to(environment)
+    except SceneError as error:
+        raise error.within(place) from None
+
+
+def _environment(given: Any, place: str) -> Environment:
+    model, parameters = _model(given, ENVIRONMENTS, place)
+    return _built(model, parameters, place)  # type: ignore[no-any-return]
+
+
+def _effects(given: Any) -> Iterable[Effect]:
+    if not isinstance(given, list):
+        raise SceneError("effects: must be written [[effects]], once for each effect")
+    if len(given) > MOST_EFFECTS:
+        raise SceneError(f"effects: a scene may have at most {MOST_EFFECTS} effects, this one has {len(given)}")
+    for position, table in enumerate(given, 1):
+        place = f"effects[{position}]"
+        model, parameters = _model(table, EFFECTS, place)
+        if not isinstance(parameters.get("name", ""), str) or parameters.get("name") == "":
+            raise SceneError(f'{place}: name: "{parameters["name"]}" must be a string that is not empty')
+        yield _built(model, parameters, f'{place} "{parameters.get("name", model.name)}"')
+
+
+def _model(given: Any, catalogue: Mapping[str, Model], place: str) -> tuple[Model, dict[str, Any]]:
+    table = dict(_table(given, place))
+    name = table.pop("model", None)
+    if name is None:
+        raise SceneError(f"{place}: model is missing: valid are {', '.join(catalogue)}")
+    if not isinstance(name, str) or name not in catalogue:
+        hint = meant(str(name), catalogue)
+        raise SceneError(f'{place}: unknown model "{str(name)[:60]}": {hint}valid are {", ".join(catalogue)}')
+    return catalogue[name], table
+
+
+def _built(model: Model, parameters: Table, place: str) -> Any:
+    if "parameters" in parameters:
+        _table(parameters["parameters"], f"{place}: parameters")
+    try:
+        return model.build(**parameters)
+    except SceneError as error:
+        raise error.within(place) from None
+
+
+def _band(given: Any) -> tuple[Any, Any]:
+    if not isinstance(given, list) or len(given) != 2:
+        raise SceneError(
+            f'evaluation: band: "{given}" must be a list of two frequencies, as in ["0 rad/s", "15 rad/s"]'
+        )
+    for x in given:
+        frequency("evaluation: band", x)
+    low, high = given  # as they are written, for what may be said about them
+    return low, high
+
+
+def _threshold(given: Any) -> Threshold:
+    try:
+        if not isinstance(given, Mapping):
+            return Threshold.of(given)
+        _only(given, ("real", "imag"), "")
+        if len(given) < 2:
+            raise SceneError("must give both real and imag")
+        return Threshold.of(given["real"], given["imag"])
+    except SceneError as error:
+        raise error.within("evaluation: jnd") from None
+
+
+def _text(table: Table, key: str) -> str:
+    value = table.get(key, "")
+    if not isinstance(value, str):
+        raise SceneError(f'{key}: "{value}" must be a string')
+    return value
+
+
+def _table(given: Any, place: str) -> Table:
+    if not isinstance(given, Mapping):
+        raise SceneError(f'{place}: "{str(given)[:60]}" must be a table of keys and values')
+    return given
+
+
+def _only(table: Table, valid: tuple[str, ...], place: str) -> None:
+    for key in table:
+        if key not in valid:
+            where = f"{place}: " if place else ""
+            raise SceneError(f'{where}unknown key "{key[:60]}": {meant(key, valid)}valid are {", ".join(valid)}')
