@@ -101,6 +101,13 @@ def test_a_threshold_must_be_a_positive_number(c: object) -> None:
         hs.Threshold(c)
 
 
+@pytest.mark.parametrize("c", ["0.1 +- 150 %", "0.1 +- 100 %", 0, "-0.1"])
+def test_a_threshold_is_positive_all_over_its_range(c: object) -> None:
+    for limits, key in (((c, "0.1"), "real"), (("0.1", c), "imag")):
+        with pytest.raises(hs.SceneError, match=f"{key}: .* must be > 0"):
+            hs.Threshold.of(*limits)
+
+
 def test_an_irrational_threshold_is_refused_where_the_scene_is_not_rational() -> None:
     with pytest.raises(hs.SceneError, match="without delays"):
         ask(mass_spring_damper(k=1), delay("0.1 s"), c=GOLDEN)
