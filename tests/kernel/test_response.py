@@ -18,7 +18,7 @@ from sympy import Abs, Expr, I, Integer, Rational, Symbol, exp, expand, fraction
 import haptisym as hs
 from haptisym.effects import compliance, first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import kelvin_voigt, mass_spring_damper
-from haptisym.kernel.axis import _harmonics
+from haptisym.kernel.axis import Axis, _harmonics
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.response import on_axis, squared_modulus
 from haptisym.kernel.rings import RationalFunction
@@ -317,6 +317,16 @@ def test_on_the_axis_every_form_has_the_values_of_mpmath(name: str) -> None:
                 ball = found.ball(arb(str(x)))
                 assert ball.rad() < 1e-30 * (1 + abs(float(value)) + abs(complex(mp_value(f, x))) ** 3)
                 assert abs(MP.mpf(ball.mid().str(60, radius=False)) - value) <= limit, kind
+
+
+@pytest.mark.parametrize("counts", [(0, 0), (1, 0), (0, 3), (2, 1), (4, 2)])
+def test_all_factors_one_plus_tangent_squared_are_taken_out_and_counted(counts: tuple[int, int]) -> None:
+    axis = Axis([], [Rational(1, 3), Rational(1, 7)], [])
+    x, y = axis.context.gens()[axis.size : axis.size + 2]
+    for rest in (axis.variable**2 + x * y + 3, (x**3 + 1) * (y - 2), axis.constant(5)):
+        whole = rest * (x**2 + 1) ** counts[0] * (y**2 + 1) ** counts[1]
+        assert axis.without_circles(whole) == (rest, list(counts))
+    assert axis.without_circles(axis.constant(0)) == (axis.constant(0), [0, 0])
 
 
 def test_half_angles_hold_no_more_of_cos_squared_plus_sin_squared_than_they_must() -> None:
