@@ -165,9 +165,11 @@ E = exp(-s)
         # (s + 1)^2 + 2 E and more: against the first crossing of the axis
         ((s + 1) ** 2 + 2 * E, True), ((s + 1) ** 2 + 9 * E, False), ((s + 1) ** 3 + E, True), ((s + 1) ** 3 + 9 * E, False),
         (s**2 + 1 + E / 10, False), (s**2 + s / 10 + 1, True), ((s**2 + 1) * (s + 2 + E), False),
-        # neutral: s (2 + E) + 1 has an undelayed leading term that prevails; s (1 + 2 E) + 1 has not
-        (s * (2 + E) + 1, True), (s * (2 - E) + 1, True), (s * (2 - E) - 1, False), (s * (1 + 2 * E) + 1, None),
-        (s * (2 - 3 * E) + 1, None), (s * (1 - E) + 1, None), (s * (1 + E - exp(-2 * s)) + 1, None), (s * (E - 1 - exp(-2 * s)) - 1, None), (-s * (2 + E) - 1, True), (s * (3 + E - exp(-2 * s)) + 1, True),
+        # neutral: s (2 + E) + 1 has an undelayed leading term that prevails; s (1 + 2 E) + 1 has a chain on the right
+        (s * (2 + E) + 1, True), (s * (2 - E) + 1, True), (s * (2 - E) - 1, False), (s * (1 + 2 * E) + 1, False),
+        (s * (2 - 3 * E) + 1, False), (s * (1 + E - exp(-2 * s)) + 1, False),
+        # neutral, with roots as near to the axis as one likes
+        (s * (1 - E) + 1, None), (s * (E - 1 - exp(-2 * s)) - 1, None), (-s * (2 + E) - 1, True), (s * (3 + E - exp(-2 * s)) + 1, True),
         # advanced: only a delayed term leads
         (s * E + 1, False), (s**2 * E + s + 3, False),
     ],
@@ -202,15 +204,17 @@ def test_a_pole_at_rest_counts_unless_the_numerator_has_it_too() -> None:
     assert delayed(s + hold * 9) is False
 
 
-def test_delays_of_very_different_length_and_powers_and_friction_below_the_line_are_left_open() -> None:
+def test_delays_of_very_different_length_and_friction_below_the_line_are_left_open_and_powers_are_not() -> None:
     assert delayed(s + 3 + E + exp(-pi * s / 1000)) is True
     assert delayed(s + 3 + E + exp(-pi * 1000 * s)) is None
-    assert delayed(s + 2 + sqrt(s)) is None
+    assert delayed(s + 2 + sqrt(s)) is True
+    assert delayed(s + 2 - 3 * sqrt(s)) is False  # s = 1, and s = 4
     assert delayed(s + 2, sqrt(s)) is True
     assert delayed(s + 2 + I) is None
     assert delayed(s + 2, I) is True
     assert delayed(s - 2, I * sqrt(s)) is False
-    assert delayed(s + E + sqrt(s) ** 3) is None
+    assert delayed(s + E + sqrt(s) ** 3) is True
+    assert delayed(s + 3 * E + sqrt(s) ** 3) is False
 
 
 @pytest.mark.parametrize(

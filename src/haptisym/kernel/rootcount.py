@@ -1,0 +1,299 @@
+"""How many roots a characteristic function has in the closed right half plane: the argument principle, counted on a chart.
+
+D(s) is a polynomial in s, delays exp(-s tau) and powers s^alpha. As omega goes from 0 to a reach R beyond which one power of s
+prevails, the turns of D(j omega) are read off the signs of its real and imaginary part; what is left of the contour is known
+from that power alone. Roots on the axis are passed on their left, so that they count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from itertools import pairwise
+from math import ceil
+from typing import TypeAlias
+
+import flint
+from flint import acb, arb
+from sympy import Expr, I, Integer, Rational, factorial, pi
+
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import Ball, RealNumber, expression_ball
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import Polynomial, degree_in
+from haptisym.kernel.roots import Chart, Point, chart, sign_of_number
+from haptisym.kernel.symbols import s
+
+_MOST_TURNING = 2000  # radians that the delays turn up to the reach: thousands of zeros take minutes
+_MOST_TERMS = 64  # of the expansion at s = 0 that are tried
+_FINEST = 64  # times that a bound is halved before it is given up
+_BITS = 128
+
+
+class Chain(Enum):
+    """Where infinitely many roots of large modulus lie, if they do not all lie clear of the axis on its left."""
+
+    NEAR = "as near to the imaginary axis as one likes"
+    RIGHT = "to the right of the imaginary axis"
+
+
+@dataclass(frozen=True)
+class Roots:
+    """The roots in Re s >= 0, each as often as it counts; None where a ``chain`` makes them infinitely many or hides them.
+
+    ``right`` : those with Re s > 0. ``on_axis``: the frequencies of the others, rad/s, ascending.
+    """
+
+    number: int | None
+    right: int | None
+    on_axis: tuple[RealNumber, ...] = ()
+    chain: Chain | None = None
+
+
+def count_roots(polynomial: Polynomial, ring: Ring) -> Roots:
+    """The roots of a polynomial of a ring in Re s >= 0, certified. UndecidedError where that stays open.
+
+    Guaranteed: for polynomials, and with delays where the highest power of s outweighs its own delayed terms (else the chain of
+    roots that these make is recognised: exactly for one unit delay, and for independent ones that multiply it once each).
+    Not decided: more than some hundred turns, delays whose chain is none of these, and functions with j among their numbers.
+
+    >>> from sympy import exp
+    >>> def roots(expression):
+    ...     ring = Ring.of([expression])
+    ...     return count_roots(ring.convert(expression).numerator, ring).number
+    >>> roots(s**2 - s + 1), roots((s**2 + 1) ** 2 * (s + 1)), roots(s + exp(-s)), roots(s + 2 * exp(-s))
+    (2, 4, 0, 2)
+    >>> ring = Ring.of([exp(-s)])
+    >>> count_roots(ring.convert(s + 1 + 2 * s * exp(-s)).numerator, ring).chain.value         # neutral: Re s goes to log 2
+    'to the right of the imaginary axis'
+    """
+    if I in ring.generators and degree_in([polynomial], len(ring.meanings) - 1):
+        raise UndecidedError("the roots of a function with j among its numbers")
+    terms = _terms(polynomial, ring)
+    degree = max(terms)
+    floor = _floor(terms[degree], ring)
+    if isinstance(floor, Chain):
+        return Roots(None, None, chain=floor)
+    reach = _reach(terms, floor, ring)
+    parts = _parts(polynomial, ring)
+    if any(part.is_zero for part in parts):  # as of s^2 + 1: another root on the left turns the function off both axes
+        return count_roots(polynomial * (ring.variable + 1), ring)
+    curve = chart(dict(zip(("real", "imag"), parts, strict=True)), Integer(0), reach)
+    order, sign = _beginning(terms, ring)
+    start = 0 if sign > 0 else 2
+    turned = _lifted(_last_quadrant(curve, order + start), parts, reach)
+    with flint.ctx.workprec(_BITS):
+        lacking = (expression_ball(degree + start) + _own_turn(terms[degree], reach, ring) - turned) / 2
+    passed = [p for p in curve.points[1:] if _times(p)]
+    left_of_it = _whole(lacking)  # the contour passes roots on the axis on their left, but that at 0 on its right
+    at_0 = [curve.points[0].omega] if order else []
+    right = left_of_it - 2 * sum(map(_times, passed))
+    return Roots(left_of_it + ceil(order), right, (*at_0, *(p.omega for p in passed)))
+
+
+def order_at_0(polynomial: Polynomial, ring: Ring) -> Rational:
+    """The order of a zero at s = 0, where 1 - exp(-s tau) has one too, and s^alpha one of order alpha."""
+    return _beginning(_terms(polynomial, ring), ring)[0]
+
+
+# Terms: by their power of s, and by how often each unit delay is in them
+
+Terms: TypeAlias = dict[Rational, dict[tuple[int, ...], Expr]]
+
+
+def _terms(polynomial: Polynomial, ring: Ring) -> Terms:
+    found: Terms = {}
+    lags = len(ring.lags)
+    for exponents, value in polynomial.to_dict().items():
+        own = [int(n) for n in exponents]
+        turns, powers = tuple(own[ring.size : ring.size + lags]), own[ring.size + lags :]
+        power = sum((n * order for n, order in zip(powers, ring.orders, strict=False)), Integer(own[0]))
+        group = found.setdefault(power, {})
+        group[turns] = group.get(turns, Integer(0)) + Rational(int(value.p), int(value.q)) * pi ** own[1]
+    exact = {p: {turns: c for turns, c in group.items() if sign_of_number(c)} for p, group in found.items()}
+    return {p: group for p, group in exact.items() if group}
+
+
+def _size(number: Expr) -> Expr:
+    return number * sign_of_number(number)
+
+
+# What the highest power of s is multiplied by, L(exp(-s tau_1), ...)
+
+
+def _floor(group: Mapping[tuple[int, ...], Expr], ring: Ring) -> Expr | Chain:
+    """A number > 0 that |L| is nowhere less than where all |exp(-s tau)| <= 1; or where the chain of its zeros lies."""
+    own = next((c for turns, c in group.items() if not any(turns)), Integer(0))
+    delayed = {turns: c for turns, c in group.items() if any(turns)}
+    margin = _size(own) - sum(map(_size, delayed.values()), Integer(0))
+    if sign_of_number(own) == 0:
+        return Chain.RIGHT
+    if sign_of_number(margin) > 0:
+        return margin
+    used = {i for turns in delayed for i, n in enumerate(turns) if n}
+    if len(used) == 1:
+        return _floor_of_one(group, used.pop())
+    if all(sum(turns) == 1 for turns in delayed) and _are_independent([ring.lags[i] for i in used]):
+        return Chain.RIGHT if sign_of_number(margin) else Chain.NEAR  # the phases oppose as nearly as one likes
+    raise UndecidedError("the chain of roots of a neutral function with several delays")
+
+
+def _are_independent(lags: Sequence[Expr]) -> bool:
+    """Whether no sum of whole multiples of the delays is 0: they are rational multiples of different powers of pi."""
+    rests = [lag.as_coeff_Mul()[1] for lag in lags]
+    powers = all(rest == 1 or (rest.as_base_exp()[0] == pi and rest.as_base_exp()[1].is_Integer) for rest in rests)
+    return powers and len(set(rests)) == len(rests)
+
+
+def _floor_of_one(group: Mapping[tuple[int, ...], Expr], place: int) -> Expr | Chain:
+    """With one unit delay z = (1 - w)/(1 + w): |z| <= 1 where Re w >= 0, and z = -1 where w is infinite."""
+    ring = Ring()
+    n = max(turns[place] for turns in group)
+    powers = [sum((c for turns, c in group.items() if turns[place] == i), Integer(0)) for i in range(n + 1)]
+    turned = sum((c * (1 - s) ** i * (1 + s) ** (n - i) for i, c in enumerate(powers)), Integer(0))
+    w = ring.convert(turned.expand()).numerator
+    inside = count_roots(w, ring)
+    if inside.number or int(w.degrees()[0]) < n:
+        return Chain.RIGHT if inside.right else Chain.NEAR
+    real, imag = _parts(w, ring)
+    square = real.function * real.function + imag.function * imag.function
+    circle = ring.axis.convert((1 + _omega(ring) ** 2) ** n)
+    bound = Rational(1)
+    for _ in range(_FINEST):
+        excess = square - ring.axis.convert(bound**2) * circle
+        if _is_positive(excess.numerator, ring, 2 * n):
+            return bound
+        bound /= 2
+    raise UndecidedError("how near the chain of a neutral function comes to the axis")
+
+
+def _omega(ring: Ring) -> Expr:
+    return ring.axis.meanings[0]
+
+
+def _is_positive(even: Polynomial, ring: Ring, degree: int) -> bool:
+    """Whether a polynomial in omega is positive on [0, infinity], as is its coefficient of that degree, the highest it has."""
+    axis = ring.axis
+    reverse = {}
+    for exponents, value in even.to_dict().items():
+        reverse[(degree - int(exponents[0]), *exponents[1:])] = value
+    sides = {"near": even, "far": axis.context.from_dict(reverse)}
+    table = chart({name: RealFunction(axis.function(p)) for name, p in sides.items()}, Integer(0), Integer(1))
+    return all(sign > 0 for point in table.points for sign in point.at.values())
+
+
+# The contour
+
+
+def _reach(terms: Terms, floor: Expr, ring: Ring) -> Expr:
+    """R such that for |s| >= R, Re s >= 0 all lower powers are at most half the highest, L at its least."""
+    degree = max(terms)
+    weights = {p: 2 * sum(map(_size, group.values()), Integer(0)) for p, group in terms.items() if p < degree}
+    radius = Rational(1, 1 << 20)
+    while not _prevails(radius, degree, floor, weights):
+        radius *= 2
+    if any(sign_of_number(radius * lag - _MOST_TURNING) > 0 for lag in ring.lags):
+        raise UndecidedError("the roots of a function that its delays turn thousands of times")
+    [*own] = _delays_of(terms[degree], ring)
+    if len(own) != 1:
+        return radius
+    return (
+        2 * pi * ceil(float(radius * own[0]) / 6.28) / own[0]
+    )  # whole turns of the one delay in L, which is real there
+
+
+def _delays_of(group: Mapping[tuple[int, ...], Expr], ring: Ring) -> list[Expr]:
+    return [lag for i, lag in enumerate(ring.lags) if any(turns[i] for turns in group)]
+
+
+def _prevails(radius: Rational, degree: Rational, floor: Expr, weights: Mapping[Rational, Expr]) -> bool:
+    """Whether floor radius^degree exceeds the weighted lower powers; beyond a radius where it does, it does."""
+    with flint.ctx.workprec(_BITS):
+        base = arb(radius.p) / arb(radius.q)
+        left = expression_ball(floor)
+        for p, weight in weights.items():
+            left -= expression_ball(weight) * base ** expression_ball(p - degree)
+        return bool(left > 0)
+
+
+def _parts(polynomial: Polynomial, ring: Ring) -> tuple[RealFunction, RealFunction]:
+    """D(j omega) times a factor > 0: exact real and imaginary part."""
+    axis = ring.axis
+    (a, b), (c, d) = axis.parts([polynomial, polynomial.context().constant(1)])
+    modulus = c * c + d * d
+    return (
+        RealFunction(axis.function(a * c + b * d, modulus).reduced()),
+        RealFunction(axis.function(b * c - a * d, modulus).reduced()),
+    )
+
+
+def _times(point: Point) -> int:
+    """How often D vanishes at a point: real and imaginary part at once."""
+    return max(min(point.orders.get(name, 0) for name in ("real", "imag")), 0)
+
+
+_QUADRANT = {(1, 1): 0, (-1, 1): 1, (-1, -1): 2, (1, -1): 3}
+
+
+def _last_quadrant(curve: Chart, start: Expr) -> int:
+    """Quarter turns, counted on from the direction ``start`` of D just above omega = 0, at which the last quadrant begins."""
+    if curve.undecided:
+        raise UndecidedError("whether a characteristic function vanishes on the imaginary axis")
+    quadrants = [_QUADRANT[p.after["real"], p.after["imag"]] for p in curve.points[:-1]]
+    now = next(n for n in (int(start // 1), int(-(-start // 1)) - 1) if n % 4 == quadrants[0])
+    for point, (before, after) in zip(curve.points[1:], pairwise(quadrants), strict=False):
+        passed = -2 * _times(point)
+        step = (after - before - passed) % 4
+        if step == 2:
+            raise UndecidedError("a turn of a characteristic function")
+        now += passed + {0: 0, 1: 1, 3: -1}[step]
+    return now
+
+
+def _lifted(quarter: int, parts: Sequence[RealFunction], reach: Expr) -> Ball:
+    """The whole turn of D up to j R, in quarters: its angle there, which lies in the quadrant that begins at ``quarter``."""
+    with flint.ctx.workprec(_BITS):
+        at = expression_ball(reach)
+        x, y = (part.ball(at) for part in parts)
+        middle = acb(0, -1) ** (quarter % 4) * acb(1, -1)  # turns the quadrant's middle onto the positive real axis
+        return quarter + arb(1) / 2 + (acb(x, y) * middle).arg() * 2 / arb.pi()
+
+
+def _own_turn(group: Mapping[tuple[int, ...], Expr], reach: Expr, ring: Ring) -> Ball:
+    """The angle of L at j R, in quarters, beyond that of its undelayed term: 0 where one delay has made whole turns."""
+    if len(_delays_of(group, ring)) <= 1:
+        return arb(0)
+    with flint.ctx.workprec(_BITS):
+        total = acb(0)
+        for turns, c in group.items():
+            lag = sum((n * x for n, x in zip(turns, ring.lags, strict=True)), Integer(0))
+            total += expression_ball(c) * (acb(0, -1) * expression_ball(lag * reach)).exp()
+        own = next(c for turns, c in group.items() if not any(turns))
+        return (total * sign_of_number(own)).arg() * 2 / arb.pi()
+
+
+def _beginning(terms: Terms, ring: Ring) -> tuple[Rational, int]:
+    """Exponent and sign of the first term of the expansion at s = 0."""
+    tried = sorted({p + k for p in terms for k in range(_MOST_TERMS)})
+    for exponent in tried:
+        meeting = ((group, exponent - p) for p, group in terms.items() if exponent >= p)
+        total = sum((_coefficient(group, int(k), ring) for group, k in meeting if k.is_Integer), Integer(0))
+        if sign := sign_of_number(total):
+            return exponent, sign
+    raise UndecidedError("the order of a characteristic function at s = 0")
+
+
+def _coefficient(group: Mapping[tuple[int, ...], Expr], k: int, ring: Ring) -> Expr:
+    """Of s^k in the sum of c exp(-s lag)."""
+    lags = {turns: sum((n * x for n, x in zip(turns, ring.lags, strict=True)), Integer(0)) for turns in group}
+    return sum((c * (-lags[turns]) ** k for turns, c in group.items()), Integer(0)).expand() / factorial(k)
+
+
+def _whole(lacking: Ball) -> int:
+    """The whole number that is less than 1/2 away, as this is known to be but for 1/6."""
+    found = round(float(lacking))
+    if not abs(lacking - found) < arb(1) / 3:
+        raise UndecidedError("a turn of a characteristic function")
+    return found

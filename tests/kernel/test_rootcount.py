@@ -1,0 +1,142 @@
+"""How many roots lie on the right: against roots placed by hand, those of mpmath, and winding numbers of sampled contours."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from oracles import MP
+from sympy import Expr, I, Rational, exp, expand, lambdify, pi, sqrt
+
+import haptisym as hs
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.rootcount import Chain, Roots, count_roots
+from haptisym.kernel.symbols import s
+
+E = exp(-s)
+LATE = exp(-pi * s)
+
+
+def roots(expression: Expr) -> Roots:
+    ring = Ring.of([expression])
+    return count_roots(ring.convert(expression).numerator, ring)
+
+
+def winding(expression: Expr, reach: float = 60.0, left: float = 1e-3) -> int | None:
+    """The roots with Re s > left and |s| < reach, by the turns of sampled values around a half disc; None if too coarse."""
+    f = lambdify(s, expression, "numpy")
+    arc = left + reach * np.exp(1j * np.linspace(-np.pi / 2, np.pi / 2, 20_001))
+    axis = left + 1j * reach * np.linspace(1, -1, 60_001)
+    values = f(np.concatenate([arc, axis]))
+    turn = np.angle(values[1:] / values[:-1])
+    return round(float(turn.sum()) / (2 * np.pi)) if np.abs(turn).max() < 1 else None
+
+
+whole = st.integers(-9, 9)
+
+
+@given(st.lists(whole, min_size=2, max_size=8).filter(lambda c: c[0]))
+def test_roots_of_polynomials_are_counted_as_mpmath_finds_them(c: list[int]) -> None:
+    real = [z.real for z in MP.polyroots(c, maxsteps=2000, extraprec=2000)]
+    assume(all(abs(x) > MP.mpf(10) ** -9 for x in real))
+    found = roots(sum(n * s**i for i, n in enumerate(reversed(c))))
+    assert (found.number, found.right, found.on_axis) == (sum(x > 0 for x in real), sum(x > 0 for x in real), ())
+
+
+rates = (
+    st.fractions(Fraction(1, 9), 9, max_denominator=9).filter(bool).map(lambda x: Rational(x.numerator, x.denominator))
+)
+
+
+@given(
+    st.lists(st.tuples(rates, rates, st.sampled_from([-1, 1])), max_size=2),
+    st.lists(st.tuples(rates, st.integers(1, 2)), max_size=2, unique_by=lambda x: x[0]), st.integers(0, 3),
+)  # fmt: skip
+def test_roots_placed_on_the_axis_are_counted_as_often_as_they_are_there(
+    pairs: list[tuple[Rational, Rational, int]], on_axis: list[tuple[Rational, int]], at_0: int
+) -> None:
+    f = s**at_0
+    for a, b, side in pairs:
+        f *= (s - side * a) ** 2 + b**2
+    for w, times in on_axis:
+        f *= (s**2 + w**2) ** times
+    right = 2 * sum(side > 0 for _, _, side in pairs)
+    found = roots(expand(f * (s + 3)))
+    assert (found.right, found.number) == (right, right + at_0 + 2 * sum(times for _, times in on_axis))
+    assert [float(x) for x in found.on_axis] == pytest.approx(
+        sorted([0.0] * (at_0 > 0) + [float(w) for w, _ in on_axis])
+    )
+
+
+LOOPS = [
+    s**2 + s + 1 + 5 * E, s**3 + 2 * s**2 + 40 * s * E + 7, s**2 - 3 * s + 2 + E, s + 1 + 20 * E, s**2 + 100 * E + 5 * s,
+    s * (2 + E) + 30 * exp(-3 * s), s**2 * (3 - E - E**2) - 8 * s + 50, s**2 * (5 + E + LATE) + 90 * LATE + s,
+    # |L| > 0 on the disc though the delayed terms outweigh the undelayed one: z = -1 +- j/sqrt(3) are its zeros
+    s * (1 + Rational(3, 2) * E + Rational(3, 4) * E**2) + 1, s**2 * (1 + Rational(3, 2) * E + Rational(3, 4) * E**2) + 400,
+    s - 3 * sqrt(s) + 1, s**2 + 5 * sqrt(s) * E + 1, s**2 + 30 * E * sqrt(s) + s, s**2 - 7 * s ** Rational(4, 5) + 9,
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("loop", LOOPS, ids=str)
+def test_roots_of_loops_with_delays_and_powers_are_those_that_a_sampled_contour_winds_around(loop: Expr) -> None:
+    found = roots(loop)
+    assert found.right == winding(loop)
+
+
+@given(st.lists(whole, min_size=2, max_size=4).filter(lambda c: c[0]), st.lists(whole, min_size=1, max_size=3), rates)
+def test_random_loops_with_a_delay_are_counted_as_their_contour_winds(
+    a: list[int], b: list[int], lag: Rational
+) -> None:
+    assume(len(b) < len(a))
+    loop = sum(n * s**i for i, n in enumerate(reversed(a))) + exp(-s * lag) * sum(n * s**i for i, n in enumerate(b))
+    above, below = winding(loop, left=1e-4), winding(loop, left=-1e-4)
+    assume(above is not None and above == below)  # no root on the axis, or hardly beside it
+    assert roots(loop).number == above
+
+
+@pytest.mark.parametrize(
+    ("chain", "where"),
+    [
+        (1 + 2 * E, Chain.RIGHT), (2 + 3 * LATE, Chain.RIGHT), (E, Chain.RIGHT), (1 + E, Chain.NEAR), (1 - E**2, Chain.NEAR),
+        (1 + E / 2 + LATE, Chain.RIGHT), (1 + E / 2 + LATE / 2, Chain.NEAR), (1 + E - E**2, Chain.RIGHT), (1 - E + E**2, Chain.NEAR),
+        (1 + E / 2 + LATE / 3, None), (1 + Rational(3, 2) * E + Rational(3, 4) * E**2, None),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_the_chain_of_a_neutral_function_is_recognised(chain: Expr, where: Chain | None) -> None:
+    found = roots(expand(chain * s**2) + 3 * s + 1)
+    assert found.chain is where
+    assert (found.number is None) is (where is not None)
+
+
+@pytest.mark.parametrize("hand", ["400", "499.9999", "500", "2000"])
+def test_a_delayed_mass_is_held_by_no_lighter_one(hand: str) -> None:
+    """(500 s^2 + 100) exp(-s/2) + m s^2 + 40 s + 900: the chain lies at Re s = 2 log(500/m)."""
+    found = roots((500 * s**2 + 100) * exp(-s / 2) + Rational(hand) * s**2 + 40 * s + 900)
+    expected = Chain.RIGHT if float(hand) < 500 else Chain.NEAR if hand == "500" else None
+    assert found.chain is expected
+
+
+def test_what_is_not_counted_says_so() -> None:
+    for loop in (s + 2 + I, s + 3 + E + exp(-1000 * pi * s), s * (1 + E + E * LATE) + 1):
+        with pytest.raises(hs.UndecidedError):
+            roots(loop)
+
+
+def test_a_delayed_spring_in_a_hand_is_stable_from_the_damping_that_the_field_knows() -> None:
+    """100 N/m late by 36 ms in a hand of 0.5 kg: at b the pair is at omega, m omega^2 = k cos, b omega = k sin of omega tau."""
+
+    def spring(b: str) -> int | None:
+        return roots(100 * exp(-s * Rational(36, 1000)) + s**2 / 2 + Rational(b) * s).number
+
+    with MP.workdps(30):
+        w = MP.findroot(lambda w: w**2 / 2 - 100 * MP.cos(w * MP.mpf("0.036")), 13)
+        critical = 100 * MP.sin(w * MP.mpf("0.036")) / w
+        assert MP.nstr(critical, 17) == "3.4635997327677041"
+        assert (
+            spring(MP.nstr(critical - MP.mpf(10) ** -12, 25)),
+            spring(MP.nstr(critical + MP.mpf(10) ** -12, 25)),
+        ) == (2, 0)
