@@ -160,7 +160,6 @@ assert form - enough_delay == 0
 # The formulas, and the largest ratio on the band over its threshold against the filter's frequency, with the requirement.
 
 # %%
-from haptisym.figures.require import save_requirement
 
 output = Path(next((given for given in sys.argv[1:2] if not given.startswith("-")), "derived"))
 output.mkdir(parents=True, exist_ok=True)
@@ -168,4 +167,4 @@ lines = [rf"\omega_n &\ge {CLAIMED[w]}", rf"\tau &\le {latex(enough_delay)}", rf
 (output / "13_requirement.tex").write_text(
     "\\begin{align}\n" + " \\\\\n".join(lines) + "\n\\end{align}\n", encoding="utf-8"
 )
-save_requirement(hs.require(paper, "omega_n"), output / "13_requirement.pdf")
+hs.require(paper, "omega_n").save_figure(output / "13_requirement.pdf")

@@ -116,7 +116,6 @@ for x in found.crossings:
 # ## 6. Formulas and figure
 
 # %%
-from haptisym.figures.sensitivity import save_elasticities
 from haptisym.pages.tex.latex import latex
 
 output = Path(next((given for given in sys.argv[1:2] if not given.startswith("-")), "derived"))
@@ -132,4 +131,4 @@ lines = [
 (output / "14_sensitivity.tex").write_text(
     "\\begin{align}\n" + " \\\\\n".join(lines) + "\n\\end{align}\n", encoding="utf-8"
 )
-save_elasticities(found, output / "14_sensitivity.pdf")
+found.save_figure(output / "14_sensitivity.pdf")

@@ -20,20 +20,19 @@ from matplotlib.patches import Rectangle
 from matplotlib.text import Annotation, Text
 
 import haptisym as hs
-from haptisym.figures.effects import draw_influences, save_influences
+from haptisym.figures.effects import draw_influences
 from haptisym.figures.family import save_family_figures
 from haptisym.figures.files import save_figures
-from haptisym.figures.metrics import draw_measures, draw_verdicts, save_metrics_figure
+from haptisym.figures.metrics import draw_measures, draw_verdicts
 from haptisym.figures.nyquist import HEAD, draw_nyquist
 from haptisym.figures.projections import draw_projections
 from haptisym.figures.ratios import draw_ratios
-from haptisym.figures.require import save_requirement
-from haptisym.figures.sensitivity import draw_elasticities, save_elasticities
+from haptisym.figures.sensitivity import draw_elasticities
 from haptisym.figures.simulate import draw_loop, draw_recovered, draw_time, save_simulation_figures
 from haptisym.figures.square import draw_jnd_square
 from haptisym.figures.style import SHADE
 from haptisym.figures.sweep import save_sweep_figure
-from haptisym.figures.tolerances import draw_tolerances, save_tolerances
+from haptisym.figures.tolerances import draw_tolerances
 
 NATURAL, MASS = "effects.filter.omega_n", "environment.m"
 RESONANT = "two-mass-resonance"
@@ -54,8 +53,8 @@ def ranged(cutoff: str) -> hs.Scene:
 
 
 def mapped(*ranges: tuple[Any, Any]) -> Callable[[Path], object]:
-    return lambda folder: save_requirement(
-        hs.design_map(paper(), ["omega_n", "zeta"], list(ranges), slices=5), folder / "x.svg"
+    return lambda folder: hs.design_map(paper(), ["omega_n", "zeta"], list(ranges), slices=5).save_figure(
+        folder / "x.svg"
     )
 
 
@@ -66,19 +65,19 @@ KINDS: dict[str, Callable[[Path], object]] = {
     "several environments": lambda folder: save_family_figures(
         hs.evaluate_all(hs.load_scenes("palpation-device")), folder
     ),
-    "require": lambda folder: save_requirement(hs.require(paper(), "omega_n"), folder / "x.svg"),
-    "require a JND": lambda folder: save_requirement(hs.require(paper(), "evaluation.jnd"), folder / "x.svg"),
-    "require, in vain": lambda folder: save_requirement(hs.require(paper(), "omega_n", (5, 20)), folder / "x.svg"),
+    "require": lambda folder: hs.require(paper(), "omega_n").save_figure(folder / "x.svg"),
+    "require a JND": lambda folder: hs.require(paper(), "evaluation.jnd").save_figure(folder / "x.svg"),
+    "require, in vain": lambda folder: hs.require(paper(), "omega_n", (5, 20)).save_figure(folder / "x.svg"),
     "map": mapped((60, 200), ("0.1", 1)),
     "map, in vain": mapped((10, 20), ("0.1", 1)),
     "sweep": lambda folder: save_sweep_figure(hs.sweep(paper(), {MASS: np.linspace(0.5, 5, 30)}), folder / "x.svg"),
     "sweep in the plane": lambda folder: save_sweep_figure(
         hs.sweep(paper(), {NATURAL: np.linspace(20, 200, 12), MASS: np.linspace(0.5, 5, 12)}), folder / "x.svg"
     ),
-    "sensitivity": lambda folder: save_elasticities(hs.sensitivity(hs.load_scene(RESONANT)), folder / "x.svg"),
-    "tolerances": lambda folder: save_tolerances(hs.tolerances(ranged("40 rad/s"), samples=20), folder / "x.svg"),
-    "effects": lambda folder: save_influences(hs.relevance(hs.load_scene("sidestick")), folder / "x.svg"),
-    "metrics": lambda folder: save_metrics_figure(hs.metrics(paper()), folder / "x.svg"),
+    "sensitivity": lambda folder: hs.sensitivity(hs.load_scene(RESONANT)).save_figure(folder / "x.svg"),
+    "tolerances": lambda folder: hs.tolerances(ranged("40 rad/s"), samples=20).save_figure(folder / "x.svg"),
+    "effects": lambda folder: hs.relevance(hs.load_scene("sidestick")).save_figure(folder / "x.svg"),
+    "metrics": lambda folder: hs.metrics(paper()).save_figure(folder / "x.svg"),
     "simulate": lambda folder: save_simulation_figures([hs.simulate(paper(), hs.sine("5 cm", "10 rad/s"))], folder),
 }
 
@@ -322,9 +321,9 @@ def test_no_text_lies_on_another_in_any_shipped_scene(name: str, tmp_path: Path)
     scene = hs.load_scene(name)
     drawings: list[Callable[[Path], object]] = [
         lambda folder: save_figures(hs.evaluate(scene), folder, [".svg"]),
-        lambda folder: save_elasticities(hs.sensitivity(scene), folder / "x.svg"),
-        lambda folder: save_influences(hs.relevance(scene), folder / "x.svg"),
-        lambda folder: save_metrics_figure(hs.metrics(scene), folder / "x.svg"),
+        lambda folder: hs.sensitivity(scene).save_figure(folder / "x.svg"),
+        lambda folder: hs.relevance(scene).save_figure(folder / "x.svg"),
+        lambda folder: hs.metrics(scene).save_figure(folder / "x.svg"),
     ]
     for draw in drawings:
         try:

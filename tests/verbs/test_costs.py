@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 from math import log10
 from pathlib import Path
@@ -14,9 +15,6 @@ from sympy import Symbol
 
 import haptisym as hs
 from haptisym.cli import app
-from haptisym.figures.cost import draw
-from haptisym.figures.hardcosts import draw as draw_hard
-from haptisym.figures.style import save_as
 from haptisym.kernel.errors import SceneError
 from haptisym.verbs.cost.entry import Cost
 from haptisym.verbs.cost.hardcases import hard_cases
@@ -141,7 +139,7 @@ def test_the_page_and_the_document_say_the_same() -> None:
 
 def test_marks_are_filled_exactly_where_an_answer_is_proven() -> None:
     rows = found().rows
-    axes = [ax for ax in draw(rows, "").axes if ax.get_title(loc="left")]
+    axes = [ax for ax in found().figure().axes if ax.get_title(loc="left")]
     assert len(axes) == 3
     for ax, task in zip(axes, ("evaluate", "crossings", "effects"), strict=True):
         marks = [line for line in ax.get_lines() if line.get_marker() == "o"]
@@ -160,7 +158,7 @@ def test_no_name_in_a_figure_covers_another_one() -> None:
     others = [
         Row("evaluate", name, n, t, proven=n > 15) for name, n, t in (("fast", 14, 1e-7), ("certified", 16, 5e-6))
     ]
-    figure = draw([*rows, *others], "")
+    figure = replace(found(), rows=(*rows, *others)).figure()
     figure.canvas.draw()
     names = [text.get_window_extent() for ax in figure.axes for text in ax.texts]
     assert len(names) == len(rows) + len(others)
@@ -169,7 +167,7 @@ def test_no_name_in_a_figure_covers_another_one() -> None:
 
 def test_the_figure_of_the_hard_cases_has_a_cell_for_every_family_and_method() -> None:
     costs = hs.hard_costs(hard_cases("identities", "cancelled resonance"))
-    axes = draw_hard(costs.rows).axes
+    axes = costs.figure().axes
     assert [len(ax.patches) for ax in axes] == [7, 4]
     assert "identities" in str(costs)
 
@@ -177,7 +175,7 @@ def test_the_figure_of_the_hard_cases_has_a_cell_for_every_family_and_method() -
 @pytest.mark.parametrize("ending", [".svg", ".pdf", ".png"])
 def test_figures_are_written_as_the_ending_says(tmp_path: Path, ending: str) -> None:
     place = tmp_path / f"cost{ending}"
-    save_as(draw(found().rows, ""), place)
+    found().save_figure(place)
     assert place.read_bytes().startswith({".svg": b"<?xml", ".pdf": b"%PDF", ".png": b"\x89PNG"}[ending])
 
 

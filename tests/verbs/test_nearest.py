@@ -51,7 +51,7 @@ def test_what_binds_at_the_nearest_value_is_said() -> None:
     row = found.to_dict()["nearest"]
     assert (row["value"], row["part"], row["kind"]) == (100.0, "imag", "band-edge")
     page = " ".join(str(found).split())
-    assert "omega_n = 100 rad/s" in page
+    assert "ω_n = 100 rad/s" in page
     assert "Proven: no value that was asked about keeps all ratios below" in page
 
 

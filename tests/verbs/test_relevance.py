@@ -17,7 +17,6 @@ from marks import QUICK_SCENES, often
 from sympy import Expr, Rational, exp, lambdify, pi
 
 import haptisym as hs
-from haptisym.figures.effects import save_influences
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import EFFECTS
 from haptisym.verbs.effects.ballchain import TERMS, BallChain, Kept, Piece, series_arithmetic
@@ -348,12 +347,12 @@ def test_a_pruned_scene_builds_only_what_is_kept_when_it_is_simulated(many: Rele
 
 
 def test_the_figure_names_every_effect_and_is_the_same_every_time(tmp_path: Path, many: Relevance) -> None:
-    first, second = (save_influences(many, tmp_path / name).read_bytes() for name in ("a.pdf", "b.pdf"))
+    first, second = (many.save_figure(tmp_path / name).read_bytes() for name in ("a.pdf", "b.pdf"))
     assert first == second
-    text = save_influences(many, tmp_path / "c.svg").read_text(encoding="utf-8")
+    text = many.save_figure(tmp_path / "c.svg").read_text(encoding="utf-8")
     assert all(f"<!-- {x.name} -->" in text for x in many.scene.effects)
     with pytest.raises(hs.SceneError, match=r"\.svg, \.pdf or \.png"):
-        save_influences(many, tmp_path / "d.gif")
+        many.save_figure(tmp_path / "d.gif")
 
 
 def test_a_scene_without_effects_has_nothing_that_matters() -> None:

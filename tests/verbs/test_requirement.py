@@ -354,16 +354,13 @@ def test_every_boundary_point_is_a_zero_of_one_of_the_curves() -> None:
 
 
 def test_figures_of_one_and_two_parameters_are_written(tmp_path: Path) -> None:
-    from haptisym.figures.require import save_requirement
 
-    save_requirement(hs.require(PAPER, "omega_n"), tmp_path / "one.svg")
-    save_requirement(
-        hs.design_map(PAPER, ["zeta", "omega_n"], [("0.1", "0.5"), (20, 200)], slices=3), tmp_path / "two.png"
-    )
+    hs.require(PAPER, "omega_n").save_figure(tmp_path / "one.svg")
+    hs.design_map(PAPER, ["zeta", "omega_n"], [("0.1", "0.5"), (20, 200)], slices=3).save_figure(tmp_path / "two.png")
     assert (tmp_path / "one.svg").stat().st_size > 5000
     assert (tmp_path / "two.png").read_bytes().startswith(b"\x89PNG")
     with pytest.raises(SceneError, match="svg"):
-        save_requirement(hs.require(PAPER, "omega_n"), tmp_path / "one.docx")
+        hs.require(PAPER, "omega_n").save_figure(tmp_path / "one.docx")
 
 
 def legend_of(ax: Any) -> list[str]:
@@ -482,9 +479,9 @@ def test_the_contract_document(capsys, monkeypatch) -> None:  # type: ignore[no-
 def test_the_page_says_the_value_what_binds_and_the_formula(capsys, monkeypatch) -> None:  # type: ignore[no-untyped-def]
     status, out, _ = call("delayed-spring", "--free", "tau", capsys=capsys, monkeypatch=monkeypatch)
     assert status == 0
-    assert "exactly for 0 <= tau <= 0.0066778 s" in out
+    assert "exactly for 0 ≤ tau ≤ 0.0066778 s" in out
     assert "r_i (imag)   the band's high end, 15 rad/s" in out
-    assert "tau = asin(c)/omega_max" in out
+    assert "tau = asin(c)/ω_max" in out
 
 
 WRONG = [

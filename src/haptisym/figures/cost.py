@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from pathlib import Path
 from textwrap import fill, wrap
 from typing import Any
 
@@ -18,7 +17,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-from haptisym.figures.style import GREY, INK, SHADE, SMALL, TEXT, number, raised, save_as
+from haptisym.figures.style import GREY, INK, SHADE, SMALL, TEXT, number, raised
 from haptisym.verbs.cost.entry import Cost
 from haptisym.verbs.cost.measurement import Row, front
 from haptisym.verbs.cost.summary import duration, summary, wrong
@@ -175,13 +174,9 @@ def _strip_top(ax: Axes, em: float) -> float:
 # The whole figure.
 
 
-def save_cost(found: Cost, path: str | Path) -> None:
-    """The figure as a file."""
-    save_as(draw(found.rows, found.scene.title), path)
-
-
-def draw(rows: Sequence[Row], title: str) -> Figure:
+def cost_figure(found: Cost) -> Figure:
     """A panel for each task, two in a row; what the marks mean stands below, or in the place that is left."""
+    rows = found.rows
     groups = [group for task in _TITLES if (group := [row for row in rows if row.task == task])]
     columns = min(2, len(groups))
     lines = -(-len(groups) // columns)
@@ -190,7 +185,7 @@ def draw(rows: Sequence[Row], title: str) -> Figure:
     axes = figure.subplots(lines, columns, squeeze=False).ravel()
     for ax, group in zip(axes, groups, strict=False):
         draw_cost(ax, group)
-    figure.suptitle("\n".join(wrap(title, 88)), fontsize=TEXT + 1, color=INK)
+    figure.suptitle("\n".join(wrap(found.scene.title, 88)), fontsize=TEXT + 1, color=INK)
     style: dict[str, Any] = {"handles": _handles(rows), "fontsize": SMALL, "frameon": False, "handlelength": 2}
     if len(groups) < len(axes):
         _explain(axes[-1], summary(rows), style)

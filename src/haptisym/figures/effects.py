@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,7 +25,6 @@ from haptisym.figures.style import (
     dress,
     limit,
     name_frequency,
-    save_as,
     text_width,
 )
 from haptisym.kernel.errors import SceneError
@@ -127,8 +125,8 @@ def _dominance_title(narrow: list[str], slivers: list[str]) -> str:
     return full if len(full) <= 70 else f"{title}: {len(narrow) + len(slivers)} more in narrow pieces"
 
 
-def save_influences(found: Relevance, path: str | Path) -> Path:
-    """The figure of both parts as .svg, .pdf or .png, by the ending of the file's name; SceneError for any other."""
+def influences_figure(found: Relevance) -> Figure:
+    """The influences on both parts, below the strip of which effect changes them most; SceneError where there are no effects."""
     if not found.effects:
         raise SceneError("figure: the scene has no effects to draw")
     figure = Figure(figsize=(1.3 * WIDTH, 4.3))
@@ -139,7 +137,7 @@ def save_influences(found: Relevance, path: str | Path) -> Path:
         draw_influences(ax, found, part)
     real.tick_params(labelbottom=False)
     real.set_xlabel("")
-    return save_as(figure, path)
+    return figure
 
 
 def _sampled(found: Relevance, part: Part) -> tuple[Array, list[Array]]:

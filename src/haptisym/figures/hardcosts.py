@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -12,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
-from haptisym.figures.style import GREY, INK, SMALL, TEXT, raised, save_as
+from haptisym.figures.style import GREY, INK, SMALL, TEXT, raised
 from haptisym.verbs.cost.hardcosts import HardCosts
 from haptisym.verbs.cost.measurement import HardRow
 from haptisym.verbs.cost.summary import worst_verdict
@@ -23,13 +22,9 @@ _DARKEST = 0.42
 """The share of ink of a cell without a right answer: figures on it are still read, in grey print too."""
 
 
-def save_hard_costs(found: HardCosts, path: str | Path) -> None:
-    """The figure as a file."""
-    save_as(draw(found.rows), path)
-
-
-def draw(rows: Sequence[HardRow]) -> Figure:
+def hard_costs_figure(found: HardCosts) -> Figure:
     """A table for the questions about values above one for those about crossings."""
+    rows = found.rows
     groups = [[row for row in rows if row.task == task] for task in _TITLES]
     groups = [group for group in groups if group]
     sizes = [(len(_names(group, "method")), len(_names(group, "family"))) for group in groups]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -29,18 +28,12 @@ from haptisym.figures.style import (
     legend,
     limit,
     name_frequency,
-    save_as,
 )
 from haptisym.verbs.metrics.measured import Bands
 from haptisym.verbs.metrics.metric import Metrics
 
 _DOTS_AND_DASHES: Any = (0, (5, 1.5, 1, 1.5))
 _FINE: Any = (0, (1, 1))
-
-
-def save_metrics_figure(m: Metrics, path: str | Path) -> Path:
-    """The figure in a file; its ending says as what. SceneError for an ending other than .svg, .pdf and .png."""
-    return save_as(metrics_figure(m), path)
 
 
 def metrics_figure(m: Metrics) -> Figure:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from sympy import Expr
@@ -33,7 +33,6 @@ from haptisym.figures.style import (
     limit,
     name_parameter,
     one_column,
-    save_as,
     write_note,
 )
 from haptisym.model.jnd import Part
@@ -54,12 +53,11 @@ _FILL = {Kind.EDGE: "full", Kind.START: "none", Kind.TOUCH: "bottom"}
 _HATCH: dict[str, Any] = {"facecolor": "none", "edgecolor": GREY, "hatch": "////", "linewidth": 0}
 
 
-def save_requirement(found: Requirement | DesignMap, path: Path) -> None:
-    """Write the figure of a requirement or of a design map; SceneError for an ending other than .svg, .pdf, .png."""
+def requirement_figure(found: Requirement | DesignMap) -> Figure:
+    """A requirement, or a map of two parameters."""
     if isinstance(found, DesignMap):
-        save_as(one_column(2.6, lambda ax: draw_map(ax, found)), path)
-    else:
-        save_as(one_column(2.3, lambda ax: draw_requirement(ax, found)), path)
+        return one_column(2.6, lambda ax: draw_map(ax, found))
+    return one_column(2.3, lambda ax: draw_requirement(ax, found))
 
 
 def parameter_scale(free: Knob, given: Iterable[Expr | None]) -> Scale:

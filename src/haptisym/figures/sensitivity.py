@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 from matplotlib.axes import Axes
 from matplotlib.container import BarContainer
@@ -24,7 +23,6 @@ from haptisym.figures.style import (
     entries,
     legend,
     number,
-    save_as,
     written,
 )
 from haptisym.kernel.errors import NothingToDrawError
@@ -86,8 +84,8 @@ def _write_values(ax: Axes, values: Sequence[float]) -> None:
                     ha="left" if v > 0 else "right", va="center", fontsize=SMALL, color=GREY)  # fmt: skip
 
 
-def save_elasticities(found: Sensitivities, path: Path) -> None:
-    """The bars of all crossings in one file; SceneError for another ending than .svg, .pdf or .png, or where there are none."""
+def elasticities_figure(found: Sensitivities) -> Figure:
+    """The bars of all crossings and changeovers, a panel each; NothingToDrawError where there are none."""
     panels = _panels(found)
     if not panels:
         raise NothingToDrawError("there is no crossing nor changeover on the band that parameters could move")
@@ -105,7 +103,7 @@ def save_elasticities(found: Sensitivities, path: Path) -> None:
     rest = f"\n({more} more frequencies in the text)" if more > 0 else ""
     axes[-1].tick_params(labelbottom=True)
     axes[-1].set_xlabel(rf"elasticity, $(p/\omega)\,\mathrm{{d}}\omega/\mathrm{{d}}p${rest}", fontsize=TEXT)
-    save_as(figure, path)
+    return figure
 
 
 def _place(figure: Figure, axes: Sequence[Axes], rows: Sequence[int]) -> None:

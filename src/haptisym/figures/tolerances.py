@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
@@ -23,7 +23,6 @@ from haptisym.figures.style import (
     limit,
     name_frequency,
     one_column,
-    save_as,
 )
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.model.jnd import Part
@@ -93,8 +92,8 @@ def _draw_row(ax: Axes, a: Tolerances, row: int, part: Part, look: Look, scale: 
     ax.vlines(nominal, *ends, color=INK if look.plain else look.color, linewidth=1.4, zorder=3)
 
 
-def save_tolerances(a: Tolerances, path: Path) -> None:
-    """The figure in a file; SceneError for another ending than .svg, .pdf or .png, or where no values bring a crossing."""
+def tolerances_figure(a: Tolerances) -> Figure:
+    """The rows of both parts; NothingToDrawError where no values bring a crossing."""
     if not a.enclosures and not any(x.crossings[part] for x in (a.nominal, *a.samples) for part in Part):
         raise NothingToDrawError("no ratio meets its threshold on the band, for any values within the ranges")
-    save_as(one_column(1.5, lambda ax: draw_tolerances(ax, a)), path)
+    return one_column(1.5, lambda ax: draw_tolerances(ax, a))

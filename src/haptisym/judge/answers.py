@@ -75,11 +75,16 @@ class Answer(Shown):
         """The same as text."""
         return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
 
-    def save_figure(self, path: str | Path) -> None:
-        """Write the figure; .svg, .pdf or .png. NothingToDrawError where there is nothing in the answer to draw."""
+    def figure(self) -> Any:
+        """The figure, of matplotlib. NothingToDrawError where there is nothing in the answer to draw."""
         if not self._figure:
             raise NothingToDrawError(f"{type(self).__name__} has no figure of its own")
-        resolve_name(self._figure)(self, path)
+        return resolve_name(self._figure)(self)
+
+    def save_figure(self, path: str | Path) -> Path:
+        """Write the figure, as the name ends: .svg, .pdf or .png; the same file for the same answer."""
+        target: Path = resolve_name("haptisym.figures.style:save_as")(self.figure(), path)
+        return target
 
     def document(self) -> Any:
         """The page, a ``haptisym.writing.document.Document`` for any of its writers; text where it is not one yet."""

@@ -1,89 +1,108 @@
-"""Which effects matter, as a page of text."""
+"""The page of which effects matter."""
 
 from __future__ import annotations
 
-from textwrap import fill
+from collections.abc import Iterator
 
 from haptisym.model.jnd import Part
-from haptisym.pages.lines import WIDTH, listed, rounded_up, table
+from haptisym.pages.words import H_ENV, OMEGA, RATIOS, bounds, compared, lead, rounded_up, title
 from haptisym.verbs.effects.relevance import Enclosure, Relevance
+from haptisym.writing.document import (
+    Block,
+    Column,
+    Document,
+    Figure,
+    Notes,
+    Number,
+    Paragraph,
+    Phrase,
+    Section,
+    Table,
+    listed,
+)
 
 
-def page(r: Relevance) -> str:
-    """The answer of ``haptisym effects``: what matters, by how much each changes the ratios, where, and what is certain."""
-    parts = [_heading(r), _verdict(r), _effects(r), _dominance(r), _crossings(r), _certain(r)]
-    return "\n\n".join(part for part in parts if part) + "\n"
+def page(r: Relevance) -> Document:
+    """What matters, by how much each changes the ratios, where, and what is certain."""
+    blocks = [Paragraph(_verdict(r)), *_effects(r), *_dominance(r), _crossings(r), Paragraph(_certain(r))]
+    return Document(title(r.scene), lead(r.scene), tuple(blocks), "Which effects matter")
 
 
-def _heading(r: Relevance) -> str:
-    return "\n".join(
-        fill(line, WIDTH) for line in (r.scene.title or "Untitled scene", r.scene.source, *r.scene.asides()) if line
-    )
-
-
-def _verdict(r: Relevance) -> str:
+def _verdict(r: Relevance) -> Phrase:
     kept, dropped = ([e.name for e in effects] for effects in (r.pruned.effects, r.dropped))
-    names = listed(kept) or "none"
-    of = f"{len(kept)} of {len(r.scene.effects)} effects matter: {names}."
+    of = f"{len(kept)} of {len(r.scene.effects)} effects matter: ", listed(kept) if kept else "none", "."
     if not dropped:
-        return fill(of, WIDTH)
+        return of
     full, few = r.operations
-    bounds = " and ".join(f"{name} by at most {rounded_up(r.bound[part].most)}" for name, part in _NAMES)
-    return fill(
-        f"{of} Without all others together, {bounds} anywhere on the band (tolerance {float(r.tolerance):g}). The distortion "
-        f"then takes {few} operations, written in steps, where it took {full}.",
-        WIDTH,
-    )
+    return (
+        of, " Leaving out all others together changes ", bounds(r.bound), " anywhere on the band ",
+        f"(tolerance {float(r.tolerance):g}). ",
+        f"The distortion then takes {few} operations, written in steps, where it took {full}.",
+    )  # fmt: skip
 
 
-_NAMES = (("r_r changes", Part.REAL), ("r_i", Part.IMAG))
-
-
-def _effects(r: Relevance) -> str:
+def _effects(r: Relevance) -> Iterator[Block]:
     if not r.effects:
-        return "The scene has no effects."
+        yield Paragraph("The scene has no effects.")
+        return
+    ranked = sorted(r.effects, key=lambda x: -max(change.most for change in x.change.values()))
     rows = [
-        (x.effect.name, x.effect.model, *(rounded_up(x.change[part].most) for part in Part), "kept" if x.kept else "")
-        for x in sorted(r.effects, key=lambda x: -max(change.most for change in x.change.values()))
+        (x.effect.name, x.effect.model, *(_most(x.change[part].most) for part in Part), "kept" if x.kept else "")
+        for x in ranked
     ]
-    lines = ["Largest change of each ratio on the band by leaving out that effect alone", ""]
-    lines.append(table(("effect", "model", "r_r", "r_i", ""), rows))
+    columns = Column("effect"), Column("model"), *(Column(RATIOS[part], number=True) for part in Part), Column("")
+    caption = "Largest change of each ratio on the band by leaving out that effect alone"
+    told: list[Block] = [Table(columns, tuple(rows), f"{caption}, proven.")]
     if any(not change.is_finite for x in r.effects for change in x.change.values()):
-        lines += ["", "  Unbounded: near a frequency where H_env = 0 or a dynamics is infinite, no bound exists."]
-    return "\n".join(lines)
+        zero = compared(H_ENV, "=")
+        told.append(
+            Notes((("Unbounded: near a frequency where ", zero, " or a dynamics is infinite, no bound exists."),))
+        )
+    shown = (
+        "Change of both ratios by leaving out each effect alone; in the strip above, the one that changes them most."
+    )
+    yield Section(caption, (*told, Figure("influences", shown, r.figure)))
 
 
-def _dominance(r: Relevance) -> str:
+def _most(change: float) -> Phrase:
+    return Number(rounded_up(change), change)
+
+
+def _dominance(r: Relevance) -> Iterator[Block]:
     if len(r.effects) < 2 or not r.dominance:
-        return ""
-    rows = [(f"{float(x.low):.4g} to {float(x.high):.4g}", x.effect.name) for x in r.dominance]
-    return f"Which one changes the ratios most\n\n{table(('band (rad/s)', 'effect'), rows)}"
+        return
+    rows = [(_span(float(x.low), float(x.high), 4), x.effect.name) for x in r.dominance]
+    table = Table((Column("band (rad/s)"), Column("effect")), tuple(rows), "The effect that changes the ratios most.")
+    yield Section("Which one changes the ratios most", (table,))
 
 
-def _crossings(r: Relevance) -> str:
+def _crossings(r: Relevance) -> Block:
     if not r.crossings:
-        return "The full scene has no crossing on the band."
-    rows = [(x.part.value, _interval(x), _says(x)) for x in r.crossings]
-    return f"Where the full scene's crossings are\n\n{table(('part', 'ω (rad/s)', ''), rows)}"
+        return Paragraph("The full scene has no crossing on the band.")
+    rows = [(x.part.value, _interval(x), "at least one" if x.certain else "none, one or several") for x in r.crossings]
+    columns = Column("part"), Column((OMEGA, " (rad/s)")), Column("crossings")
+    table = Table(
+        columns, tuple(rows), "Where crossings of the full scene are; outside of these intervals it has none."
+    )
+    return Section("Where the full scene's crossings are", (table,))
 
 
-def _interval(x: Enclosure) -> str:
+def _interval(x: Enclosure) -> Phrase:
     low, high = x.bounds
-    return f"{low:.6g}" if high - low < 1e-6 * high else f"{low:.6g} to {high:.6g}"
+    return Number(f"{low:.6g}", low) if high - low < 1e-6 * high else _span(low, high, 6)
 
 
-def _says(x: Enclosure) -> str:
-    return "at least one" if x.certain else "none, one or several"
+def _span(low: float, high: float, digits: int) -> Phrase:
+    return Number(f"{low:.{digits}g}", low), " to ", Number(f"{high:.{digits}g}", high)
 
 
-def _certain(r: Relevance) -> str:
+def _certain(r: Relevance) -> Phrase:
     smallest = (
         f"No smaller set of effects stays within the tolerance, {float(r.tolerance):g}."
         if r.smallest
         else "This is the smallest set found; that no smaller one does is not proven."
     )
-    return fill(
+    return (
         "Certain: bounds are proven on the whole band by ball arithmetic, for all left-out effects together; outside the "
-        f"intervals above the full scene has no crossing. {smallest}",
-        WIDTH,
+        f"intervals above the full scene has no crossing. {smallest}"
     )

@@ -18,8 +18,8 @@ from haptisym.pages.words import (
     NOT_HELD,
     OMEGA,
     OPERATORS,
-    RATIOS,
     both,
+    bounds,
     caveats,
     compared,
     ends,
@@ -29,7 +29,6 @@ from haptisym.pages.words import (
     limits,
     percent,
     places,
-    rounded_up,
     short,
     spans,
     stiffness_unit,
@@ -72,12 +71,11 @@ def _pruned(e: Evaluation) -> Iterator[Block]:
     r = e.relevance
     if r is None or not r.dropped:
         return
-    bounds = listed((RATIOS[part], f" by at most {rounded_up(r.bound[part].most)}") for part in Part)
     found = listed(f"[{x.bounds[0]:.6g}, {x.bounds[1]:.6g}] ({x.part.value})" for x in r.crossings)
     yield Paragraph((
-        "Without ", listed(x.name for x in r.dropped), ": leaving them out changes ", bounds, " anywhere on the band, proven ",
-        f"(tolerance {float(r.tolerance):g}). What follows is exact for the scene without them. The full scene differs by ",
-        "no more than that. ", ("Its crossings lie in ", found, " rad/s.") if r.crossings else "It has no crossings on the band.",
+        "Without ", listed(x.name for x in r.dropped), ": leaving them out changes ", bounds(r.bound), " anywhere on the band, ",
+        f"proven (tolerance {float(r.tolerance):g}). What follows is exact for the scene without them. The full scene differs ",
+        "by no more than that. ", ("Its crossings lie in ", found, " rad/s.") if found else "It has no crossings on the band.",
     ))  # fmt: skip
 
 

@@ -1,47 +1,62 @@
-"""A requirement as a page of text: the answer in a sentence, what binds at each end, what is certain."""
+"""The pages of requirements: the answer in a sentence, what binds at each end, what is certain; and of a map of two."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import ceil
-from textwrap import fill
 
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver
 from haptisym.model.jnd import Part
-from haptisym.pages.lines import WIDTH, both, listed, short, table
+from haptisym.model.knobs import Knob
+from haptisym.model.quantities import unit_text
+from haptisym.pages.words import RATIOS, both, exactly, lead, short, title
 from haptisym.verbs.require.designmap import DesignMap
-from haptisym.verbs.require.feasible import Binding, Kind, Span
+from haptisym.verbs.require.feasible import Binding, End, Kind, Span
 from haptisym.verbs.require.required import Requirement
-from haptisym.writing.mathtext import plain
+from haptisym.writing.boxes import Absolute, Numeral, Sum
+from haptisym.writing.document import (
+    Block,
+    Column,
+    Document,
+    Equations,
+    Facts,
+    Figure,
+    Line,
+    Number,
+    Paragraph,
+    Phrase,
+    Section,
+    Strong,
+    Table,
+    listed,
+)  # fmt: skip
+from haptisym.writing.names import named
+
+_GAIN = Absolute(Sum(((1, named("G")), (-1, Numeral("1")))))
+_PLACES = {Kind.EDGE: "the band's high end", Kind.START: "the band's low end", Kind.TOUCH: "a touch inside the band"}
+_LIMITS = {None: named("c"), Part.REAL: named("c_real"), Part.IMAG: named("c_imag")}
 
 
-def page(r: Requirement) -> str:
-    """The whole page."""
-    parts = [_heading(r), _question(r), _answer(r), _nearest(r), _ends(r), _formula(r), _certain(r)]
-    return "\n\n".join(part for part in parts if part) + "\n"
+def page(r: Requirement) -> Document:
+    """The page of one parameter."""
+    caption = (
+        "The worst case over the band against the parameter, with the threshold; grey: transparent on the whole band."
+    )
+    blocks = (
+        Facts(tuple(_question(r))), Paragraph(_answer(r)), *_nearest(r), *_ends(r), *_formulas(r),
+        Figure("requirement", caption, r.figure), Paragraph(_certain(r)),
+    )  # fmt: skip
+    return Document(title(r.scene), lead(r.scene, r.asides()), blocks, "Which values will do")
 
 
-def _heading(r: Requirement) -> str:
-    return "\n".join(fill(line, WIDTH) for line in (r.scene.title or "Untitled scene", *r.asides()))
-
-
-def _question(r: Requirement) -> str:
-    low, high = (both(x) for x in _band(r))
-    kept = {None: "|G - 1| <= c", Part.REAL: "r_r <= c_real", Part.IMAG: "r_i <= c_imag"}
-    rows = [
-        ("free", f"{r.free.path} ({r.free.symbol.name}), {_unit(r.free.unit)}"),
-        ("asked", _asked(r)),
-        ("band", f"{low} to {high}"),
-        ("condition", f"{' and '.join(kept[part] for part in r.keys)} on the whole band"),
-    ]
-    return "\n".join(f"  {key:<11} {text}" for key, text in rows)
-
-
-def _unit(unit: str) -> str:
-    return "a plain number" if unit == "1" else f"in {unit}"
-
-
-def _band(r: Requirement) -> list[RealNumber]:
-    return [ExactNumber(x) for x in r.scene.band]
+def _question(r: Requirement) -> Iterator[tuple[str, Phrase]]:
+    low, high = (both(ExactNumber(x)) for x in r.scene.band)
+    unit = "a plain number" if r.free.unit == "1" else f"in {unit_text(r.free.unit)}"
+    yield "free", (r.free.path, " (", named(r.free.symbol.name), f"), {unit}")
+    yield "asked", _asked(r)
+    yield "band", (low, " to ", high)
+    kept = listed((_ratio(part), " ≤ ", _LIMITS[part]) for part in r.keys)
+    yield "condition", (kept, " on the whole band")
 
 
 def _asked(r: Requirement) -> str:
@@ -49,101 +64,108 @@ def _asked(r: Requirement) -> str:
     if low is None:
         return "all values" if high is None else f"values up to {float(high):.6g}"
     if high is None:
-        return f"all values {'>=' if r.domain.holds_low else '>'} {float(low):.6g}"
+        return f"all values {'≥' if r.domain.holds_low else '>'} {float(low):.6g}"
     return f"values from {float(low):.6g} to {float(high):.6g}"
 
 
-def _answer(r: Requirement) -> str:
+def _answer(r: Requirement) -> Phrase:
     who = "with any environment whatever" if r.keys == (None,) else "on the whole band"
     if not r.feasible:
         known = "No value that was asked about makes" if r.certified else "No value is proven to make"
-        return fill(f"{known} the display transparent {who}.", WIDTH)
-    known = f"The display is transparent {who}"
-    return fill(f"{known} exactly for {sets(r)}." if r.certified else f"{known}, proven, for {sets(r)}.", WIDTH)
+        return f"{known} the display transparent {who}."
+    return f"The display is transparent {who}", " exactly for " if r.certified else ", proven, for ", sets(r), "."
 
 
-def _nearest(r: Requirement) -> str:
+def sets(r: Requirement) -> Phrase:
+    """The values, as in a sentence: ``omega_n ≥ 122.36 rad/s``; ``no value`` for none."""
+    return listed((_span(x, r.free) for x in r.feasible), "or") if r.feasible else "no value"
+
+
+def _span(x: Span, free: Knob) -> Phrase:
+    name, unit = named(free.symbol.name), _unit(free)
+    low, high = x.low.value, x.high.value
+    if low is None and high is None:
+        return "every value of ", name
+    if low is not None and low is high:
+        return name, " = ", short(low), unit, " alone"
+    if low is not None and high is None:
+        return name, " ≥ " if x.low.closed else " > ", short(low), unit
+    left = () if low is None else (short(low), _below(x.low))
+    right = () if high is None else (_below(x.high), short(high))
+    return left, name, right, unit
+
+
+def _below(end: End) -> str:
+    return " ≤ " if end.closed else " < "
+
+
+def _unit(free: Knob) -> str:
+    return "" if free.unit == "1" else f" {unit_text(free.unit)}"
+
+
+def _nearest(r: Requirement) -> Iterator[Block]:
     """Where no value will do: the nearest one found, what binds there, and what was proven about all others."""
     x = r.nearest
     if x is None:
-        return ""
-    unit = "" if r.free.unit == "1" else f" {r.free.unit}"
-    said = (
-        f"Nearest of those that were tried is {r.free.symbol.name} = {float(x.value):.6g}{unit}: {_part(x.binding)} reaches "
-        f"{100 * float(x.ratio):.4g} % there ({_where(x.binding)}), {x.times:.4g} times its threshold."
-    )
+        return
     least = (
         f"Proven: no value that was asked about keeps all ratios below {x.at_least:.4g} times their thresholds."
         if x.at_least > 1
         else "How near other values come was not proven."
     )
-    return fill(f"{said} {least}", WIDTH)
+    yield Paragraph((
+        "Nearest of those that were tried is ", named(r.free.symbol.name), " = ", Number(f"{float(x.value):.6g}", float(x.value)),
+        _unit(r.free), ": ", _part(x.binding.part), f" reaches {100 * float(x.ratio):.4g}\xa0% there (", _where(x.binding),
+        f"), {x.times:.4g} times its threshold. {least}",
+    ))  # fmt: skip
 
 
-def sets(r: Requirement) -> str:
-    """The values, as in a sentence: "omega_n >= 122.36 rad/s"; "no value" for none."""
-    if not r.feasible:
-        return "no value"
-    return listed([_span(x, r.free.symbol.name, r.free.unit) for x in r.feasible], "or")
+def _ends(r: Requirement) -> Iterator[Block]:
+    rows = [(exactly(x.value, r.digits), _part(b.part), _where(b)) for x in r.ends for b in x.bindings if x.value]
+    if rows:
+        columns = Column(_heading(r.free), number=True), Column("binds"), Column("where")
+        yield Table(columns, tuple(rows), "What binds at each end, proven.")
+    elif r.feasible:
+        yield Paragraph("Nothing binds at an end.")
 
 
-def _span(x: Span, name: str, unit: str) -> str:
-    unit = "" if unit == "1" else f" {unit}"
-    low, high = x.low.value, x.high.value
-    if low is None and high is None:
-        return f"every value of {name}"
-    if x.low is x.high or (low is not None and low is high):
-        return f"{name} = {short(low)}{unit} alone" if low is not None else name
-    left = "" if low is None else f"{short(low)} {'<=' if x.low.closed else '<'} "
-    right = "" if high is None else f" {'<=' if x.high.closed else '<'} {short(high)}"
-    if low is not None and high is None:
-        return f"{name} {'>=' if x.low.closed else '>'} {short(low)}{unit}"
-    return f"{left}{name}{right}{unit}"
+def _heading(free: Knob) -> Phrase:
+    return named(free.symbol.name), "" if free.unit == "1" else f" ({unit_text(free.unit)})"
 
 
-def _ends(r: Requirement) -> str:
-    rows = [(end.value.digits(r.digits), _part(b), _where(b)) for end in r.ends for b in end.bindings if end.value]
-    if not rows:
-        return "  Nothing binds at an end." if r.feasible else ""
-    return table((f"{r.free.symbol.name} ({r.free.unit})", "binds", "where"), rows)
+def _ratio(part: Part | None) -> Phrase:
+    return RATIOS[part] if part else _GAIN
 
 
-def _part(b: Binding) -> str:
-    return "|G - 1|" if b.part is None else "r_r (real)" if b.part is Part.REAL else "r_i (imag)"
+def _part(part: Part | None) -> Phrase:
+    return _ratio(part), f" ({part.value})" if part else ""
 
 
-def _where(b: Binding) -> str:
-    place = "" if b.omega is None else f", {both(b.omega)}"
-    return {Kind.EDGE: "the band's high end", Kind.START: "the band's low end", Kind.TOUCH: "a touch inside the band"}[
-        b.kind
-    ] + place
+def _where(b: Binding) -> Phrase:
+    return _PLACES[b.kind], "" if b.omega is None else (", ", both(b.omega))
 
 
-def _formula(r: Requirement) -> str:
-    name = r.free.symbol.name
-    forms = [f"{name} = {plain(form)}" for form in r.forms if form is not None]
-    if not forms:
-        return ""
-    rows = [fill(form, WIDTH, initial_indent="  ", subsequent_indent=" " * 8) for form in forms]
-    return "\n".join(["Closed form, from the condition at the end of the band:", *rows])
+def _formulas(r: Requirement) -> Iterator[Block]:
+    forms = tuple(Line(named(r.free.symbol.name), form) for form in r.forms if form is not None)
+    if forms:
+        yield Section("Closed form, from the condition at the end of the band:", (Equations(forms),))
 
 
-def _certain(r: Requirement) -> str:
+def _certain(r: Requirement) -> Phrase:
     if r.undecided:
-        where = listed([f"{_limit(a)} to {_limit(b)}" for a, b in r.undecided], "and")
+        where = listed(f"{_limit(a)} to {_limit(b)}" for a, b in r.undecided)
         why = "" if r.limit is None else f" within the limit of {r.limit:g} s"
-        said = f"UNDECIDED: for the values from {where} neither was proven{why}. About all others everything is."
-        return fill(said, WIDTH)
+        return (
+            Strong("UNDECIDED"),
+            ": for the values from ",
+            where,
+            f" neither was proven{why}. About all others everything is.",
+        )
     if not r.feasible:
         return "Certain: none that will do was missed; that is proven, not sampled."
     if any(isinstance(end.value, Sliver) for span in r.feasible for end in (span.low, span.high)):
-        return fill(
-            "Certain: each end lies within the enclosure that is given; of some no more digits are known.", WIDTH
-        )
-    return fill(
-        "Certain: these are all such values, none is missed and none invented; every digit is proven, not sampled.",
-        WIDTH,
-    )
+        return "Certain: each end lies within the enclosure that is given; of some no more digits are known."
+    return "Certain: these are all such values, none is missed and none invented; every digit is proven, not sampled."
 
 
 def _limit(x: RealNumber | None) -> str:
@@ -152,36 +174,35 @@ def _limit(x: RealNumber | None) -> str:
 
 # A map of two parameters.
 
+_MOST_ROWS = 10  # of slices that are listed; the document of JSON has them all
 
-def map_page(m: DesignMap) -> str:
-    """The page of a map: how many slices hold values that do, some of them, what is certain."""
+
+def map_page(m: DesignMap) -> Document:
+    """The page of a map: how many slices hold values that will do, some of them, what is certain."""
     a, b = m.free
     some = [x for x in m.slices if x.requirement.feasible]
-    where = f"{len(some)} of them hold values of {b.symbol.name} that make the display transparent on its whole band"
     kinds = sorted({y.kind.value for x in some for e in x.requirement.ends for y in e.bindings})
-    lines = [
-        m.scene.title or "Untitled scene",
-        *m.asides(),
-        f"{len(m.slices)} exact slices along {a.symbol.name}: {where}.",
-        f"The boundary is a {listed(kinds)} curve." if kinds else "",
-    ]
+    said = (
+        f"{len(m.slices)} exact slices along ", named(a.symbol.name), f": {len(some)} of them hold values of ",
+        named(b.symbol.name), " that make the display transparent on its whole band.",
+        (" The boundary is a ", listed(kinds), " curve.") if kinds else "",
+    )  # fmt: skip
     certain = (
         "Certain: every value of a slice is proven. Between slices the figure draws straight lines, which prove nothing; "
         "--slices N gives more of them."
     )
-    last = certain if m.certified else "UNDECIDED in some slices: see --json."
-    head = "\n".join(fill(line, WIDTH) for line in lines if line)
-    return "\n\n".join((head, _slices(m), fill(last, WIDTH))) + "\n"
+    last = certain if m.certified else (Strong("UNDECIDED"), " in some slices: see --json.")
+    shown = (
+        "Values that make the display transparent on its whole band, along exact slices, with what binds at their ends."
+    )
+    figure = Figure("map", shown, m.figure)
+    blocks = Paragraph(said), _slices(m), figure, Paragraph(last)
+    return Document(title(m.scene), lead(m.scene, m.asides()), blocks, "Which values will do")
 
 
-_MOST_ROWS = 10  # of slices that are listed; the document has them all
-
-
-def _slices(m: DesignMap) -> str:
+def _slices(m: DesignMap) -> Table:
     """Some of the slices, the first and the last one among them."""
-    a = m.free[0]
     step = ceil((len(m.slices) - 1) / _MOST_ROWS)
-    shown = [*m.slices[:-1:step], m.slices[-1]]
-    unit = "" if a.unit == "1" else f" ({a.unit})"
-    rows = [(f"{float(x.at):.6g}", sets(x.requirement)) for x in shown]
-    return table((f"{a.symbol.name}{unit}", "transparent for"), rows)
+    rows = [(float(x.at), sets(x.requirement)) for x in [*m.slices[:-1:step], m.slices[-1]]]
+    columns = Column(_heading(m.free[0]), number=True), Column("transparent for")
+    return Table(columns, tuple((Number(f"{at:.6g}", at), found) for at, found in rows), "Some of the slices, proven.")

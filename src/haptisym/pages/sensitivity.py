@@ -1,80 +1,103 @@
-"""Sensitivities as a page of text: for each frequency a table, the parameter that moves it most first."""
+"""The page of sensitivities: for each frequency a table, the parameter that moves it most first."""
 
 from __future__ import annotations
 
-from textwrap import fill, indent
+from collections.abc import Iterator
 
 from haptisym.kernel.reals import RealNumber
-from haptisym.pages.lines import WIDTH, both, table
+from haptisym.model.quantities import unit_text
+from haptisym.pages.words import OMEGA, both, lead, title
 from haptisym.verbs.sensitivity.entry import Sensitivities
 from haptisym.verbs.sensitivity.slopes import Sensitive, Sensitivity
+from haptisym.writing.document import (
+    Block,
+    Code,
+    Column,
+    Document,
+    Figure,
+    Notes,
+    Number,
+    Paragraph,
+    Phrase,
+    Section,
+    Strong,
+    Table,
+    listed,
+)
+from haptisym.writing.names import named
 
 _DIGITS = 5
 
 
-def page(found: Sensitivities) -> str:
+def page(found: Sensitivities) -> Document:
     """The whole page."""
     scene = found.evaluation.scene
-    heading = "\n".join(fill(line, WIDTH) for line in (scene.title or "Untitled scene", *found.asides()))
-    parts = [heading, *_crossings(found), *_changeovers(found), _bandwidth(found), _certain(found)]
-    return "\n\n".join(parts) + "\n"
+    frequencies = [*_crossings(found), *_changeovers(found)]
+    blocks = [*frequencies, Paragraph(_bandwidth(found)), Paragraph(_certain(found))]
+    return Document(title(scene), lead(scene, found.asides()), tuple(blocks), "Sensitivity to each parameter")
 
 
-def _crossings(found: Sensitivities) -> list[str]:
+def _crossings(found: Sensitivities) -> Iterator[Block]:
     if not found.crossings:
-        return ["No ratio meets its threshold on the band: there is no crossing to move."]
-    return [_block(f"Crossing of {_ratio(x)} at {both(x.omega)}", x) for x in found.crossings]
+        yield Paragraph("No ratio meets its threshold on the band: there is no crossing to move.")
+    yield from (_moved(("Crossing of ", named(x.criterion.symbol)), x) for x in found.crossings if x.criterion)
 
 
-def _ratio(x: Sensitive) -> str:
-    return x.criterion.symbol if x.criterion else ""
-
-
-def _changeovers(found: Sensitivities) -> list[str]:
+def _changeovers(found: Sensitivities) -> Iterator[Block]:
     systems = (("H_env", found.changeovers_environment), ("H_perc", found.changeovers_perceived))
-    return [_block(f"Changeover of {name} at {both(x.omega)}", x) for name, listed in systems for x in listed]
+    moved = [_moved(("Changeover of ", named(name)), x) for name, listed in systems for x in listed]
+    yield from moved
+    if found.crossings or moved:
+        words = "Elasticities: per cent by which each frequency moves when a parameter grows by 1 per cent."
+        yield Figure("elasticities", words, found.figure)
 
 
-def _bandwidth(found: Sensitivities) -> str:
+def _bandwidth(found: Sensitivities) -> Phrase:
     x = found.bandwidth
     if x is None:
         return "No transparent band starts at the low end of the band: there is no bandwidth to move."
+    width = "Bandwidth: ", both(x.omega)
     if x.criterion is not None:
-        same = f"Bandwidth: {both(x.omega)}, the first crossing of {_ratio(x)}; it moves as that one does."
-        return fill(same, WIDTH)
+        return width, ", the first crossing of ", named(x.criterion.symbol), "; it moves as that one does."
     if x.reason:
-        return fill(f"Bandwidth: {both(x.omega)}; its derivative is {x.reason}.", WIDTH)
-    return fill(f"Bandwidth: {both(x.omega)}, the whole band, which small changes of parameters leave as it is.", WIDTH)
+        return width, f"; its derivative is {x.reason}."
+    return width, ", the whole band, which small changes of parameters leave as it is."
 
 
-def _block(title: str, x: Sensitive) -> str:
+def _moved(what: Phrase, x: Sensitive) -> Section:
+    heading = what, " at ", both(x.omega)
     if x.reason:
-        return f"{title}\n\n  {x.reason[0].upper()}{x.reason[1:]}."
-    columns = ("parameter", "where", "elasticity", "d ω/dp", "rad/s per")
-    notes = {
+        return Section(heading, (Paragraph(f"{x.reason[0].upper()}{x.reason[1:]}."),))
+    columns = (
+        Column("parameter"), Column("where"), Column("elasticity", number=True),
+        Column(("d", OMEGA, "/d", named("p")), number=True), Column("rad/s per"),
+    )  # fmt: skip
+    caption = "How it moves with each parameter, the one that moves it most first."
+    alike = {
         p.reason: [q.name for q in x.ranked if q.reason == p.reason] for p in x.ranked if p.derivative and p.reason
     }
-    told = [fill(f"{', '.join(names)}: {reason}.", WIDTH - 2) for reason, names in notes.items()]
-    return "\n\n".join([title, table(columns, [_row(p) for p in x.ranked]), *(indent(note, "  ") for note in told)])
+    told = tuple((listed(map(named, names)), f": {reason}.") for reason, names in alike.items())
+    return Section(heading, (Table(columns, tuple(map(_row, x.ranked)), caption), *((Notes(told),) if told else ())))
 
 
-def _row(p: Sensitivity) -> tuple[str, ...]:
+def _row(p: Sensitivity) -> tuple[Phrase, ...]:
+    name, unit = named(p.name), unit_text(p.unit)
     if p.derivative is None or p.elasticity is None:
-        return p.name, p.path, p.reason, "", p.unit
-    derivative = _signed(p.derivative) + (f" {p.side}" if p.side else "")
-    return p.name, p.path, _signed(p.elasticity), derivative, p.unit or "unit"
+        return name, p.path, p.reason, "", unit
+    derivative = _signed(p.derivative), f" {p.side}" if p.side else ""
+    return name, p.path, _signed(p.elasticity), derivative, unit or "unit"
 
 
-def _signed(x: RealNumber) -> str:
+def _signed(x: RealNumber) -> Number:
     digits = x.digits(_DIGITS)
-    return digits if digits.startswith("-") or digits == "0" else f"+{digits}"
+    return Number(digits if digits.startswith("-") or digits == "0" else f"+{digits}", float(x))
 
 
-def _certain(found: Sensitivities) -> str:
+def _certain(found: Sensitivities) -> Phrase:
     if not found.certified:
-        return fill("UNDECIDED at the precision limit where it says so. Everything else is proven.", WIDTH)
-    return fill(
-        "Elasticity: per cent of frequency per per cent of the parameter. Certain: derivatives by implicit differentiation of "
-        'the threshold equation, every digit proven. Their formulas: haptisym derive SCENE --of "d omega_r/d NAME".',
-        WIDTH,
-    )
+        return Strong("UNDECIDED"), " at the precision limit where it says so. Everything else is proven."
+    return (
+        "Elasticity: per cent of frequency per per cent of the parameter. Certain: derivatives by implicit differentiation of ",
+        "the threshold equation, every digit proven. Their formulas: ",
+        Code('haptisym derive SCENE --of "d omega_r/d NAME"'), ".",
+    )  # fmt: skip

@@ -1,129 +1,148 @@
-"""Tolerances as a page of text: the verdict, the enclosures, and apart from them what is only estimated."""
+"""The page of tolerances: the verdict, the enclosures, and apart from them what is only estimated."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from textwrap import fill
+from collections.abc import Iterable, Iterator, Mapping
 
 from sympy import Expr
 
 from haptisym.kernel.reals import RealNumber
-from haptisym.model.jnd import Part
+from haptisym.model.quantities import unit_text
 from haptisym.model.ranges import spread
-from haptisym.pages.lines import WIDTH, both, table
+from haptisym.pages.words import RATIOS, both, lead, title
 from haptisym.verbs.tolerances.proofs import Enclosure, Tolerances, Verdict
-from haptisym.verbs.tolerances.quantiles import quantiles
+from haptisym.verbs.tolerances.quantiles import LEVELS, quantiles
+from haptisym.writing.document import (
+    Block,
+    Column,
+    Document,
+    Figure,
+    Notes,
+    Number,
+    Paragraph,
+    Phrase,
+    Section,
+    Strong,
+    Table,
+    listed,
+)
+from haptisym.writing.names import named
 
-_RATIO = {Part.REAL: "r_r", Part.IMAG: "r_i"}
-_VERDICTS = {
-    Verdict.ALL: "Proven: transparent on the whole band for ALL values within the ranges.",
-    Verdict.NONE: "Proven: for NONE of the values within the ranges is the display transparent on the whole band.",
-    Verdict.DEPENDS: "Proven: it DEPENDS on the values within the ranges whether the display is transparent on the whole band.",
-    Verdict.UNDECIDED: "UNDECIDED within the work budget: whether the display is transparent on the whole band for all values, "
-    "some or none. The enclosures below are proven.",
-}
+_VERDICTS: dict[Verdict, Phrase] = {
+    Verdict.ALL: ("Proven: transparent on the whole band for ", Strong("ALL"), " values within the ranges."),
+    Verdict.NONE: (
+        "Proven: for ", Strong("NONE"), " of the values within the ranges is the display transparent on the whole band.",
+    ),
+    Verdict.DEPENDS: (
+        "Proven: it ", Strong("DEPENDS"), " on the values within the ranges whether the display is transparent on the whole ",
+        "band.",
+    ),
+    Verdict.UNDECIDED: (
+        Strong("UNDECIDED"), " within the work budget: whether the display is transparent on the whole band for all values, ",
+        "some or none. The enclosures below are proven.",
+    ),
+}  # fmt: skip
 
 
-def page(a: Tolerances) -> str:
+def page(a: Tolerances) -> Document:
     """The whole page."""
-    parts = [_heading(a), _varying(a), _verdict(a), _enclosures(a), _bandwidth(a), _estimates(a)]
-    return "\n\n".join(part for part in parts if part) + "\n"
+    scene = a.box.scene
+    low, high = scene.band
+    asides = filter(None, [scene.untied_note(scene.ranges()), f"Band: {float(low):.6g} to {float(high):.6g} rad/s"])
+    blocks = [_varying(a), *_verdict(a), _enclosures(a), Paragraph(_bandwidth(a)), *_estimates(a)]
+    return Document(title(scene), lead(scene, asides), tuple(blocks), "What holds for all values")
 
 
-def _heading(a: Tolerances) -> str:
-    low, high = a.box.scene.band
-    lines = [
-        a.box.scene.title or "Untitled scene",
-        *a.asides(),
-        f"Band: {float(low):.6g} to {float(high):.6g} rad/s",
-    ]
-    return "\n".join(fill(line, WIDTH) for line in lines)
-
-
-def _varying(a: Tolerances) -> str:
+def _varying(a: Tolerances) -> Block:
     nominal = a.nominal.values
     rows = [
         (
-            x.name,
-            f"{float(x.low):.6g}",
-            f"{float(x.high):.6g}",
-            "" if x.unit == "1" else x.unit,
+            named(x.name), _rounded(float(x.low), 6), _rounded(float(x.high), 6), "" if x.unit == "1" else unit_text(x.unit),
             spread(nominal[x.name], (x.low, x.high)),
         )
         for x in a.box.sides
+    ]  # fmt: skip
+    columns = Column("varies"), Column("from", number=True), Column("to", number=True), Column(""), Column("")
+    return Table(columns, tuple(rows), "The parameters that vary.")
+
+
+def _verdict(a: Tolerances) -> Iterator[Block]:
+    yield Paragraph(_VERDICTS[a.verdict])
+    examples = (("Transparent", a.transparent), ("Noticed", a.noticed))
+    told: list[Phrase] = [
+        (f"{how}, for example, with ", values(one.values), ".")
+        for how, one in examples
+        if one is not None and a.verdict in (Verdict.DEPENDS, Verdict.UNDECIDED)
     ]
-    return table(("varies", "from", "to", "", ""), rows)
-
-
-def _verdict(a: Tolerances) -> str:
-    lines = [fill(_VERDICTS[a.verdict], WIDTH)]
-    for title, one in (("Transparent", a.transparent), ("Noticed", a.noticed)):
-        if one is not None and a.verdict in (Verdict.DEPENDS, Verdict.UNDECIDED):
-            lines.append(
-                fill(
-                    f"{title}, for example, with {listed(one.values)}.",
-                    WIDTH,
-                    initial_indent="  ",
-                    subsequent_indent="  ",
-                )
-            )
     if a.limit is not None:
-        lines.append(fill(_CUT.format(a.limit, len(a.samples)), WIDTH))
-    return "\n".join(lines)
+        told.append((
+            f"The limit of {a.limit:g} s was reached: enclosures may be wider than they need be, and {len(a.samples)} sets of ",
+            "values were drawn. What is said to be proven is.",
+        ))  # fmt: skip
+    if told:
+        yield Notes(tuple(told))
 
 
-_CUT = (
-    "The limit of {:g} s was reached: enclosures may be wider than they need be, and {} sets of values were drawn. "
-    "What is said to be proven is."
-)
-
-
-def listed(values: Mapping[str, Expr]) -> str:
+def values(found: Mapping[str, Expr]) -> Phrase:
     """Values by name, rounded."""
-    return ", ".join(f"{name} = {float(x):.6g}" for name, x in values.items())
+    return listed((named(name), f" = {float(x):.6g}") for name, x in found.items())
 
 
-def _enclosures(a: Tolerances) -> str:
+def _enclosures(a: Tolerances) -> Block:
     if not a.enclosures:
-        return "No ratio meets its threshold on the band, for no values within the ranges: proven."
-    head = "Guaranteed: where the ratios meet their thresholds, whatever the values\n\n"
-    columns = ("ratio", "from (rad/s)", "to (rad/s)", "crossings", "it grows with", "it falls with")
+        return Paragraph("No ratio meets its threshold on the band, for no values within the ranges: proven.")
+    columns = (
+        Column("ratio"), Column("from (rad/s)", number=True), Column("to (rad/s)", number=True), Column("crossings"),
+        Column("it grows with"), Column("it falls with"),
+    )  # fmt: skip
+    title = "Guaranteed: where the ratios meet their thresholds, whatever the values"
     said = "An end marked = is reached, at a corner of the ranges; any other is a bound, which crossings may come near or not."
-    return head + table(columns, map(_row, a.enclosures)) + "\n\n" + fill(said, WIDTH)
+    shown = (
+        "Grey: where crossings may lie, proven for all values. Dots: crossings of the sets that were drawn at random."
+    )
+    figure = Figure("enclosures", shown, a.figure)
+    return Section(title, (Table(columns, tuple(map(_row, a.enclosures)), f"{title}."), Paragraph(said), figure))
 
 
-def _row(x: Enclosure) -> tuple[str, ...]:
+def _row(x: Enclosure) -> tuple[Phrase, ...]:
     count = "any number" if x.count is None else f"{x.count} always"
-    grows, falls = (", ".join(name for name, n in x.monotonic.items() if n == sign) or "-" for sign in (1, -1))
-    return _RATIO[x.part], _end(x.low, x.at_low), _end(x.high, x.at_high), count, grows, falls
+    moves = [[named(name) for name, n in x.monotonic.items() if n == sign] for sign in (1, -1)]
+    return RATIOS[x.part], _end(x.low, x.at_low), _end(x.high, x.at_high), count, *(_series(names) for names in moves)
 
 
-def _end(x: RealNumber, at: Mapping[str, Expr] | None) -> str:
-    return f"{'=' if at else ''}{x.digits(6)}"
+def _series(names: Iterable[Phrase]) -> Phrase:
+    """One, two, three; a stroke for none."""
+    return tuple(x for name in names for x in (", ", name))[1:] or "-"
 
 
-def _bandwidth(a: Tolerances) -> str:
+def _end(x: RealNumber, at: Mapping[str, Expr] | None) -> Number:
+    return Number(f"{'=' if at else ''}{x.digits(6)}", float(x))
+
+
+def _bandwidth(a: Tolerances) -> Phrase:
     if a.bandwidth is None:
-        return fill(
-            "That the display is transparent from the low end of the band on is not proven for all values.", WIDTH
-        )
+        return "That the display is transparent from the low end of the band on is not proven for all values."
     low, high = a.bandwidth
-    return fill(f"Guaranteed: the bandwidth lies between {both(low)} and {both(high)}.", WIDTH)
+    return "Guaranteed: the bandwidth lies between ", both(low), " and ", both(high), "."
 
 
-def _estimates(a: Tolerances) -> str:
+def _estimates(a: Tolerances) -> Iterator[Block]:
     if not a.samples:
-        return ""
+        return
     q = quantiles(a.samples)
-    rows = [("first crossing", *map(_quantile, _of(q.first))), ("bandwidth", *map(_quantile, _of(q.bandwidth)))]
-    head = f"Estimated, NOT guaranteed: quantiles over {len(a.samples)} sets of values, drawn uniformly (seed {a.seed})\n\n"
-    share = f"Of these sets {q.transparent} are transparent on the whole band."
-    return head + table(("rad/s", "5 %", "50 %", "95 %"), rows) + f"\n\n{share}"
+    rows = (("first crossing", q.first), ("bandwidth", q.bandwidth))
+    cells = tuple((name, *(_quantile(found[p]) for p in LEVELS)) for name, found in rows)
+    columns = Column("rad/s"), *(Column(f"{p}\xa0%", number=True) for p in LEVELS)
+    title = f"quantiles over {len(a.samples)} sets of values, drawn uniformly (seed {a.seed})"
+    share = Paragraph(f"Of these sets {q.transparent} are transparent on the whole band.")
+    yield Section(
+        ("Estimated, ", Strong("NOT"), f" guaranteed: {title}"), (Table(columns, cells, f"Estimated {title}."), share)
+    )
 
 
-def _of(x: Mapping[int, float | None]) -> list[float | None]:
-    return [x[5], x[50], x[95]]
+def _quantile(x: float | None) -> Phrase:
+    return "none" if x is None else _rounded(x, 5)
 
 
-def _quantile(x: float | None) -> str:
-    return "none" if x is None else f"{x:.5g}"
+def _rounded(x: float, digits: int) -> Number:
+    return Number(f"{x:.{digits}g}", x)

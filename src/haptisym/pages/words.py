@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from decimal import ROUND_CEILING, Context
 from math import inf
+from typing import TYPE_CHECKING
 
 from sympy import Expr
 
 from haptisym.kernel.hertz import Hertz
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Interval, Point
+from haptisym.model.family import SceneFamily
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.quantities import Motion
 from haptisym.model.scene import Scene
 from haptisym.writing.boxes import Absolute, Box, Equation, Numeral, Operator, Prefixed, Titled
 from haptisym.writing.document import Notes, Number, Phrase, Strong, coded, listed
 from haptisym.writing.names import named
+
+if TYPE_CHECKING:
+    from haptisym.verbs.effects.suprema import Supremum
 
 RATIOS: dict[Part, Box] = {Part.REAL: named("r_r"), Part.IMAG: named("r_i")}
 OPERATORS = {Part.REAL: Operator("Re"), Part.IMAG: Operator("Im")}
@@ -27,11 +32,11 @@ NOT_HELD = "Whether the display is stable in a hand was not looked at."
 _DIGITS = 5  # of frequencies in sentences; tables show all that were asked for
 
 
-def title(scene: Scene) -> str:
+def title(scene: Scene | SceneFamily) -> str:
     return scene.title or "Untitled scene"
 
 
-def lead(scene: Scene, asides: Iterable[str] | None = None) -> tuple[Phrase, ...]:
+def lead(scene: Scene | SceneFamily, asides: Iterable[str] | None = None) -> tuple[Phrase, ...]:
     """Where a scene comes from, and what holds of it besides: by default its own asides."""
     return tuple(x for x in (scene.source, *map(coded, scene.asides() if asides is None else asides)) if x)
 
@@ -90,6 +95,11 @@ def limits(c: Threshold) -> Phrase:
     """The threshold of both parts, or of each where they differ."""
     said = percent(c.real) if c.real == c.imag else f"{percent(c.real)} (real) and {percent(c.imag)} (imaginary)"
     return said, " of ", Absolute(H_ENV)
+
+
+def bounds(found: Mapping[Part, Supremum]) -> Phrase:
+    """``r_r by at most 0.01 and r_i by at most 0.02``."""
+    return listed((RATIOS[part], f" by at most {rounded_up(found[part].most)}") for part in Part)
 
 
 def rounded_up(value: float) -> str:

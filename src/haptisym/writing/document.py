@@ -118,12 +118,12 @@ class Equations:
 
 @dataclass(frozen=True)
 class Figure:
-    """A drawing, in reports only: its name, what it shows, how it is drawn on an empty figure, and its size in inches."""
+    """A drawing, in reports only: its name, what it shows, how it is made, and whether it takes the page's whole width."""
 
     name: str
     caption: Phrase
-    draw: Callable[[Canvas], object]
-    size: tuple[float, float] = (5.0, 2.2)
+    draw: Callable[[], Canvas]
+    wide: bool = False
 
 
 @dataclass(frozen=True)

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 
 from haptisym.judge.evaluation import Evaluation
 from haptisym.model.knobs import THRESHOLD, Knob
-from haptisym.pages.lines import both
 from haptisym.pages.report.results import RATIOS
 from haptisym.pages.require import sets
+from haptisym.pages.words import both
 from haptisym.verbs.require.entry import is_quick, require
 from haptisym.verbs.require.required import Requirement
+from haptisym.writing.boxes import Box
+from haptisym.writing.document import Phrase
 from haptisym.writing.htmltext import Html, element, joined, listed, table
 from haptisym.writing.layout import layout
 from haptisym.writing.mathematics import inline
 from haptisym.writing.numerals import rounded
+from haptisym.writing.plain import said
 
 _MOST_PARAMETERS = 8  # for more, ``haptisym require`` has the time
 
@@ -48,9 +50,13 @@ def _row(r: Requirement) -> list[str]:
 
 
 def _set(r: Requirement) -> Html:
-    """The values, with the symbol set as a formula."""
-    said = sets(r).replace(">=", "≥").replace("<=", "≤").replace("*", "·")
-    return joined(re.split(rf"\b{re.escape(r.free.symbol.name)}\b(?= [<>=≤≥])", said), inline(layout(r.free.symbol)))
+    return _marked(sets(r))
+
+
+def _marked(phrase: Phrase) -> Html:
+    if isinstance(phrase, tuple):
+        return joined(map(_marked, phrase))
+    return joined([inline(phrase) if isinstance(phrase, Box) else said(phrase)])
 
 
 def _unit(free: Knob) -> str:
@@ -60,7 +66,7 @@ def _unit(free: Knob) -> str:
 def _binding(r: Requirement) -> Html:
     bindings = [b for end in r.ends for b in end.bindings if b.part is not None]
     rows = [
-        joined([RATIOS[b.part], f" at {both(b.omega)}"]) if b.omega is not None else RATIOS[b.part]
+        joined([RATIOS[b.part], " at ", _marked(both(b.omega))]) if b.omega is not None else RATIOS[b.part]
         for b in bindings
         if b.part is not None
     ]

@@ -36,7 +36,7 @@ class Cost(Answer):
 
     _schema: ClassVar[str] = "haptisym.cost/1"
     _page: ClassVar[str] = "haptisym.pages.cost:page"
-    _figure: ClassVar[str] = "haptisym.figures.cost:save_cost"
+    _figure: ClassVar[str] = "haptisym.figures.cost:cost_figure"
 
     scene: Scene
     rows: tuple[Row, ...]

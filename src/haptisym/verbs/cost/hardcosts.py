@@ -54,7 +54,7 @@ class HardCosts(Answer):
 
     _schema: ClassVar[str] = "haptisym.cost/1"
     _page: ClassVar[str] = "haptisym.pages.hardcosts:page"
-    _figure: ClassVar[str] = "haptisym.figures.hardcosts:save_hard_costs"
+    _figure: ClassVar[str] = "haptisym.figures.hardcosts:hard_costs_figure"
 
     rows: tuple[HardRow, ...]
     machine: Mapping[str, str] = field(default_factory=machine)

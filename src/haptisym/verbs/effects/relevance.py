@@ -79,7 +79,7 @@ class Relevance(Answer):
 
     _schema: ClassVar[str] = "haptisym.effects/1"
     _page: ClassVar[str] = "haptisym.pages.effects:page"
-    _figure: ClassVar[str] = "haptisym.figures.effects:save_influences"
+    _figure: ClassVar[str] = "haptisym.figures.effects:influences_figure"
 
     scene: Scene
     tolerance: Expr

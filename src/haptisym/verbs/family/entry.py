@@ -40,6 +40,7 @@ class FamilyEvaluation(Answer):
 
     _schema: ClassVar[str] = "haptisym.evaluations/1"
     _page: ClassVar[str] = "haptisym.pages.family:page"
+    _figure: ClassVar[str] = "haptisym.figures.family:family_figure"
 
     family: SceneFamily
     answers: Mapping[str, Evaluation]

@@ -51,7 +51,7 @@ class Metrics(Answer):
 
     _schema: ClassVar[str] = "haptisym.metrics/1"
     _page: ClassVar[str] = "haptisym.pages.metrics:as_text"
-    _figure: ClassVar[str] = "haptisym.figures.metrics:save_metrics_figure"
+    _figure: ClassVar[str] = "haptisym.figures.metrics:metrics_figure"
 
     evaluation: Evaluation
     metrics: tuple[Metric, ...]

@@ -45,7 +45,7 @@ class DesignMap(Answer):
 
     _schema: ClassVar[str] = "haptisym.designmap/1"
     _page: ClassVar[str] = "haptisym.pages.require:map_page"
-    _figure: ClassVar[str] = "haptisym.figures.require:save_requirement"
+    _figure: ClassVar[str] = "haptisym.figures.require:requirement_figure"
 
     scene: Scene
     free: tuple[Knob, Knob]

@@ -43,7 +43,7 @@ class Requirement(Answer):
 
     _schema: ClassVar[str] = "haptisym.requirement/1"
     _page: ClassVar[str] = "haptisym.pages.require:page"
-    _figure: ClassVar[str] = "haptisym.figures.require:save_requirement"
+    _figure: ClassVar[str] = "haptisym.figures.require:requirement_figure"
 
     scene: Scene
     free: Knob

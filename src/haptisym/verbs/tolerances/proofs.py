@@ -69,7 +69,7 @@ class Tolerances(Answer):
 
     _schema: ClassVar[str] = "haptisym.tolerances/1"
     _page: ClassVar[str] = "haptisym.pages.tolerances:page"
-    _figure: ClassVar[str] = "haptisym.figures.tolerances:save_tolerances"
+    _figure: ClassVar[str] = "haptisym.figures.tolerances:tolerances_figure"
 
     box: Box
     samples: tuple[One, ...]
