@@ -5,12 +5,14 @@ Each ``draw_`` function draws on the axes that it is given; ``save_simulation_fi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from haptisym.figures.scales import scale_of
@@ -166,15 +168,22 @@ def save_simulation_figures(runs: Sequence[Simulation], directory: str | Path) -
     """
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
-    run = runs[len(runs) // 2]
-    drawings: dict[str, tuple[float, Callable[[Axes], object]]] = {
-        "simulated-time": (2.0, lambda ax: draw_time(ax, run)),
-        "simulated-loop": (2.4, lambda ax: draw_loop(ax, run)),
-    }
-    if any(run.estimates for run in runs):
-        drawings["recovered-real"] = (2.0, lambda ax: draw_recovered(ax, runs, Part.REAL))
-        drawings["recovered-imag"] = (2.0, lambda ax: draw_recovered(ax, runs, Part.IMAG))
-    return [path for name, (height, draw) in drawings.items() for path in save(folder / name, one_column(height, draw))]
+    names = [name for name in _DRAWINGS if name.startswith("simulated") or any(run.estimates for run in runs)]
+    return [path for name in names for path in save(folder / name, simulation_figure(runs, name))]
+
+
+def simulation_figure(runs: Sequence[Simulation], name: str) -> Figure:
+    """One of the figures of a simulation by its name."""
+    height, draw = _DRAWINGS[name]
+    return one_column(height, lambda ax: draw(ax, runs))
+
+
+_DRAWINGS: Mapping[str, tuple[float, Callable[[Axes, Sequence[Simulation]], object]]] = MappingProxyType({
+    "simulated-time": (2.0, lambda ax, runs: draw_time(ax, runs[len(runs) // 2])),
+    "simulated-loop": (2.4, lambda ax, runs: draw_loop(ax, runs[len(runs) // 2])),
+    "recovered-real": (2.0, lambda ax, runs: draw_recovered(ax, runs, Part.REAL)),
+    "recovered-imag": (2.0, lambda ax, runs: draw_recovered(ax, runs, Part.IMAG)),
+})  # fmt: skip
 
 
 def _last(run: Simulation, periods: int) -> slice:

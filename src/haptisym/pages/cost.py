@@ -1,60 +1,55 @@
-"""What accuracy costs, as a page of text: a sentence, a table for each question, and what was measured on what."""
+"""The page of what accuracy costs: a sentence, a table for each question, and what was measured on what."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from math import isinf
-from textwrap import fill
 
+from haptisym.model.jnd import Part
+from haptisym.pages.words import RATIOS, lead, title
 from haptisym.verbs.cost.entry import Cost
-from haptisym.verbs.cost.measurement import Omission, Row
+from haptisym.verbs.cost.measurement import Row
 from haptisym.verbs.cost.summary import duration, wrong
+from haptisym.writing.document import Block, Column, Document, Figure, Notes, Number, Paragraph, Phrase, Section, Table
+from haptisym.writing.names import named
 
-WIDTH = 96
-TASKS = {
-    "evaluate": "The ratios r_r and r_i: time for one frequency",
+_RATIOS = "The ratios ", RATIOS[Part.REAL], " and ", RATIOS[Part.IMAG]
+TASKS: dict[str, Phrase] = {
+    "evaluate": (_RATIOS, ": time for one frequency"),
     "crossings": "The crossings on the band: time for all of them",
     "delay": "The crossings with approximated delays, against the exact ones",
     "effects": "The crossings with an effect left out, against all effects",
-    "simulation": "H_perc recovered from a simulation in time, against the closed form",
+    "simulation": (named("H_perc"), " recovered from a simulation in time, against the closed form"),
 }
 """What each task asks."""
 
 
-def page(found: Cost) -> str:
+def page(found: Cost) -> Document:
     """The whole page."""
-    tables = [_table(task, found.task(task), found.condition.get(task)) for task in TASKS if found.task(task)]
-    said = f"{found.scene.title or 'Untitled scene'}: what accuracy costs"
-    heading = "\n".join(fill(line, WIDTH) for line in (said, *found.asides()))
-    return "\n\n".join([heading, fill(found.summary, WIDTH), *tables, _notes(found.left_out, found.machine)]) + "\n"
-
-
-def _table(task: str, rows: Sequence[Row], condition: float | None) -> str:
-    width = max(len(row.method) for row in rows)
-    title = TASKS[task] + ("" if condition is None else f" (condition number {_size(condition)})")
-    head = f"  {'method':<{width}}  {'right digits':>12}  {'time':>9}  proven"
-    lines = [
-        f"  {row.method:<{width}}  {shown_digits(row):>12}  {duration(row.seconds):>9}  "
-        f"{'yes' if row.proven else 'no':<6}  {wrong(row)}".rstrip()
-        for row in rows
-    ]
-    return "\n".join([title, "", head, *lines])
-
-
-def shown_digits(row: Row) -> str:
-    """Right digits as they are told: those of nothing, where a count is wrong, say nothing."""
-    return f"{row.digits:.1f}" if row.digits < 20 else f"{row.digits:.0f}"
-
-
-def _size(condition: float) -> str:
-    return "infinite: a touch" if isinf(condition) else f"{condition:.2g}"
-
-
-def _notes(left_out: Sequence[Omission], machine: Mapping[str, str]) -> str:
+    tables = (_table(found, task) for task in TASKS if found.task(task))
     proof = (
         "Right digits are those of the worst number, held against a certified reference of higher precision. Times are medians "
         "of repeats in turns; the equations are given to all. Ratios of times travel between machines, times do not."
     )
-    omitted = [f"Left out: {x.method} ({x.reason})." for x in left_out]
-    measured = "Measured on " + ", ".join(f"{name} {value}" for name, value in machine.items()) + "."
-    return "\n".join(fill(text, WIDTH) for text in (proof, *omitted, measured))
+    omitted = (f"Left out: {x.method} ({x.reason})." for x in found.left_out)
+    notes = Notes((proof, *omitted, measured_on(found.machine)))
+    shown = "Right digits against time for each question; filled marks are proven."
+    blocks = Paragraph(found.summary), *tables, Figure("cost", shown, found.figure, wide=True), notes
+    return Document(f"{title(found.scene)}: what accuracy costs", lead(found.scene, found.asides()), blocks)
+
+
+def measured_on(machine: Mapping[str, str]) -> str:
+    """On what it was measured."""
+    return "Measured on " + ", ".join(f"{name} {value}" for name, value in machine.items()) + "."
+
+
+def _table(found: Cost, task: str) -> Block:
+    size = found.condition.get(task)
+    condition = "" if size is None else f" (condition number {'infinite: a touch' if isinf(size) else f'{size:.2g}'})"
+    columns = Column("method"), Column("right digits", number=True), Column("time"), Column("proven"), Column("")
+    return Section((TASKS[task], condition), (Table(columns, tuple(map(_row, found.task(task))), (TASKS[task], ".")),))
+
+
+def _row(row: Row) -> tuple[Phrase, ...]:
+    digits = Number(f"{row.digits:.{int(row.digits < 20)}f}", row.digits)
+    return row.method, digits, duration(row.seconds), "yes" if row.proven else "no", wrong(row)

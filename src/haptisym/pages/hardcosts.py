@@ -1,57 +1,62 @@
-"""The hard cases as a page of text: a block for each family, a line in it for each method."""
+"""The page of the hard cases: a section for each family, a line in it for each method."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from math import isinf
 from statistics import median
-from textwrap import fill
 
-from haptisym.pages.cost import WIDTH
+from haptisym.pages.cost import measured_on
 from haptisym.verbs.cost.hardcases import FAMILIES
 from haptisym.verbs.cost.hardcosts import HardCosts
 from haptisym.verbs.cost.measurement import HardRow
 from haptisym.verbs.cost.summary import duration, worst_verdict
+from haptisym.writing.document import Block, Column, Document, Figure, Number, Paragraph, Phrase, Section, Table
+
+_TOLD = (
+    "Right: to the digits that the method's numbers hold but for one, and no crossing missed or invented. Digits are "
+    "those of the worst case, times medians over the cases. The condition number says how much an answer changes, "
+    "relatively, with the frequency or the threshold; what a method loses beyond its logarithm is the method's own loss."
+)
 
 
-def page(found: HardCosts) -> str:
+def page(found: HardCosts) -> Document:
     """The whole page."""
-    rows = found.rows
-    families = [name for name in FAMILIES if any(row.family == name for row in rows)]
-    blocks = [_block(name, [row for row in rows if row.family == name]) for name in families]
-    measured = "Measured on " + ", ".join(f"{name} {value}" for name, value in found.machine.items()) + "."
-    told = (
-        "Right: to the digits that the method's numbers hold but for one, and no crossing missed or invented. Digits are "
-        "those of the worst case, times medians over the cases. The condition number says how much an answer changes, "
-        "relatively, with the frequency or the threshold; what a method loses beyond its logarithm is the method's own loss."
-    )
-    return (
-        "\n\n".join(["The hard cases", fill(found.summary, WIDTH), *blocks, fill(told, WIDTH), fill(measured, WIDTH)])
-        + "\n"
-    )
+    groups = {name: [row for row in found.rows if row.family == name] for name in FAMILIES}
+    families = (_family(name, rows) for name, rows in groups.items() if rows)
+    shown = "How many questions of each family each method answers right; the darker the fewer. Filled marks: proven."
+    figure = Figure("hard-cases", shown, found.figure, wide=True)
+    blocks = Paragraph(found.summary), *families, figure, Paragraph(_TOLD), Paragraph(measured_on(found.machine))
+    return Document("The hard cases", (), blocks)
 
 
-def _block(family: str, rows: Sequence[HardRow]) -> str:
+def _family(family: str, rows: Sequence[HardRow]) -> Block:
     cases = dict.fromkeys(row.case for row in rows)
     hardest = max(row.condition for row in rows)
     condition = "infinite" if isinf(hardest) else f"{hardest:.2g}"
     asks = "values of r_r and r_i" if rows[0].task == "evaluate" else "crossings"
-    title = fill(f"{family}: {FAMILIES[family]}", WIDTH)
     counted = f"{len(cases)} question{'s' * (len(cases) > 1)} about {asks}, condition number up to {condition}"
-    methods = list(dict.fromkeys(row.method for row in rows))
-    lines = [_line([row for row in rows if row.method == method]) for method in methods]
-    head = f"  {'method':<24}  {'right':>7}  {'digits':>6}  {'time':>8}  proven"
-    return "\n".join([title, counted, "", head, *lines])
+    columns = (
+        Column("method"), Column("right"), Column("digits", number=True), Column("time"), Column("proven"), Column(""),
+    )  # fmt: skip
+    methods = dict.fromkeys(row.method for row in rows)
+    table = Table(columns, tuple(_row([x for x in rows if x.method == method]) for method in methods), f"{family}.")
+    return Section(f"{family}: {FAMILIES[family]}", (Paragraph(f"{counted}."), table))
 
 
-def _line(rows: Sequence[HardRow]) -> str:
-    name = f"  {rows[0].method:<24}  "
+def _row(rows: Sequence[HardRow]) -> tuple[Phrase, ...]:
     answered = [row for row in rows if row.answered]
     if not answered:
-        return f"{name}{rows[0].verdict}"
+        return rows[0].method, "", "", "", "", rows[0].verdict
     right = sum(row.verdict == "right" for row in answered)
     worst = min(row.digits for row in answered)
     proven = "yes" if all(row.proven for row in answered) else "no"
     time = duration(median(row.seconds for row in answered))
-    told = f"{name}{f'{right}/{len(answered)}':>7}  {worst:>6.1f}  {time:>8}  {proven:<6}"
-    return f"{told}  {worst_verdict(answered)}".rstrip()
+    return (
+        rows[0].method,
+        f"{right}/{len(answered)}",
+        Number(f"{worst:.1f}", worst),
+        time,
+        proven,
+        worst_verdict(answered),
+    )

@@ -1,71 +1,109 @@
-"""A simulation as a page of text: what was simulated, and how it compares with the closed form."""
+"""The page of a simulation: what was simulated, and how it compares with the closed form."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from functools import partial
 from math import pi
-from textwrap import fill
+from typing import TYPE_CHECKING
 
 from haptisym.model.quantities import Motion as Kind
+from haptisym.pages.words import H_PERC, lead, stiffness_unit, title
 from haptisym.verbs.simulate.results import Estimate, Simulation, Simulations
+from haptisym.writing.document import (
+    Block,
+    Column,
+    Document,
+    Facts,
+    Figure,
+    Notes,
+    Number,
+    Paragraph,
+    Phrase,
+    Section,
+    Strong,
+    Table,
+    listed,
+)  # fmt: skip
 
-_WIDTH = 96
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Canvas
+
+_AGREES: dict[bool | None, Phrase] = {True: "yes", False: Strong("NO"), None: "-"}
+_CAPTIONS = {
+    "simulated-time": "Motion and force at the hand in time.",
+    "simulated-loop": "Force over displacement, as felt and of the environment alone.",
+    "recovered-real": "Real part as recovered from the force (rings) and by its closed form (dashed).",
+    "recovered-imag": "Imaginary part as recovered from the force (rings) and by its closed form (dashed).",
+}
 
 
-def page(found: Simulation | Simulations) -> str:
+def page(found: Simulation | Simulations) -> Document:
     """The whole page; several runs of one scene, one for each frequency, are one table."""
-    runs = found.runs
-    notes = [fill(note, _WIDTH) for note in runs[0].notes]
-    parts = [_heading(runs), _table(runs), *notes, _verdict(runs)]
-    return "\n\n".join(part for part in parts if part) + "\n"
+    runs, scene = found.runs, found.scene
+    notes = (Notes(runs[0].notes),) if runs[0].notes else ()
+    drawn = (
+        Figure(name, caption, partial(_drawn, runs, name))
+        for name, caption in _CAPTIONS.items()
+        if _is_there(name, runs)
+    )
+    blocks = Facts(tuple(_simulated(runs))), *_table(runs), *drawn, *notes, Paragraph(_verdict(runs))
+    return Document(title(scene), lead(scene, found.asides()), blocks, "Simulation in time")
 
 
-def _heading(runs: Sequence[Simulation]) -> str:
+def _is_there(name: str, runs: Sequence[Simulation]) -> bool:
+    return name.startswith("simulated") or any(run.estimates for run in runs)
+
+
+def _drawn(runs: Sequence[Simulation], name: str) -> Canvas:
+    from haptisym.figures.simulate import simulation_figure  # matplotlib is loaded for reports alone
+
+    return simulation_figure(runs, name)
+
+
+def _simulated(runs: Sequence[Simulation]) -> Iterator[tuple[str, Phrase]]:
     first = runs[0]
     length, force = ("rad", "N m") if first.scene.motion is Kind.ROTATION else ("m", "N")
     kind = first.motion.name + (f", {len(runs)} runs" if len(runs) > 1 else "")
     most = max(float(abs(run.force).max()) for run in runs)
-    rows = [
-        ("simulated", ", ".join(first.built)),
-        ("motion", f"{kind}, up to {first.motion.amplitude:.4g} {length}"),
-        ("time", f"0 to {max(float(run.time[-1]) for run in runs):.4g} s"),
-        ("force", f"up to {most:.4g} {force} at the hand"),
-    ]
-    title = (first.scene.title or "Untitled scene", *first.asides())
-    lines = [fill(line, _WIDTH) for line in title if line]
-    return "\n".join([*lines, *(fill(f"  {key:<11}{text}", _WIDTH, subsequent_indent=" " * 13) for key, text in rows)])
+    yield "simulated", ", ".join(first.built)
+    yield "motion", f"{kind}, up to {first.motion.amplitude:.4g} {length}"
+    yield "time", f"0 to {max(float(run.time[-1]) for run in runs):.4g} s"
+    yield "force", f"up to {most:.4g} {force} at the hand"
 
 
-def _table(runs: Sequence[Simulation]) -> str:
-    rows = [x for run in runs for x in run.estimates]
-    if not rows:
-        return ""
-    unit = "N m/rad" if runs[0].scene.motion is Kind.ROTATION else "N/m"
-    head = f"H_perc recovered from the force, {unit}\n\n"
-    titles = f"  {'rad/s':>9} {'Hz':>8} {'Re simulated':>16} {'Im simulated':>16} {'from closed':>12} {'error up to':>12}  agrees"
-    return head + "\n".join([titles, *map(_row, rows)])
+def _table(runs: Sequence[Simulation]) -> Iterator[Block]:
+    rows = tuple(_row(x) for run in runs for x in run.estimates)
+    if rows:
+        numbers = "rad/s", "Hz", "Re simulated", "Im simulated", "from closed", "error up to"
+        columns = *(Column(x, number=True) for x in numbers), Column("agrees")
+        heading = H_PERC, f" recovered from the force, {stiffness_unit(runs[0].scene)}"
+        caption = (*heading, "; its distance from the closed form, and the error of the simulation, estimated.")
+        yield Section(heading, (Table(columns, rows, caption),))
 
 
-def _row(x: Estimate) -> str:
-    verdict = {True: "yes", False: "NO", None: "-"}[x.agrees]
-    return (
-        f"  {x.omega:>9.4g} {x.omega / (2 * pi):>8.4g} {x.simulated.real:>16.9g} {x.simulated.imag:>16.9g} "
-        f"{x.difference:>12.2g} {x.error:>12.2g}  {verdict}"
+def _row(x: Estimate) -> tuple[Phrase, ...]:
+    numbers = (
+        (x.omega, 4),
+        (x.omega / (2 * pi), 4),
+        (x.simulated.real, 9),
+        (x.simulated.imag, 9),
+        (x.difference, 2),
+        (x.error, 2),
     )
+    return *(Number(f"{value:.{digits}g}", value) for value, digits in numbers), _AGREES[x.agrees]
 
 
-def _verdict(runs: Sequence[Simulation]) -> str:
+def _verdict(runs: Sequence[Simulation]) -> Phrase:
     rows = [x for run in runs for x in run.estimates]
     if not rows:
         return "No ratio is recovered from this motion or from so short a run."
-    reasons = list(dict.fromkeys(x.approximate for x in rows if x.approximate))
+    reasons = dict.fromkeys(x.approximate for x in rows if x.approximate)
     if reasons:
         sizes = [x.difference / abs(x.closed) for x in rows if x.approximate and x.closed]
-        worst = f"; it differs by up to {100 * max(sizes):.2g} %" if sizes else ""
-        return fill(f"The closed form is not exact here: {'; '.join(reasons)}{worst}.", _WIDTH)
-    wrong = [x for x in rows if not x.agrees]
+        worst = f"; it differs by up to {100 * max(sizes):.2g}\xa0%" if sizes else ""
+        return f"The closed form is not exact here: {'; '.join(reasons)}{worst}."
+    wrong = [f"{x.omega:.4g}" for x in rows if not x.agrees]
     if wrong:
-        return fill(
-            f"Simulation and closed form DISAGREE at {', '.join(f'{x.omega:.4g}' for x in wrong)} rad/s.", _WIDTH
-        )
+        return "Simulation and closed form ", Strong("DISAGREE"), " at ", listed(wrong), " rad/s."
     return "Simulation and closed form agree within the estimated error of the simulation at every frequency."
