@@ -10,7 +10,6 @@
 from haptisym import effects, environments
 from haptisym.judge.crossings import Crossing, CrossingKind
 from haptisym.judge.evaluation import Evaluation
-from haptisym.judge.peaks import Peak, peaks
 from haptisym.judge.percepts import Change, Percept, Property
 from haptisym.kernel.errors import ExpressionError, HaptisymError, SceneError, UndecidedError
 from haptisym.kernel.reals import RealNumber
@@ -36,6 +35,7 @@ _ON_DEMAND = {
     "HardCosts": "verbs.cost.hardcosts",
     "Language": "writing.code.entry",
     "Metrics": "verbs.metrics.metric",
+    "Peak": "judge.peaks",
     "Relevance": "verbs.effects.relevance",
     "Requirement": "verbs.require.required",
     "SceneFamily": "model.family",
@@ -58,6 +58,7 @@ _ON_DEMAND = {
     "metrics": "verbs.metrics.entry",
     "multisine": "verbs.simulate.motions",
     "parse_scenes": "model.scenefile",
+    "peaks": "judge.peaks",
     "recording": "verbs.simulate.recordings",
     "relevance": "verbs.effects.entry",
     "require": "verbs.require.entry",

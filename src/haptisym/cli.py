@@ -8,31 +8,29 @@ from __future__ import annotations
 
 import sys
 from contextlib import suppress
+from pkgutil import resolve_name
 from typing import Any
 
 import click
 
 from haptisym import __version__
-from haptisym.commands.cost import cost
-from haptisym.commands.derive import derive
-from haptisym.commands.effects import effects
-from haptisym.commands.evaluate import evaluate
-from haptisym.commands.metrics import metrics
-from haptisym.commands.require import require
-from haptisym.commands.scenes import scenes
-from haptisym.commands.sensitivity import sensitivity
-from haptisym.commands.simulate import simulate
 from haptisym.commands.streams import ReaderLeft, interrupts, note, prepare, to_standard_output
-from haptisym.commands.sweep import sweep
-from haptisym.commands.tolerances import tolerances
 from haptisym.kernel.errors import HaptisymError, UndecidedError
+
+VERBS = (
+    "evaluate", "derive", "effects", "require", "sensitivity", "tolerances", "sweep", "metrics", "cost", "simulate", "scenes",
+)  # fmt: skip
+"""The main job first. Each is the function of its name in its module of ``commands``, loaded when it is called for."""
 
 
 class _Sisters(click.Group):
     """The group of verbs; a bare call prints the help."""
 
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(self.commands)  # in the order of the code, the main job first
+    def list_commands(self, _context: click.Context) -> list[str]:
+        return list(VERBS)
+
+    def get_command(self, _context: click.Context, name: str) -> click.Command | None:
+        return resolve_name(f"haptisym.commands.{name}:{name}") if name in VERBS else None
 
     def make_context(self, *args: Any, **options: Any) -> click.Context:
         with to_standard_output():  # where the help goes
@@ -58,12 +56,6 @@ def app() -> None:
       haptisym scenes fu2019 > my.toml      a copy to start your own from
       haptisym evaluate my.toml
     """
-
-
-for verb in (
-    evaluate, derive, effects, require, sensitivity, tolerances, sweep, metrics, cost, simulate, scenes,
-):  # fmt: skip
-    app.add_command(verb)
 
 
 _EXTRAS = {"scipy": "simulate", "xarray": "sweep", "dask": "sweep", "zarr": "sweep", "numba": "fast"}

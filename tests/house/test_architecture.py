@@ -55,7 +55,6 @@ def imported(name: str) -> set[str]:
 UPWARDS = {
     ("verbs.derive.entry", "pages.derive"),
     ("verbs.derive.entry", "pages.sections"),
-    ("verbs.metrics.entry", "pages.lines"),
     ("verbs.metrics.forms", "writing.boxes"),
     ("verbs.metrics.forms", "writing.equations"),
     ("verbs.metrics.forms", "writing.formula"),

@@ -128,6 +128,24 @@ def test_importing_the_package_loads_no_verb_but_evaluate() -> None:
     ]
 
 
+def test_a_document_on_the_command_line_loads_neither_writers_nor_other_verbs() -> None:
+    script = """
+import contextlib, io, sys
+sys.argv = ["haptisym", "evaluate", "fu2019", "--json"]
+from haptisym.cli import main
+with contextlib.redirect_stdout(io.TextIOWrapper(io.BytesIO())), contextlib.suppress(SystemExit):
+    main()
+print(*sorted(sys.modules))
+"""
+    loaded = set(python("-c", script).split())
+    ours = {x.removeprefix("haptisym.") for x in loaded if x.startswith("haptisym.")}
+    assert "judge.evaluation" in ours
+    assert not [x for x in ours if x.startswith(("pages", "writing", "figures.style"))]
+    assert {x for x in ours if x.startswith("verbs.")} == {"verbs.evaluate", "verbs.evaluate.entry"}
+    assert not ours & {"commands.sweep", "commands.simulate", "programs.program"}
+    assert not loaded & {"multiprocessing", "pint", "numpy", "matplotlib", "rich", "IPython"}
+
+
 USER = '''
 """A user's script with every verb."""
 

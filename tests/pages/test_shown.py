@@ -203,4 +203,4 @@ print(*sorted(x for x in sys.modules if x.startswith("haptisym.")))
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     loaded = set(done.stdout.split())
-    assert not [x for x in loaded if x.split(".")[1] in ("report", "figures", "commands") or x.endswith(".text")]
+    assert not [x for x in loaded if x.split(".")[1] in ("pages", "figures", "commands")]

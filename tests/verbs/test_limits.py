@@ -11,7 +11,8 @@ from marks import QUICK_SCENES, often
 from sympy import Rational
 
 import haptisym as hs
-from haptisym import budget, effects, environments
+from haptisym import effects, environments
+from haptisym.kernel import budget
 from haptisym.kernel.budget import limited, share, tick
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.reals import RealNumber

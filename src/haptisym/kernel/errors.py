@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 
 
 class HaptisymError(ValueError):
@@ -40,6 +39,8 @@ def meant(given: str, valid: Iterable[str]) -> str:
     >>> meant("zta", ["zeta", "omega_n"]), meant("zeta", ["effects.filter.zeta"]), meant("x", ["zeta"])
     ('did you mean "zeta"? ', 'did you mean "effects.filter.zeta"? ', '')
     """
+    from difflib import get_close_matches  # where something went wrong
+
     names = list(valid)
     close = [x for x in names if x.endswith(f".{given}")][:1] or get_close_matches(given, names, n=1)
     return f'did you mean "{close[0]}"? ' if close else ""

@@ -154,6 +154,16 @@ def expression_ball(value: Expr, known: Mapping[Expr, Ball] = MappingProxyType({
     raise TypeError(f"{value} is not a real number made of rational numbers, pi, roots, logarithms, sines and cosines")
 
 
+def short(x: RealNumber, digits: int = 5) -> str:
+    """So many digits, without zeros at their end: as a sentence takes them.
+
+    >>> short(ExactNumber(Rational(5, 2))), short(ExactNumber(pi))
+    ('2.5', '3.1416')
+    """
+    shown = x.digits(digits)
+    return shown.rstrip("0").rstrip(".") if "." in shown and "E" not in shown else shown
+
+
 def bits_for(count: int) -> int:
     """Relative accuracy in bits with which ``count`` decimal digits are tried first."""
     return int(count * 3.33) + 16

@@ -21,12 +21,10 @@ from haptisym.model.catalogue import Effect, Environment, Matrix
 from haptisym.model.jnd import Part
 from haptisym.model.properties import ParameterJND, Properties, first_changeover, properties
 from haptisym.programs.accuracy import Accuracy, Engine
-from haptisym.programs.balls import Point
-from haptisym.programs.program import Program
-from haptisym.programs.stable import stable_program
-from haptisym.programs.steps import DISTORTION, Steps, page_steps
 
 if TYPE_CHECKING:
+    from haptisym.programs.program import Program
+    from haptisym.programs.steps import Steps
     from haptisym.programs.values import Compiled  # brings NumPy, which a certified answer does not need
 
 
@@ -90,6 +88,9 @@ class Chain:
 
     def program(self, fields: Sequence[str]) -> Program:
         """The straight-line program of some fields of ``numeric.Values``; what is 0 everywhere is written as 0."""
+        from haptisym.programs.balls import Point  # a certified answer needs no program
+        from haptisym.programs.stable import stable_program
+
         write = stable_program(self.environment, self.rendered, self.matrices, self.parameters)
         program = write(fields, ())
         # a value that is not 0 at some point settles that a field is not 0 everywhere
@@ -100,6 +101,8 @@ class Chain:
     @cached_property
     def steps(self) -> Steps:
         """All fields of ``numeric.Values`` in named steps, as a page shows them: of what is felt, H_env + dH."""
+        from haptisym.programs.steps import DISTORTION, Steps, page_steps
+
         found = page_steps(self.program((*DISTORTION, "environment_real", "environment_imag")))
         of = found.results
         felt = {f"perceived_{part.value}": of[f"environment_{part.value}"] + of[part.value] for part in Part}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from importlib.resources import files
 from pathlib import Path
 
 from haptisym.kernel.errors import SceneError, meant
@@ -14,6 +13,7 @@ from haptisym.model.family import SceneFamily, named
 from haptisym.model.scene import Scene
 from haptisym.model.scenetables import read_scenes
 
+_SHIPPED = Path(__file__).parents[1]  # ``importlib.resources`` takes longer than the evaluation of a scene
 LARGEST_FILE = 1_000_000  # bytes; a scene is a page of text
 
 
@@ -36,7 +36,7 @@ def family_names() -> tuple[str, ...]:
 
 
 def _shipped(folder: str) -> tuple[str, ...]:
-    entries = (files("haptisym") / folder).iterdir()
+    entries = (_SHIPPED / folder).iterdir()
     return tuple(sorted(entry.name.removesuffix(".toml") for entry in entries if entry.name.endswith(".toml")))
 
 
@@ -154,7 +154,7 @@ def scene_text(scene: str | Path) -> tuple[str, str]:
     name = str(scene)
     for folder, known in (("scenes", scene_names), ("families", family_names)):
         if name in known():
-            return (files("haptisym") / folder / f"{name}.toml").read_text(encoding="utf-8"), name
+            return (_SHIPPED / folder / f"{name}.toml").read_text(encoding="utf-8"), name
     path = Path(name)
     return _read(path), path.name if path.is_file() else name
 

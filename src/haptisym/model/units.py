@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from fractions import Fraction
 from functools import cache
-from importlib.resources import as_file, files
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sympy import Expr, Integer, Rational, pi
@@ -89,5 +89,5 @@ def _named_unit(name: str) -> pint.Quantity[Fraction]:
 def _registry() -> pint.UnitRegistry:
     import pint
 
-    with as_file(files("haptisym") / "data" / "units.txt") as path:
-        return pint.UnitRegistry(str(path), non_int_type=Fraction, cache_folder=None)
+    units = Path(__file__).parents[1] / "data" / "units.txt"
+    return pint.UnitRegistry(str(units), non_int_type=Fraction, cache_folder=None)

@@ -12,13 +12,12 @@ from sympy import Integer
 from haptisym.judge.criteria import Criterion, kept
 from haptisym.judge.evaluation import evaluate
 from haptisym.judge.peaks import largest
-from haptisym.kernel.reals import ExactNumber, RealNumber, SquareRoot
+from haptisym.kernel.reals import ExactNumber, RealNumber, SquareRoot, short
 from haptisym.kernel.response import RealFunction, squared_modulus
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import Point, chart
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.pages.lines import short
 from haptisym.verbs.metrics.disagreements import disagreements
 from haptisym.verbs.metrics.forms import Forms
 from haptisym.verbs.metrics.judging import TOO_LARGE, WITHIN_3_DB
