@@ -13,6 +13,7 @@ import sympy
 from timing import machine, medians
 
 import haptisym as hs
+from haptisym.judge.criteria import noticed
 from haptisym.kernel.symbols import omega
 from haptisym.verbs.require.freeparameter import conditions
 
@@ -29,7 +30,7 @@ def cascade(count: int) -> hs.Scene:
 def threshold_polynomial(scene: hs.Scene) -> sympy.Poly:
     """The polynomial in omega^2 and the free parameter that is positive where r_i > c."""
     free = scene.knobs["effects.filter1.omega_n"]
-    condition = conditions(scene, [free], [hs.Part.IMAG])[hs.Part.IMAG]
+    [condition] = conditions(scene, [free], [x for x in noticed(scene.threshold) if x.name == "imag"]).values()
     expression = condition.axis.expression(condition.function.numerator).expand()
     W = sympy.Symbol("W", positive=True)
     return sympy.Poly(expression.subs(omega, sympy.sqrt(W)), W, free.symbol)

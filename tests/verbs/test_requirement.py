@@ -25,7 +25,9 @@ from sympy import Expr, Integer, Rational, asin, degree, pi, sqrt, symbols, symp
 import haptisym as hs
 from haptisym import effects, environments
 from haptisym.cli import main
-from haptisym.figures.require import draw_map, draw_requirement
+from haptisym.figures.designmap import draw_map
+from haptisym.figures.require import draw_requirement
+from haptisym.judge.criteria import noticed
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import ExactNumber, Sliver
@@ -46,6 +48,7 @@ from haptisym.verbs.require.touches import Surface, touch
 
 PAPER = hs.load_scene("fu2019")
 REAL, IMAG = hs.Part.REAL, hs.Part.IMAG
+JND = dict(zip(hs.Part, noticed(hs.Threshold()), strict=True))
 SPRING = environments.mass_spring_damper(k=100)
 LATE = hs.Scene(SPRING, (effects.delay("5 ms"),), (0, 15))
 
@@ -93,7 +96,7 @@ def contradictions(scene: hs.Scene, found: Requirement, random: Random, count: i
     wrong = []
     for value in asked:
         try:
-            expected = is_transparent(found.free.put(scene, value), found.keys)
+            expected = is_transparent(found.free.put(scene, value), tuple(x.part for x in found.criteria))
         except SceneError:
             continue
         if holds(found, value) is not expected:
@@ -342,7 +345,7 @@ def test_a_map_is_made_of_exact_slices() -> None:
 def test_every_boundary_point_is_a_zero_of_one_of_the_curves() -> None:
     light = PAPER.with_values({"b": 5}).with_band(0, 9)
     found = hs.design_map(light, ["zeta", "omega_n"], [("0.3", "0.7"), (20, 200)], slices=3)
-    curves = {(part, kind.value): curve for (part, kind), curve in found.curves().items()}
+    curves = {(x.part, kind.value): curve for (x, kind), curve in found.curves().items()}
     zeta, omega_n = (x.symbol for x in found.free)
     points = [(x.at, end) for x in found.slices for end in x.requirement.ends]
     assert points
@@ -569,7 +572,8 @@ class Form:
 
     def __init__(self, scene: hs.Scene, path: str) -> None:
         self.free = scene.knobs[path]
-        self.conditions = conditions(scene, [self.free])
+        found = conditions(scene, [self.free], noticed(scene.threshold))
+        self.conditions = {x.part: f for x, f in found.items()}
         self.shapes = {part: Shape.of(f, self.free.symbol) for part, f in self.conditions.items()}
 
     @cache  # noqa: B019 - lives as long as a test
@@ -876,7 +880,7 @@ def test_cells_cover_the_values_and_end_where_the_set_does(
 ) -> None:
     for low, high in (RANGES[0], RANGES[1 + number % 3]):
         a, b = (None if x is None else Fraction(x) for x in (low, high))
-        leaves = Search({REAL: condition(formula)}, T, BAND, Fraction(2)).leaves(a, b)
+        leaves = Search({JND[REAL]: condition(formula)}, T, BAND, Fraction(2)).leaves(a, b)
         assert (leaves[0].low, leaves[-1].high) == (a, b)
         assert all(x.high == y.low for x, y in pairwise(leaves))
         inside = [x for x in ends if (a is None or x > a) and (b is None or x < b)]
@@ -894,28 +898,28 @@ def test_cells_cover_the_values_and_end_where_the_set_does(
 
 
 def test_a_cell_in_which_two_conditions_end_is_cut_and_one_broken_condition_breaks() -> None:
-    both = {REAL: condition(T - 5 - OMEGA**2 / 10**6), IMAG: condition(T - 5 - Rational(1, 10**4))}
+    both = {JND[REAL]: condition(T - 5 - OMEGA**2 / 10**6), JND[IMAG]: condition(T - 5 - Rational(1, 10**4))}
     leaves = Search(both, T, BAND, Fraction(1)).leaves(Fraction(4), Fraction(6))
     [end] = [x for x in leaves if x.above]
     assert (float(end.value), end.verdict, end.above) == (5, Verdict.KEPT, Verdict.BROKEN)
     assert (end.binding.part, end.binding.kind) == (REAL, Kind.START)
     assert [told(leaves, Fraction(x)) for x in (4.5, 5.00005, 5.5)] == [Verdict.KEPT, Verdict.BROKEN, Verdict.BROKEN]
     hard = {
-        REAL: condition(T - 5),
-        IMAG: condition((T - 5) ** 2 - OMEGA**2),
+        JND[REAL]: condition(T - 5),
+        JND[IMAG]: condition((T - 5) ** 2 - OMEGA**2),
     }  # the second is open on one part of the band
     assert told(Search(hard, T, BAND, Fraction(1)).leaves(Fraction(4), Fraction(8)), Fraction(7)) is Verdict.BROKEN
 
 
 def test_binding_places_are_told_with_their_frequency() -> None:
-    found = Search({IMAG: condition(5 * PEAK - T)}, T, BAND, Fraction(1)).leaves(Fraction(1), Fraction(9))
+    found = Search({JND[IMAG]: condition(5 * PEAK - T)}, T, BAND, Fraction(1)).leaves(Fraction(1), Fraction(9))
     [end] = [x for x in found if x.above]
     assert (end.binding.part, end.binding.kind, end.binding.omega.digits(20)) == (
         IMAG,
         Kind.TOUCH,
         "7.0000000000000000000",
     )
-    found = Search({IMAG: condition(OMEGA**2 / 45 - T)}, T, BAND, Fraction(1)).leaves(Fraction(1), Fraction(9))
+    found = Search({JND[IMAG]: condition(OMEGA**2 / 45 - T)}, T, BAND, Fraction(1)).leaves(Fraction(1), Fraction(9))
     [end] = [x for x in found if x.above]
     assert (end.binding.kind, end.binding.omega.value) == (Kind.EDGE, 15)
 
@@ -1018,7 +1022,7 @@ def test_a_narrow_open_leaf_between_two_verdicts_is_an_end_and_a_wide_one_is_und
 
 def solved(formula: Expr, domain: Domain = Domain(None, None), band: tuple[Expr, Expr] = BAND, allowed=lambda _: True):  # type: ignore[no-untyped-def]  # noqa: B008
     formulas = formula if isinstance(formula, dict) else {REAL: formula}
-    found = Problem({part: condition(f) for part, f in formulas.items()}, T, band, domain, allowed).solve()
+    found = Problem({JND[part]: condition(f) for part, f in formulas.items()}, T, band, domain, allowed).solve()
     assert found.undecided == ()
     return found.feasible
 

@@ -11,6 +11,7 @@ from sympy import Integer, Rational
 
 import haptisym as hs
 from haptisym import effects, environments
+from haptisym.judge.criteria import noticed
 from haptisym.model.jnd import Part
 from haptisym.verbs.require.criticalvalues import Problem
 from haptisym.verbs.require.entry import require
@@ -33,7 +34,7 @@ def _ends(spans: tuple[Span, ...]) -> list[tuple[str | None, bool, str | None, b
 
 def _by_critical_values(scene: hs.Scene, path: str, asked: tuple[object, object] | None) -> tuple[Span, ...]:
     free = scene.knobs[path]
-    found = conditions(scene, [free])
+    found = conditions(scene, [free], noticed(scene.threshold))
     return Problem(found, free.symbol, scene.band, domain(free, asked), partial(allowed, scene, free)).solve().feasible  # type: ignore[arg-type]
 
 

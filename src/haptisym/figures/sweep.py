@@ -18,7 +18,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
-from haptisym.figures.require import draw_boundary
+from haptisym.figures.designmap import draw_boundary
 from haptisym.figures.scales import HERTZ, RADIANS, Scale, floats_scale
 from haptisym.figures.style import (
     BLUE,

@@ -8,7 +8,6 @@ Derivation: 11_any_environment.
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -19,9 +18,8 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.response import RealFunction, squared_modulus
 from haptisym.kernel.roots import chart
-from haptisym.kernel.symbols import c
 from haptisym.model.distortion import Distortion
-from haptisym.model.jnd import Part, Threshold
+from haptisym.model.jnd import Threshold
 from haptisym.model.scene import Scene
 
 
@@ -78,9 +76,9 @@ ANY_ENVIRONMENT = Criterion(
 """Judges the effects of a scene alone, whatever stands behind them."""
 
 
-def for_any_environment(threshold: Threshold, free: Collection[Part] = ()) -> Criterion:
-    """|G - 1| <= c, with the smaller threshold, or with the symbol c where a threshold is free."""
-    return replace(ANY_ENVIRONMENT, threshold=c if free else min(threshold.real, threshold.imag))
+def for_any_environment(threshold: Threshold) -> Criterion:
+    """|G - 1| <= c, with the smaller threshold."""
+    return replace(ANY_ENVIRONMENT, threshold=min(threshold.real, threshold.imag))
 
 
 def any_environment(scene: Scene) -> AnyEnvironment | None:

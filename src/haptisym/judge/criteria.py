@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
@@ -54,12 +54,20 @@ class Criterion:
         """What the measure is held against: c^2, or 0."""
         return (self.threshold**2).expand()
 
+    def depends_on(self, parts: Collection[Part]) -> bool:
+        """Whether its threshold is that of one of some parts."""
+        return bool(parts) and self.threshold != 0 and (self.part is None or self.part in parts)
+
     def function(self, d: Distortion) -> RealFunction | Level:
         """r^2 - c^2 in lowest terms: positive exactly where the criterion is broken, a pole where the measure is unbounded.
 
         As common factors are gone, a resonance at which H_env and dH vanish together invents no crossing.
         """
-        return level(self.measure(d), self.limit)
+        return self.exceeded(self.measure(d))
+
+    def exceeded(self, measure: RealFunction) -> RealFunction | Level:
+        """The same of a measure that is known."""
+        return level(measure, self.limit)
 
 
 class Judged:
@@ -112,9 +120,14 @@ _JND: Mapping[Part, Criterion] = {
 }
 
 
-def noticed(threshold: Threshold, free: Collection[Part] = ()) -> tuple[Criterion, ...]:
-    """What must hold so that nothing is noticed: r_r <= c_real and r_i <= c_imag, eq. (4); c a symbol for the ``free`` parts."""
-    return tuple(replace(x, threshold=c if part in free else threshold[part]) for part, x in _JND.items())
+def noticed(threshold: Threshold) -> tuple[Criterion, ...]:
+    """What must hold so that nothing is noticed: r_r <= c_real and r_i <= c_imag, eq. (4)."""
+    return tuple(replace(x, threshold=threshold[part]) for part, x in _JND.items())
+
+
+def opened(criteria: Iterable[Criterion], parts: Collection[Part]) -> tuple[Criterion, ...]:
+    """Criteria with the symbol c for the thresholds of some parts."""
+    return tuple(replace(x, threshold=c) if x.depends_on(parts) else x for x in criteria)
 
 
 PASSIVE = Criterion("passive", "passive", "-Im H_perc", "Im H_perc >= 0", _given_away, kept="passive on the whole band")

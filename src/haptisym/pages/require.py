@@ -6,14 +6,12 @@ from collections.abc import Iterator
 from math import ceil
 
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver
-from haptisym.model.jnd import Part
 from haptisym.model.knobs import Knob
 from haptisym.model.quantities import unit_text
-from haptisym.pages.words import RATIOS, both, exactly, lead, short, title
+from haptisym.pages.words import both, exactly, lead, rule, short, symbol, title
 from haptisym.verbs.require.designmap import DesignMap
 from haptisym.verbs.require.feasible import Binding, End, Kind, Span
 from haptisym.verbs.require.required import Requirement
-from haptisym.writing.boxes import Absolute, Numeral, Sum
 from haptisym.writing.document import (
     Block,
     Column,
@@ -32,9 +30,7 @@ from haptisym.writing.document import (
 )  # fmt: skip
 from haptisym.writing.names import named
 
-_GAIN = Absolute(Sum(((1, named("G")), (-1, Numeral("1")))))
 _PLACES = {Kind.EDGE: "the band's high end", Kind.START: "the band's low end", Kind.TOUCH: "a touch inside the band"}
-_LIMITS = {None: named("c"), Part.REAL: named("c_real"), Part.IMAG: named("c_imag")}
 
 
 def page(r: Requirement) -> Document:
@@ -55,8 +51,7 @@ def _question(r: Requirement) -> Iterator[tuple[str, Phrase]]:
     yield "free", (r.free.path, " (", named(r.free.symbol.name), f"), {unit}")
     yield "asked", _asked(r)
     yield "band", (low, " to ", high)
-    kept = listed((_ratio(part), " ≤ ", _LIMITS[part]) for part in r.keys)
-    yield "condition", (kept, " on the whole band")
+    yield "condition", (listed(map(rule, r.criteria)), " on the whole band")
 
 
 def _asked(r: Requirement) -> str:
@@ -69,11 +64,11 @@ def _asked(r: Requirement) -> str:
 
 
 def _answer(r: Requirement) -> Phrase:
-    who = "with any environment whatever" if r.keys == (None,) else "on the whole band"
+    kept = listed(dict.fromkeys(x.kept for x in r.criteria))
     if not r.feasible:
         known = "No value that was asked about makes" if r.certified else "No value is proven to make"
-        return f"{known} the display transparent {who}."
-    return f"The display is transparent {who}", " exactly for " if r.certified else ", proven, for ", sets(r), "."
+        return f"{known} the display ", kept, "."
+    return "The display is ", kept, " exactly for " if r.certified else ", proven, for ", sets(r), "."
 
 
 def sets(r: Requirement) -> Phrase:
@@ -115,13 +110,13 @@ def _nearest(r: Requirement) -> Iterator[Block]:
     )
     yield Paragraph((
         "Nearest of those that were tried is ", named(r.free.symbol.name), " = ", Number(f"{float(x.value):.6g}", float(x.value)),
-        _unit(r.free), ": ", _part(x.binding.part), f" reaches {100 * float(x.ratio):.4g}\xa0% there (", _where(x.binding),
+        _unit(r.free), ": ", _part(x.binding), f" reaches {100 * float(x.ratio):.4g}\xa0% there (", _where(x.binding),
         f"), {x.times:.4g} times its threshold. {least}",
     ))  # fmt: skip
 
 
 def _ends(r: Requirement) -> Iterator[Block]:
-    rows = [(exactly(x.value, r.digits), _part(b.part), _where(b)) for x in r.ends for b in x.bindings if x.value]
+    rows = [(exactly(x.value, r.digits), _part(b), _where(b)) for x in r.ends for b in x.bindings if x.value]
     if rows:
         columns = Column(_heading(r.free), number=True), Column("binds"), Column("where")
         yield Table(columns, tuple(rows), "What binds at each end, proven.")
@@ -133,12 +128,8 @@ def _heading(free: Knob) -> Phrase:
     return named(free.symbol.name), "" if free.unit == "1" else f" ({unit_text(free.unit)})"
 
 
-def _ratio(part: Part | None) -> Phrase:
-    return RATIOS[part] if part else _GAIN
-
-
-def _part(part: Part | None) -> Phrase:
-    return _ratio(part), f" ({part.value})" if part else ""
+def _part(b: Binding) -> Phrase:
+    return symbol(b.criterion.symbol), f" ({b.criterion.name})" if b.part else ""
 
 
 def _where(b: Binding) -> Phrase:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from sympy import Expr
 
+from haptisym.judge.criteria import Criterion
 from haptisym.kernel.hertz import Hertz
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Interval, Point
@@ -16,7 +17,7 @@ from haptisym.model.family import SceneFamily
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.quantities import Motion
 from haptisym.model.scene import Scene
-from haptisym.writing.boxes import Absolute, Box, Equation, Numeral, Operator, Prefixed, Titled
+from haptisym.writing.boxes import Absolute, Box, Equation, Numeral, Operator, Prefixed, Sum, Titled
 from haptisym.writing.document import Notes, Number, Phrase, Strong, coded, listed
 from haptisym.writing.names import named
 
@@ -85,6 +86,20 @@ def spans(bands: Iterable[Interval]) -> Phrase:
 def places(points: Iterable[Point]) -> Phrase:
     """``2, 3 and 4 rad/s``."""
     return listed(short(p.omega) for p in points), " rad/s"
+
+
+_SYMBOLS = {"|G - 1|": Absolute(Sum(((1, named("G")), (-1, Numeral("1")))))}
+
+
+def symbol(text: str) -> Phrase:
+    """What a criterion judges, or its threshold, by its symbol."""
+    return named(text) if text.isidentifier() else _SYMBOLS.get(text, text)
+
+
+def rule(x: Criterion) -> Phrase:
+    """``r_r ≤ c_real``."""
+    left, relation, right = x.rule.partition(" <= ")
+    return (symbol(left), " ≤ ", symbol(right)) if relation else x.rule.replace(">=", "≥")
 
 
 def percent(c: Expr) -> str:

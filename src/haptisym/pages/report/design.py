@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from haptisym.judge.evaluation import Evaluation
 from haptisym.model.knobs import THRESHOLD, Knob
-from haptisym.pages.report.results import RATIOS
+from haptisym.pages.report.results import ratio
 from haptisym.pages.require import sets
 from haptisym.pages.words import both
 from haptisym.verbs.require.entry import is_quick, require
@@ -64,10 +64,9 @@ def _unit(free: Knob) -> str:
 
 
 def _binding(r: Requirement) -> Html:
-    bindings = [b for end in r.ends for b in end.bindings if b.part is not None]
+    bindings = [b for end in r.ends for b in end.bindings]
     rows = [
-        joined([RATIOS[b.part], " at ", _marked(both(b.omega))]) if b.omega is not None else RATIOS[b.part]
+        joined([ratio(b.criterion), " at ", _marked(both(b.omega))]) if b.omega is not None else ratio(b.criterion)
         for b in bindings
-        if b.part is not None
     ]
     return listed(rows) if rows else joined(["–"])

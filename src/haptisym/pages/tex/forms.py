@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from sympy import Abs, Add, Expr, Function, I, Mul, Pow, S, Symbol, pi
 
-from haptisym.judge.criteria import noticed
+from haptisym.judge.criteria import noticed, opened
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
@@ -81,7 +81,7 @@ class SceneForms:
         left = rf"p_{'r' if part is Part.REAL else 'i'}(\omega)"
         limits = self.evaluation.scene.threshold
         free = [x for x in Part if is_irrational_algebraic(limits[x] ** 2)]
-        found = next(x for x in noticed(limits, free) if x.part is part).function(self.evaluation.distortion)
+        found = next(x for x in opened(noticed(limits), free) if x.part is part).function(self.evaluation.distortion)
         assert isinstance(found, RealFunction)  # a symbol is no algebraic number
         function = found.written
         if function.is_zero:

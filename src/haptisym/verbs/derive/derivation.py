@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 from sympy import Expr, I, Symbol, count_ops
 
-from haptisym.judge.criteria import Criterion, noticed
+from haptisym.judge.criteria import Criterion, noticed, opened
 from haptisym.judge.evaluation import Evaluation, evaluate
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.implicit import Equation
@@ -78,7 +78,7 @@ class Derivation(Shown):
         """What is judged, each with the symbol c for its threshold, or with the scene's number."""
         limits = self.scene.threshold
         free = [x for x in Part if x in self.kept_thresholds or is_irrational_algebraic(limits[x] ** 2)]
-        return noticed(limits, free)
+        return opened(noticed(limits), free)
 
     def criterion(self, of: Part | Criterion) -> Criterion:
         """What is judged of a part, or by that name."""

@@ -19,12 +19,12 @@ import flint
 from flint import arb
 from sympy import Expr, Symbol, pi
 
+from haptisym.judge.criteria import Criterion
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import LimitError
 from haptisym.kernel.reals import ExactNumber, RealNumber, dyadic
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import Interval, chart
-from haptisym.model.jnd import Part
 from haptisym.verbs.require.feasible import Binding, Kind
 from haptisym.verbs.require.freeparameter import Conditions
 from haptisym.verbs.require.places import Edge, MaximumAt, Place, Strip, Summit, Verdict, places
@@ -109,17 +109,17 @@ class Search:
         """What balls tell of the values between two numbers."""
         with flint.ctx.workprec(BITS):
             a, b = dyadic(low), dyadic(high)
-            strips = {part: Strip.of(shape, a, b) for part, shape in self._shapes.items()}
+            strips = {x: Strip.of(shape, a, b) for x, shape in self._shapes.items()}
             return self._leaf(low, high, strips)
 
     @cached_property
-    def _shapes(self) -> dict[Part | None, Shape]:
-        return {part: Shape.of(condition, self.free) for part, condition in self.conditions.items()}
+    def _shapes(self) -> dict[Criterion, Shape]:
+        return {x: Shape.of(condition, self.free) for x, condition in self.conditions.items()}
 
-    def _leaf(self, low: Fraction, high: Fraction, strips: dict[Part | None, Strip]) -> Leaf:
-        crossing: list[tuple[Part | None, Place, int]] = []
-        is_open = False  # of one part; the other may be broken for all values
-        for part, strip in strips.items():
+    def _leaf(self, low: Fraction, high: Fraction, strips: dict[Criterion, Strip]) -> Leaf:
+        crossing: list[tuple[Criterion, Place, int]] = []
+        is_open = False  # of one criterion; another may be broken for all values
+        for criterion, strip in strips.items():
             found = places(strip, self.band)
             if found is Verdict.BROKEN:
                 return Leaf(low, high, Verdict.BROKEN)
@@ -131,15 +131,15 @@ class Search:
                 if signs is None:
                     is_open = True
                 elif signs != (-1, -1):
-                    crossing.append((part, place, signs[0]))
+                    crossing.append((criterion, place, signs[0]))
         if is_open or len(crossing) > 1:
             return Leaf(low, high, Verdict.OPEN)
         if not crossing:
             return Leaf(low, high, Verdict.KEPT)
-        [(part, place, before)] = crossing
-        value = strips[part].crossing(place)
+        [(criterion, place, before)] = crossing
+        value = strips[criterion].crossing(place)
         verdicts = (Verdict.BROKEN, Verdict.KEPT) if before > 0 else (Verdict.KEPT, Verdict.BROKEN)
-        return Leaf(low, high, *verdicts, value, _binding(part, place, value))
+        return Leaf(low, high, *verdicts, value, _binding(criterion, place, value))
 
     # Values without bound
 
@@ -202,12 +202,12 @@ def _bound_by_phase(condition: RealFunction, free: Symbol, band: tuple[Expr, Exp
     return Fraction(2 * float(pi) / (float(rate) * max(lengths) * 0.99))
 
 
-def _binding(part: Part | None, place: Place, value: RealNumber) -> Binding:
+def _binding(criterion: Criterion, place: Place, value: RealNumber) -> Binding:
     if place.kind is Kind.TOUCH:
         assert isinstance(value, Summit)
-        return Binding(part, MaximumAt(value), place.kind)
+        return Binding(criterion, MaximumAt(value), place.kind)
     assert isinstance(value, Edge)
-    return Binding(part, ExactNumber(value.place), place.kind)
+    return Binding(criterion, ExactNumber(value.place), place.kind)
 
 
 def _middle(low: Fraction, high: Fraction) -> Fraction:

@@ -13,24 +13,24 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations, pairwise
-from typing import TypeAlias
+from itertools import pairwise
 
 import flint
-from flint import arb, fmpq
+from flint import arb
 from sympy import Expr, Integer, Rational, Symbol, pi
 
+from haptisym.judge.criteria import Criterion
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import tick
-from haptisym.kernel.eliminants import discriminant, resultant
-from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
-from haptisym.kernel.polynomials import PolynomialFactor, Root
+from haptisym.kernel.eliminants import resultant
+from haptisym.kernel.errors import LimitError, UndecidedError
+from haptisym.kernel.polynomials import Root
 from haptisym.kernel.reals import Ball, ExactNumber, Negative, RealNumber, rational_between
 from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
+from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.roots import Interval, chart, in_order, sign_of_number
 from haptisym.kernel.symbols import omega
-from haptisym.model.jnd import Part
+from haptisym.verbs.require.boundary import Reason, critical, in_square, irreducible, of_factor, real_roots, substituted
 from haptisym.verbs.require.feasible import Binding, End, Kind, Solved, Span, runs
 from haptisym.verbs.require.freeparameter import Conditions, Domain
 from haptisym.verbs.require.touches import Surface, touch
@@ -40,15 +40,12 @@ _LARGE = 10  # degree in omega^2 of a condition: a device of order 4
 _ROUNDS = (8, 32, 128, 512)
 """Bits by which a critical value is approached for a witness, before its number field is asked."""
 
-Reason: TypeAlias = "tuple[Part | None, Kind] | None"
-"""Which condition is critical, and how; None: the condition is nowhere defined."""
-
 
 @dataclass(frozen=True)
 class Excess:
     """Frequencies at which a condition is broken, for a value of the parameter."""
 
-    part: Part | None
+    criterion: Criterion
     band: Interval
 
 
@@ -99,9 +96,9 @@ class Problem:
     def is_large(self) -> bool:
         """Whether critical values take long, and balls tell the same: the scene exists for all values of the domain."""
         functions = [condition.function for condition in self.conditions.values()]
-        if max(int(_in_square(f.numerator).degrees()[0]) for f in functions if not f.numerator.is_zero()) < _LARGE:
+        if max(int(in_square(f.numerator).degrees()[0]) for f in functions if not f.numerator.is_zero()) < _LARGE:
             return False
-        below = [f for g in functions for f, _ in _factors(g.denominator)] + [
+        below = [f for g in functions for f, _ in irreducible(g.denominator)] + [
             g.denominator.term_content() for g in functions
         ]
         return not any(f.degrees()[self._index] and not f.degrees()[0] for f in below)
@@ -141,50 +138,19 @@ class Problem:
     def _reasons(self) -> dict[RealNumber, set[Reason]]:
         """All critical values, and why each is one."""
         found: dict[RealNumber, set[Reason]] = {}
-        if self.domain.low is None or sign_of_number(self.domain.low) < 0:
+        if self._negative:
             found[ExactNumber(Integer(0))] = set()
-        for part, condition in self.conditions.items():
-            for reason, polynomial in self._critical(part, condition):
+        for criterion, condition in self.conditions.items():
+            for reason, polynomial in critical(criterion, condition, self.band):
                 for factor, _ in polynomial.factor()[1]:
-                    for value in self._roots(factor):
+                    for value in real_roots(factor, self._index, negative=self._negative):
                         found.setdefault(value, set()).add(reason)
         return found
 
-    def _critical(self, part: Part | None, condition: RealFunction) -> Iterator[tuple[Reason, Polynomial]]:
-        """The polynomials in pi and the parameter whose roots are critical."""
-        ring = condition.axis
-        yield None, condition.function.denominator.term_content()
-        for factor, _ in _factors(condition.function.denominator):
-            if not factor.degrees()[0]:
-                yield None, factor
-        factors = [f for f, n in _factors(condition.function.numerator) if n % 2 or not f.degrees()[0]]
-        for f in factors:
-            for kind, end in zip((Kind.START, Kind.EDGE), self.band, strict=True):
-                yield (part, kind), substituted(f, 0, ring.convert(end))
-            if f.degrees()[0] > (2 if _is_even(f) else 1):
-                yield (part, Kind.TOUCH), discriminant(_in_square(f), 0)
-        for f, g in combinations([f for f in factors if f.degrees()[0] and f != ring.variable], 2):
-            if _is_even(f) and _is_even(g):
-                f, g = _in_square(f), _in_square(g)
-            yield (part, Kind.TOUCH), resultant(f, g, 0)
-
-    def _roots(self, factor: Polynomial) -> Iterator[RealNumber]:
-        """The real roots of an irreducible polynomial in pi and the parameter that the domain may hold."""
-        own = [int(n) for n in factor.degrees()]
-        index = self._index
-        if not own[index]:
-            return
-        rows = [[0] * (own[1] + 1) for _ in range(own[index] + 1)]
-        for exponents, value in factor.to_dict().items():
-            rows[int(exponents[index])][int(exponents[1])] = int(value.p)
-        if len(rows) == 2:
-            value = -_in_pi(rows[0]) / _in_pi(rows[1])
-            yield ExactNumber(value.cancel() if value.has(pi) else value)
-            return
-        yield from _positive_roots(rows)
-        if self.domain.low is None or sign_of_number(self.domain.low) < 0:
-            mirrored = [[-n for n in row] if i % 2 else row for i, row in enumerate(rows)]
-            yield from map(Negative, _positive_roots(mirrored))
+    @property
+    def _negative(self) -> bool:
+        """Whether the domain may hold values below 0."""
+        return self.domain.low is None or sign_of_number(self.domain.low) < 0
 
     @cached_property
     def _index(self) -> int:
@@ -216,14 +182,14 @@ class Problem:
 
     def _broken(self, value: Expr) -> tuple[Excess, ...]:
         """Where the first of the broken conditions is, at a number that is rational, or rational in pi; () if none is."""
-        return next((found for part in self.conditions if (found := self._excess(part, value))), ())
+        return next((found for criterion in self.conditions if (found := self._excess(criterion, value))), ())
 
-    def _excess(self, part: Part | None, value: Expr) -> tuple[Excess, ...]:
-        condition = self.conditions[part].function
+    def _excess(self, criterion: Criterion, value: Expr) -> tuple[Excess, ...]:
+        condition = self.conditions[criterion].function
         at, below = self._at(condition.numerator, value), self._at(condition.denominator, value)
         sign = RealFunction(self._ring.function(at)) if not below.is_zero() else self._one
-        table = chart({part: sign}, *self.band)
-        return tuple(Excess(part, x) for x in table.where(lambda signs: signs[part] > 0))
+        table = chart({criterion: sign}, *self.band)
+        return tuple(Excess(criterion, x) for x in table.where(lambda signs: signs[criterion] > 0))
 
     @property
     def _one(self) -> RealFunction:
@@ -242,35 +208,35 @@ class Problem:
         near = (self._broken(_approached(value, cell.sample, bits)) for bits in _ROUNDS for cell in cells)
         if any(self._positive_at(x, value) for broken in near for x in broken):
             return True
-        return any(self._exceeds_exactly(part, value) for part in self.conditions)
+        return any(self._exceeds_exactly(criterion, value) for criterion in self.conditions)
 
     def _positive_at(self, excess: Excess, value: RealNumber) -> bool:
         """Whether a condition that is broken at a near value shows to be so, at the same frequency, at this one."""
         place = rational_between(excess.band.low.omega, excess.band.high.omega)
         with flint.ctx.workprec(512):
-            return bool(self._value(excess.part, ExactNumber(place).ball(512), value.ball(512)) > 0)
+            return bool(self._value(excess.criterion, ExactNumber(place).ball(512), value.ball(512)) > 0)
 
-    def _value(self, part: Part | None, place: Ball, value: Ball) -> Ball:
-        numerator = self.conditions[part].function.numerator
+    def _value(self, criterion: Criterion, place: Ball, value: Ball) -> Ball:
+        numerator = self.conditions[criterion].function.numerator
         return self._ring.ball(numerator, {omega: place, pi: arb.pi(), self.free: value})
 
-    def _exceeds_exactly(self, part: Part | None, value: RealNumber) -> bool:
+    def _exceeds_exactly(self, criterion: Criterion, value: RealNumber) -> bool:
         """By the zeros of the norm: between them a condition has one sign, which any frequency in between tells."""
         root = value.number if isinstance(value, Negative) else value
         assert isinstance(root, Root)
-        minimal = _polynomial(self._ring, self._index, root.factor, mirrored=root is not value)
-        norm = resultant(self.conditions[part].function.cleared().numerator, minimal, self._index)
-        places = [x.omega for x in chart({part: RealFunction(self._ring.function(norm))}, *self.band).points]
+        minimal = of_factor(self._ring, self._index, root.factor, mirrored=root is not value)
+        norm = resultant(self.conditions[criterion].function.cleared().numerator, minimal, self._index)
+        places = [x.omega for x in chart({criterion: RealFunction(self._ring.function(norm))}, *self.band).points]
         if norm.is_zero():
             return False
-        return any(self._sign(part, rational_between(a, b), value) > 0 for a, b in pairwise(places))
+        return any(self._sign(criterion, rational_between(a, b), value) > 0 for a, b in pairwise(places))
 
-    def _sign(self, part: Part | None, place: Rational, value: RealNumber) -> int:
+    def _sign(self, criterion: Criterion, place: Rational, value: RealNumber) -> int:
         """The sign of a condition where it is not zero."""
         bits = 128
         while bits < _MOST_BITS:
             with flint.ctx.workprec(bits):
-                ball = self._value(part, ExactNumber(place).ball(bits), value.ball(bits))
+                ball = self._value(criterion, ExactNumber(place).ball(bits), value.ball(bits))
                 if ball > 0 or ball < 0:
                     return 1 if ball > 0 else -1
             bits *= 2
@@ -283,31 +249,31 @@ class Problem:
             return ()
         reasons = self._reasons.get(value, set())
         found = [
-            Binding(part, ExactNumber(end), kind)
-            for part in self.conditions
+            Binding(criterion, ExactNumber(end), kind)
+            for criterion in self.conditions
             for kind, end in zip((Kind.EDGE, Kind.START), self.band[::-1], strict=True)
-            if (part, kind) in reasons
+            if (criterion, kind) in reasons
         ]
-        touching = [part for part in self.conditions if (part, Kind.TOUCH) in reasons]
+        touching = [criterion for criterion in self.conditions if (criterion, Kind.TOUCH) in reasons]
         try:
-            return (*found, *(x for part in touching for x in self._touches(part, value, around)))
+            return (*found, *(x for criterion in touching for x in self._touches(criterion, value, around)))
         except LimitError:  # at which frequency was not found in time
-            return (*found, *(Binding(part, None, Kind.TOUCH) for part in touching))
+            return (*found, *(Binding(criterion, None, Kind.TOUCH) for criterion in touching))
 
     def _touches(
-        self, part: Part | None, value: RealNumber, around: tuple[Cell | None, Cell | None]
+        self, criterion: Criterion, value: RealNumber, around: tuple[Cell | None, Cell | None]
     ) -> Iterator[Binding]:
         """The touches inside the band at a value: what the excess just beside it shrinks to."""
-        numerator = RealFunction(self._ring.function(self.conditions[part].function.numerator))
+        numerator = RealFunction(self._ring.function(self.conditions[criterion].function.numerator))
         surface = Surface.of(numerator, self.free)
         for cell in around:
             if cell is None or cell.feasible:
                 continue
             for bits in (12, 48, 192):
-                near = self._excess(part, _approached(value, cell.sample, bits))
+                near = self._excess(criterion, _approached(value, cell.sample, bits))
                 isolated = [touch(surface, value, x.band.low.omega, x.band.high.omega) for x in near if self._inside(x)]
                 if isolated and all(isolated):
-                    yield from (Binding(part, x, Kind.TOUCH) for x in isolated)
+                    yield from (Binding(criterion, x, Kind.TOUCH) for x in isolated)
                     return
 
     def _inside(self, excess: Excess) -> bool:
@@ -325,92 +291,3 @@ def _approached(value: RealNumber, sample: Rational, bits: int) -> Rational:
     start = low if ExactNumber(sample).bounds(64)[0] < low else high
     at = Rational(start.numerator, start.denominator)
     return at + (sample - at) / 2**bits
-
-
-def _factors(polynomial: Polynomial) -> list[tuple[Polynomial, int]]:
-    """Irreducible factors, in omega^2 where the whole is even in omega."""
-    if not _is_even(polynomial):
-        return [(f, int(n)) for f, n in polynomial.factor()[1]]
-    steps = [2, *[1] * (len(polynomial.degrees()) - 1)]
-    return [(f.inflate(steps), int(n)) for f, n in polynomial.deflate(steps).factor()[1]]
-
-
-def _is_even(polynomial: Polynomial) -> bool:
-    return not any(int(e[0]) % 2 for e in polynomial.monoms())
-
-
-def _in_square(polynomial: Polynomial) -> Polynomial:
-    """An even polynomial as one in omega^2."""
-    return polynomial.deflate([2, *[1] * (len(polynomial.degrees()) - 1)]) if _is_even(polynomial) else polynomial
-
-
-def substituted(polynomial: Polynomial, index: int, value: RationalFunction) -> Polynomial:
-    """A polynomial with a number for one of its variables, times a positive number."""
-    if value.denominator.is_constant() and value.numerator.is_constant():
-        number = _constant(value.numerator) / _constant(value.denominator)
-        return polynomial.subs({f"x{index}": number})
-    degree = int(polynomial.degrees()[index])
-    degree += degree % 2  # an even power of the denominator keeps the sign
-    context = polynomial.context()
-    powers: dict[int, dict[tuple[int, ...], fmpq]] = {}
-    for exponents, coefficient in polynomial.to_dict().items():
-        own = [int(n) for n in exponents]
-        power, own[index] = own[index], 0
-        powers.setdefault(power, {})[tuple(own)] = coefficient
-    return sum(
-        (
-            context.from_dict(terms) * value.numerator**n * value.denominator ** (degree - n)
-            for n, terms in powers.items()
-        ),
-        context.constant(0),
-    )
-
-
-def _constant(polynomial: Polynomial) -> fmpq:
-    return next(iter(polynomial.to_dict().values()), fmpq(0))
-
-
-def _in_pi(row: Sequence[int]) -> Expr:
-    return sum((Integer(n) * pi**i for i, n in enumerate(row)), Integer(0))
-
-
-def _positive_roots(rows: Sequence[Sequence[int]]) -> list[RealNumber]:
-    return [*PolynomialFactor(tuple(_trimmed(row) for row in rows), step=1).positive_roots()]
-
-
-def _trimmed(row: Sequence[int]) -> tuple[int, ...]:
-    """A row without the zeros of high powers of pi, so that a rational one is seen to be so."""
-    last = max((i for i, n in enumerate(row) if n), default=0)
-    return tuple(row[: last + 1])
-
-
-def _polynomial(ring: PolynomialRing, index: int, factor: PolynomialFactor, *, mirrored: bool) -> Polynomial:
-    """A factor in the parameter as a polynomial of the ring."""
-    terms = {}
-    for i, row in enumerate(factor.coefficients):
-        for j, n in enumerate(row):
-            exponents = [0] * len(ring.meanings)
-            exponents[index], exponents[1] = i, j
-            terms[tuple(exponents)] = fmpq(-n if mirrored and i % 2 else n)
-    return ring.context.from_dict(terms)
-
-
-def edge_polynomial(condition: RealFunction, end: Expr) -> Expr:
-    """The polynomial in the parameters that vanishes where a rational condition binds at a frequency."""
-    axis = _without_functions(condition)
-    return axis.factored_expression(substituted(condition.function.numerator, 0, axis.convert(end)))
-
-
-def touch_polynomial(condition: RealFunction) -> Expr:
-    """The discriminant in omega^2 of a rational condition: it vanishes where the condition binds inside the band."""
-    axis = _without_functions(condition)
-    found = axis.constant(1)
-    for f in (f for f, n in _factors(condition.function.numerator) if n % 2 and f.degrees()[0]):
-        found *= discriminant(_in_square(f), 0) if f.degrees()[0] > (2 if _is_even(f) else 1) else 1
-    return axis.factored_expression(found)
-
-
-def _without_functions(condition: RealFunction) -> Axis:
-    if condition.axis.functions:
-        raise SceneError("with delays or powers of s the boundary is no polynomial's zero")
-    return condition.axis

@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 from sympy import Expr
 
 from haptisym.judge.answers import Answer
+from haptisym.judge.criteria import Criterion
 from haptisym.kernel.budget import Told, limited
 from haptisym.kernel.shown import counted, titled
 from haptisym.model.jnd import Part
@@ -18,10 +19,10 @@ from haptisym.model.knobs import Knob
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.verbs.require.criticalvalues import edge_polynomial, touch_polynomial
+from haptisym.verbs.require.boundary import edge_polynomial, touch_polynomial
 from haptisym.verbs.require.entry import require
 from haptisym.verbs.require.feasible import Kind
-from haptisym.verbs.require.freeparameter import any_environment_condition, conditions, domain
+from haptisym.verbs.require.freeparameter import asked_of, conditions, domain
 from haptisym.verbs.require.required import Requirement
 
 _CLOSER = 6
@@ -45,14 +46,13 @@ class DesignMap(Answer):
 
     _schema: ClassVar[str] = "haptisym.designmap/1"
     _page: ClassVar[str] = "haptisym.pages.require:map_page"
-    _figure: ClassVar[str] = "haptisym.figures.require:requirement_figure"
+    _figure: ClassVar[str] = "haptisym.figures.designmap:map_figure"
 
     scene: Scene
     free: tuple[Knob, Knob]
     ranges: tuple[tuple[Expr, Expr], tuple[Expr, Expr]]
     slices: tuple[Slice, ...]
-    part: Part | None = None
-    any_environment: bool = False
+    criteria: tuple[Criterion, ...] = ()
 
     def _line(self) -> str:
         first, second = (x.path for x in self.free)
@@ -63,22 +63,18 @@ class DesignMap(Answer):
         """Whether all slices are."""
         return all(x.requirement.certified for x in self.slices)
 
-    def curves(self) -> dict[tuple[Part | None, Kind], Expr]:
+    def curves(self) -> dict[tuple[Criterion, Kind], Expr]:
         """Polynomials in both parameters (and pi) that vanish on the boundary: at the band's ends, and the discriminants.
 
         Every point of the boundary is a zero of one of them. SceneError for scenes with delays or powers of s. Those of
         touches are large for devices of order 4 and more.
         """
-        found = any_environment_condition(self.scene, self.free) if self.any_environment else self._conditions
+        found = conditions(self.scene, self.free, self.criteria)
         return {
-            (part, kind): edge_polynomial(condition, end)
-            for part, condition in found.items()
+            (x, kind): edge_polynomial(condition, end)
+            for x, condition in found.items()
             for kind, end in zip((Kind.START, Kind.EDGE), self.scene.band, strict=True)
-        } | {(part, Kind.TOUCH): touch_polynomial(condition) for part, condition in found.items()}
-
-    @property
-    def _conditions(self) -> Any:
-        return conditions(self.scene, self.free, (self.part,) if self.part else tuple(Part))
+        } | {(x, Kind.TOUCH): touch_polynomial(condition) for x, condition in found.items()}
 
     @property
     def _varied(self) -> tuple[list[str], list[str]]:
@@ -119,6 +115,7 @@ def design_map(
     """
     scene = as_scene(scene)
     first, second = scene.knobs.chosen(paths)
+    criteria = asked_of(scene, (first, second), part, any_environment=any_environment)
     (low, high), other = (
         (free.number(a), free.number(b)) for free, (a, b) in zip((first, second), ranges, strict=True)
     )
@@ -142,7 +139,7 @@ def design_map(
             if budget.reached:  # what could be told apart is
                 break
             found = sorted([*found, *cut_all(wanted)], key=lambda x: float(x.at))
-    return DesignMap(scene, (first, second), ((low, high), other), tuple(found), part, any_environment)
+    return DesignMap(scene, (first, second), ((low, high), other), tuple(found), criteria)
 
 
 def _differ(a: Slice, b: Slice) -> bool:
@@ -150,6 +147,6 @@ def _differ(a: Slice, b: Slice) -> bool:
     return _pattern(a) != _pattern(b)
 
 
-def _pattern(x: Slice) -> list[list[list[tuple[Part | None, Kind]]]]:
+def _pattern(x: Slice) -> list[list[list[tuple[str, Kind]]]]:
     spans = x.requirement.feasible
-    return [[[(b.part, b.kind) for b in end.bindings] for end in (span.low, span.high)] for span in spans]
+    return [[[(b.criterion.name, b.kind) for b in end.bindings] for end in (span.low, span.high)] for span in spans]

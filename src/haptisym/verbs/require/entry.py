@@ -12,9 +12,9 @@ from haptisym.model.jnd import Part
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.verbs.require.freeparameter import domain
+from haptisym.verbs.require.freeparameter import asked_of, domain
 from haptisym.verbs.require.required import Requirement
-from haptisym.verbs.require.solving import Keys, solve
+from haptisym.verbs.require.solving import solve
 
 
 def require(
@@ -50,15 +50,12 @@ def require(
     scene = as_scene(scene)
     if not isinstance(digits, int) or digits < 1:
         raise SceneError(f"digits: {digits} must be a whole number, at least 1")
-    if part is not None and any_environment:
-        raise SceneError("for any environment there are no parts: ask for one or the other")
     free = scene.knobs[path]
-    asked = domain(free, range)
-    keys: Keys = (None,) if any_environment else (part,) if part else tuple(Part)
+    criteria, asked = asked_of(scene, [free], part, any_environment=any_environment), domain(free, range)
     with limited(limit, told) as budget:
-        found = solve(scene, free, asked, keys)
+        found = solve(scene, free, asked, criteria)
     cut = budget.seconds if budget.reached else None
-    return Requirement(scene, free, asked, found.feasible, found.undecided, keys, digits, cut)
+    return Requirement(scene, free, asked, found.feasible, found.undecided, criteria, digits, cut)
 
 
 def is_quick(scene: Scene) -> bool:

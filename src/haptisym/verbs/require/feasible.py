@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from enum import Enum
 from itertools import groupby
 
+from haptisym.judge.criteria import Criterion, Judged
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.shown import Shown
-from haptisym.model.jnd import Part
 
 
 class Kind(Enum):
@@ -24,14 +24,13 @@ class Kind(Enum):
 
 
 @dataclass(frozen=True)
-class Binding:
-    """A condition that holds with equality at the end of a set: of which part, where on the band, rad/s.
+class Binding(Judged):
+    """A condition that holds with equality at the end of a set: which one, where on the band, rad/s.
 
-    ``part``: None for the condition of every environment. ``omega``: None where the frequency of a degenerate touch
-    was not isolated.
+    ``omega``: None where the frequency of a degenerate touch was not isolated.
     """
 
-    part: Part | None
+    criterion: Criterion
     omega: RealNumber | None
     kind: Kind
 

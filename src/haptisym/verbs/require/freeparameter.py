@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from sympy import Expr, Integer
 
-from haptisym.judge.bounds import relative_square
-from haptisym.judge.criteria import level, noticed
+from haptisym.judge.bounds import for_any_environment
+from haptisym.judge.criteria import Criterion, noticed, opened
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import sign_of_number
-from haptisym.kernel.symbols import c
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import THRESHOLD, Knob
@@ -59,40 +58,33 @@ _ALLOWED: Mapping[Rule, tuple[Expr | None, Expr | None, bool]] = {
 }
 
 
-Conditions = Mapping[Part | None, RealFunction]
-"""Functions of omega and the free parameters that must not be positive: r^2 - c^2 of a part; None: of every environment."""
-
-
-def conditions(scene: Scene, free: Iterable[Knob], parts: Iterable[Part] = Part) -> dict[Part | None, RealFunction]:
-    """r^2 - c^2 of each part, with the free parameters left as symbols."""
-    listed = list(free)
-    d, free_parts = _distortion(scene, listed), {part for x in listed for part in x.parts}
-    criteria = dict(zip(Part, noticed(scene.threshold, free_parts), strict=True))
-    return {part: _real(criteria[part].function(d)) for part in parts}
-
-
-def any_environment_condition(scene: Scene, free: Iterable[Knob]) -> dict[Part | None, RealFunction]:
-    """|G - 1|^2 - c^2 of a scene whose effects are all in series, with c the smaller threshold."""
-    listed = list(free)
-    square, limits = relative_square(_distortion(scene, listed)), _limits(scene, listed)
-    if square is None:
-        raise SceneError("only effects in series can be judged for any environment: this scene has others")
-    if any(x.path.startswith("environment.") for x in listed):
+def asked_of(scene: Scene, free: Sequence[Knob], part: Part | None, *, any_environment: bool) -> tuple[Criterion, ...]:
+    """What is to hold on the whole band: what is judged of one part, or of both, or |G - 1| <= c."""
+    if not any_environment:
+        return tuple(x for x in noticed(scene.threshold) if part in (None, x.part))
+    if part is not None:
+        raise SceneError("for any environment there are no parts: ask for one or the other")
+    if any(x.path.startswith("environment.") for x in free):
         raise SceneError("for any environment no parameter of the environment can be free")
-    if any(len(x.parts) == 1 for x in listed):
+    if any(len(x.parts) == 1 for x in free):
         raise SceneError(f"for any environment the thresholds are one: leave {THRESHOLD} free")
-    least = limits[Part.REAL] if any(x.parts for x in listed) else min(limits.values())
-    return {None: _real(level(square, (least**2).expand()))}
+    return (for_any_environment(scene.threshold),)
+
+
+Conditions = Mapping[Criterion, RealFunction]
+"""Functions of omega and the free parameters that must not be positive."""
+
+
+def conditions(scene: Scene, free: Iterable[Knob], criteria: Iterable[Criterion]) -> dict[Criterion, RealFunction]:
+    """What criteria ask, with the free parameters left as symbols."""
+    listed = list(free)
+    d, parts = _distortion(scene, listed), {part for x in listed for part in x.parts}
+    return {x: _real(x.function(d)) for x in opened(criteria, parts)}
 
 
 def _distortion(scene: Scene, free: list[Knob]) -> Distortion:
     scene.knobs.need_numbers(free)
     return scene.chain.at(values(x for x in scene.parameters if x not in free)).distortion()
-
-
-def _limits(scene: Scene, free: list[Knob]) -> dict[Part, Expr]:
-    open_parts = {part for x in free for part in x.parts}
-    return {part: c if part in open_parts else scene.threshold[part] for part in Part}
 
 
 def _real(found: object) -> RealFunction:

@@ -15,17 +15,16 @@ from typing import Any, Protocol
 
 from sympy import Expr, Integer, Rational
 
-from haptisym.judge.bounds import relative_square
+from haptisym.judge.criteria import Criterion
 from haptisym.judge.peaks import Top, tops
 from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import RealNumber, SquareRoot, rational_between
-from haptisym.model.jnd import Part, Threshold
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.feasible import Binding, Kind, Span
 from haptisym.verbs.require.freeparameter import Domain
-from haptisym.verbs.require.solving import Keys, solve
+from haptisym.verbs.require.solving import solve
 
 
 class Asked(Protocol):
@@ -42,7 +41,7 @@ class Asked(Protocol):
     @property
     def undecided(self) -> tuple[Any, ...]: ...
     @property
-    def keys(self) -> Keys: ...
+    def criteria(self) -> tuple[Criterion, ...]: ...
 
 
 _SECONDS = 10.0
@@ -54,7 +53,7 @@ _KINDS = {None: Kind.TOUCH, False: Kind.START, True: Kind.EDGE}
 class Nearest:
     """A value of the parameter, and by how much it fails.
 
-    ``value``: SI. ``ratio``: the largest ratio at it, proven; ``binding``: of which part, and where. ``times``: by how much the
+    ``value``: SI. ``ratio``: the largest ratio at it, proven; ``binding``: of what, and where. ``times``: by how much the
     thresholds would have to be larger for this value; ``at_least``: by how much, at least, for any value asked about, proven.
     """
 
@@ -67,7 +66,7 @@ class Nearest:
 
 def nearest(r: Asked) -> Nearest | None:
     """The value that comes nearest where none will do, found in ten seconds; None where none shows."""
-    if r.feasible or r.undecided or r.free.parts:
+    if r.feasible or r.undecided or r.free.parts or any(x.threshold == 0 for x in r.criteria):
         return None
     best: Nearest | None = None
     least = 1.0
@@ -82,8 +81,8 @@ def nearest(r: Asked) -> Nearest | None:
                 between = _simple(sqrt(least * best.times))
                 if not least < float(between) < best.times:
                     break
-                scaled = _scaled(r.scene, between)
-                found = solve(scaled, scaled.knobs[r.free.path], r.domain, r.keys)
+                larger = [replace(x, threshold=(x.threshold * between).expand()) for x in r.criteria]
+                found = solve(r.scene, r.free, r.domain, larger)
                 if found.undecided:
                     break
                 if not found.feasible:
@@ -129,24 +128,16 @@ def _at(r: Asked, value: Expr, least: float) -> Nearest | None:
         d = scene.distortion()
     except SceneError:
         return None
-    worst: tuple[float, Part | None, Top, float] | None = None
-    for part in r.keys:
-        square = d.squared_ratios[part] if part else relative_square(d)
-        limit = float(scene.threshold[part]) if part else min(float(scene.threshold[x]) for x in Part)
-        found = None if square is None else tops(square, *scene.band)
+    worst: tuple[float, Criterion, Top] | None = None
+    for x in r.criteria:
+        found = tops(x.measure(d), *scene.band)
         if found is None:
             return None
-        top = max(found, key=lambda x: float(x.value))
-        times = sqrt(max(float(top.value), 0.0)) / limit
+        top = max(found, key=lambda top: float(top.value))
+        times = sqrt(max(float(top.value), 0.0)) / float(x.threshold)
         if worst is None or times > worst[0]:
-            worst = times, part, top, limit
+            worst = times, x, top
     if worst is None or worst[0] == inf:
         return None
-    times, part, top, _ = worst
-    return Nearest(value, SquareRoot(top.value), Binding(part, top.omega, _KINDS[top.end]), times, least)
-
-
-def _scaled(scene: Scene, times: Expr) -> Scene:
-    """The scene with thresholds so many times as large."""
-    c = scene.threshold
-    return replace(scene, threshold=Threshold(*((c[part] * times).expand() for part in Part)))
+    times, x, top = worst
+    return Nearest(value, SquareRoot(top.value), Binding(x, top.omega, _KINDS[top.end]), times, least)

@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 from sympy import Expr, Symbol
 
 from haptisym.judge.answers import Answer
-from haptisym.judge.bounds import relative_square
-from haptisym.judge.criteria import level
+from haptisym.judge.bounds import ANY_ENVIRONMENT
+from haptisym.judge.criteria import Criterion, opened
 from haptisym.kernel.reals import RealNumber, Sliver
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.shown import titled
@@ -23,7 +23,6 @@ from haptisym.verbs.require.closedforms import closed_form
 from haptisym.verbs.require.feasible import Binding, End, Kind, Span, bound_ends, spanned
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.nearest import Nearest, nearest
-from haptisym.verbs.require.solving import Keys
 
 _NAMES = {Kind.EDGE: Symbol("omega_max", positive=True), Kind.START: Symbol("omega_min", positive=True)}
 
@@ -36,9 +35,9 @@ class Requirement(Answer):
     """All values of one parameter for which a scene is transparent on its whole band, certified.
 
     ``feasible``: intervals of values, SI, in order; () means proved that none will do. Each end says what binds there: which
-    part, where on the band. ``undecided``: intervals of values about which nothing is proven; empty for every rational scene.
+    condition, and where on the band. ``undecided``: values about which nothing is proven; empty for every rational scene.
     ``limit``: the seconds of a limit that cut the work short, None if none did.
-    ``domain``: the values that were asked about. ``keys``: the parts that were asked about; None for any environment.
+    ``domain``: the values that were asked about. ``criteria``: what is to hold.
     """
 
     _schema: ClassVar[str] = "haptisym.requirement/1"
@@ -50,7 +49,7 @@ class Requirement(Answer):
     domain: Domain
     feasible: tuple[Span, ...]
     undecided: tuple[tuple[RealNumber | None, RealNumber | None], ...] = ()
-    keys: Keys = tuple(Part)
+    criteria: tuple[Criterion, ...] = ()
     digits: int = 15
     limit: float | None = None
 
@@ -81,10 +80,10 @@ class Requirement(Answer):
         for binding in end.bindings:
             place = _NAMES.get(binding.kind)
             if place is not None and binding.omega is not None and float(binding.omega) > 0:
-                condition = self._symbolic(binding.part)
+                condition = self._symbolic(binding.criterion)
                 if condition is None:
                     return None
-                known = self._known(binding.part) | {place: self.scene.band[binding.kind is Kind.EDGE]}
+                known = self._known(binding.criterion) | {place: self.scene.band[binding.kind is Kind.EDGE]}
                 found = closed_form(condition, self.free.symbol, place, known, end.value.digits(60))
                 if found is not None:
                     return found
@@ -95,19 +94,17 @@ class Requirement(Answer):
         """The formulas of ``ends``, None for each that has none."""
         return tuple(self.form(end) for end in self.ends)
 
-    def _symbolic(self, part: Part | None) -> RealFunction | None:
+    def _symbolic(self, criterion: Criterion) -> RealFunction | None:
         """The condition with symbols for all parameters; None where it would fill a book."""
         d = self.scene.symbolic_distortion()
         if len(d.difference.numerator.monoms()) * len(d.difference.denominator.monoms()) > _MOST_PRODUCTS:
             return None
-        square = relative_square(d) if part is None else None
-        found = level(d.squared_ratios[part or Part.REAL] if square is None else square, c**2)
+        [found] = (x.function(d) for x in opened([criterion], tuple(Part)))
         assert isinstance(found, RealFunction)
         return found
 
-    def _known(self, part: Part | None) -> dict[Symbol, Expr]:
-        limits = self.scene.threshold
-        own = min(limits.real, limits.imag) if part is None else limits[part]
+    def _known(self, criterion: Criterion) -> dict[Symbol, Expr]:
+        own = next(x.threshold for x in self.criteria if x.name == criterion.name)
         return {**values(self.scene.parameters), c: own}
 
     @property
@@ -122,7 +119,7 @@ class Requirement(Answer):
             "unit": self.free.unit,
             "range": [low, high],
             "band": [float(x) for x in self.scene.band],
-            "condition": [x.value if x else "any environment" for x in self.keys],
+            "condition": [x.name for x in self.criteria],
             "feasible": rows["feasible"],
             "ends": [[self._end(x.low), self._end(x.high)] for x in self.feasible],
             "binding": rows["binding"],
@@ -178,7 +175,8 @@ def _float(end: End) -> float | None:
 
 def _binding(b: Binding) -> dict[str, Any]:
     omega = None if b.omega is None else float(b.omega)
-    return {"part": b.part.value if b.part else None, "omega": omega, "kind": b.kind.value}
+    part = None if b.criterion.name == ANY_ENVIRONMENT.name else b.criterion.name
+    return {"part": part, "omega": omega, "kind": b.kind.value}
 
 
 def _nearest(x: Nearest) -> dict[str, Any]:

@@ -2,52 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property, partial
-from typing import TypeAlias
 
 import flint
 from sympy import Expr, Rational
 
-from haptisym.judge.bounds import relative_square
-from haptisym.judge.criteria import noticed
+from haptisym.judge.criteria import Criterion
 from haptisym.kernel.budget import share
 from haptisym.kernel.errors import LimitError, SceneError
-from haptisym.kernel.levels import Level
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, expression_ball
-from haptisym.kernel.response import RealFunction
-from haptisym.model.jnd import Part
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.cells import Leaf, Search
 from haptisym.verbs.require.criticalvalues import Problem
 from haptisym.verbs.require.feasible import End, Solved, Span, bound_ends, runs
-from haptisym.verbs.require.freeparameter import Conditions, Domain, any_environment_condition, conditions
+from haptisym.verbs.require.freeparameter import Conditions, Domain, conditions
 from haptisym.verbs.require.places import Verdict
 from haptisym.verbs.require.thresholds import ThresholdProblem
 
-Keys: TypeAlias = tuple[Part | None, ...]
-"""The parts that are asked about; None for any environment."""
 _SLIVER = Fraction(1, 10**9)
 """Relative width of values that may be given as an end by their enclosure alone."""
 
 
-def solve(scene: Scene, free: Knob, asked: Domain, keys: Keys) -> Solved:
+def solve(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]) -> Solved:
     """All values of the domain that keep the conditions; those about which the time did not last are undecided."""
     try:
         if free.parts:
-            return Solved(_threshold_problem(scene, free, asked, keys).solve())
-        found = _conditions(scene, free, keys)
+            return Solved(_threshold_problem(scene, free, asked, criteria).solve())
+        found = conditions(scene, [free], criteria)
         return _by_balls(scene, free, asked, found) if _has_functions(found) else _exactly(scene, free, asked, found)
     except LimitError:
         return Solved((), ((_exact(asked.low), _exact(asked.high)),))
-
-
-def _conditions(scene: Scene, free: Knob, keys: Keys) -> Conditions:
-    parts = tuple(part for part in keys if part)
-    return conditions(scene, [free], parts) if parts else any_environment_condition(scene, [free])
 
 
 def _has_functions(found: Conditions) -> bool:
@@ -74,18 +62,11 @@ _FOR_BALLS, _FOR_CRITICAL_VALUES = 0.4, 0.6
 """Of the time that is left: balls are quick about large devices; where critical values are not known by then, balls must do."""
 
 
-def _threshold_problem(scene: Scene, free: Knob, asked: Domain, keys: Keys) -> ThresholdProblem:
+def _threshold_problem(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]) -> ThresholdProblem:
     """The question for a threshold: the conditions that it is not part of stay as they are."""
     d = scene.distortion()
-    parts = [part for part in keys if part in (*free.parts, None)]
-    squares = {part: d.squared_ratios[part] if part else relative_square(d) for part in parts}
-    kept: Mapping[Part | None, RealFunction | Level] = {
-        part: x.function(d)
-        for part, x in zip(Part, noticed(scene.threshold), strict=True)
-        if part in keys
-        if part and part not in free.parts
-    }
-    return ThresholdProblem({x: f for x, f in squares.items() if f is not None}, kept, scene.band, asked)
+    own = {x: x.measure(d) for x in criteria if x.depends_on(free.parts)}
+    return ThresholdProblem(own, {x: x.function(d) for x in criteria if x not in own}, scene.band, asked)
 
 
 def allowed(scene: Scene, free: Knob, value: Expr) -> bool:

@@ -7,35 +7,31 @@ the band or at one of its local maxima, which are certified zeros of the slope: 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import flint
 from sympy import Expr
 
-from haptisym.judge.criteria import level
+from haptisym.judge.criteria import Criterion
 from haptisym.judge.peaks import Largest, Top, tops
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.levels import Level
 from haptisym.kernel.reals import ExactNumber, SquareRoot
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import chart
-from haptisym.model.jnd import Part
 from haptisym.verbs.require.feasible import Binding, End, Kind, Span
 from haptisym.verbs.require.freeparameter import Domain
 
 _TOLD_APART = (64, 256, 1024)
 """Bits with which the values of two local maxima are compared; what is alike to the last of them binds with the other."""
 
-Squares = Mapping[Part | None, RealFunction]
-"""r^2 of each part whose threshold is asked for; None: |G - 1|^2, for every environment."""
-
 
 @dataclass(frozen=True)
 class ThresholdProblem:
     """Squared ratios that one threshold judges on a band; ``kept``: what must not be positive besides, as it is."""
 
-    squares: Squares
-    kept: Mapping[Part | None, RealFunction | Level]
+    squares: Mapping[Criterion, RealFunction]
+    kept: Mapping[Criterion, RealFunction | Level]
     band: tuple[Expr, Expr]
     domain: Domain
 
@@ -58,10 +54,10 @@ class ThresholdProblem:
             return (Span(bottom, bottom),) if self.domain.holds_high else ()
         return (Span(bottom, top),)
 
-    def _excess(self, limit: Expr) -> dict[Part | None, RealFunction | Level]:
-        return {part: level(square, (limit**2).expand()) for part, square in self.squares.items()}
+    def _excess(self, limit: Expr) -> dict[Criterion, RealFunction | Level]:
+        return {x: replace(x, threshold=limit).exceeded(square) for x, square in self.squares.items()}
 
-    def _exceeds(self, conditions: Mapping[Part | None, RealFunction | Level]) -> bool:
+    def _exceeds(self, conditions: Mapping[Criterion, RealFunction | Level]) -> bool:
         table = chart(conditions, *self.band)
         exceeds = bool(table.where(lambda signs: any(sign > 0 for sign in signs.values())))
         if not exceeds and table.undecided:
@@ -73,14 +69,14 @@ class ThresholdProblem:
         table = chart(self._excess(limit), *self.band)
         return any(n > 0 for point in table.points for n in point.orders.values())
 
-    def _tops(self) -> list[tuple[Part | None, Top]] | None:
+    def _tops(self) -> list[tuple[Criterion, Top]] | None:
         """The places at which the largest ratio is reached; None where one has no bound."""
-        found: list[tuple[Part | None, Top]] = []
-        for part, square in self.squares.items():
+        found: list[tuple[Criterion, Top]] = []
+        for criterion, square in self.squares.items():
             own = tops(square, *self.band)
             if own is None:
                 return None
-            found += [(part, x) for x in own]
+            found += [(criterion, x) for x in own]
         for bits in _TOLD_APART:
             with flint.ctx.workprec(bits):
                 balls = [x.value.ball(bits) for _, x in found]
@@ -89,8 +85,8 @@ class ThresholdProblem:
         return found
 
 
-def _bindings(found: list[tuple[Part | None, Top]]) -> tuple[Binding, ...]:
-    return tuple(Binding(part, x.omega, _KINDS[x.end]) for part, x in found)
+def _bindings(found: list[tuple[Criterion, Top]]) -> tuple[Binding, ...]:
+    return tuple(Binding(criterion, x.omega, _KINDS[x.end]) for criterion, x in found)
 
 
 _KINDS = {None: Kind.TOUCH, False: Kind.START, True: Kind.EDGE}
