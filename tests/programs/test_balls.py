@@ -251,10 +251,8 @@ def test_a_difference_of_near_floats_may_be_as_small_as_their_last_place() -> No
     for digits in (53, 100):
         x = Range(0.0, 1.0)
         found = magnitudes._step("sub", (0, 1), (x, x), digits)
-        assert -digits - 2 <= found.low <= -digits + 1
-        assert found.high >= 2.0 - 1e-9
-        assert not found.positive
-        assert not found.nonzero
+        assert found == Range(-digits - 1, 2.0)  # one place more, for pairs of doubles with a gap between them
+        assert magnitudes._step("sub", (0, 1), (x, Range(-4.0, -2.0)), digits) == Range(-4.0 - digits - 1, 2.0)
 
 
 def test_a_sum_of_what_is_not_negative_loses_nothing_and_a_square_is_not_negative() -> None:
@@ -271,7 +269,7 @@ def test_a_sum_of_what_is_not_negative_loses_nothing_and_a_square_is_not_negativ
 def test_the_range_of_a_function_holds_it(name: str) -> None:
     draw = random.Random(name)
     for _ in range(800):
-        x = drawn(draw, -60, 60)
+        x = drawn(draw, -60, 300)
         found = magnitudes._step(name, (0,), (x,), 53)
         for a in between(draw, x):
             if name != "sqrt" or a >= 0:

@@ -38,12 +38,12 @@ from haptisym.model.parameters import values
 from haptisym.verbs.require.cells import BITS, Leaf, Search, _bound_by_phase, _middle
 from haptisym.verbs.require.criticalvalues import Problem
 from haptisym.verbs.require.entry import is_quick
-from haptisym.verbs.require.feasible import Kind
+from haptisym.verbs.require.feasible import End, Kind, Span, spanned
 from haptisym.verbs.require.freeparameter import Domain, conditions, domain
 from haptisym.verbs.require.places import MaximumAt, Place, Strip, Verdict, _Box, _clusters, _place, places
 from haptisym.verbs.require.required import Requirement
 from haptisym.verbs.require.solving import Line
-from haptisym.verbs.require.strips import Shape
+from haptisym.verbs.require.strips import Shape, _wave
 from haptisym.verbs.require.touches import Surface, touch
 
 PAPER = hs.load_scene("fu2019")
@@ -957,6 +957,35 @@ def test_a_long_delay_breaks_a_condition_as_soon_as_a_piece_of_the_band_holds_al
     assert _bound_by_phase(loose.conditions[IMAG], form.free.symbol, BAND) is None
 
 
+def test_a_delay_is_tried_at_several_phases() -> None:
+    """r_r = 1 - cos(omega tau) is above 1.5 about half a turn, not at a quarter of one."""
+    late = hs.Scene(SPRING, (effects.delay("5 ms"),), (0, 15), hs.Threshold.of("1.5", 3))
+    form = Form(late, "tau")
+    bound = _bound_by_phase(form.conditions[REAL], form.free.symbol, late.band)
+    assert float(bound) == pytest.approx(2 * np.pi / 15 / 0.99, rel=1e-12)
+
+
+def test_the_width_of_a_cell_is_relative_to_its_larger_end_on_either_side_of_zero() -> None:
+    form = Form(LATE, "tau")
+    search = Search(form.conditions, form.free.symbol, LATE.band, Fraction(2))
+    for low, high, width in ((4, 8, "1/2"), (-8, -4, "1/2"), (-8, 4, "3/2"), (-4, 8, "3/2"), ("-1/1000", "1/1000", 1)):
+        assert search._width(Fraction(low), Fraction(high)) == Fraction(width)
+
+
+def test_sines_and_cosines_of_an_unknown_half_angle_are_between_their_least_and_largest_products() -> None:
+    for power in (0, 2, 4):
+        for k in range(power + 1):
+            found = _wave(None, k, power)
+            for angle in np.linspace(0, np.pi, 25):
+                value = np.sin(angle) ** k * np.cos(angle) ** (power - k)
+                assert float(found.lower()) - 1e-15 <= value <= float(found.upper()) + 1e-15
+            assert float(found.upper()) == pytest.approx(1)
+            assert float(found.lower()) == pytest.approx(1 if power == 0 else 0 if k % 2 == 0 else -1, abs=1e-8)
+    with flint.ctx.workprec(BITS):
+        known = _wave(arb("0.3"), 1, 4)
+    assert float(known) == pytest.approx(np.sin(0.3) * np.cos(0.3) ** 3, rel=1e-14)
+
+
 # --- lines of values -------------------------------------------------------------------------------------------------
 
 KEPT, BROKEN, OPEN = Verdict.KEPT, Verdict.BROKEN, Verdict.OPEN
@@ -1054,6 +1083,13 @@ def test_random_polynomial_conditions_hold_at_each_value_that_they_are_said_to()
 CLOSED, BARE = (True, True), (False, False)
 
 
+def test_a_span_is_told_from_its_ends() -> None:
+    a, b = (End(ExactNumber(Rational(x)), closed=True) for x in ("7/2", "122"))
+    unbounded = End(None)
+    told = [spanned(Span(*x)) for x in ((unbounded, unbounded), (unbounded, a), (b, unbounded), (a, b), (a, a))]
+    assert told == ["any", "up to 3.50000", "from 122.000 on", "3.50000 to 122.000", "3.50000"]
+
+
 def test_a_domain_cuts_the_set_and_its_ends_belong_as_they_are_told_to() -> None:
     inner = T * (T - 4)  # kept from 0 to 4
     for ends, expected in (
@@ -1108,6 +1144,41 @@ def test_single_values_algebraic_ones_too_are_in_the_set_or_left_out_as_an_exact
     assert rational == [(1.5, 1.5, True, True)]
     crossed = solved((T**2 - 2) ** 2 * (OMEGA**2 - 49))  # negative below 7, positive above, but for t^2 = 2
     assert [x.low.value.digits(8) for x in crossed] == ["-1.4142136", "1.4142136"]
+
+
+def test_a_part_that_is_broken_at_an_algebraic_value_leaves_it_out_though_the_other_part_is_kept_there_alone() -> None:
+    """Beside t^3 = 2 the real part is broken first, so that nothing near tells of the imaginary part at that value."""
+    at_one_value = (T**3 - 2) ** 2
+    assert solved({REAL: at_one_value, IMAG: OMEGA**2 - 49}) == ()
+    assert solved({REAL: at_one_value, IMAG: at_one_value + OMEGA**2 - 49}) == ()
+    assert len(solved({REAL: at_one_value, IMAG: OMEGA**2 - 225})) == 1
+
+
+def test_two_factors_that_meet_inside_the_band_do_so_at_single_values() -> None:
+    """-(w^2 - a)(w^2 - b) is positive between a and b alone: kept where they are one, or both beyond the band."""
+    even = -(OMEGA**2 - T - 5) * (OMEGA**2 - 15 + T)
+    assert shown(solved(even, band=(Integer(1), Integer(6)))) == [(5, 5, True, True)]
+    odd = -(OMEGA - T) * (OMEGA + T) * (OMEGA**2 + 2 * T - 8)  # squares meet at t = 2 and t = -4
+    spans = shown(solved(odd, band=(Integer(1), Integer(5))))
+    assert spans == [(None, -8.5, False, True), (-4, -4, True, True), (2, 2, True, True)]
+    places = [x.low.bindings for x in solved(odd, band=(Integer(1), Integer(5)))[1:]]
+    assert [[(b.kind, b.omega and float(b.omega)) for b in x] for x in places] == [
+        [(Kind.TOUCH, 4.0)],
+        [(Kind.TOUCH, 2.0)],
+    ]
+
+
+def test_a_resonance_that_cancels_at_one_value_is_transparent_there_alone() -> None:
+    """r_r = |(49 - w^2)/(g^2 - w^2)|/20: of both signs of the pole the crossings lie on one side of 7 rad/s."""
+    almost = effects.series("1 + (s^2 + 49)/(20*(s^2 + g^2))", parameters={"g": 8})
+    spans = hs.require(hs.Scene(SPRING, (almost,), (0, 15)), "g", (0, 100)).feasible
+    assert [s.low.value.digits(9) for s in spans] == [
+        "7.00000000",
+        "17.6918060",
+    ]  # from sqrt(313) on the pole is far enough
+    assert spans[0].high.value.value == 7
+    [b] = spans[0].low.bindings
+    assert (b.part, b.kind, b.omega.digits(12)) == (REAL, Kind.TOUCH, "7.00000000000")
 
 
 def test_pi_may_stand_in_band_and_condition() -> None:
@@ -1303,3 +1374,12 @@ def test_a_requirement_by_balls_may_end_at_a_tangency_and_at_negative_values(
             assert crossed[0] < float(b.omega) < crossed[1] < crossed[0] + 0.01
         else:
             assert b.omega.value == told.band[1]
+
+
+@pytest.mark.parametrize("own", [-1, 0])
+def test_a_requirement_by_balls_over_all_values_does_not_depend_on_the_scenes_own(own: int) -> None:
+    shunted = hs.Scene(SPRING, (effects.shunt(m=own), effects.delay("1 ms")), (0, 6))
+    found = hs.require(shunted, "effects.shunt.m")
+    [span] = found.feasible
+    assert found.undecided == ()
+    assert [float(span.low.value), float(span.high.value)] == pytest.approx([-10 / 36, 10 / 36], rel=1e-3)

@@ -40,6 +40,10 @@ _LARGE = 10  # degree in omega^2 of a condition: a device of order 4
 _ROUNDS = (8, 32, 128, 512)
 """Bits by which a critical value is approached for a witness, before its number field is asked."""
 
+_NEAR = ((12, 0), (48, 0), (192, 0), (12, 6), (48, 24), (192, 96))
+"""Bits by which a value is approached for its touches, and how far outside of the excess they are sought: zeros of two factors
+that move to the same side meet outside."""
+
 
 @dataclass(frozen=True)
 class Excess:
@@ -269,9 +273,11 @@ class Problem:
         for cell in around:
             if cell is None or cell.feasible:
                 continue
-            for bits in (12, 48, 192):
-                near = self._excess(criterion, _approached(value, cell.sample, bits))
-                isolated = [touch(surface, value, x.band.low.omega, x.band.high.omega) for x in near if self._inside(x)]
+            for bits, beyond in _NEAR:
+                near = [
+                    x.band for x in self._excess(criterion, _approached(value, cell.sample, bits)) if self._inside(x)
+                ]
+                isolated = [touch(surface, value, x.low.omega, x.high.omega, beyond) for x in near]
                 if isolated and all(isolated):
                     yield from (Binding(criterion, x, Kind.TOUCH) for x in isolated)
                     return

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import flint
+from flint import arb
 from sympy import Expr, Symbol
 
-from haptisym.kernel.reals import Ball, RealNumber, expression_ball, rational_between
+from haptisym.kernel.reals import Ball, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import PolynomialRing, RationalFunction
 from haptisym.kernel.symbols import omega
@@ -57,13 +58,15 @@ class Touch(RealNumber):
             )
 
 
-def touch(surface: Surface, value: RealNumber, low: RealNumber, high: RealNumber) -> Touch | None:
-    """The extremum between two frequencies, proven to be there and to be the only one; None where that does not show."""
-    middle = rational_between(low, high)
+def touch(surface: Surface, value: RealNumber, low: RealNumber, high: RealNumber, beyond: int = 0) -> Touch | None:
+    """The extremum between two frequencies, proven to be there and to be the only one; None where that does not show.
+
+    With ``beyond`` bits it is sought 2^-beyond rad/s outside as well.
+    """
     with flint.ctx.workprec(256):
-        start, end, at = low.ball(256).lower(), high.ball(256).upper(), value.ball(256)
+        outside = arb(2) ** -beyond if beyond else arb(0)
+        start, end, at = low.ball(256).lower() - outside, high.ball(256).upper() + outside, value.ball(256)
         bend = surface.ball(surface.bend, start.union(end), at)
         left, right = (surface.ball(surface.slope, x, at) for x in (start, end))
         certain = (bend < 0 and left > 0 and right < 0) or (bend > 0 and left < 0 and right > 0)
-    assert start < expression_ball(middle) < end
     return Touch(surface, value, start, end) if certain else None
