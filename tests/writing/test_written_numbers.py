@@ -6,14 +6,14 @@ import random
 import re
 
 import pytest
-from sympy import Float, Integer, Rational, Symbol, pi, sqrt
+from sympy import Expr, Integer, Rational, Symbol, pi, sqrt
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import PolynomialRing
 from haptisym.kernel.symbols import omega, s
-from haptisym.writing.code.entry import Language
-from haptisym.writing.code.names import comment, function_name, identifiers
-from haptisym.writing.code.printers import in_doubles, nearest_double, printer
+from haptisym.programs.program import Writer
+from haptisym.writing.code.expressions import DIALECTS, CodeReader, nearest_double
+from haptisym.writing.code.names import Language, comment, function_name, identifiers
 from haptisym.writing.formula import readable
 from haptisym.writing.mathtext import plain
 from haptisym.writing.numerals import approximate, is_short
@@ -23,13 +23,19 @@ WHOLE = [0, 1, 7, 10**6, 10**15 - 1, 10**15, 2**53, 2**53 + 1, 10**20, 10**300]
 OTHERS = [Rational(1, 3), Rational(1, 10), Rational(10**25, 3), Rational(1, 10**200), Rational(123456789, 1000)]
 
 
+def in_code(number: Expr, language: Language) -> str:
+    """How a language writes a number."""
+    write = Writer(())
+    program = write.program({"y": write.expression(number)})
+    return CodeReader(program, set(), dialect=DIALECTS[language], names={}).results()["y"].text
+
+
 @pytest.mark.parametrize("language", Language, ids=lambda x: x.name)
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_number_in_code_reads_back_as_the_double_nearest_to_it(language: Language, sign: int) -> None:
     """Whole numbers beyond all doubles' digits have a point or an exponent: languages read others as machine integers."""
-    write = printer(language, {})
     for value in [*map(Integer, WHOLE), *OTHERS]:
-        text = write.text(in_doubles(sign * value))
+        text = in_code(sign * value, language)
         assert float(text) == float(sign * value), text
         if len(text.lstrip("-")) > 15:
             assert re.search(r"[.e]", text), text
@@ -37,10 +43,9 @@ def test_a_number_in_code_reads_back_as_the_double_nearest_to_it(language: Langu
 
 @pytest.mark.parametrize("language", Language, ids=lambda x: x.name)
 def test_pi_alone_keeps_its_name_in_code_and_with_a_number_it_is_one_double(language: Language) -> None:
-    write = printer(language, {})
-    assert "pi" in write.text(in_doubles(pi)).lower()
-    assert float(write.text(in_doubles(3 * pi))) == nearest_double(3 * pi)
-    assert in_doubles(pi * sqrt(2)) == Float(nearest_double(pi * sqrt(2)), precision=53)
+    assert "pi" in in_code(pi, language).lower()
+    for number in (3 * pi, pi * sqrt(2)):
+        assert float(in_code(number, language)) == nearest_double(number)
 
 
 @pytest.mark.parametrize("language", Language, ids=lambda x: x.name)

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Set
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from itertools import count
 from types import MappingProxyType
+from typing import Any, Generic, TypeVar
 
 from sympy import (
     Abs,
-    Add,
     Expr,
-    Mul,
     Pow,
     Rational,
     Symbol,
@@ -21,13 +21,12 @@ from sympy import (
     default_sort_key,
     factor_terms,
     sin,
-    sinc,
     sqrt,
 )
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.shown import Shown, counted
-from haptisym.programs.program import Operation, Program, sincm1
+from haptisym.programs.program import Operation, Program
 
 
 @dataclass(frozen=True, repr=False)
@@ -91,7 +90,8 @@ class Steps(Shown):
         >>> Steps((), {"y": (a + b) * cos(a + b)}).operations
         4
         """
-        return sum(int(count_ops(map_numbers(e, _constant))) for e in self._values())
+        numbers = {x: _FRACTION for e in self._values() for x in e.atoms(Rational) if x.q != 1 and abs(x.p) != 1}
+        return sum(int(count_ops(e.xreplace(numbers))) for e in self._values())
 
     def at(self, values: Mapping[Symbol, Expr]) -> dict[str, Expr]:
         """The results for given values of the arguments (exact for exact values), computed definition by definition.
@@ -108,47 +108,11 @@ class Steps(Shown):
 
 
 DISTORTION = ("real", "imag", "ratio_real", "ratio_imag", "relative_real", "relative_imag")
-"""Of the fields of ``numeric.Values`` those that tell of the distortion itself."""
-_CODE: Mapping[str, Callable[..., Expr]] = MappingProxyType(
-    {
-        "add": lambda x, y: x + y,
-        "sub": lambda x, y: x - y,
-        "mul": lambda x, y: x * y,
-        "div": lambda x, y: x / y,
-        "neg": lambda x: -x,
-        "power": Pow,
-        "abs": Abs,
-        "sqrt": sqrt,
-        "cos": cos,
-        "sin": sin,
-        "sinc": sinc,
-        "sincm1": sincm1,
-    }
-)
-
-
-def code_steps(program: Program) -> Steps:
-    """A program with its labels as names, a name for whatever else is used twice, and one for each sum that is a factor.
-
-    SymPy would multiply the latter out.
-
-    >>> from haptisym.programs.program import Writer
-    >>> a, b = Symbol("a"), Symbol("b")
-    >>> write = Writer((a, b))
-    >>> difference = write.sub(write.input(a), write.input(b))
-    >>> steps = code_steps(write.program({"y": write.mul(write.constant(3), difference)}))
-    >>> steps.definitions, steps.results
-    (((x0, a - b),), {'y': 3*x0})
-    """
-    factors: set[int] = set()
-    for step in program.operations:
-        factors.update(step.arguments if step.name not in ("input", "add", "sub") else ())
-    sums = {n for n in factors if program.operations[n].name in ("add", "sub")}
-    return _Reader(program, sums).steps()
+"""Of the fields of ``programs.values.Values`` those that tell of the distortion itself."""
 
 
 def page_steps(program: Program) -> Steps:
-    """The same for a person: in whole angles where that is shorter, and what has no label and is short has no name.
+    """A program for a person: its labels are names, and so is what is long; angles are whole where that is shorter.
 
     >>> from haptisym import effects, environments
     >>> from haptisym.model.distortion import distort
@@ -167,67 +131,124 @@ def page_steps(program: Program) -> Steps:
     >>> steps.results["imag"]
     F/M
     """
-    return _PageReader(program).steps()
+    reader = _PageReader(program, {"c", *(x.name for x in program.inputs)})
+    results = reader.results()
+    return Steps(tuple((Symbol(name, real=True), value) for name, value in reader.definitions), results)
+
+
+_FRACTION = Symbol("fraction")
+V = TypeVar("V")
 
 
 @dataclass
-class _Reader:
-    """Reads a program once; ``always`` : the steps that get a name in any case."""
+class Reader(ABC, Generic[V]):
+    """Reads a program, operation by operation, into expressions of some kind; ``taken`` : names that no step may get.
+
+    Steps with labels get them as names, if others use them, and what is used twice and ``is_worth`` it gets x0, x1, ...
+    """
 
     program: Program
-    always: Set[int] = frozenset()
-    values: list[Expr] = field(default_factory=list)
-    definitions: dict[Symbol, Expr] = field(default_factory=dict)
-    named: dict[Operation, Expr] = field(default_factory=dict)
+    taken: set[str]
+    values: list[V] = field(default_factory=list)
+    definitions: list[tuple[str, V]] = field(default_factory=list)
+    named: dict[Operation, V] = field(default_factory=dict)
 
-    made = _CODE
-    least = 1
-    """Operations of what is used twice and gets a name without a label."""
+    @abstractmethod
+    def input(self, symbol: Symbol) -> V: ...
 
-    def steps(self) -> Steps:
+    @abstractmethod
+    def constant(self, value: Any) -> V: ...
+
+    @abstractmethod
+    def made(self, operation: str, *arguments: V) -> V: ...
+
+    @abstractmethod
+    def name(self, name: str) -> V: ...
+
+    @abstractmethod
+    def is_name(self, value: V) -> bool:
+        """Whether it is a mere name, or the negative of one."""
+
+    def written(self, value: V) -> V:
+        """A value as it is to be shown."""
+        return value
+
+    def is_worth(self, value: V) -> bool:
+        return True
+
+    def results(self) -> dict[str, V]:
+        """The results; after this ``definitions`` has the steps."""
         uses, all_uses = _uses(self.program), _uses(self.program, self.program.results.values())
         for n, step in enumerate(self.program.operations):
             value, label = self.value(step), self.program.labels.get(n, "") if uses[n] else ""
-            if n in self.always or label or (all_uses[n] > 1 and step.name not in ("input", "constant", "neg")):
+            if label or (all_uses[n] > 1 and step.name not in ("input", "constant", "neg")):
                 value = self.written(value)
-                if n in self.always or label or count_ops(value) >= self.least:
-                    value = self.name(step, value, label)
+                if (label or self.is_worth(value)) and not self.is_name(value):
+                    value = self.defined(step, value, label)
             self.values.append(value)
-        results = {x: self.written(self.values[n]) for x, n in self.program.results.items()}
-        return Steps(tuple(self.definitions.items()), results)
+        return {x: self.written(self.values[n]) for x, n in self.program.results.items()}
 
-    def written(self, value: Expr) -> Expr:
-        return value
-
-    def value(self, step: Operation) -> Expr:
+    def value(self, step: Operation) -> V:
         if step.name == "input":
-            return self.program.inputs[step.arguments[0]]
+            return self.input(self.program.inputs[step.arguments[0]])
         if step.name == "constant":
-            given = step.value
-            return given if isinstance(given, Expr) else Rational(int(given.p), int(given.q))
+            return self.constant(step.value)
         if step.name == "sub" and (opposite := Operation("sub", step.arguments[::-1])) in self.named:
-            return -self.named[opposite]
-        return self.made[step.name](*(self.values[n] for n in step.arguments))
+            return self.made("neg", self.named[opposite])
+        return self.made(step.name, *(self.values[n] for n in step.arguments))
 
-    def name(self, step: Operation, value: Expr, label: str) -> Expr:
-        """A symbol for a value, unless it is one already, or the negative of one."""
-        if (-value if value.could_extract_minus_sign() else value).is_Symbol:
-            return value
-        sign, stem = (-1, label[1:]) if label.startswith("-") else (1, label)
-        taken = {x.name for x in (*self.program.inputs, *self.definitions)} | {"c"}
+    def defined(self, step: Operation, value: V, label: str) -> V:
+        """What stands for a value from here on."""
+        stem = label.removeprefix("-")
         names = (f"{stem}{'x' * n}" if stem else f"x{n}" for n in count())
-        symbol = Symbol(next(x for x in names if x not in taken), real=True)
-        self.definitions[symbol] = sign * value
-        self.named[step] = sign * symbol
-        return sign * symbol
+        name = next(x for x in names if x not in self.taken)
+        self.taken.add(name)
+        self.definitions.append((name, self.made("neg", value) if label.startswith("-") else value))
+        found = self.made("neg", self.name(name)) if label.startswith("-") else self.name(name)
+        self.named[step] = found
+        return found
 
 
-class _PageReader(_Reader):
-    made = MappingProxyType({**_CODE, "sinc": lambda x: sin(x) / x, "sincm1": lambda x: sin(x) / x - 1})
-    least = 7
+class _PageReader(Reader[Expr]):
+    def input(self, symbol: Symbol) -> Expr:
+        return symbol
+
+    def constant(self, value: Any) -> Expr:
+        return value if isinstance(value, Expr) else Rational(int(value.p), int(value.q))
+
+    def made(self, operation: str, *arguments: Expr) -> Expr:
+        return _MADE[operation](*arguments)
+
+    def name(self, name: str) -> Expr:
+        return Symbol(name, real=True)
+
+    def is_name(self, value: Expr) -> bool:
+        return bool((-value if value.could_extract_minus_sign() else value).is_Symbol)
 
     def written(self, value: Expr) -> Expr:
         return _whole_angles(value)
+
+    def is_worth(self, value: Expr) -> bool:
+        return bool(count_ops(value) > _SHORT)
+
+
+_SHORT = 6  # operations that stand on a page twice, without a name
+_MADE: Mapping[str, Callable[..., Expr]] = MappingProxyType(
+    {
+        "add": lambda x, y: x + y,
+        "sub": lambda x, y: x - y,
+        "mul": lambda x, y: x * y,
+        "div": lambda x, y: x / y,
+        "neg": lambda x: -x,
+        "power": Pow,
+        "abs": Abs,
+        "sqrt": sqrt,
+        "cos": cos,
+        "sin": sin,
+        "sinc": lambda x: sin(x) / x,
+        "sincm1": lambda x: sin(x) / x - 1,
+    }
+)
 
 
 def _uses(program: Program, results: Iterable[int] = ()) -> Counter[int]:
@@ -254,26 +275,3 @@ def _whole_angles(value: Expr) -> Expr:
         ).xreplace({cos(angle) ** 2: (1 + wave) / 2, sin(angle) ** 2: (1 - wave) / 2})
     others = map(factor_terms, (found, found.expand()))
     return min(value, *(x.func(*x.args) if x.args else x for x in others), key=count_ops)
-
-
-def map_numbers(expression: Expr, change: Callable[[Expr], Expr]) -> Expr:
-    """The expression with another one for each number in it; numbers that stand together are one, exponents are left.
-
-    >>> from sympy import pi, sqrt, symbols
-    >>> x, two = symbols("x two")
-    >>> map_numbers(2 * pi * sqrt(x) + 2, lambda number: two)
-    two*sqrt(x) + two
-    """
-    if expression.is_number:
-        return change(expression)
-    if isinstance(expression, Add | Mul):
-        numbers = [x for x in expression.args if x.is_number]
-        others = [map_numbers(x, change) for x in expression.args if not x.is_number]
-        return expression.func(*([change(expression.func(*numbers))] if numbers else []), *others)
-    if isinstance(expression, Pow) and expression.exp.is_number:
-        return map_numbers(expression.base, change) ** expression.exp
-    return expression.func(*(map_numbers(x, change) for x in expression.args)) if expression.args else expression
-
-
-def _constant(number: Expr) -> Expr:
-    return number if number.is_Integer else Symbol("number")

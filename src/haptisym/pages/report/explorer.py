@@ -16,8 +16,8 @@ from haptisym.model.quantities import Dimension, Motion
 from haptisym.pages.report.results import H_ENV, H_PERC, OMEGA, RATIOS
 from haptisym.pages.tex.forms import SceneForms
 from haptisym.writing.code.entry import scene_program
+from haptisym.writing.code.expressions import nearest_double
 from haptisym.writing.code.names import Language
-from haptisym.writing.code.printers import nearest_double
 from haptisym.writing.htmltext import Html, data, element, joined, script
 from haptisym.writing.mathematics import inline
 from haptisym.writing.names import named

@@ -15,9 +15,10 @@ from haptisym.model.parameters import Rule, values
 from haptisym.model.quantities import Dimension, Motion
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.writing.code.code import About, Argument, Language, Program
-from haptisym.writing.code.printers import nearest_double
-from haptisym.writing.code.steps import chain_steps
+from haptisym.writing.code.code import About, Argument, Source
+from haptisym.writing.code.computed import computed
+from haptisym.writing.code.expressions import nearest_double
+from haptisym.writing.code.names import Language
 from haptisym.writing.mathtext import plain
 
 __all__ = ["Language", "distortion_code", "scene_code", "scene_program"]
@@ -63,7 +64,7 @@ def scene_code(
     return scene_program(scene, parameters).code(language, name=name)
 
 
-def scene_program(scene: Scene | str | Path, parameters: Iterable[str] | None = None) -> Program:
+def scene_program(scene: Scene | str | Path, parameters: Iterable[str] | None = None) -> Source:
     """What ``scene_code`` prints, with the same parameters, derived once for several languages.
 
     >>> from haptisym.model.scenefile import load_scene
@@ -80,7 +81,7 @@ def scene_program(scene: Scene | str | Path, parameters: Iterable[str] | None = 
     arguments = [_argument(x, scene.motion) for x in scene.parameters if x in free]
     arguments += [Argument(x) for x in chain.parameters if x not in {a.symbol for a in arguments}]
     about = About(scene.title or "Distortion of a haptic display", _scene_notes(scene, fixed), _results(scene.motion))
-    return Program(chain_steps(chain), (FREQUENCY, *arguments), about)
+    return Source(computed(chain), (FREQUENCY, *arguments), about)
 
 
 def distortion_code(distortion: Distortion, language: Language, *, name: str = "distortion") -> str:
@@ -95,7 +96,7 @@ def distortion_code(distortion: Distortion, language: Language, *, name: str = "
     arguments = [FREQUENCY, *(Argument(x) for x in sorted(distortion.free_symbols, key=str))]
     notes = (f"H_env(s) = {_formula(distortion.environment)}", f"H_perc(s) = {_formula(distortion.perceived)}", *_NOTES)
     about = About("Distortion of a haptic display", notes, _results(None))
-    return Program(chain_steps(distortion.needed_chain), tuple(arguments), about).code(language, name=name)
+    return Source(computed(distortion.needed_chain), tuple(arguments), about).code(language, name=name)
 
 
 def _results(motion: Motion | None) -> dict[str, tuple[str, str]]:

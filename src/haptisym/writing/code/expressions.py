@@ -1,0 +1,173 @@
+"""The steps of a program as expressions in a language: numbers as the nearest doubles, no more brackets than are needed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import Any
+
+from flint import ctx, fmpq
+from sympy import Add, Expr, Rational, Symbol, pi, preorder_traversal
+
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.reals import ExactNumber, bounds, expression_ball
+from haptisym.programs.steps import Reader
+from haptisym.writing.code.names import Language
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """How a language writes arithmetic; ``whole`` : whether a whole number may be written without a point."""
+
+    power: str
+    library: str = ""
+    absolute: str = "abs"
+    pi: str = "pi"
+    times: str = "*"
+    over: str = "/"
+    whole: bool = True
+
+
+DIALECTS: Mapping[Language, Dialect] = {
+    Language.NUMPY: Dialect("{}**{}", "np.", pi="np.pi"),
+    Language.C: Dialect("pow({}, {})", absolute="fabs", whole=False),
+    Language.OCTAVE: Dialect("{}.^{}", times=".*", over="./"),
+    Language.JULIA: Dialect("{}^{}", whole=False),
+    Language.JAVASCRIPT: Dialect("Math.pow({}, {})", "Math.", pi="Math.PI"),
+}
+
+
+class Kind(IntEnum):
+    """What an expression is; only a greater kind needs no brackets as a factor."""
+
+    SUM = 0
+    QUOTIENT = 1
+    PRODUCT = 2
+    ATOM = 3
+
+
+@dataclass(frozen=True)
+class Piece:
+    """An expression of some kind as text; a negative product or quotient begins with its minus."""
+
+    text: str
+    kind: Kind = Kind.ATOM
+
+    @property
+    def is_negative(self) -> bool:
+        return self.text.startswith("-") and self.kind is not Kind.SUM
+
+    @property
+    def unsigned(self) -> str:
+        return self.text[1:]
+
+    def at_least(self, kind: Kind) -> str:
+        """In brackets unless it is of this kind or a greater one, and has no minus."""
+        return self.text if self.kind >= kind and not self.is_negative else f"({self.text})"
+
+    @property
+    def as_first(self) -> str:
+        return f"({self.text})" if self.kind is Kind.SUM else self.text
+
+
+@dataclass(kw_only=True)
+class CodeReader(Reader[Piece]):
+    """``names`` : what the arguments are called; ``helpers`` : what computes ``sinc`` and ``sincm1``.
+
+    >>> from haptisym.programs.program import Writer
+    >>> from sympy import sqrt
+    >>> a, b = Symbol("a"), Symbol("b")
+    >>> write = Writer((a, b))
+    >>> program = write.program({"y": write.expression(pi - sqrt(a) * (a - b) / 3)})
+    >>> for language in Language:
+    ...     reader = CodeReader(program, {"a", "b"}, dialect=DIALECTS[language], names={a: "a", b: "b"})
+    ...     reader.results()["y"].text
+    'np.pi - 0.3333333333333333*np.sqrt(a)*(a - b)'
+    'pi - 0.3333333333333333*sqrt(a)*(a - b)'
+    'pi - 0.3333333333333333.*sqrt(a).*(a - b)'
+    'pi - 0.3333333333333333*sqrt(a)*(a - b)'
+    'Math.PI - 0.3333333333333333*Math.sqrt(a)*(a - b)'
+    """
+
+    dialect: Dialect
+    names: Mapping[Symbol, str]
+    helpers: Mapping[str, str] = field(default_factory=dict)
+
+    def input(self, symbol: Symbol) -> Piece:
+        return Piece(self.names[symbol])
+
+    def constant(self, value: Any) -> Piece:
+        if value == pi:
+            return Piece(self.dialect.pi)
+        number = nearest_double(Rational(int(value.p), int(value.q)) if isinstance(value, fmpq) else value)
+        is_whole = self.dialect.whole and number.is_integer() and abs(number) < 1e15
+        return Piece(str(int(number)) if is_whole else repr(number), Kind.PRODUCT if number < 0 else Kind.ATOM)
+
+    def name(self, name: str) -> Piece:
+        return Piece(name)
+
+    def is_name(self, value: Piece) -> bool:
+        return value.text.removeprefix("-").isidentifier()
+
+    def made(self, operation: str, *arguments: Piece) -> Piece:
+        if operation in ("add", "sub", "mul", "div", "neg", "power"):
+            piece: Piece = getattr(self, f"_{operation}")(*arguments)
+            return piece
+        known = {**self.helpers, "abs": f"{self.dialect.library}{self.dialect.absolute}"}
+        return Piece(f"{known.get(operation, self.dialect.library + operation)}({arguments[0].text})")
+
+    def _add(self, x: Piece, y: Piece) -> Piece:
+        if (x.is_negative, y.kind is Kind.SUM) > (y.is_negative, x.kind is Kind.SUM):
+            x, y = y, x
+        return self._sub(x, self._neg(y)) if y.is_negative else Piece(f"{x.text} + {y.as_first}", Kind.SUM)
+
+    def _sub(self, x: Piece, y: Piece) -> Piece:
+        return Piece(f"{x.text} + {y.unsigned}" if y.is_negative else f"{x.text} - {y.as_first}", Kind.SUM)
+
+    def _neg(self, x: Piece) -> Piece:
+        if x.is_negative:
+            return Piece(x.unsigned, x.kind)
+        return Piece(f"-{x.as_first}", min(Kind.PRODUCT, max(x.kind, Kind.QUOTIENT)))
+
+    def _mul(self, x: Piece, y: Piece) -> Piece:
+        if _leads(y) > _leads(x):
+            x, y = y, x
+        kind = Kind.QUOTIENT if x.kind is Kind.QUOTIENT else Kind.PRODUCT
+        return Piece(f"{x.as_first}{self.dialect.times}{y.at_least(Kind.PRODUCT)}", kind)
+
+    def _div(self, x: Piece, y: Piece) -> Piece:
+        return Piece(f"{x.as_first}{self.dialect.over}{y.at_least(Kind.ATOM)}", Kind.QUOTIENT)
+
+    def _power(self, x: Piece, y: Piece) -> Piece:
+        if y.text == "0.5":
+            return self.made("sqrt", x)
+        within = Kind.SUM if self.dialect.power.endswith(")") else Kind.ATOM
+        return Piece(self.dialect.power.format(x.at_least(within), y.at_least(within)))
+
+
+def _leads(x: Piece) -> int:
+    """Which factor stands first: what begins with a minus, then numbers, then a quotient."""
+    return 3 if x.is_negative else 2 if x.text[0].isdigit() else 1 if x.kind is Kind.QUOTIENT else 0
+
+
+def nearest_double(number: Expr) -> float:
+    """The double nearest to an exact number; SceneError where none is near.
+
+    >>> from sympy import Rational
+    >>> nearest_double(Rational(1, 3)), nearest_double(40 * pi)
+    (0.3333333333333333, 125.66370614359172)
+    """
+    try:
+        return 0.0 if _vanishes(number) else float(ExactNumber(number))
+    except OverflowError:
+        raise SceneError(f"{str(number)[:60]} is too large for a double, whose largest is 1.8e308") from None
+
+
+def _vanishes(number: Expr) -> bool:
+    """Whether a number made with roots is below 1e-600 of what it is a sum of: zero, or nothing beside any double."""
+    if not any(isinstance(x, Add) for x in preorder_traversal(number)):
+        return False
+    with ctx.workprec(4096):
+        low, high = bounds(expression_ball(number))
+    return low <= 0 <= high
