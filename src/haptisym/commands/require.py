@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -10,6 +11,7 @@ from haptisym.commands.limit import limit_option
 from haptisym.commands.options import drawn, figure_option, hand_over, json_option, scene_argument
 from haptisym.commands.progress import progress
 from haptisym.commands.verb import given, verb
+from haptisym.kernel.errors import SceneError
 from haptisym.model.scene import Scene
 
 
@@ -47,16 +49,17 @@ from haptisym.model.scene import Scene
 @click.pass_context
 def require(
     context: click.Context,
+    /,
+    *,
     scene: Scene,
     paths: tuple[str, ...],
     ranges: tuple[tuple[str, str], ...],
     name: str | None,
-    any_environment: bool,
     as_json: bool,
     digits: int,
     figure: Path | None,
     slices: int,
-    limit: float,
+    **asked: Any,
 ) -> None:
     """Find all values of a parameter for which a display is transparent on its whole band.
 
@@ -70,33 +73,28 @@ def require(
       haptisym require delayed-spring --free tau --any-environment
       haptisym require fu2019 --free omega_n --free zeta --range 60 200 --range 0.1 1 --figure map.svg
     """
-    from haptisym.kernel.errors import SceneError
     from haptisym.model.jnd import Part
-    from haptisym.verbs.require.designmap import DesignMap, design_map
+    from haptisym.verbs.require.designmap import design_map
     from haptisym.verbs.require.entry import require as ask
-    from haptisym.verbs.require.required import Requirement
 
-    if len(paths) > 2 or (ranges and len(ranges) != len(paths)):
-        raise SceneError("--free may be given once or twice, and --range not at all or as often, in the same order")
-    if given(context, "--slices") and len(paths) == 1:
-        raise SceneError("--slices is about a map of two parameters: give --free twice, or leave it out")
-    if given(context, "--digits") and len(paths) == 2:
-        raise SceneError("--digits is about the ends of one parameter's values: give --free once, or leave it out")
-    part = Part(name) if name else None
-    found: DesignMap | Requirement
-    if len(paths) == 2:
-        if not ranges:
-            raise SceneError("a map of two parameters needs a --range for each")
-        with progress() as told:
-            found = design_map(
-                scene, paths, ranges,
-                part=part, any_environment=any_environment, slices=slices, limit=limit, told=told,
-            )  # fmt: skip
-    else:
-        with progress() as told:
-            found = ask(
-                scene, paths[0], *ranges,
-                part=part, any_environment=any_environment, digits=digits, limit=limit, told=told,
-            )  # fmt: skip
+    _refuse_contradictions(context, len(paths), len(ranges))
+    with progress() as told:
+        asked |= {"part": Part(name) if name else None, "told": told}
+        if len(paths) == 2:
+            found: Any = design_map(scene, paths, ranges, slices=slices, **asked)
+        else:
+            found = ask(scene, paths[0], *ranges, digits=digits, **asked)
     drawn(found, figure)
     hand_over(found, as_json=as_json)
+
+
+def _refuse_contradictions(context: click.Context, free: int, ranges: int) -> None:
+    """SceneError for options that do not go with so many parameters and ranges."""
+    if free > 2 or (ranges and ranges != free):
+        raise SceneError("--free may be given once or twice, and --range not at all or as often, in the same order")
+    if given(context, "--slices") and free == 1:
+        raise SceneError("--slices is about a map of two parameters: give --free twice, or leave it out")
+    if given(context, "--digits") and free == 2:
+        raise SceneError("--digits is about the ends of one parameter's values: give --free once, or leave it out")
+    if free == 2 and not ranges:
+        raise SceneError("a map of two parameters needs a --range for each")
