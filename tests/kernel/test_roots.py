@@ -22,11 +22,12 @@ import haptisym as hs
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.isolation import SeriesFactor, clear_of, isolated
 from haptisym.kernel.levels import Level, algebraic
+from haptisym.kernel.precision import at_rising_precision
 from haptisym.kernel.reals import ExactNumber, bounds, dyadic
 from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
 from haptisym.kernel.roots import Chart, _whole, chart, in_order, sign_of_number
 from haptisym.kernel.symbols import omega, s
-from haptisym.kernel.zeros import Undecided, around, at_rising_precision, is_clear, rounded_up, sign_of, tightened
+from haptisym.kernel.zeros import Undecided, around, is_clear, rounded_up, sign_of, tightened
 from haptisym.kernel.zeros import Zero as SimpleZero
 
 Zero = tuple[Fraction, int]
@@ -431,10 +432,10 @@ def test_precision_rises_by_doubling_and_ends_at_its_limit() -> None:
     before = flint.ctx.prec
     assert at_rising_precision(when(100)) == 7
     assert asked == [(128, 128)]
-    assert at_rising_precision(when(512), 512) == 7
+    assert at_rising_precision(when(512), most=512) == 7
     assert asked[1:] == [(128, 128), (256, 256), (512, 512)]
-    assert at_rising_precision(when(513), 512) is None
-    assert at_rising_precision(lambda _: 0, 128) == 0
+    assert at_rising_precision(when(513), most=512) is None
+    assert at_rising_precision(lambda _: 0, most=128) == 0
     assert flint.ctx.prec == before
 
 

@@ -13,9 +13,10 @@ from haptisym.kernel.beginnings import beginning, by_powers, clear_of_zero
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.exactwaves import Wave, exact_waves, taylor_coefficients
 from haptisym.kernel.isolation import SeriesFactor, clear_of, isolated
+from haptisym.kernel.precision import MOST_BITS
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
 from haptisym.kernel.wavesums import WaveSum
-from haptisym.kernel.zeros import MOST_BITS, around, is_clear
+from haptisym.kernel.zeros import around, is_clear
 
 
 class AnalyticFactor(WaveSum, SeriesFactor):

@@ -10,8 +10,9 @@ from sympy import Expr
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.precision import at_rising_precision
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
-from haptisym.kernel.zeros import SmoothFactor, Undecided, Zero, at_rising_precision, is_clear, sign_of
+from haptisym.kernel.zeros import SmoothFactor, Undecided, Zero, is_clear, sign_of
 
 
 class SeriesFactor(SmoothFactor):

@@ -12,12 +12,11 @@ from sympy import Dummy, Expr, Rational, minimal_polynomial
 
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.polynomials import PolynomialFactor, Root, polynomial_factors
+from haptisym.kernel.precision import SURE_BITS, at_rising_precision
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import omega
 from haptisym.kernel.zeros import Factor
-
-_MOST_BITS = 1 << 16  # different numbers always show that they differ; this only bounds a mistake of ours
 
 
 def algebraic(value: Expr) -> Root:
@@ -40,15 +39,16 @@ def algebraic(value: Expr) -> Root:
 
 def the_one(candidates: list[Root], near: Callable[[int], Ball]) -> Root:
     """The one among different numbers that equals a number given by balls around it, from a count of bits."""
-    bits = 64
-    while bits < _MOST_BITS:
-        with flint.ctx.workprec(bits):
-            ball = near(bits)
-            found = [x for x in candidates if x.ball(bits).overlaps(ball)]
-        if len(found) == 1:
-            return found[0]
-        bits *= 2
-    raise UndecidedError("which root of a polynomial is meant")
+
+    def alone(bits: int) -> Root | None:
+        ball = near(bits)
+        found = [x for x in candidates if x.ball(bits).overlaps(ball)]
+        return found[0] if len(found) == 1 else None
+
+    found = at_rising_precision(alone, 64, SURE_BITS)
+    if found is None:
+        raise UndecidedError("which root of a polynomial is meant")
+    return found
 
 
 @dataclass(frozen=True)

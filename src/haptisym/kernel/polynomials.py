@@ -13,12 +13,11 @@ from sympy import Expr, pi
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.precision import SURE_BITS, at_rising_precision
 from haptisym.kernel.reals import Ball, RealNumber
 from haptisym.kernel.rings import PolynomialRing
 from haptisym.kernel.symbols import omega
 from haptisym.kernel.zeros import SmoothFactor, Zero, around, is_clear, rounded_up, tightened
-
-_MOST_BITS_EXACT = 1 << 20  # polynomials are always decided; this only bounds a mistake of ours
 
 
 @dataclass(frozen=True)
@@ -153,14 +152,11 @@ def _at_precision(factor: PolynomialFactor, bits: int) -> tuple[arb_poly, arb_po
 @lru_cache(maxsize=1024)
 def _roots(factor: PolynomialFactor, bits: int) -> tuple[Ball, ...]:
     """Balls around all positive roots in omega^step, ascending, computed with at least that many bits."""
-    while bits < _MOST_BITS_EXACT:
-        tick()
-        with flint.ctx.workprec(bits):
-            found = factor.isolated(bits)
-        if found is not None:
-            return found
-        bits *= 2
-    raise UndecidedError("the roots of a polynomial were not told apart at the precision limit")
+    tick()
+    found = at_rising_precision(factor.isolated, bits, SURE_BITS)
+    if found is None:
+        raise UndecidedError("the roots of a polynomial were not told apart at the precision limit")
+    return found
 
 
 def _real_ones(isolated: Iterable[Ball]) -> list[Ball]:

@@ -18,10 +18,10 @@ from flint import arb, fmpq
 from sympy import Add, Expr, Integer, Mul, Pow, Rational, cos, log, pi, sin, sinc
 
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.precision import SURE_BITS, at_rising_precision
 from haptisym.kernel.shown import Viewed
 
 Ball: TypeAlias = Any  # flint.arb, which ships no types
-_MOST_BITS = 1 << 20
 
 
 class RealNumber(Viewed, ABC):
@@ -45,14 +45,15 @@ class RealNumber(Viewed, ABC):
 
     def tight_ball(self, bits: int) -> Ball:
         """A ball that contains the number, with that relative accuracy in bits (or exact, as for zero)."""
-        working = bits + 16
-        while working < _MOST_BITS:
-            with flint.ctx.workprec(working):
-                ball = self.ball(working)
-                if ball.is_exact() or ball.rel_accuracy_bits() >= bits:
-                    return ball
-            working *= 2
-        raise UndecidedError(f"{bits} bits of a number were not reached with {_MOST_BITS} bits of working precision")
+
+        def tight(working: int) -> Ball | None:
+            ball = self.ball(working)
+            return ball if ball.is_exact() or ball.rel_accuracy_bits() >= bits else None
+
+        found = at_rising_precision(tight, bits + 16, SURE_BITS)
+        if found is None:
+            raise UndecidedError(f"{bits} bits of a number were not reached with {SURE_BITS} bits of working precision")
+        return found
 
     def bounds(self, bits: int) -> tuple[Fraction, Fraction]:
         """Rational lower and upper bounds, that many bits of relative accuracy apart."""
@@ -233,14 +234,15 @@ def rational_between(low: RealNumber | None, high: RealNumber | None) -> Rationa
     """
     if low is None or high is None:
         return _integer_beyond(low, high)
-    bits = 16
-    while bits < _MOST_BITS:
-        below, above = low.bounds(bits)[1], high.bounds(bits)[0]
-        if below < above:
-            found = _simplest(below, above)
-            return Rational(found.numerator, found.denominator)
-        bits *= 2
-    raise UndecidedError("whether two numbers are different")
+    apart = at_rising_precision(lambda bits: _apart(low.bounds(bits)[1], high.bounds(bits)[0]), 16, SURE_BITS)
+    if apart is None:
+        raise UndecidedError("whether two numbers are different")
+    found = _simplest(*apart)
+    return Rational(found.numerator, found.denominator)
+
+
+def _apart(below: Fraction, above: Fraction) -> tuple[Fraction, Fraction] | None:
+    return (below, above) if below < above else None
 
 
 def _integer_beyond(low: RealNumber | None, high: RealNumber | None) -> Integer:

@@ -12,7 +12,6 @@ from itertools import pairwise
 from math import prod
 from typing import Any, TypeAlias
 
-import flint
 from sympy import Expr, Rational
 
 from haptisym.kernel.analytic import AnalyticFactor
@@ -21,12 +20,13 @@ from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.factoring import Factored, Product, factored_function
 from haptisym.kernel.levels import Level
 from haptisym.kernel.polynomials import PolynomialFactor
+from haptisym.kernel.precision import MOST_BITS, SURE_BITS, at_rising_precision
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, PolynomialRing
 from haptisym.kernel.shown import Viewed
 from haptisym.kernel.symbols import omega
-from haptisym.kernel.zeros import MOST_BITS, Factor, Undecided, Zero, at_rising_precision, sign_of
+from haptisym.kernel.zeros import Factor, Undecided, Zero, sign_of
 
 Key: TypeAlias = Hashable
 """What a function of a chart is called."""
@@ -213,16 +213,19 @@ def _places(factors: set[Factor], low: Expr, high: Expr) -> list[_Place]:
 
 def in_order(numbers: list[RealNumber]) -> list[RealNumber]:
     """Different numbers in ascending order, told apart by enclosures as tight as it takes."""
-    bits = 64
-    while bits <= MOST_BITS * (1 if any(isinstance(x, Zero | Undecided) for x in numbers) else 128):
-        tick()
-        with flint.ctx.workprec(bits):
-            enclosed = sorted(((x.ball(bits), x) for x in numbers), key=lambda pair: pair[0].mid())
-            close = [a for (a, _), (b, _) in pairwise(enclosed) if not a < b]
-            if not close:
-                return [number for _, number in enclosed]
-        bits *= 2
-    raise UndecidedError(f"whether two frequencies near {float(close[0].mid()):.17g} rad/s are the same")
+    close: list[Ball] = []
+
+    def told_apart(bits: int) -> list[RealNumber] | None:
+        enclosed = sorted(((x.ball(bits), x) for x in numbers), key=lambda pair: pair[0].mid())
+        close[:] = [a for (a, _), (b, _) in pairwise(enclosed) if not a < b]
+        return None if close else [number for _, number in enclosed]
+
+    tick()
+    most = MOST_BITS if any(isinstance(x, Zero | Undecided) for x in numbers) else SURE_BITS
+    found = at_rising_precision(told_apart, 64, most)
+    if found is None:
+        raise UndecidedError(f"whether two frequencies near {float(close[0].mid()):.17g} rad/s are the same")
+    return found
 
 
 def _first_signs(products: Mapping[Key, Product], places: list[_Place], steady: Mapping[Factor, int]) -> dict[Key, int]:
@@ -253,6 +256,6 @@ def sign_of_number(value: Expr) -> int:
     if PolynomialRing(omega).convert(value).is_zero:
         return 0
     # a number that is not zero shows it before
-    if sign := at_rising_precision(lambda _: sign_of(expression_ball(value)) or None, most_bits=1 << 19):
+    if sign := at_rising_precision(lambda _: sign_of(expression_ball(value)) or None, most=SURE_BITS):
         return sign
     raise UndecidedError(f"the sign of {value}")

@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias
 
 import flint
 from flint import arb
@@ -19,11 +19,8 @@ from sympy import Expr
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.precision import MOST_BITS, at_rising_precision
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
-
-T = TypeVar("T")
-MOST_BITS = 1 << 13
-"""The precision at which a question about an analytic function is given up as undecided."""
 
 
 def rounded_up(bits: int) -> int:
@@ -51,19 +48,6 @@ def is_clear(ball: Ball) -> bool:
     return sign_of(ball) != 0
 
 
-def at_rising_precision(ask: Callable[[int], T | None], most_bits: int = MOST_BITS) -> T | None:
-    """The first answer there is, asked at working precisions of 128, 256, ... bits; None if there is none at the limit."""
-    bits = 128
-    while bits <= most_bits:
-        tick()
-        with flint.ctx.workprec(bits):
-            answer = ask(bits)
-        if answer is not None:
-            return answer
-        bits *= 2
-    return None
-
-
 class Factor(ABC):
     """An irreducible real function of omega."""
 
@@ -87,9 +71,10 @@ class Factor(ABC):
         """The order of one of the zeros; that of a tangency that stayed undecided is taken as 2."""
         return 2 if isinstance(zero, Undecided) else 1
 
-    def sign_at(self, place: Callable[[int], Ball], most_bits: int = MOST_BITS) -> int:
+    def sign_at(self, place: Callable[[int], Ball], most: int = MOST_BITS) -> int:
         """The sign at a number that is no zero, given as a function from bits to a ball; UndecidedError at the limit."""
-        if sign := at_rising_precision(lambda bits: sign_of(self.value(place(bits))) or None, most_bits):
+        tick()
+        if sign := at_rising_precision(lambda bits: sign_of(self.value(place(bits))) or None, most=most):
             return sign
         raise UndecidedError(f"the sign of a function at omega = {float(place(64).mid()):.17g} rad/s")
 

@@ -13,13 +13,13 @@ from flint import arb, arb_series, fmpq, fmpq_poly
 from sympy import Expr, Pow, Rational, Symbol, cos
 
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.precision import MOST_BITS, at_rising_precision
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, PolynomialRing
 from haptisym.kernel.symbols import omega
 from haptisym.programs.balls import nearest_double
 
-_MOST_BITS = 1 << 13  # what no such precision separates from its neighbours is called undecided
 _LIMIT_BITS, _TERMS = 1024, 32  # a coefficient at 0 that so many bits do not tell from 0 is 0
 
 
@@ -56,13 +56,10 @@ class PointValue(RealNumber):
         """The nearest double; infinite at a pole, not a number where there is no limit."""
         if self.special is not None:
             return self.special
-        bits = 128
-        while bits < _MOST_BITS:
-            value = nearest_double(self.ball(bits), bits)
-            if value is not None:
-                return value
-            bits *= 2
-        raise UndecidedError(f"{self.function.expression()} at {self.frequency} rad/s: no {_MOST_BITS} bits tell")
+        value = at_rising_precision(lambda bits: nearest_double(self.ball(bits), bits))
+        if value is None:
+            raise UndecidedError(f"{self.function.expression()} at {self.frequency} rad/s: no {MOST_BITS} bits tell")
+        return value
 
     @property
     def special(self) -> float | None:

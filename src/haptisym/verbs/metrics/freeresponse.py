@@ -20,8 +20,10 @@ from typing import Any
 import flint
 from flint import acb, acb_poly, arb
 
+from haptisym.kernel.precision import SURE_BITS, at_rising_precision
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
+from haptisym.kernel.zeros import sign_of
 from haptisym.model.distortion import Distortion
 
 OUTLASTS = 3
@@ -86,18 +88,18 @@ class Pair:
 @lru_cache(maxsize=64)
 def _zeros(coefficients: tuple[Any, ...], bits: int) -> tuple[Any, ...]:
     """Balls around the simple zeros of a polynomial, the slowest first; more precision until they are apart."""
-    while True:
-        with flint.ctx.workprec(2 * bits + 64):
-            polynomial = acb_poly([acb(expression_ball(c)) for c in coefficients])
-            try:
-                found = polynomial.roots(tol=arb(2) ** -bits, maxprec=4 * bits + 256)
-            except ValueError:
-                found = []
-        if len(found) == len(coefficients) - 1:
-            return tuple(sorted(found, key=lambda x: (-float(x.real.mid()), -float(x.imag.mid()))))
-        bits *= 2
-        if bits > 1 << 14:
-            return ()
+
+    def apart(working: int) -> tuple[Any, ...] | None:
+        polynomial = acb_poly([acb(expression_ball(c)) for c in coefficients])
+        try:
+            found = polynomial.roots(tol=arb(2) ** (32 - working // 2), maxprec=2 * working + 128)
+        except ValueError:
+            return None
+        if len(found) < len(coefficients) - 1:
+            return None
+        return tuple(sorted(found, key=lambda x: (-float(x.real.mid()), -float(x.imag.mid()))))
+
+    return at_rising_precision(apart, 2 * bits + 64, SURE_BITS) or ()
 
 
 @dataclass(frozen=True)
@@ -213,4 +215,4 @@ def _close(n: int, env: Pair, perc: Pair) -> bool:
 
 def _at_most(value: Callable[[int], Ball], limit: Ball) -> bool:
     """Whether a number is at most a limit; one that cannot be told from it at the last precision is not."""
-    return any(value(bits) < limit for bits in _BITS)
+    return at_rising_precision(lambda bits: -sign_of(value(bits) - limit) or None, 64) == 1

@@ -25,17 +25,18 @@ from haptisym.kernel.budget import tick
 from haptisym.kernel.eliminants import resultant
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.polynomials import Root
+from haptisym.kernel.precision import SURE_BITS, at_rising_precision
 from haptisym.kernel.reals import Ball, ExactNumber, Negative, RealNumber, rational_between
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.roots import Interval, chart, in_order, sign_of_number
 from haptisym.kernel.symbols import omega
+from haptisym.kernel.zeros import sign_of
 from haptisym.verbs.require.boundary import Reason, critical, in_square, irreducible, of_factor, real_roots, substituted
 from haptisym.verbs.require.feasible import Binding, End, Kind, Solved, Span, runs
 from haptisym.verbs.require.freeparameter import Conditions, Domain
 from haptisym.verbs.require.touches import Surface, touch
 
-_MOST_BITS = 1 << 16  # a number that is not zero shows it before
 _LARGE = 10  # degree in omega^2 of a condition: a device of order 4
 _ROUNDS = (8, 32, 128, 512)
 """Bits by which a critical value is approached for a witness, before its number field is asked."""
@@ -237,14 +238,13 @@ class Problem:
 
     def _sign(self, criterion: Criterion, place: Rational, value: RealNumber) -> int:
         """The sign of a condition where it is not zero."""
-        bits = 128
-        while bits < _MOST_BITS:
-            with flint.ctx.workprec(bits):
-                ball = self._value(criterion, ExactNumber(place).ball(bits), value.ball(bits))
-                if ball > 0 or ball < 0:
-                    return 1 if ball > 0 else -1
-            bits *= 2
-        raise UndecidedError(f"the sign of a condition at omega = {place} rad/s")
+        at = ExactNumber(place)
+        sign = at_rising_precision(
+            lambda bits: sign_of(self._value(criterion, at.ball(bits), value.ball(bits))) or None, most=SURE_BITS
+        )
+        if sign is None:
+            raise UndecidedError(f"the sign of a condition at omega = {place} rad/s")
+        return sign
 
     # What binds
 

@@ -18,12 +18,12 @@ from flint import fmpq
 from sympy import Expr, Rational, Symbol
 
 from haptisym.kernel.implicit import Equation, ImplicitSlope
+from haptisym.kernel.precision import at_rising_precision
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
 from haptisym.kernel.rings import Polynomial, PolynomialRing
 from haptisym.kernel.symbols import omega
+from haptisym.kernel.zeros import is_clear, sign_of
 
-CLEAR_BITS = 4096
-"""A number that is not 0 shows it long before."""
 _USUAL_BITS = 128
 Factors: TypeAlias = tuple[tuple[Equation, int], ...]
 """Irreducible factors as equations, each with its order."""
@@ -132,34 +132,25 @@ class Meeting:
 
     def _sign(self, ring: PolynomialRing, polynomial: Polynomial) -> int | None:
         """The sign here, -1 or 1; None where it is 0, or too near to it."""
-        bits = 64
-        while bits <= CLEAR_BITS:
-            with flint.ctx.workprec(bits):
-                ball = ring.ball(polynomial, balls(self.values, bits))
-                if is_clear(ball):
-                    return 1 if ball > 0 else -1
-            bits *= 2
-        return None
+        return at_rising_precision(lambda bits: sign_of(ring.ball(polynomial, balls(self.values, bits))) or None, 64)
 
 
 def not_clear(factors: Factors, values: Values) -> Factors:
     """The factors, of which at least one vanishes here, that are not proven to differ from 0."""
-    bits = 64
-    while len(factors) > 1 and bits <= CLEAR_BITS:
-        with flint.ctx.workprec(bits):
-            known = balls(values, bits)
-            factors = tuple((factor, order) for factor, order in factors if not is_clear(factor.ball(known)))
-        bits *= 2
+
+    def alone(bits: int) -> Factors | None:
+        nonlocal factors
+        known = balls(values, bits)
+        factors = tuple((factor, order) for factor, order in factors if not is_clear(factor.ball(known)))
+        return factors if len(factors) <= 1 else None
+
+    if len(factors) > 1:
+        at_rising_precision(alone, 64)
     return factors
 
 
 def balls(values: Values, bits: int) -> dict[Expr, Ball]:
     return {symbol: number.ball(bits) for symbol, number in values}
-
-
-def is_clear(ball: Ball) -> bool:
-    """Whether a ball does not hold 0."""
-    return bool(ball > 0 or ball < 0)
 
 
 def _multiplicity(core: Polynomial, polynomial: Polynomial) -> int:
@@ -202,12 +193,7 @@ class Slope(RealNumber):
 
     def is_clear(self) -> bool:
         """Whether neither dF/dp nor dF/d omega is 0: proven."""
-        bits = _USUAL_BITS
-        while bits <= CLEAR_BITS:
-            if all(map(is_clear, self._parts(bits))):
-                return True
-            bits *= 2
-        return False
+        return bool(at_rising_precision(lambda bits: all(map(is_clear, self._parts(bits))) or None, _USUAL_BITS))
 
 
 @dataclass(frozen=True, repr=False)
