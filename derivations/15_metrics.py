@@ -184,7 +184,7 @@ for name, index, form in (
     ("impedance range", 1, Z_max),
     ("impedance range", 2, Z_max - Z_min),
     ("sensitivity", 0, sensitivity),
-    ("absolute stability", 3, det / D**2),
+    ("absolute stability", 0, det / D**2),
 ):
     assert is_zero(own[name].forms[index].value - in_package(form)), name
 

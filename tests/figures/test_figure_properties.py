@@ -31,8 +31,8 @@ from haptisym.figures.sensitivity import draw_elasticities
 from haptisym.figures.simulate import draw_loop, draw_recovered, draw_time, save_simulation_figures
 from haptisym.figures.square import draw_jnd_square
 from haptisym.figures.style import SHADE
-from haptisym.figures.sweep import save_sweep_figure
 from haptisym.figures.tolerances import draw_tolerances
+from haptisym.verbs.sweep.swept import Swept
 
 NATURAL, MASS = "effects.filter.omega_n", "environment.m"
 RESONANT = "two-mass-resonance"
@@ -58,6 +58,10 @@ def mapped(*ranges: tuple[Any, Any]) -> Callable[[Path], object]:
     )
 
 
+def swept(values: dict[str, Any]) -> Swept:
+    return Swept(paper(), hs.sweep(paper(), values))
+
+
 KINDS: dict[str, Callable[[Path], object]] = {
     "evaluate": evaluated("fu2019"),
     "evaluate in Hz": evaluated("steering-wheel"),
@@ -70,10 +74,10 @@ KINDS: dict[str, Callable[[Path], object]] = {
     "require, in vain": lambda folder: hs.require(paper(), "omega_n", (5, 20)).save_figure(folder / "x.svg"),
     "map": mapped((60, 200), ("0.1", 1)),
     "map, in vain": mapped((10, 20), ("0.1", 1)),
-    "sweep": lambda folder: save_sweep_figure(hs.sweep(paper(), {MASS: np.linspace(0.5, 5, 30)}), folder / "x.svg"),
-    "sweep in the plane": lambda folder: save_sweep_figure(
-        hs.sweep(paper(), {NATURAL: np.linspace(20, 200, 12), MASS: np.linspace(0.5, 5, 12)}), folder / "x.svg"
-    ),
+    "sweep": lambda folder: swept({MASS: np.linspace(0.5, 5, 30)}).save_figure(folder / "x.svg"),
+    "sweep in the plane": lambda folder: swept(
+        {NATURAL: np.linspace(20, 200, 12), MASS: np.linspace(0.5, 5, 12)}
+    ).save_figure(folder / "x.svg"),
     "sensitivity": lambda folder: hs.sensitivity(hs.load_scene(RESONANT)).save_figure(folder / "x.svg"),
     "tolerances": lambda folder: hs.tolerances(ranged("40 rad/s"), samples=20).save_figure(folder / "x.svg"),
     "effects": lambda folder: hs.relevance(hs.load_scene("sidestick")).save_figure(folder / "x.svg"),

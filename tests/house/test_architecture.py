@@ -55,13 +55,6 @@ def imported(name: str) -> set[str]:
 UPWARDS = {
     ("verbs.derive.entry", "pages.derive"),
     ("verbs.derive.entry", "pages.sections"),
-    ("verbs.metrics.forms", "writing.boxes"),
-    ("verbs.metrics.forms", "writing.equations"),
-    ("verbs.metrics.forms", "writing.formula"),
-    ("verbs.metrics.forms", "writing.layout"),
-    ("verbs.metrics.forms", "writing.mathtext"),
-    ("verbs.metrics.forms", "writing.names"),
-    ("verbs.metrics.forms", "writing.texprinter"),
 }
 """Answers that still fetch their own page, and what else is to come down; nothing may be added."""
 

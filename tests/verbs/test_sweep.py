@@ -27,12 +27,12 @@ from sympy import Expr, Integer, Rational, pi
 
 import haptisym as hs
 from haptisym.cli import main
-from haptisym.pages.sweep import document
 from haptisym.verbs.sweep import blocks, kernel
 from haptisym.verbs.sweep.axes import axes, spaced
 from haptisym.verbs.sweep.blocks import Grid, Pace
 from haptisym.verbs.sweep.exactly import COUNTS, FLOATS, exact_answers
 from haptisym.verbs.sweep.kernel import TOLERANCE, Kernel
+from haptisym.verbs.sweep.swept import Swept
 
 PAPER = hs.load_scene("fu2019")
 NATURAL, MASS = "effects.filter.omega_n", "environment.m"
@@ -448,7 +448,7 @@ def test_a_store_is_opened_and_told_without_a_warning(tmp_path: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         found = xr.open_zarr(tmp_path / "a.zarr")
-        told = document(found)
+        told = Swept(PAPER, found).to_dict()
     assert np.isnan(found.first_crossing_real).all()
     assert told["ranges"]["first_crossing_real"] is None
     assert told["ranges"]["bandwidth"] == [15.0, 15.0]

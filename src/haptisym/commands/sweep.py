@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import logging
 import signal
-import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from functools import partial
 from importlib import import_module
-from json import dumps
 from multiprocessing import resource_tracker
 from pathlib import Path
 from typing import Any
 
 import click
 
-from haptisym.commands.options import figure_option, json_option, keep, scene_argument
+from haptisym.commands.options import drawn, figure_option, hand_over, json_option, scene_argument
 from haptisym.commands.progress import progress
-from haptisym.commands.streams import say, say_document
 from haptisym.commands.verb import verb
 from haptisym.kernel.errors import SceneError
 from haptisym.model.scene import Scene
@@ -73,6 +70,7 @@ def sweep(
         raise SceneError("--workers and --cluster need --out FILE, to which the workers write")
     from haptisym.verbs.sweep.axes import spaced
     from haptisym.verbs.sweep.entry import sweep as sweep_scene
+    from haptisym.verbs.sweep.swept import Swept
 
     asked = [spaced(text, scene) for text in vary]
     if len({path for path, _ in asked}) < len(asked):
@@ -82,17 +80,9 @@ def sweep(
     with ExitStack() as stack:
         stack.enter_context(_engine(workers, cluster))
         told = stack.enter_context(progress("sets", kept=_kept(out)))
-        found = sweep_scene(scene, dict(asked), out=out, progress=told)
-    if figure is not None:
-        from haptisym.figures.sweep import save_sweep_figure
-
-        keep("chart", figure, lambda: save_sweep_figure(found, figure, scene))
-    from haptisym.pages.sweep import document, page
-
-    answer = document(found, out)
-    say_document(dumps(answer, indent=2, ensure_ascii=False)) if as_json else say(page(answer))
-    if answer["open"]:
-        sys.exit(3)
+        found = Swept(scene, sweep_scene(scene, dict(asked), out=out, progress=told), out)
+    drawn(found, figure)
+    hand_over(found, as_json=as_json)
 
 
 def _kept(out: Path | None) -> str:

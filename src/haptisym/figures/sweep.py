@@ -5,7 +5,6 @@ Each ``draw_`` function draws on the axes that it is given, so that other curves
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,13 +37,13 @@ from haptisym.figures.style import (
     name_parameter,
     number,
     one_column,
-    save_as,
 )
 from haptisym.kernel.errors import SceneError
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array
 from haptisym.verbs.require.designmap import DesignMap, design_map
 from haptisym.verbs.require.entry import is_quick
+from haptisym.verbs.sweep.swept import Swept
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -207,12 +206,9 @@ def _hatched(ax: Axes, x: Array, y: Array, where: Any, hatch: str) -> None:
     found.set(edgecolor=GREY, linewidth=0.0)
 
 
-def save_sweep_figure(data: xr.Dataset, file: str | Path, scene: Scene | None = None) -> Path:
-    """The chart of a sweep over one or two parameters, as the file's ending says (.svg, .pdf, .png).
-
-    ``scene`` : what was swept; where that takes moments, the exact boundary of the transparent region is drawn on a map.
-    """
-    return save_as(sweep_figure(data, scene), file)
+def swept_figure(found: Swept) -> Figure:
+    """The chart of a sweep; where that takes moments, with the exact boundary of the transparent region on a map."""
+    return sweep_figure(found.data, found.scene)
 
 
 def sweep_figure(data: xr.Dataset, scene: Scene | None = None) -> Figure:

@@ -1,140 +1,223 @@
-"""Measures of transparency as a page of text and as LaTeX."""
+"""The page of the measures of transparency: for each its formulas, its numbers, its source, and what it says."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from textwrap import fill
+import re
+from collections.abc import Iterator
+
+from sympy import Expr
 
 from haptisym.kernel.reals import RealNumber
-from haptisym.pages.lines import WIDTH, caveats_text, listed, percent, short, span
+from haptisym.kernel.rings import RationalFunction
+from haptisym.kernel.symbols import omega, s
+from haptisym.pages.words import caveats, lead, percent, short, spans, title
 from haptisym.verbs.metrics.forms import Form
-from haptisym.verbs.metrics.measured import Bands
 from haptisym.verbs.metrics.metric import Metric, Metrics, Value
+from haptisym.writing.boxes import (
+    Absolute,
+    Applied,
+    Box,
+    Fenced,
+    Fraction,
+    Numeral,
+    Operator,
+    Power,
+    Prefixed,
+    Product,
+    Sum,
+    Titled,
+)  # fmt: skip
+from haptisym.writing.document import (
+    Block,
+    Column,
+    Document,
+    Equations,
+    Facts,
+    Figure,
+    Line,
+    Notes,
+    Paragraph,
+    Phrase,
+    Section,
+    Strong,
+    Table,
+    Versions,
+)  # fmt: skip
+from haptisym.writing.equations import meaning, quantity
+from haptisym.writing.formula import readable
+from haptisym.writing.layout import layout
 from haptisym.writing.mathtext import text
+from haptisym.writing.names import named
+from haptisym.writing.plain import said
 from haptisym.writing.texlines import Names, Row, align
 from haptisym.writing.texnames import coded, escape
 from haptisym.writing.texprinter import tex
 
-_PROVEN = (
-    "Certain: every edge, band and number is proven by exact polynomials and ball arithmetic, not sampled. How far a source "
-    "was read is said beside it."
-)
-_OPEN = (
-    "UNDECIDED at the precision limit: whether some function touches its limit, crosses it twice or stays clear of it."
-)
+_MOST_LETTERS = 180  # of a formula in symbols; a longer one is told in numbers
 
 
-def as_text(m: Metrics) -> str:
-    """A page of text."""
-    blocks = [_heading(m), *map(_metric_text, m.metrics), _notes(m), caveats_text(m.evaluation.caveats), _certain(m)]
-    return "\n\n".join(block for block in blocks if block) + "\n"
+def page(m: Metrics) -> Document:
+    """The whole page."""
+    shown = "Distance of each measure from transparency over the band, and below where each measure is content."
+    notes = (Section("Where they disagree", (Notes(tuple(map(formulated, m.notes))),)),) if m.notes else ()
+    blocks = (
+        Versions((Facts((("JND", jnd_verdict(m)),)),), lambda: (_overview(m),)), *map(_measure, m.metrics),
+        Figure("metrics", shown, m.figure), *notes, *caveats(m.evaluation.caveats), Paragraph(_certain(m)),
+    )  # fmt: skip
+    return Document(title(m.scene), lead(m.scene, m.asides()), blocks, "Measures of transparency")
 
 
-def _heading(m: Metrics) -> str:
-    e = m.evaluation
-    lines = [fill(line, WIDTH) for line in (e.scene.title or "Untitled scene", *m.asides())]
-    return "\n".join([*lines, "", _indented(f"JND: {jnd_verdict(m)}")])
-
-
-def jnd_verdict(m: Metrics) -> str:
+def jnd_verdict(m: Metrics) -> Phrase:
     """What the JND evaluation says, in a line."""
-    e = m.evaluation
-    c = e.scene.threshold
+    c, found = m.scene.threshold, m.evaluation.transparent
     limits = percent(c.real) if c.real == c.imag else f"{percent(c.real)} and {percent(c.imag)}"
-    if not e.transparent:
-        return f"transparent nowhere on the band (c = {limits})"
-    return f"transparent {_bands(e.transparent)} (c = {limits})"
+    where: Phrase = spans(found) if found else "nowhere on the band"
+    return "transparent ", where, " (", named("c"), f" = {limits})"
 
 
-def _metric_text(metric: Metric) -> str:
-    lines = [_title(metric)]
-    lines += [_formula_text(form) for form in metric.forms]
-    width = max((len(x.what) for x in metric.values), default=0)
-    lines += [_value_text(x, width) for x in metric.values]
-    lines += [_indented(metric.verdict), _indented(f"Source: {metric.source} [{metric.evidence}]")]
-    return "\n".join(lines)
+def _overview(m: Metrics) -> Table:
+    rows = [("JND", jnd_verdict(m), ""), *((x.name, formulated(x.verdict), x.evidence) for x in m.metrics)]
+    columns = Column("measure"), Column("verdict"), Column("source known")
+    return Table(columns, tuple(rows), "What each measure says, and how far its source was read.")
 
 
-def _formula_text(form: Form) -> str:
-    line = text(form.equation).replace("omega", "ω")
-    return fill(line, WIDTH, initial_indent="    ", subsequent_indent="        ", break_long_words=False)
+def _measure(x: Metric) -> Section:
+    lines, values = tuple(written(x)), tuple((formulated(v.what), _value(v)) for v in x.values)
+    parts: tuple[Block | None, ...] = (
+        Equations(lines) if lines else None, Facts(values) if values else None,
+        Notes((formulated(x.verdict), f"Source: {x.source} [{x.evidence}]")),
+    )  # fmt: skip
+    return Section(f"{x.name[0].upper()}{x.name[1:]}", tuple(part for part in parts if part))
 
 
-def _value_text(x: Value, width: int) -> str:
-    return fill(f"{x.what:<{width}}  {shown(x)}", WIDTH, initial_indent="  ", subsequent_indent=" " * (width + 4))
-
-
-def shown(x: Value) -> str:
-    """A value in words."""
+def _value(x: Value) -> Phrase:
     if x.value is None:
         return "infinite"
     if isinstance(x.value, tuple):
-        return _bands(x.value) if x.value else "nowhere"
-    number = f"{_number(x.value)} {x.unit}".rstrip()
+        return spans(x.value) if x.value else "nowhere"
+    unit = f" {x.unit}" if x.unit else ""
     if x.reference is None:
-        return number
-    verdict = "kept" if x.kept else "NOT KEPT"
-    return f"{number}, environment {_number(x.reference)} {x.unit}".rstrip() + f"; tolerance {x.tolerance}: {verdict}"
+        return _number(x.value), unit
+    verdict: Phrase = "kept" if x.kept else Strong("NOT KEPT")
+    return (
+        _number(x.value),
+        f"{unit}, environment ",
+        _number(x.reference),
+        f"{unit}; tolerance {x.tolerance}: ",
+        verdict,
+    )
 
 
-def _number(x: RealNumber | int | str) -> str:
+def _number(x: RealNumber | int | str) -> Phrase:
     return short(x) if isinstance(x, RealNumber) else str(x)
 
 
-def _bands(bands: Bands) -> str:
-    return listed(span(x) for x in bands)
+_SYMBOL = re.compile(r"\b((?:H|Z|r|P|A)_(?:env|perc|min|max|width|r|i|d|\d+))\b")
 
 
-def _notes(m: Metrics) -> str:
-    if not m.notes:
-        return ""
-    return "\n".join(["Where they disagree", *(_indented(note) for note in m.notes)])
+def formulated(words: str) -> Phrase:
+    """Words in which the names of quantities are formulas."""
+    return tuple(named(x) if i % 2 else x for i, x in enumerate(_SYMBOL.split(words)) if x)
 
 
-def _certain(m: Metrics) -> str:
-    return fill(_PROVEN if m.certified else _OPEN, WIDTH)
+def _certain(m: Metrics) -> Phrase:
+    if not m.certified:
+        undecided = ": whether some function touches its limit, crosses it twice or stays clear of it."
+        return Strong("UNDECIDED"), " at the precision limit", undecided
+    return (
+        "Certain: every edge, band and number is proven by exact polynomials and ball arithmetic, not sampled. How far a source "
+        "was read is said beside it."
+    )
 
 
-def _indented(words: str) -> str:
-    return fill(words, WIDTH, initial_indent="  ", subsequent_indent="  ")
+# Formulas.
+
+
+def formulas(x: Metric) -> list[dict[str, str]]:
+    """The formulas of a measure for its document of JSON."""
+    return [{"text": text(line.equation), "latex": tex(line.equation)} for line in written(x)]
+
+
+def written(x: Metric) -> Iterator[Line]:
+    """The formulas of a measure: what defines it, and the closed forms of what it is."""
+    yield from _CONDITIONS.get(x.name, ())
+    yield from map(_closed, x.forms)
+
+
+def _closed(form: Form) -> Line:
+    left, means = _DEFINITIONS[form.name]
+    known = form.symbolic.factored() if form.symbolic else None
+    if known is not None and len(text(layout(known))) <= _MOST_LETTERS:
+        return Line(left, known, meaning=means)
+    if form.numeric is None:
+        return Line(left, means)
+    found = form.numeric
+    value, is_rounded = readable(found, s) if isinstance(found, RationalFunction) else readable(found.written, omega)
+    return Line(left, value, "≈" if is_rounded else "=", means)
+
+
+def _of_s(name: str) -> Box:
+    return Titled(f"{name}(s)", Applied(named(name), (named("s"),)))
+
+
+def _im(of: Box) -> Box:
+    return Prefixed(Operator("Im"), of)
+
+
+_H_ENV, _H_PERC, _DH = (quantity(x) for x in ("H_env", "H_perc", "dH"))
+_A, _B, _C, _D, _G, _PI, _SIGMA, _OMEGA_D = (named(x) for x in ("A", "B", "C", "D", "g", "pi", "sigma", "omega_d"))
+_ZERO, _TWO = Numeral("0"), Numeral("2")
+_DET = Sum(((1, Product((_A, _D))), (-1, Product((_B, _C)))))
+_SLOPE = Titled("dH_perc/dH_env", Fraction(Product((Operator("d"), _H_PERC)), Product((Operator("d"), _H_ENV))))
+_DEFINITIONS: dict[str, tuple[Box, Box]] = {
+    "Gamma": (_of_s("Gamma"), Fraction(_H_PERC, _H_ENV)),
+    "Theta": (_of_s("Theta"), Fraction(_DH, _H_ENV)),
+    "Z_min": (_of_s("Z_min"), Fraction(_B, _D)),
+    "Z_max": (_of_s("Z_max"), Fraction(_A, _C)),
+    "Z_width": (_of_s("Z_width"), Fraction(_DET, Product((_C, _D)))),
+    "dH_perc/dH_env": (_SLOPE, Fraction(_DET, Power(Fenced(Sum(((1, Product((_C, _H_ENV))), (1, _D)))), _TWO))),
+    "g": (_G, Fraction(_DET, Power(_D, _TWO))),
+    **{name: (quantity(name), meaning(name)) for name in ("k_perc", "m_perc", "b_perc")},
+}
+_FIRST, _SECOND = _im(Fraction(_B, _D)), _im(Fraction(_C, _D))
+_MARGIN = Sum(((1, Prefixed(Operator("Re"), _G)), (-1, Product((_TWO, _FIRST, _SECOND)))))
+_ANGLE = Applied(Operator("arctan"), (Fraction(_OMEGA_D, _SIGMA),))
+_DECAY = Sum(((-1, Fraction(Product((named("n"), _PI, _SIGMA)), _OMEGA_D)),))
+_CONDITIONS = {
+    "passivity": (Line(_im(_H_PERC), _ZERO, "≥"),),
+    "absolute stability": (Line(_FIRST, _ZERO, "≥"), Line(_SECOND, _ZERO, "≤"), Line(_MARGIN, Absolute(_G), "≥")),
+    "free response": (
+        Line(named("P_0"), Fraction(Sum(((1, _PI), (-1, _ANGLE))), _OMEGA_D)),
+        Line(named("P_n"), Fraction(Product((_TWO, _PI)), _OMEGA_D)),
+        Line(Fraction(named("A_n"), named("A_d")), Applied(Operator("exp"), (_DECAY,))),
+    ),
+}
 
 
 def as_latex(m: Metrics) -> str:
     r"""LaTeX: a table of verdicts (booktabs) and, for each measure, its formulas in an ``align*`` (amsmath)."""
     names = Names()
-    asides = map(coded, m.asides())
-    return "\n\n".join([*asides, _latex_table(m), *(_metric_latex(x, names) for x in m.metrics if x.forms)]) + "\n"
+    told = [("JND", said(jnd_verdict(m)), ""), *((x.name, x.verdict, x.evidence) for x in m.metrics)]
+    head = (
+        r"\begin{tabular}{lp{0.42\linewidth}p{0.2\linewidth}}",
+        r"\toprule",
+        r"measure & verdict & source known \\",
+        r"\midrule",
+    )
+    table = *head, *(" & ".join(map(escape, row)) + r" \\" for row in told), r"\bottomrule", r"\end{tabular}"
+    paragraphs = (_metric_latex(x, names) for x in m.metrics if x.name in _CONDITIONS or x.forms)
+    return "\n\n".join([*map(coded, m.asides()), "\n".join(table), *paragraphs]) + "\n"
 
 
-def _latex_table(m: Metrics) -> str:
-    rows = [("JND", jnd_verdict(m), ""), *((x.name, x.verdict, x.evidence) for x in m.metrics)]
-    lines = [" & ".join(map(escape, row)) + r" \\" for row in rows]
-    head = [
-        "\\begin{tabular}{lp{0.42\\linewidth}p{0.2\\linewidth}}",
-        "  \\toprule",
-        "  measure & verdict & source known \\\\",
-    ]
-    return "\n".join([*head, "  \\midrule", *(f"  {line}" for line in lines), "  \\bottomrule", "\\end{tabular}"])
-
-
-def _metric_latex(metric: Metric, names: Names) -> str:
-    source = f"{escape(metric.source)} ({escape(metric.evidence)})."
-    return "\n".join([rf"\paragraph{{{escape(_title(metric))}}} {source}", *_aligned(metric.forms, names)])
-
-
-def _title(metric: Metric) -> str:
-    return f"{metric.name[0].upper()}{metric.name[1:]}"
-
-
-def _aligned(forms: Sequence[Form], names: Names) -> list[str]:
-    """Closed forms line by line; definitions that have none as they are."""
+def _metric_latex(x: Metric, names: Names) -> str:
+    lines = [*written(x)]
     rows = [
-        Row(tex(x.left), x.value, tex(x.means) if x.means else "", relation=_TEX[x.relation])
-        for x in forms
-        if x.value is not None
+        Row(
+            tex(y.left), y.value, tex(y.meaning) if y.meaning else "", relation=r"\approx" if y.relation == "≈" else "="
+        )
+        for y in lines
+        if isinstance(y.value, Expr)
     ]
-    others = [rf"\[ {tex(x.equation)} \]" for x in forms if x.value is None]
-    return [*([align(rows, names)] if rows else []), *others]
-
-
-_TEX = {"=": "=", "≈": r"\approx"}
+    others = [rf"\[ {tex(y.equation)} \]" for y in lines if not isinstance(y.value, Expr)]
+    heading = rf"\paragraph{{{escape(x.name[0].upper() + x.name[1:])}}} {escape(x.source)} ({escape(x.evidence)})."
+    return "\n".join([heading, *([align(rows, names)] if rows else []), *others])

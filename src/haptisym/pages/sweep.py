@@ -1,123 +1,86 @@
-"""What a sweep found, as a short page of text and as a JSON document."""
+"""The page of a sweep: what was varied, what was found, and what is certain."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from math import pi
-from pathlib import Path
-from textwrap import fill
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import numpy as np
+from haptisym.model.quantities import unit_text
+from haptisym.pages.words import lead, title
+from haptisym.verbs.sweep.swept import Swept
+from haptisym.writing.document import (
+    Block,
+    Column,
+    Document,
+    Facts,
+    Figure,
+    Notes,
+    Number,
+    Paragraph,
+    Phrase,
+    Strong,
+    Table,
+)
 
-from haptisym.pages.lines import WIDTH
-from haptisym.verbs.sweep.exactly import COUNTS, EXACT, FLOAT, FLOATS, OPEN
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-_NAMES = {
+_FREQUENCIES: dict[str, Phrase] = {
     "bandwidth": "bandwidth",
     "first_crossing_real": "first crossing, real part",
     "first_crossing_imag": "first crossing, imaginary part",
     "changeover_environment": "changeover of the environment",
     "changeover_perceived": "changeover as felt",
 }
+_MOST_DRAWN = 2  # parameters that one chart shows
 
 
-def document(data: xr.Dataset, out: Path | None = None) -> dict[str, Any]:
-    """The document of ``haptisym sweep --json``, schema ``haptisym.sweep/1``: axes, ranges and counts, not the sets."""
-    methods = [int((data.method == kind).sum()) for kind in (FLOAT, EXACT, OPEN)]
-    found: dict[str, Any] = {
-        "schema": "haptisym.sweep/1",
-        "title": data.attrs["title"],
-        "band": [float(x) for x in data.attrs["band"]],
-        "vary": [_axis(data, str(name)) for name in data.method.dims],
-        "sets": int(data.method.size),
-        **dict(zip(("certified_in_floats", "exact", "open"), methods, strict=True)),
-        "ranges": {name: _range(data[name]) for name in FLOATS},
-        "counts": {name: _counts(data[name]) for name in COUNTS},
-        "out": None if out is None else str(out),
-    }
-    asides = {key: json.loads(data.attrs[key]) for key in ("nominal", "untied") if key in data.attrs}
-    notes = {"notes": data.attrs["notes"].split("\n")} if "notes" in data.attrs else {}
-    return found | asides | notes | ({"open_at": _places(data)} if found["open"] else {})
+def page(found: Swept) -> Document:
+    """The whole page."""
+    told = found.to_dict()
+    shown = "Bandwidth and first crossings over the parameter, or the bandwidth over both; see the legend."
+    is_drawn = len(told["vary"]) <= _MOST_DRAWN and all(x["values"] > 1 for x in told["vary"])
+    figure = (Figure("sweep", shown, found.figure),) if is_drawn else ()
+    blocks = Facts(tuple(_varied(told))), _frequencies(told), Facts(tuple(_counts(told))), *figure, *_certain(told)
+    return Document(title(found.scene), lead(found.scene, found.asides()), blocks, "Sweep of parameters")
 
 
-def _axis(data: xr.Dataset, name: str) -> dict[str, Any]:
-    x = data[name].values
-    ends = {"low": float(x.min()), "high": float(x.max())}
-    return {"path": name, "unit": data[name].attrs["units"], **ends, "values": len(x)}
+def _varied(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
+    for x in told["vary"]:
+        unit = "" if x["unit"] == "1" else f" {unit_text(x['unit'])}"
+        yield x["path"], (_span([x["low"], x["high"]], digits=6), f"{unit}, {x['values']:,} values")
+    yield "band", (_span(told["band"], digits=6), " rad/s")
 
 
-def _range(column: xr.DataArray) -> list[float] | None:
-    low, high = float(column.fillna(np.inf).min()), float(column.fillna(-np.inf).max())
-    return None if low > high else [low, high]  # dask warns of blocks that hold NaN alone
+def _frequencies(told: Mapping[str, Any]) -> Block:
+    spans = {name: told["ranges"][key] for key, name in _FREQUENCIES.items()}
+    rows = tuple((name, _span(span), _span(span, 2 * pi) if span else "") for name, span in spans.items())
+    return Table((Column(""), Column("rad/s"), Column("Hz")), rows, "Least and largest of all sets, proven.")
 
 
-def _counts(column: xr.DataArray) -> dict[str, int]:
-    """How many sets have that many."""
-    low, high = int(column.min()), int(column.max())
-    return {str(n): found for n in range(max(low, 0), high + 1) if (found := int((column == n).sum()))}
-
-
-def _places(data: xr.Dataset, most: int = 5) -> list[dict[str, float]]:
-    """The parameters of the first few sets that have no answer."""
-    where = np.argwhere((data.method == OPEN).values)[:most]
-    names = [str(name) for name in data.method.dims]
-    return [{name: float(data[name].values[i]) for name, i in zip(names, index, strict=True)} for index in where]
-
-
-def page(told: Mapping[str, Any]) -> str:
-    """The page of text for a document."""
-    heading = "\n".join(fill(line, WIDTH) for line in (told["title"] or "Untitled scene", *told.get("notes", ())))
-    parts = [heading, _varied(told), _found(told), _certain(told)]
-    if told["out"]:
-        parts.append(f"Written to {told['out']}.")
-    return "\n\n".join(parts) + "\n"
-
-
-def _varied(told: Mapping[str, Any]) -> str:
-    width = max(len(x["path"]) for x in told["vary"])
-    rows = [
-        f"  {x['path']:<{width}}  {x['low']:.6g} to {x['high']:.6g} {'' if x['unit'] == '1' else x['unit']}".rstrip()
-        + f", {x['values']:,} values"
-        for x in told["vary"]
-    ]
-    low, high = told["band"]
-    return "\n".join([*rows, f"  {'band':<{width}}  {low:.6g} to {high:.6g} rad/s"])
-
-
-def _found(told: Mapping[str, Any]) -> str:
-    rows = [f"  {'':<32}rad/s{'':<19}Hz"]
-    for key, name in _NAMES.items():
-        span = told["ranges"][key]
-        rows.append(f"  {name:<32}{_span(span):<24}{_span(span, 2 * pi) if span else ''}".rstrip())
+def _counts(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
     clear = told["ranges"]["transparent"]
-    rows.append(f"  {'transparent part of the band':<32}{'none' if clear is None else _span(clear, 0.01) + ' %'}")
-    for part in ("real", "imag"):
+    yield "transparent part of the band", (_span(clear, 0.01), "\xa0%" if clear else "")
+    for part, name in (("real", "real"), ("imag", "imaginary")):
         counts = ", ".join(f"{n}: {sets:,}" for n, sets in told["counts"][f"crossings_{part}"].items())
-        rows.append(
-            f"  {'crossings, ' + ('real' if part == 'real' else 'imaginary') + ' part':<32}{counts or 'none'} sets"
-        )
-    return "\n".join(rows)
+        yield f"crossings, {name} part", f"{counts or 'none'} sets"
 
 
-def _span(span: list[float] | None, unit: float = 1.0) -> str:
-    return "none" if span is None else f"{span[0] / unit:.5g} to {span[1] / unit:.5g}"
+def _span(span: list[float] | None, unit: float = 1.0, digits: int = 5) -> Phrase:
+    if span is None:
+        return "none"
+    low, high = (Number(f"{x / unit:.{digits}g}", x / unit) for x in span)
+    return low, " to ", high
 
 
-def _certain(told: Mapping[str, Any]) -> str:
-    methods = f"{told['certified_in_floats']:,} certified in floats, {told['exact']:,} exact"
-    lines = [
-        fill(
-            f"Certain: {told['sets']:,} sets, {methods}. All counts are proven, and all frequencies to a relative 1e-10, for "
-            "parameters that are exactly the binary numbers stored with the results.",
-            WIDTH,
-        )
-    ]
+def _certain(told: Mapping[str, Any]) -> Iterator[Block]:
+    yield Paragraph(
+        f"Certain: {told['sets']:,} sets, {told['certified_in_floats']:,} certified in floats, {told['exact']:,} exact. All "
+        "counts are proven, and all frequencies to a relative 1e-10, for parameters that are exactly the binary numbers stored "
+        "with the results."
+    )
     if told["open"]:
         first = ", ".join(f"{name} = {x:.17g}" for name, x in told["open_at"][0].items())
-        lines.append(f"NOT ANSWERED: {told['open']:,} sets (undecided, or no dynamics), the first at {first}.")
-    return "\n".join(lines)
+        yield Notes(
+            ((Strong("NOT ANSWERED"), f": {told['open']:,} sets (undecided, or no dynamics), the first at {first}."),)
+        )
+    if told["out"]:
+        yield Paragraph(f"Written to {told['out']}.")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from sympy import Expr
 
 from haptisym.judge.criteria import Criterion
+from haptisym.kernel import reals
 from haptisym.kernel.hertz import Hertz
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Interval, Point
@@ -30,7 +31,6 @@ OMEGA, H_ENV, H_PERC = named("omega"), named("H_env"), named("H_perc")
 CHANGE = Titled("dH", Prefixed(named("Delta"), named("H")))
 NOT_HELD = "Whether the display is stable in a hand was not looked at."
 """Said beside every word about imposed motion, which is easily taken for more."""
-_DIGITS = 5  # of frequencies in sentences; tables show all that were asked for
 
 
 def title(scene: Scene | SceneFamily) -> str:
@@ -42,14 +42,9 @@ def lead(scene: Scene | SceneFamily, asides: Iterable[str] | None = None) -> tup
     return tuple(x for x in (scene.source, *map(coded, scene.asides() if asides is None else asides)) if x)
 
 
-def trimmed(digits: str) -> str:
-    """Without the zeros at the end of a decimal."""
-    return digits.rstrip("0").rstrip(".") if "." in digits and "E" not in digits else digits
-
-
 def short(x: RealNumber) -> Number:
     """A number with the digits that a sentence takes."""
-    return Number(trimmed(x.digits(_DIGITS)), float(x))
+    return Number(reals.short(x), float(x))
 
 
 def exactly(x: RealNumber, digits: int) -> Number:
@@ -59,7 +54,7 @@ def exactly(x: RealNumber, digits: int) -> Number:
 
 def hertz(x: RealNumber) -> str:
     """A frequency given in rad/s, in Hz."""
-    return trimmed(Hertz(x).digits(_DIGITS))
+    return reals.short(Hertz(x))
 
 
 def both(x: RealNumber) -> Phrase:

@@ -96,7 +96,7 @@ class Line:
     """``left = value``, or ``left = meaning = value``, where an ``optional`` value is left out if it is long."""
 
     left: Box
-    value: Expr
+    value: Expr | Box
     relation: str = "="
     meaning: Box | None = None
     optional: bool = False
@@ -105,8 +105,13 @@ class Line:
     def equation(self) -> Equation:
         """As boxes, for text and MathML."""
         if self.meaning is None:
-            return Equation((self.left, layout(self.value)), (self.relation,))
-        return Equation((self.left, self.meaning, layout(self.value)), ("=", self.relation))
+            return Equation((self.left, self.box), (self.relation,))
+        return Equation((self.left, self.meaning, self.box), ("=", self.relation))
+
+    @property
+    def box(self) -> Box:
+        """The value, set."""
+        return layout(self.value) if isinstance(self.value, Expr) else self.value
 
 
 @dataclass(frozen=True)

@@ -77,7 +77,7 @@ def _ratio(m: Measured, forms: Forms) -> Metric:
     upto = "the band" if m.reach == m.band[1] else f"{FAR} times the band's high end"
     return Metric(
         "transmitted impedance ratio",
-        (forms.ratio(),),
+        forms("Gamma"),
         (*values, Value(f"within 3 dB (up to {upto})", inside, "rad/s")),
         "Lawrence (1993), transparency Z_t = Z_e; the 3 dB edge is common practice",
         "recalled, not verified",
@@ -108,7 +108,7 @@ def _relative(m: Measured, forms: Forms) -> Metric:
     c, square = m.relative.threshold, m.relative.measure(m.d)
     return Metric(
         "relative distortion",
-        (forms.relative(),),
+        forms("Theta"),
         (
             Value(f"at most {float(100 * c):.6g} %", m.within, "rad/s"),
             Value("largest on the band", _largest(square, m)),
@@ -129,7 +129,7 @@ def _range(m: Measured, forms: Forms) -> Metric:
     verdict = f"where there is nothing, {empty} is felt; a rigid environment is felt as {'rigid' if most is None else 'Z_max'}"
     return Metric(
         "impedance range",
-        tuple(forms.range()),
+        forms("Z_min", "Z_max", "Z_width"),
         tuple(values),
         "Hashtrudi-Zaad and Salcudean (2001): minimum and dynamic range (width) of the transmitted impedance",
         "abstract read; formulas recalled, not verified; the limits derived",
@@ -142,7 +142,7 @@ def _sensitivity(m: Measured, forms: Forms) -> Metric:
     value = None if square is None else _largest(square, m)
     return Metric(
         "sensitivity",
-        (forms.sensitivity(),),
+        forms("dH_perc/dH_env"),
         (Value("largest |dH_perc/dH_env| on the band", value),),
         "Cavusoglu, Sherman and Tendick (2002): fidelity as sensitivity of the transmitted impedance",
         "recalled, not verified; closed form derived (15_metrics)",
@@ -153,11 +153,11 @@ def _sensitivity(m: Measured, forms: Forms) -> Metric:
 _BEYOND = "beyond it nothing was looked at"
 
 
-def _passivity(m: Measured, forms: Forms) -> Metric:
+def _passivity(m: Measured, _: Forms) -> Metric:
     whole = covers(m.passive, m.evaluation.chart)
     return Metric(
         "passivity",
-        (forms.passivity(),),
+        (),
         (
             Value("Im H_perc >= 0", m.passive, "rad/s"),
             Value("force stable under imposed motion", _decided(m.evaluation.stable)),
@@ -186,7 +186,7 @@ def _absolute(m: Measured, forms: Forms) -> Metric:
         )
     return Metric(
         "absolute stability",
-        tuple(forms.llewellyn()),
+        forms("g"),
         values,
         "Llewellyn's criterion, after Adams and Hannaford (1999): its conditions on the axis, frequency by frequency, not those "
         "on the poles of the two-port",
@@ -202,7 +202,7 @@ def _effective(m: Measured, forms: Forms) -> Metric:
     ]
     return Metric(
         "effective impedance",
-        tuple(forms.effective()),
+        forms("k_perc", "m_perc", "b_perc"),
         tuple(values),
         "Colonnese and Okamura: effective stiffness, damping and mass; step 2 of Fu, van Paassen and Mulder (2019)",
         "recalled, not verified (as step 2 of the paper: verified)",
@@ -210,7 +210,7 @@ def _effective(m: Measured, forms: Forms) -> Metric:
     )
 
 
-def _free(m: Measured, forms: Forms) -> Metric:
+def _free(m: Measured, _: Forms) -> Metric:
     found = m.free
     values = [
         Value(x.name, x.perceived, x.unit, reference=x.environment, tolerance=x.tolerance, kept=x.passes)
@@ -220,7 +220,7 @@ def _free(m: Measured, forms: Forms) -> Metric:
     passed = {True: "passes", False: "fails", None: found.refused}[found.passes]
     return Metric(
         "free response",
-        tuple(forms.free_response()),
+        (),
         tuple(values),
         "14 CFR Part 60, appendix A, attachment 2 (control dynamics, underdamped)",
         "verified; the dominant pair of zeros stands for the whole response",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pkgutil import resolve_name
 from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
@@ -50,7 +51,7 @@ class Metrics(Answer):
     """All measures of a scene, its JND evaluation, and where they disagree (``notes``)."""
 
     _schema: ClassVar[str] = "haptisym.metrics/1"
-    _page: ClassVar[str] = "haptisym.pages.metrics:as_text"
+    _page: ClassVar[str] = "haptisym.pages.metrics:page"
     _figure: ClassVar[str] = "haptisym.figures.metrics:metrics_figure"
 
     evaluation: Evaluation
@@ -93,10 +94,14 @@ class Metrics(Answer):
         }
 
 
+_FORMULAS = "haptisym.pages.metrics:formulas"
+"""What writes the formulas of a measure; loaded when they are wanted."""
+
+
 def _metric_row(x: Metric) -> dict[str, Any]:
     return {
         "name": x.name,
-        "formula": [form.row() for form in x.forms],
+        "formula": resolve_name(_FORMULAS)(x),
         "values": [_value_row(v) for v in x.values],
         "unit": next((v.unit for v in x.values), ""),
         "source": x.source,
