@@ -45,7 +45,7 @@ def _counts_match(found: Tolerances) -> None:
     for one in (found.nominal, *found.samples, *found._corners):
         for x in found.enclosures:
             low, high = float(x.low) * (1 - 1e-12), float(x.high) * (1 + 1e-12)
-            inside = [c for c in one.crossings[x.part] if low <= float(c) <= high]
+            inside = [c for c in one.crossings[x.criterion.name] if low <= float(c) <= high]
             assert x.count in (None, len(inside))
 
 

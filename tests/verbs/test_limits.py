@@ -201,7 +201,7 @@ def test_enclosures_after_a_limit_hold_all_crossings(ticks: int, clock: Callable
                 held = [e for e in cut.enclosures if e.part is part and float(e.low) <= float(x) <= float(e.high)]
                 assert held
     for x in cut.enclosures:
-        inside = [c for c in whole.nominal.crossings[x.part] if float(x.low) <= float(c) <= float(x.high)]
+        inside = [c for c in whole.nominal.crossings[x.criterion.name] if float(x.low) <= float(c) <= float(x.high)]
         assert x.count in (None, len(inside))
     if cut.limit is None:
         assert cut.to_dict() == whole.to_dict()

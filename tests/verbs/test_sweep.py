@@ -241,7 +241,7 @@ def test_the_transparent_part_of_random_crossings_is_where_both_parts_are_below(
         columns[f"first_crossing_{name}"] = np.array([x[0] * 7 if len(x) else np.nan for x in omega])
     a_pass = kernel._Pass.__new__(kernel._Pass)
     a_pass.band, a_pass.sets = kernel.Band(7.0, low, (low**2,), doubtful=False), count
-    found = a_pass._transparency(parts, columns)
+    found = a_pass._transparency(dict(zip(("real", "imag"), parts, strict=True)), columns)
     assert found["transparent"] == pytest.approx(clear.mean(axis=1), abs=1e-9)
     for i in range(count):
         start = columns["first_crossing_real"][i], columns["first_crossing_imag"][i], 7.0

@@ -17,12 +17,13 @@ from sympy import Rational
 
 import haptisym as hs
 from haptisym.cli import app
+from haptisym.judge.criteria import noticed
 from haptisym.kernel.errors import LimitError
 from haptisym.kernel.reals import ExactNumber
 from haptisym.model.quantities import Dimension
 from haptisym.model.ranges import ranged
 from haptisym.programs.taylormodels import Model, constant, variable
-from haptisym.verbs.tolerances.box import box_of
+from haptisym.verbs.tolerances.box import Box, box_of
 from haptisym.verbs.tolerances.entry import tolerances
 from haptisym.verbs.tolerances.excess import Excess
 from haptisym.verbs.tolerances.proofs import One, Verdict
@@ -144,7 +145,7 @@ def test_a_model_encloses_the_excess_and_its_slopes_everywhere_in_a_cell(name: s
     box = box_of(widened(hs.load_scene(name)))
     random = np.random.default_rng(7)
     for part in hs.Part:
-        form = Excess(box, part)
+        form = excess_of(box, part)
         for width in (0.05, 0.4):
             start = random.uniform(0, 1 - width, (6, form.sides))
             cells = np.stack([start, start + width], -1)
@@ -167,6 +168,11 @@ def widened(scene: hs.Scene) -> hs.Scene:
         p.symbol.name: [p.value * Rational(9, 10), p.value * Rational(11, 10)] for p in scene.parameters if p.value
     }
     return scene if any(p.interval for p in scene.parameters) else scene.with_values(values)
+
+
+def excess_of(box: Box, part: hs.Part) -> Excess:
+    [criterion] = [x for x in noticed(box.scene.threshold) if x.part is part]
+    return Excess(box, criterion)
 
 
 def certified_excess(box, part: hs.Part, shares: np.ndarray) -> float:  # type: ignore[no-untyped-def, type-arg]
@@ -231,10 +237,10 @@ def test_no_set_of_values_crosses_outside_the_enclosures(model: str) -> None:
             own = [
                 (float(x.low) * (1 - 1e-12), float(x.high) * (1 + 1e-12)) for x in found.enclosures if x.part is part
             ]
-            assert all(any(low <= float(x) <= high for low, high in own) for x in one.crossings[part])
+            assert all(any(low <= float(x) <= high for low, high in own) for x in one.crossings[part.value])
             counts = [x.count for x in found.enclosures if x.part is part]
             if None not in counts:
-                assert len(one.crossings[part]) == sum(counts)
+                assert len(one.crossings[part.value]) == sum(counts)
     low, high = found.bandwidth
     assert all(float(low) <= float(x.bandwidth) <= float(high) for x in found.samples)
 
@@ -271,7 +277,7 @@ def test_the_shipped_scene_crosses_where_it_is_said_to() -> None:
     assert found.verdict is Verdict.NONE
     [imag] = [x for x in found.enclosures if x.part is hs.Part.IMAG]
     assert (imag.count, imag.low.digits(6), imag.high.digits(6)) == (1, "11.0702", "12.8735")
-    assert {len(x.crossings[hs.Part.REAL]) for x in found._corners} == {0, 1}  # at two corners r_r never reaches c
+    assert {len(x.crossings["real"]) for x in found._corners} == {0, 1}  # at two corners r_r never reaches c
     low, high = found.bandwidth
     assert all(float(low) <= float(x.bandwidth) <= float(high) for x in found.samples)
 
@@ -359,7 +365,7 @@ def test_a_model_of_an_odd_scene_holds_the_excess_and_its_slopes_and_narrows_wit
     box = box_of(scene)
     random = np.random.default_rng(5)
     for part in hs.Part:
-        form = Excess(box, part)
+        form = excess_of(box, part)
         start = random.uniform(0.02, 0.6, (2, form.sides))
         points = start + 0.3 * random.uniform(0, 1, (2, form.sides))
         values = [certified_excess(box, part, x) for x in points]
@@ -387,17 +393,17 @@ def test_what_the_excess_does_not_depend_on_is_known() -> None:
     scene = hs.Scene(SOFT, (LAG,), (0, 15), hs.Threshold.of("0.1 +- 20 %", "0.2 +- 20 %"))
     box = box_of(scene)
     assert [x.name for x in box.sides] == ["k", "omega_c", "c_real", "c_imag"]
-    assert Excess(box, hs.Part.REAL).matters.tolist() == [True, False, True, True, False]
-    assert Excess(box, hs.Part.IMAG).matters.tolist() == [True, False, True, False, True]
+    assert excess_of(box, hs.Part.REAL).matters.tolist() == [True, False, True, True, False]
+    assert excess_of(box, hs.Part.IMAG).matters.tolist() == [True, False, True, False, True]
     late = box_of(hs.Scene(SOFT, (hs.effects.delay("5 ms +- 10 %"),)))
-    assert Excess(late, hs.Part.IMAG).matters.tolist() == [True, False, True]
-    assert [Excess(box_of(hs.Scene(SOFT, x)), hs.Part.REAL).is_zero for x in ((), (LAG,))] == [True, False]
+    assert excess_of(late, hs.Part.IMAG).matters.tolist() == [True, False, True]
+    assert [excess_of(box_of(hs.Scene(SOFT, x)), hs.Part.REAL).is_zero for x in ((), (LAG,))] == [True, False]
 
 
 def test_a_variable_is_known_to_within_roundings_of_its_largest_size() -> None:
     """Along a side from a negative number on, too: its values as fractions."""
     scene = hs.Scene(SOFT, (hs.effects.shunt(b=[-5, "-4.9"], m=["0.1", "0.7"]),), ("0.1", 15))
-    form = Excess(box_of(scene), hs.Part.REAL)
+    form = excess_of(box_of(scene), hs.Part.REAL)
     shares = np.random.default_rng(6).uniform(0, 1, (200, form.sides))
     cells = np.stack([shares, shares], -1)
     for i, (low, width) in enumerate(form._intervals):
@@ -753,7 +759,7 @@ def test_of_two_crossings_each_has_its_enclosure_and_the_bandwidth_ends_at_the_f
     expected = [ends(0.4)[0], ends(0.3)[0], ends(0.3)[1], ends(0.4)[1]]
     assert [float(x) for x in (first.low, first.high, second.low, second.high)] == pytest.approx(expected, rel=1e-13)
     assert [float(x) for x in found.bandwidth] == pytest.approx(expected[:2], rel=1e-13)
-    assert all(len(x.crossings[hs.Part.REAL]) == 2 for x in found.samples)
+    assert all(len(x.crossings["real"]) == 2 for x in found.samples)
     told = found.to_dict()
     assert [x["count"] for x in told["crossings"]] == [1, 1]
     for row, x in zip(told["crossings"], (first, second), strict=True):
@@ -831,10 +837,10 @@ def test_touches_are_no_crossings_of_a_set_of_values() -> None:
     scene = hs.Scene(hs.environments.mass_spring_damper(k=100), (effect,), (0, 9), hs.Threshold.of("0.1", 1))
     answers = tolerances(scene, samples=0)
     at = answers.one({"a": Rational(1, 5)})
-    assert (at.crossings[hs.Part.REAL], at.transparent, float(at.bandwidth)) == ((), True, 9)
+    assert (at.crossings["real"], at.transparent, float(at.bandwidth)) == ((), True, 9)
     above = answers.one({"a": Rational(3, 10)})
-    assert (len(above.crossings[hs.Part.REAL]), above.transparent) == (2, False)
-    assert float(above.bandwidth) == float(above.crossings[hs.Part.REAL][0])
+    assert (len(above.crossings["real"]), above.transparent) == (2, False)
+    assert float(above.bandwidth) == float(above.crossings["real"][0])
 
 
 @pytest.mark.parametrize("samples", [-1, 2.5, "9"])

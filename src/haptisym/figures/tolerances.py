@@ -23,19 +23,19 @@ from haptisym.figures.style import (
     limit,
     name_frequency,
     one_column,
+    threshold_symbol,
+    written,
 )
 from haptisym.kernel.errors import NothingToDrawError
-from haptisym.model.jnd import Part
 from haptisym.verbs.tolerances.proofs import Tolerances
 
-_NAMES = {Part.REAL: r"$r_\mathrm{r} = c_\mathrm{r}$", Part.IMAG: r"$r_\mathrm{i} = c_\mathrm{i}$"}
 _HEIGHT = 0.7
 
 
 def draw_tolerances(
     ax: Axes, a: Tolerances, *, color: str | None = None, label: str = "", hertz: bool | None = None
 ) -> list[Artist]:
-    """A row for each part: grey where it may cross, proven; dots for each drawn set of values; a stroke for the nominal ones.
+    """A row for each ratio: grey where it may cross, proven; dots for each drawn set of values; a stroke for the nominal ones.
 
     ``color``, ``label``, ``hertz`` : as of ``haptisym.figures.ratios.draw_ratios``; enclosures of a further scene are outlines.
     Returns the bars of the enclosures.
@@ -54,15 +54,16 @@ def draw_tolerances(
     if look.number:
         face |= {"facecolor": "none", "linewidth": 1.0}
     bars: list[Artist] = []
-    for row, part in enumerate(Part):
+    for row, criterion in enumerate(a.criteria):
         for x in a.enclosures:
-            if x.part is part:
+            if x.criterion == criterion:
                 left, right = scale.of(float(x.low)), scale.of(float(x.high))
                 bars += ax.barh(row, right - left, left=left, height=_HEIGHT, zorder=1, **face)
-        _draw_row(ax, a, row, part, look, scale)
-    limit(ax, (low, high), (-0.5, len(Part) - 0.5), number=look.number)
-    ax.set_ylim(len(Part) - 0.5, -0.5)
-    ax.set_yticks(range(len(Part)), [_NAMES[part] for part in Part], fontsize=TEXT)
+        _draw_row(ax, a, row, criterion.name, look, scale)
+    limit(ax, (low, high), (-0.5, len(a.criteria) - 0.5), number=look.number)
+    ax.set_ylim(len(a.criteria) - 0.5, -0.5)
+    names = [f"{written(x)[:-1]} = {threshold_symbol(x)[1:]}" for x in a.criteria]
+    ax.set_yticks(range(len(names)), names, fontsize=TEXT)
     ax.tick_params(labelsize=SMALL, length=2, width=0.5, color=INK)
     ax.tick_params(axis="y", length=0, labelsize=TEXT)
     ax.spines[["top", "right", "left"]].set_visible(False)
@@ -76,24 +77,24 @@ def draw_tolerances(
     ]
     some = {
         0: bars,
-        1: any(x.crossings[p] for x in a.samples for p in Part),
-        2: any(a.nominal.crossings[p] for p in Part),
+        1: any(found for x in a.samples for found in x.crossings.values()),
+        2: any(a.nominal.crossings.values()),
     }
     legend(ax, [x for i, x in enumerate(handles) if some[i]])
     return bars
 
 
-def _draw_row(ax: Axes, a: Tolerances, row: int, part: Part, look: Look, scale: Scale) -> None:
-    drawn = [(scale.of(float(x)), n) for n, one in enumerate(a.samples) for x in one.crossings[part]]
+def _draw_row(ax: Axes, a: Tolerances, row: int, name: str, look: Look, scale: Scale) -> None:
+    drawn = [(scale.of(float(x)), n) for n, one in enumerate(a.samples) for x in one.crossings[name]]
     heights = [row + 0.5 * ((n * 0.618) % 1 - 0.5) for _, n in drawn]  # spread evenly, to tell dots apart
     ax.plot([x for x, _ in drawn], heights, ".", markersize=1.6, color=BLUE if look.plain else look.color, zorder=2)
-    nominal = [scale.of(float(x)) for x in a.nominal.crossings[part]]
+    nominal = [scale.of(float(x)) for x in a.nominal.crossings[name]]
     ends = (row - _HEIGHT / 2, row + _HEIGHT / 2)
     ax.vlines(nominal, *ends, color=INK if look.plain else look.color, linewidth=1.4, zorder=3)
 
 
 def tolerances_figure(a: Tolerances) -> Figure:
     """The rows of both parts; NothingToDrawError where no values bring a crossing."""
-    if not a.enclosures and not any(x.crossings[part] for x in (a.nominal, *a.samples) for part in Part):
+    if not a.enclosures and not any(any(x.crossings.values()) for x in (a.nominal, *a.samples)):
         raise NothingToDrawError("no ratio meets its threshold on the band, for any values within the ranges")
     return one_column(1.5, lambda ax: draw_tolerances(ax, a))

@@ -9,7 +9,7 @@ from sympy import Expr
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.quantities import unit_text
 from haptisym.model.ranges import spread
-from haptisym.pages.words import RATIOS, both, lead, title
+from haptisym.pages.words import both, lead, symbol, title
 from haptisym.verbs.tolerances.proofs import Enclosure, Tolerances, Verdict
 from haptisym.verbs.tolerances.quantiles import LEVELS, quantiles
 from haptisym.writing.document import (
@@ -107,7 +107,13 @@ def _enclosures(a: Tolerances) -> Block:
 def _row(x: Enclosure) -> tuple[Phrase, ...]:
     count = "any number" if x.count is None else f"{x.count} always"
     moves = [[named(name) for name, n in x.monotonic.items() if n == sign] for sign in (1, -1)]
-    return RATIOS[x.part], _end(x.low, x.at_low), _end(x.high, x.at_high), count, *(_series(names) for names in moves)
+    return (
+        symbol(x.criterion.symbol),
+        _end(x.low, x.at_low),
+        _end(x.high, x.at_high),
+        count,
+        *(_series(names) for names in moves),
+    )
 
 
 def _series(names: Iterable[Phrase]) -> Phrase:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
 from sympy import Expr, Integer, Symbol
 
+from haptisym.judge.criteria import Criterion, noticed
 from haptisym.kernel.errors import HaptisymError
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, PolynomialRing
@@ -33,18 +34,19 @@ class Excess:
 class Curves:
     """What is asked of a scene, as polynomials in (omega/scale)^step.
 
-    ``changeovers``: of the environment and as perceived, a product whose zeros are the changeovers, None if there can be none.
+    ``excess`` : by the name of the criterion. ``changeovers``: of the environment and as perceived, a product whose zeros are the
+    changeovers, None if there can be none.
     ``definite``: what must not vanish on the band, or the zeros of the others are not the answer (poles, double zeros).
     """
 
     step: int
-    excess: tuple[Excess | None, Excess | None]
+    excess: Mapping[str, Excess | None]
     changeovers: tuple[Product | None, Product | None]
     definite: tuple[Family, ...]
 
     @property
     def products(self) -> Iterator[Product]:
-        for e in self.excess:
+        for e in self.excess.values():
             if e is not None:
                 yield from (e.above, e.below)
         yield from (x for x in self.changeovers if x is not None)
@@ -58,46 +60,51 @@ def sweep_curves(scene: Scene, swept: Sequence[Knob]) -> Curves | None:
         d = scene.chain.at({p.symbol: p.value for p in scene.parameters if p.symbol not in given}).distortion()
     except HaptisymError:
         return None  # no dynamics at all, or a delay that needs a number
-    if d.env.ring.functions or any(f.axis.functions for f in _functions(d)):
+    measures = {x: x.measure(d) for x in noticed(scene.threshold)}
+    if d.env.ring.functions or any(f.axis.functions for f in (*measures.values(), *_turning(d))):
         return None
-    return _Reader(scene, swept, d).curves()
+    return _Reader(scene, swept, measures, _turning(d)).curves()
 
 
-def _functions(d: Distortion) -> list[RealFunction]:
-    return [
-        *(d.squared_ratios[part] for part in Part),
-        *(part_of(r, Part.REAL) for r in (d.env_response, d.perc_response)),
-    ]
+def _turning(d: Distortion) -> list[RealFunction]:
+    """Whose zeros are the changeovers."""
+    return [part_of(r, Part.REAL) for r in (d.env_response, d.perc_response)]
 
 
 class _Reader:
     """Reads the families off the exact closed forms."""
 
-    def __init__(self, scene: Scene, swept: Sequence[Knob], d: Distortion) -> None:
-        self.scene, self.swept, self.functions = scene, swept, _functions(d)
+    def __init__(
+        self,
+        scene: Scene,
+        swept: Sequence[Knob],
+        measures: Mapping[Criterion, RealFunction],
+        turning: Sequence[RealFunction],
+    ) -> None:
+        self.scene, self.swept, self.measures, self.turning = scene, swept, measures, turning
         self.symbols = [Symbol("") if x.parts else x.symbol for x in swept]
-        polynomials = [p for f in self.functions for p in (f.function.numerator, f.function.denominator)]
+        polynomials = [
+            p for f in (*measures.values(), *turning) for p in (f.function.numerator, f.function.denominator)
+        ]
         self.step = 2 if all(int(e[0]) % 2 == 0 for p in polynomials for e in p.monoms()) else 1
         self.definite: list[Family] = []
 
     def curves(self) -> Curves | None:
-        real, imag = (self._excess(f, part) for f, part in zip(self.functions, Part, strict=False))
-        environment, perceived = (self._changeover(f) for f in self.functions[2:])
-        if self.step == 1 and self.scene.band[0] == 0 and any(map(_odd_at_zero, self.functions[2:])):
+        excess = {x.name: self._excess(f, x) for x, f in self.measures.items()}
+        environment, perceived = map(self._changeover, self.turning)
+        if self.step == 1 and self.scene.band[0] == 0 and any(map(_odd_at_zero, self.turning)):
             return None  # a function that is odd in omega changes its sign at 0 itself
-        return Curves(self.step, (real, imag), (environment, perceived), tuple(dict.fromkeys(self.definite)))
+        return Curves(self.step, excess, (environment, perceived), tuple(dict.fromkeys(self.definite)))
 
-    def _excess(self, f: RealFunction, part: Part) -> Excess | None:
+    def _excess(self, f: RealFunction, criterion: Criterion) -> Excess | None:
         if f.is_zero:
             return None
         ring = f.axis
         (unit, above), (lower, below) = (ring.factors(p) for p in (f.function.numerator, f.function.denominator))
         self.definite += self._all_but_zero(ring, (g for g, _ in below))
-        column = next((i for i, x in enumerate(self.swept) if part in x.parts), None)
+        column = next((i for i, x in enumerate(self.swept) if criterion.depends_on(x.parts)), None)
         if column is None:
-            return Excess(
-                self._product(ring, above, unit), self._product(ring, below, lower * self.scene.threshold[part] ** 2)
-            )
+            return Excess(self._product(ring, above, unit), self._product(ring, below, lower * criterion.limit))
         square = Family((Term(0, 1.0, 0.0, tuple(2 * (i == column) for i in range(len(self.swept)))),))
         return Excess(self._product(ring, above, unit), (square, *self._product(ring, below, lower)))
 

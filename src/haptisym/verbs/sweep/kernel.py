@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TypeAlias
@@ -152,15 +152,16 @@ class _Pass:
         """All variables, and for which sets they are proven."""
         with np.errstate(all="ignore"):
             self._no_zero_in(self.curves.definite)
-            parts = [
-                self._zeros(None if e is None else self._at(e.above) - self._at(e.below)) for e in self.curves.excess
-            ]
+            parts = {
+                name: self._zeros(None if e is None else self._at(e.above) - self._at(e.below))
+                for name, e in self.curves.excess.items()
+            }
             turns = [self._zeros(None if x is None else self._at(x)) for x in self.curves.changeovers]
         columns: Columns = {"method": np.full(self.sets, FLOAT, dtype=np.int8)}
-        for found, names in zip((*parts, *turns), _NAMES, strict=True):
-            counts = np.bincount(found.sets, minlength=self.sets)
-            columns[names[0]] = counts
-            columns[names[1]] = self._first(found)
+        for name, found in parts.items():
+            columns[f"crossings_{name}"], columns[f"first_crossing_{name}"] = self._told(found)
+        for name, found in zip(_SYSTEMS, turns, strict=True):
+            columns[f"changeovers_{name}"], columns[f"changeover_{name}"] = self._told(found)
         return columns | self._transparency(parts, columns), self.decided
 
     def _at(self, families: Product) -> Batch:
@@ -190,41 +191,43 @@ class _Pass:
         self.decided[found.sets[~proven]] = False
         return _Found(found.sets, (np.sqrt(x) if self.curves.step == 2 else x).astype(float), found.first)
 
-    def _first(self, found: _Found) -> Array:
+    def _told(self, found: _Found) -> tuple[Array, Array]:
+        """How many, and the first one."""
         column = np.full(self.sets, ABSENT)
         begins = np.ones(len(found.sets), dtype=bool)
         begins[1:] = found.sets[1:] != found.sets[:-1]
         column[found.sets[begins]] = found.omega[begins] * self.band.high
-        return column
+        return np.bincount(found.sets, minlength=self.sets), column
 
-    def _transparency(self, parts: Sequence[_Found], columns: Columns) -> Columns:
-        real, imag = parts
-        clear = (real.first < 0) & (imag.first < 0)
-        ends = np.fmin(np.fmin(columns["first_crossing_real"], columns["first_crossing_imag"]), self.band.high)
+    def _transparency(self, parts: Mapping[str, _Found], columns: Columns) -> Columns:
+        clear = np.logical_and.reduce([found.first < 0 for found in parts.values()])
+        ends = np.fmin.reduce(
+            [*(columns[f"first_crossing_{name}"] for name in parts), np.full(self.sets, self.band.high)]
+        )
         return {"bandwidth": np.where(clear, ends, ABSENT), "transparent": self._fraction(parts, columns)}
 
-    def _fraction(self, parts: Sequence[_Found], columns: Columns) -> Array:
-        """The part of the band where both are negative."""
+    def _fraction(self, parts: Mapping[str, _Found], columns: Columns) -> Array:
+        """The part of the band where all are negative."""
         low, clear = self.band.low_fraction, []
-        for found, name in zip(parts, ("real", "imag"), strict=True):
+        for name, found in parts.items():
             # with one crossing at most, a part is negative on one interval: from the low end or up to the high end
             cross = np.nan_to_num(columns[f"first_crossing_{name}"] / self.band.high, nan=1.0)
             clear.append((np.where(found.first < 0, low, cross), np.where(found.first < 0, cross, 1.0)))
-        (a, b), (c, d) = clear
-        lengths: Array = np.maximum(np.minimum(b, d) - np.maximum(a, c), 0.0)
-        several = ((columns["crossings_real"] > 1) | (columns["crossings_imag"] > 1)).nonzero()[0]
+        starts, ends = zip(*clear, strict=True)
+        lengths: Array = np.maximum(np.minimum.reduce(ends) - np.maximum.reduce(starts), 0.0)
+        several = np.logical_or.reduce([columns[f"crossings_{name}"] > 1 for name in parts]).nonzero()[0]
         if len(several):
-            lengths[several] = _alternating([found.of(several, self.sets) for found in parts], low)
+            lengths[several] = _alternating([found.of(several, self.sets) for found in parts.values()], low)
         return lengths / (1.0 - low)
 
 
 def _alternating(parts: Sequence[_Found], low: float) -> Array:
-    """The total length on which both are negative, from all crossings in order."""
+    """The total length on which all are negative, from all crossings in order."""
     count = len(parts[0].first)
     every = np.arange(count)
     sets = np.concatenate([every, *(found.sets for found in parts)])
     omega = np.concatenate([np.full(count, low), *(found.omega for found in parts)])
-    kinds = np.repeat([-1, 0, 1], [count, *(len(found.sets) for found in parts)])
+    kinds = np.repeat(np.arange(-1, len(parts)), [count, *(len(found.sets) for found in parts)])
     order = np.lexsort((kinds, omega, sets))
     sets, omega, kinds = sets[order], omega[order], kinds[order]
     start = np.searchsorted(sets, every)  # each set begins with its low end
@@ -238,12 +241,7 @@ def _alternating(parts: Sequence[_Found], low: float) -> Array:
     return np.bincount(sets, weights=(following - omega) * both, minlength=count)
 
 
-_NAMES = (
-    ("crossings_real", "first_crossing_real"),
-    ("crossings_imag", "first_crossing_imag"),
-    ("changeovers_environment", "changeover_environment"),
-    ("changeovers_perceived", "changeover_perceived"),
-)
+_SYSTEMS = ("environment", "perceived")
 
 
 def _segments(degree: int) -> int:

@@ -7,6 +7,8 @@ from functools import cached_property
 import numpy as np
 from sympy import Expr, Rational
 
+from haptisym.judge.criteria import Criterion
+from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import expression_ball
 from haptisym.model.jnd import Part, is_irrational_algebraic
 from haptisym.programs.modelled import Modelled
@@ -15,13 +17,16 @@ from haptisym.verbs.tolerances.box import Box
 
 
 class Excess:
-    """r^2 - c^2 of one part, for every frequency of the band and every set of values of the box.
+    """r^2 - c^2 of a criterion of one part, for every frequency of the band and every set of values of the box.
 
     ``model`` takes cells, an array (cells, sides, 2): for omega, then for each side of the box, from which share of its way to
     which, 0 the low end and 1 the high end.
     """
 
-    def __init__(self, box: Box, part: Part) -> None:
+    def __init__(self, box: Box, criterion: Criterion) -> None:
+        part = criterion.part
+        if part is None:
+            raise SceneError(f"{criterion.words}: tolerances are told of criteria of one part alone")
         scene, names = box.scene, [side.name for side in box.sides]
         fixed = {p.symbol: p.value for p in scene.parameters if p.symbol.name not in names}
         chain, exchanged = scene.chain.at(fixed).without_axis_zeros()
@@ -34,7 +39,7 @@ class Excess:
         self._inputs = [0, *(1 + names.index(x.name) for x in self._program.inputs[1:])]
         c = box.part_name(part)
         self._limit = 1 + names.index(c) if c in names else None
-        self._c = _float(scene.threshold[part])
+        self._c = _float(criterion.threshold)
 
     @cached_property
     def is_zero(self) -> bool:

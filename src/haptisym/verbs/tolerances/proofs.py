@@ -18,11 +18,11 @@ import numpy as np
 from sympy import Expr, Rational
 
 from haptisym.judge.answers import Answer
+from haptisym.judge.criteria import Criterion, Judged, noticed
 from haptisym.kernel.budget import Budget, share
 from haptisym.kernel.errors import LimitError
 from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.shown import counted, titled
-from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
 from haptisym.verbs.tolerances.box import Box
 from haptisym.verbs.tolerances.excess import Excess
@@ -32,6 +32,7 @@ from haptisym.verbs.tolerances.single import One, in_time, one
 
 TOLERANCE = Fraction(1, 1000)
 """Of an end of an enclosure that is not exact: how far, relatively, it may lie beyond what is reached."""
+_SHARE = 0.4  # of the time that is left, for the first search of two
 _MOST_CORNERS = 64  # sets of values that are tried as witnesses or as ends
 
 
@@ -45,8 +46,8 @@ class Verdict(Enum):
 
 
 @dataclass(frozen=True)
-class Enclosure:
-    """Where crossings of a part lie: between ``low`` and ``high``, rad/s, whatever the values; guaranteed.
+class Enclosure(Judged):
+    """Where crossings of a criterion lie: between ``low`` and ``high``, rad/s, whatever the values; guaranteed.
 
     ``count`` : how many there are for every set of values; None if that depends or is not known. ``at_low``, ``at_high``: the
     corner of the box at which the end is reached, which then is exact; None for an end that is a bound only, at most
@@ -54,7 +55,7 @@ class Enclosure:
     throughout the box, -1 if it falls, 0 if neither is proven.
     """
 
-    part: Part
+    criterion: Criterion
     low: RealNumber
     high: RealNumber
     count: int | None
@@ -90,6 +91,11 @@ class Tolerances(Answer):
         ranges = self.box.scene.ranges()
         return ranges, ranges
 
+    @cached_property
+    def criteria(self) -> tuple[Criterion, ...]:
+        """What is judged, with nominal thresholds."""
+        return noticed(self.box.scene.threshold)
+
     @property
     def limit(self) -> float | None:
         """The seconds of a limit that cut the work short; None if none did."""
@@ -112,19 +118,19 @@ class Tolerances(Answer):
         return {}
 
     @cached_property
-    def _search(self) -> dict[Part, tuple[Excess, tuple[Cluster, ...]]]:
-        forms = {part: Excess(self.box, part) for part in Part}
-        found = {}
-        for form, time in zip(forms.values(), (0.4, 0.6), strict=True):
-            with share(time):
+    def _search(self) -> dict[Criterion, tuple[Excess, tuple[Cluster, ...]]]:
+        forms = {x: Excess(self.box, x) for x in self.criteria}
+        found: dict[Excess, tuple[Cluster, ...]] = {}
+        for form in forms.values():
+            with share(_SHARE if len(found) < len(forms) - 1 else 1 - _SHARE):
                 found[form] = clusters(form)
-        return {part: (form, found[form]) for part, form in forms.items()}
+        return {x: (form, found[form]) for x, form in forms.items()}
 
     @cached_property
     def enclosures(self) -> tuple[Enclosure, ...]:
         """Where crossings lie, for all values: outside these there is none, for no values of the box."""
-        found = (self._enclosure(part, form, x) for part, (form, own) in self._search.items() for x in own)
-        return tuple(sorted(found, key=lambda x: (float(x.low), x.part.value)))
+        found = (self._enclosure(x, form, y) for x, (form, own) in self._search.items() for y in own)
+        return tuple(sorted(found, key=lambda x: (float(x.low), x.criterion.name)))
 
     @cached_property
     def _corners(self) -> tuple[One, ...]:
@@ -165,11 +171,11 @@ class Tolerances(Answer):
 
     def _always_noticed(self) -> bool:
         """Whether some frequency is noticed whatever the values: one between clusters, at which a ratio exceeds for all."""
-        return any(self._exceeds_between(part) is not None for part in Part)
+        return any(self._exceeds_between(x) is not None for x in self.criteria)
 
-    def _exceeds_between(self, part: Part) -> float | None:
+    def _exceeds_between(self, criterion: Criterion) -> float | None:
         """The lowest share of the band outside all clusters at which r exceeds c, for the nominal and so for all values."""
-        form, own = self._search[part]
+        form, own = self._search[criterion]
         if form.is_zero:
             return None
         start = 0.0
@@ -192,15 +198,15 @@ class Tolerances(Answer):
         if self.nominal.bandwidth is None or any(float(x.low) <= float(low) for x in self.enclosures):
             return None
         least = min([x.low for x in self.enclosures] or [high], key=float)
-        ends = [self._end_of_first(part) for part in Part]
+        ends = [self._end_of_first(x) for x in self.criteria]
         return least, min([x for x in ends if x is not None] or [high], key=float)
 
-    def _end_of_first(self, part: Part) -> RealNumber | None:
+    def _end_of_first(self, criterion: Criterion) -> RealNumber | None:
         """From where on r exceeds c whatever the values, at the latest; None if nowhere for certain."""
-        share = self._exceeds_between(part)
+        share = self._exceeds_between(criterion)
         if share is None:
             return None
-        before = [x for x in self.enclosures if x.part is part and x.high is not None]
+        before = [x for x in self.enclosures if x.criterion == criterion and x.high is not None]
         low, high = self.box.scene.band
         edge = float(low) + share * float(high - low)
         return max((x.high for x in before if float(x.high) <= edge * (1 + 1e-9)), key=float, default=None)
@@ -210,14 +216,14 @@ class Tolerances(Answer):
         """Whether the verdict is proven."""
         return self.verdict is not Verdict.UNDECIDED
 
-    def _enclosure(self, part: Part, form: Excess, cluster: Cluster) -> Enclosure:
+    def _enclosure(self, criterion: Criterion, form: Excess, cluster: Cluster) -> Enclosure:
         steady = self._steady(form, cluster)
         alone = cluster.regular and cluster.inside
-        own = [x for x in self.nominal.crossings[part] if self._within(x, cluster)]
+        own = [x for x in self.nominal.crossings[criterion.name] if self._within(x, cluster)]
         count = len(own) if alone and own else None
-        ends = [self._end(part, form, cluster, steady, highest=highest) for highest in (False, True)]
+        ends = [self._end(criterion, form, cluster, steady, highest=highest) for highest in (False, True)]
         (low, at_low), (high, at_high) = ends
-        return Enclosure(part, low, high, count, at_low, at_high, steady)
+        return Enclosure(criterion, low, high, count, at_low, at_high, steady)
 
     def _steady(self, form: Excess, cluster: Cluster) -> dict[str, int]:
         """The way in which the crossings of a cluster move with each parameter."""
@@ -225,12 +231,12 @@ class Tolerances(Answer):
         return {side.name: int(n) for side, n in zip(self.box.sides, moves, strict=True)}
 
     def _end(
-        self, part: Part, form: Excess, cluster: Cluster, steady: Mapping[str, int], *, highest: bool
+        self, criterion: Criterion, form: Excess, cluster: Cluster, steady: Mapping[str, int], *, highest: bool
     ) -> tuple[RealNumber, Mapping[str, Expr] | None]:
         low, high = self.box.scene.band
         idle = {side.name for side, used in zip(self.box.sides, form.matters[1:], strict=True) if not used}
         corners = in_time(self._ends(steady, idle, highest=highest))
-        found = [(x, one.values) for one in corners for x in one.crossings[part]]
+        found = [(x, one.values) for one in corners for x in one.crossings[criterion.name]]
         found = [(x, values) for x, values in found if self._within(x, cluster)]
         pick = max if highest else min
         best = pick(found, key=lambda x: float(x[0]), default=None)
@@ -281,7 +287,7 @@ class Tolerances(Answer):
     def _enclosure_row(self, x: Enclosure) -> dict[str, Any]:
         corners = {"low": _values(x.at_low), "high": _values(x.at_high)}
         enclosure = [x.low.enclosure()[0], x.high.enclosure()[1]]
-        row = {"part": x.part.value, "omega": [float(x.low), float(x.high)], "enclosure": enclosure}
+        row = {"part": x.criterion.name, "omega": [float(x.low), float(x.high)], "enclosure": enclosure}
         return {**row, "count": x.count, "reached_at": corners, "monotonic": dict(x.monotonic)}
 
     def _estimates(self) -> dict[str, Any] | None:

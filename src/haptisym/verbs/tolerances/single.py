@@ -10,27 +10,26 @@ from typing import TypeVar
 
 from sympy import Expr
 
-from haptisym.judge.criteria import noticed
+from haptisym.judge.criteria import kept, noticed
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import LimitError
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import chart
-from haptisym.model.jnd import Part
 from haptisym.verbs.tolerances.box import Box
 
 
 @dataclass(frozen=True)
 class One:
-    """One set of values, certified: the crossings of each part, without touches, and whether all of the band is transparent."""
+    """One set of values, certified: the crossings by the names of criteria, without touches; whether it is transparent."""
 
     values: Mapping[str, Expr]
-    crossings: Mapping[Part, tuple[RealNumber, ...]]
+    crossings: Mapping[str, tuple[RealNumber, ...]]
     bandwidth: RealNumber | None
     transparent: bool | None
 
     @property
     def first(self) -> RealNumber | None:
-        """The lowest crossing of either part."""
+        """The lowest crossing of any."""
         return min((x[0] for x in self.crossings.values() if x), key=float, default=None)
 
 
@@ -60,9 +59,10 @@ def in_time(found: Iterable[_T]) -> Iterator[_T]:
 def one(box: Box, values: Mapping[str, Expr]) -> One:
     scene = box.scene.with_values(values)
     d = scene.distortion()
-    table = chart({part: x.function(d) for part, x in zip(Part, noticed(scene.threshold), strict=True)}, *scene.band)
-    crossings = {part: tuple(p.omega for p in table.points if _crosses(p.orders.get(part, 0))) for part in Part}
-    intervals = table.where(lambda signs: all(signs[part] <= 0 for part in Part))
+    criteria = noticed(scene.threshold)
+    table = chart({x: x.function(d) for x in criteria}, *scene.band)
+    crossings = {x.name: tuple(p.omega for p in table.points if _crosses(p.orders.get(x, 0))) for x in criteria}
+    intervals = kept(table)
     first = intervals[0] if intervals and intervals[0].low is table.points[0] else None
     whole = first is not None and first.high is table.points[-1]
     shown = values or {side.name: box.scene.knobs[side.name].value for side in box.sides}
