@@ -188,7 +188,7 @@ print(code)
 from pathlib import Path
 from tempfile import mkdtemp
 
-from haptisym.pages.report.page import save_report
+from haptisym.pages.report import save_report
 
 report = Path(mkdtemp()) / "tutorial.html"
 save_report(felt, report)

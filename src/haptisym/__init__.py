@@ -52,7 +52,7 @@ _ON_DEMAND = {
     "family_names": "model.scenefile",
     "hard_costs": "verbs.cost.hardcosts",
     "interop": "",
-    "latex": "pages.tex.latex",
+    "latex": "pages.latex",
     "load_scenes": "model.scenefile",
     "mathml": "writing.mathml",
     "metrics": "verbs.metrics.entry",

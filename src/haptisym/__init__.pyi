@@ -13,7 +13,7 @@ from haptisym.model.family import SceneFamily
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import family_names, load_scene, load_scenes, parse_scene, parse_scenes, scene_names
-from haptisym.pages.tex.latex import latex
+from haptisym.pages.latex import latex
 from haptisym.programs.accuracy import Accuracy
 from haptisym.verbs.cost.entry import Cost, cost, simulation_cost
 from haptisym.verbs.cost.hardcosts import HardCosts, hard_costs

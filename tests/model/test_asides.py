@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from pdflatex import set_document
 
 import haptisym as hs
-from haptisym.pages.report.page import page
-from haptisym.pages.tex.document import document
+from haptisym.pages.report import page
 
 Call = Callable[..., tuple[int, str, str]]
 
@@ -149,7 +149,7 @@ def test_pages_and_latex_of_an_evaluation_say_what_is_nominal() -> None:
     for text, count in ((RANGES, 1), (PLAIN, 0)):
         e = hs.evaluate(hs.parse_scene(text))
         assert e._repr_html_().count("<code>haptisym tolerances</code>") == count  # type: ignore[attr-defined]
-        for latex in (document(e), hs.latex(e)):
+        for latex in (set_document(e), hs.latex(e)):
             assert latex.count(r"k, omega\_c vary by 5 \%;") == count
             assert latex.count(r"scene; see \texttt{haptisym tolerances}") == count
 

@@ -68,7 +68,7 @@ def test_a_notebook_shows_an_answer_as_its_page_or_better(answer: tuple[str, Any
     html = found._repr_html_()
     read = Page(html)  # well formed, or it raises
     assert read.tags
-    if not isinstance(found, hs.Evaluation):
+    if html.startswith("<pre"):
         assert unescape(re.fullmatch(r'<pre class="haptisym">([^<>]*)</pre>', html)[1]) == str(found)  # type: ignore[index]
 
 

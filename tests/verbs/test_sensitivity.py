@@ -138,7 +138,7 @@ def test_the_formula_says_where_it_does_not_hold() -> None:
     from haptisym.verbs.derive.derivation import derive
 
     [section] = asked(derive(touching(), ["a"]), ["d omega_r/d a"])
-    assert "here at 3.0000 rad/s" in str(section.notes[0])
+    assert "here at 3.0000 rad/s" in str(section.blocks[0])
 
 
 def test_a_bandwidth_that_is_the_whole_band_does_not_move() -> None:

@@ -12,7 +12,7 @@ from sympy import Abs, Expr, Function, I, Integer, Pow, Rational, Symbol, pi
 import haptisym as hs
 from haptisym.kernel.rings import PolynomialRing
 from haptisym.kernel.symbols import omega, s
-from haptisym.pages.tex.latex import ClosedForms
+from haptisym.pages.closedforms import ClosedForms
 
 m, b, k, omega_n, zeta, omega_c, tau, J_w = hs.symbols("m b k omega_n zeta omega_c tau J_w")
 ATOMS = [m, b, k, omega_n, omega_c, zeta, J_w, tau, s, omega, Symbol("p"), Symbol("q", real=True), Symbol("k_1")]

@@ -5,9 +5,14 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 from marks import required
+
+from haptisym.judge.answers import Answer
+from haptisym.writing.latex import latex
 
 
 def compiled(text: str, folder: Path) -> str:
@@ -26,3 +31,8 @@ def check_layout(log: str) -> None:
     wide = [float(x) for x in re.findall(r"Overfull \\hbox \((\d+\.\d+)pt", log)]
     assert max(wide, default=0) <= 20
     assert "LaTeX Warning" not in log
+
+
+def set_document(answer: Answer, figures: Mapping[str, str] = MappingProxyType({})) -> str:
+    """An answer as a document of LaTeX."""
+    return latex(answer.document(), figures)

@@ -71,13 +71,18 @@ def derive(
             )
         write(scene_code(scene, Language[language.upper()], parameters=kept))
         return
-    from haptisym.pages import derive as derivationtext
+    from haptisym.pages.derive import as_json as json_of
+    from haptisym.pages.derive import latex, page
     from haptisym.pages.sections import asked, sections
+    from haptisym.writing.html import fragment
 
     d = derive_scene(scene, kept)
     found = asked(d, names) if names else sections(d)
     if as_json or language == "json":
-        say_document(derivationtext.as_json(d, found))
+        say_document(json_of(d, found))
+    elif language == "text":
+        say(page(d, found))
+    elif language == "latex":
+        write(latex(d, found))
     else:
-        text = getattr(derivationtext, f"as_{language}")(d, found)
-        say(text) if language == "text" else write(text)
+        write(fragment(page(d, found)) + "\n")

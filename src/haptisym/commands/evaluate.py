@@ -98,11 +98,11 @@ def evaluate(
 
         keep_figures(figures, lambda: save_figures(result, figures))
     if latex is not None:
-        from haptisym.pages.tex.document import document
+        from haptisym.pages.report import save_latex
 
-        keep("LaTeX", latex, lambda: latex.write_text(document(result), encoding="utf-8"))
+        keep("LaTeX", latex, lambda: save_latex(result, latex))
     if report is not None:
-        from haptisym.pages.report.page import save_report
+        from haptisym.pages.report import save_report
 
         keep("report", report, lambda: save_report(result, report))
     hand_over(result, as_json=as_json)

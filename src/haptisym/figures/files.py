@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from haptisym.figures.kinds import UNDATED
 from haptisym.figures.nyquist import draw_nyquist
@@ -13,7 +15,7 @@ from haptisym.figures.projections import draw_projections
 from haptisym.figures.ratios import draw_ratios
 from haptisym.figures.sampling import band_of, ends_of, poles_of
 from haptisym.figures.square import draw_jnd_square
-from haptisym.figures.style import one_column, save
+from haptisym.figures.style import WIDTH, one_column, save
 from haptisym.judge.evaluation import Evaluation
 from haptisym.model.jnd import Part
 
@@ -25,18 +27,22 @@ def save_figures(evaluation: Evaluation, directory: str | Path, kinds: Iterable[
     """
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
-    drawings: dict[str, tuple[float, Callable[[Axes], object]]] = {
-        "ratios": (2.1, lambda ax: draw_ratios(ax, evaluation)),
-        "nyquist": (2.6, lambda ax: draw_nyquist(ax, evaluation)),
-        "projections-real": (2.0, lambda ax: draw_projections(ax, evaluation, Part.REAL)),
-        "projections-imag": (2.0, lambda ax: draw_projections(ax, evaluation, Part.IMAG)),
-        "jnd-square": (2.6, lambda ax: draw_jnd_square(ax, evaluation, _telling_frequency(evaluation))),
-    }
-    return [
-        path
-        for name, (height, draw) in drawings.items()
-        for path in save(folder / name, one_column(height, draw), kinds)
-    ]
+    return [path for name in _DRAWINGS for path in save(folder / name, draw_figure(evaluation, name), kinds)]
+
+
+def draw_figure(evaluation: Evaluation, name: str, *, wide: bool = False) -> Figure:
+    """One of the figures by its name, one column wide, or one and a half."""
+    height, draw = _DRAWINGS[name]
+    return one_column(height, lambda ax: draw(ax, evaluation), 1.5 * WIDTH if wide else WIDTH)
+
+
+_DRAWINGS: Mapping[str, tuple[float, Callable[[Axes, Evaluation], object]]] = MappingProxyType({
+    "ratios": (2.1, draw_ratios),
+    "nyquist": (2.6, draw_nyquist),
+    "projections-real": (2.0, lambda ax, e: draw_projections(ax, e, Part.REAL)),
+    "projections-imag": (2.0, lambda ax, e: draw_projections(ax, e, Part.IMAG)),
+    "jnd-square": (2.6, lambda ax, e: draw_jnd_square(ax, e, _telling_frequency(e))),
+})  # fmt: skip
 
 
 def _telling_frequency(evaluation: Evaluation) -> float:

@@ -320,9 +320,9 @@ def save_as(figure: Figure, path: str | Path) -> Path:
     return target
 
 
-def one_column(height: float, draw: Callable[[Axes], object]) -> Figure:
+def one_column(height: float, draw: Callable[[Axes], object], width: float = WIDTH) -> Figure:
     """A drawing of that height, in inches, without its legend; one with equal scales takes the height that it needs."""
-    figure = Figure(figsize=(WIDTH, height), layout="compressed")
+    figure = Figure(figsize=(width, height), layout="compressed")
     ax = figure.add_subplot()
     draw(ax)
     figure.draw_without_rendering()

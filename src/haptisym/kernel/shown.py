@@ -6,7 +6,7 @@ from textwrap import shorten
 
 _LINE = 150
 """Characters of a line at most."""
-_NOTEBOOK = "haptisym.pages.report.notebook"
+_NOTEBOOK = "haptisym.pages.notebook"
 
 
 class Viewed:

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 from sympy import Symbol
 
@@ -25,6 +28,7 @@ from haptisym.pages.words import (
     ends,
     exactly,
     hertz,
+    is_transparent_throughout,
     lead,
     limits,
     percent,
@@ -40,14 +44,22 @@ from haptisym.writing.document import (
     Column,
     Document,
     Facts,
+    Figure,
+    Live,
     Notes,
     Paragraph,
     Phrase,
     Section,
     Strong,
     Table,
+    Versions,
     listed,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Canvas
+
+    from haptisym.pages.sceneforms import SceneForms
 from haptisym.writing.equations import equation
 from haptisym.writing.formula import readable
 from haptisym.writing.names import named
@@ -55,15 +67,59 @@ from haptisym.writing.names import named
 
 def page(e: Evaluation) -> Document:
     """The whole page."""
+    full = _InFull(e)
+    certain: tuple[Block, ...] = (*caveats(e.caveats), Paragraph(_certain(e)))
     blocks: list[Block] = [
         *_pruned(e),
-        Facts(tuple(_dynamics(e))),
+        Versions((Facts(tuple(_dynamics(e))),), full.findings),
+        Section("Scene", (Versions((), full.scene),), "scene"),
         Section("Step 1. When does the hand begin to notice?", tuple(_step_1(e)), "step-1"),
         Section("Step 2. How is it felt?", tuple(_step_2(e)), "step-2"),
-        *caveats(e.caveats),
-        Paragraph(_certain(e)),
+        Section("Which values would do?", (Versions((), full.design),), "which-values-would-do"),
+        Section("Explorer", (Live(full.explorer),), "explorer"),
+        Versions(certain, lambda: [Section("What is certain", (*certain, *_assumed()), "certainty")]),
+        Section("Derivation", (Versions((), full.derivation),), "derivation", appendix=True),
     ]
-    return Document(title(e.scene), lead(e.scene, e.asides()), tuple(blocks))
+    kind = "Two-step evaluation of a haptic display"
+    return Document(title(e.scene), lead(e.scene, e.asides()), tuple(blocks), kind)
+
+
+@dataclass(frozen=True)
+class _InFull:
+    """What reports alone say; what writes it is loaded where one is written."""
+
+    evaluation: Evaluation
+
+    @cached_property
+    def _forms(self) -> SceneForms:
+        from haptisym.pages.sceneforms import SceneForms
+
+        return SceneForms(self.evaluation)
+
+    def findings(self) -> Iterable[Block]:
+        from haptisym.pages.findings import findings
+
+        return [Facts(tuple(findings(self.evaluation)), "findings")]
+
+    def scene(self) -> Iterable[Block]:
+        from haptisym.pages.scene import scene_blocks
+
+        return scene_blocks(self.evaluation.scene, self._forms.short_names)
+
+    def design(self) -> Iterable[Block]:
+        from haptisym.pages.design import design
+
+        return design(self.evaluation)
+
+    def explorer(self) -> str:
+        from haptisym.pages.explorer import explorer
+
+        return explorer(self.evaluation, self._forms)
+
+    def derivation(self) -> Iterable[Block]:
+        from haptisym.pages.derivation import derivation
+
+        return derivation(self._forms)
 
 
 def _pruned(e: Evaluation) -> Iterator[Block]:
@@ -109,7 +165,13 @@ def _effect(name: str, model: str) -> str:
 
 def _step_1(e: Evaluation) -> Iterator[Block]:
     yield Paragraph(transparency(e))
+    yield _figure(
+        e, "ratios", "Distortion ratios over the band. Grey: neither exceeds its threshold, the display is transparent. A dot "
+        "marks where the ratio of the real part meets its threshold, a ring that of the imaginary part.", wide=True,
+    )  # fmt: skip
     yield crossings(e)
+    if e.undecided:
+        yield _undecided(e)
     yield from _any_environment(e)
 
 
@@ -126,12 +188,6 @@ def transparency(e: Evaluation) -> Phrase:
         width = both(e.bandwidth)
         return "At ", width, ". Below that the display is perceptually transparent: this is its bandwidth."
     return "At ", both(e.bandwidth), ", its bandwidth. The display is perceptually transparent ", pieces, "."
-
-
-def is_transparent_throughout(e: Evaluation) -> bool:
-    """Whether neither ratio exceeds its threshold anywhere on the band."""
-    found = [(x.low, x.high) for x in e.transparent]
-    return found == [(e.chart.points[0], e.chart.points[-1])]
 
 
 def crossings(e: Evaluation) -> Block:
@@ -171,6 +227,14 @@ def sense(c: Crossing) -> Phrase:
     return compared(Prefixed(Operator(c.criterion.component), CHANGE), ">" if c.sign > 0 else "<") if c.sign else ""
 
 
+def _undecided(e: Evaluation) -> Table:
+    """What stayed open at the precision limit."""
+    found = [(x.name, point.omega.enclosure(e.digits)) for x, point in e.undecided]
+    rows = tuple((name, f"[{low}, {high}]") for name, (low, high) in found)
+    caption = "Undecided at the precision limit: whether the ratio touches its threshold here, crosses it twice or stays clear."
+    return Table((Column("part"), Column(("near ", OMEGA, " (rad/s)"))), rows, caption)
+
+
 def _any_environment(e: Evaluation) -> Iterator[Block]:
     found = e.any_environment
     if found is None or not e.scene.effects:
@@ -191,7 +255,27 @@ def _any_environment(e: Evaluation) -> Iterator[Block]:
 
 def _step_2(e: Evaluation) -> Iterator[Block]:
     yield percepts(e)
+    for part, name in ((Part.REAL, "real"), (Part.IMAG, "imaginary")):
+        yield _figure(
+            e, f"projections-{part.value}", f"Magnitude of the {name} part of environment and of what is felt: bold where "
+            "the difference is noticed, with what it is felt as.",
+        )  # fmt: skip
     yield Notes((*_changeovers(e), *_outside_model(e), *_unbounded(e), _stability(e)))
+    yield _figure(
+        e, "nyquist", "Environment (solid) and what is felt (dashed) in the complex plane; arrows towards higher frequencies.",
+    )  # fmt: skip
+    yield _figure(
+        e, "jnd-square", "Environment and what is felt at one frequency; the grey region holds the changes that are not noticed.",
+    )  # fmt: skip
+
+
+def _figure(e: Evaluation, name: str, caption: str, *, wide: bool = False) -> Figure:
+    def draw() -> Canvas:
+        from haptisym.figures.files import draw_figure  # matplotlib is loaded where something is drawn
+
+        return draw_figure(e, name, wide=wide)
+
+    return Figure(name, caption, draw, wide)
 
 
 def percepts(e: Evaluation) -> Block:
@@ -247,3 +331,10 @@ def _certain(e: Evaluation) -> Phrase:
         "Certain: these are all crossings on the band, none is missed and none invented; every digit, sign and interval "
         "is proven by exact polynomials and ball arithmetic, not sampled."
     )
+
+
+def _assumed() -> Iterator[Block]:
+    yield Paragraph((
+        "Assumed: that the dynamics are linear, and the threshold of human perception (Fu, van Paassen and Mulder, 2019, eq. ",
+        "4). Figures, and an explorer, are drawn in floating point; the figures have every proven frequency among their samples.",
+    ))  # fmt: skip

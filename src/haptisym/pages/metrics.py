@@ -49,7 +49,7 @@ from haptisym.writing.layout import layout
 from haptisym.writing.mathtext import text
 from haptisym.writing.names import named
 from haptisym.writing.plain import said
-from haptisym.writing.texlines import Names, Row, align
+from haptisym.writing.texlines import Names, align
 from haptisym.writing.texnames import coded, escape
 from haptisym.writing.texprinter import tex
 
@@ -211,13 +211,7 @@ def as_latex(m: Metrics) -> str:
 
 def _metric_latex(x: Metric, names: Names) -> str:
     lines = [*written(x)]
-    rows = [
-        Row(
-            tex(y.left), y.value, tex(y.meaning) if y.meaning else "", relation=r"\approx" if y.relation == "≈" else "="
-        )
-        for y in lines
-        if isinstance(y.value, Expr)
-    ]
+    rows = [y for y in lines if isinstance(y.value, Expr)]
     others = [rf"\[ {tex(y.equation)} \]" for y in lines if not isinstance(y.value, Expr)]
     heading = rf"\paragraph{{{escape(x.name[0].upper() + x.name[1:])}}} {escape(x.source)} ({escape(x.evidence)})."
     return "\n".join([heading, *([align(rows, names)] if rows else []), *others])

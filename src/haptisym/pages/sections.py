@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from typing import TypeAlias
 
 from sympy import Add, Expr, Integer, Symbol, count_ops
 
@@ -17,7 +15,8 @@ from haptisym.model.quantities import Dimension
 from haptisym.programs.steps import DISTORTION, Steps
 from haptisym.verbs.derive.derivation import QUANTITIES, Derivation, bare, listed_name
 from haptisym.verbs.derive.groups import Groups
-from haptisym.writing.boxes import Box, Equation, Fraction, Product
+from haptisym.writing.boxes import Equation, Fraction, Product
+from haptisym.writing.document import Equations, Line, Notes, Phrase, Section, listed
 from haptisym.writing.equations import quantity
 from haptisym.writing.layout import layout
 from haptisym.writing.names import named
@@ -30,43 +29,22 @@ _SHOWN = dict(zip(("Re dH", "Im dH", "r_r", "r_i", "Re(dH/H_env)", "Im(dH/H_env)
 """Names of quantities, and of the results of ``Steps``."""
 
 
-@dataclass(frozen=True)
-class Line:
-    """``left = value``."""
-
-    left: Box
-    value: Expr
-    relation: str = "="
-
-    @property
-    def equation(self) -> Equation:
-        """As boxes, for text and MathML."""
-        return Equation((self.left, layout(self.value)), (self.relation,))
-
-
-Phrase: TypeAlias = tuple[str | Box, ...]
-"""Words with formulas among them."""
-
-
-@dataclass(frozen=True)
-class Section:
-    """A heading, equations, and sentences that say what they mean or what is missing."""
-
-    title: Phrase
-    equations: tuple[Line, ...] = ()
-    notes: tuple[Phrase, ...] = ()
+def _section(title: Phrase, rows: Iterable[Line] = (), notes: Iterable[Phrase] = ()) -> Section:
+    """A heading, sentences that say what the equations mean or what is missing, and these."""
+    said, lines = Notes(tuple(notes)), Equations(tuple(rows))
+    return Section(title, (*([said] if said.entries else []), *([lines] if lines.lines else [])))
 
 
 def sections(d: Derivation) -> tuple[Section, ...]:
     """All that a derivation says unasked."""
     found = [_dynamics(d), _in_steps(d), _written_out(d), _when(d), _changeovers(d), *_dimensionless(d), *_fast(d)]
-    return tuple(section for section in found if section.equations or section.notes)
+    return tuple(section for section in found if section.blocks)
 
 
 def beyond(d: Derivation) -> tuple[Section, ...]:
     """What closed forms alone do not show: short steps, crossings solved for omega, groups, leading terms."""
     found = [_in_steps(d), _solved(d), *_dimensionless(d), *_fast(d)]
-    return tuple(section for section in found if section.equations)
+    return tuple(section for section in found if any(isinstance(x, Equations) for x in section.blocks))
 
 
 def asked(d: Derivation, names: Iterable[str]) -> tuple[Section, ...]:
@@ -82,10 +60,10 @@ def asked(d: Derivation, names: Iterable[str]) -> tuple[Section, ...]:
         elif key in _SOLVED:
             solved, said = _answers(_SOLVED[key], _solutions(d, _SOLVED[key]))
             rows += solved
-            notes += [(named(_SOLVED[key]), ": ", *x) for x in said]
+            notes += [(named(_SOLVED[key]), ": ", x) for x in said]
         else:
             rows.append(_named(canonical(name), d[name]))
-    return (Section(("Formulas",), tuple(rows), tuple(notes)),)
+    return (_section(("Formulas",), tuple(rows), tuple(notes)),)
 
 
 _SLOPE = re.compile(r"domega_([ri])/d([\w.\[\]-]+)")
@@ -146,11 +124,11 @@ def _dynamics(d: Derivation) -> Section:
     perceived = d["H_perc"] if d.steps.operations <= _MOST_STEPS else None
     if perceived is not None and count_ops(perceived) <= LONGEST:
         rows.append(_named("H_perc", perceived))
-    return Section(("Dynamics",), tuple(rows), ((note,),))
+    return _section(("Dynamics",), tuple(rows), ((note,),))
 
 
 def _in_steps(d: Derivation) -> Section:
-    return Section((f"In steps ({d.steps.operations} operations in all)",), tuple(_steps(d.steps)))
+    return _section((f"In steps ({d.steps.operations} operations in all)",), tuple(_steps(d.steps)))
 
 
 def _steps(steps: Steps) -> Iterator[Line]:
@@ -165,16 +143,16 @@ def _written_out(d: Derivation) -> Section:
     """Re dH and Im dH as quotients of polynomials in lowest terms, if they are short."""
     if d.steps.operations > _MOST_STEPS:
         note = f"Closed forms of this chain are long. Ask for one by its name: {', '.join(QUANTITIES)}."
-        return Section(("Written out",), (), ((note,),))
+        return _section(("Written out",), (), ((note,),))
     names = ("Re dH", "Im dH", "|H_env|^2")
     short = [name for name in names if d.operations(name) <= LONGEST]
-    return Section(("Written out, in lowest terms",), tuple(_named(name, d[name]) for name in short))
+    return _section(("Written out, in lowest terms",), tuple(_named(name, d[name]) for name in short))
 
 
 def _when(d: Derivation) -> Section:
     title = ("When it is noticed",)
     if d.steps.operations > _MOST_STEPS:
-        return Section(title)
+        return _section(title)
     rows: list[Line] = []
     notes: list[Phrase] = [("A ratio exceeds its threshold exactly where its p is positive.",)]
     for part in Part:
@@ -186,8 +164,8 @@ def _when(d: Derivation) -> Section:
             notes.append((named(f"p_{letter}"), f" takes {count_ops(polynomial)} operations; ask for it by its name."))
         solved, said = _answers(f"omega_{letter}", d.crossings(part))
         rows += solved
-        notes += [(named(_RATIOS[part]), ": ", *x) for x in said]
-    return Section(title, tuple(rows), tuple(notes))
+        notes += [(named(_RATIOS[part]), ": ", x) for x in said]
+    return _section(title, tuple(rows), tuple(notes))
 
 
 def _solved(d: Derivation) -> Section:
@@ -197,8 +175,8 @@ def _solved(d: Derivation) -> Section:
     for part in Part if d.steps.operations <= _MOST_STEPS else ():
         solved, said = _answers(f"omega_{_RATIOS[part][-1]}", [x for x in d.crossings(part) if x.omega is not None])
         rows += solved
-        notes += [(named(_RATIOS[part]), ": ", *x) for x in said]
-    return Section(("Crossings, solved",), tuple(rows), tuple(notes))
+        notes += [(named(_RATIOS[part]), ": ", x) for x in said]
+    return _section(("Crossings, solved",), tuple(rows), tuple(notes))
 
 
 def _answers(name: str, solutions: Iterable[Solution]) -> tuple[list[Line], list[Phrase]]:
@@ -224,7 +202,7 @@ def _in_force(x: Solution) -> list[Phrase]:
     if max(map(count_ops, x.conditions)) > 4:
         return [("a formula is in force where nothing under its roots is negative.",)]
     bounds = (Equation((layout(y), layout(Integer(0))), ("≥",)) for y in x.conditions)
-    return [("in force where ", *_listed((x,) for x in bounds), ".")]
+    return [("in force where ", listed((x,) for x in bounds), ".")]
 
 
 def _degree(equation: Expr) -> str:
@@ -240,8 +218,8 @@ def _changeovers(d: Derivation) -> Section:
     for system in ("env", "perc") if d.steps.operations <= _MOST_STEPS else ("env",):
         solved, said = _answers(f"omega_{system}", d.changeovers(system))
         rows += solved
-        notes += [(named(f"H_{system}"), ": ", *x) for x in said]
-    return Section(("Where spring and inertia change over",), tuple(rows), tuple(notes))
+        notes += [(named(f"H_{system}"), ": ", x) for x in said]
+    return _section(("Where spring and inertia change over",), tuple(rows), tuple(notes))
 
 
 def _dimensionless(d: Derivation) -> Iterator[Section]:
@@ -251,7 +229,7 @@ def _dimensionless(d: Derivation) -> Iterator[Section]:
     try:
         found = d.groups
     except SceneError as error:
-        yield Section(title, (), ((f"Not possible: {error}.",),))
+        yield _section(title, (), ((f"Not possible: {error}.",),))
         return
     named = [x for x in (found.frequency, *found.groups) if x.symbol.name != str(x.value)]  # what stays is not told
     rows = [_defined(group.symbol, group.value) for group in named]
@@ -260,9 +238,9 @@ def _dimensionless(d: Derivation) -> Iterator[Section]:
         f"{before} and ", layout(omega), " become ", layout(found.frequency.symbol), f" and {after}; H is in units of ",
         layout(found.stiffness), ". The ratios, as functions of these:",
     )  # fmt: skip
-    yield Section(title, tuple(rows), (note,))
+    yield _section(title, tuple(rows), (note,))
     steps = _in_x(found, found.chain.at(found.values).steps)
-    yield Section((), tuple(_steps(steps)))
+    yield _section((), tuple(_steps(steps)))
 
 
 def _counted(n: int, what: str) -> str:
@@ -298,24 +276,17 @@ def _fast(d: Derivation) -> Iterator[Section]:
     ]
     said = (
         "What is left out makes at most ",
-        *_listed(errors),
+        listed(errors),
         " on ",
         low,
         " to ",
         high,
         " rad/s with the scene's numbers: proven.",
     )
-    fast = _listed((named(x.name), f" {_direction(d, x)}") for x in found.fast)
-    yield Section(("Fast devices: ", *fast), tuple(rows), (said,) if errors else ())
+    fast = listed((named(x.name), f" {_direction(d, x)}") for x in found.fast)
+    yield _section(("Fast devices: ", fast), tuple(rows), (said,) if errors else ())
 
 
 def _direction(d: Derivation, fast: Symbol) -> str:
     dimension = next(p.dimension for p in d.scene.parameters if p.symbol == fast)
     return "small" if dimension is Dimension.TIME else "large"
-
-
-def _listed(items: Iterable[Phrase]) -> Phrase:
-    """Some phrases with commas between them, and an "and" before the last."""
-    found = list(items)
-    between = [*[", "] * (len(found) - 2), *[" and "] * (len(found) > 1), ""]
-    return tuple(x for item, word in zip(found, between, strict=True) for x in (*item, word) if x)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from sympy import Expr
 
 from haptisym.judge.criteria import Criterion
+from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel import reals
 from haptisym.kernel.hertz import Hertz
 from haptisym.kernel.reals import RealNumber
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from haptisym.verbs.effects.suprema import Supremum
 
 RATIOS: dict[Part, Box] = {Part.REAL: named("r_r"), Part.IMAG: named("r_i")}
+PART_NAMES = {Part.REAL: "real", Part.IMAG: "imaginary"}
 OPERATORS = {Part.REAL: Operator("Re"), Part.IMAG: Operator("Im")}
 OMEGA, H_ENV, H_PERC = named("omega"), named("H_env"), named("H_perc")
 CHANGE = Titled("dH", Prefixed(named("Delta"), named("H")))
@@ -133,3 +135,9 @@ def caveats(found: Iterable[str]) -> tuple[Notes, ...]:
     """What the answers do not say, a remark each; nothing where there is none."""
     rows = tuple((Strong("But:"), f" {caveat}") for caveat in found)
     return (Notes(rows),) if rows else ()
+
+
+def is_transparent_throughout(e: Evaluation) -> bool:
+    """Whether neither ratio exceeds its threshold anywhere on the band."""
+    found = [(x.low, x.high) for x in e.transparent]
+    return found == [(e.chart.points[0], e.chart.points[-1])]

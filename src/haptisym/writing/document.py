@@ -7,7 +7,7 @@ A page is written once, as a ``Document``; the writers ``plain``, ``latex`` and 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeGuard
 
 from sympy import Expr
@@ -65,6 +65,13 @@ class Facts:
 
     rows: tuple[tuple[Phrase, Phrase], ...]
     role: str = ""
+
+
+@dataclass(frozen=True)
+class Chain:
+    """What passes on to what, in order."""
+
+    links: tuple[Phrase, ...]
 
 
 @dataclass(frozen=True)
@@ -154,9 +161,11 @@ class Section:
     blocks: tuple[Block, ...]
     name: str = ""
     """Its anchor on a page of HTML."""
+    appendix: bool = False
+    """Whether it stands behind the text in a document of LaTeX."""
 
 
-Block: TypeAlias = Paragraph | Notes | Facts | Table | Equations | Figure | Live | Versions | Section
+Block: TypeAlias = Paragraph | Notes | Facts | Chain | Table | Equations | Figure | Live | Versions | Section
 
 
 @dataclass(frozen=True)
@@ -177,10 +186,19 @@ def chosen(blocks: Iterable[Block], *, full: bool) -> Iterator[Block]:
             yield from chosen(block.full() if full else block.brief, full=full)
         elif isinstance(block, Section):
             if inside := tuple(chosen(block.blocks, full=full)):
-                yield Section(block.title, inside, block.name)
+                yield replace(block, blocks=inside)
         elif isinstance(block, Table):
             yield block.cut(full=full)
         elif full or not isinstance(block, Figure | Live):
+            yield block
+
+
+def figures_of(blocks: Iterable[Block]) -> Iterator[Figure]:
+    """All figures that a report shows."""
+    for block in chosen(blocks, full=True):
+        if isinstance(block, Section):
+            yield from figures_of(block.blocks)
+        elif isinstance(block, Figure):
             yield block
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from html import escape
 from types import MappingProxyType
 from unicodedata import category
@@ -41,21 +41,6 @@ def joined(parts: Iterable[str], between: str = "") -> Html:
     return Html(_markup(between).join(map(_markup, parts)))
 
 
-def coded(words: str) -> Html:
-    """Words in which what stands between backticks is code.
-
-    >>> coded("see `a < b`.")
-    'see <code>a &lt; b</code>.'
-    """
-    return joined(element("code", x) if i % 2 else x for i, x in enumerate(words.split("`")))
-
-
-def listed(parts: Iterable[str]) -> Html:
-    """``a, b and c``."""
-    found = list(parts)
-    return joined([joined(found[:-1], ", "), found[-1]], " and ") if len(found) > 1 else joined(found)
-
-
 def _markup(text: str) -> str:
     return text if isinstance(text, Html) else _printable(escape(text))
 
@@ -63,16 +48,6 @@ def _markup(text: str) -> str:
 def _printable(text: str) -> str:
     """Without the characters that no document may hold: controls, halves of surrogate pairs, and what is no character."""
     return "".join(c if c in "\n\t" or category(c) not in ("Cc", "Cs", "Cn") else "\ufffd" for c in text)
-
-
-def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "", numbers: Sequence[int] = ()) -> Html:
-    """A table; columns in ``numbers`` are set in tabular figures, and it scrolls by itself where it is too wide."""
-    look = [{"class": "number"} if i in numbers else _NONE for i in range(len(head))]
-    above = element("tr", *(element("th", x, given={"scope": "col", **g}) for x, g in zip(head, look, strict=True)))
-    body = [element("tr", *(element("td", x, given=g) for x, g in zip(row, look, strict=True))) for row in rows]
-    title = [element("caption", caption)] if caption else []
-    whole = element("table", *title, element("thead", above), element("tbody", *body))
-    return element("div", whole, given={"class": "scroll"})
 
 
 def script(text: str, given: Mapping[str, str] = _NONE) -> Html:

@@ -10,11 +10,10 @@ from typing import NamedTuple
 from sympy import Expr
 
 from haptisym.writing.boxes import Absolute, Box, Fenced, Fraction, Name, Product, Sum, Word, needs_dot
-from haptisym.writing.equations import QUANTITIES
+from haptisym.writing.document import Line
 from haptisym.writing.htmltext import Html, element
-from haptisym.writing.layout import layout
 from haptisym.writing.mathml import markup, mathml
-from haptisym.writing.texlines import Row, is_long, width
+from haptisym.writing.texlines import is_long, width
 from haptisym.writing.texprinter import tex
 
 ROOM = 38.0
@@ -26,32 +25,6 @@ _LEFT = ' style="text-align: left"'
 _MORE = ' class="more"'  # a line that belongs to the one above
 _OPEN, _CLOSE = (f'<mo minsize="1.2em" maxsize="1.2em">{fence}</mo>' for fence in "()")
 _BAR = '<mo stretchy="false">|</mo>'
-
-
-@dataclass(frozen=True)
-class Formula:
-    """``left = value``, or ``left = meaning = value``, where an ``optional`` value is left out if it is long."""
-
-    left: Box
-    value: Expr
-    meaning: Box | None = None
-    optional: bool = False
-    relation: str = "="
-
-
-_BY_LATEX = {tex(left): (left, means) for left, means in QUANTITIES.values()}
-
-
-def formula(row: Row, left: Box | None = None) -> Formula:
-    """A row of the LaTeX document as boxes: its left side, unless it is given, is that of one of the ``QUANTITIES``.
-
-    >>> from haptisym.kernel.symbols import s
-    >>> formula(Row(tex(QUANTITIES["H_env"][0]), s)).left == QUANTITIES["H_env"][0]
-    True
-    """
-    quantity, means = (left, None) if left is not None else _BY_LATEX[row.left]
-    relation = "≈" if row.relation == r"\approx" else row.relation
-    return Formula(quantity, row.value, means if row.meaning else None, row.optional, relation)
 
 
 @dataclass
@@ -69,11 +42,12 @@ class Parts:
         return self.given[box], True
 
 
-def display(formulas: Sequence[Formula], parts: Parts | None = None) -> Html:
+def display(formulas: Sequence[Line], parts: Parts | None = None) -> Html:
     """The formulas in one block, aligned at their relations, which scrolls by itself where it is too wide.
 
     >>> from haptisym.kernel.symbols import s
-    >>> display([Formula(QUANTITIES["H_env"][0], s)]).count("<mtr>")
+    >>> from haptisym.writing.equations import QUANTITIES
+    >>> display([Line(QUANTITIES["H_env"][0], s)]).count("<mtr>")
     1
     """
     named = Parts() if parts is None else parts
@@ -92,7 +66,7 @@ def inline(expression: Expr | Box) -> Html:
     return Html(mathml(expression))
 
 
-def _rows(f: Formula, parts: Parts) -> Iterator[tuple[str, str]]:
+def _rows(f: Line, parts: Parts) -> Iterator[tuple[str, str]]:
     """Left and right side of each line, the relation at the start of the right one."""
     left = markup(f.left)
     is_left_out = f.optional and is_long(f.value)
@@ -100,14 +74,14 @@ def _rows(f: Formula, parts: Parts) -> Iterator[tuple[str, str]]:
         return
     relation = f"<mo>{f.relation}</mo>"
     if f.meaning is not None:
-        meaning, value = markup(f.meaning), layout(f.value)
+        meaning, value = markup(f.meaning), f.box
         if not is_left_out and _wide(f.meaning) + _wide(value) <= ROOM - _wide(f.left):
             yield left, f"<mo>=</mo>{meaning}{relation}{markup(value)}"
             return
         yield left, f"<mo>=</mo>{meaning}"
         left = ""
     if not is_left_out:
-        yield from _valued(left, relation, layout(f.value), ROOM - _wide(f.left), parts)
+        yield from _valued(left, relation, f.box, ROOM - _wide(f.left), parts)
 
 
 def _valued(left: str, relation: str, box: Box, room: float, parts: Parts) -> Iterator[tuple[str, str]]:

@@ -11,6 +11,7 @@ from textwrap import wrap
 from haptisym.writing.boxes import Box
 from haptisym.writing.document import (
     Block,
+    Chain,
     Code,
     Document,
     Equations,
@@ -33,7 +34,8 @@ _ROOM = 22
 """Columns that must be left beside a key; with fewer, what it says stands below it."""
 _GAP = 3  # between columns of a table
 _INDENT = "  "
-_NUMBER = re.compile(r"[=+-]?[\d,]+")  # what stands before its point; = is a mark of an end that is reached
+NUMBER = re.compile(r"[=+-]?[\d,]+")
+"""What stands before the point of a number; = marks an end that is reached."""
 
 
 def plain(document: Document, columns: int = PAGE, spell: Callable[[str], str] = str) -> str:
@@ -138,12 +140,16 @@ class _Writer:
         heads = [self._cell(x.heading) for x in block.columns]
         told = [[self._cell(x) for x in row] for row in block.rows]
         rows = _pointed(told, [x.number for x in block.columns])
-        widths = _widths([heads, *rows], self.columns - len(_INDENT) - _GAP * (len(heads) - 1))
+        widths = widths_of([heads, *rows], self.columns - len(_INDENT) - _GAP * (len(heads) - 1))
         if widths is None:
             return self._rows_listed(heads, told)
         laid = [[*_laid(row, widths)] for row in (heads, *rows)]
         rule = _INDENT + self.spell("─") * (sum(widths) + _GAP * (len(widths) - 1))
         return [*laid[0], rule, *(line for row in laid[1:] for line in row)]
+
+    @block.register
+    def _(self, block: Chain, indent: str) -> Iterable[str]:
+        return self.filled(tuple(x for link in block.links for x in (" → ", link))[1:], indent)
 
     def _cell(self, phrase: Phrase) -> str:
         return self.spell(said(phrase)).replace("\xa0", " ")
@@ -163,13 +169,13 @@ def _is_formula(phrase: Phrase) -> bool:
     return isinstance(first, Box)
 
 
-def _widths(rows: Sequence[Sequence[str]], room: int) -> list[int] | None:
+def widths_of(rows: Sequence[Sequence[str]], room: int) -> list[int] | None:
     """Widths of the columns that fit, at least their longest words; None if there are none."""
     wide = [max(map(len, column)) for column in zip(*rows, strict=True)]
     words = [[len(word) for cell in column for word in cell.split()] for column in zip(*rows, strict=True)]
     least = [max(max(lengths, default=0), min(w, 8)) for lengths, w in zip(words, wide, strict=True)]
     while sum(wide) > room:
-        i = max(range(len(wide)), key=lambda i: (wide[i] - least[i], wide[i]))
+        i = max(range(len(wide)), key=lambda i: (wide[i] > least[i], wide[i]))
         if wide[i] <= least[i]:
             return None
         wide[i] -= 1
@@ -187,7 +193,7 @@ def _pointed(rows: Sequence[Sequence[str]], numbers: Sequence[bool]) -> list[tup
 
 def _column(cells: Sequence[str]) -> list[str]:
     """Numbers moved to the right until their points stand below each other; what is no number stays as it is."""
-    before = [len(found[0]) if (found := _NUMBER.match(x)) else 0 for x in cells]
+    before = [len(found[0]) if (found := NUMBER.match(x)) else 0 for x in cells]
     return [" " * (max(before) - n) + x if n else x for n, x in zip(before, cells, strict=True)]
 
 

@@ -8,38 +8,31 @@ from dataclasses import dataclass, field
 
 from sympy import Expr, preorder_traversal
 
-from haptisym.writing.boxes import Fraction, Sum
-from haptisym.writing.layout import layout
+from haptisym.writing.boxes import Box, Fraction, Sum
+from haptisym.writing.document import Line
 from haptisym.writing.texprinter import formula, tex
 
+RELATIONS = {"=": "=", "≈": r"\approx"}
 LINE = 40.0
 """Width of a line, em: a page of A4 at 11 point with margins of 2.5 cm, and a little to spare."""
 
 
-@dataclass(frozen=True)
-class Row:
-    """``left = value``, or ``left = meaning = value``, where an ``optional`` value is left out if it is long."""
-
-    left: str
-    value: Expr
-    meaning: str = ""
-    optional: bool = False
-    relation: str = "="
-
-
-def align(rows: Sequence[Row], names: Names | None = None) -> str:
-    r"""The rows as an ``align*``.
+def align(rows: Sequence[Line], names: Names | None = None) -> str:
+    r"""The rows as an ``align*``; nothing where all are left out.
 
     >>> from haptisym.kernel.symbols import s, symbols
+    >>> from haptisym.writing.names import named
     >>> k, b = symbols("k b")
-    >>> print(align([Row("H(s)", k + b * s)]))
+    >>> print(align([Line(named("H"), k + b * s)]))
     \begin{align*}
-      H(s) &= b s + k
+      H &= b s + k
     \end{align*}
     """
     names = Names() if names is None else names
-    room = LINE - max((width(row.left) for row in rows), default=0)
+    room = LINE - max((width(tex(row.left)) for row in rows), default=0)
     lines = [line for row in rows for line in _lines(row, room, names)]
+    if not lines:
+        return ""
     return "\\begin{align*}\n  " + " \\\\\n  ".join(lines) + "\n\\end{align*}"
 
 
@@ -58,33 +51,31 @@ class Names:
         return self.given[text], True
 
 
-def is_long(value: Expr, lines: int = 10) -> bool:
+def is_long(value: Expr | Box, lines: int = 10) -> bool:
     """Whether a formula would take more lines than that, or holds a number that does not fit on one."""
-    if sum(1 for _ in preorder_traversal(value)) > 50 * lines:
+    if isinstance(value, Expr) and sum(1 for _ in preorder_traversal(value)) > 50 * lines:
         return True
-    text = formula(value)
+    text = formula(value) if isinstance(value, Expr) else tex(value)
     return width(text) > lines * LINE or re.search(r"\d{40}", text) is not None
 
 
-def _lines(row: Row, room: float, names: Names) -> Iterator[str]:
-    start = f"{row.left} &{row.relation} "
-    if row.optional and is_long(row.value):
-        yield f"{row.left} &= {row.meaning}"
-        return
-    if row.meaning:
-        start = f"{row.left} &= {row.meaning}"
-        shown = formula(row.value)
-        if width(f"{row.meaning} = {shown}") <= room:
-            yield f"{start} {row.relation} {shown}"
+def _lines(row: Line, room: float, names: Names) -> Iterator[str]:
+    relation = RELATIONS[row.relation]
+    start = f"{tex(row.left)} &{relation} "
+    is_left_out = row.optional and is_long(row.value)
+    if row.meaning is not None:
+        meaning = tex(row.meaning)
+        start = f"{tex(row.left)} &= {meaning}"
+        if not is_left_out and width(f"{meaning} = {(shown := tex(row.box))}") <= room:
+            yield f"{start} {relation} {shown}"
             return
         yield start
-        start = f"&{row.relation} "
-    if not row.optional:
-        yield from _equation(start, row.value, room, names, row.relation)
+        start = f"&{relation} "
+    if not row.optional or (row.meaning is None and not is_left_out):
+        yield from _equation(start, row.box, room, names, relation)
 
 
-def _equation(left: str, value: Expr, room: float, names: Names, relation: str) -> Iterator[str]:
-    box = layout(value)
+def _equation(left: str, box: Box, room: float, names: Names, relation: str) -> Iterator[str]:
     minus, quotient = ("-", box.terms[0][1]) if isinstance(box, Sum) and len(box.terms) == 1 else ("", box)
     text = tex(box)
     if not isinstance(quotient, Fraction):

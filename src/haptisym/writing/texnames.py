@@ -30,7 +30,7 @@ _ACCENTS = {
 }  # fmt: skip
 _SIGNS = {"∞": r"\infty"}
 _LONG_WORD = 20  # letters; a longer one gets places to break
-_BREAK = re.compile(r"[^\W_]{5}(?=[^\W_]{20})|[^\w\s](?=\w)|_(?=[^\W_])")
+_BREAK = re.compile(r"\d{5}(?=\d{5})|[^\W_]{5}(?=[^\W_]{20})|[^\w\s](?=\w)|_(?=[^\W_])")
 
 
 def escape(text: str) -> str:

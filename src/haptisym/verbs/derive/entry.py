@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
 from haptisym.model.scene import Scene
-from haptisym.pages.derive import as_json, as_latex, to_dict
+from haptisym.pages.derive import as_json, latex, to_dict
 from haptisym.pages.sections import sections
 from haptisym.verbs.derive.derivation import Derivation as Formulas
 from haptisym.verbs.derive.derivation import derive as formulas
@@ -21,7 +21,7 @@ class Derivation(Answer, Formulas):
 
     def to_latex(self) -> str:
         """What ``haptisym derive --to latex`` prints."""
-        return as_latex(self, sections(self))
+        return latex(self)
 
     def to_dict(self) -> dict[str, Any]:
         """The document of ``haptisym derive --json``, schema ``haptisym.derivation/1``."""

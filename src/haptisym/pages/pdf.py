@@ -1,17 +1,18 @@
-"""The LaTeX document of an evaluation, set by pdflatex."""
+"""A document as PDF, set by pdflatex."""
 
 from __future__ import annotations
 
 import subprocess
+from contextlib import suppress
 from os import environ
 from pathlib import Path
 from shutil import which
 from tempfile import TemporaryDirectory
 
-from haptisym.figures.files import save_figures
-from haptisym.judge.evaluation import Evaluation
-from haptisym.kernel.errors import SceneError
-from haptisym.pages.tex.document import document
+from haptisym.figures.style import save_as
+from haptisym.kernel.errors import NothingToDrawError, SceneError
+from haptisym.writing.document import Document, figures_of
+from haptisym.writing.latex import latex
 
 _RUNS = 2  # the second one knows the numbers of the tables
 _DATED = {"FORCE_SOURCE_DATE": "1"}
@@ -19,8 +20,8 @@ _DATED = {"FORCE_SOURCE_DATE": "1"}
 _SECONDS = 300  # for one run; the longest document of a scene takes a few
 
 
-def pdf(evaluation: Evaluation) -> bytes:
-    """The document as PDF. Raises SceneError if pdflatex is missing or fails."""
+def pdf(document: Document) -> bytes:
+    """The document in full as PDF. Raises SceneError if pdflatex is missing or fails."""
     program = which("pdflatex")
     if program is None:
         raise SceneError(
@@ -28,11 +29,19 @@ def pdf(evaluation: Evaluation) -> bytes:
             "an .html report needs nothing"
         )
     with TemporaryDirectory() as folder:
-        files = {path.stem: path.name for path in save_figures(evaluation, folder, [".pdf"])}
-        (Path(folder) / "report.tex").write_text(document(evaluation, files), encoding="ascii")
+        (Path(folder) / "report.tex").write_text(latex(document, _figures(document, Path(folder))), encoding="ascii")
         for _ in range(_RUNS):
             _run(program, folder)
         return (Path(folder) / "report.pdf").read_bytes()
+
+
+def _figures(document: Document, folder: Path) -> dict[str, str]:
+    """The files of the document's figures, by their names."""
+    found = {}
+    for figure in figures_of(document.blocks):
+        with suppress(NothingToDrawError):
+            found[figure.name] = save_as(figure.draw(), folder / f"{figure.name}.pdf").name
+    return found
 
 
 def _run(program: str, folder: str) -> None:

@@ -13,11 +13,12 @@ from haptisym.judge.evaluation import Evaluation
 from haptisym.model.jnd import Part
 from haptisym.model.parameters import Parameter, Rule
 from haptisym.model.quantities import Dimension, Motion
-from haptisym.pages.report.results import H_ENV, H_PERC, OMEGA, RATIOS
-from haptisym.pages.tex.forms import SceneForms
+from haptisym.pages.sceneforms import SceneForms
+from haptisym.pages.words import H_ENV, H_PERC, OMEGA, RATIOS
 from haptisym.writing.code.entry import scene_program
 from haptisym.writing.code.expressions import nearest_double
 from haptisym.writing.code.names import Language
+from haptisym.writing.html import phrase
 from haptisym.writing.htmltext import Html, data, element, joined, script
 from haptisym.writing.mathematics import inline
 from haptisym.writing.names import named
@@ -92,8 +93,8 @@ def _body(controls: list[Html], *, is_small: bool) -> Html:
     )  # fmt: skip
     plots = element(
         "div", _plot("explorer-ratios", "Distortion ratios at the sliders' values",
-                     joined([RATIOS[Part.REAL], " (solid), ", RATIOS[Part.IMAG], " (dashed); transparent band in grey"])),
-        _plot("explorer-nyquist", "Nyquist plot at the sliders' values", joined([H_ENV, " (solid), ", H_PERC, " (dashed)"])),
+                     phrase((RATIOS[Part.REAL], " (solid), ", RATIOS[Part.IMAG], " (dashed); transparent band in grey"))),
+        _plot("explorer-nyquist", "Nyquist plot at the sliders' values", phrase((H_ENV, " (solid), ", H_PERC, " (dashed)"))),
         given={"class": "plots"},
     )  # fmt: skip
     says = [element("p", given={"id": f"explorer-{x}"}) for x in ("band", "crossings", "probe")]
@@ -168,5 +169,5 @@ def _probe(e: Evaluation) -> tuple[Slider, str]:
     """The frequency at which the explorer says the values: at first the middle of the band."""
     low, high = (float(e.chart.points[i].omega) for i in (0, -1))
     middle = float(f"{(low + high) / 2:.4g}")
-    slider = Slider("explorer-omega", OMEGA, "rad/s", middle, low, high, Rule.NONNEGATIVE, most=high)
+    slider = Slider("explorer-omega", inline(OMEGA), "rad/s", middle, low, high, Rule.NONNEGATIVE, most=high)
     return slider, "frequency at which values are told"

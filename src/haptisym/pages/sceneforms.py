@@ -20,9 +20,11 @@ from haptisym.kernel.symbols import omega, s
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part, is_irrational_algebraic
 from haptisym.model.parameters import values
-from haptisym.pages.tex.latex import ClosedForms
+from haptisym.pages.closedforms import ClosedForms
+from haptisym.writing.document import Line
+from haptisym.writing.equations import quantity
 from haptisym.writing.numerals import approximate
-from haptisym.writing.texlines import Row, is_long
+from haptisym.writing.texlines import is_long
 from haptisym.writing.texprinter import formula
 
 
@@ -30,7 +32,7 @@ class Group(NamedTuple):
     """Closed forms that belong together, and the function whose length decides whether they can be read."""
 
     function: Callable[[Distortion], RationalFunction]
-    rows: Callable[[ClosedForms], list[Row]]
+    rows: Callable[[ClosedForms], list[Line]]
 
 
 DYNAMICS = Group(lambda d: d.perc, ClosedForms.dynamics)
@@ -48,20 +50,20 @@ class SceneForms:
     """The closed forms of an evaluated scene; what was found in symbols is kept, as it is asked for again."""
 
     evaluation: Evaluation
-    found: dict[Group, list[Row] | None] = field(default_factory=dict, repr=False)
+    found: dict[Group, list[Line] | None] = field(default_factory=dict, repr=False)
 
     @cached_property
     def symbolic(self) -> Distortion | None:
         """The distortion in symbols, unless that would be far too long."""
         return self.evaluation.scene.symbolic_distortion() if _size(self.evaluation) <= _LARGEST else None
 
-    def in_symbols(self, group: Group) -> list[Row] | None:
+    def in_symbols(self, group: Group) -> list[Line] | None:
         """Closed forms in symbols; None if they would be too long to read."""
         if group not in self.found:
             self.found[group] = self._in_symbols(group)
         return self.found[group]
 
-    def _in_symbols(self, group: Group) -> list[Row] | None:
+    def _in_symbols(self, group: Group) -> list[Line] | None:
         if self.symbolic is None:
             return None
         response = on_axis(group.function(self.symbolic))
@@ -70,35 +72,35 @@ class SceneForms:
         rows = group.rows(ClosedForms(self.symbolic))
         return None if any(is_long(row.value) for row in rows if not row.optional) else rows
 
-    def in_numbers(self, group: Group) -> list[Row]:
+    def in_numbers(self, group: Group) -> list[Line]:
         """Closed forms in numbers: exact, in the places of the symbols, if they are short; else rounded."""
         known = values(self.evaluation.scene.parameters)
         rows = self.in_symbols(group) or group.rows(ClosedForms(self.evaluation.distortion))
         return [_evaluated(row, known) for row in rows]
 
-    def threshold(self, part: Part) -> Row:
+    def threshold(self, part: Part) -> Line:
         """The polynomial in omega^2 that is positive exactly where the ratio exceeds its threshold, in factors."""
-        left = rf"p_{'r' if part is Part.REAL else 'i'}(\omega)"
+        left = quantity("p_r" if part is Part.REAL else "p_i")
         limits = self.evaluation.scene.threshold
         free = [x for x in Part if is_irrational_algebraic(limits[x] ** 2)]
         found = next(x for x in opened(noticed(limits), free) if x.part is part).function(self.evaluation.distortion)
         assert isinstance(found, RealFunction)  # a symbol is no algebraic number
         function = found.written
         if function.is_zero:
-            return Row(left, S.Zero)
+            return Line(left, S.Zero)
         unit, factors = function.ring.factors(function.numerator)
         exact = Mul(1 if unit > 0 else -1, *(function.ring.expression(f) ** n for f, n in factors))
         if not is_long(exact, lines=2 if exact.has(pi) else 5):
-            return Row(left, exact)
+            return Line(left, exact)
         if function.ring.functions:
-            return Row(left, approximate(exact, digits=10), relation=r"\approx")
+            return Line(left, approximate(exact, digits=10), relation="≈")
         sign = sign_of_number(_gain(function, function.numerator))
         monic = sign * _monic_factors(function, function.numerator, omega)
-        return Row(left, approximate(monic, digits=10), relation=r"\approx")  # fewer lose close roots
+        return Line(left, approximate(monic, digits=10), relation="≈")  # fewer lose close roots
 
-    def named(self, rows: list[Row]) -> list[Row]:
+    def named(self, rows: list[Line]) -> list[Line]:
         """The rows with short names for the parameters of effects with long names."""
-        return [replace(row, value=row.value.xreplace(self.short_names)) for row in rows]
+        return [replace(row, value=_expression(row).xreplace(self.short_names)) for row in rows]
 
     @cached_property
     def short_names(self) -> dict[Symbol, Symbol]:
@@ -116,12 +118,18 @@ class SceneForms:
         return found
 
 
-def _evaluated(row: Row, known: Mapping[Symbol, Expr]) -> Row:
+def _expression(row: Line) -> Expr:
+    """The value of a closed form, which is more than what it looks like."""
+    assert isinstance(row.value, Expr)
+    return row.value
+
+
+def _evaluated(row: Line, known: Mapping[Symbol, Expr]) -> Line:
     """A row with numbers for its parameters; if they are long, in lowest terms and rounded."""
-    exact = row.value.xreplace(known)
+    exact = _expression(row).xreplace(known)
     if approximate(exact) == exact:
         return replace(row, value=exact)
-    return replace(row, value=approximate(_monic(exact)), relation=r"\approx")
+    return replace(row, value=approximate(_monic(exact)), relation="≈")
 
 
 def _monic(exact: Expr) -> Expr:

@@ -1,97 +1,55 @@
-r"""LaTeX of an expression, of a distortion's formulas or of an evaluation's tables, ready to paste into a paper.
-
-Packages that the result needs: amsmath, and booktabs for the tables. Numbers are exact (see ``numerals``).
-"""
+"""The formulas of a distortion as lines of equations, each denominator a sum of two squares where nothing cancels."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import singledispatch
-from typing import Any
 
-from sympy import Basic, Expr, I, Mul, S, Symbol, sqrt
+from sympy import Expr, I, Mul, S, Symbol, sqrt
 
-from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel import response
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.rings import Polynomial, RationalFunction
 from haptisym.kernel.symbols import X, omega
 from haptisym.model.distortion import Distortion, magnitude, part_of
 from haptisym.model.jnd import Part
-from haptisym.pages.tex.results import RATIOS, crossing_tables, percept_tables, undecided_tables
-from haptisym.writing.equations import QUANTITIES, quantity
-from haptisym.writing.texlines import Row, align, is_long
-from haptisym.writing.texnames import coded
-from haptisym.writing.texprinter import formula, tex
-
-
-@singledispatch
-def latex(value: Any) -> str:
-    r"""LaTeX of a SymPy expression, of a Distortion (its formulas, an ``align*``) or of an Evaluation (its tables).
-
-    Formulas stand in descending powers of s or omega, ascending where that avoids a leading minus. Nothing is rounded.
-    Raises TypeError for anything else.
-
-    >>> from sympy import Rational
-    >>> from haptisym.kernel.symbols import s, symbols
-    >>> m, b, k, omega_n, zeta = symbols("m b k omega_n zeta")
-    >>> latex(Rational(9, 5) * s**2 + b * s + k), latex(k - m * omega**2)
-    ('1.8 s^{2} + b s + k', 'k - m \\omega^{2}')
-    >>> latex(omega_n**2 / (s**2 + 2 * zeta * omega_n * s + omega_n**2))
-    '\\frac{\\omega_n^{2}}{s^{2} + 2 \\zeta \\omega_n s + \\omega_n^{2}}'
-    """
-    raise TypeError(f"no LaTeX for {type(value).__name__}: give an expression, a Distortion or an Evaluation")
-
-
-@latex.register(Basic)
-def _(value: Basic) -> str:
-    return formula(value)
-
-
-@latex.register
-def _(value: Distortion) -> str:
-    forms = ClosedForms(value)
-    return align(
-        [*forms.dynamics(), *forms.difference(), *forms.ratios(), *forms.relative(), *forms.properties("env"),
-         *forms.properties("perc"), *forms.parameter_jnds(), *forms.forces("env"), *forms.forces("perc")]
-    )  # fmt: skip
-
-
-@latex.register
-def _(value: Evaluation) -> str:
-    tables = [*crossing_tables(value), *undecided_tables(value), *percept_tables(value)]
-    return "\n\n".join([*tables, *map(coded, value.given.asides())])
-
-
-# The formulas of a distortion.
+from haptisym.writing.document import Line
+from haptisym.writing.equations import QUANTITIES
+from haptisym.writing.texlines import is_long
 
 
 @dataclass(frozen=True)
 class ClosedForms:
-    """The formulas of a distortion as rows of an ``align*``, each denominator a sum of two squares where nothing cancels."""
+    """The formulas of a distortion by their subjects."""
 
     distortion: Distortion
 
-    def dynamics(self) -> list[Row]:
+    def all(self) -> list[Line]:
+        """All of them."""
+        return [
+            *self.dynamics(), *self.difference(), *self.ratios(), *self.relative(), *self.properties("env"),
+            *self.properties("perc"), *self.parameter_jnds(), *self.forces("env"), *self.forces("perc"),
+        ]  # fmt: skip
+
+    def dynamics(self) -> list[Line]:
         """H_env(s) and H_perc(s)."""
         d = self.distortion
         return [_row("H_env", d.environment), _row("H_perc", d.perceived)]
 
-    def difference(self) -> list[Row]:
+    def difference(self) -> list[Line]:
         """Re dH and Im dH (eq. 9), and what they are compared with, |H_env|^2."""
         change = [_row(f"{name} dH", on_axis(self.distortion.difference, part)) for part, name in _OPERATORS.items()]
         return [*change, _row("|H_env|^2", self._square)]
 
-    def ratios(self) -> list[Row]:
+    def ratios(self) -> list[Line]:
         """r_r and r_i (eq. 10)."""
-        return [_row(name, self._ratio(part), optional=True) for part, name in RATIOS.items()]
+        return [_row(name, self._ratio(part), optional=True) for part, name in _RATIOS.items()]
 
-    def relative(self) -> list[Row]:
+    def relative(self) -> list[Line]:
         """Re(dH/H_env) and Im(dH/H_env), which are not the ratios."""
         relative = (self.distortion.difference / self.distortion.env).reduced()
         return [_row(f"{name}(dH/H_env)", on_axis(relative, part)) for part, name in _OPERATORS.items()]
 
-    def properties(self, system: str) -> list[Row]:
+    def properties(self, system: str) -> list[Line]:
         """What is felt of a system (section 2.3): Re H and Im H; stiffness, mass and damping."""
         real, imag = self._parts(system)
         return [
@@ -100,13 +58,13 @@ class ClosedForms:
             _row(f"b_{system}", imag / omega),
         ]
 
-    def parameter_jnds(self) -> list[Row]:
+    def parameter_jnds(self) -> list[Line]:
         """By how much a single parameter must change to be noticed."""
         least = Symbol("c", positive=True) * sqrt(self._square)
         powers = {"k": 0, "b": 1, "m": 2}
         return [_row(f"jnd {key}", least / omega**power, optional=True) for key, power in powers.items()]
 
-    def forces(self, system: str) -> list[Row]:
+    def forces(self, system: str) -> list[Line]:
         """The phasors of spring or inertia force and of damping force (eqs. 5 and 6) for a motion X."""
         real, imag = self._parts(system)
         return [_row(f"F_si_{system}", X * real, optional=True), _row(f"F_d_{system}", X * imag * I, optional=True)]
@@ -124,18 +82,14 @@ class ClosedForms:
         return magnitude(form, difference, evaluate=not is_long(form)) / sqrt(self._square)
 
 
+_RATIOS = {Part.REAL: "r_r", Part.IMAG: "r_i"}
 _OPERATORS = {Part.REAL: "Re", Part.IMAG: "Im"}
 
 
-def _row(name: str, value: Expr, *, optional: bool = False) -> Row:
+def _row(name: str, value: Expr, *, optional: bool = False) -> Line:
     """A row for a quantity by its name, with its meaning if it has one."""
     left, means = QUANTITIES[name]
-    return Row(tex(left), value, tex(means) if means else "", optional)
-
-
-def at_s(system: str) -> str:
-    """H(s) of environment (``env``), of what is rendered or perceived (``perc``) in LaTeX."""
-    return tex(quantity(f"H_{system}"))
+    return Line(left, value, meaning=means, optional=optional)
 
 
 def on_axis(function: RationalFunction, part: Part) -> Expr:

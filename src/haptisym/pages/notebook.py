@@ -14,9 +14,8 @@ from sympy import Expr, ImmutableMatrix
 from haptisym.judge.answers import Answer
 from haptisym.judge.criteria import Judged
 from haptisym.judge.crossings import Crossing
-from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.peaks import Peak
-from haptisym.judge.percepts import Percept
+from haptisym.judge.percepts import Percept, felt
 from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.roots import Interval, Point
 from haptisym.kernel.symbols import s
@@ -26,30 +25,20 @@ from haptisym.model.jnd import Threshold
 from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import Dimension, Motion
 from haptisym.model.scene import Scene
-from haptisym.pages.report.results import (
-    certainty,
-    changeovers,
-    crossing_sentence,
-    crossing_table,
-    peak_sentence,
-    percept_sentence,
-    percept_table,
-    reservations,
-    stability,
-    transparency,
-    undecided_table,
-)
-from haptisym.pages.report.scene import scene_parts
-from haptisym.pages.tex.latex import ClosedForms
-from haptisym.pages.tex.results import short
+from haptisym.pages import scene as scene_page
+from haptisym.pages.closedforms import ClosedForms
+from haptisym.pages.evaluation import VERBS, sense
+from haptisym.pages.words import PART_NAMES, ends, exactly, short
 from haptisym.writing.boxes import Box, Equation, Grid
+from haptisym.writing.document import Line
 from haptisym.writing.equations import function
-from haptisym.writing.htmltext import Html, coded, element
+from haptisym.writing.html import fragment, phrase
+from haptisym.writing.htmltext import element
 from haptisym.writing.layout import layout
-from haptisym.writing.mathematics import display, formula
+from haptisym.writing.mathematics import display
 from haptisym.writing.names import named
 from haptisym.writing.numerals import rounded
-from haptisym.writing.texlines import Row, align, is_long
+from haptisym.writing.texlines import align, is_long
 from haptisym.writing.texprinter import tex
 
 _PER_SECOND = r"\,\mathrm{rad/s}"
@@ -121,7 +110,7 @@ def _distortion(x: Distortion) -> str:
     return f"$${align(_rows(x)).replace('align*', 'aligned')}$$"
 
 
-def _rows(x: Distortion) -> list[Row]:
+def _rows(x: Distortion) -> list[Line]:
     """Dynamics, distortion and ratios, as far as they can be read."""
     forms, response = ClosedForms(x), x.difference_response
     rows = forms.dynamics()
@@ -150,7 +139,7 @@ def _decimal(digits: str) -> str:
 
 
 def _short(x: RealNumber) -> str:
-    return _decimal(short(x))
+    return _decimal(short(x).digits)
 
 
 def _crossing(x: Crossing) -> str:
@@ -184,50 +173,38 @@ _LATEX: Mapping[type, Callable[[Any], str]] = {
 
 
 def _scene_html(x: Scene) -> str:
-    return _block([_title(x), *scene_parts(x, {})])
-
-
-def _evaluation_html(x: Evaluation) -> str:
-    sentences = [changeovers(x), *reservations(x), stability(x), certainty(x)]
-    return _block([
-        _title(x.scene), *_asides(x), element("p", transparency(x)), crossing_table(x), undecided_table(x),
-        percept_table(x), *(element("p", sentence) for sentence in sentences),
-    ])  # fmt: skip
-
-
-def _title(x: Scene) -> Html:
-    return element("p", element("strong", x.title or "Untitled scene"))
-
-
-def _asides(x: Evaluation) -> list[Html]:
-    return [element("p", coded(aside)) for aside in x.asides()]
-
-
-def _block(parts: Iterable[Html]) -> str:
-    return str(element("div", *parts, given={"class": "haptisym"}))
-
-
-def _distortion_html(x: Distortion) -> str:
-    return _block([display([formula(row) for row in _rows(x)])])
-
-
-def _crossing_html(x: Crossing) -> str:
-    return str(crossing_sentence(x))
-
-
-def _peak_html(x: Peak) -> str:
-    return str(peak_sentence(x))
-
-
-def _percept_html(x: Percept) -> str:
-    return str(percept_sentence(x))
+    return fragment(scene_page.page(x))
 
 
 def _answer_html(x: Answer) -> str:
-    return f'<pre class="haptisym">{escape(str(x))}</pre>'
+    page = x.document()
+    return f'<pre class="haptisym">{escape(page)}</pre>' if isinstance(page, str) else fragment(page)
+
+
+def _distortion_html(x: Distortion) -> str:
+    return str(element("div", display(_rows(x)), given={"class": "haptisym"}))
+
+
+def _crossing_html(x: Crossing) -> str:
+    """``r_r rises above its threshold at 7.97891679017471 rad/s (Re dH > 0)``."""
+    where = exactly(x.omega, 15), " rad/s (", sense(x), ")"
+    return str(phrase((named(x.criterion.symbol), f" {VERBS[x.kind]} its threshold at ", where)))
+
+
+def _peak_html(x: Peak) -> str:
+    return str(
+        phrase(
+            (named(x.criterion.symbol), " has a local maximum of ", short(x.ratio), " at ", short(x.omega), " rad/s")
+        )
+    )
+
+
+def _percept_html(x: Percept) -> str:
+    """``lower mass (real part), from 7.9789 to 15 rad/s``."""
+    return str(phrase((f"{felt(x)} ({PART_NAMES[x.part]} part), from ", ends(x.band), " rad/s")))
 
 
 _HTML: Mapping[type, Callable[[Any], str]] = {
-    Answer: _answer_html, Scene: _scene_html, Evaluation: _evaluation_html, Distortion: _distortion_html,
-    Crossing: _crossing_html,    Peak: _peak_html, Percept: _percept_html,
+    Answer: _answer_html, Scene: _scene_html, Distortion: _distortion_html, Crossing: _crossing_html,
+    Peak: _peak_html, Percept: _percept_html,
 }  # fmt: skip

@@ -1,0 +1,44 @@
+"""The answers of an evaluation in brief, at the head of its report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from haptisym.judge.evaluation import Evaluation
+from haptisym.model.jnd import Part
+from haptisym.pages.words import OPERATORS, compared, hertz, is_transparent_throughout, short
+from haptisym.writing.boxes import Prefixed
+from haptisym.writing.document import Phrase, Strong
+from haptisym.writing.names import named
+
+
+def findings(e: Evaluation) -> Iterator[tuple[Phrase, Phrase]]:
+    """The answers in brief, at the head of a report."""
+    yield "bandwidth", _bandwidth(e)
+    yield "first felt as", _first(e)
+    pole = compared(Prefixed(OPERATORS[Part.REAL], named("s")), "≥")
+    stable: dict[bool | None, Phrase] = {
+        True: (Strong("stable"), " (no pole with ", pole, "; a hand was not looked at)"),
+        False: (Strong("NOT stable"), " (a pole with ", pole, ")"),
+        None: (Strong("undecided"), " (whether a pole has ", pole, " is open)"),
+    }
+    yield "under imposed motion", stable[e.stable]
+    tangencies = f"{len(e.undecided)} tangenc{'y' if len(e.undecided) == 1 else 'ies'} stayed open"
+    proof = (Strong("proven"), " (none missed, none invented)"), (Strong("in part undecided"), f" ({tangencies})")
+    yield "these answers", proof[not e.certified]
+
+
+def _bandwidth(e: Evaluation) -> Phrase:
+    if e.bandwidth is None:
+        onwards = ("transparent from ", short(e.transparent[0].low.omega), " rad/s on") if e.transparent else ()
+        return Strong("none"), " (", onwards or "transparent nowhere on the band", ")"
+    more = f", and on {len(e.transparent) - 1} more" if len(e.transparent) > 1 else ""
+    whole = ", the whole band" if is_transparent_throughout(e) else more
+    return Strong((short(e.bandwidth), " rad/s")), f" ({hertz(e.bandwidth)} Hz{whole})"
+
+
+def _first(e: Evaluation) -> Phrase:
+    if not e.felt:
+        return Strong("nothing"), " is noticed on the band"
+    first = min(e.felt, key=lambda x: float(x.band.low.omega))
+    return Strong(first.words), " from ", short(first.band.low.omega), " rad/s on"

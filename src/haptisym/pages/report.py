@@ -1,0 +1,103 @@
+"""The report of an answer as a file: a page of HTML that holds all it needs, or a PDF."""
+
+from __future__ import annotations
+
+import json
+import re
+from contextlib import suppress
+from io import StringIO
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.figure import Figure as Canvas
+
+from haptisym import __version__
+from haptisym.figures.style import BLUE, GREY, INK, RED, SHADE
+from haptisym.judge.answers import Answer
+from haptisym.kernel.errors import NothingToDrawError, SceneError
+from haptisym.pages.pdf import pdf
+from haptisym.writing.document import Figure
+from haptisym.writing.html import html, phrase
+from haptisym.writing.htmltext import Html, element
+from haptisym.writing.latex import latex
+from haptisym.writing.plain import said
+
+KINDS = (".html", ".htm", ".pdf")
+
+
+def save_report(answer: Answer, path: str | Path) -> None:
+    """Write the report of an answer to a file: ``.html`` a page, ``.pdf`` the LaTeX document, set by pdflatex.
+
+    Raises SceneError if the name ends otherwise, and for a PDF if there is no pdflatex; OSError if it cannot be written.
+    """
+    target = checked(path)
+    if target.suffix.lower() == ".pdf":
+        target.write_bytes(pdf(answer.document()))
+    else:
+        target.write_text(page(answer), encoding="utf-8")
+
+
+def save_latex(answer: Answer, path: str | Path) -> None:
+    """Write the answer as a document of LaTeX, without its figures."""
+    Path(path).write_text(latex(answer.document()), encoding="ascii")
+
+
+def checked(path: str | Path) -> Path:
+    """The path of a report; SceneError unless it ends as one."""
+    target = Path(path)
+    if target.suffix.lower() not in KINDS:
+        raise SceneError(f'report: the name "{target.name}" must end in .html or .pdf')
+    return target
+
+
+def page(answer: Answer) -> str:
+    """The page of HTML. The document of ``to_json`` is in it, and so is each number of it, as the nearest double.
+
+    >>> from haptisym import effects, environments
+    >>> from haptisym.judge.evaluation import evaluate
+    >>> from haptisym.model.scene import Scene
+    >>> text = page(evaluate(Scene(environments.kelvin_voigt(290, 2), (effects.first_order_lag(100),), title="<b>")))
+    >>> text.startswith("<!DOCTYPE html>"), text.count("<h1>&lt;b&gt;</h1>")
+    (True, 1)
+    """
+    document = json.loads(answer.to_json())
+    name = document["schema"].partition("/")[0].removeprefix("haptisym.")
+    return html(answer.document(), _drawn, (name, json.dumps(document)), f"Made by haptisym {__version__}.")
+
+
+_COLOURS = {INK: "ink", BLUE: "env", RED: "perc", GREY: "grey", SHADE: "shade", "#ffffff": "paper"}
+"""The figures' colours, and the names by which the page's style sheet gives them, in the light and in the dark."""
+
+
+def _drawn(figure: Figure) -> Html:
+    """A figure as a drawing within a page."""
+    with suppress(NothingToDrawError):
+        drawing = _inline(_svg(figure.draw()), figure.name, said(figure.caption))
+        return element(
+            "figure",
+            drawing,
+            element("figcaption", phrase(figure.caption)),
+            given={"class": "wide" if figure.wide else figure.name},
+        )
+    return Html()
+
+
+def _svg(canvas: Canvas) -> str:
+    text = StringIO()
+    with mpl.rc_context({"svg.hashsalt": "haptisym", "svg.fonttype": "path"}):
+        canvas.savefig(text, format="svg", metadata={"Date": None}, facecolor="none")
+    return text.getvalue()
+
+
+def _inline(svg: str, name: str, label: str) -> Html:
+    """A drawing as an element of the page: no prologue, no comments, own names for its parts, the page's colours."""
+    body = re.sub(
+        r"<!--.*?-->|<metadata>.*?</metadata>|<style\b.*?</style>", "", svg[svg.index("<svg") :], flags=re.DOTALL
+    )
+    body = re.sub(r'(\bid="|url\(#|xlink:href="#)', rf"\g<1>{name}-", body)
+    body = re.sub(r"\s*\n\s*", " ", body)
+    for colour, variable in _COLOURS.items():
+        body = body.replace(colour, f"var(--{variable})")
+    words = element("title", label)
+    head = re.sub(r' (width|height)="[^"]*"', "", body[: body.index(">")], count=2)
+    return Html(f'{head} role="img">{words}{body[body.index(">") + 1 :]}')

@@ -1,1 +1,0 @@
-"""Formulas, results and documents in LaTeX."""
