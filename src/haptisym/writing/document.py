@@ -179,17 +179,17 @@ class Document:
     """What a report calls itself, above its title."""
 
 
-def chosen(blocks: Iterable[Block], *, full: bool) -> Iterator[Block]:
-    """The blocks as they are told in full, or in brief; what holds nothing is left out."""
+def chosen(blocks: Iterable[Block], *, full: bool, live: bool = False) -> Iterator[Block]:
+    """The blocks as they are told in full, or in brief; ``live`` : with what works on a page. What holds nothing is left out."""
     for block in blocks:
         if isinstance(block, Versions):
-            yield from chosen(block.full() if full else block.brief, full=full)
+            yield from chosen(block.full() if full else block.brief, full=full, live=live)
         elif isinstance(block, Section):
-            if inside := tuple(chosen(block.blocks, full=full)):
+            if inside := tuple(chosen(block.blocks, full=full, live=live)):
                 yield replace(block, blocks=inside)
         elif isinstance(block, Table):
             yield block.cut(full=full)
-        elif full or not isinstance(block, Figure | Live):
+        elif live if isinstance(block, Live) else full or not isinstance(block, Figure):
             yield block
 
 

@@ -52,7 +52,7 @@ def html(document: Document, drawn: Callable[[Figure], Html], record: tuple[str,
     kind = [element("p", document.kind, given={"class": "kind"})] if document.kind else []
     lead = [element("p", phrase(x), given={"class": "source"}) for x in document.lead]
     above = element("header", *kind, element("h1", document.title), *lead)
-    inside = _Writer(drawn).joined(list(chosen(document.blocks, full=True)))
+    inside = _Writer(drawn).joined(list(chosen(document.blocks, full=True, live=True)))
     below = element("p", made, given={"class": "source"})
     body = element("body", element("main", above, inside, below, data(record[1], record[0])))
     return f"<!DOCTYPE html>\n{element('html', head, body, given={'lang': 'en'})}\n"

@@ -17,7 +17,6 @@ from haptisym.writing.document import (
     Equations,
     Facts,
     Figure,
-    Live,
     Notes,
     Number,
     Paragraph,
@@ -150,10 +149,6 @@ class _Writer:
     @singledispatchmethod
     def _written(self, block: Block) -> str:
         raise TypeError(f"not a block of LaTeX: {type(block).__name__}")
-
-    @_written.register
-    def _(self, block: Live) -> str:
-        return ""
 
     @_written.register
     def _(self, block: Paragraph) -> str:
