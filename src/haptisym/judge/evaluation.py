@@ -16,10 +16,11 @@ from haptisym.judge.bounds import AnyEnvironment, any_environment
 from haptisym.judge.criteria import Criterion, judged, kept, noticed
 from haptisym.judge.crossings import Crossing, Curve, curves, find_crossings, unbounded_points
 from haptisym.judge.percepts import Felt, Percept, changeovers, find_felt, find_percepts, outside_model, unnamed
+from haptisym.kernel.decimals import bits_for
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.periodic import Turned
 from haptisym.kernel.polynomials import Root
-from haptisym.kernel.reals import ExactNumber, RealNumber, bits_for
+from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.roots import Chart, Interval, Point, chart
 from haptisym.kernel.shown import counted, titled
 from haptisym.kernel.stability import is_stable

@@ -5,7 +5,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
 from functools import reduce
 from math import ceil, floor
@@ -17,6 +16,7 @@ import flint
 from flint import arb, fmpq
 from sympy import Add, Expr, Integer, Mul, Pow, Rational, cos, log, pi, sin, sinc
 
+from haptisym.kernel.decimals import bits_for, outward, rounded
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.precision import SURE_BITS, at_rising_precision
 from haptisym.kernel.shown import Viewed
@@ -90,9 +90,7 @@ class RealNumber(Viewed, ABC):
         >>> ExactNumber(pi).enclosure(5)
         ('3.1415926', '3.1415927')
         """
-        low, high = self.bounds(int((count + 3) * 3.33) + 16)
-        down, up = Context(prec=count + 3, rounding=ROUND_FLOOR), Context(prec=count + 3, rounding=ROUND_CEILING)
-        return _plain(_decimal(low, down)), _plain(_decimal(high, up))
+        return outward(*self.bounds(bits_for(count + 3)), count + 3)
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -165,24 +163,6 @@ def short(x: RealNumber, digits: int = 5) -> str:
     return shown.rstrip("0").rstrip(".") if "." in shown and "E" not in shown else shown
 
 
-def bits_for(count: int) -> int:
-    """Relative accuracy in bits with which ``count`` decimal digits are tried first."""
-    return int(count * 3.33) + 16
-
-
-def rounded(low: Fraction, high: Fraction, count: int) -> str | None:
-    """What all numbers between two bounds are, rounded to ``count`` significant decimal digits; None if that differs.
-
-    >>> rounded(Fraction(1, 8), Fraction(129, 1024), 2), rounded(Fraction(1, 8), Fraction(1, 7), 2)
-    (None, None)
-    >>> rounded(Fraction(1, 3), Fraction(334, 1000), 2)
-    '0.33'
-    """
-    rounding = Context(prec=count, rounding=ROUND_HALF_EVEN)
-    first, last = (_decimal(x, rounding) for x in (low, high))
-    return _plain(first, count) if first == last else None
-
-
 def bounds(ball: Ball) -> tuple[Fraction, Fraction]:
     """Rational lower and upper bound of a ball, at the current working precision or better.
 
@@ -196,19 +176,6 @@ def bounds(ball: Ball) -> tuple[Fraction, Fraction]:
 def _dyadic(exact: Ball) -> Fraction:
     mantissa, exponent = exact.man_exp()
     return int(mantissa) * Fraction(2) ** int(exponent)
-
-
-def _decimal(x: Fraction, context: Context) -> Decimal:
-    return context.divide(Decimal(x.numerator), Decimal(x.denominator))
-
-
-def _plain(x: Decimal, count: int | None = None) -> str:
-    """Positional notation where that is readable; with ``count``, trailing zeros up to that many digits."""
-    if x.is_zero():
-        return "0"
-    if count is not None:
-        x = x.quantize(Decimal(1).scaleb(x.adjusted() - count + 1), context=Context(prec=count + 2))
-    return f"{x:f}" if -6 < x.adjusted() < 21 else str(x)
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -295,8 +262,5 @@ class Sliver(RealNumber):
         >>> Sliver(Fraction(1, 4), Fraction(1, 4) + Fraction(1, 2**40)).digits(30)
         '0.25000000000'
         """
-        for n in range(count, 0, -1):
-            low, high = (_decimal(x, Context(prec=n, rounding=ROUND_HALF_EVEN)) for x in (self.low, self.high))
-            if low == high:
-                return _plain(low, n)
-        return _plain(_decimal(self.low, Context(prec=1)), 1)
+        known = (rounded(self.low, self.high, n) for n in range(count, 0, -1))
+        return next(filter(None, known), "") or rounded(self.low, self.low, 1) or ""

@@ -13,8 +13,8 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from haptisym.kernel.decimals import rounded
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.reals import rounded
 from haptisym.kernel.shown import Shown
 from haptisym.programs.accuracy import Accuracy, Engine
 from haptisym.programs.certified import Certified, Forms
