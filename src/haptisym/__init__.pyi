@@ -1,7 +1,7 @@
 from haptisym import effects, environments, interop
 from haptisym.judge.crossings import Crossing, CrossingKind
 from haptisym.judge.evaluation import Evaluation
-from haptisym.judge.peaks import Peak, peaks
+from haptisym.judge.peaks import Peak, Peaks, peaks
 from haptisym.judge.percepts import Change, Percept, Property
 from haptisym.kernel.errors import ExpressionError, HaptisymError, SceneError, UndecidedError
 from haptisym.kernel.reals import RealNumber
@@ -63,6 +63,7 @@ __all__ = [
     "Metrics",
     "Part",
     "Peak",
+    "Peaks",
     "Percept",
     "Point",
     "Property",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import importlib
+import pickle
 import pkgutil
 import re
 import subprocess
@@ -149,6 +151,7 @@ def test_every_kind_of_number_shows_its_digits() -> None:
         (lambda: hs.evaluate(PAPER).percepts[0], "<Percept lower mass (real part) from 7.9789 to 15.000 rad/s>"),
         (lambda: hs.evaluate(PAPER).transparent[0], "<Interval from 0 to 7.97891679017471 rad/s>"),
         (lambda: hs.evaluate(PAPER).changeovers_environment[0], "<Point at 7.45355992499930 rad/s>"),
+        (lambda: hs.peaks(PAPER), '<Peaks "Numerical example of Fu, van Paassen and ...": 1 peak>'),
         (lambda: hs.peaks(PAPER)[0], "<Peak r_i = 0.0387709 at 4.35101 rad/s>"),
         (lambda: PAPER.environment, "<Environment mass-spring-damper: m = 9/5 kg; b = 15 N*s/m; k = 100 N/m>"),
         (lambda: PAPER.effects[0], "<Effect filter (second-order-lowpass): omega_n = 80 rad/s; zeta = 1/2>"),
@@ -204,3 +207,29 @@ print(*sorted(x for x in sys.modules if x.startswith("haptisym.")))
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     loaded = set(done.stdout.split())
     assert not [x for x in loaded if x.split(".")[1] in ("pages", "figures", "commands")]
+
+
+def test_what_was_evaluated_can_be_pickled_and_copied_and_answers_the_same() -> None:
+    scene = hs.load_scene("fu2019")
+    found = hs.evaluate(scene, 20, tolerance="1 %")
+    for value in (scene, hs.load_scenes("palpation-device")):
+        assert pickle.loads(pickle.dumps(value)) == value
+        assert copy.deepcopy(value) == value
+    for answer in (found, found.relevance, hs.peaks(scene), hs.evaluate("delayed-spring")):
+        again = pickle.loads(pickle.dumps(answer))
+        assert type(again) is type(answer)
+        assert again.to_json() == answer.to_json()  # type: ignore[union-attr]
+        assert copy.copy(answer).to_json() == answer.to_json()  # type: ignore[union-attr]
+
+
+def test_peaks_are_an_answer_and_a_tuple() -> None:
+    found = hs.peaks("steering-wheel")
+    document = found.to_dict()
+    assert found.certified
+    assert found == tuple(found)
+    assert [row["omega"] for row in document["peaks"]] == [float(x.omega) for x in found]
+    assert [row["part"] for row in document["peaks"]] == ["imag", "real"]
+    assert document["certified"] is True
+    for x in found:
+        assert x.omega.digits() in str(found)
+    assert "No ratio has a local maximum" in str(hs.peaks(hs.Scene(PAPER.environment)))

@@ -112,6 +112,10 @@ class Evaluation(Answer):
         found = counted(len(self.crossings), "crossing"), counted(len(self.percepts), "percept")
         return f"{titled(self.scene.title)}: {width}, {', '.join(found)}"
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A copy evaluates again: what was found holds what cannot be pickled."""
+        return _again, (self.scene, self.digits, self.relevance)
+
     @property
     def given(self) -> Scene:
         """The scene that was asked about, with what was left out of it."""
@@ -256,6 +260,10 @@ def evaluate(scene: Scene | str | Path, digits: int = 15, *, left_out: LeftOut |
     isolation = time.perf_counter() - started
     stable = None if sampled_loop(scene) else is_stable(distortion.perc)
     return Evaluation(scene, distortion, table, stable, digits, left_out, isolation)
+
+
+def _again(scene: Scene, digits: int, left_out: LeftOut | None) -> Evaluation:
+    return evaluate(scene, digits, left_out=left_out)
 
 
 def _interval(x: Interval) -> list[float]:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property, reduce
 from pathlib import Path
+from typing import Any, ClassVar
 
 import flint
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
 from sympy import CRootOf, Expr, Integer, Poly, Symbol, sqrt
 
+from haptisym.judge.answers import Answer
 from haptisym.judge.criteria import Criterion, Judged, noticed
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.levels import the_one
@@ -18,7 +20,7 @@ from haptisym.kernel.polynomials import PolynomialFactor, Root
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import chart
-from haptisym.kernel.shown import Shown
+from haptisym.kernel.shown import Shown, counted, titled
 from haptisym.kernel.zeros import Zero
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
@@ -47,6 +49,11 @@ class Peak(Judged, Shown):
     def _line(self) -> str:
         return f"{self.criterion.symbol} = {self.ratio.digits(6)} at {self.omega.digits(6)} rad/s"
 
+    def row(self) -> dict[str, Any]:
+        """As a row of a document."""
+        shown = {"omega": float(self.omega), "digits": self.omega.digits(), "enclosure": list(self.omega.enclosure())}
+        return {"part": self.criterion.name, **shown, "ratio": float(self.ratio), "ratio_digits": self.ratio.digits()}
+
     @property
     def ratio(self) -> RealNumber:
         return SquareRoot(ValueAt(self.square, self.omega))
@@ -65,7 +72,46 @@ class Peak(Judged, Shown):
         return sqrt(_algebraic(_eliminated(top, bottom, zero), ValueAt(self.square, self.omega).ball))
 
 
-def peaks(scene: Scene | str | Path) -> tuple[Peak, ...]:
+class Peaks(Answer, tuple[Peak, ...]):
+    """The local maxima of a scene's ratios inside its band, in ascending order.
+
+    ``undecided`` : where it stayed open at the precision limit whether a slope changes its sign; empty for every rational scene.
+    """
+
+    _schema: ClassVar[str] = "haptisym.peaks/1"
+    _page: ClassVar[str] = "haptisym.pages.peaks:page"
+
+    scene: Scene
+    undecided: tuple[RealNumber, ...]
+
+    def __new__(cls, scene: Scene, found: Iterable[Peak], undecided: Iterable[RealNumber] = ()) -> Peaks:
+        self = super().__new__(cls, found)
+        self.scene, self.undecided = scene, tuple(undecided)
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return peaks, (self.scene,)
+
+    def _line(self) -> str:
+        return f"{titled(self.scene.title)}: {counted(len(self), 'peak')}"
+
+    @property
+    def certified(self) -> bool:
+        """Whether nothing was left undecided."""
+        return not self.undecided
+
+    def _body(self) -> dict[str, Any]:
+        return {
+            "band": [float(x) for x in self.scene.band],
+            "peaks": [peak.row() for peak in self],
+            "certified": self.certified,
+        }
+
+    def _left(self) -> dict[str, Any]:
+        return {"undecided": [list(x.enclosure()) for x in self.undecided]} if self.undecided else {}
+
+
+def peaks(scene: Scene | str | Path) -> Peaks:
     """All local maxima of r_r and r_i inside the band, in ascending order: proven, none missed, none invented.
 
     >>> from haptisym import effects, environments
@@ -77,13 +123,14 @@ def peaks(scene: Scene | str | Path) -> tuple[Peak, ...]:
     scene.knobs.need_numbers()
     d = scene.distortion()
     squares = {x: x.measure(d) for x in noticed(scene.threshold)}
-    points = chart({x: square.derivative() for x, square in squares.items()}, *scene.band).points[1:-1]
-    return tuple(
+    table = chart({x: square.derivative() for x, square in squares.items()}, *scene.band)
+    found = (
         Peak(x, point.omega, square)
-        for point in points
+        for point in table.points[1:-1]
         for x, square in squares.items()
         if (point.before[x], point.after[x]) == (1, -1) and point.orders[x] > 0  # no pole
     )
+    return Peaks(scene, found, (point.omega for point in table.undecided))
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property, reduce
 from typing import Any
 
@@ -49,6 +49,10 @@ class Scene(Shown):
     def _line(self) -> str:
         between = ", ".join(effect.name for effect in self.effects) or "no effects"
         return f"{titled(self.title)}: {self.environment.model}, {between}, {self.band[0]} to {self.band[1]} rad/s"
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Its fields: what was computed from them holds what cannot be pickled, and is found again."""
+        return {x.name: getattr(self, x.name) for x in fields(self)}
 
     def __post_init__(self) -> None:
         if len(self.band) != 2:

@@ -92,6 +92,10 @@ class Relevance(Answer):
         kept = f"{len(self.pruned.effects)} of {len(self.scene.effects)} effects"
         return f"{titled(self.scene.title)}: {kept} matter for a tolerance of {self.tolerance}"
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A copy puts the scene into ball arithmetic again: balls cannot be pickled."""
+        return _again, (self.scene, self.tolerance, self.pruned, self.bound, self.smallest)
+
     @property
     def dropped(self) -> tuple[Effect, ...]:
         """The effects that are left out."""
@@ -193,6 +197,10 @@ class Relevance(Answer):
 def _upper(change: Mapping[Part, Supremum]) -> dict[str, float | None]:
     """Certified upper bounds; null where there is none."""
     return {part.value: change[part].most if change[part].is_finite else None for part in Part}
+
+
+def _again(scene: Scene, tolerance: Expr, pruned: Scene, bound: Mapping[Part, Supremum], smallest: bool) -> Relevance:  # noqa: FBT001
+    return Relevance(scene, tolerance, pruned, bound, smallest, BallChain(scene))
 
 
 def _passes(table: Chart, interval: Interval) -> bool:
