@@ -19,7 +19,8 @@ from sympy import Expr, Rational, exp, lambdify, pi
 import haptisym as hs
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import EFFECTS
-from haptisym.verbs.effects.ballchain import TERMS, BallChain, Kept, Piece, series_arithmetic
+from haptisym.programs.series import series_arithmetic
+from haptisym.verbs.effects.ballchain import TERMS, BallChain, Kept, Piece
 from haptisym.verbs.effects.differences import Difference, _down, _Expansion, _up
 from haptisym.verbs.effects.entry import relevance
 from haptisym.verbs.effects.relevance import Relevance
@@ -837,7 +838,7 @@ def test_an_expansion_bounds_the_absolute_value_of_every_polynomial_with_such_co
 def test_the_order_of_a_zero_at_0_counts_delays_as_what_they_are() -> None:
     """sT - (1 - exp(-sT)) and products of 1 - exp(-sT) with delays that have no common measure."""
     effects = (hs.effects.zero_order_hold("5 ms"), hs.effects.zero_order_hold(pi / 1000), hs.effects.first_order_lag(9))
-    ring = BallChain(hs.Scene(SPRING, effects)).ring
+    ring = hs.Scene(SPRING, effects).distortion().chain.ring
     e, f = exp(-s / 200), exp(-s * pi / 1000)
     for form, order in (
         (1 - e, 1), (1 - f, 1), (e - f, 1), (s, 1), (s * (1 - e) ** 2, 3), (s / 200 - (1 - e), 2), (s + 1, 0), (e, 0),

@@ -29,8 +29,9 @@ from haptisym.figures.style import (
 )
 from haptisym.kernel.errors import SceneError
 from haptisym.model.jnd import Part
+from haptisym.programs.series import series_arithmetic
 from haptisym.programs.values import Array
-from haptisym.verbs.effects.ballchain import Piece, series_arithmetic
+from haptisym.verbs.effects.ballchain import Piece
 from haptisym.verbs.effects.relevance import Relevance
 
 _DEPTH = 8  # 2^8 samples along the band

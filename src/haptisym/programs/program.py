@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from flint import fmpq
-from sympy import Add, Expr, Function, Mul, Pow, Rational, Symbol, cos, sin, sinc
+from sympy import Add, Expr, Function, Mul, Pow, Rational, Symbol, cos, exp, sin, sinc
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import Polynomial, PolynomialRing
@@ -23,13 +23,17 @@ class sincm1(Function):  # type: ignore[misc]  # noqa: N801 - named as SymPy nam
         return x if x.is_zero else None
 
 
+class phi(Function):  # type: ignore[misc]  # noqa: N801 - as above
+    """(1 - exp(-x))/x, and 1 at x = 0: what a delay leaves of a quotient that is 0/0 at s = 0."""
+
+
 SMALL, LAST = 2.0, 27
 """Up to which x floats sum the series of sin(x)/x - 1, and to which term x^(LAST - 1)/LAST!: less than 2^-65 is left out."""
 
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """One step: ``name`` is add, sub, mul, div, neg, abs, sqrt, cos, sin, sinc, sincm1, power, input or constant.
+    """One step: ``name`` is add, sub, mul, div, neg, abs, sqrt, cos, sin, sinc, sincm1, exp, phi, power, input or constant.
 
     ``arguments`` : indices of earlier steps; for an input its index. ``value`` : of a constant, an ``fmpq`` or a SymPy number.
     """
@@ -206,15 +210,15 @@ class Writer:
             return whole if given.exp > 0 else self.div(self.constant(1), whole)
         if isinstance(given, Pow):
             return self._step("power", self.expression(given.base), self.expression(given.exp))
-        for kind in (cos, sin, sinc, sincm1):
+        for kind in (cos, sin, sinc, sincm1, exp, phi):
             if isinstance(given, kind):
                 return self._step(kind.__name__, self.expression(given.args[0]))
         raise SceneError(f"{given} has no floats: it is not made of + - * /, powers, sines and cosines")
 
-    def polynomial(self, ring: PolynomialRing, polynomial: Polynomial) -> int:
-        """A polynomial of a ring whose meanings are expressions in the inputs, by Horner's rule in each variable."""
+    def polynomial(self, ring: PolynomialRing, polynomial: Polynomial, meanings: Sequence[Expr] | None = None) -> int:
+        """A polynomial by Horner's rule in each variable; they mean expressions in the inputs, those of the ring unless given."""
         terms = {tuple(map(int, e)): value for e, value in polynomial.to_dict().items()}
-        return self._horner(terms, ring.meanings)
+        return self._horner(terms, meanings or ring.meanings)
 
     def _horner(self, terms: Mapping[tuple[int, ...], fmpq], meanings: Sequence[Expr]) -> int:
         if not meanings:

@@ -16,7 +16,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from sympy import Add, Expr, Symbol
+from sympy import Add, Expr, Rational, Symbol
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.response import RealFunction, on_axis
@@ -56,16 +56,16 @@ class Author:
             more = (ring.convert(rendered) - ring.convert(environment)).reduced()
             felt, dH = self.named("RX", self.sum_of_fractions(rendered, "_r"), "_r"), self.closed(more, "_d")
             dH = self.named("EF", dH, "_r")
-        runs, last = _runs([list(map(Ring.of(matrix).convert, matrix)) for matrix in matrices]), len(matrices)
+        parts, last = runs([list(map(Ring.of(matrix).convert, matrix)) for matrix in matrices]), len(matrices)
         labels = [f"_{n}" for n in range(1, last + 1)] if last > 1 else [""]
         fraction, relative = None, None
-        if rendered == environment and len(runs) == 1 and _is_series(runs[0][0]):
+        if rendered == environment and len(parts) == 1 and _is_series(parts[0][0]):
             if last == 1:  # the one effect's denominator stays below the line: a division less
-                above, below = self.fraction(_less_one(runs[0][0][0]), "")
+                above, below = self.fraction(less_one(parts[0][0][0]), "")
                 letters = "PQ" if self.write.number(below) == 1 else "KL"
                 fraction = self.named("EF", self.times(H, self.named(letters, above))), below
-            relative = self.series([row[0] for row in runs[0]], labels)[1]
-        for run in runs:
+            relative = self.series([row[0] for row in parts[0]], labels)[1]
+        for run in parts:
             own, labels = labels[: len(run)], labels[len(run) :]
             felt, dH = self.after(run, felt, dH, own)
             if labels:
@@ -124,7 +124,7 @@ class Author:
         """G and G - 1 of effects in a row."""
         G, (P, Q) = self.pair(1, 0), self.pair(0, 0)
         for gain, label in zip(gains, labels, strict=True):
-            p, q = self.named("PQ", self.closed(_less_one(gain), label), label)
+            p, q = self.named("PQ", self.closed(less_one(gain), label), label)
             own = self.named("GQ", self.closed(gain, label), label)
             telescoped = self.write.sub(self.write.add(P, self.write.mul(G[0], p)), self.write.mul(Q, q))
             G = self.times(G, own)
@@ -143,19 +143,16 @@ class Author:
         common = int(min(_ring(x).order_at_0(x.numerator) for x in (A, B, C, D)))  # then C H + D is not 0 at 0
         a, b, c, d, difference = (self.entry(x, common) for x in (A, B, C, D, A - D))
         c_H = self.times(c, felt)
-        below = self.named("UV", self.plus(c_H, d), label)
-        modulus = self.write.label(self.square(below), f"M{label}")
-        turned = (below[0], self.write.neg(below[1]))
+        over = self.division(self.plus(c_H, d), label)
         above = self.plus(self.times(a, felt), b)
         added = self.named("KL", self.plus(self.times(self.minus(difference, c_H), felt), b), label)
-        result, more = (self.over(self.times(x, turned), modulus) for x in (above, added))
-        return result, self.plus(dH, more)
+        return over(above), self.plus(dH, over(added))
 
     def entry(self, entry: RationalFunction, zeros: int) -> Pair:
         """An entry of a chain matrix, a polynomial, over s^zeros: the product of its factors."""
         ring = _ring(entry)
         unit, factors = ring.factors(entry.numerator, in_square=False)
-        total: Pair = (self.write.expression(unit), self.write.constant(0))
+        total = self.pair(unit, 0)
         for factor in (factor for factor, n in factors for _ in range(n)):
             own = int(min(ring.order_at_0(factor), zeros))
             over = ring.function(factor, ring.variable**own).reduced()
@@ -212,12 +209,19 @@ class Author:
     def named(self, letters: str, pair: Pair, label: str = "") -> Pair:
         return self.write.label(pair[0], f"{letters[0]}{label}"), self.write.label(pair[1], f"{letters[1]}{label}")
 
+    def division(self, below: Pair, label: str) -> Callable[[Pair], Pair]:
+        """What divides by a number."""
+        below = self.named("UV", below, label)
+        modulus = self.write.label(self.square(below), f"M{label}")
+        turned = (below[0], self.write.neg(below[1]))
+        return lambda above: self.over(self.times(above, turned), modulus)
+
     def square(self, x: Pair) -> int:
         """|x|^2"""
         return self.write.add(self.write.mul(x[0], x[0]), self.write.mul(x[1], x[1]))
 
-    def pair(self, real: int, imag: int) -> Pair:
-        return self.write.constant(real), self.write.constant(imag)
+    def pair(self, real: int | Rational, imag: int) -> Pair:
+        return self.write.expression(Rational(real)), self.write.constant(imag)
 
     def plus(self, x: Pair, y: Pair) -> Pair:
         return self.write.add(x[0], y[0]), self.write.add(x[1], y[1])
@@ -254,11 +258,11 @@ def _ring(f: RationalFunction) -> Ring:
     return f.ring
 
 
-def _less_one(gain: RationalFunction) -> RationalFunction:
+def less_one(gain: RationalFunction) -> RationalFunction:
     return (gain - gain.ring.one).reduced()
 
 
-def _runs(matrices: Sequence[Sequence[RationalFunction]]) -> list[list[tuple[RationalFunction, ...]]]:
+def runs(matrices: Sequence[Sequence[RationalFunction]]) -> list[list[tuple[RationalFunction, ...]]]:
     """Series effects that follow each other together, as (G, 0, 0, 1); everything else alone."""
     runs: list[list[tuple[RationalFunction, ...]]] = []
     for matrix in matrices:

@@ -23,7 +23,8 @@ from haptisym.kernel.roots import chart
 from haptisym.model.distortion import part_of
 from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
-from haptisym.verbs.effects.ballchain import TERMS, BallChain, Kept, Piece, Series, series_arithmetic
+from haptisym.programs.series import Series, series_arithmetic
+from haptisym.verbs.effects.ballchain import TERMS, BallChain, Kept, Piece
 from haptisym.verbs.effects.suprema import Supremum, supremum
 
 _NOTHING = 1e-20  # in the middle of some pieces: then it is asked whether the functions are zero

@@ -23,7 +23,8 @@ from haptisym.kernel.shown import titled
 from haptisym.model.catalogue import Effect
 from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
-from haptisym.verbs.effects.ballchain import BallChain, Piece, series_arithmetic
+from haptisym.programs.series import series_arithmetic
+from haptisym.verbs.effects.ballchain import BallChain, Piece
 from haptisym.verbs.effects.differences import Difference, Range
 from haptisym.verbs.effects.suprema import Supremum
 

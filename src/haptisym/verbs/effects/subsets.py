@@ -14,7 +14,8 @@ from sympy import Expr, Rational
 
 from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
-from haptisym.verbs.effects.ballchain import BallChain, Kept, Piece, Series, series_arithmetic
+from haptisym.programs.series import FLOATS, InSteps, series_arithmetic
+from haptisym.verbs.effects.ballchain import BallChain, Kept, Piece
 from haptisym.verbs.effects.differences import Difference
 from haptisym.verbs.effects.suprema import Supremum
 
@@ -127,29 +128,20 @@ class Search:
 
 
 class _Samples:
-    """The matrices of a scene in the middles of pieces, as floats."""
+    """The links of a scene in the middles of pieces, as floats."""
 
     def __init__(self, balls: BallChain) -> None:
-        with series_arithmetic():
-            places = [balls.place(Piece(_DEPTH, i), False) for i in range(1 << _DEPTH)]  # noqa: FBT003
-            self.environment, self.source, *self.effects = (
-                np.array([[_float(x) for x in place.values(block)] for place in places]).T
-                for block in (balls.environment, balls.source, *balls.effects)
-            )
-        self.turn = complex(float(balls.turn.real), float(balls.turn.imag))
+        self.balls = balls
+        with series_arithmetic(), np.errstate(all="ignore"):
+            self.omega = np.array([float(balls.middle(Piece(_DEPTH, i))) for i in range(1 << _DEPTH)])
+            self.links = [InSteps(program, FLOATS) for program in balls.programs]
+            self.known = [link.known(1j * self.omega) for link in self.links]
 
     def ratios(self, kept: Kept) -> NDArray[np.float64]:
         """r_r and r_i in two rows."""
-        force, position = self.source
         with np.errstate(all="ignore"):
+            H, *state = self.links[0].results(self.known[0])
             for i in sorted(kept):
-                a, b, c, d = self.effects[i]
-                force, position = a * force + b * position, c * force + d * position
-            environment = self.environment[0] / self.environment[1]
-            relative = self.turn * (force / position - environment) / np.abs(environment)
-        found: NDArray[np.float64] = np.abs(np.stack([relative.real, relative.imag]))
-        return found
-
-
-def _float(x: Series | None) -> complex:
-    return 0j if x is None else complex(float(x[0].real), float(x[0].imag))
+                state = [*self.links[1 + i].results(self.known[1 + i], state)]
+            parts = [np.abs(self.balls.part_of(state[1], part) / np.abs(H)) for part in Part]
+        return np.stack([np.broadcast_to(x, self.omega.shape) for x in parts])
