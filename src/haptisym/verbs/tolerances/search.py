@@ -170,10 +170,12 @@ def bounded(excess: Excess, cells: Array) -> _Bounded:
     with np.errstate(all="ignore"):
         omega = _contracted(cells, model.c0[:, 0], model.c1[:, 0], model.c2[:, 0], model.r[:, 0], low[:, 1], high[:, 1])
         weight = np.where((signs == 0) & np.isfinite(high), 1 / (high - low), 0.0)
-        score = (weight[:, :, None] * (np.abs(model.c1) + np.abs(model.c2).sum(-1))).sum(1)
+        changes = np.abs(model.c1) + np.abs(model.c2).sum(-1)
+        score = np.where(
+            weight[:, :1] > 0, (weight[:, :, None] * changes).sum(1), changes[:, 0]
+        )  # near a pole the value's alone
     width = cells[:, :, 1] - cells[:, :, 0]
-    score = np.where(np.isfinite(score).all(-1, keepdims=True) & (weight[:, :1] > 0), score, width)
-    score[:, 0] += np.where(np.isfinite(score[:, 0]), 0.0, 1.0)
+    score = np.where(np.isfinite(score).all(-1, keepdims=True) & (score > 0).any(-1, keepdims=True), score, width)
     return _Bounded(cells, signs, omega, np.argmax(np.where(width > 0, score + 1e-300, -1), -1))
 
 
