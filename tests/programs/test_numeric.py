@@ -341,7 +341,7 @@ def test_digits_of_special_values_and_of_single_numbers() -> None:
         f.digits(1.0, 0)
 
 
-@pytest.mark.parametrize("engine", ["numpy", "numba"])
+@pytest.mark.parametrize("engine", often(["numpy", "numba"], "numpy".__eq__))
 def test_a_sample_and_hold_keeps_its_digits_far_below_its_sampling_rate(engine: str) -> None:
     """Where r_r is (omega T)^2/6: the difference sin(x)/x - 1 would lose all its digits."""
     spring, hold = mass_spring_damper(k=100), zero_order_hold("1 ms")
