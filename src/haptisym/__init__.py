@@ -27,7 +27,7 @@ __version__ = "0.1.0"
 
 _ON_DEMAND = {
     "Cost": "verbs.cost.entry",
-    "Derivation": "verbs.derive.entry",
+    "Derivation": "verbs.derive.derivation",
     "DesignMap": "verbs.require.designmap",
     "EncoderQuantisation": "verbs.simulate.results",
     "FamilyEvaluation": "verbs.family.entry",

@@ -17,7 +17,8 @@ from haptisym.pages.latex import latex
 from haptisym.programs.accuracy import Accuracy
 from haptisym.verbs.cost.entry import Cost, cost, simulation_cost
 from haptisym.verbs.cost.hardcosts import HardCosts, hard_costs
-from haptisym.verbs.derive.entry import Derivation, derive
+from haptisym.verbs.derive.derivation import Derivation
+from haptisym.verbs.derive.entry import derive
 from haptisym.verbs.effects.entry import relevance
 from haptisym.verbs.effects.relevance import Relevance
 from haptisym.verbs.evaluate.entry import evaluate

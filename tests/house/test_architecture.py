@@ -52,10 +52,7 @@ def imported(name: str) -> set[str]:
     return found - {"__version__"}
 
 
-UPWARDS = {
-    ("verbs.derive.entry", "pages.derive"),
-    ("verbs.derive.entry", "pages.sections"),
-}
+UPWARDS = {}
 """Answers that still fetch their own page, and what else is to come down; nothing may be added."""
 
 ARROWS = {(name, other) for name in MODULES for other in imported(name)}

@@ -50,12 +50,6 @@ def test_definitions_are_put_into_later_definitions():
     assert Steps(((b, a + 1), (c, b**2)), {"y": c + b}).at({}) == {"y": (a + 1) ** 2 + a + 1}
 
 
-@pytest.mark.parametrize("definitions", [((a, b), (b, x0)), ((a, a + 1),), ((a, x0), (a, b))])
-def test_a_name_is_defined_once_and_before_its_use(definitions):
-    with pytest.raises(hs.SceneError, match=r"before its definition|twice"):
-        Steps(definitions, {})
-
-
 def test_some_results_need_some_definitions_and_none_for_a_mere_result():
     c, d, e = symbols("c d e")
     steps = Steps(((c, a + 1), (d, c * b), (e, b**2)), {"x": d, "y": e, "z": c + e})

@@ -13,9 +13,8 @@ from sympy import Rational, sqrt
 
 import haptisym as hs
 from haptisym.kernel.symbols import X
-from haptisym.pages.derive import to_dict
-from haptisym.pages.sections import sections
-from haptisym.verbs.derive.derivation import QUANTITIES, derive
+from haptisym.verbs.derive.derivation import QUANTITIES
+from haptisym.verbs.derive.entry import derive
 
 SHORT = ["fu2019", "delayed-spring", "undamped-resonance", "zener-tissue", "stick-with-friction"]
 
@@ -98,7 +97,7 @@ def test_every_shipped_scene_has_a_page_in_each_form(name: str, call) -> None:  
 
 def test_the_json_of_a_page_says_the_same_as_its_text(call) -> None:  # type: ignore[no-untyped-def]
     d = derive(hs.load_scene("fu2019"))
-    document = to_dict(d, sections(d))
+    document = d.to_dict()
     assert json.loads(call("derive", "fu2019", "--json")[1]) == document
     assert document["operations"] == d.steps.operations
     _, text, _ = call("derive", "fu2019")

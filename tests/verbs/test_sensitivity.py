@@ -135,7 +135,7 @@ def test_at_a_touch_there_is_no_derivative_and_it_is_said() -> None:
 
 def test_the_formula_says_where_it_does_not_hold() -> None:
     from haptisym.pages.sections import asked
-    from haptisym.verbs.derive.derivation import derive
+    from haptisym.verbs.derive.entry import derive
 
     [section] = asked(derive(touching(), ["a"]), ["d omega_r/d a"])
     assert "here at 3.0000 rad/s" in str(section.blocks[0])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import click
 
 from haptisym.commands.options import json_option, scene_argument
@@ -53,7 +55,7 @@ def derive(
       haptisym derive fu2019 --keep omega_n --of "Re dH" --to latex
       haptisym derive fu2019 --to c > distortion.c
     """
-    from haptisym.verbs.derive.derivation import derive as derive_scene
+    from haptisym.verbs.derive.entry import derive as derive_scene
 
     if keep and mode:
         raise SceneError(f"--keep says which parameters stay symbols, and so does --{mode}: leave out one of them")
@@ -71,18 +73,14 @@ def derive(
             )
         write(scene_code(scene, Language[language.upper()], parameters=kept))
         return
-    from haptisym.pages.derive import as_json as json_of
-    from haptisym.pages.derive import latex, page
-    from haptisym.pages.sections import asked, sections
     from haptisym.writing.html import fragment
 
-    d = derive_scene(scene, kept)
-    found = asked(d, names) if names else sections(d)
+    d = replace(derive_scene(scene, kept), of=names)
     if as_json or language == "json":
-        say_document(json_of(d, found))
+        say_document(d.to_json())
     elif language == "text":
-        say(page(d, found))
+        say(d.document())
     elif language == "latex":
-        write(latex(d, found))
+        write(d.to_latex())
     else:
-        write(fragment(page(d, found)) + "\n")
+        write(fragment(d.document()) + "\n")

@@ -121,7 +121,3 @@ class RealFunction:
     def factored(self) -> Expr:
         """The closed form in omega, numerator and denominator in factors."""
         return self.written.factored()
-
-    def stable(self) -> Expr:
-        """The closed form for floats: half angles, so that 1 - cos x is 2 sin(x/2)^2 and keeps its digits."""
-        return self.half_angled.factored()

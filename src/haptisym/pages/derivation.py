@@ -15,7 +15,7 @@ from haptisym.pages.sceneforms import DIFFERENCE, DYNAMICS, FELT, RELATIVE, Grou
 from haptisym.pages.sceneforms import RATIOS as RATIO_FORMS
 from haptisym.pages.sections import beyond
 from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OPERATORS, RATIOS
-from haptisym.verbs.derive.derivation import derive
+from haptisym.verbs.derive.entry import derive
 from haptisym.writing.boxes import Box, Equation, Prefixed, Sum
 from haptisym.writing.document import Block, Equations, Line, Paragraph, Phrase, Section, listed
 from haptisym.writing.equations import function, quantity

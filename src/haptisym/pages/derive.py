@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from json import dumps
+from collections.abc import Iterator
 from typing import Any
 
 from haptisym.model.parameters import Parameter
@@ -21,18 +20,16 @@ from haptisym.writing.plain import said
 from haptisym.writing.texprinter import formula, tex
 
 
-def page(d: Derivation, told: Iterable[Section] | None = None) -> Document:
-    """The parameters, and the sections ``told`` : all that a derivation says unasked, if none are given."""
+def page(d: Derivation) -> Document:
+    """The parameters, and the sections."""
     rows = tuple((named(p.symbol.name), _meaning(p, d.scene.motion), _state(d, p)) for p in d.scene.parameters)
     table = Table((Column("symbol"), Column("what it is"), Column("value")), rows, "The parameters, in SI units.")
-    found = sections(d) if told is None else told
-    return Document(title(d.scene), lead(d.scene, _asides(d)), ((table,) if rows else ()) + tuple(found), "Derivation")
+    return Document(title(d.scene), lead(d.scene, _asides(d)), ((table,) if rows else ()) + sections(d), "Derivation")
 
 
-def latex(d: Derivation, told: Iterable[Section] | None = None) -> str:
+def latex(d: Derivation) -> str:
     r"""LaTeX for a paper: a paragraph for each section, its equations in an ``align*``; amsmath is all it needs."""
-    found = sections(d) if told is None else told
-    return fragment((*(Paragraph(coded(x)) for x in _asides(d)), *found), depth=2) + "\n"
+    return fragment((*(Paragraph(coded(x)) for x in _asides(d)), *sections(d)), depth=2) + "\n"
 
 
 def _asides(d: Derivation) -> list[str]:
@@ -52,21 +49,13 @@ def _state(d: Derivation, p: Parameter) -> Phrase:
     return ("a symbol; ", layout(p.value), " in the scene") if p.symbol in d.kept else layout(p.value)
 
 
-def as_json(d: Derivation, told: Iterable[Section]) -> str:
-    """The document of ``haptisym derive --json``, schema ``haptisym.derivation/1``."""
-    return dumps(to_dict(d, told), indent=2, ensure_ascii=False)
-
-
-def to_dict(d: Derivation, told: Iterable[Section]) -> dict[str, Any]:
-    """The same as a dictionary."""
+def body(d: Derivation) -> dict[str, Any]:
+    """What its document holds."""
     return {
-        "schema": "haptisym.derivation/1",
-        "title": d.scene.title,
         "parameters": [_parameter(d, p) for p in d.scene.parameters],
         "operations": d.steps.operations,
-        "sections": [_section(section) for section in told],
+        "sections": [_section(section) for section in sections(d)],
         "quantities": list(QUANTITIES),
-        **d.scene.aside_keys(),
     }
 
 

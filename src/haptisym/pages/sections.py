@@ -36,7 +36,9 @@ def _section(title: Phrase, rows: Iterable[Line] = (), notes: Iterable[Phrase] =
 
 
 def sections(d: Derivation) -> tuple[Section, ...]:
-    """All that a derivation says unasked."""
+    """What a derivation was asked for, or all that it says unasked."""
+    if d.of:
+        return asked(d, d.of)
     found = [_dynamics(d), _in_steps(d), _written_out(d), _when(d), _changeovers(d), *_dimensionless(d), *_fast(d)]
     return tuple(section for section in found if section.blocks)
 

@@ -24,7 +24,6 @@ from sympy import (
     sqrt,
 )
 
-from haptisym.kernel.errors import SceneError
 from haptisym.kernel.shown import Shown, counted
 from haptisym.programs.program import Operation, Program
 
@@ -35,7 +34,6 @@ class Steps(Shown):
 
     ``definitions`` : pairs of a name and its value, an expression in the arguments and in earlier names.
     ``results`` : named expressions in the arguments and in the defined names.
-    Raises SceneError where a name is defined twice, or used before its definition.
 
     >>> from sympy import symbols
     >>> W, k, m, omega = symbols("W k m omega")
@@ -48,15 +46,6 @@ class Steps(Shown):
 
     def _line(self) -> str:
         return f"{', '.join(self.results)} in {counted(len(self.definitions), 'definition')}"
-
-    def __post_init__(self) -> None:
-        names = [name for name, _ in self.definitions]
-        for i, (name, value) in enumerate(self.definitions):
-            if name in names[:i]:
-                raise SceneError(f"{name} is defined twice")
-            early = value.free_symbols & set(names[i:])
-            if early:
-                raise SceneError(f"{name} = {value} uses {min(map(str, early))} before its definition")
 
     def only(self, names: Iterable[str]) -> Steps:
         """Some of the results, and the definitions that they need, but those that are one result and nothing else."""

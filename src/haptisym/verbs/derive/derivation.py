@@ -2,28 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
+from itertools import chain
+from operator import attrgetter
+from pkgutil import resolve_name
 from types import MappingProxyType
-from typing import TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
-from sympy import Expr, I, Symbol, count_ops
+from sympy import Expr, Symbol, count_ops
 
+from haptisym.judge.answers import Answer
 from haptisym.judge.criteria import Criterion, noticed, opened
 from haptisym.judge.evaluation import Evaluation, evaluate
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.implicit import Equation
 from haptisym.kernel.response import RealFunction
-from haptisym.kernel.shown import Shown, titled
+from haptisym.kernel.shown import titled
 from haptisym.kernel.solutions import Solution, solve
-from haptisym.kernel.symbols import X, c, omega
-from haptisym.model.distortion import Chain, Distortion, part_of
+from haptisym.kernel.symbols import c
+from haptisym.model.distortion import Chain, Distortion
 from haptisym.model.jnd import Part, is_irrational_algebraic
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
-from haptisym.model.scenefile import as_scene
 from haptisym.programs.steps import Steps
 from haptisym.verbs.derive.asymptotics import Expansion, expansion
 from haptisym.verbs.derive.groups import Groups, groups
@@ -33,7 +35,7 @@ Factors: TypeAlias = tuple[tuple[Equation, int], ...]
 
 
 @dataclass(frozen=True, repr=False)
-class Derivation(Shown):
+class Derivation(Answer):
     """The formulas of a scene; ``kept``: the parameters that stay symbols, the others have the scene's values.
 
     ``derivation["Re dH"]`` is a closed form, under the names of ``QUANTITIES``; ``steps`` is the distortion in short named
@@ -43,10 +45,23 @@ class Derivation(Shown):
     scene: Scene
     kept: tuple[Symbol, ...]
     kept_thresholds: tuple[Part, ...] = tuple(Part)
+    of: tuple[str, ...] = ()
+    """The quantities that its page shows; none for all that it says unasked."""
+
+    _schema: ClassVar[str] = "haptisym.derivation/1"
+    _page: ClassVar[str] = "haptisym.pages.derive:page"
 
     def _line(self) -> str:
         kept = ", ".join(p.name for p in self.kept) or "nothing"
         return f"{titled(self.scene.title)}: {kept} as symbols"
+
+    def _body(self) -> dict[str, Any]:
+        found: dict[str, Any] = resolve_name("haptisym.pages.derive:body")(self)
+        return found
+
+    def to_latex(self) -> str:
+        r"""LaTeX for a paper, a paragraph for each section: what ``haptisym derive --to latex`` prints."""
+        return str(resolve_name("haptisym.pages.derive:latex")(self))
 
     @cached_property
     def chain(self) -> Chain:
@@ -99,10 +114,14 @@ class Derivation(Shown):
         """Where the ratio meets its threshold: formulas, or for factors without a readable one the equation itself."""
         return solve(self.excess(of))
 
+    def stiffness(self, system: str) -> RealFunction:
+        """Re H of the environment ("env") or of what is felt ("perc")."""
+        response = self.distortion.env_response if system == "env" else self.distortion.perc_response
+        return response.real
+
     def changeovers(self, system: str) -> tuple[Solution, ...]:
         """Where Re H of the environment ("env") or of what is felt ("perc") vanishes."""
-        response = self.distortion.env_response if system == "env" else self.distortion.perc_response
-        return solve(response.real)
+        return solve(self.stiffness(system))
 
     def sensitivity(self, of: Part | Criterion, parameter: Symbol) -> Expr:
         """d omega/d parameter at a crossing: -(dF/d parameter)/(dF/d omega) for the equation F = 0 of the crossing.
@@ -115,14 +134,13 @@ class Derivation(Shown):
         """F = 0 at the crossings: F is the numerator of r^2 - c^2."""
         return _equation(self.excess(of))
 
-    def factors(self, of: Part | Criterion, *, pole: bool = False) -> Factors:
-        """The irreducible factors of r^2 - c^2 above the line (below it, with ``pole``), each an equation, with its order."""
-        return _factors(self.excess(of), pole=pole)
-
-    def changeover_factors(self, system: str, *, pole: bool = False) -> Factors:
-        """The same of Re H of "env" or "perc"."""
-        response = self.distortion.env_response if system == "env" else self.distortion.perc_response
-        return _factors(response.real, pole=pole)
+    def factors(self, of: Criterion | str) -> Factors:
+        """Of r^2 - c^2, or of Re H of a system, the irreducible factors above and below the line, with their orders."""
+        f = self.stiffness(of) if isinstance(of, str) else self.excess(of)
+        lines = (
+            f.axis.factors(x, in_square=not f.axis.functions)[1] for x in (f.function.numerator, f.function.denominator)
+        )
+        return tuple((_equation(RealFunction(f.axis.function(factor))), n) for factor, n in chain(*lines))
 
     @cached_property
     def groups(self) -> Groups:
@@ -136,8 +154,8 @@ class Derivation(Shown):
     def at(self, **values: Number) -> Evaluation:
         """Certified answers for values of the parameters, by name; what is not named keeps the scene's value.
 
-        >>> from haptisym.model.scenefile import load_scene
-        >>> derive(load_scene("fu2019")).at(omega_n="160 rad/s").bandwidth is None
+        >>> from haptisym.verbs.derive.entry import derive
+        >>> derive("fu2019").at(omega_n="160 rad/s").bandwidth is None
         False
         """
         return evaluate(self.scene.with_values(values))
@@ -146,33 +164,6 @@ class Derivation(Shown):
 def _equation(f: RealFunction) -> Equation:
     written = f.written
     return Equation(written.ring, written.numerator)
-
-
-def _factors(f: RealFunction, *, pole: bool) -> Factors:
-    whole = f.function.denominator if pole else f.function.numerator
-    _, factors = f.axis.factors(whole, in_square=not f.axis.functions)
-    return tuple((_equation(RealFunction(f.axis.function(factor))), n) for factor, n in factors)
-
-
-def derive(scene: Scene | str | Path, keep: Iterable[str] | None = None) -> Derivation:
-    """The formulas of a scene.
-
-    ``keep`` : the names of the parameters that stay symbols; None for all of them and the threshold, () for none. A name
-    that the scene does not have raises SceneError.
-
-    >>> from haptisym.model.scenefile import load_scene
-    >>> found = derive(load_scene("fu2019"), keep=["omega_n"])
-    >>> found["H_perc"]
-    omega_n**2*(9*s**2 + 75*s + 500)/(5*omega_n**2 + 5*omega_n*s + 5*s**2)
-    >>> [x.omega for x in derive(load_scene("fu2019")).changeovers("env")]
-    [sqrt(k)/sqrt(m)]
-    """
-    scene = as_scene(scene)
-    if keep is None:
-        return Derivation(scene, tuple(x.symbol for x in scene.parameters))
-    kept = [scene.knobs[name] for name in ([keep] if isinstance(keep, str) else keep)]
-    thresholds = tuple(part for part in Part if any(part in x.parts for x in kept))
-    return Derivation(scene, tuple(x.symbol for x in kept if not x.parts), thresholds)
 
 
 def _threshold_polynomial(part: Part) -> Callable[[Derivation], Expr]:
@@ -187,43 +178,43 @@ def _threshold_polynomial(part: Part) -> Callable[[Derivation], Expr]:
     return polynomial
 
 
-def _jnd(power: int) -> Callable[[Derivation], Expr]:
-    return lambda d: c * d.distortion.modulus / omega**power
+def _of_distortion(path: str) -> Callable[[Derivation], Expr]:
+    """What the distortion has under this name; of a real function its factored form."""
+
+    def found(d: Derivation) -> Expr:
+        value = attrgetter(path)(d.distortion)
+        return value.factored() if isinstance(value, RealFunction) else value
+
+    return found
 
 
-def _properties(system: str) -> dict[str, Callable[[Derivation], Expr]]:
-    def of(d: Derivation) -> tuple[Expr, Expr]:
-        response = d.distortion.env_response if system == "env" else d.distortion.perc_response
-        return part_of(response, Part.REAL).factored(), part_of(response, Part.IMAG).factored()
+def _jnd(name: str) -> Callable[[Derivation], Expr]:
+    return lambda d: getattr(d.distortion.parameter_jnd(c), name)
 
-    return {
-        f"k_{system}": lambda d: of(d)[0],
-        f"m_{system}": lambda d: -of(d)[0] / omega**2,
-        f"b_{system}": lambda d: of(d)[1] / omega,
-        f"F_si_{system}": lambda d: X * of(d)[0],
-        f"F_d_{system}": lambda d: I * X * of(d)[1],
-    }
 
+_PERCEIVED = {"k": "stiffness", "m": "mass", "b": "damping", "F_si": "spring_inertia_force", "F_d": "damping_force"}
+_SYSTEMS = {"env": "environment_properties", "perc": "perceived_properties"}
 
 QUANTITIES: Mapping[str, Callable[[Derivation], Expr]] = MappingProxyType(
     {
-        "H_env": lambda d: d.distortion.environment,
-        "H_perc": lambda d: d.distortion.perceived,
-        "dH": lambda d: d.distortion.distortion,
-        "Re dH": lambda d: d.distortion.real,
-        "Im dH": lambda d: d.distortion.imag,
-        "|H_env|^2": lambda d: d.distortion.squared_modulus.factored(),
-        "r_r": lambda d: d.distortion.ratio_real,
-        "r_i": lambda d: d.distortion.ratio_imag,
-        "Re(dH/H_env)": lambda d: d.distortion.relative_real,
-        "Im(dH/H_env)": lambda d: d.distortion.relative_imag,
+        "H_env": _of_distortion("environment"),
+        "H_perc": _of_distortion("perceived"),
+        "dH": _of_distortion("distortion"),
+        "Re dH": _of_distortion("real"),
+        "Im dH": _of_distortion("imag"),
+        "|H_env|^2": _of_distortion("squared_modulus"),
+        "r_r": _of_distortion("ratio_real"),
+        "r_i": _of_distortion("ratio_imag"),
+        "Re(dH/H_env)": _of_distortion("relative_real"),
+        "Im(dH/H_env)": _of_distortion("relative_imag"),
         "p_r": _threshold_polynomial(Part.REAL),
         "p_i": _threshold_polynomial(Part.IMAG),
-        **_properties("env"),
-        **_properties("perc"),
-        "jnd k": _jnd(0),
-        "jnd b": _jnd(1),
-        "jnd m": _jnd(2),
+        **{
+            f"{x}_{of}": _of_distortion(f"{own}.{name}")
+            for of, own in _SYSTEMS.items()
+            for x, name in _PERCEIVED.items()
+        },
+        **{f"jnd {x}": _jnd(_PERCEIVED[x]) for x in ("k", "b", "m")},
     }
 )
 """The closed forms that a derivation has, by name."""

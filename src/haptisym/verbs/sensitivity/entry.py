@@ -22,7 +22,7 @@ from haptisym.model.jnd import Part, is_irrational_algebraic
 from haptisym.model.knobs import THRESHOLD
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.verbs.derive.derivation import derive
+from haptisym.verbs.derive.entry import derive
 from haptisym.verbs.sensitivity.slopes import (
     FLAT,
     TOUCH,

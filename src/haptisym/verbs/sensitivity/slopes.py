@@ -10,7 +10,7 @@ Derivation: 14_sensitivity.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 
 import flint
 from sympy import Integer, Symbol
@@ -109,9 +109,7 @@ class Place:
     def factors(self, of: Criterion | str) -> Factors:
         """Of r^2 - c^2 of a criterion, or of Re H of a system: the factors above and below the line."""
         if of not in self._known:
-            d = self.derivation
-            found = partial(d.changeover_factors, of) if isinstance(of, str) else partial(d.factors, of)
-            self._known[of] = (*found(pole=False), *found(pole=True))
+            self._known[of] = self.derivation.factors(of)
         return self._known[of]
 
     @cached_property

@@ -10,6 +10,7 @@ from enum import Enum
 from itertools import chain, count
 
 from haptisym.kernel.errors import SceneError
+from haptisym.writing.names import greek
 
 
 class Language(Enum):
@@ -97,12 +98,8 @@ def _plain(name: str) -> str:
 
 
 def _letter(c: str) -> str:
-    greek = re.fullmatch(r"GREEK (SMALL|CAPITAL) LETTER (\w+)", unicodedata.name(c, ""))
-    if greek:
-        word = greek[2].lower().replace("lamda", "lambda")
-        return word if greek[1] == "SMALL" else word.capitalize()
     base = unicodedata.normalize("NFKD", c)[0]
-    return base if base.isascii() else f"_u{ord(c):04X}"
+    return greek(c) or (base if base.isascii() else f"_u{ord(c):04X}")
 
 
 def function_name(name: str, language: Language) -> str:
