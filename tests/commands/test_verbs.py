@@ -89,7 +89,7 @@ def test_a_file_on_a_full_disk_is_named(call, words: list[str]) -> None:  # type
         ("derive fu2019 --json --to latex", "--json is one document"),
         ("derive fu2019 --json --to text", "--json is one document"),
         ("derive fu2019 --to c --of dH", "--of chooses among formulas"),
-        ("derive fu2019 --to c --keep c", "--keep c keeps the threshold"),
+        ("derive fu2019 --to c --keep c", "evaluation.jnd is a threshold, of which code holds nothing"),
         ("metrics fu2019 --json --to latex", "--json prints one document"),
         ("metrics fu2019 --to text --json", "--json prints one document"),
         ("require fu2019 --free zeta --slices 5", "--slices is about a map"),
