@@ -444,6 +444,23 @@ def test_whole_powers_are_products_and_numbers_have_all_their_digits(language):
     assert re.search(r"a\.?\*a\.?\*a", text)
 
 
+def test_a_function_says_what_it_is_and_what_goes_in_and_out():
+    a = hs.symbols("a")
+    for title, heading in (
+        ("Two waves", "Two waves."),
+        ("Two waves.", "Two waves."),
+        (None, "Values of closed forms."),
+    ):
+        about = About(title or "", (), {"y": ("a wave", "m")})
+        text = Source(written({"y": 2 * a}, [a]), (Argument(a),), about).code(Language.NUMPY, name="f")
+        assert heading in [line.strip().strip('"') for line in text.splitlines()]
+    text = scene_code(hs.load_scene("fu2019"), Language.NUMPY, parameters=["m"])
+    lines = [line.strip() for line in text.splitlines()]
+    for name, words in (("omega", "frequency"), ("m", "mass")):
+        place = next(i for i, line in enumerate(lines) if re.fullmatch(rf"{name} ?:.*", line))
+        assert words in lines[place + 1]
+
+
 def test_the_numbers_of_a_scene_stand_in_the_code_where_they_are_fixed():
     scene = hs.load_scene("fu2019")
     text = scene_code(scene, Language.C, parameters=["m", "b"])
