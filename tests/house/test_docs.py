@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import doctest
+import importlib.util
 import re
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -63,3 +65,18 @@ def test_the_readme_counts_the_scenes_right() -> None:
 def test_every_document_that_the_readme_links_is_there() -> None:
     for target in re.findall(r"\]\((?!https?:)([^)#]+)\)", (ROOT / "README.md").read_text(encoding="utf-8")):
         assert (ROOT / target).exists(), target
+
+
+def test_the_picture_of_the_house_is_that_of_the_source() -> None:
+    spec = importlib.util.spec_from_file_location("house", ROOT / "docs" / "house.py")
+    assert spec is not None
+    assert spec.loader is not None
+    house = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(house)
+    words = [x.strip() for x in ElementTree.parse(ROOT / "docs" / "figures" / "house.svg").getroot().itertext()]
+    assert house.description() in words
+    drawn = "".join(" ".join(words).split())
+    for folder in house.folders():
+        assert "".join(house.sentence(folder).split()) in drawn, folder
+    inside = {path.name for path in house.SOURCE.iterdir() if list(path.glob("*.py"))}
+    assert inside == set(house.folders())

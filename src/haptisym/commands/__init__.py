@@ -1,1 +1,1 @@
-"""The verbs of the command line, each a module."""
+"""The command line: a module for each verb, and what they share."""

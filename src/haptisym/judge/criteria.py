@@ -45,11 +45,6 @@ class Criterion:
         return hash(self.name)  # charts look up much
 
     @property
-    def letter(self) -> str:
-        """The index of its symbol, which its polynomial p and its crossings bear, too."""
-        return self.symbol.rpartition("_")[2]
-
-    @property
     def component(self) -> str:
         """The operator that gives the component of dH that is judged; empty where both are."""
         return {Part.REAL: "Re", Part.IMAG: "Im"}.get(self.part, "") if self.part else ""

@@ -14,9 +14,9 @@ from haptisym.model.jnd import Part
 from haptisym.pages.sceneforms import DIFFERENCE, DYNAMICS, FELT, RELATIVE, Group, SceneForms
 from haptisym.pages.sceneforms import RATIOS as RATIO_FORMS
 from haptisym.pages.sections import beyond
-from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OPERATORS, excess, symbol
+from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OPERATORS, RATIOS
 from haptisym.verbs.derive.entry import derive
-from haptisym.writing.boxes import Equation, Prefixed, Sum
+from haptisym.writing.boxes import Box, Equation, Prefixed, Sum
 from haptisym.writing.document import Block, Equations, Line, Paragraph, Phrase, Section, listed
 from haptisym.writing.equations import function, quantity
 from haptisym.writing.layout import layout
@@ -89,15 +89,13 @@ class _Steps:
     def thresholds(self) -> Iterator[Block]:
         functions = self.evaluation.distortion.squared_modulus.axis.functions
         kind = "polynomials in ω, its powers, sines and cosines" if functions else "polynomials in ω²"
-        exceeds = listed(
-            (symbol(x.symbol), " exceeds exactly where ", excess(x), " > 0") for x in self.evaluation.criteria
-        )
+        exceeds = listed((RATIOS[part], " exceeds exactly where ", _excess(part), " > 0") for part in Part)
         yield Paragraph((
             "A ratio exceeds its threshold where its square does, and so no root is needed: ", exceeds, f". These are {kind} ",
             "with exact coefficients (to ten digits after ≈); the crossings are their roots on the band. Written up to a ",
             "positive factor:",
         ))  # fmt: skip
-        yield self._equations(map(self.forms.threshold, self.evaluation.criteria))
+        yield self._equations([self.forms.threshold(part) for part in Part])
 
     def properties(self) -> Iterator[Block]:
         real, imag = (Prefixed(OPERATORS[part], _H) for part in Part)
@@ -124,6 +122,10 @@ class _Steps:
 
     def _equations(self, lines: Iterable[Line]) -> Block:
         return Equations(tuple(self.forms.named(list(lines))))
+
+
+def _excess(part: Part) -> Box:
+    return quantity("p_r" if part is Part.REAL else "p_i")
 
 
 def _action(i: int, effect: Effect) -> tuple[Phrase, list[Line]]:

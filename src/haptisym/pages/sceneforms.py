@@ -11,18 +11,18 @@ from typing import NamedTuple
 
 from sympy import Abs, Add, Expr, Function, I, Mul, Pow, S, Symbol, pi
 
-from haptisym.judge.criteria import Criterion
+from haptisym.judge.criteria import noticed, opened
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
 from haptisym.kernel.roots import sign_of_number
-from haptisym.kernel.symbols import c, omega, s
+from haptisym.kernel.symbols import omega, s
 from haptisym.model.distortion import Distortion
-from haptisym.model.jnd import is_irrational_algebraic
+from haptisym.model.jnd import Part, is_irrational_algebraic
 from haptisym.model.parameters import values
 from haptisym.pages.closedforms import ClosedForms
-from haptisym.pages.words import excess
 from haptisym.writing.document import Line
+from haptisym.writing.equations import quantity
 from haptisym.writing.numerals import approximate
 from haptisym.writing.texlines import is_long
 from haptisym.writing.texprinter import formula
@@ -78,10 +78,12 @@ class SceneForms:
         rows = self.in_symbols(group) or group.rows(ClosedForms(self.evaluation.distortion))
         return [_evaluated(row, known) for row in rows]
 
-    def threshold(self, criterion: Criterion) -> Line:
+    def threshold(self, part: Part) -> Line:
         """The polynomial in omega^2 that is positive exactly where the ratio exceeds its threshold, in factors."""
-        left, irrational = excess(criterion), is_irrational_algebraic(criterion.limit)
-        found = (replace(criterion, threshold=c) if irrational else criterion).function(self.evaluation.distortion)
+        left = quantity("p_r" if part is Part.REAL else "p_i")
+        limits = self.evaluation.scene.threshold
+        free = [x for x in Part if is_irrational_algebraic(limits[x] ** 2)]
+        found = next(x for x in opened(noticed(limits), free) if x.part is part).function(self.evaluation.distortion)
         assert isinstance(found, RealFunction)  # a symbol is no algebraic number
         function = found.written
         if function.is_zero:

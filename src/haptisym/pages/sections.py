@@ -12,7 +12,6 @@ from haptisym.kernel.solutions import Solution
 from haptisym.kernel.symbols import omega
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension
-from haptisym.pages.words import excess
 from haptisym.programs.steps import DISTORTION, Steps
 from haptisym.verbs.derive.derivation import QUANTITIES, Derivation, bare, listed_name
 from haptisym.verbs.derive.groups import Groups
@@ -158,15 +157,16 @@ def _when(d: Derivation) -> Section:
         return _section(title)
     rows: list[Line] = []
     notes: list[Phrase] = [("A ratio exceeds its threshold exactly where its p is positive.",)]
-    for x in d.criteria:
-        name, polynomial = f"p_{x.letter}", d.polynomial(x)
+    for part in Part:
+        letter = _RATIOS[part][-1]
+        polynomial = d[f"p_{letter}"]
         if count_ops(polynomial) <= LONGEST:
-            rows.append(Line(excess(x), polynomial))
+            rows.append(_named(f"p_{letter}", polynomial))
         else:
-            notes.append((named(name), f" takes {count_ops(polynomial)} operations; ask for it by its name."))
-        solved, said = _answers(f"omega_{x.letter}", d.crossings(x))
+            notes.append((named(f"p_{letter}"), f" takes {count_ops(polynomial)} operations; ask for it by its name."))
+        solved, said = _answers(f"omega_{letter}", d.crossings(part))
         rows += solved
-        notes += [(named(x.symbol), ": ", phrase) for phrase in said]
+        notes += [(named(_RATIOS[part]), ": ", x) for x in said]
     return _section(title, tuple(rows), tuple(notes))
 
 
@@ -174,10 +174,10 @@ def _solved(d: Derivation) -> Section:
     """The crossings that have a readable formula."""
     rows: list[Line] = []
     notes: list[Phrase] = []
-    for x in d.criteria if d.steps.operations <= _MOST_STEPS else ():
-        solved, said = _answers(f"omega_{x.letter}", [y for y in d.crossings(x) if y.omega is not None])
+    for part in Part if d.steps.operations <= _MOST_STEPS else ():
+        solved, said = _answers(f"omega_{_RATIOS[part][-1]}", [x for x in d.crossings(part) if x.omega is not None])
         rows += solved
-        notes += [(named(x.symbol), ": ", phrase) for phrase in said]
+        notes += [(named(_RATIOS[part]), ": ", x) for x in said]
     return _section(("Crossings, solved",), tuple(rows), tuple(notes))
 
 

@@ -21,7 +21,6 @@ from haptisym.model.quantities import Motion
 from haptisym.model.scene import Scene
 from haptisym.writing.boxes import Absolute, Box, Equation, Numeral, Operator, Prefixed, Sum, Titled
 from haptisym.writing.document import Notes, Number, Phrase, Strong, coded, listed
-from haptisym.writing.equations import function
 from haptisym.writing.names import named
 
 if TYPE_CHECKING:
@@ -98,11 +97,6 @@ def rule(x: Criterion) -> Phrase:
     """``r_r ≤ c_real``."""
     left, relation, right = x.rule.partition(" <= ")
     return (symbol(left), " ≤ ", symbol(right)) if relation else x.rule.replace(">=", "≥")
-
-
-def excess(x: Criterion) -> Box:
-    """The polynomial that is positive where a criterion is broken, ``p_r(omega)``."""
-    return function(f"p_{x.letter}", OMEGA)
 
 
 def percent(c: Expr) -> str:

@@ -1,1 +1,1 @@
-"""One package a verb, its entry in the module ``entry``: mathematics only."""
+"""One package a verb: the mathematics of its question, asked in its module ``entry``."""

@@ -98,10 +98,7 @@ class Derivation(Answer):
     def criterion(self, of: Part | Criterion) -> Criterion:
         """What is judged of a part, or by that name."""
         name = of.value if isinstance(of, Part) else of.name
-        found = next((x for x in self.criteria if x.name == name), None)
-        if found is None:
-            raise SceneError(f"{name}: of this scene {', '.join(x.words for x in self.criteria)} is judged")
-        return found
+        return next(x for x in self.criteria if x.name == name)
 
     def threshold(self, of: Part | Criterion) -> Expr:
         """The threshold of a part: the symbol c, or the scene's number."""
@@ -111,15 +108,6 @@ class Derivation(Answer):
         """r^2 - c^2: positive exactly where the ratio exceeds its threshold."""
         found = self.criterion(of).function(self.distortion)
         assert isinstance(found, RealFunction)
-        return found
-
-    def polynomial(self, of: Part | Criterion) -> Expr:
-        """What is positive exactly where the ratio exceeds its threshold, in factors, without what is positive anyway."""
-        f = self.excess(of).written
-        unit, factors = f.ring.factors(f.numerator)
-        found = f.ring.one.expression() * (1 if unit > 0 else -1)
-        for factor, n in factors:
-            found *= f.ring.expression(factor) ** n
         return found
 
     def crossings(self, of: Part | Criterion) -> tuple[Solution, ...]:
@@ -178,6 +166,18 @@ def _equation(f: RealFunction) -> Equation:
     return Equation(written.ring, written.numerator)
 
 
+def _threshold_polynomial(part: Part) -> Callable[[Derivation], Expr]:
+    def polynomial(d: Derivation) -> Expr:
+        f = d.excess(part).written
+        unit, factors = f.ring.factors(f.numerator)
+        found = f.ring.one.expression() * (1 if unit > 0 else -1)
+        for factor, n in factors:
+            found *= f.ring.expression(factor) ** n
+        return found
+
+    return polynomial
+
+
 def _of_distortion(path: str) -> Callable[[Derivation], Expr]:
     """What the distortion has under this name; of a real function its factored form."""
 
@@ -207,8 +207,8 @@ QUANTITIES: Mapping[str, Callable[[Derivation], Expr]] = MappingProxyType(
         "r_i": _of_distortion("ratio_imag"),
         "Re(dH/H_env)": _of_distortion("relative_real"),
         "Im(dH/H_env)": _of_distortion("relative_imag"),
-        "p_r": lambda d: d.polynomial(Part.REAL),
-        "p_i": lambda d: d.polynomial(Part.IMAG),
+        "p_r": _threshold_polynomial(Part.REAL),
+        "p_i": _threshold_polynomial(Part.IMAG),
         **{
             f"{x}_{of}": _of_distortion(f"{own}.{name}")
             for of, own in _SYSTEMS.items()

@@ -100,8 +100,8 @@ class Sensitivities(Answer):
 
     @cached_property
     def _thresholds(self) -> dict[Criterion, Place]:
-        one, knobs, both = derive(self.scene, [THRESHOLD]), self.scene.knobs.limits, self.scene.knobs[THRESHOLD]
-        return {x: Place(knobs[x.part] if x.part else both, _limit(x), one) for x in self.evaluation.criteria}
+        one, knobs = derive(self.scene, [THRESHOLD]), self.scene.knobs.limits.values()
+        return {x: Place(knob, _limit(x), one) for x, knob in zip(self.evaluation.criteria, knobs, strict=True)}
 
     def _crossing(self, x: Crossing) -> Sensitive:
         places = (*self._parameters, self._thresholds[x.criterion])
