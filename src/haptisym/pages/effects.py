@@ -79,7 +79,9 @@ def _dominance(r: Relevance) -> Iterator[Block]:
 def _crossings(r: Relevance) -> Block:
     if not r.crossings:
         return Paragraph("The full scene has no crossing on the band.")
-    rows = [(x.part.value, _interval(x), "at least one" if x.certain else "none, one or several") for x in r.crossings]
+    rows = [
+        (x.criterion.name, _interval(x), "at least one" if x.certain else "none, one or several") for x in r.crossings
+    ]
     columns = Column("part"), Column((OMEGA, " (rad/s)")), Column("crossings")
     table = Table(
         columns, tuple(rows), "Where crossings of the full scene are; outside of these intervals it has none."

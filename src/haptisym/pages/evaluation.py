@@ -127,7 +127,7 @@ def _pruned(e: Evaluation) -> Iterator[Block]:
     r = e.relevance
     if r is None or not r.dropped:
         return
-    found = listed(f"[{x.bounds[0]:.6g}, {x.bounds[1]:.6g}] ({x.part.value})" for x in r.crossings)
+    found = listed(f"[{x.bounds[0]:.6g}, {x.bounds[1]:.6g}] ({x.criterion.name})" for x in r.crossings)
     yield Paragraph((
         "Without ", listed(x.name for x in r.dropped), ": leaving them out changes ", bounds(r.bound), " anywhere on the band, ",
         f"proven (tolerance {float(r.tolerance):g}). What follows is exact for the scene without them. The full scene differs ",

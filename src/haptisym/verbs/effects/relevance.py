@@ -7,7 +7,7 @@ ratio lies between c - bound and c + bound, and the chart of the kept scene at t
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import groupby
 from math import inf, nextafter
@@ -16,7 +16,8 @@ from typing import Any, ClassVar
 from sympy import Expr, Rational
 
 from haptisym.judge.answers import Answer
-from haptisym.judge.criteria import level
+from haptisym.judge.criteria import Criterion, Judged, noticed
+from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Chart, Interval, chart
 from haptisym.kernel.shown import titled
@@ -41,14 +42,14 @@ class Influence:
 
 
 @dataclass(frozen=True)
-class Enclosure:
+class Enclosure(Judged):
     """An interval of the band, rad/s, that the full scene's ratio of that part may have crossings in: outside all there are none.
 
     ``certain`` : whether it holds at least one, as the ratio is on different sides of its threshold below and above;
     otherwise it may hold none or several.
     """
 
-    part: Part
+    criterion: Criterion
     low: RealNumber
     high: RealNumber
     certain: bool
@@ -117,20 +118,23 @@ class Relevance(Answer):
     @cached_property
     def crossings(self) -> tuple[Enclosure, ...]:
         """Where the full scene's crossings lie: in these intervals, in ascending order, and nowhere else on the band."""
-        found = [enclosure for part in Part for enclosure in self._enclosures(part)]
-        return tuple(sorted(found, key=lambda x: (float(x.low), x.part.value)))
+        found = [enclosure for x in noticed(self.pruned.threshold) for enclosure in self._enclosures(x)]
+        return tuple(sorted(found, key=lambda x: (float(x.low), x.criterion.name)))
 
-    def _enclosures(self, part: Part) -> Iterator[Enclosure]:
-        square, c = self.pruned.distortion().squared_ratios[part], self.pruned.threshold[part]
+    def _enclosures(self, criterion: Criterion) -> Iterator[Enclosure]:
+        part, c = criterion.part, criterion.threshold
+        if part is None:
+            raise SceneError(f"{criterion.words}: which effects matter is told of criteria of one part alone")
+        square = criterion.measure(self.pruned.distortion())
         bound = Rational(*self.bound[part].most.as_integer_ratio())
-        levels = {"high": level(square, ((c + bound) ** 2).expand())}
+        levels = {"high": replace(criterion, threshold=c + bound).exceeded(square)}
         if (c - bound).evalf() > 0:
-            levels["low"] = level(square, ((c - bound) ** 2).expand())
+            levels["low"] = replace(criterion, threshold=c - bound).exceeded(square)
         table = chart(levels, *self.pruned.band)
         for x in table.where(lambda signs: signs.get("low", 1) >= 0 >= signs["high"]):
-            yield Enclosure(part, x.low.omega, x.high.omega, _passes(table, x))
+            yield Enclosure(criterion, x.low.omega, x.high.omega, _passes(table, x))
         for point in table.undecided:
-            yield Enclosure(part, point.omega, point.omega, certain=False)
+            yield Enclosure(criterion, point.omega, point.omega, certain=False)
 
     @cached_property
     def operations(self) -> tuple[int, int]:
@@ -190,7 +194,7 @@ class Relevance(Answer):
             "bound": _upper(self.bound),
             "smallest": self.smallest,
             "crossings": [
-                {"part": x.part.value, "enclosure": [*x.bounds], "certain": x.certain} for x in self.crossings
+                {"part": x.criterion.name, "enclosure": [*x.bounds], "certain": x.certain} for x in self.crossings
             ],
         }
 
