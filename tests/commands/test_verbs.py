@@ -162,7 +162,8 @@ def test_code_and_documents_are_not_fitted_to_a_terminal_but_pages_are(call, mon
     monkeypatch.setenv("COLUMNS", "50")
     page, code, document = (call(*words)[1] for words in piped)
     assert max(map(len, page.split("\n"))) <= 50
-    assert page.split() == next(iter(piped.values())).split()
+    narrow, wide = (sorted(x for x in text.split() if "─" not in x) for text in (page, next(iter(piped.values()))))
+    assert narrow == wide  # columns of a table are narrower
     assert [code, document] == [*piped.values()][1:]
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import click
 
-from haptisym.commands.options import json_option, scene_argument
+from haptisym.commands.options import json_option, keep_pages, scene_argument
 from haptisym.commands.streams import say, say_document, write
 from haptisym.commands.verb import given, verb
 from haptisym.kernel.errors import SceneError
@@ -63,19 +63,20 @@ def derive(
         raise SceneError(
             f"--json is one document of all formulas, and --to {language} another output: leave out one of them"
         )
+    if names and language in _CODE:
+        raise SceneError(
+            f"--of chooses among formulas, and --to {language} writes all quantities: leave out one of them"
+        )
     kept = keep or (() if mode == "numeric" else None)
+    d = replace(derive_scene(scene, kept), of=names)
+    keep_pages(d.document, d.to_json)
     if language in _CODE:
         from haptisym.writing.code.entry import Language, scene_code
 
-        if names:
-            raise SceneError(
-                f"--of chooses among formulas, and --to {language} writes all quantities: leave out one of them"
-            )
         write(scene_code(scene, Language[language.upper()], parameters=kept))
         return
     from haptisym.writing.html import fragment
 
-    d = replace(derive_scene(scene, kept), of=names)
     if as_json or language == "json":
         say_document(d.to_json())
     elif language == "text":

@@ -10,10 +10,8 @@ from haptisym.commands.limit import limit_option
 from haptisym.commands.options import (
     environment_option,
     figures_option,
-    file_option,
     hand_over,
     json_option,
-    keep,
     keep_figures,
 )
 from haptisym.commands.progress import progress
@@ -45,8 +43,6 @@ from haptisym.verbs.evaluate.entry import evaluate as evaluate_scene
 )
 @click.option("--tolerance", metavar="X", help="Leave out the effects that change the ratios by at most that, jointly.")
 @figures_option
-@file_option("latex", "Write the derivation as LaTeX.")
-@file_option("report", "Write the report: a page (.html) with an explorer, or a document (.pdf).")
 @limit_option
 def evaluate(
     scene: str,
@@ -57,8 +53,6 @@ def evaluate(
     digits: int,
     tolerance: str | None,
     figures: Path | None,
-    latex: Path | None,
-    report: Path | None,
     limit: float,
 ) -> None:
     """Find when a display begins to be noticed, and how it is felt, with proof.
@@ -86,9 +80,9 @@ def evaluate(
         raise click.UsageError(f"got an unexpected argument ({more[0]})")
     family = load_scenes(scene, (*environments, *more))
     if environment is None and (environments or len(family) > 1):
-        refused = {"--latex": latex, "--report": report, "--tolerance": tolerance}
-        names = [name for name, given in refused.items() if given is not None]
-        _evaluate_all(family, digits, figures, as_json, names, limit)
+        if tolerance is not None:
+            raise SceneError("--tolerance takes one environment: choose it with --environment NAME")
+        _evaluate_all(family, digits, figures, as_json, limit)
         return
     one = family[str(environment)] if environments else chosen(family, Path(scene).name, environment)
     with progress() as told, limited(limit, told):
@@ -97,25 +91,13 @@ def evaluate(
         from haptisym.figures.files import save_figures
 
         keep_figures(figures, lambda: save_figures(result, figures))
-    if latex is not None:
-        from haptisym.pages.report import save_latex
-
-        keep("LaTeX", latex, lambda: save_latex(result, latex))
-    if report is not None:
-        from haptisym.pages.report import save_report
-
-        keep("report", report, lambda: save_report(result, report))
     hand_over(result, as_json=as_json)
 
 
-def _evaluate_all(
-    family: SceneFamily, digits: int, figures: Path | None, as_json: bool, refused: list[str], limit: float
-) -> None:
+def _evaluate_all(family: SceneFamily, digits: int, figures: Path | None, as_json: bool, limit: float) -> None:
     """Several environments at once."""
     from haptisym.verbs.family.entry import evaluate_all
 
-    if refused:
-        raise SceneError(f"{refused[0]} takes one environment: choose it with --environment NAME")
     with progress() as told, limited(limit, told):
         result = evaluate_all(family, digits)
     if figures is not None:

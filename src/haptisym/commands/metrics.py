@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from haptisym.commands.options import drawn, end, figure_option, json_option, scene_argument, show
+from haptisym.commands.options import drawn, end, figure_option, json_option, keep_pages, scene_argument, show
 from haptisym.commands.streams import write
 from haptisym.commands.verb import verb
 from haptisym.model.scene import Scene
@@ -47,6 +47,7 @@ def metrics(
     if language == "latex":
         from haptisym.pages.metrics import as_latex
 
+        keep_pages(found.document, found.to_json)
         write(as_latex(found))
     else:
         show(found, as_json=as_json)

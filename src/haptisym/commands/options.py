@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Callable, Sized
 from functools import wraps
@@ -13,9 +12,10 @@ import click
 
 from haptisym.commands.progress import quiet
 from haptisym.commands.streams import note, say, say_document, to_file
+from haptisym.commands.verb import PAGES, can_be_written
 from haptisym.figures.kinds import checked
 from haptisym.judge.answers import Answer
-from haptisym.kernel.errors import NothingToDrawError, SceneError
+from haptisym.kernel.errors import NothingToDrawError
 from haptisym.model.scenefile import load_scene
 
 Command = Callable[..., Any]
@@ -53,25 +53,17 @@ def figure_option(what: str) -> Callable[[Command], Command]:
 
 
 def _writable(_context: click.Context, _option: click.Parameter, path: Path | None) -> Path | None:
-    return None if path is None else checked(_can_be_written("figure", path))
+    return None if path is None else checked(can_be_written("figure", path))
 
 
 def file_option(name: str, help_text: str) -> Callable[[Command], Command]:
     """An option that names a file to be written; a path that will not do is refused before the work begins."""
 
     def writable(_context: click.Context, _option: click.Parameter, path: Path | None) -> Path | None:
-        return None if path is None else _can_be_written(name, path)
+        return None if path is None else can_be_written(name, path)
 
     kind = click.Path(dir_okay=False, path_type=Path)
     return click.option(f"--{name}", type=kind, metavar="FILE", callback=writable, help=help_text)
-
-
-def _can_be_written(what: str, path: Path) -> Path:
-    if not path.parent.is_dir():
-        raise SceneError(f"{what}: {path} cannot be written: there is no folder {path.parent}")
-    if not os.access(path.parent, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
-        raise SceneError(f"{what}: {path} cannot be written: permission denied")
-    return path
 
 
 def figures_option(command: Command) -> Command:
@@ -111,6 +103,19 @@ def drawn(found: Answer, path: Path | None) -> None:
         note(f"no figure: {error}")
 
 
+def keep_pages(document: Callable[[], Any], record: Callable[[], str]) -> None:
+    """Write the page of an answer to the files that ``--latex`` and ``--report`` name; ``record`` : its document of JSON."""
+    asked = click.get_current_context().meta[PAGES]
+    if (path := asked["latex"]) is not None:
+        from haptisym.writing.latex import latex
+
+        keep("LaTeX", path, lambda: path.write_text(latex(document()), encoding="ascii"))
+    if (report := asked["report"]) is not None:
+        from haptisym.pages.report import save
+
+        keep("report", report, lambda: save(document(), record(), report))
+
+
 def hand_over(found: Answer, *, as_json: bool) -> None:
     """Print an answer; exit status 3 where something in it stayed undecided."""
     show(found, as_json=as_json)
@@ -119,6 +124,7 @@ def hand_over(found: Answer, *, as_json: bool) -> None:
 
 def show(found: Answer, *, as_json: bool) -> None:
     """Print an answer, as its page or as its document."""
+    keep_pages(found.document, found.to_json)
     said = found.to_json() if as_json else found.document()
     quiet()
     say_document(said) if as_json else say(said)

@@ -13,7 +13,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.model.scenefile import family_names, load_scenes, scene_names, scene_text
 
 
-@verb()
+@verb(pages=False)
 @click.argument("name", required=False)
 @json_option
 def scenes(name: str | None, as_json: bool) -> None:

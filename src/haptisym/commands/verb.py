@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -10,19 +11,27 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
+from haptisym.figures.kinds import checked_report
 from haptisym.kernel.errors import SceneError
 
 Pair = tuple[str, str, str]
 """Two options, and what is to be said of them."""
 
 
-def verb(*, apart: Sequence[Pair] = (), needs: Sequence[Pair] = ()) -> Callable[[Callable[..., Any]], click.Command]:
+def verb(
+    *, apart: Sequence[Pair] = (), needs: Sequence[Pair] = (), pages: bool = True
+) -> Callable[[Callable[..., Any]], click.Command]:
     """The decorator of a verb, in place of ``click.command()``.
 
     ``apart`` : options that may not both be given, and why: a sentence to which "leave out one of them" is added. ``needs`` : an
-    option that means nothing without another one, and what it is about.
+    option that means nothing without another one, and what it is about. ``pages`` : whether it answers with a page, which
+    ``--latex`` and ``--report`` write to files.
     """
-    return click.command(cls=Verb, apart=apart, needs=needs)
+    return click.command(cls=Verb, apart=apart, needs=needs, pages=pages)
+
+
+PAGES = "haptisym.pages"
+"""What ``--latex`` and ``--report`` name, in the context's ``meta``: whoever hands an answer over writes them."""
 
 
 class Verb(click.Command):
@@ -33,9 +42,16 @@ class Verb(click.Command):
     begins.
     """
 
-    def __init__(self, *args: Any, apart: Sequence[Pair] = (), needs: Sequence[Pair] = (), **options: Any) -> None:
+    def __init__(
+        self, *args: Any, apart: Sequence[Pair] = (), needs: Sequence[Pair] = (), pages: bool = True, **options: Any
+    ) -> None:
         super().__init__(*args, **options)
         self.apart, self.needs = apart, needs
+        if pages:
+            self.params += [
+                _file("latex", "Write the page as a document of LaTeX."),
+                _file("report", "Write the page as a report: of HTML (.html), or a document (.pdf).", checked_report),
+            ]
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         if not ctx.resilient_parsing:
@@ -50,7 +66,25 @@ class Verb(click.Command):
             if given(ctx, one) and not given(ctx, other):
                 raise SceneError(f"{one} is about {about}: it needs {other}, or leave it out")
         _nothing_lost(ctx)
+        ctx.meta[PAGES] = {name: ctx.params.pop(name, None) for name in ("latex", "report")}
         return super().invoke(ctx)
+
+
+def _file(name: str, words: str, checked: Callable[[Path], Path] = Path) -> click.Option:
+    def writable(_context: click.Context, _option: click.Parameter, path: Path | None) -> Path | None:
+        return None if path is None else can_be_written(name, checked(path))
+
+    kind = click.Path(dir_okay=False, path_type=Path)
+    return click.Option([f"--{name}"], type=kind, metavar="FILE", callback=writable, help=words)
+
+
+def can_be_written(what: str, path: Path) -> Path:
+    """The path; SceneError where nothing can be written there, before the work begins."""
+    if not path.parent.is_dir():
+        raise SceneError(f"{what}: {path} cannot be written: there is no folder {path.parent}")
+    if not os.access(path.parent, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
+        raise SceneError(f"{what}: {path} cannot be written: permission denied")
+    return path
 
 
 def given(ctx: click.Context, option: str) -> bool:

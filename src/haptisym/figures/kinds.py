@@ -24,3 +24,11 @@ def checked(path: str | Path) -> Path:
     if target.suffix.lower() not in UNDATED:
         raise SceneError(f'figure: "{target.name}" must end in .svg, .pdf or .png')
     return target
+
+
+def checked_report(path: str | Path) -> Path:
+    """The path of a report; SceneError unless it ends as one."""
+    target = Path(path)
+    if target.suffix.lower() not in (".html", ".htm", ".pdf"):
+        raise SceneError(f'report: the name "{target.name}" must end in .html or .pdf')
+    return target

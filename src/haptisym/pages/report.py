@@ -12,17 +12,15 @@ import matplotlib as mpl
 from matplotlib.figure import Figure as Canvas
 
 from haptisym import __version__
+from haptisym.figures.kinds import checked_report
 from haptisym.figures.style import BLUE, GREY, INK, RED, SHADE
 from haptisym.judge.answers import Answer
-from haptisym.kernel.errors import NothingToDrawError, SceneError
+from haptisym.kernel.errors import NothingToDrawError
 from haptisym.pages.pdf import pdf
-from haptisym.writing.document import Figure
+from haptisym.writing.document import Document, Figure
 from haptisym.writing.html import html, phrase
 from haptisym.writing.htmltext import Html, element
-from haptisym.writing.latex import latex
 from haptisym.writing.plain import said
-
-KINDS = (".html", ".htm", ".pdf")
 
 
 def save_report(answer: Answer, path: str | Path) -> None:
@@ -30,39 +28,35 @@ def save_report(answer: Answer, path: str | Path) -> None:
 
     Raises SceneError if the name ends otherwise, and for a PDF if there is no pdflatex; OSError if it cannot be written.
     """
-    target = checked(path)
+    save(answer.document(), answer.to_json(), path)
+
+
+def save(document: Document, record: str, path: str | Path) -> None:
+    """The same of a page; ``record`` : the answer's document of JSON."""
+    target = checked_report(path)
     if target.suffix.lower() == ".pdf":
-        target.write_bytes(pdf(answer.document()))
+        target.write_bytes(pdf(document))
     else:
-        target.write_text(page(answer), encoding="utf-8")
-
-
-def save_latex(answer: Answer, path: str | Path) -> None:
-    """Write the answer as a document of LaTeX, without its figures."""
-    Path(path).write_text(latex(answer.document()), encoding="ascii")
-
-
-def checked(path: str | Path) -> Path:
-    """The path of a report; SceneError unless it ends as one."""
-    target = Path(path)
-    if target.suffix.lower() not in KINDS:
-        raise SceneError(f'report: the name "{target.name}" must end in .html or .pdf')
-    return target
+        target.write_text(_page(document, record), encoding="utf-8")
 
 
 def page(answer: Answer) -> str:
     """The page of HTML. The document of ``to_json`` is in it, and so is each number of it, as the nearest double.
 
     >>> from haptisym import effects, environments
-    >>> from haptisym.judge.evaluation import evaluate
+    >>> from haptisym.verbs.evaluate.entry import evaluate
     >>> from haptisym.model.scene import Scene
     >>> text = page(evaluate(Scene(environments.kelvin_voigt(290, 2), (effects.first_order_lag(100),), title="<b>")))
     >>> text.startswith("<!DOCTYPE html>"), text.count("<h1>&lt;b&gt;</h1>")
     (True, 1)
     """
-    document = json.loads(answer.to_json())
-    name = document["schema"].partition("/")[0].removeprefix("haptisym.")
-    return html(answer.document(), _drawn, (name, json.dumps(document)), f"Made by haptisym {__version__}.")
+    return _page(answer.document(), answer.to_json())
+
+
+def _page(document: Document, record: str) -> str:
+    told = json.loads(record)
+    name = told["schema"].partition("/")[0].removeprefix("haptisym.")
+    return html(document, _drawn, (name, json.dumps(told)), f"Made by haptisym {__version__}.")
 
 
 _COLOURS = {INK: "ink", BLUE: "env", RED: "perc", GREY: "grey", SHADE: "shade", "#ffffff": "paper"}

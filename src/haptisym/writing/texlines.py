@@ -10,9 +10,8 @@ from sympy import Expr, preorder_traversal
 
 from haptisym.writing.boxes import Box, Fraction, Sum
 from haptisym.writing.document import Line
-from haptisym.writing.texprinter import formula, tex
+from haptisym.writing.texprinter import RELATIONS, formula, tex
 
-RELATIONS = {"=": "=", "≈": r"\approx"}
 LINE = 40.0
 """Width of a line, em: a page of A4 at 11 point with margins of 2.5 cm, and a little to spare."""
 
@@ -60,7 +59,7 @@ def is_long(value: Expr | Box, lines: int = 10) -> bool:
 
 
 def _lines(row: Line, room: float, names: Names) -> Iterator[str]:
-    relation = RELATIONS[row.relation]
+    relation = RELATIONS.get(row.relation, row.relation)
     start = f"{tex(row.left)} &{relation} "
     is_left_out = row.optional and is_long(row.value)
     if row.meaning is not None:

@@ -35,7 +35,7 @@ _OPERATORS = {
     **{x: rf"\{x}" for x in ("sin", "cos", "tan", "cot", "sinh", "cosh", "tanh", "coth", "ln", "max", "min", "Re", "Im")},
     **{x: rf"\{x}" for x in ("arcsin", "arccos", "arctan")},
 }  # fmt: skip
-_RELATIONS = {"≈": r"\approx", "≠": r"\ne", "≤": r"\le", "≥": r"\ge"}
+RELATIONS = {"≈": r"\approx", "≠": r"\ne", "≤": r"\le", "≥": r"\ge"}
 
 
 def formula(expression: Basic) -> str:
@@ -154,7 +154,7 @@ def _(box: Titled) -> str:
 def _(box: Equation) -> str:
     text = tex(box.sides[0])
     for relation, side in zip(box.relations, box.sides[1:], strict=True):
-        text += f" {_RELATIONS.get(relation, relation)} {tex(side)}"
+        text += f" {RELATIONS.get(relation, relation)} {tex(side)}"
     return text
 
 
