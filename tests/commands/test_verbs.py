@@ -107,7 +107,6 @@ def test_a_file_on_a_full_disk_is_named(call, words: list[str]) -> None:  # type
         ("cost fu2019 --hard-cases", "--hard-cases brings its own scenes"),
         ("cost", "name a SCENE, or ask for --hard-cases"),
         ("evaluate fu2019 sidestick", "unexpected argument (sidestick)"),
-        ("evaluate palpation-device --latex x.tex", "--latex takes one environment"),
         ("evaluate palpation-device --tolerance 0.1", "--tolerance takes one environment"),
         ("require fu2019 --free zeta --free omega_n", "needs a --range for each"),
         ("require fu2019 --free zeta --range 0 1 --range 1 2", "--range not at all or as often"),

@@ -17,6 +17,7 @@ from haptisym.pages.words import H_ENV, H_PERC, both, lead, title
 from haptisym.writing.boxes import Absolute, Equation
 from haptisym.writing.document import Block, Chain, Column, Document, Paragraph, Phrase, Strong, Table
 from haptisym.writing.layout import layout
+from haptisym.writing.mathtext import plain
 from haptisym.writing.names import named
 from haptisym.writing.numerals import rounded
 
@@ -73,7 +74,8 @@ def _parameter(scene: Scene, short_names: Mapping[Symbol, Symbol], p: Knob) -> t
 
 def _value(value: Expr) -> Phrase:
     """The exact value; a decimal beside it, or instead of it, where that says more."""
-    if value.free_symbols or (value.is_Rational and len(f"{value.p}{value.q}") <= 16):
+    if value.free_symbols:
         return layout(value)
-    shown = layout(rounded(value))
-    return ("≈ ", shown) if value.is_Rational else Equation((layout(value), shown), ("≈",))
+    if value.is_Rational:
+        return plain(value) if len(f"{value.p}{value.q}") <= 16 else f"≈ {plain(rounded(value))}"
+    return Equation((layout(value), layout(rounded(value))), ("≈",))

@@ -12,6 +12,7 @@ from haptisym.writing.document import (
     Block,
     Chain,
     Code,
+    Column,
     Document,
     Equations,
     Facts,
@@ -157,7 +158,7 @@ class _Writer:
     @block.register
     def _(self, block: Table) -> Html:
         """It scrolls by itself where it is too wide."""
-        look = [{"class": "number" if x.number else "full"} if x.number or x.full else {} for x in block.columns]
+        look = [_look(x, [said(row[i]) for row in block.rows]) for i, x in enumerate(block.columns)]
         columns = list(zip(block.columns, look, strict=True))
         head = element("tr", *(element("th", phrase(x.heading), given={"scope": "col", **g}) for x, g in columns))
         cells = [[*map(phrase, row)] for row in block.rows]
@@ -168,6 +169,15 @@ class _Writer:
         title = [element("caption", phrase(block.caption))] if block.caption else []
         whole = element("table", *title, element("thead", head), element("tbody", *body))
         return element("div", whole, given={"class": "scroll"})
+
+
+_WORDS = 34  # characters of a cell; columns with longer ones are set on several lines
+
+
+def _look(column: Column, shown: Sequence[str]) -> dict[str, str]:
+    if column.number:
+        return {"class": "number"}
+    return {"class": "words"} if column.full or max(map(len, shown), default=0) > _WORDS else {}
 
 
 def _paired(figures: Iterable[Html]) -> Iterator[Html]:
