@@ -15,8 +15,9 @@ from hypothesis import strategies as st
 from terminal import COMMAND, all_in_terminal, environment, in_terminal
 
 import haptisym as hs
-from haptisym.commands.fitting import fitted
 from haptisym.commands.spelling import escaped, spelt
+from haptisym.writing.document import Document, Section, chosen
+from haptisym.writing.plain import plain
 
 CALLS = [
     ("evaluate", "fu2019"),
@@ -73,18 +74,17 @@ def test_what_an_encoding_lacks_is_said_in_words_on_both_streams() -> None:
 
 @pytest.mark.parametrize("columns", [40, 66, 95])
 def test_a_page_made_narrower_says_the_same_words_in_the_same_order(columns: int) -> None:
-    page = str(hs.evaluate(hs.load_scene("organ-tissue")))
-    paragraphs = [x for x in page.split("\n\n") if "───" not in x]
-    narrow = fitted("\n\n".join(paragraphs), columns)
-    assert narrow.split() == "\n\n".join(paragraphs).split()
+    page = hs.evaluate(hs.load_scene("organ-tissue")).document()
+    told = Document(
+        page.title, page.lead, tuple(x for x in chosen(page.blocks, full=False) if not isinstance(x, Section))
+    )
+    narrow = plain(told, columns)
+    assert narrow.split() == plain(told).split()
     assert max(map(len, narrow.split("\n"))) <= columns
-    assert fitted(page, 96) == page
-    assert fitted(fitted(page, columns), columns) == fitted(page, columns)
 
 
 def test_a_table_with_no_room_is_a_list_of_what_each_row_says() -> None:
-    page = str(hs.evaluate(hs.load_scene("fu2019")))
-    narrow = fitted(page, 40)
+    narrow = plain(hs.evaluate(hs.load_scene("fu2019")).document(), 40)
     assert "  part: real\n  ω (rad/s): 7.97891679017471\n  Hz: 1.2699\n  what happens: r_r rises above 10 %\n" in narrow
 
 

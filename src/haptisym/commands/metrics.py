@@ -45,10 +45,10 @@ def metrics(
     found = measure(scene)
     drawn(found, figure)
     if language == "latex":
-        from haptisym.pages.metrics import as_latex
+        from haptisym.writing.latex import fragment
 
         keep_pages(found.document, found.to_json)
-        write(as_latex(found))
+        write(fragment(found.document().blocks, depth=2) + "\n")
     else:
         show(found, as_json=as_json)
     end(found)

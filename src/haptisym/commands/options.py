@@ -125,9 +125,9 @@ def hand_over(found: Answer, *, as_json: bool) -> None:
 def show(found: Answer, *, as_json: bool) -> None:
     """Print an answer, as its page or as its document."""
     keep_pages(found.document, found.to_json)
-    said = found.to_json() if as_json else found.document()
+    told: Any = found.to_json() if as_json else found.document()
     quiet()
-    say_document(said) if as_json else say(said)
+    say_document(told) if as_json else say(told)
 
 
 def end(found: Answer) -> None:

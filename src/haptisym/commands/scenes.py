@@ -35,5 +35,6 @@ def scenes(name: str | None, as_json: bool) -> None:
         rows = [dict(zip(("name", "title", "source", "effects", "environments"), row, strict=True)) for row in keys]
         say_document(dumps({"schema": "haptisym.scenes/1", "scenes": rows}, indent=2, ensure_ascii=False))
         return
-    width = max(len(name) for name, _ in listed)
-    say("".join(f"{name:<{width}}  {x.title}\n" for name, x in listed))
+    from haptisym.writing.document import Document, Facts
+
+    say(Document("Scenes to start from", (), (Facts(tuple((name, x.title) for name, x in listed)),)))

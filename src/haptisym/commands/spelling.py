@@ -22,37 +22,18 @@ _ALIASES = {"LAMDA": "lambda"}
 
 
 def spelt(text: str, encoding: str) -> str:
-    """The text with words or ASCII signs for the characters that an encoding lacks; columns keep their places if they can.
+    """The text with words or ASCII signs for the characters that an encoding lacks.
 
     >>> spelt("ω² ≈ 40 °", "ascii"), spelt("ω² ≈ 40 °", "latin-1")
     ('omega^2 ~= 40 deg', 'omega² ~= 40 °')
-    >>> print(spelt("ω     Hz\\n7.25  1.15", "ascii"))
-    omega Hz
-    7.25  1.15
     """
     try:
         text.encode(encoding)
     except UnicodeEncodeError:
-        return "\n".join(_line(line, encoding) for line in text.split("\n"))
+        return "".join(x if _held(x, encoding) else _word(text, i) for i, x in enumerate(text))
     except LookupError:
         return text
     return text
-
-
-def _line(line: str, encoding: str) -> str:
-    """Longer words take their room from the next gap of two spaces or more, so that what stands below each other stays there."""
-    found: list[str] = []
-    owed = 0
-    for at, piece in enumerate(re.split(r"( {2,})", line)):
-        if at % 2:
-            left = max(1, len(piece) - owed)
-            owed -= len(piece) - left
-            found.append(" " * left)
-        else:
-            written = "".join(x if _held(x, encoding) else _word(piece, i) for i, x in enumerate(piece))
-            owed += len(written) - len(piece)
-            found.append(written)
-    return "".join(found)
 
 
 def _held(character: str, encoding: str) -> bool:

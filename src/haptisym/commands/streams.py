@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from io import TextIOWrapper
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING
 
-from haptisym.commands.fitting import PAGE, fitted
 from haptisym.commands.spelling import HANDLER, escaped, register, spelt
 from haptisym.kernel.errors import HaptisymError
 
@@ -45,15 +45,12 @@ def _is_plain(stream: TextIOWrapper) -> bool:
     return locale in ("C", "POSIX")
 
 
-def say(page: str | Document) -> None:
+def say(page: Document) -> None:
     """A page on standard output: as wide as the terminal, 96 columns anywhere else so that it can be compared."""
-    if not isinstance(page, str):
-        from haptisym.writing.plain import plain  # only a page needs the writer
+    from haptisym.writing.plain import PAGE, plain  # only a page needs the writer
 
-        write(plain(page, columns() if sys.stdout is not None and sys.stdout.isatty() else PAGE, _spell))
-        return
-    shown = spelt(page, _encoding())
-    write(fitted(shown, columns()) if sys.stdout is not None and sys.stdout.isatty() else shown)
+    is_terminal = sys.stdout is not None and sys.stdout.isatty()
+    write(plain(page, min(shutil.get_terminal_size((PAGE, 24)).columns, PAGE) if is_terminal else PAGE, _spell))
 
 
 def say_document(document: str) -> None:
@@ -76,17 +73,15 @@ def note(message: str) -> None:
         return
     with suppress(OSError, ValueError):
         if sys.stderr.isatty():
-            message = "\n".join(
-                x if x.startswith("    ") else fitted(x, columns(sys.stderr.fileno())) for x in message.split("\n")
-            )
+            message = "\n".join(map(_narrowed, message.split("\n")))
         sys.stderr.write(f"{message}\n")
         sys.stderr.flush()
 
 
-def columns(of: int | None = None) -> int:
-    """Columns of the terminal, at most those of a page."""
-    size = shutil.get_terminal_size((PAGE, 24)) if of is None else os.get_terminal_size(of)
-    return min(size.columns, PAGE)
+def _narrowed(line: str) -> str:
+    """A line of a message in the terminal's width; what is indented is typed, and stays."""
+    width = min(max(os.get_terminal_size(sys.stderr.fileno()).columns, 40), 96)
+    return line if line.startswith("    ") else fill(line, width, break_long_words=False, break_on_hyphens=False)
 
 
 def _spell(words: str) -> str:

@@ -52,7 +52,7 @@ def _effects(r: Relevance) -> Iterator[Block]:
     ]
     columns = Column("effect"), Column("model"), *(Column(RATIOS[part], number=True) for part in Part), Column("")
     caption = "Largest change of each ratio on the band by leaving out that effect alone"
-    told: list[Block] = [Table(columns, tuple(rows), f"{caption}, proven.")]
+    told: list[Block] = [Table(columns, tuple(rows), "Upper bounds, proven.")]
     if any(not change.is_finite for x in r.effects for change in x.change.values()):
         zero = compared(H_ENV, "=")
         told.append(
@@ -61,7 +61,7 @@ def _effects(r: Relevance) -> Iterator[Block]:
     shown = (
         "Change of both ratios by leaving out each effect alone; in the strip above, the one that changes them most."
     )
-    yield Section(caption, (*told, Figure("influences", shown, r.figure)))
+    yield Section(caption, (*told, Figure("influences", shown, r.figure, wide=True)))
 
 
 def _most(change: float) -> Phrase:

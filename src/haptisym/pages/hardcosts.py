@@ -33,7 +33,7 @@ def page(found: HardCosts) -> Document:
 def _family(family: str, rows: Sequence[HardRow]) -> Block:
     cases = dict.fromkeys(row.case for row in rows)
     hardest = max(row.condition for row in rows)
-    condition = "infinite" if isinf(hardest) else f"{hardest:.2g}"
+    condition = "infinity" if isinf(hardest) else f"{hardest:.2g}"
     asks = "values of r_r and r_i" if rows[0].task == "evaluate" else "crossings"
     counted = f"{len(cases)} question{'s' * (len(cases) > 1)} about {asks}, condition number up to {condition}"
     columns = (

@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from sympy import Expr
-
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.symbols import omega, s
@@ -48,9 +46,6 @@ from haptisym.writing.formula import readable
 from haptisym.writing.layout import layout
 from haptisym.writing.mathtext import text
 from haptisym.writing.names import named
-from haptisym.writing.plain import said
-from haptisym.writing.texlines import Names, align
-from haptisym.writing.texnames import coded, escape
 from haptisym.writing.texprinter import tex
 
 _MOST_LETTERS = 180  # of a formula in symbols; a longer one is told in numbers
@@ -117,7 +112,7 @@ _SYMBOL = re.compile(r"\b((?:H|Z|r|P|A)_(?:env|perc|min|max|width|r|i|d|\d+))\b"
 
 def formulated(words: str) -> Phrase:
     """Words in which the names of quantities are formulas."""
-    return tuple(named(x) if i % 2 else x for i, x in enumerate(_SYMBOL.split(words)) if x)
+    return tuple(named(x) if i % 2 else x for i, x in enumerate(_SYMBOL.split(words.replace(">=", "≥"))) if x)
 
 
 def _certain(m: Metrics) -> Phrase:
@@ -192,26 +187,3 @@ _CONDITIONS = {
         Line(Fraction(named("A_n"), named("A_d")), Applied(Operator("exp"), (_DECAY,))),
     ),
 }
-
-
-def as_latex(m: Metrics) -> str:
-    r"""LaTeX: a table of verdicts (booktabs) and, for each measure, its formulas in an ``align*`` (amsmath)."""
-    names = Names()
-    told = [("JND", said(jnd_verdict(m)), ""), *((x.name, x.verdict, x.evidence) for x in m.metrics)]
-    head = (
-        r"\begin{tabular}{lp{0.42\linewidth}p{0.2\linewidth}}",
-        r"\toprule",
-        r"measure & verdict & source known \\",
-        r"\midrule",
-    )
-    table = *head, *(" & ".join(map(escape, row)) + r" \\" for row in told), r"\bottomrule", r"\end{tabular}"
-    paragraphs = (_metric_latex(x, names) for x in m.metrics if x.name in _CONDITIONS or x.forms)
-    return "\n\n".join([*map(coded, m.asides()), "\n".join(table), *paragraphs]) + "\n"
-
-
-def _metric_latex(x: Metric, names: Names) -> str:
-    lines = [*written(x)]
-    rows = [y for y in lines if isinstance(y.value, Expr)]
-    others = [rf"\[ {tex(y.equation)} \]" for y in lines if not isinstance(y.value, Expr)]
-    heading = rf"\paragraph{{{escape(x.name[0].upper() + x.name[1:])}}} {escape(x.source)} ({escape(x.evidence)})."
-    return "\n".join([heading, *([align(rows, names)] if rows else []), *others])

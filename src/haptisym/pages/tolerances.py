@@ -101,7 +101,14 @@ def _enclosures(a: Tolerances) -> Block:
         "Grey: where crossings may lie, proven for all values. Dots: crossings of the sets that were drawn at random."
     )
     figure = Figure("enclosures", shown, a.figure)
-    return Section(title, (Table(columns, tuple(map(_row, a.enclosures)), f"{title}."), Paragraph(said), figure))
+    return Section(
+        title,
+        (
+            Table(columns, tuple(map(_row, a.enclosures)), "Enclosures of the crossings, proven."),
+            Paragraph(said),
+            figure,
+        ),
+    )
 
 
 def _row(x: Enclosure) -> tuple[Phrase, ...]:
@@ -142,7 +149,7 @@ def _estimates(a: Tolerances) -> Iterator[Block]:
     title = f"quantiles over {len(a.samples)} sets of values, drawn uniformly (seed {a.seed})"
     share = Paragraph(f"Of these sets {q.transparent} are transparent on the whole band.")
     yield Section(
-        ("Estimated, ", Strong("NOT"), f" guaranteed: {title}"), (Table(columns, cells, f"Estimated {title}."), share)
+        ("Estimated, ", Strong("NOT"), f" guaranteed: {title}"), (Table(columns, cells, "Quantiles, estimated."), share)
     )
 
 

@@ -92,10 +92,13 @@ class Table:
     caption: Phrase = ""
 
     def cut(self, *, full: bool) -> Table:
-        """Without the columns that are told in full only, unless it is ``full``."""
-        kept = [i for i, column in enumerate(self.columns) if full or not column.full]
+        """Without the columns that are told in full only, unless it is ``full``, and without those that say nothing."""
+        kept = [i for i, column in enumerate(self.columns) if (full or not column.full) and not self._is_blank(i)]
         rows = tuple(tuple(row[i] for i in kept) for row in self.rows)
         return Table(tuple(self.columns[i] for i in kept), rows, self.caption)
+
+    def _is_blank(self, i: int) -> bool:
+        return is_empty(self.columns[i].heading) and all(is_empty(row[i]) for row in self.rows)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,89 @@
+"""Every answer's page: a document that any width can be set in, whose figures can be drawn and whose numbers are numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from math import isfinite
+from typing import Any
+
+import pytest
+from marks import often
+
+import haptisym as hs
+from haptisym.verbs.cost.hardcases import hard_cases
+from haptisym.verbs.sweep.swept import Swept
+from haptisym.writing.document import Block, Document, Equations, Figure, Number, Phrase, Section, Table, chosen
+from haptisym.writing.plain import plain, said
+
+SPRING = hs.environments.mass_spring_damper(k="100 N/m +- 10 %")
+RANGED = hs.Scene(SPRING, (hs.effects.first_order_lag("40 rad/s +- 10 %"),))
+TINY = hs.Scene(hs.environments.mass_spring_damper(1.8, 15, 100), (hs.effects.first_order_lag("1 MHz"),))
+
+ANSWERS: dict[str, Callable[[], Any]] = {
+    "effects": lambda: hs.relevance("sidestick"),
+    "effects of none": lambda: hs.relevance(hs.Scene(SPRING)),
+    "sensitivity": lambda: hs.sensitivity("fu2019"),
+    "sensitivity, nothing noticed": lambda: hs.sensitivity(TINY),
+    "tolerances": lambda: hs.tolerances(RANGED, samples=5),
+    "require": lambda: hs.require("fu2019", "omega_n"),
+    "require, in vain": lambda: hs.require("fu2019", "omega_n", (10, 50)),
+    "map": lambda: hs.design_map("fu2019", ["zeta", "omega_n"], [("0.4", "0.6"), (50, 500)], slices=3),
+    "family": lambda: hs.evaluate_all(hs.load_scenes("palpation-device")),
+    "metrics": lambda: hs.metrics("steering-wheel"),
+    "sweep": lambda: Swept(TINY, hs.sweep(TINY, {"environment.m": [1.0, 2.0, 3.0]})),
+    "simulate": lambda: hs.simulate("fu2019", hs.sine("5 cm", 10)),
+    "cost": lambda: hs.cost("fu2019", quick=True),
+    "hard costs": lambda: hs.hard_costs(hard_cases("identities")),
+}
+
+
+@pytest.fixture(scope="module", params=often(ANSWERS, lambda name: name not in ("cost", "hard costs")))
+def page(request: pytest.FixtureRequest) -> Document:
+    document = ANSWERS[request.param]().document()
+    assert isinstance(document, Document)
+    return document
+
+
+def inside(blocks: Iterable[Block]) -> Iterator[Block]:
+    """All blocks, those of sections too."""
+    for block in blocks:
+        yield block
+        if isinstance(block, Section):
+            yield from inside(block.blocks)
+
+
+def numbers(words: Phrase) -> Iterator[Number]:
+    if isinstance(words, tuple):
+        for x in words:
+            yield from numbers(x)
+    elif isinstance(words, Number):
+        yield words
+
+
+@pytest.mark.parametrize("columns", [40, 96])
+def test_a_page_fits_its_columns(page: Document, columns: int) -> None:
+    lines = plain(page, columns).split("\n")
+    assert not [x for x in lines if len(x) > columns and " " in x.strip()]
+    assert not [x for x in lines if x != x.rstrip()]
+
+
+def test_figures_of_a_page_can_be_drawn_and_have_names_of_their_own(page: Document) -> None:
+    figures = [x for x in inside(chosen(page.blocks, full=True)) if isinstance(x, Figure)]
+    assert len({x.name for x in figures}) == len(figures)
+    for x in figures:
+        assert x.draw().axes, x.name
+        assert said(x.caption).endswith("."), x.name
+
+
+def test_tables_are_as_wide_as_their_headings_and_called_something(page: Document) -> None:
+    for x in inside(chosen(page.blocks, full=True)):
+        if isinstance(x, Table):
+            assert said(x.caption).endswith(".")
+            assert {len(row) for row in x.rows} == {len(x.columns)}
+            digits = [n for row in x.rows for cell in row for n in numbers(cell)]
+            assert all(isfinite(n.value) for n in digits)
+            for n in digits:
+                shown = n.digits.lstrip("=+").replace(",", "")
+                assert float(shown) == pytest.approx(n.value, rel=0.1, abs=1e-12), n
+        if isinstance(x, Equations):
+            assert x.lines
