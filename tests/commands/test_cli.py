@@ -156,6 +156,7 @@ def test_a_package_that_a_verb_needs_and_that_is_missing_is_named_with_its_extra
         (["derive", "fu2019", "--keep", "m", "--symbolic"], "--keep says which parameters stay symbols"),
         (["derive", "fu2019", "--json", "--to", "c"], "--json is one document"),
         (["require", "fu2019", "--free", "zeta", "--slices", "5"], "--slices is about a map of two parameters"),
+        (["tolerances", "fu2019-tolerances", "--samples", "0", "--seed", "3"], "--seed is about the random numbers"),
     ],
 )
 def test_options_that_contradict_each_other_are_refused(call, words: list[str], said: str) -> None:  # type: ignore[no-untyped-def]
