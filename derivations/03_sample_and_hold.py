@@ -275,7 +275,7 @@ from numpy import pi as half_turn
 from numpy import sin as wave_sin
 from sympy import lambdify
 
-from haptisym.pages.tex.latex import latex
+from haptisym import latex
 
 output = Path(next((given for given in sys.argv[1:2] if not given.startswith("-")), "derived"))
 output.mkdir(parents=True, exist_ok=True)

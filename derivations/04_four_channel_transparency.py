@@ -282,7 +282,7 @@ assert [(float(x.low.omega), float(x.high.omega)) for x in undelayed_result.tran
 from matplotlib.figure import Figure
 from numpy import logspace
 
-from haptisym.pages.tex.latex import latex
+from haptisym import latex
 
 output = Path(next((given for given in sys.argv[1:2] if not given.startswith("-")), "derived"))
 output.mkdir(parents=True, exist_ok=True)

@@ -403,7 +403,7 @@ from numpy import arccos, clip, linspace, maximum
 from numpy import pi as half_turn
 from sympy import lambdify
 
-from haptisym.pages.tex.latex import latex
+from haptisym import latex
 
 output = Path(next((given for given in sys.argv[1:2] if not given.startswith("-")), "derived"))
 output.mkdir(parents=True, exist_ok=True)

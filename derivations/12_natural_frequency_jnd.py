@@ -330,7 +330,7 @@ from matplotlib.figure import Figure
 from numpy import linspace
 from sympy import lambdify
 
-from haptisym.pages.tex.latex import latex
+from haptisym import latex
 
 output = Path(next((given for given in sys.argv[1:2] if not given.startswith("-")), "derived"))
 output.mkdir(parents=True, exist_ok=True)

@@ -116,7 +116,7 @@ for x in found.crossings:
 # ## 6. Formulas and figure
 
 # %%
-from haptisym.pages.tex.latex import latex
+from haptisym import latex
 
 output = Path(next((given for given in sys.argv[1:2] if not given.startswith("-")), "derived"))
 output.mkdir(parents=True, exist_ok=True)

@@ -204,9 +204,10 @@ print(f"3 dB edge of the paper's filter: {golden.evalf(10)} rad/s")
 # ## 6. Formulas and figure
 
 # %%
-from haptisym.pages.tex.latex import latex
 from matplotlib.figure import Figure
 from numpy import linspace
+
+from haptisym import latex
 
 output = Path(next((given for given in sys.argv[1:2] if not given.startswith("-")), "derived"))
 output.mkdir(parents=True, exist_ok=True)
