@@ -6,7 +6,7 @@ import pytest
 from sympy import Integer, Rational, acos, asin, pi, sqrt
 
 import haptisym as hs
-from haptisym.judge.criteria import noticed
+from haptisym.judge.criteria import noticed, opened
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import chart
 from haptisym.kernel.solutions import solve
@@ -51,7 +51,7 @@ def numeric_scene(name: str, high: int) -> hs.Scene:
 
 def excess(d: hs.Distortion, part: hs.Part) -> RealFunction:
     """r^2 - c^2 of a part, c a symbol."""
-    [found] = [x.function(d) for x in noticed(hs.Threshold(), free=hs.Part) if x.part is part]
+    [found] = [x.function(d) for x in opened(noticed(hs.Threshold()), hs.Part) if x.part is part]
     assert isinstance(found, RealFunction)
     return found
 

@@ -149,12 +149,12 @@ def test_a_program_of_the_naive_form_loses_its_digits_in_floats_and_is_still_pro
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The bounds do not trust the form: what cancels is left to balls, point by point."""
-    written = stable._Author.results
+    written = stable.Author.results
 
     def naively(author: Any, H: Any, felt: Any, fraction: Any, relative: Any) -> Any:
         return written(author, H, felt, (author.minus(felt, H), author.write.constant(1)), None)
 
-    monkeypatch.setattr(stable._Author, "results", naively)
+    monkeypatch.setattr(stable.Author, "results", naively)
     chain = hs.load_scene("fu2019").chain  # fresh: no program of it has been written yet
     values = {p.symbol: p.value for p in hs.load_scene("fu2019").parameters}
     d = chain.at(values).distortion()

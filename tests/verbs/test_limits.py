@@ -196,9 +196,11 @@ def test_enclosures_after_a_limit_hold_all_crossings(ticks: int, clock: Callable
         return  # not even the nominal values
     assert cut.verdict in (whole.verdict, type(whole.verdict).UNDECIDED)
     for one in (whole.nominal, *whole.samples):
-        for part, crossings in one.crossings.items():
+        for name, crossings in one.crossings.items():
             for x in crossings:
-                held = [e for e in cut.enclosures if e.part is part and float(e.low) <= float(x) <= float(e.high)]
+                held = [
+                    e for e in cut.enclosures if e.criterion.name == name and float(e.low) <= float(x) <= float(e.high)
+                ]
                 assert held
     for x in cut.enclosures:
         inside = [c for c in whole.nominal.crossings[x.criterion.name] if float(x.low) <= float(c) <= float(x.high)]

@@ -44,13 +44,14 @@ def draw_map(ax: Axes, found: DesignMap, *, color: str | None = None, label: str
 
     What joins the slices (a light ground, thin lines) is interpolation, and the legend says so. Hatched: undecided on a slice,
     or between slices that differ in kind. Ticks on the lower axis: where the slices are.
-    ``color``, ``label`` : of the scene; of a further one on the same axes no ground is drawn. Returns the strokes and the marks.
+    ``color``, ``label`` : of the scene; of a further one on the same axes no ground is drawn. Returns the strokes,
+    and an entry for each kind of mark.
 
     >>> from matplotlib.figure import Figure
     >>> from haptisym import design_map, load_scene
     >>> found = design_map(load_scene("fu2019"), ["omega_n", "zeta"], [(60, 200), (0.1, 1)], slices=5)
     >>> strokes, *marks = draw_map(Figure().add_subplot(), found)
-    >>> [mark.getlabel_of() for mark in marks]
+    >>> [mark.get_label() for mark in marks]
     ['imaginary part, band-edge']
     """
     look, scales = Look.on(ax, "exact slices", color, label), _scales(found)
@@ -138,11 +139,12 @@ def draw_boundary(
         points = [(scales[0].of(x), scales[1].of(y)) for x, y in places]
         look = look_of(criterion)
         shown = color or look.color
-        [drawn[key]] = ax.plot(
-            *zip(*points, strict=True), color=shown, linestyle="none", marker=look.marker, markersize=2.8,
-            markeredgewidth=0.6, fillstyle=_FILL[kind], markerfacecoloralt="white", zorder=3,
-            label=f"{criterion.words}, {kind.value}{suffix}",
-        )  # fmt: skip
+        mark: dict[str, Any] = {
+            "marker": look.marker, "markersize": 2.8, "markeredgewidth": 0.6, "fillstyle": _FILL[kind],
+            "markerfacecoloralt": "white", "label": f"{criterion.words}, {kind.value}{suffix}",
+        }  # fmt: skip
+        ax.plot(*zip(*points, strict=True), color=shown, linestyle="none", zorder=3, **mark)
+        drawn[key] = Line2D([], [], color=shown, linestyle=look.stroke, linewidth=width, **mark)
     return list(drawn.values())
 
 
