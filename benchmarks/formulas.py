@@ -17,7 +17,7 @@ from timing import machine, medians
 
 import haptisym as hs
 from haptisym.kernel.response import on_axis
-from haptisym.model.distortion import Chain
+from haptisym.model.chain import Chain
 from haptisym.writing.mathtext import plain
 
 LIMIT = 60.0

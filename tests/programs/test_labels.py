@@ -13,7 +13,8 @@ from sympy import Expr, Float, I, Rational
 
 import haptisym as hs
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS
-from haptisym.model.distortion import Chain
+from haptisym.model.chain import Chain
+from haptisym.model.distortion import Distortion
 from haptisym.programs.steps import Steps, page_steps
 from haptisym.programs.values import Values
 
@@ -83,7 +84,7 @@ def test_every_formula_of_every_pair_of_models_has_the_value_of_its_chain(enviro
     pick = Random(f"{environment} {effect}")
     for _ in range(3):
         values = {p.symbol: p.value * Rational(pick.randint(60, 140), 100) for p in scene.parameters}
-        d = scene.chain.at(values).distortion()
+        d = Distortion.of(scene.chain.at(values))
         closed = dict(zip(Values._fields, (
             d.real, d.imag, d.ratio_real, d.ratio_imag, d.relative_real, d.relative_imag,
             d.env_response.real.factored(), d.env_response.imag.factored(),
@@ -116,7 +117,7 @@ def test_each_further_device_costs_the_same(count: int) -> None:
 
 def test_the_steps_of_a_cascade_multiply_out_to_its_closed_form_exactly() -> None:
     chain = cascade(2)
-    d = chain.distortion()
+    d = Distortion.of(chain)
     numbers = {x: Rational(n + 2, 3) for n, x in enumerate(sorted({*d.free_symbols, hs.omega}, key=str))}
     found = chain.steps.at(numbers)
     assert found["real"] == d.real.xreplace(numbers)

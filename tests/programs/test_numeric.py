@@ -157,7 +157,7 @@ def test_a_program_of_the_naive_form_loses_its_digits_in_floats_and_is_still_pro
     monkeypatch.setattr(stable.Author, "results", naively)
     chain = hs.load_scene("fu2019").chain  # fresh: no program of it has been written yet
     values = {p.symbol: p.value for p in hs.load_scene("fu2019").parameters}
-    d = chain.at(values).distortion()
+    d = Distortion.of(chain.at(values))
     omega = np.geomspace(1e-12, 1e-3, 60)
     assert against_truth(d, omega, {}, d.compile("fast", RATIOS)(omega)._asdict()).max() > 1e12
     proven = d.compile("certified", RATIOS)

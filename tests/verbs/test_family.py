@@ -216,7 +216,6 @@ def test_one_environment_of_several_is_evaluated_as_ever(call) -> None:  # type:
         (("derive", "palpation-device"), ["4 environments", "--environment"]),
         (("simulate", "palpation-device"), ["4 environments", "--environment"]),
         (("evaluate", "palpation-device", "--environment", "bone"), ["bone", "muscle"]),
-        (("evaluate", "palpation-device", "--latex", "x.tex"), ["--environment"]),
         (("evaluate", "fu2019", "sidestick"), ["sidestick"]),
         (("evaluate", "fu2019", "--environments", "nowhere"), ["nowhere"]),
         (("evaluate", "desktop-device-soft-tissue", "--environments", "sidestick"), ["sidestick", "rotation"]),

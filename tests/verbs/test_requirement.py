@@ -33,6 +33,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import ExactNumber, Sliver
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import omega as OMEGA  # noqa: N812
+from haptisym.model.distortion import Distortion
 from haptisym.model.knobs import THRESHOLD
 from haptisym.model.parameters import values
 from haptisym.verbs.require.cells import BITS, Leaf, Search, _bound_by_phase, _middle
@@ -320,7 +321,7 @@ def test_a_dense_scan_finds_no_value_that_is_said_otherwise(seed: int) -> None:
     own = float(values(told.parameters)[found.free.symbol])
     grid = own * np.logspace(-1, 1, 200)
     known = {x: v for x, v in values(told.parameters).items() if x != found.free.symbol}
-    f = told.chain.at(known).distortion().compile()
+    f = Distortion.of(told.chain.at(known)).compile()
     at = f(np.linspace(0, float(told.band[1]), 2000)[:, None], **{path: grid[None, :]})
     worst = np.maximum(np.nanmax(at.ratio_real, axis=0), np.nanmax(at.ratio_imag, axis=0)) / 0.1
     for value, ratio in zip(grid, worst, strict=True):

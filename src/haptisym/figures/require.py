@@ -32,6 +32,7 @@ from haptisym.figures.style import (
     one_column,
 )
 from haptisym.judge.criteria import Criterion
+from haptisym.model.distortion import Distortion
 from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
 from haptisym.model.quantities import Dimension
@@ -161,7 +162,7 @@ def _worst(found: Requirement, t: Array) -> dict[Criterion, Array]:
     """The largest ratio to its threshold, over a grid of the band, of each criterion that is about a ratio."""
     scene, free = found.scene, found.free
     known = {x: v for x, v in values(scene.parameters).items() if x != free.symbol}
-    f = scene.chain.at(known).distortion().compile()
+    f = Distortion.of(scene.chain.at(known)).compile()
     start, end = (float(x) for x in scene.band)
     omega = np.linspace(start, end, _GRID)[:, None]
     with np.errstate(all="ignore"):

@@ -15,7 +15,8 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.shown import Shown, titled
 from haptisym.model.catalogue import Effect, Environment
-from haptisym.model.distortion import Chain, Distortion, distort
+from haptisym.model.chain import Chain
+from haptisym.model.distortion import Distortion, distort
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.knobs import THRESHOLD, Knob, Knobs, threshold_knobs
 from haptisym.model.parameters import Rule, free_name, refuse_references
@@ -186,7 +187,7 @@ class Scene(Shown):
 
     def symbolic_distortion(self) -> Distortion:
         """The closed forms with every parameter a symbol."""
-        return self.chain.distortion()
+        return Distortion.of(self.chain)
 
     @property
     def chain(self) -> Chain:

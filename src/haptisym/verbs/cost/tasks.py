@@ -13,7 +13,8 @@ from sympy import Expr, cosh, exp, sinh
 from haptisym import effects
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.symbols import s
-from haptisym.model.distortion import Chain, Distortion
+from haptisym.model.chain import Chain
+from haptisym.model.distortion import Distortion
 from haptisym.model.scene import Scene
 from haptisym.verbs.cost.measurement import Omission
 from haptisym.verbs.cost.methods import CROSSINGS, RATIOS, Method
@@ -111,9 +112,8 @@ def delay_tasks(scene: Scene) -> Iterable[Task]:
 
 def approximated(distortion: Distortion, order: int) -> Distortion:
     """The closed forms with a Pade approximant of that order for every delay."""
-    return distortion.chain.map(
-        lambda form: form.rewrite([cosh, sinh], exp).replace(exp, partial(_pade, order))
-    ).distortion()
+    late = distortion.chain.map(lambda form: form.rewrite([cosh, sinh], exp).replace(exp, partial(_pade, order)))
+    return Distortion.of(late)
 
 
 def _pade(order: int, exponent: Expr) -> Expr:
@@ -133,7 +133,7 @@ def effects_tasks(scene: Scene) -> Iterable[Task]:
 def without(chain: Chain, index: int) -> Distortion:
     """The closed forms without one of the effects."""
     left = (*chain.matrices[:index], *chain.matrices[index + 1 :])
-    return Chain(chain.environment, chain.rendered, left).distortion()
+    return Distortion.of(Chain(chain.environment, chain.rendered, left))
 
 
 def _compared(task: str, exact: Crossings, name: str, others: Mapping[str, Callable[[], Distortion]]) -> Task:

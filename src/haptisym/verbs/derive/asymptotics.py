@@ -19,7 +19,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import RealNumber, SquareRoot
 from haptisym.kernel.response import on_axis
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
-from haptisym.model.distortion import part_of
+from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension
 from haptisym.model.scene import Scene
@@ -76,7 +76,8 @@ def expansion(scene: Scene, order: int = 1) -> Expansion:
     epsilon = Dummy("epsilon", positive=True)
     slowed = scene.chain.at({x: x * epsilon ** _SPEED[dimension] for x, dimension in fast.items()})
     depth = order + 2 + 2 * len(fast)  # a hold divides by its period, which costs an order each time
-    terms = _series(slowed.map(lambda entry: _truncated(entry, epsilon, depth)).distortion().difference, epsilon, order)
+    cut = Distortion.of(slowed.map(lambda entry: _truncated(entry, epsilon, depth)))
+    terms = _series(cut.difference, epsilon, order)
     return Expansion(scene, tuple(terms), tuple(fast))
 
 

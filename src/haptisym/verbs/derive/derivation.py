@@ -22,7 +22,8 @@ from haptisym.kernel.response import RealFunction
 from haptisym.kernel.shown import titled
 from haptisym.kernel.solutions import Solution, solve
 from haptisym.kernel.symbols import c
-from haptisym.model.distortion import Chain, Distortion
+from haptisym.model.chain import Chain
+from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part, is_irrational_algebraic
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
@@ -71,7 +72,7 @@ class Derivation(Answer):
     @cached_property
     def distortion(self) -> Distortion:
         """The closed forms, exact."""
-        return self.chain.distortion()
+        return Distortion.of(self.chain)
 
     @cached_property
     def steps(self) -> Steps:

@@ -19,7 +19,8 @@ from sympy import Dummy, Expr, Integer, Matrix, Mul, Rational, Symbol, linsolve,
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.symbols import omega, s
-from haptisym.model.distortion import Chain, Distortion
+from haptisym.model.chain import Chain
+from haptisym.model.distortion import Distortion
 from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import Dimension, Motion, dimension_exponents
 from haptisym.model.scene import Scene
@@ -58,7 +59,7 @@ class Groups:
     @cached_property
     def distortion(self) -> Distortion:
         """The closed forms in x and the groups: ratios are those of the scene, dynamics are in units of ``stiffness``."""
-        return self.chain.at(self.values).distortion()
+        return Distortion.of(self.chain.at(self.values))
 
     def forwards(self, form: Expr) -> Expr:
         """A form of ``distortion``, which is written in omega, with x for it."""

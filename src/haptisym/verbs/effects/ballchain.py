@@ -17,7 +17,7 @@ from sympy import Expr, Rational
 
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.shown import Shown, counted
-from haptisym.model.distortion import Chain
+from haptisym.model.chain import Chain
 from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
 from haptisym.programs.links import links

@@ -16,6 +16,7 @@ from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import Chart, Interval, Key, Signs, chart
 from haptisym.kernel.shown import counted, titled
+from haptisym.model.distortion import Distortion
 from haptisym.model.family import SceneFamily
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_family
@@ -135,6 +136,6 @@ def common_chart(family: SceneFamily) -> Chart:
     ring = family.ring()
     functions: dict[Key, RealFunction | Level] = {}
     for name, scene in family.scenes.items():
-        distortion = scene.distortion().chain.distortion(ring)
+        distortion = Distortion.of(scene.distortion().chain, ring)
         functions |= {(name, x): x.function(distortion) for x in noticed(family.threshold)}
     return chart(functions, *family.band)

@@ -13,7 +13,8 @@ from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.shown import Shown
 from haptisym.kernel.symbols import omega
-from haptisym.model.distortion import Chain, Distortion
+from haptisym.model.chain import Chain
+from haptisym.model.distortion import Distortion
 from haptisym.model.scene import Scene
 from haptisym.verbs.metrics.twoport import TwoPort
 
@@ -29,7 +30,7 @@ class System:
 
     @cached_property
     def d(self) -> Distortion:
-        return self.chain.distortion()
+        return Distortion.of(self.chain)
 
     @cached_property
     def port(self) -> TwoPort:

@@ -7,7 +7,7 @@ from functools import cached_property
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.rings import Polynomial, RationalFunction, cleared
-from haptisym.model.distortion import Chain
+from haptisym.model.chain import Chain
 
 
 @dataclass(frozen=True)

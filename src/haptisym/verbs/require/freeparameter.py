@@ -84,7 +84,7 @@ def conditions(scene: Scene, free: Iterable[Knob], criteria: Iterable[Criterion]
 
 def _distortion(scene: Scene, free: list[Knob]) -> Distortion:
     scene.knobs.need_numbers(free)
-    return scene.chain.at(values(x for x in scene.parameters if x not in free)).distortion()
+    return Distortion.of(scene.chain.at(values(x for x in scene.parameters if x not in free)))
 
 
 def _real(found: object) -> RealFunction:

@@ -57,7 +57,7 @@ def sweep_curves(scene: Scene, swept: Sequence[Knob]) -> Curves | None:
     """The curves of a scene; None where they are no polynomials (delays, powers s^alpha), or not for all of the sweep."""
     given = {x.symbol for x in swept}
     try:
-        d = scene.chain.at({p.symbol: p.value for p in scene.parameters if p.symbol not in given}).distortion()
+        d = Distortion.of(scene.chain.at({p.symbol: p.value for p in scene.parameters if p.symbol not in given}))
     except HaptisymError:
         return None  # no dynamics at all, or a delay that needs a number
     measures = {x: x.measure(d) for x in noticed(scene.threshold)}

@@ -15,7 +15,7 @@ from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.levels import Level
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import Chart, Key, Point, chart
-from haptisym.model.distortion import part_of
+from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
@@ -47,7 +47,7 @@ def _chart(scene: Scene, swept: Sequence[Knob], values: Sequence[Expr]) -> Chart
     given = {x.symbol: value for x, value in zip(swept, values, strict=True)}
     limits = {part: value for x, value in zip(swept, values, strict=True) for part in x.parts}
     known = {p.symbol: p.value for p in scene.parameters}
-    d = scene.chain.at({**known, **given}).distortion()
+    d = Distortion.of(scene.chain.at({**known, **given}))
     threshold = Threshold(*(limits.get(part, scene.threshold[part]) for part in Part))
     asked: dict[Key, RealFunction | Level] = {x: x.function(d) for x in noticed(threshold)}
     asked[Curve.ENVIRONMENT, Part.REAL] = part_of(d.env_response, Part.REAL)

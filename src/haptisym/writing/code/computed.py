@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from haptisym.kernel.response import on_axis
-from haptisym.model.distortion import Chain, part_of
+from haptisym.model.chain import Chain
+from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part
 from haptisym.programs.balls import Point
 from haptisym.programs.closed import closed_program
@@ -19,7 +20,7 @@ def computed(chain: Chain) -> Program:
 
 def closed(chain: Chain) -> Program:
     """The same from the closed forms, in lowest terms."""
-    d = chain.distortion()
+    d = Distortion.of(chain)
     dynamics = (d.env.numerator, d.env.denominator, d.perc.denominator)
     factors = [p for polynomial in dynamics for p, _ in d.env.ring.factors(polynomial, in_square=False)[1]]
     return closed_program(d.functions(Values._fields), factors, chain.parameters)
