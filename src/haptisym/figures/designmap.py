@@ -44,8 +44,7 @@ def draw_map(ax: Axes, found: DesignMap, *, color: str | None = None, label: str
 
     What joins the slices (a light ground, thin lines) is interpolation, and the legend says so. Hatched: undecided on a slice,
     or between slices that differ in kind. Ticks on the lower axis: where the slices are.
-    ``color``, ``label`` : of the scene; of a further one on the same axes no ground is drawn. Returns the strokes,
-    and an entry for each kind of mark.
+    ``color``, ``label`` : of the scene; of a further one on the same axes no ground is drawn. Returns the strokes and the marks.
 
     >>> from matplotlib.figure import Figure
     >>> from haptisym import design_map, load_scene
@@ -65,11 +64,11 @@ def draw_map(ax: Axes, found: DesignMap, *, color: str | None = None, label: str
     ax.set_xlabel(label_of(found.free[0], scales[0]), fontsize=TEXT)
     ax.set_ylabel(label_of(found.free[1], scales[1]), fontsize=TEXT)
     some = [strokes] if strokes.get_segments() else []
-    legend(ax, [*some, *ground, *marks, *open_ones, *_tick_entry(look)])
+    legend(ax, [*some, *ground, *(x for _, x in marks), *open_ones, *_tick_entry(look)])
     if not any(x.requirement.feasible for x in found.slices):
         word = "transparent nowhere" if found.certified else "nowhere proven transparent"
         write_note(ax, f"{word}: on none of {len(found.slices)} exact slices{look.suffix}")
-    return [strokes, *marks]
+    return [strokes, *(x for x, _ in marks)]
 
 
 _STROKES = "transparent on the slice"
@@ -117,14 +116,14 @@ def _draw_ground(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale]) -> lis
 
 def draw_boundary(
     ax: Axes, found: DesignMap, *, color: str | None = None, suffix: str = "", width: float = 0.6
-) -> list[Line2D]:
-    """The ends of all slices, marked by what binds there, joined by lines that interpolate; an entry of each for a legend.
+) -> list[tuple[Line2D, Line2D]]:
+    """The ends of all slices, marked by what binds there, joined by lines that interpolate; marks, and entries for a legend.
 
     ``suffix`` : what the entries end with; ``width`` : of the lines, points.
     """
     _, window = _window_of(found)
     scales = _scales(found)
-    drawn: dict[tuple[Criterion, Kind], Line2D] = {}
+    drawn = []
     for at, left, right in _pieces(found):
         (y0, y1), (z0, z1) = (limits_of(span, *window) for span in (left, right))
         for y, z, one, other in ((y0, z0, left.low, right.low), (y1, z1, left.high, right.high)):
@@ -134,8 +133,7 @@ def draw_boundary(
                 style: dict[str, Any] = {"color": color or look.color, "linestyle": look.stroke}
                 ends = scales[0].of(np.array(at)), scales[1].of(np.array([y, z]))
                 ax.plot(*ends, linewidth=width, zorder=2, **style)
-    for key, places in _ends(found).items():
-        criterion, kind = key
+    for (criterion, kind), places in _ends(found).items():
         points = [(scales[0].of(x), scales[1].of(y)) for x, y in places]
         look = look_of(criterion)
         shown = color or look.color
@@ -143,9 +141,9 @@ def draw_boundary(
             "marker": look.marker, "markersize": 2.8, "markeredgewidth": 0.6, "fillstyle": _FILL[kind],
             "markerfacecoloralt": "white", "label": f"{criterion.words}, {kind.value}{suffix}",
         }  # fmt: skip
-        ax.plot(*zip(*points, strict=True), color=shown, linestyle="none", zorder=3, **mark)
-        drawn[key] = Line2D([], [], color=shown, linestyle=look.stroke, linewidth=width, **mark)
-    return list(drawn.values())
+        [marks] = ax.plot(*zip(*points, strict=True), color=shown, linestyle="none", zorder=3, **mark)
+        drawn.append((marks, Line2D([], [], color=shown, linestyle=look.stroke, linewidth=width, **mark)))
+    return drawn
 
 
 def _ends(found: DesignMap) -> dict[tuple[Criterion, Kind], list[tuple[float, float]]]:

@@ -154,7 +154,7 @@ def draw_map(ax: Axes, data: xr.Dataset, exact: DesignMap | None = None) -> list
     ax.set(xlim=(x.min(), x.max()), ylim=(y.min(), y.max()))
     ax.set_xlabel(_name(data, along, scales[0]), fontsize=TEXT)
     ax.set_ylabel(_name(data, upwards, scales[1]), fontsize=TEXT)
-    boundary = draw_boundary(ax, exact, width=1.1) if exact else []
+    boundary = [x for _, x in draw_boundary(ax, exact, width=1.1)] if exact else []
     jump = [handle(GREY, SOLID, "bandwidth jumps", 1.8, alpha=0.8)] if jumps else []
     lines = [handle(INK, SOLID, f"bandwidth ({unit.unit})", 0.7)]
     legend(ax, [*lines, *jump, *_plateaus(ax, (x, y, z), high, unit), *boundary])
