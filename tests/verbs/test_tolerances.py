@@ -26,7 +26,7 @@ from haptisym.programs.taylormodels import Model, constant, variable
 from haptisym.verbs.tolerances.box import Box, box_of
 from haptisym.verbs.tolerances.entry import tolerances
 from haptisym.verbs.tolerances.excess import Excess
-from haptisym.verbs.tolerances.proofs import One, Verdict
+from haptisym.verbs.tolerances.proofs import One
 from haptisym.verbs.tolerances.quantiles import Quantiles, quantiles
 from haptisym.verbs.tolerances.search import (
     Cluster,
@@ -40,6 +40,7 @@ from haptisym.verbs.tolerances.search import (
     clusters,
     halves,
 )
+from haptisym.verbs.tolerances.verdicts import Verdict
 
 QUICK = {"fu2019-tolerances", "delayed-spring"}.__contains__
 HEAD = 'environment = {{ model = "mass-spring-damper", m = {m} }}\n'

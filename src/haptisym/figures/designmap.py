@@ -16,17 +16,8 @@ from matplotlib.patches import Patch
 
 from haptisym.figures.require import HATCH, label_of, limits_of, look_of, parameter_scale
 from haptisym.figures.scales import Scale
-from haptisym.figures.style import (
-    GREY,
-    SHADE,
-    TEXT,
-    Look,
-    dress,
-    legend,
-    limit,
-    one_column,
-    write_note,
-)
+from haptisym.figures.sheet import one_column
+from haptisym.figures.style import GREY, SHADE, TEXT, Look, dress, legend, limit, write_note
 from haptisym.judge.criteria import Criterion
 from haptisym.verbs.require.designmap import DesignMap, Slice
 from haptisym.verbs.require.feasible import Binding, Kind, Span

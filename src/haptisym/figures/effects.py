@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.text import Annotation
 
+from haptisym.figures.labels import _spread
 from haptisym.figures.scales import scale_of
 from haptisym.figures.style import (
     DOTTED,
@@ -21,7 +22,6 @@ from haptisym.figures.style import (
     SMALL,
     TEXT,
     WIDTH,
-    _spread,
     dress,
     limit,
     name_frequency,

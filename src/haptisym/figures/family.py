@@ -11,8 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from haptisym.figures.labels import label_above
 from haptisym.figures.sampling import broken, columns, sampled
 from haptisym.figures.scales import RADIANS, Scale, band_scale
+from haptisym.figures.sheet import _legend_height, save
 from haptisym.figures.style import (
     BLUE,
     DASHED,
@@ -24,13 +26,10 @@ from haptisym.figures.style import (
     SOLID,
     TEXT,
     WIDTH,
-    _legend_height,
     dress,
     handle,
-    label_above,
     legend,
     name_frequency,
-    save,
     shade,
     written,
 )

@@ -14,8 +14,9 @@ from haptisym.figures.nyquist import draw_nyquist
 from haptisym.figures.projections import draw_projections
 from haptisym.figures.ratios import draw_ratios
 from haptisym.figures.sampling import band_of, ends_of, poles_of
+from haptisym.figures.sheet import one_column, save
 from haptisym.figures.square import draw_jnd_square
-from haptisym.figures.style import WIDTH, one_column, save
+from haptisym.figures.style import WIDTH
 from haptisym.judge.evaluation import Evaluation
 from haptisym.model.jnd import Part
 

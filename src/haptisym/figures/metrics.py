@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 
 from haptisym.figures.sampling import band_of, ends_of, sampled
 from haptisym.figures.scales import scale_of
+from haptisym.figures.sheet import _legend_height
 from haptisym.figures.style import (
     BLUE,
     DASHED,
@@ -22,7 +23,6 @@ from haptisym.figures.style import (
     TEXT,
     WIDTH,
     Look,
-    _legend_height,
     dress,
     entries,
     legend,

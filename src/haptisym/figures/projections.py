@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from haptisym.figures.labels import _share, _spread
 from haptisym.figures.nyquist import responses
 from haptisym.figures.sampling import band_of, broken, ends_of, evenly, in_window, poles_of, refined, sampled, top_of
 from haptisym.figures.scales import Scale, scale_of
@@ -21,8 +22,6 @@ from haptisym.figures.style import (
     MOST_NUMBERS,
     SMALL,
     Look,
-    _share,
-    _spread,
     bars,
     curve_handles,
     curves,

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from haptisym.figures.labels import label_above
 from haptisym.figures.sampling import band_of, broken, columns, evenly, in_window, refined, sampled, top_of
 from haptisym.figures.scales import Scale, scale_of
 from haptisym.figures.style import (
@@ -23,7 +24,6 @@ from haptisym.figures.style import (
     dress,
     entries,
     entry,
-    label_above,
     legend,
     limit,
     name_frequency,

@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 from sympy import Expr
 
 from haptisym.figures.scales import RADIANS, Scale, band_scale
+from haptisym.figures.sheet import one_column
 from haptisym.figures.style import (
     BLUE,
     DASHED,
@@ -29,7 +30,6 @@ from haptisym.figures.style import (
     legend,
     limit,
     name_parameter,
-    one_column,
 )
 from haptisym.judge.criteria import Criterion
 from haptisym.model.distortion import Distortion

@@ -11,20 +11,7 @@ from matplotlib.patches import Patch
 from sympy import Symbol
 
 from haptisym.figures.scales import RADIANS, Scale, band_scale
-from haptisym.figures.style import (
-    BLUE,
-    GREY,
-    INK,
-    RED,
-    SCENES,
-    SMALL,
-    TEXT,
-    WIDTH,
-    entries,
-    legend,
-    number,
-    written,
-)
+from haptisym.figures.style import BLUE, GREY, INK, RED, SCENES, SMALL, TEXT, WIDTH, entries, legend, number, written
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.verbs.sensitivity.entry import Sensitivities
 from haptisym.verbs.sensitivity.slopes import Sensitive

@@ -16,22 +16,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from haptisym.figures.scales import scale_of
-from haptisym.figures.style import (
-    BLUE,
-    DASHED,
-    GREY,
-    INK,
-    RED,
-    SMALL,
-    TEXT,
-    Look,
-    dress,
-    legend,
-    limit,
-    name_frequency,
-    one_column,
-    save,
-)
+from haptisym.figures.sheet import one_column, save
+from haptisym.figures.style import BLUE, DASHED, GREY, INK, RED, SMALL, TEXT, Look, dress, legend, limit, name_frequency
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Motion as Kind
 from haptisym.programs.values import Array

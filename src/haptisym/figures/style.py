@@ -1,34 +1,28 @@
-"""What figures share: one column of a journal, thin lines, labels that do not meet, legends above the axes, files."""
+"""What figures share: thin lines, colours, numbers and names as they are set, legends above the axes."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.text import Annotation
 from matplotlib.ticker import FuncFormatter, MaxNLocator, ScalarFormatter
 from matplotlib.transforms import ScaledTranslation
 from sympy import Symbol
 
-from haptisym.figures.kinds import UNDATED, checked
 from haptisym.figures.sampling import ends_of
 from haptisym.figures.scales import RADIANS, Scale
 from haptisym.judge.criteria import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.roots import Interval
 from haptisym.model.quantities import Motion, unit_text
-from haptisym.programs.values import Array
 from haptisym.writing.texprinter import formula
 
 WIDTH = 3.4
@@ -195,51 +189,6 @@ def bars(ax: Axes, intervals: Iterable[Interval], look: Look, scale: Scale, labe
     return made
 
 
-_ABOVE = "_above"
-"""The mark of labels above the axes, by which those of a scene drawn before are found."""
-
-
-def label_above(ax: Axes, labels: Iterable[tuple[float, str]], color: str = INK) -> None:
-    """Texts side by side on top of the axes, each tied to its place; those that are there already move for new ones.
-
-    Where they have no room beside each other, only those that were there first stay.
-    """
-    before = [x for x in ax.texts if isinstance(x, Annotation) and x.get_label() == _ABOVE]
-    rows = [(float(x.xy[0]), x.get_text(), str(x.get_color())) for x in before]
-    new = [(x, text, color) for x, text in labels]
-    if rows and sum(text_width(ax, text) for _, text, _ in [*rows, *new]) > 1:
-        new = []
-    for old in before:
-        old.remove()
-    for x, _, shade in new:
-        ax.axvline(x, color=GREY if shade == INK else shade, linewidth=0.5, linestyle=DOTTED, zorder=1)
-    ordered = sorted([*rows, *new])
-    places = _spread([_share(ax, x) for x, _, _ in ordered], [text_width(ax, text) for _, text, _ in ordered])
-    for (x, text, shade), place in zip(ordered, places, strict=True):
-        ax.annotate(
-            text, xy=(x, 1), xytext=(place, 1.05), xycoords=ax.get_xaxis_transform(), textcoords="axes fraction",
-            ha="center", va="bottom", fontsize=SMALL, color=shade, arrowprops=LEADER, label=_ABOVE,
-        )  # fmt: skip
-
-
-def _spread(centres: Sequence[float], widths: Sequence[float]) -> Array:
-    """Places near the wanted ones, in the same order, at which labels of these widths stand side by side within 0 to 1.
-
-    >>> _spread([0.1, 0.5, 0.52], [0.1, 0.1, 0.1]).round(2).tolist()
-    [0.1, 0.46, 0.56]
-    """
-    offsets = np.cumsum(widths) - np.asarray(widths) / 2
-    free = np.asarray(centres) - offsets
-    free = (np.maximum.accumulate(free) + np.minimum.accumulate(free[::-1])[::-1]) / 2
-    return np.clip(free, 0, max(0.0, 1 - sum(widths))) + offsets
-
-
-def _share(ax: Axes, x: float) -> float:
-    """Where a frequency is on the axes, from 0 to 1."""
-    low, high = ax.get_xlim()
-    return (x - low) / (high - low)
-
-
 def text_width(ax: Axes, text: str) -> float:
     """About the width of a small text with a margin, as a fraction of the axes."""
     return (0.54 * max(map(len, text.split("\n"))) + 0.7) * em(ax)
@@ -305,38 +254,6 @@ def handle(color: str, style: Any, label: str, width: float = 1.1, **marker: Any
 def entry(label: str) -> Line2D:
     """A legend entry of words alone."""
     return handle(INK, "none", label)
-
-
-def save(stem: Path, figure: Figure, kinds: Iterable[str] = tuple(UNDATED)) -> list[Path]:
-    """The figure as SVG, PDF and PNG, or as some of them."""
-    return [save_as(figure, stem.with_name(f"{stem.name}{kind}")) for kind in kinds]
-
-
-def save_as(figure: Figure, path: str | Path) -> Path:
-    """The figure in one file, as its ending says, the same file for the same figure; SceneError for any other ending."""
-    target = checked(path)
-    with mpl.rc_context({"svg.hashsalt": "haptisym", "pdf.fonttype": 42}):
-        figure.savefig(target, metadata=dict(UNDATED[target.suffix.lower()]), dpi=400)
-    return target
-
-
-def one_column(height: float, draw: Callable[[Axes], object], width: float = WIDTH) -> Figure:
-    """A drawing of that height, in inches, without its legend; one with equal scales takes the height that it needs."""
-    figure = Figure(figsize=(width, height), layout="compressed")
-    ax = figure.add_subplot()
-    draw(ax)
-    figure.draw_without_rendering()
-    if ax.get_aspect() == 1:
-        height = min(0.7 + 2.8 * ax.get_data_ratio(), 3.6)
-    figure.set_figheight(height + _legend_height(ax))
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")  # laid out once, so that all files look the same
-    return figure
-
-
-def _legend_height(ax: Axes) -> float:
-    legend = ax.get_legend()
-    return legend.get_window_extent().height / ax.figure.dpi if legend else 0.0
 
 
 def plate(color: str) -> dict[str, Any]:

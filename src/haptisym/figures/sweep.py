@@ -18,7 +18,9 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
 from haptisym.figures.designmap import draw_boundary
+from haptisym.figures.jumps import crossing_counts, jump_edges, jumps_of
 from haptisym.figures.scales import HERTZ, RADIANS, Scale, floats_scale
+from haptisym.figures.sheet import one_column
 from haptisym.figures.style import (
     BLUE,
     DASHED,
@@ -36,7 +38,6 @@ from haptisym.figures.style import (
     limit,
     name_parameter,
     number,
-    one_column,
 )
 from haptisym.kernel.errors import SceneError
 from haptisym.model.scene import Scene
@@ -72,7 +73,7 @@ def draw_curves(ax: Axes, data: xr.Dataset, *, color: str | None = None, label: 
     along, upwards = _axis_scale(data, path), _frequency_scale(ax, data)
     x = along.of(data[path].values)
     low, high = (upwards.of(float(end)) for end in data.attrs["band"])
-    counts = _crossings(data)
+    counts = crossing_counts(data)
     style: dict[str, Any] = {"color": GREY if look.plain else look.color, "linewidth": 3.2, "alpha": 0.5}
     rows = [("bandwidth", "bandwidth", {**style, "solid_capstyle": "butt"})]
     for part, own, stroke, name in _CURVES:
@@ -82,7 +83,7 @@ def draw_curves(ax: Axes, data: xr.Dataset, *, color: str | None = None, label: 
     for variable, name, style in rows:
         y = upwards.of(data[variable].values)
         parts = [i for i, (part, *_) in enumerate(_CURVES) if variable in ("bandwidth", f"first_crossing_{part}")]
-        jumps = _jumps(y, counts[parts], high - low)
+        jumps = jumps_of(y, counts[parts], high - low)
         broken = np.insert(x, jumps, np.nan), np.insert(y, jumps, np.nan)
         lines += ax.plot(*broken, label=f"{name}{look.suffix}", **style)
         dots += _draw_ends(ax, x, y, jumps, str(style["color"]))
@@ -96,25 +97,6 @@ def draw_curves(ax: Axes, data: xr.Dataset, *, color: str | None = None, label: 
     jump = [handle(INK, "none", "crossings come or go", marker="o", markersize=2.4)] if dots else []
     legend(ax, [*lines[1:], lines[0], *end, *jump])
     return lines
-
-
-def _jumps(y: Array, counts: Any, band: float) -> Any:
-    """The places before which a curve is broken; ``counts`` : of the crossings of the parts that it depends on, in rows.
-
-    Where a pair of crossings of a part comes or goes, and the curve moves more there than beside: the lowest one may be among
-    them. A crossing alone comes in over an end of the band, so that the curve goes on; there, as elsewhere, it is only broken
-    where it moves far more than on both sides.
-    """
-    steps = np.pad(np.abs(np.diff(y)), 1, constant_values=np.nan)
-    least, most = (np.nan_to_num(pick(steps[:-2], steps[2:])) for pick in (np.fmin, np.fmax))
-    pairs = (np.abs(np.diff(counts, axis=1)) > 1).any(axis=0)
-    smooth = np.where(pairs, np.maximum(1.5 * least, 0.004 * band), np.maximum(6 * most, 0.05 * band))
-    return (steps[1:-1] > smooth).nonzero()[0] + 1
-
-
-def _crossings(data: xr.Dataset) -> Any:
-    """How many crossings there are, of the real part and of the imaginary part."""
-    return np.stack([data[f"crossings_{part}"].values for part, *_ in _CURVES]).astype(np.int64)
 
 
 def _draw_ends(ax: Axes, x: Array, y: Array, jumps: Any, color: str) -> list[Line2D]:
@@ -147,7 +129,7 @@ def draw_map(ax: Axes, data: xr.Dataset, exact: DesignMap | None = None) -> list
     z, (low, high) = unit.of(data.bandwidth.values), (unit.of(float(end)) for end in data.attrs["band"])
     _scale_axes(ax, x, y)
     shown: list[Artist] = [ax.pcolormesh(x, y, z, cmap=_MAP, vmin=low, vmax=high, shading="nearest", rasterized=True)]
-    jumps = _jump_edges(data, x, y, z, high - low)
+    jumps = jump_edges(data, x, y, z, high - low)
     _draw_contours(ax, x, y, z, high, shown)
     if jumps:
         ax.add_collection(LineCollection(jumps, colors=GREY, linewidths=1.8, alpha=0.8, capstyle="projecting"))
@@ -167,25 +149,6 @@ def _draw_contours(ax: Axes, x: Array, y: Array, z: Array, high: float, shown: l
         lines = ax.contour(x, y, z, levels=levels, colors=INK, linewidths=0.7)
         ax.clabel(lines, fontsize=SMALL, fmt=number, inline_spacing=3)
         shown.append(lines)
-
-
-def _jump_edges(data: xr.Dataset, x: Array, y: Array, z: Array, band: float) -> list[list[tuple[float, float]]]:
-    """The edges between neighbouring sets across which the bandwidth jumps, as pieces of lines."""
-    counts = _crossings(data)
-    across, up = _edges(x), _edges(y)
-    found = []
-    for i, row in enumerate(z):
-        found += [[(across[j], up[i]), (across[j], up[i + 1])] for j in _jumps(row, counts[:, i], band)]
-    for j, column in enumerate(z.T):
-        found += [[(across[j], up[i]), (across[j + 1], up[i])] for i in _jumps(column, counts[:, :, j], band)]
-    return found
-
-
-def _edges(x: Array) -> Array:
-    """The ends of the cells whose middles are given."""
-    middles = (x[1:] + x[:-1]) / 2
-    edges: Array = np.concatenate([[x[0]], middles, [x[-1]]])
-    return edges
 
 
 def _plateaus(ax: Axes, map_: tuple[Array, Array, Array], high: float, unit: Scale) -> list[Any]:

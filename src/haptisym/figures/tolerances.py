@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from haptisym.figures.scales import Scale, scale_of
+from haptisym.figures.sheet import one_column
 from haptisym.figures.style import (
     BLUE,
     GREY,
@@ -22,7 +23,6 @@ from haptisym.figures.style import (
     legend,
     limit,
     name_frequency,
-    one_column,
     threshold_symbol,
     written,
 )

@@ -83,7 +83,7 @@ class Answer(Shown):
 
     def save_figure(self, path: str | Path) -> Path:
         """Write the figure, as the name ends: .svg, .pdf or .png; the same file for the same answer."""
-        target: Path = resolve_name("haptisym.figures.style:save_as")(self.figure(), path)
+        target: Path = resolve_name("haptisym.figures.sheet:save_as")(self.figure(), path)
         return target
 
     def document(self) -> Any:

@@ -9,7 +9,7 @@ from pathlib import Path
 from shutil import which
 from tempfile import TemporaryDirectory
 
-from haptisym.figures.style import save_as
+from haptisym.figures.sheet import save_as
 from haptisym.kernel.errors import NothingToDrawError, SceneError
 from haptisym.writing.document import Document, figures_of
 from haptisym.writing.latex import latex

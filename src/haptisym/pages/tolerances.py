@@ -10,8 +10,9 @@ from haptisym.kernel.reals import RealNumber
 from haptisym.model.quantities import unit_text
 from haptisym.model.ranges import spread
 from haptisym.pages.words import both, lead, symbol, title
-from haptisym.verbs.tolerances.proofs import Enclosure, Tolerances, Verdict
+from haptisym.verbs.tolerances.proofs import Tolerances
 from haptisym.verbs.tolerances.quantiles import LEVELS, quantiles
+from haptisym.verbs.tolerances.verdicts import Enclosure, Verdict
 from haptisym.writing.document import (
     Block,
     Column,

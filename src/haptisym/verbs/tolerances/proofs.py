@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from enum import Enum
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
@@ -18,7 +17,7 @@ import numpy as np
 from sympy import Expr, Rational
 
 from haptisym.judge.answers import Answer
-from haptisym.judge.criteria import Criterion, Judged, noticed
+from haptisym.judge.criteria import Criterion, noticed
 from haptisym.kernel.budget import Budget, share
 from haptisym.kernel.errors import LimitError
 from haptisym.kernel.reals import ExactNumber, RealNumber
@@ -29,39 +28,12 @@ from haptisym.verbs.tolerances.excess import Excess
 from haptisym.verbs.tolerances.quantiles import quantiles
 from haptisym.verbs.tolerances.search import OVERLAP, Cluster, beyond, clusters
 from haptisym.verbs.tolerances.single import One, in_time, one
+from haptisym.verbs.tolerances.verdicts import Enclosure, Verdict
 
 TOLERANCE = Fraction(1, 1000)
 """Of an end of an enclosure that is not exact: how far, relatively, it may lie beyond what is reached."""
 _SHARE = 0.4  # of the time that is left, for the first search of two
 _MOST_CORNERS = 64  # sets of values that are tried as witnesses or as ends
-
-
-class Verdict(Enum):
-    """Whether the display is transparent on the whole band."""
-
-    ALL = "all"
-    NONE = "none"
-    DEPENDS = "depends"
-    UNDECIDED = "undecided"
-
-
-@dataclass(frozen=True)
-class Enclosure(Judged):
-    """Where crossings of a criterion lie: between ``low`` and ``high``, rad/s, whatever the values; guaranteed.
-
-    ``count`` : how many there are for every set of values; None if that depends or is not known. ``at_low``, ``at_high``: the
-    corner of the box at which the end is reached, which then is exact; None for an end that is a bound only, at most
-    ``TOLERANCE`` or what the budget allowed beyond. ``monotonic``: for each parameter 1 if the crossing grows with it
-    throughout the box, -1 if it falls, 0 if neither is proven.
-    """
-
-    criterion: Criterion
-    low: RealNumber
-    high: RealNumber
-    count: int | None
-    at_low: Mapping[str, Expr] | None
-    at_high: Mapping[str, Expr] | None
-    monotonic: Mapping[str, int]
 
 
 @dataclass(frozen=True, repr=False)
