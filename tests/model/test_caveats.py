@@ -128,24 +128,10 @@ def outputs(found: hs.Evaluation) -> list[str]:
     "name", ["fu2019", "sampled-wall", "wave-variable-link", "delayed-spring", "admittance-display"]
 )
 def test_no_output_calls_perceived_dynamics_stable_or_a_display_passive(name: str) -> None:
-    """What was decided is the force under imposed motion, and the sign of Im H_perc on the band."""
+    """What was decided is the force under imposed motion, every passive hand, and absolute stability: each by its name."""
     found = hs.evaluate(name)
     for text in [*outputs(found), " ".join(str(hs.metrics(name)).split())]:
         assert "perceived dynamics are" not in text
-        assert not re.search(r"\bpassive(?! hand)", text), re.findall(r".{40}\bpassive.{20}", text)
+        assert not re.search(r"\bpassive(?! hand| environment)", text), re.findall(r".{40}\bpassive.{20}", text)
         for words in re.findall(r".{60}\bstable\b.{30}", text):
-            assert re.search(r"imposed motion|in a hand|that loop|absolutely", words), words
-
-
-def test_measures_that_look_at_the_axis_alone_say_so() -> None:
-    """A mass that is compensated to below nothing: the conditions on the axis hold, but with a hand the two-port is unstable."""
-    m = hs.metrics("fu2019")
-    assert m["passivity"].verdict == "Im H_perc >= 0 on the whole band; beyond it nothing was looked at"
-    assert m["absolute stability"].verdict.startswith("the conditions on the axis fail somewhere on the band")
-    assert m["absolute stability"].verdict.endswith("poles were not looked at")
-    minus = hs.metrics(hs.Scene(WALL, (hs.effects.shunt(m="-1 kg"),)))
-    assert minus["absolute stability"].verdict == (
-        "the conditions on the axis hold on the whole band; beyond it nothing was looked at, nor were poles"
-    )
-    active = hs.metrics("delayed-spring")["passivity"].verdict
-    assert active == "Im H_perc < 0 somewhere on the band: active there; beyond it nothing was looked at"
+            assert re.search(r"imposed motion|in a hand|that loop|absolutely|every passive hand", words), words

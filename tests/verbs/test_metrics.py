@@ -168,7 +168,7 @@ def test_where_the_criterion_holds_no_passive_environment_makes_the_hand_feel_an
         joint = np.array([[1, 0], [1 / (400 + 30j * w), 1]])
         return np.array([[1, 4j * w], [0, 1]]) @ np.array([[lowpass(w), 0], [0, 1]]) @ joint
 
-    bands = Measured(hs.evaluate(scene)).absolutely_stable
+    bands = Measured(hs.evaluate(scene)).llewellyn
     assert bands is not None
     seen = 0
     for w in np.linspace(0.37, 59.7, 60):
@@ -183,7 +183,7 @@ def test_where_the_criterion_holds_no_passive_environment_makes_the_hand_feel_an
 def test_a_lossless_link_and_a_passive_joint_are_absolutely_stable_everywhere() -> None:
     for effect in (effects.wave_variables(10, "20 ms"), effects.compliance(k=800, b=3), effects.shunt(m="0.2", b=1)):
         m = Measured(hs.evaluate(hs.Scene(environments.kelvin_voigt(100, 3), (effect,), (0, 20))))
-        [band] = m.absolutely_stable or ()
+        [band] = m.llewellyn or ()
         assert (float(band.low.omega), float(band.high.omega)) == (0, 20)
 
 

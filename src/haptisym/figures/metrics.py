@@ -143,7 +143,7 @@ def verdict_bands(m: Metrics) -> list[tuple[str, Bands]]:
         (r"$|\Delta H/H_\mathrm{env}| \leq c$", own.within),
         ("within 3 dB", own.inside),
     ]
-    stable = own.absolutely_stable
+    stable = own.llewellyn
     return [
         *rows,
         (r"$\mathrm{Im}\,H_\mathrm{perc} \geq 0$", own.passive),

@@ -15,9 +15,10 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.bounds import AnyEnvironment, any_environment
 from haptisym.judge.criteria import Criterion, judged, kept, noticed
 from haptisym.judge.crossings import Crossing, Curve, curves, find_crossings, unbounded_points
+from haptisym.judge.passivity import Passivity, passivity
 from haptisym.judge.percepts import Felt, Percept, changeovers, find_felt, find_percepts, outside_model, unnamed
 from haptisym.kernel.decimals import bits_for
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.periodic import Turned
 from haptisym.kernel.polynomials import Root
 from haptisym.kernel.reals import ExactNumber, RealNumber
@@ -89,7 +90,8 @@ class Evaluation(Answer):
     exceeds; ``felt`` : the same in words, with what has no name. ``outside_model``: where Im H_perc < 0; ``unnamed`` : where
     the imaginary part is noticed there. ``unbounded``: where a ratio is infinite. ``stable``: whether the force under imposed
     motion is stable, which is to say all poles of H_perc lie in the open left half plane; it says nothing about a display
-    that is held in a hand. None where that is not decided, or the poles do not tell it (a sampled loop).
+    that is held in a hand (``passivity`` does, for every passive one). None where that is not decided, or the poles do not
+    tell it (a sampled loop).
     ``digits``: decimal digits shown of each crossing. ``undecided``: where
     something stayed open at the precision limit (a tangency of a scene with delays): empty for every rational scene.
     ``relevance`` : what was left out, where a tolerance was given; all answers are then those of the pruned scene, ``scene``.
@@ -183,6 +185,14 @@ class Evaluation(Answer):
     def any_environment(self) -> AnyEnvironment | None:
         """What the scene's effects do to every environment at once; None unless all of them are in series."""
         return any_environment(self.scene)
+
+    @cached_property
+    def passivity(self) -> Passivity | None:
+        """Whether every passive hand may hold the display, judged at all frequencies; None where not even signs are decided."""
+        try:
+            return passivity(self.scene, self.distortion)
+        except UndecidedError:
+            return None
 
     @property
     def caveats(self) -> tuple[str, ...]:

@@ -179,6 +179,36 @@ def largest(f: RealFunction, low: Expr, high: Expr) -> RealNumber | None:
     return None if found is None else Largest(tuple(x.value for x in found))
 
 
+@dataclass(frozen=True)
+class Greatest:
+    """The largest value of a real function, and a frequency where it has it; None where it only comes near it, far out."""
+
+    value: RealNumber
+    omega: RealNumber | None
+
+
+def greatest(f: RealFunction, low: Expr, high: Expr) -> Greatest | None:
+    """The largest value of a real function on a closed band and where, certified; None where it grows without bound.
+
+    Where it falls without bound it is not largest.
+    """
+    table = chart({"value": f, "slope": f.derivative()}, low, high)
+    if table.undecided:
+        raise UndecidedError("whether a function has a local maximum where its slope nearly vanishes")
+    poles = [p for p in table.points if p.orders.get("value", 0) < 0]
+    sides = {p.after["value"] for p in poles if p is not table.points[-1]}
+    sides |= {p.before["value"] for p in poles if p is not table.points[0]}
+    if 1 in sides:
+        return None
+    ends = (table.points[0], table.points[-1])
+    tried = [
+        p for p in table.points if p not in poles and (p in ends or (p.before["slope"], p.after["slope"]) == (1, -1))
+    ]
+    known = [(ExactNumber(Integer(0)) if p.orders.get("value") else ValueAt(f, p.omega), p.omega) for p in tried]
+    best = max(known, key=lambda pair: float(pair[0]))
+    return Greatest(Largest(tuple(value for value, _ in known)), best[1])
+
+
 @dataclass(frozen=True, repr=False)
 class Largest(RealNumber):
     """The largest of some numbers."""

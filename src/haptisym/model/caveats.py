@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sympy import Rational, pi
+from sympy import Expr, Rational, pi
 
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.catalogue import Effect
@@ -10,11 +10,20 @@ from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
 
 _HOLD = "zero-order-hold"
+CLOCKED = (_HOLD, "sampled-loop")
+"""Effects that work by a clock, of period T."""
 
 
 def caveats(scene: Scene) -> tuple[str, ...]:
     """A sentence for each: thresholds of 100 % and more, bands beyond a Nyquist frequency, clocks, holds inside a loop."""
     return (*_thresholds(scene), *_bands(scene), *_loops(scene), *_hand(scene))
+
+
+def clocks(scene: Scene) -> tuple[Expr, ...]:
+    """The periods at which parts of a display work by a clock, s."""
+    return tuple(
+        x.value for effect in scene.effects if effect.model in CLOCKED for x in effect.parameters if x.key == "T"
+    )
 
 
 def sampled_loop(scene: Scene) -> tuple[Effect, Effect] | None:

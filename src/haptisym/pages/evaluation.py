@@ -14,11 +14,11 @@ from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.symbols import omega, s
 from haptisym.model.jnd import Part
+from haptisym.pages.held import held
 from haptisym.pages.words import (
     CHANGE,
     H_ENV,
     H_PERC,
-    NOT_HELD,
     OMEGA,
     OPERATORS,
     both,
@@ -260,7 +260,7 @@ def _step_2(e: Evaluation) -> Iterator[Block]:
             e, f"projections-{part.value}", f"Magnitude of the {name} part of environment and of what is felt: bold where "
             "the difference is noticed, with what it is felt as.",
         )  # fmt: skip
-    yield Notes((*_changeovers(e), *_outside_model(e), *_unbounded(e), _stability(e)))
+    yield Notes((*_changeovers(e), *_outside_model(e), *_unbounded(e), *held(e)))
     yield _figure(
         e, "nyquist", "Environment (solid) and what is felt (dashed) in the complex plane; arrows towards higher frequencies.",
     )  # fmt: skip
@@ -307,17 +307,6 @@ def _unbounded(e: Evaluation) -> Iterable[Phrase]:
     if e.unbounded:
         why = (compared(H_ENV, "="), ", or ", CHANGE, " infinite")
         yield "A ratio is unbounded at ", places(e.unbounded), ": nothing to compare with there (", why, ")."
-
-
-def _stability(e: Evaluation) -> Phrase:
-    pole = Prefixed(OPERATORS[Part.REAL], named("s"))
-    if e.stable is None:
-        return f"Whether the force under imposed motion is stable was not decided. {NOT_HELD}"
-    if e.stable:
-        left = ("all poles of ", H_PERC, " have ", compared(pole, "<"))
-        return "The force under imposed motion is stable: ", left, f". {NOT_HELD}"
-    right = ("a pole of ", H_PERC, " has ", compared(pole, "≥"))
-    return "The force under imposed motion is ", Strong("NOT"), " stable: ", right, "."
 
 
 def _certain(e: Evaluation) -> Phrase:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from haptisym.judge.evaluation import Evaluation
+from haptisym.judge.passivity import Passivity
 from haptisym.model.jnd import Part
-from haptisym.pages.words import OPERATORS, compared, hertz, is_transparent_throughout, short
+from haptisym.pages.words import OPERATORS, compared, hertz, is_transparent_throughout, short, span
 from haptisym.writing.boxes import Prefixed
 from haptisym.writing.document import Phrase, Strong
 from haptisym.writing.names import named
@@ -18,14 +19,24 @@ def findings(e: Evaluation) -> Iterator[tuple[Phrase, Phrase]]:
     yield "first felt as", _first(e)
     pole = compared(Prefixed(OPERATORS[Part.REAL], named("s")), "≥")
     stable: dict[bool | None, Phrase] = {
-        True: (Strong("stable"), " (no pole with ", pole, "; a hand was not looked at)"),
+        True: (Strong("stable"), " (no pole with ", pole, ")"),
         False: (Strong("NOT stable"), " (a pole with ", pole, ")"),
         None: (Strong("undecided"), " (whether a pole has ", pole, " is open)"),
     }
     yield "under imposed motion", stable[e.stable]
+    yield "every passive hand", _of_hands(e.passivity)
     tangencies = f"{len(e.undecided)} tangenc{'y' if len(e.undecided) == 1 else 'ies'} stayed open"
     proof = (Strong("proven"), " (none missed, none invented)"), (Strong("in part undecided"), f" ({tangencies})")
     yield "these answers", proof[not e.certified]
+
+
+def _of_hands(found: Passivity | None) -> Phrase:
+    if found is None or found.holds is None:
+        return Strong("undecided"), ""
+    if found.holds:
+        return Strong("holds"), " (at all frequencies)"
+    where: Phrase = (" (active ", span(found.active[0]), ")") if found.active else " (poles forbid it)"
+    return Strong("does not hold"), where
 
 
 def _bandwidth(e: Evaluation) -> Phrase:

@@ -34,7 +34,7 @@ def disagreements(m: Measured) -> Iterable[str]:
         yield _STRICT
     if noticed and covers(m.inside, e.chart):
         yield _COARSE
-    if e.transparent and m.absolutely_stable is not None and _only_points(m.absolutely_stable):
+    if e.transparent and m.llewellyn is not None and _only_points(m.llewellyn):
         yield _ACTIVE
 
 

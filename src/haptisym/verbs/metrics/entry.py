@@ -21,15 +21,16 @@ from haptisym.model.scenefile import as_scene
 from haptisym.verbs.metrics.disagreements import disagreements
 from haptisym.verbs.metrics.forms import Forms
 from haptisym.verbs.metrics.judging import TOO_LARGE, WITHIN_3_DB
-from haptisym.verbs.metrics.measured import FAR, Measured, covers, value_at
+from haptisym.verbs.metrics.measured import FAR, Measured, value_at
 from haptisym.verbs.metrics.metric import Metric, Metrics, Value
+from haptisym.verbs.metrics.passivehands import absolute_stability, passivity_measure
 
 
 def metrics(scene: Scene | str | Path) -> Metrics:
     """The measures of transparency of a scene with numbers for all parameters: each proven on its band.
 
-    Transmitted impedance ratio and relative distortion, Z_min, Z_max and Z_width, sensitivity, the conditions on the axis
-    for passivity and for absolute stability, effective stiffness, mass and damping, free response. Raises SceneError if a
+    Transmitted impedance ratio and relative distortion, Z_min, Z_max and Z_width, sensitivity, passivity and absolute
+    stability at all frequencies, effective stiffness, mass and damping, free response. Raises SceneError if a
     parameter is still a symbol.
 
     >>> from haptisym.model.scenefile import load_scene
@@ -40,7 +41,7 @@ def metrics(scene: Scene | str | Path) -> Metrics:
     scene = as_scene(scene)
     m = Measured(evaluate(scene))
     forms = Forms(scene)
-    rows = (_ratio, _relative, _range, _sensitivity, _passivity, _absolute, _effective, _free)
+    rows = (_ratio, _relative, _range, _sensitivity, passivity_measure, absolute_stability, _effective, _free)
     return Metrics(m.evaluation, tuple(row(m, forms) for row in rows), tuple(disagreements(m)), m)
 
 
@@ -147,51 +148,6 @@ def _sensitivity(m: Measured, forms: Forms) -> Metric:
         "Cavusoglu, Sherman and Tendick (2002): fidelity as sensitivity of the transmitted impedance",
         "recalled, not verified; closed form derived (15_metrics)",
         "1 where a small change of the environment is passed on as large as it is; says nothing of the environment itself",
-    )
-
-
-_BEYOND = "beyond it nothing was looked at"
-
-
-def _passivity(m: Measured, _: Forms) -> Metric:
-    whole = covers(m.passive, m.evaluation.chart)
-    return Metric(
-        "passivity",
-        (),
-        (
-            Value("Im H_perc >= 0", m.passive, "rad/s"),
-            Value("force stable under imposed motion", _decided(m.evaluation.stable)),
-        ),
-        "Colgate and Brown (1994): at a frequency with Im H_perc >= 0 no energy is taken out of what is rendered",
-        "recalled, not verified; per frequency derived",
-        f"Im H_perc {'>= 0 on the whole band' if whole else '< 0 somewhere on the band: active there'}; {_BEYOND}",
-    )
-
-
-def _decided(answer: bool | None) -> str:  # noqa: FBT001
-    return {True: "yes", False: "no", None: "not decided"}[answer]
-
-
-def _absolute(m: Measured, forms: Forms) -> Metric:
-    bands = m.absolutely_stable
-    values = () if bands is None else (Value("conditions hold", bands, "rad/s"),)
-    if bands is None:
-        verdict = "not offered: D = 0, so that the hybrid matrix does not exist"
-    elif covers(bands, m.evaluation.chart):
-        verdict = f"the conditions on the axis hold on the whole band; {_BEYOND}, nor were poles"
-    else:
-        verdict = (
-            "the conditions on the axis fail somewhere on the band: energy can come out there, with some passive hand or "
-            "environment; poles were not looked at"
-        )
-    return Metric(
-        "absolute stability",
-        forms("g"),
-        values,
-        "Llewellyn's criterion, after Adams and Hannaford (1999): its conditions on the axis, frequency by frequency, not those "
-        "on the poles of the two-port",
-        "verified (tutorial chapter 9.3.3)",
-        verdict,
     )
 
 

@@ -17,11 +17,13 @@ from haptisym.kernel.response import RealFunction, squared_modulus
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import Chart, Interval, Point, chart
 from haptisym.kernel.symbols import omega
+from haptisym.model.caveats import clocks
 from haptisym.model.distortion import Distortion
 from haptisym.model.quantities import Motion
 from haptisym.verbs.metrics.freeresponse import FreeResponse, free_response
 from haptisym.verbs.metrics.judging import LLEWELLYN, WITHIN_3_DB, relative
 from haptisym.verbs.metrics.twoport import TwoPort
+from haptisym.verbs.metrics.unconditional import Unconditional, unconditional
 
 Bands: TypeAlias = tuple[Interval, ...]
 FAR = 100
@@ -99,16 +101,21 @@ class Measured:
 
     @property
     def passive(self) -> Bands:
-        """Where Im H_perc >= 0."""
+        """Where on the band Im H_perc >= 0."""
         return kept(self._passive)
 
     @cached_property
     def _llewellyn(self) -> Chart | None:
         return None if self.port.least is None else self._chart(LLEWELLYN, self.band[1])
 
+    @cached_property
+    def unconditional(self) -> Unconditional:
+        """What Llewellyn's criterion says at all frequencies, poles included."""
+        return unconditional(self.d, self.port) if not clocks(self.evaluation.scene) else Unconditional(None, None)
+
     @property
-    def absolutely_stable(self) -> Bands | None:
-        """Where Llewellyn's conditions on the axis hold; None where the hybrid matrix does not exist (D = 0)."""
+    def llewellyn(self) -> Bands | None:
+        """Where on the band Llewellyn's conditions on the axis hold; None where the hybrid matrix does not exist (D = 0)."""
         return None if self._llewellyn is None else kept(self._llewellyn)
 
     @property

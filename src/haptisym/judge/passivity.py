@@ -1,0 +1,181 @@
+"""Whether every passive hand may hold a display: H_perc/s is positive real. Judged on [0, infinity), with a clock up to pi/T."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
+from math import isfinite
+from typing import Any
+
+import flint
+from flint import arb
+from sympy import Expr, Integer, Rational, pi
+
+from haptisym.judge.criteria import PASSIVE
+from haptisym.judge.peaks import Greatest, greatest
+from haptisym.judge.positivereal import poles_allow, power
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.far import Far, Sense, far
+from haptisym.kernel.reals import ExactNumber
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.roots import Chart, Interval, chart, sign_of_number
+from haptisym.kernel.symbols import omega
+from haptisym.model.caveats import clocks
+from haptisym.model.distortion import Distortion
+from haptisym.model.scene import Scene
+
+_TURNS = 2  # of the longest delay: as far as is listed what goes on for ever
+_GRID = 200
+_BELOW = 1e-3
+_BITS = 128
+
+
+class Beyond(Enum):
+    """What Im H_perc does beyond the reach of a chart."""
+
+    NEVER = "never negative"
+    ALWAYS = "negative everywhere"
+    AGAIN = "negative again and again"
+    UNKNOWN = "not decided"
+    CLOCK = "not looked at: the clock samples no faster motion"
+
+
+_BEYOND = {
+    Sense.POSITIVE: Beyond.NEVER, Sense.NEGATIVE: Beyond.ALWAYS, Sense.BOTH: Beyond.AGAIN, Sense.UNKNOWN: Beyond.UNKNOWN,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Passivity:
+    """Where a display gives energy away, and whether every passive hand may hold it. All of it certified.
+
+    ``chart`` : of Im H_perc, from 0 to ``high``. ``beyond`` : what it does above that.
+    """
+
+    scene: Scene
+    distortion: Distortion
+    chart: Chart
+    high: Expr
+    beyond: Beyond
+
+    @cached_property
+    def active(self) -> tuple[Interval, ...]:
+        """Where Im H_perc < 0, up to ``high``: the display gives -pi A^2 Im H_perc per cycle of amplitude A."""
+        return self.chart.where(lambda signs: signs[PASSIVE] > 0)
+
+    @property
+    def is_active(self) -> bool:
+        """Whether Im H_perc < 0 anywhere."""
+        return bool(self.active) or self.beyond in (Beyond.ALWAYS, Beyond.AGAIN)
+
+    @cached_property
+    def holds(self) -> bool | None:
+        """Whether every passive hand may hold the display; None where not decided, or a clock makes it another question."""
+        if self.is_active:
+            return False
+        if self.beyond is not Beyond.NEVER or self.chart.undecided:
+            return None
+        return self.poles_allow
+
+    @cached_property
+    def poles_allow(self) -> bool | None:
+        """Whether H_perc/s has no poles in Re s > 0, and on the axis simple ones with positive residues alone."""
+        return poles_allow(self.distortion.perc)
+
+    @cached_property
+    def damping(self) -> Greatest | None:
+        """b* = sup(-Im H_perc/omega), at least 0: with it a hand is held whatever its mass and stiffness.
+
+        That, where the force under imposed motion is stable. Its frequency is None where it is only approached, far out.
+        None where nothing bounds it, and where that is not decided: ``is_unbounded`` tells.
+        """
+        if not self.is_active:
+            return Greatest(ExactNumber(Integer(0)), None)
+        return None if self.beyond is Beyond.CLOCK else _damping(self.distortion, self.high)
+
+    @cached_property
+    def is_unbounded(self) -> bool:
+        """Whether -Im H_perc/omega is proven to be unbounded far out, so that no damping of a hand is enough."""
+        raw = self.distortion.perc_response.raw_imag
+        top, below = (power(p, raw) for p in (raw.numerator, raw.denominator))
+        return self.beyond in (Beyond.ALWAYS, Beyond.AGAIN) and sign_of_number(top - below - 1) > 0
+
+    @cached_property
+    def most_given(self) -> Greatest | None:
+        """The largest -Im H_perc up to ``high``, N/m, and where: times pi A^2 it is energy per cycle. None if unbounded."""
+        return greatest(PASSIVE.measure(self.distortion), Integer(0), self.high)
+
+    def row(self) -> dict[str, Any]:
+        """As documents have it."""
+        ends: list[list[float | None]] = [[float(x.low.omega), float(x.high.omega)] for x in self.active]
+        if self.beyond is Beyond.ALWAYS:
+            ends = [*ends[:-1], [ends[-1][0], None]]
+        found = {"holds": self.holds, "active": ends, "beyond": self.beyond.value, "reach": float(self.high)}
+        return {**found, "poles_allow": self.poles_allow}
+
+
+def passivity(scene: Scene, distortion: Distortion | None = None) -> Passivity:
+    """Where a scene with numbers gives energy away on [0, infinity): at least as far as its band, and what is beyond.
+
+    >>> from haptisym.model.scenefile import load_scene
+    >>> found = passivity(load_scene("zener-tissue"))
+    >>> found.holds, found.beyond.name, [x.low.omega.digits(7) for x in found.active]
+    (False, 'ALWAYS', ['92.70739'])
+    """
+    d = distortion or scene.distortion()
+    periods = clocks(scene)
+    sense = Far(Sense.POSITIVE) if periods else far(d.perc_response.raw_imag)
+    high = pi / max(periods, key=float) if periods else _reach(scene, d, sense)
+    beyond = Beyond.CLOCK if periods else _BEYOND[sense.sense]
+    return Passivity(scene, d, chart({PASSIVE: PASSIVE.function(d)}, Integer(0), high), high, beyond)
+
+
+def _reach(scene: Scene, d: Distortion, sense: Far) -> Expr:
+    """As far as a chart goes: where the sign is settled, else some turns of the delays; the band in any case."""
+    band = scene.band[1]
+    settled = sense.sense in (Sense.POSITIVE, Sense.NEGATIVE)
+    lags = _ring(d).lags
+    turned = 2 * _TURNS * pi / max(lags, key=float) if lags else Integer(0)
+    own = sense.radius if settled else turned
+    return own if sign_of_number(own - band) > 0 else band
+
+
+def _ring(d: Distortion) -> Ring:
+    ring = d.perc.ring
+    assert isinstance(ring, Ring)
+    return ring
+
+
+# The damping that a hand needs
+
+
+def _damping(d: Distortion, high: Expr) -> Greatest | None:
+    """sup(-Im H_perc/omega): found on a chart that reaches as far as the function may be that large."""
+    axis: Any = d.perc_response.raw_imag.ring
+    raw = d.perc_response.raw_imag
+    needed = PASSIVE.measure(d) / RealFunction(axis.convert(omega))
+    if not needed.function.numerator.degrees()[0] and len(axis.angles) == 1 and not axis.orders:
+        return greatest(needed, Integer(0), 2 * pi / axis.angles[0].rate)  # a wave, which repeats
+    for value in _tried(needed, high):
+        left = far(axis.convert(value * omega) + raw)
+        if left.sense is Sense.POSITIVE:
+            reach = left.radius if sign_of_number(left.radius - high) > 0 else high
+            found = greatest(needed, Integer(0), reach)
+            limit = ExactNumber(value)
+            return Greatest(limit, None) if found and found.value.ball(_BITS) < limit.ball(_BITS) else found
+    return None
+
+
+def _tried(needed: RealFunction, high: Expr) -> list[Expr]:
+    """Bounds to try: the limit far out of a rational function, and a little less than the largest value seen."""
+    with flint.ctx.workprec(64):
+        end = float(high)
+        seen = (float(needed.ball(arb(end * (k / _GRID) ** 2))) for k in range(1, _GRID + 1))
+        most = max((x for x in seen if isfinite(x)), default=0.0)
+    found = [Rational(most * (1 - _BELOW))] if most > 0 else []
+    top, below = needed.function.numerator, needed.function.denominator
+    if needed.axis.functions or int(top.degrees()[0]) != int(below.degrees()[0]):
+        return found
+    limit = needed.axis.coefficients(top)[-1] / needed.axis.coefficients(below)[-1]
+    return [*found, limit] if sign_of_number(limit) > 0 else found

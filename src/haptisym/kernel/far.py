@@ -1,0 +1,215 @@
+"""What a real function of omega does far out: which sign it has beyond a frequency, or that it changes sign for ever.
+
+In sines and cosines of half angles a function is a sum of powers of omega, each times a sum of waves. The waves of the
+highest power decide, where they keep clear of 0: from some frequency on all lower powers are less. Where they take both
+signs, they take both again and again, as sums of waves come back as near as one likes to every value that they have.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
+from itertools import product
+from typing import Any, TypeAlias
+
+import flint
+from flint import arb, fmpq
+from sympy import Integer, Rational, tan
+
+from haptisym.kernel.axis import Axis
+from haptisym.kernel.budget import tick
+from haptisym.kernel.polynomials import polynomial_factors
+from haptisym.kernel.reals import Ball, expression_ball
+from haptisym.kernel.rings import Polynomial, RationalFunction
+from haptisym.kernel.zeros import sign_of
+
+_BITS = 128
+_MOST_CELLS = 3000  # of the waves' angles, before a sign is given up
+_PIECES = 16  # into which each angle is cut at first
+_SAMPLES = 400
+_MOST_DOUBLINGS = 80
+_FIRST = Rational(1, 1 << 20)  # rad/s
+
+
+class Sense(Enum):
+    """The sign of a function beyond a frequency; ``POSITIVE`` and ``NEGATIVE`` allow for zeros."""
+
+    POSITIVE = 1
+    NEGATIVE = -1
+    BOTH = 2
+    UNKNOWN = 0
+
+
+@dataclass(frozen=True)
+class Far:
+    """The sign of a function beyond ``radius``, rad/s; where it is ``BOTH`` or ``UNKNOWN`` there is no such radius."""
+
+    sense: Sense
+    radius: Rational = Integer(0)
+
+
+def far(f: RationalFunction) -> Far:
+    """The sign far out of a function of an axis, with numbers only, over a square: certified, ``UNKNOWN`` where that stays open.
+
+    The sign is that of its numerator, as its denominator must nowhere be negative: such is a response that is not reduced.
+
+    >>> from sympy import cos, exp
+    >>> from haptisym.kernel.dynamics import Ring
+    >>> from haptisym.kernel.response import on_axis
+    >>> from haptisym.kernel.symbols import s
+    >>> def of(expression):
+    ...     ring = Ring.of([expression])
+    ...     return far(on_axis(ring.convert(expression)).raw_imag).sense.name
+    >>> of(s**2 + 3 * s), of(exp(-s)), of(2 * s + s * exp(-s)), of(s * (1 - exp(-s)))
+    ('POSITIVE', 'BOTH', 'POSITIVE', 'POSITIVE')
+    """
+    axis = f.ring
+    assert isinstance(axis, Axis)
+    polynomial = axis.without_circles(f.numerator)[0]
+    if polynomial.is_zero():
+        return Far(Sense.POSITIVE)
+    waves = _Waves(axis, polynomial)
+    highest = max(waves.groups)
+    found = waves.sense(highest)
+    if found.sense is Sense.UNKNOWN:
+        return Far(waves.weakly)
+    if found.sense is Sense.BOTH:
+        return Far(Sense.BOTH)
+    radius = waves.prevails(highest, found.least)
+    return Far(Sense.UNKNOWN) if radius is None else Far(found.sense, radius)
+
+
+@dataclass(frozen=True)
+class _Clear:
+    """The sign of a sum of waves, and a bound that its size keeps above."""
+
+    sense: Sense
+    least: Ball = arb(0)
+
+
+_Group: TypeAlias = dict[tuple[int, ...], Ball]
+
+
+class _Waves:
+    """A polynomial of an axis as sums of sin^k cos^(n - k) of half angles, by the powers of omega before them."""
+
+    def __init__(self, axis: Axis, polynomial: Polynomial) -> None:
+        self.axis, self.polynomial = axis, polynomial
+        self.turning = [i for i, angle in enumerate(axis.angles) if not angle.constant]
+        top = [int(polynomial.degrees()[axis.size + i]) for i in self.turning]
+        self.degrees = [n + n % 2 for n in top]  # even: times cos^n of a half angle keeps the sign
+
+    @cached_property
+    def groups(self) -> dict[Rational, _Group]:
+        with flint.ctx.workprec(_BITS):
+            fixed = {a: expression_ball(tan(x.value / 2)) for a, x in enumerate(self.axis.angles) if x.constant}
+            found: dict[Rational, _Group] = {}
+            for power, turns, constants, value in self._terms():
+                own = arb(value) * arb.pi() ** constants[0]
+                for place, n in constants[1].items():
+                    own *= fixed[place] ** n
+                group = found.setdefault(power, {})
+                group[turns] = group.get(turns, arb(0)) + own
+            return found
+
+    def _terms(self) -> Iterator[tuple[Rational, tuple[int, ...], tuple[int, dict[int, int]], fmpq]]:
+        axis, angles = self.axis, len(self.axis.angles)
+        for exponents, value in self.polynomial.to_dict().items():
+            own = [int(n) for n in exponents]
+            turns, powers = own[axis.size : axis.size + angles], own[axis.size + angles :]
+            power = sum((n * order for n, order in zip(powers, axis.orders, strict=False)), Integer(own[0]))
+            constants = {i: n for i, n in enumerate(turns) if n and i not in self.turning}
+            yield power, tuple(turns[i] for i in self.turning), (own[1], constants), value
+
+    def _value(self, group: _Group, halves: Sequence[Ball]) -> Ball:
+        rows = []
+        for x, n in zip(halves, self.degrees, strict=True):
+            sine, cosine = x.sin_cos()
+            rows.append([sine**k * cosine ** (n - k) for k in range(n + 1)])
+        total = arb(0)
+        for turns, c in group.items():
+            for row, k in zip(rows, turns, strict=True):
+                c = c * row[k]
+            total += c
+        return total
+
+    def sense(self, power: Rational) -> _Clear:
+        """Of the waves before one power of omega."""
+        with flint.ctx.workprec(_BITS):
+            group = self.groups[power]
+            places = range(_SAMPLES if any(self.degrees) else 1)
+            signs = {sign_of(self._along(group, k)) for k in places} - {0}
+            if len(signs) == 2:
+                return _Clear(Sense.BOTH)
+            return self._clear(group, Sense(signs.pop())) if signs else _Clear(Sense.UNKNOWN)
+
+    def _along(self, group: _Group, k: int) -> Ball:
+        """The waves at one of some frequencies, which turn the fastest angle by about 0.23 each."""
+        rates = [expression_ball(self.axis.angles[i].rate) / 2 for i in self.turning]
+        step = arb(fmpq(229, 1000)) / max(rates, key=float, default=arb(1))
+        return self._value(group, [rate * step * (k + 1) for rate in rates])
+
+    def _clear(self, group: _Group, sense: Sense) -> _Clear:
+        """A bound that keeps the waves clear of 0 all over their angles; UNKNOWN where none is found."""
+        cell = arb.pi() / _PIECES
+        cells = [
+            tuple(cell * n + arb(0).union(cell) if top else arb(0) for n, top in zip(place, self.degrees, strict=True))
+            for place in product(*(range(_PIECES if n else 1) for n in self.degrees))
+        ]
+        least, left = None, _MOST_CELLS
+        while cells:
+            tick()
+            box = cells.pop()
+            value = self._value(group, box) * sense.value
+            left -= 1
+            if not value > 0:
+                if left < len(cells):
+                    return _Clear(Sense.UNKNOWN)
+                cells += _halves(box)
+                continue
+            bound = value.lower()
+            least = bound if least is None or bound < least else least
+        return _Clear(sense, least)
+
+    def prevails(self, power: Rational, least: Ball) -> Rational | None:
+        """From where on ``least`` omega^power exceeds all lower powers together."""
+        with flint.ctx.workprec(_BITS):
+            weights = {p: sum(map(abs, group.values()), arb(0)) for p, group in self.groups.items() if p < power}
+            radius = _FIRST
+            for _ in range(_MOST_DOUBLINGS):
+                base = expression_ball(radius)
+                if least > sum((w * base ** expression_ball(p - power) for p, w in weights.items()), arb(0)):
+                    return radius
+                radius *= 2
+        return None
+
+    @property
+    def weakly(self) -> Sense:
+        """The sign that the waves before every power of omega have, 0 allowed; one angle, and rational numbers."""
+        if len(self.axis.angles) != 1 or len(self.turning) != 1 or self.axis.orders or self.polynomial.degrees()[1]:
+            return Sense.UNKNOWN
+        rows: dict[Rational, dict[int, Any]] = {}
+        for power, (k,), _, value in self._terms():
+            rows.setdefault(power, {})[k] = value
+        found = {_weak_sign([row.get(n, fmpq(0)) for n in range(max(row) + 1)]) for row in rows.values()}
+        return found.pop() if len(found) == 1 else Sense.UNKNOWN
+
+
+def _halves(box: tuple[Ball, ...]) -> list[tuple[Ball, ...]]:
+    """A box in two, across its longest side."""
+    place = max(range(len(box)), key=lambda i: float(box[i].rad()))
+    middle, x = box[place].mid(), box[place]
+    return [(*box[:place], end.union(middle), *box[place + 1 :]) for end in (x.lower(), x.upper())]
+
+
+def _weak_sign(row: list[fmpq]) -> Sense:
+    """Of a polynomial on the whole real line: UNKNOWN where it takes both signs."""
+    _sign, lowest, _ = polynomial_factors(row)
+    for side in (1, -1):
+        mirrored = [c * side**n for n, c in enumerate(row)]
+        if any(n % 2 and factor.positive_roots() for factor, n in polynomial_factors(mirrored)[2]):
+            return Sense.UNKNOWN
+    near = next(c for c in row if c)
+    return Sense.UNKNOWN if lowest % 2 else Sense(1 if near > 0 else -1)

@@ -1,0 +1,102 @@
+"""What an evaluation says of stability: imposed motion, and every passive hand; never the one for the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from haptisym.judge.evaluation import Evaluation
+from haptisym.judge.passivity import Beyond, Passivity
+from haptisym.kernel.reals import ExactNumber
+from haptisym.model.jnd import Part
+from haptisym.model.quantities import Motion
+from haptisym.pages.words import H_PERC, NOT_HELD, OPERATORS, compared, short, spans
+from haptisym.writing.boxes import Prefixed
+from haptisym.writing.document import Phrase, Strong
+from haptisym.writing.names import named
+
+_MOST_BANDS = 3
+_IMAG = Prefixed(OPERATORS[Part.IMAG], H_PERC)
+_KEPT, _BROKEN = compared(_IMAG, "≥"), compared(_IMAG, "<")
+
+
+def held(e: Evaluation) -> Iterator[Phrase]:
+    """A remark on imposed motion, and one on every passive hand."""
+    yield _imposed(e)
+    found = e.passivity
+    yield _of_hands(e, found), "" if found and found.holds else f" {NOT_HELD}"
+
+
+def _imposed(e: Evaluation) -> Phrase:
+    pole = Prefixed(OPERATORS[Part.REAL], named("s"))
+    if e.stable is None:
+        return "Whether the force under imposed motion is stable was not decided."
+    if e.stable:
+        return (
+            "The force under imposed motion is stable: ",
+            ("all poles of ", H_PERC, " have ", compared(pole, "<")),
+            ".",
+        )
+    right = ("a pole of ", H_PERC, " has ", compared(pole, "≥"))
+    return "The force under imposed motion is ", Strong("NOT"), " stable: ", right, "."
+
+
+def _of_hands(e: Evaluation, found: Passivity | None) -> Phrase:
+    if found is not None and found.is_active:
+        return "Not with every passive hand: ", _where(found), _energy(e, found), _damping(e, found)
+    if found is None or found.holds is None:
+        return "Every passive hand: not decided", _as_far(found), "."
+    if found.holds:
+        return (
+            "Every passive hand may hold it: ",
+            _KEPT,
+            " at all frequencies, not on this band alone, and no pole forbids it.",
+        )
+    return "Not with every passive hand: ", _KEPT, " at all frequencies, but poles forbid it."
+
+
+def _as_far(found: Passivity | None) -> Phrase:
+    if found is None or found.beyond is Beyond.UNKNOWN:
+        return ""
+    if found.beyond is Beyond.CLOCK:
+        upto = short(ExactNumber(found.high))
+        return "; ", _KEPT, " up to ", upto, " rad/s, half the clock's rate, which alone does not tell"
+    return "; ", _KEPT, " at all frequencies, but poles were not decided"
+
+
+def _where(found: Passivity) -> Phrase:
+    shown = found.active[:_MOST_BANDS]
+    on = found.beyond is Beyond.ALWAYS and len(shown) == len(found.active)
+    last = ("from ", short(shown[-1].low.omega), " rad/s on") if on else ()
+    before = spans(shown[:-1] if on else shown) if len(shown) > bool(on) else ()
+    again = " and again and again beyond" if found.beyond is Beyond.AGAIN else ""
+    more = " and further on" if len(found.active) > _MOST_BANDS and not again else ""
+    joined = (before, " and ", last) if before and last else before or last
+    return _BROKEN, " ", joined, again, more, ". "
+
+
+def _energy(e: Evaluation, found: Passivity) -> Phrase:
+    given = found.most_given
+    if given is None or given.omega is None:
+        return "It gives energy away there, ", _per_cycle(), " per cycle of amplitude A."
+    unit = "N m/rad" if e.scene.motion is Motion.ROTATION else "N/m"
+    most = f"{short(given.value).digits} {unit}"
+    said = (" per cycle of amplitude A (with ", _IMAG, f" = -{most} at ", short(given.omega), " rad/s).")
+    return "It gives energy away there, ", _per_cycle(), said
+
+
+def _per_cycle() -> Phrase:
+    return "-", named("pi"), " A² ", _IMAG
+
+
+def _damping(e: Evaluation, found: Passivity) -> Phrase:
+    """What a hand must damp at least to be held whatever its mass and stiffness."""
+    unit = "N m s/rad" if e.scene.motion is Motion.ROTATION else "N s/m"
+    if found.damping is not None and found.poles_allow:
+        return (
+            " A hand that damps more than ",
+            short(found.damping.value),
+            f" {unit} holds it, whatever its mass and stiffness.",
+        )
+    if found.is_unbounded:
+        return " No damping of a hand makes up for that: it grows faster than frequency."
+    return ""
