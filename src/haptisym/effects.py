@@ -23,11 +23,13 @@ from haptisym.model.catalogue import (
     Formula,
     Frequency,
     Matrix,
+    Method,
     Order,
     PositiveDamping,
     PositiveMass,
     PositiveStiffness,
     PositiveTime,
+    Samples,
     SignedDamping,
     SignedMass,
     SignedStiffness,
@@ -114,6 +116,23 @@ def zero_order_hold(T: PositiveTime) -> Matrix:
     (1000*(1 - exp(-s/1000))/s, 0, 0, 1)
     """
     return _series((1 - exp(-s * T)) / (s * T))
+
+
+@effect("sampled-loop")
+def sampled_loop(T: PositiveTime, method: Method, delay: Samples = 0) -> Matrix:
+    """A controller with a clock: it samples the position, renders the environment as D(z) = H(s(z)), and holds the force.
+
+    T : sampling period, s, > 0; delay : whole samples of computation, absent = none; method : what s becomes,
+    "backward-difference" (1 - 1/z)/T, "tustin" (2/T)(1 - 1/z)/(1 + 1/z) or "forward-difference" (z - 1)/T.
+    The first effect of a scene, and its only clock. Below pi/T it makes H_perc = D(exp(s T)) exp(-s T delay)
+    (1 - exp(-s T))/(s T), exact for imposed motion; its matrix by itself has delay and hold, in a scene D - H beside them, too.
+
+    >>> from haptisym.environments import kelvin_voigt
+    >>> from haptisym.model.distortion import distort
+    >>> distort(kelvin_voigt(5, 2), sampled_loop(1, "backward-difference")).perceived
+    (1 - exp(-s))*(7 - 2*exp(-s))/s
+    """
+    return _series(exp(-s * T * delay) * (1 - exp(-s * T)) / (s * T))
 
 
 @effect("series")

@@ -96,6 +96,10 @@ EFFECT: dict[str, tuple[dict[str, Any], Callable[[P, complex, complex], complex]
         {"T": 0.1},  # a delay of half a sample and the sine of the other half over itself
         _series(lambda p, s: cmath.exp(-s * p["T"] / 2) * cmath.sinh(s * p["T"] / 2) / (s * p["T"] / 2)),
     ),
+    "sampled-loop": (  # by itself, with nothing to render: what it is late by
+        {"T": 0.1, "method": "tustin", "delay": 2},
+        _series(lambda p, s: cmath.exp(-s * p["T"] * 5 / 2) * cmath.sinh(s * p["T"] / 2) / (s * p["T"] / 2)),
+    ),
     "series": (
         {"G": "(1 + s*a)/(1 + s*b)^2", "parameters": {"a": 0.1, "b": 0.1}},
         _series(lambda p, s: (1 + s * p["a"]) / (1 + s * p["b"]) ** 2),
@@ -138,7 +142,7 @@ def scaled(draw: Callable[[st.SearchStrategy[Any]], Any], parameters: P) -> tupl
         if name == "parameters":
             given_values[name], inner = scaled(draw, value)
             floats.update(inner)
-        elif isinstance(value, str) or name == "order":
+        elif isinstance(value, str) or name in ("order", "delay"):
             given_values[name] = floats[name] = value
         elif isinstance(value, list):
             given_values[name] = [draw(scales) * Rational(str(x)) for x in value]

@@ -26,6 +26,7 @@ GIVEN = {
     "admittance-display": {"P": "1/(1 + s*T)", "parameters": {"T": "8 ms"}},
     "two-port": {"A": "1 + s*T", "B": "m*s^2", "C": "1/k", "D": "1", "parameters": {"T": "3 ms", "m": 0.2, "k": 3000}},
     "pade-delay": {"tau": "20 ms", "order": 2},
+    "sampled-loop": {"T": "20 ms", "method": "backward-difference", "delay": 1},
 }
 VALUES = {"zeta": 0.6, "alpha": 0.5, "omega_n": 70, "omega_c": 40, "tau": 0.02, "T": 0.01}
 

@@ -23,6 +23,7 @@ from haptisym.model.parameters import (
     Parameter,
     Rule,
     Slot,
+    chosen,
     enter_list,
     enter_parameter,
     free_name,
@@ -111,19 +112,25 @@ class Effect(Shown):
     parameters: tuple[Parameter, ...]
     dynamics: Matrix = field(repr=False)
     name: str = ""
+    settings: tuple[tuple[str, str | int], ...] = ()
+    """What was chosen of it that is no number to vary: a method, an order."""
+    renders: Environment | None = field(default=None, repr=False)
+    """What a sampled loop renders, once it stands in a scene."""
 
     def _line(self) -> str:
         named = self.name if self.name in ("", self.model) else f"{self.name} "
         model = f"({self.model})" if named and named != self.model else self.model
-        return (
-            f"{named if named != self.model else ''}{model}: {'; '.join(p.stated() for p in self.parameters)}".rstrip(
-                ": "
-            )
-        )
+        told = [*(p.stated() for p in self.parameters), *(f"{key} = {value}" for key, value in self.settings)]
+        return f"{named if named != self.model else ''}{model}: {'; '.join(told)}".rstrip(": ")
+
+    def setting(self, key: str) -> str | int:
+        """What was chosen for a key that is no parameter."""
+        return dict(self.settings)[key]
 
     @property
     def matrix(self) -> Matrix:
-        a, b, c, d = (entry.xreplace(values(self.parameters)) for entry in self.dynamics)
+        known = values((*self.parameters, *(self.renders.parameters if self.renders else ())))
+        a, b, c, d = (entry.xreplace(known) for entry in self.dynamics)
         return a, b, c, d
 
     def with_values(self, given: Mapping[str, Number]) -> Effect:
@@ -168,7 +175,10 @@ def effect(model: str) -> Callable[[Callable[..., Matrix]], Callable[..., Effect
             parameters, arguments = _bind(equation, slots, args, kwargs)
             refuse_references(parameters)
             a, b, c, d = map(_expression, equation(**arguments))
-            return Effect(model, parameters, (a, b, c, d), name or model)
+            bound = inspect.signature(equation).bind(**arguments)
+            bound.apply_defaults()
+            settings = tuple((key, bound.arguments[key]) for key, slot in slots.items() if slot.is_setting)
+            return Effect(model, parameters, (a, b, c, d), name or model, settings)
 
         EFFECTS[model] = Model(model, slots, build, _summary(equation))
         return build
@@ -211,7 +221,9 @@ def _bind(
         slot = slots[key]
         if slot.formula:
             arguments[key] = _formula(key, value, free)
-        elif slot.rule is Rule.ORDER:
+        elif slot.choices:
+            arguments[key] = chosen(key, value, slot.choices)
+        elif slot.is_setting:
             arguments[key] = int(read_parameter(key, value, slot, key).value)
         elif slot.several:
             own = enter_list(key, value, slot)
@@ -286,6 +298,10 @@ Time: TypeAlias = Annotated[Any, Slot(Dimension.TIME, Rule.NONNEGATIVE)]
 PositiveTime: TypeAlias = Annotated[Any, Slot(Dimension.TIME)]
 DampingRatio: TypeAlias = Annotated[Any, Slot(Dimension.RATIO, Rule.NONNEGATIVE)]
 Order: TypeAlias = Annotated[Any, Slot(Dimension.RATIO, Rule.ORDER)]
+Samples: TypeAlias = Annotated[Any, Slot(Dimension.RATIO, Rule.WHOLE)]
+Method: TypeAlias = Annotated[
+    Any, Slot(Dimension.ANY, Rule.ANY, choices=("backward-difference", "tustin", "forward-difference"))
+]
 FractionalOrder: TypeAlias = Annotated[Any, Slot(Dimension.RATIO, Rule.FRACTION)]
 FractionalStiffness: TypeAlias = Annotated[Any, Slot(Dimension.ANY)]
 Force: TypeAlias = Annotated[Any, Slot(Dimension.FORCE, Rule.NONNEGATIVE)]

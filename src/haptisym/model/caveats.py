@@ -7,11 +7,8 @@ from sympy import Expr, Rational, pi
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.catalogue import Effect
 from haptisym.model.jnd import Part
+from haptisym.model.sampled import CLOCKS
 from haptisym.model.scene import Scene
-
-_HOLD = "zero-order-hold"
-CLOCKED = (_HOLD, "sampled-loop")
-"""Effects that work by a clock, of period T."""
 
 
 def caveats(scene: Scene) -> tuple[str, ...]:
@@ -22,21 +19,21 @@ def caveats(scene: Scene) -> tuple[str, ...]:
 def clocks(scene: Scene) -> tuple[Expr, ...]:
     """The periods at which parts of a display work by a clock, s."""
     return tuple(
-        x.value for effect in scene.effects if effect.model in CLOCKED for x in effect.parameters if x.key == "T"
+        x.value for effect in scene.effects if effect.model in CLOCKS for x in effect.parameters if x.key == "T"
     )
 
 
 def sampled_loop(scene: Scene) -> tuple[Effect, Effect] | None:
-    """A sample-and-hold, and what brings its held force back to a clock: an element that yields, or another clock, beyond it.
+    """A clock that holds a force, and what brings that back to a clock: an element that yields, or another clock, beyond it.
 
     Images of the samples then fold back into the band. The closed form (1 - exp(-s T))/(s T) leaves them out, and its poles
     are not those of the sampled loop.
     """
     for i, effect in enumerate(scene.effects):
-        if effect.model != _HOLD:
+        if effect.model not in CLOCKS:
             continue
         for other in scene.effects[i + 1 :]:
-            if other.model == _HOLD or other.dynamics[2] != 0:
+            if other.model in CLOCKS or other.dynamics[2] != 0:
                 return effect, other
     return None
 
@@ -56,7 +53,7 @@ def _loops(scene: Scene) -> list[str]:
 
 def _hand(scene: Scene) -> list[str]:
     """With a clock the hand closes a sampled loop, which may be unstable however stable the force under imposed motion is."""
-    clocks = [x.name for x in scene.effects if x.model == _HOLD]
+    clocks = [x.name for x in scene.effects if x.model in CLOCKS]
     if not clocks:
         return []
     work = f"{' and '.join(clocks)} {'works' if len(clocks) == 1 else 'work'} by a clock"
@@ -69,7 +66,9 @@ def _hand(scene: Scene) -> list[str]:
 
 def _bands(scene: Scene) -> list[str]:
     high = scene.band[1]
-    holds = [(x.name, pi / x.parameters[0].value) for x in scene.effects if x.model == _HOLD]  # its one parameter is T
+    holds = [
+        (x.name, pi / x.parameters[0].value) for x in scene.effects if x.model in CLOCKS
+    ]  # their one parameter is T
     return [
         f"The band reaches beyond {float(nyquist):.5g} rad/s, the Nyquist frequency of {name}: above it a motion is sampled as "
         "one of a lower frequency, and the closed form tells the component at its own frequency only."

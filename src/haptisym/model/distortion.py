@@ -19,6 +19,7 @@ from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.chain import Chain
 from haptisym.model.jnd import Part
 from haptisym.model.properties import ParameterJND, Properties, first_changeover, properties
+from haptisym.model.sampled import in_place
 from haptisym.programs.accuracy import Accuracy, Engine
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def distort(environment: Environment, *effects: Effect, rendered: Environment | 
     (2000/(s + 20), -100*omega**2/(omega**2 + 400))
     """
     felt = rendered.tied_to(environment) if rendered else environment
-    return Distortion.of(Chain(environment.H, felt.H, tuple(e.matrix for e in effects)))
+    return Distortion.of(Chain(environment.H, felt.H, tuple(e.matrix for e in in_place(effects, felt))))
 
 
 @dataclass(frozen=True, repr=False)

@@ -107,7 +107,10 @@ class SceneFamily(Shown):
 
 def _display(scene: Scene) -> tuple[object, ...]:
     """What the scenes of a family share; effects by their matrices, as symbols differ where an environment uses them too."""
-    return tuple((effect.name, effect.matrix) for effect in scene.effects), scene.band, scene.threshold
+    effects = (
+        (e.name, e.settings, tuple(p.value for p in e.parameters) if e.renders else e.matrix) for e in scene.effects
+    )
+    return tuple(effects), scene.band, scene.threshold
 
 
 def named(scenes: Iterable[tuple[str, Scene]], title: str = "", source: str = "") -> SceneFamily:

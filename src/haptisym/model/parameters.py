@@ -26,6 +26,7 @@ class Rule(Enum):
     ANY = "may have any value"
     FRACTION = "must lie between 0 and 1"
     ORDER = "must be a whole number from 1 to 10"
+    WHOLE = "must be a whole number from 0 to 100"
 
     def and_also(self, other: Rule) -> Rule:
         """The stricter one of two rules that one value keeps.
@@ -33,12 +34,14 @@ class Rule(Enum):
         >>> Rule.ANY.and_also(Rule.NONNEGATIVE).and_also(Rule.POSITIVE).name
         'POSITIVE'
         """
-        return min(self, other, key=[Rule.ORDER, Rule.FRACTION, Rule.POSITIVE, Rule.NONNEGATIVE, Rule.ANY].index)
+        return min(
+            self, other, key=[Rule.ORDER, Rule.WHOLE, Rule.FRACTION, Rule.POSITIVE, Rule.NONNEGATIVE, Rule.ANY].index
+        )
 
     def allows(self, value: Expr) -> bool:
         """Whether an exact number keeps the rule; symbols are taken at their word."""
         if value.free_symbols:
-            return self is not Rule.ORDER
+            return self not in _WHOLE_NUMBERS
         sign = sign_of_number(value)
         if self is Rule.POSITIVE:
             return sign > 0
@@ -48,7 +51,12 @@ class Rule(Enum):
             return sign > 0 and sign_of_number(value - 1) < 0
         if self is Rule.ORDER:
             return bool(value.is_Integer) and 1 <= int(value) <= 10
+        if self is Rule.WHOLE:
+            return bool(value.is_Integer) and 0 <= int(value) <= 100
         return True
+
+
+_WHOLE_NUMBERS = (Rule.ORDER, Rule.WHOLE)
 
 
 @dataclass(frozen=True)
@@ -60,6 +68,12 @@ class Slot:
     required: bool = True
     several: bool = False
     formula: bool = False
+    choices: tuple[str, ...] = ()
+
+    @property
+    def is_setting(self) -> bool:
+        """Whether what stands here is chosen, and no number that may be varied."""
+        return bool(self.choices) or self.rule in _WHOLE_NUMBERS
 
 
 NAMED = Slot(Dimension.ANY, Rule.ANY)
@@ -141,11 +155,18 @@ def read_parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
     reserved = {x.name for x in read.value.free_symbols} & {"s", "omega", "X"}
     if reserved:
         raise SceneError(f"{key}: {quoted(given)} contains {min(reserved)}, which has a meaning of its own here")
-    if found.interval and slot.rule is Rule.ORDER:
+    if found.interval and slot.rule in _WHOLE_NUMBERS:
         raise SceneError(f"{key}: {quoted(given)} {slot.rule.value}, and no range")
     if not all(slot.rule.allows(x) for x in (read.value, *(found.interval or ()))):
         raise SceneError(f"{key}: {quoted(given)} {slot.rule.value}")
     return Parameter(symbol, read.value, slot.dimension, read.motion, key, read.exponents, slot.rule, found.interval)
+
+
+def chosen(key: str, given: object, choices: Sequence[str]) -> str:
+    """One of some words; SceneError for any other."""
+    if given not in choices:
+        raise SceneError(f"{key}: {quoted(given)} is none: {meant(str(given), choices)}valid are {', '.join(choices)}")
+    return str(given)
 
 
 def enter_list(key: str, given: Any, slot: Slot) -> list[Parameter]:

@@ -22,6 +22,7 @@ from haptisym.model.knobs import THRESHOLD, Knob, Knobs, threshold_knobs
 from haptisym.model.parameters import Rule, free_name, refuse_references
 from haptisym.model.quantities import Dimension, Motion, Number, number
 from haptisym.model.ranges import spread
+from haptisym.model.sampled import in_place
 
 
 @dataclass(frozen=True, repr=False)
@@ -75,7 +76,8 @@ class Scene(Shown):
         object.__setattr__(self, "environment", self.environment.renamed(next(renamed)))
         rendered = next(renamed)
         object.__setattr__(self, "rendered", self.rendered.renamed(rendered) if self.rendered else None)
-        object.__setattr__(self, "effects", tuple(effect.renamed(next(renamed)) for effect in effects))
+        effects = [effect.renamed(next(renamed)) for effect in effects]
+        object.__setattr__(self, "effects", in_place(effects, self.rendered or self.environment))
 
     def _tie(self) -> None:
         """What is rendered gets the environment's parameters where it refers to them."""

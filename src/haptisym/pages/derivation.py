@@ -131,6 +131,9 @@ def _excess(part: Part) -> Box:
 def _action(i: int, effect: Effect) -> tuple[Phrase, list[Line]]:
     """What the effect of that number does to H, in words, and the formulas that the words name."""
     a, b, c, d = effect.dynamics
+    if effect.renders:
+        words = (f"renders it with a clock ({effect.setting('method')}): ", _H, " becomes ", named(f"G_{i}"), " (", _H)
+        return (*words, " + ", named(f"Z_{i}"), ")"), [_of_s("Z", i, b / a), _of_s("G", i, a)]
     names = {x: named(f"{x}_{i}") for x in "GZYABCD"}
     if (b, c, d) == (0, 0, 1):
         return ("multiplies the force by ", names["G"]), [_of_s("G", i, a)]

@@ -136,10 +136,11 @@ class Author:
         """(A H + B)/(C H + D), and what it adds, ((A - D) H + B - C H^2)/(C H + D)."""
         A, B, C, D = map(matrix[0].ring.function, cleared(matrix))
         if C.is_zero:  # beside the environment
-            Z = self.named("ST", self.closed((B / D).reduced(), label), label)
+            before = (B / A).reduced() if not A.is_zero else B  # what a sampled loop adds is short before its gain
+            Z = self.named("ST", self.closed(before, label), label)
             gain, change = self.series([(A / D).reduced()], [label])
-            moved = self.plus(self.times(felt, change), Z)
-            return self.plus(self.times(felt, gain), Z), self.plus(dH, moved)
+            felt = self.plus(felt, Z)
+            return self.times(felt, gain), self.plus(dH, self.plus(self.times(felt, change), Z))
         common = int(min(_ring(x).order_at_0(x.numerator) for x in (A, B, C, D)))  # then C H + D is not 0 at 0
         a, b, c, d, difference = (self.entry(x, common) for x in (A, B, C, D, A - D))
         c_H = self.times(c, felt)

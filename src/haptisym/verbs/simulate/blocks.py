@@ -13,12 +13,13 @@ from functools import reduce
 from typing import Any, NamedTuple, TypeAlias
 
 from flint import fmpq
-from sympy import Expr, I, exp
+from sympy import Expr, I, exp, pi
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import Polynomial
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
+from haptisym.model.sampled import controller
 from haptisym.verbs.simulate.network import Exact, Hold, Network, Sum, Switch, exact, name_of
 
 Values: TypeAlias = Mapping[str, Exact]
@@ -208,6 +209,30 @@ def _zero_order_hold(net: Network, element: Effect, near: Port, far: Port) -> No
     net.holds.append(Hold(name_of(near.F), name_of(far.F), float_of(_values(element)["T"]), element.name))
 
 
+def build_controller(net: Network, effect: Effect, port: Port) -> None:
+    """Add a sampled controller in the place of the environment that it renders: its difference equation, between samples held."""
+    sampled, force = net.signal("sampled"), net.signal("computed")
+    T = _values(effect)["T"]
+    net.built.append(effect.model)
+    net.holds.append(Hold(name_of(port.X), name_of(sampled), float_of(T), effect.name))
+    D = controller(effect)
+    net.equal(_samples_ago(D.denominator, force, T), _samples_ago(D.numerator, sampled, T))
+    net.equal(port.F, force)
+
+
+def _samples_ago(polynomial: Polynomial, x: Sum, T: Exact) -> Sum:
+    """A polynomial in 1/z, applied to a signal that changes with the clock alone."""
+    total = Sum({})
+    for (n, power_of_pi, *_), coefficient in polynomial.to_dict().items():
+        total = total + coefficient * exact(pi) ** int(power_of_pi) * x.late(int(n) * T)
+    return total
+
+
+def _sampled_loop(net: Network, element: Effect, near: Port, far: Port) -> None:
+    net.equal(far.X, near.X)
+    net.equal(far.F, near.F)
+
+
 def _shunt(net: Network, element: Effect, near: Port, far: Port) -> None:
     net.equal(far.X, near.X)
     beside = net.signal("beside")
@@ -294,6 +319,7 @@ _EFFECTS: dict[str, Callable[[Network, Effect, Port, Port], None]] = {
     "second-order-lowpass": _second_order_lowpass,
     "delay": _delay,
     "pade-delay": _series,
+    "sampled-loop": _sampled_loop,
     "zero-order-hold": _zero_order_hold,
     "series": _series,
     "shunt": _shunt,

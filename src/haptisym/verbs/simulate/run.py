@@ -13,7 +13,7 @@ from haptisym.kernel.stability import is_stable
 from haptisym.model.quantities import Dimension, Number, quantity
 from haptisym.model.quantities import Motion as Kind
 from haptisym.model.scene import Scene
-from haptisym.verbs.simulate.blocks import Port, build_effect, build_environment
+from haptisym.verbs.simulate.blocks import Port, build_controller, build_effect, build_environment
 from haptisym.verbs.simulate.engine import Engine
 from haptisym.verbs.simulate.frictions import join_frictions
 from haptisym.verbs.simulate.linear import Reading
@@ -159,7 +159,10 @@ def _build(net: Network, scene: Scene, motion: Motion, extras: Sequence[Extra]) 
     near = ports[0]
     for extra in extras:
         near = _build_extra(net, extra, near, scene)
-    build_environment(net, scene.rendered or scene.environment, near)
+    if scene.effects and scene.effects[0].renders:
+        build_controller(net, scene.effects[0], near)
+    else:
+        build_environment(net, scene.rendered or scene.environment, near)
     for effect, inner, outer in zip(scene.effects, ports, ports[1:], strict=False):
         build_effect(net, effect, inner, outer)
     net.equal(ports[-1].X, Sum.of(MOTION))
