@@ -23,6 +23,7 @@ from haptisym.verbs.effects.entry import relevance
 from haptisym.verbs.effects.relevance import Relevance
 from haptisym.verbs.evaluate.entry import evaluate
 from haptisym.verbs.family.entry import FamilyEvaluation, evaluate_all
+from haptisym.verbs.jnd.entry import Psychometric, jnd
 from haptisym.verbs.metrics.entry import metrics
 from haptisym.verbs.metrics.metric import Metrics
 from haptisym.verbs.require.designmap import DesignMap, design_map
@@ -68,6 +69,7 @@ __all__ = [
     "Percept",
     "Point",
     "Property",
+    "Psychometric",
     "RealNumber",
     "Relevance",
     "Requirement",
@@ -93,6 +95,7 @@ __all__ = [
     "family_names",
     "hard_costs",
     "interop",
+    "jnd",
     "latex",
     "load_scene",
     "load_scenes",

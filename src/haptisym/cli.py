@@ -18,7 +18,8 @@ from haptisym.commands.streams import ReaderLeft, interrupts, note, prepare, to_
 from haptisym.kernel.errors import HaptisymError, UndecidedError
 
 VERBS = (
-    "evaluate", "derive", "effects", "require", "sensitivity", "tolerances", "sweep", "metrics", "cost", "simulate", "scenes",
+    "evaluate", "derive", "effects", "require", "sensitivity", "tolerances", "sweep", "metrics", "cost", "simulate", "jnd",
+    "scenes",
 )  # fmt: skip
 """The main job first. Each is the function of its name in its module of ``commands``, loaded when it is called for."""
 
@@ -58,7 +59,14 @@ def app() -> None:
     """
 
 
-_EXTRAS = {"scipy": "simulate", "xarray": "sweep", "dask": "sweep", "zarr": "sweep", "numba": "fast"}
+_EXTRAS = {
+    "scipy": "simulate",
+    "xarray": "sweep",
+    "dask": "sweep",
+    "zarr": "sweep",
+    "numba": "fast",
+    "psignifit": "psychophysics",
+}
 """Packages that only some verbs need, and the extra of each."""
 
 

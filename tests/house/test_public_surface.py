@@ -176,6 +176,7 @@ def answers(path: Path) -> list[str]:
     design: hs.DesignMap = hs.design_map(scene, ["zeta", "omega_n"], [(0.4, "0.6"), (50, 500)], slices=3)
     slopes: hs.Sensitivities = hs.sensitivity(scene)
     boxes: hs.Tolerances = hs.tolerances(hs.load_scene("fu2019-tolerances"), samples=0)
+    person: hs.Psychometric = hs.jnd("answers.csv", reference=5, lapse=None)
     kept: hs.Relevance = hs.relevance(scene, "1 %")
     measures: hs.Metrics = hs.metrics("fu2019")
     costs: hs.Cost = hs.cost(scene, quick=True)

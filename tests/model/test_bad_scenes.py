@@ -93,7 +93,14 @@ BAD = {
     ),
     "unit alone": (env("model='mass-spring-damper'\nm='kg'"), ["environment", "m", "kg", "number"]),
     "empty value": (env("model='mass-spring-damper'\nm=''"), ["environment", "m", "number"]),
-    "a list for a number": (env("model='mass-spring-damper'\nm=[1, 2, 3]"), ["environment", "m", "[1, 2, 3]", "pair"]),
+    "a list for a number": (
+        env("model='mass-spring-damper'\nm=[1, 2, 3, 4]"),
+        ["environment", "m", "[1, 2, 3, 4]", "pair"],
+    ),
+    "a nominal value outside its range": (
+        env("model='mass-spring-damper'\nm=[1, 4, 3]"),
+        ["environment", "m", "[1, 4, 3]", "between the other two"],
+    ),
     "true for a number": (env("model='mass-spring-damper'\nm=true"), ["environment", "m", "m: true"]),
     "a date for a number": (env("model='mass-spring-damper'\nm=2019-01-01"), ["environment", "m", "2019-01-01"]),
     # values

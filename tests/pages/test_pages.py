@@ -11,6 +11,7 @@ from marks import often
 
 import haptisym as hs
 from haptisym.verbs.cost.hardcases import hard_cases
+from haptisym.verbs.jnd.answers import Answers, Row
 from haptisym.verbs.sweep.swept import Swept
 from haptisym.writing.document import Block, Document, Equations, Figure, Number, Phrase, Section, Table, chosen
 from haptisym.writing.plain import plain, said
@@ -18,6 +19,8 @@ from haptisym.writing.plain import plain, said
 SPRING = hs.environments.mass_spring_damper(k="100 N/m +- 10 %")
 RANGED = hs.Scene(SPRING, (hs.effects.first_order_lag("40 rad/s +- 10 %"),))
 TINY = hs.Scene(hs.environments.mass_spring_damper(1.8, 15, 100), (hs.effects.first_order_lag("1 MHz"),))
+
+ANSWERED = Answers("stiffness", tuple(Row(4.4 + 0.3 * i, k, 40) for i, k in enumerate((5, 11, 19, 26, 33, 37))))
 
 ANSWERS: dict[str, Callable[[], Any]] = {
     "effects": lambda: hs.relevance("sidestick"),
@@ -32,6 +35,10 @@ ANSWERS: dict[str, Callable[[], Any]] = {
     "metrics": lambda: hs.metrics("steering-wheel"),
     "sweep": lambda: Swept(TINY, hs.sweep(TINY, {"environment.m": [1.0, 2.0, 3.0]})),
     "simulate": lambda: hs.simulate("fu2019", hs.sine("5 cm", 10)),
+    "jnd": lambda: hs.jnd(ANSWERED, reference=5, lapse=0.02),
+    "jnd that does not fit": lambda: hs.jnd(
+        Answers("two people", tuple(Row(float(x), k, 40) for x, k in enumerate((2, 30, 8, 33, 12, 38))))
+    ),
     "cost": lambda: hs.cost("fu2019", quick=True),
     "hard costs": lambda: hs.hard_costs(hard_cases("identities")),
 }

@@ -1,4 +1,7 @@
-"""Quantities that are not known exactly: ``"1.8 kg +- 5 %"``, ``"1.8 kg +- 0.1 kg"`` or a pair of the lowest and the highest."""
+"""Quantities that are not known exactly: ``"1.8 kg +- 5 %"``, ``"1.8 kg +- 0.1 kg"``, or a list of the lowest and the highest.
+
+A third number between them is the nominal value.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +34,8 @@ def ranged(given: Any, dimension: Dimension) -> Ranged:
     """Read a quantity or a range of it, exactly.
 
     ``given`` : whatever ``quantity`` reads; a string with ``+-`` (or a plus-minus sign) and a deviation, with a unit or in per
-    cent of the centre; or a pair of quantities, whose middle is the nominal value. Raises SceneError for anything else.
+    cent of the centre; a pair of quantities, whose middle is the nominal value, or three: the lowest, the nominal, the highest.
+    Raises SceneError for anything else.
 
     >>> ranged("1.8 kg +- 5 %", Dimension.MASS).interval, ranged(["1.7 kg", "1.9 kg"], Dimension.MASS).nominal.value
     ((171/100, 189/100), 9/5)
@@ -72,16 +76,20 @@ def _deviation(text: str, centre: Quantity, given: str, dimension: Dimension) ->
 
 def _between(given: Sequence[Any], dimension: Dimension) -> Ranged:
     shown = str(list(given))[:60]
-    if len(given) != 2:
-        raise SceneError(f"{shown} is not a range: a list here must be a pair, the lowest and the highest value")
-    low, high = (quantity(x, dimension) for x in given)
-    if low.value.free_symbols or high.value.free_symbols:
+    if len(given) not in (2, 3):
+        raise SceneError(
+            f"{shown} is not a range: a list here must be a pair, the lowest and the highest value, or three, the nominal between"
+        )
+    low, *between, high = (quantity(x, dimension) for x in given)
+    if any(x.value.free_symbols for x in (low, *between, high)):
         raise SceneError(f"{shown} is not a range: its ends must be numbers")
-    if low.exponents != high.exponents:
+    if any(x.exponents != low.exponents for x in (*between, high)):
         raise SceneError(f"{shown}: both ends of a range must have units of the same kind")
     if sign_of_number(high.value - low.value) < 0:
         raise SceneError(f"{shown}: the lower end of a range must not be above the upper end")
-    middle = Quantity((low.value + high.value) / 2, low.motion, low.exponents)
+    middle = between[0] if between else Quantity((low.value + high.value) / 2, low.motion, low.exponents)
+    if any(sign_of_number(x) < 0 for x in (middle.value - low.value, high.value - middle.value)):
+        raise SceneError(f"{shown}: the value in the middle, the nominal one, must lie between the other two")
     return Ranged(middle, None if low.value == high.value else (low.value, high.value))
 
 
@@ -93,6 +101,6 @@ def spread(nominal: Expr, interval: Interval) -> str:
     'by 5 %'
     """
     low, high = interval
-    if nominal == 0 or sign_of_number(low) * sign_of_number(high) <= 0:
+    if nominal == 0 or sign_of_number(low) * sign_of_number(high) <= 0 or nominal - low != high - nominal:
         return f"from {float(low):.6g} to {float(high):.6g}"
     return f"by {float(50 * (high - low) / (nominal * sign_of_number(nominal))):.4g} %"

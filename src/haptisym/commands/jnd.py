@@ -1,0 +1,112 @@
+"""``haptisym jnd DATA``: the just-noticeable difference from a person's answers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import click
+
+from haptisym.commands.options import drawn, figure_option, json_option, show
+from haptisym.commands.verb import verb
+from haptisym.kernel.errors import SceneError
+from haptisym.model.quantities import decimal
+
+
+class _Number(click.ParamType[object]):
+    """A decimal number, or one of some words."""
+
+    name = "number"
+
+    def __init__(self, *words: str) -> None:
+        self.words = words
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> object:
+        try:
+            return value if isinstance(value, float) or value in self.words else float(decimal(str(value)))
+        except SceneError as error:
+            raise error.within(param.opts[-1] if param else "number") from None
+
+
+@verb()
+@click.argument("data")
+@click.option(
+    "--proportion", type=_Number(), metavar="P", help="Take the JND at that share of answers.  [default: 0.75]"
+)
+@click.option("--alternatives", type=int, metavar="M", help="A forced choice between M; levels are differences.")
+@click.option(
+    "--reference", type=_Number(), metavar="X", help="The level of the standard, for the JND as a fraction of it."
+)
+@click.option("--guess", type=_Number(), default=0.0, metavar="G", help="Share of guesses.  [default: 0]")
+@click.option(
+    "--lapse", type=_Number("free"), default=0.0, metavar="L", help='Share of lapses, or "free".  [default: 0]'
+)
+@click.option("--confidence", type=_Number(), default=0.95, metavar="C", help="Of the interval.  [default: 0.95]")
+@click.option(
+    "--method",
+    type=click.Choice(["likelihood", "psignifit"]),
+    default="likelihood",
+    show_default=True,
+    help="How to fit.",
+)
+@click.option("--level", metavar="COLUMN", help="The column of the levels.")
+@click.option("--count", metavar="COLUMN", help="The column of the answers that count, k.")
+@click.option("--trials", metavar="COLUMN", help="The column of all answers, n.")
+@click.option("--answer", metavar="COLUMN", help="The column of single answers, 1 or 0.")
+@click.option("--where", multiple=True, metavar="COLUMN=VALUE", help="Only lines with that value; may be repeated.")
+@figure_option("answers and curve")
+@json_option
+def jnd(
+    data: str,
+    proportion: float | None,
+    alternatives: int | None,
+    reference: float | None,
+    guess: float,
+    lapse: float | str,
+    confidence: float,
+    method: str,
+    level: str | None,
+    count: str | None,
+    trials: str | None,
+    answer: str | None,
+    where: tuple[str, ...],
+    figure: Path | None,
+    as_json: bool,
+) -> None:
+    """Fit a psychometric function to answers: the JND, its interval, and the line for a scene.
+
+    DATA is a table (CSV) with a line for each level (level, k of n answers; the columns of quickpsy and Palamedes are known)
+    or for each trial (level, answer; as PsychoPy writes it, staircases too), or a result of psignifit 4 (JSON).
+
+    Without --alternatives the answers say whether a level is more than the standard: the JND is the distance from the point of
+    subjective equality. With it they are right or wrong, and the JND is the level itself.
+
+    \b
+    Examples:
+      haptisym jnd answers.csv --reference 5
+      haptisym jnd answers.csv --reference 5 --proportion 0.84 --figure answers.svg
+      haptisym jnd staircase.csv --alternatives 2 --reference 1 --where participant=07
+      haptisym jnd psignifit.json --method psignifit --json
+    """
+    from haptisym.verbs.jnd.entry import jnd as measure
+
+    named = {"level": level, "count": count, "trials": trials, "answer": answer}
+    found = measure(
+        data, proportion=proportion, alternatives=alternatives, guess=guess, lapse=None if isinstance(lapse, str) else lapse,
+        reference=reference, confidence=confidence, method=method, where=_pairs(where),
+        columns={key: x for key, x in named.items() if x is not None},
+    )  # fmt: skip
+    drawn(found, figure)
+    show(found, as_json=as_json)
+
+
+def _pairs(given: Iterable[str]) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for one in given:
+        column, sign, value = one.partition("=")
+        if not sign or not column:
+            raise SceneError(f'--where "{one[:60]}": write it as COLUMN=VALUE')
+        if column in found:
+            raise SceneError(f"--where {column} is given twice: lines have one value in a column")
+        found[column] = value
+    return found

@@ -1,0 +1,160 @@
+"""The page of a measured JND: the threshold, how certain it is, the line for a scene, and the answers beside the curve."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from haptisym.verbs.jnd.entry import METHODS, Psychometric
+from haptisym.verbs.jnd.fit import Estimate
+from haptisym.writing.boxes import (
+    Applied,
+    Box,
+    Fenced,
+    Fraction,
+    Numeral,
+    Product,
+    Sum,
+)  # fmt: skip
+from haptisym.writing.document import (
+    Block,
+    Code,
+    Column,
+    Document,
+    Equations,
+    Facts,
+    Figure,
+    Line,
+    Notes,
+    Number,
+    Paragraph,
+    Phrase,
+    Section,
+    Strong,
+    Table,
+)
+from haptisym.writing.names import named
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Canvas
+
+
+def page(p: Psychometric) -> Document:
+    """The whole page."""
+    caption = "Shares of the answers at each level (the larger a dot, the more answers) and the fitted curve."
+    blocks: tuple[Block, ...] = (
+        Facts(tuple(_found(p))),
+        *_warned(p),
+        Section("The curve", (Equations((_equation(p),)), Facts(tuple(_facts(p)))), "curve"),
+        Figure("answers", caption, _draw(p)),
+        Section("The answers", (_answers(p),), "answers"),
+        *((Notes(p.notes),) if p.notes else ()),
+        Paragraph(_ESTIMATED),
+    )
+    return Document(
+        p.answers.name, (f"Fitted by {METHODS[p.method]}.",), blocks, "A just-noticeable difference, measured"
+    )
+
+
+_ESTIMATED = (
+    "Estimated from answers, not proven: another person, or the same one on another day, gives other answers. The interval says "
+    "how far chance alone moves them, if the curve is the right one."
+)
+
+
+def _draw(p: Psychometric) -> Callable[[], Canvas]:
+    def draw() -> Canvas:
+        found: Canvas = p.figure()
+        return found
+
+    return draw
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.4g}\xa0%"
+
+
+def _number(x: float, digits: int = 5) -> Number:
+    return Number(f"{x:.{digits}g}", x)
+
+
+def _estimate(p: Psychometric, x: Estimate) -> Phrase:
+    ends = tuple("unbounded" if end is None else _number(end, 4) for end in (x.low, x.high))
+    if ends == ("unbounded", "unbounded"):
+        return _number(x.value)
+    return _number(x.value), f" ({_percent(p.confidence)}: ", ends[0], " to ", ends[1], ")"
+
+
+def _found(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
+    """The JND, the fraction, how well the curve fits, and the line for a scene."""
+    share, choices = _percent(p.asked.proportion), p.asked.alternatives
+    where = (
+        f"are right, of {choices} alternatives" if choices else "are “more”, beyond the point of subjective equality"
+    )
+    yield "JND", (_estimate(p, p.jnd), f", where {share} of the answers {where}")
+    if p.fraction and p.reference:
+        yield "fraction", (_estimate(p, p.fraction), " of the standard, ", _number(p.reference))
+    yield "fit", _fit(p)
+    yield "in a scene", Code(p.line) if p.line else (
+        "a threshold is a fraction of the standard: give its level with ", Code("--reference"),
+        " (1 where the levels are fractions)",
+    )  # fmt: skip
+
+
+def _fit(p: Psychometric) -> Phrase:
+    tested = p.deviance
+    if tested.p is None:
+        return "cannot be tested: no more levels with enough answers than numbers that are fitted"
+    told = "deviance ", _number(tested.value, 4), f", {tested.degrees} degrees of freedom, p = ", _number(tested.p, 2)
+    return (*told, ": within chance") if tested.fits else (*told, ": ", Strong("NOT"), " within chance")
+
+
+def _warned(p: Psychometric) -> Iterator[Block]:
+    if p.deviance.fits is False:
+        yield Paragraph((
+            "The curve does ", Strong("NOT"), " fit these answers: neither the JND nor its interval can be relied on. Look at ",
+            "the figure, and for lapses, learning, or answers of several people put together.",
+        ))  # fmt: skip
+
+
+def _equation(p: Psychometric) -> Line:
+    curve = p.fit.curve
+    x, mu, sigma = (named(name) for name in ("x", "mu", "sigma"))
+    phi = Applied(named("Phi"), (Fraction(Sum(((1, x), (-1, mu))), sigma),))
+    if not curve.guess and not curve.lapse:
+        return Line(Applied(named("psi"), (x,)), phi)
+    share: Box = Sum(((1, Numeral("1")), (-1, named("gamma")), (-1, named("lambda"))))
+    return Line(Applied(named("psi"), (x,)), Sum(((1, named("gamma")), (1, Product((Fenced(share), phi))))))
+
+
+def _facts(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
+    curve = p.fit.curve
+    middle = "middle of the curve" if p.asked.alternatives else "point of subjective equality"
+    yield named("mu"), (_estimate(p, p.middle), f", the {middle}")
+    yield named("sigma"), _number(curve.sigma)
+    if curve.guess or curve.lapse:
+        yield named("gamma"), (_number(curve.guess), ", guesses")
+        yield named("lambda"), (_number(curve.lapse), ", lapses")
+    if p.answers.earlier:
+        yield "in the file", p.answers.earlier
+
+
+_MOST_ROWS = 40
+
+
+def _answers(p: Psychometric) -> Block:
+    rows = p.answers.rows
+    if len(rows) > _MOST_ROWS:
+        trials = sum(x.trials for x in rows)
+        return Paragraph(f"{trials} answers at {len(rows)} levels, from {rows[0].level:g} to {rows[-1].level:g}.")
+    curve = p.fit.curve(np.array([x.level for x in rows]))
+    columns = tuple(Column(x, number=True) for x in ("level", "k", "n", "share", "curve"))
+    told = tuple(
+        (_number(x.level, 6), str(x.count), str(x.trials), f"{x.share:.3f}", f"{y:.3f}")
+        for x, y in zip(rows, curve, strict=True)
+    )
+    return Table(
+        columns, told, "The answers: how many (k) of how many (n) counted at each level, and what the curve has there."
+    )
