@@ -10,6 +10,7 @@ from haptisym.kernel.symbols import omega, s, symbols
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.distortion import Distortion, distort
 from haptisym.model.family import SceneFamily
+from haptisym.model.hand import Hand, hands
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import family_names, load_scene, load_scenes, parse_scene, parse_scenes, scene_names
@@ -34,6 +35,8 @@ from haptisym.verbs.simulate.entry import check, simulate
 from haptisym.verbs.simulate.motions import chirp, multisine, sine
 from haptisym.verbs.simulate.recordings import recording
 from haptisym.verbs.simulate.results import EncoderQuantisation, ForceSaturation, Simulation
+from haptisym.verbs.stability.answer import Stability
+from haptisym.verbs.stability.entry import stability
 from haptisym.verbs.sweep.entry import sweep
 from haptisym.verbs.tolerances.entry import tolerances
 from haptisym.verbs.tolerances.proofs import Tolerances
@@ -58,6 +61,7 @@ __all__ = [
     "ExpressionError",
     "FamilyEvaluation",
     "ForceSaturation",
+    "Hand",
     "HaptisymError",
     "HardCosts",
     "Interval",
@@ -78,6 +82,7 @@ __all__ = [
     "SceneFamily",
     "Sensitivities",
     "Simulation",
+    "Stability",
     "Threshold",
     "Tolerances",
     "UndecidedError",
@@ -93,6 +98,7 @@ __all__ = [
     "evaluate",
     "evaluate_all",
     "family_names",
+    "hands",
     "hard_costs",
     "interop",
     "jnd",
@@ -116,6 +122,7 @@ __all__ = [
     "simulate",
     "simulation_cost",
     "sine",
+    "stability",
     "sweep",
     "symbols",
     "tolerances",

@@ -18,8 +18,8 @@ from haptisym.commands.streams import ReaderLeft, interrupts, note, prepare, to_
 from haptisym.kernel.errors import HaptisymError, UndecidedError
 
 VERBS = (
-    "evaluate", "derive", "effects", "require", "sensitivity", "tolerances", "sweep", "metrics", "cost", "simulate", "jnd",
-    "scenes",
+    "evaluate", "derive", "effects", "require", "stability", "sensitivity", "tolerances", "sweep", "metrics", "cost", "simulate",
+    "jnd", "scenes",
 )  # fmt: skip
 """The main job first. Each is the function of its name in its module of ``commands``, loaded when it is called for."""
 

@@ -187,6 +187,8 @@ def answers(path: Path) -> list[str]:
     motions = [hs.multisine(0.01, [1, 2]), hs.chirp(0.01, 1, 10, 5)]
     family: hs.SceneFamily = hs.load_scenes("fu2019", ["fu2019", "helicopter-cyclic"])
     together: hs.FamilyEvaluation = hs.evaluate_all(family)
+    arm: hs.Hand = hs.hands["postural-arm"]
+    shakes: hs.Stability = hs.stability(scene, [arm, "firm-grip", hs.Hand("own", m="0.5 kg")])
     sets = hs.sweep(scene, {"effects.filter.omega_n": [60, 80]})
     code: str = hs.scene_code(scene, hs.Language.NUMPY) + hs.distortion_code(scene.distortion(), hs.Language.C)
     d: hs.Distortion = hs.distort(hs.environments.mass_spring_damper(*hs.symbols("m b k")), hs.effects.delay("5 ms"))
@@ -197,7 +199,7 @@ def answers(path: Path) -> list[str]:
     except hs.SceneError as error:
         written.append(str(error))
     shown: list[object] = [width, spans, felt, points, kinds, high, derived, needed, design, slopes, boxes, kept]
-    shown += [measures, costs, harder, simulated, run, both, motions, sets, f]
+    shown += [measures, shakes, costs, harder, simulated, run, both, motions, sets, f]
     return [*written, *map(str, shown), str(path)]
 '''
 

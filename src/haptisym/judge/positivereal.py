@@ -15,8 +15,9 @@ from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.far import Sense, far
 from haptisym.kernel.response import RealFunction, Response, on_axis
 from haptisym.kernel.rings import RationalFunction
-from haptisym.kernel.rootcount import count_roots, order_at_0
+from haptisym.kernel.rootcount import count_roots
 from haptisym.kernel.roots import chart, sign_of_number
+from haptisym.kernel.terms import order_at_0
 
 
 def poles_allow(F: RationalFunction) -> bool | None:

@@ -12,11 +12,10 @@ from dataclasses import dataclass
 from enum import Enum
 from itertools import pairwise
 from math import ceil
-from typing import TypeAlias
 
 import flint
 from flint import acb, arb
-from sympy import Expr, I, Integer, Rational, factorial, pi
+from sympy import Expr, I, Integer, Rational, pi
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
@@ -25,9 +24,9 @@ from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, degree_in
 from haptisym.kernel.roots import Chart, Point, chart, sign_of_number
 from haptisym.kernel.symbols import s
+from haptisym.kernel.terms import Terms, at_least, beginning_at_0, size, terms_of
 
 _MOST_TURNING = 2000  # radians that the delays turn up to the reach: thousands of zeros take minutes
-_MOST_TERMS = 64  # of the expansion at s = 0 that are tried
 _FINEST = 64  # times that a bound is halved before it is given up
 _BITS = 128
 
@@ -71,9 +70,9 @@ def count_roots(polynomial: Polynomial, ring: Ring) -> Roots:
     """
     if I in ring.generators and degree_in([polynomial], len(ring.meanings) - 1):
         raise UndecidedError("the roots of a function with j among its numbers")
-    terms = _terms(polynomial, ring)
+    terms = terms_of(polynomial, ring)
     degree = max(terms)
-    floor = _floor(terms[degree], ring)
+    floor = floor_of(terms[degree], ring)
     if isinstance(floor, Chain):
         return Roots(None, None, chain=floor)
     reach = _reach(terms, floor, ring)
@@ -81,7 +80,7 @@ def count_roots(polynomial: Polynomial, ring: Ring) -> Roots:
     if any(part.is_zero for part in parts):  # as of s^2 + 1: another root on the left turns the function off both axes
         return count_roots(polynomial * (ring.variable + 1), ring)
     curve = chart(dict(zip(("real", "imag"), parts, strict=True)), Integer(0), reach)
-    order, sign = _beginning(terms, ring)
+    order, sign = beginning_at_0(terms, ring)
     start = 0 if sign > 0 else 2
     turned = _lifted(_last_quadrant(curve, order + start), parts, reach)
     with flint.ctx.workprec(_BITS):
@@ -90,44 +89,17 @@ def count_roots(polynomial: Polynomial, ring: Ring) -> Roots:
     left_of_it = _whole(lacking)  # the contour passes roots on the axis on their left, but that at 0 on its right
     at_0 = [curve.points[0].omega] if order else []
     right = left_of_it - 2 * sum(map(_times, passed))
-    return Roots(left_of_it + ceil(order), right, (*at_0, *(p.omega for p in passed)))
-
-
-def order_at_0(polynomial: Polynomial, ring: Ring) -> Rational:
-    """The order of a zero at s = 0, where 1 - exp(-s tau) has one too, and s^alpha one of order alpha."""
-    return _beginning(_terms(polynomial, ring), ring)[0]
-
-
-# Terms: by their power of s, and by how often each unit delay is in them
-
-Terms: TypeAlias = dict[Rational, dict[tuple[int, ...], Expr]]
-
-
-def _terms(polynomial: Polynomial, ring: Ring) -> Terms:
-    found: Terms = {}
-    lags = len(ring.lags)
-    for exponents, value in polynomial.to_dict().items():
-        own = [int(n) for n in exponents]
-        turns, powers = tuple(own[ring.size : ring.size + lags]), own[ring.size + lags :]
-        power = sum((n * order for n, order in zip(powers, ring.orders, strict=False)), Integer(own[0]))
-        group = found.setdefault(power, {})
-        group[turns] = group.get(turns, Integer(0)) + Rational(int(value.p), int(value.q)) * pi ** own[1]
-    exact = {p: {turns: c for turns, c in group.items() if sign_of_number(c)} for p, group in found.items()}
-    return {p: group for p, group in exact.items() if group}
-
-
-def _size(number: Expr) -> Expr:
-    return number * sign_of_number(number)
+    return Roots(left_of_it + at_least(order), right, (*at_0, *(p.omega for p in passed)))
 
 
 # What the highest power of s is multiplied by, L(exp(-s tau_1), ...)
 
 
-def _floor(group: Mapping[tuple[int, ...], Expr], ring: Ring) -> Expr | Chain:
+def floor_of(group: Mapping[tuple[int, ...], Expr], ring: Ring) -> Expr | Chain:
     """A number > 0 that |L| is nowhere less than where all |exp(-s tau)| <= 1; or where the chain of its zeros lies."""
     own = next((c for turns, c in group.items() if not any(turns)), Integer(0))
     delayed = {turns: c for turns, c in group.items() if any(turns)}
-    margin = _size(own) - sum(map(_size, delayed.values()), Integer(0))
+    margin = size(own) - sum(map(size, delayed.values()), Integer(0))
     if sign_of_number(own) == 0:
         return Chain.RIGHT
     if sign_of_number(margin) > 0:
@@ -190,9 +162,9 @@ def _is_positive(even: Polynomial, ring: Ring, degree: int) -> bool:
 def _reach(terms: Terms, floor: Expr, ring: Ring) -> Expr:
     """R such that for |s| >= R, Re s >= 0 all lower powers are at most half the highest, L at its least."""
     degree = max(terms)
-    weights = {p: 2 * sum(map(_size, group.values()), Integer(0)) for p, group in terms.items() if p < degree}
+    weights = {p: 2 * sum(map(size, group.values()), Integer(0)) for p, group in terms.items() if p < degree}
     radius = Rational(1, 1 << 20)
-    while not _prevails(radius, degree, floor, weights):
+    while not prevails(radius, degree, floor, weights):
         radius *= 2
     if any(sign_of_number(radius * lag - _MOST_TURNING) > 0 for lag in ring.lags):
         raise UndecidedError("the roots of a function that its delays turn thousands of times")
@@ -208,7 +180,7 @@ def _delays_of(group: Mapping[tuple[int, ...], Expr], ring: Ring) -> list[Expr]:
     return [lag for i, lag in enumerate(ring.lags) if any(turns[i] for turns in group)]
 
 
-def _prevails(radius: Rational, degree: Rational, floor: Expr, weights: Mapping[Rational, Expr]) -> bool:
+def prevails(radius: Rational, degree: Rational, floor: Expr, weights: Mapping[Rational, Expr]) -> bool:
     """Whether floor radius^degree exceeds the weighted lower powers; beyond a radius where it does, it does."""
     with flint.ctx.workprec(_BITS):
         base = arb(radius.p) / arb(radius.q)
@@ -272,23 +244,6 @@ def _own_turn(group: Mapping[tuple[int, ...], Expr], reach: Expr, ring: Ring) ->
             total += expression_ball(c) * (acb(0, -1) * expression_ball(lag * reach)).exp()
         own = next(c for turns, c in group.items() if not any(turns))
         return (total * sign_of_number(own)).arg() * 2 / arb.pi()
-
-
-def _beginning(terms: Terms, ring: Ring) -> tuple[Rational, int]:
-    """Exponent and sign of the first term of the expansion at s = 0."""
-    tried = sorted({p + k for p in terms for k in range(_MOST_TERMS)})
-    for exponent in tried:
-        meeting = ((group, exponent - p) for p, group in terms.items() if exponent >= p)
-        total = sum((_coefficient(group, int(k), ring) for group, k in meeting if k.is_Integer), Integer(0))
-        if sign := sign_of_number(total):
-            return exponent, sign
-    raise UndecidedError("the order of a characteristic function at s = 0")
-
-
-def _coefficient(group: Mapping[tuple[int, ...], Expr], k: int, ring: Ring) -> Expr:
-    """Of s^k in the sum of c exp(-s lag)."""
-    lags = {turns: sum((n * x for n, x in zip(turns, ring.lags, strict=True)), Integer(0)) for turns in group}
-    return sum((c * (-lags[turns]) ** k for turns, c in group.items()), Integer(0)).expand() / factorial(k)
 
 
 def _whole(lacking: Ball) -> int:

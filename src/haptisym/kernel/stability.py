@@ -7,8 +7,9 @@ from math import ceil, prod
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in
-from haptisym.kernel.rootcount import Chain, count_roots, order_at_0
+from haptisym.kernel.rootcount import Chain, count_roots
 from haptisym.kernel.roots import sign_of_number
+from haptisym.kernel.terms import order_at_0
 
 
 def is_stable(dynamics: RationalFunction) -> bool | None:

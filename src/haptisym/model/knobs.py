@@ -50,6 +50,11 @@ class Knob(Parameter):
         return self.path, *self.also
 
     @property
+    def is_of_hand(self) -> bool:
+        """Whether it is a hand's, which changes nothing of what is felt."""
+        return self.model == "hand"
+
+    @property
     def name(self) -> str:
         """The name of its symbol; ``c_real`` and ``c_imag`` tell the thresholds of the parts apart."""
         return f"c_{self.parts[0].value}" if len(self.parts) == 1 else self.symbol.name
@@ -133,8 +138,8 @@ class Knobs(Collection[Knob]):
 
     @property
     def parameters(self) -> tuple[Knob, ...]:
-        """All but the thresholds."""
-        return tuple(x for x in self if not x.parts)
+        """Those of the display: all but the thresholds and the hands'."""
+        return tuple(x for x in self if not x.parts and not x.is_of_hand)
 
     @property
     def limits(self) -> dict[Part, Knob]:

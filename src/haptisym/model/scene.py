@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, reduce
 from typing import Any
 
-from sympy import Expr, Integer, Symbol
+from sympy import Expr, Integer
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.roots import sign_of_number
@@ -17,9 +16,11 @@ from haptisym.kernel.shown import Shown, titled
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion, distort
+from haptisym.model.hand import Hand
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.knobs import THRESHOLD, Knob, Knobs, threshold_knobs
-from haptisym.model.parameters import Rule, free_name, refuse_references
+from haptisym.model.naming import symbol_names, with_names
+from haptisym.model.parameters import Rule, refuse_references
 from haptisym.model.quantities import Dimension, Motion, Number, number
 from haptisym.model.ranges import spread
 from haptisym.model.sampled import in_place
@@ -33,6 +34,7 @@ class Scene(Shown):
     unit. ``threshold`` : a Threshold, or one number for both parts.
     ``rendered`` : what the controller really renders, where that is not the environment itself. A parameter of it may be the
     environment's: ``k="environment.k"`` is one parameter in two places, with one symbol, one value and one range.
+    ``hands`` : those in which it may be held; they change nothing of what is felt.
 
     >>> from haptisym import effects, environments
     >>> scene = Scene(environments.mass_spring_damper(k=100), (effects.first_order_lag(20),), (Integer(0), Integer(15)))
@@ -47,6 +49,7 @@ class Scene(Shown):
     rendered: Environment | None = None
     title: str = ""
     source: str = ""
+    hands: tuple[Hand, ...] = ()
 
     def _line(self) -> str:
         between = ", ".join(effect.name for effect in self.effects) or "no effects"
@@ -69,15 +72,19 @@ class Scene(Shown):
         if sign_of_number(high - low) <= 0:
             raise SceneError(f"band: the high end, {shown[1]}, must be above the low end, {shown[0]}")
         self._tie()
-        _one_motion(self.elements())
-        effects = _with_names(self.effects)
-        names = _symbol_names([("", self.environment), ("rendered", self.rendered), *((e.name, e) for e in effects)])
+        _different(self.hands)
+        _one_motion((*self.elements(), *self.held()))
+        effects = with_names(self.effects)
+        listed: list[Effect | Hand] = [*effects, *self.hands]
+        whose = ((x.name, x) for x in listed)
+        names = symbol_names([("", self.environment), ("rendered", self.rendered), *whose])
         renamed = iter(names)
         object.__setattr__(self, "environment", self.environment.renamed(next(renamed)))
         rendered = next(renamed)
         object.__setattr__(self, "rendered", self.rendered.renamed(rendered) if self.rendered else None)
         effects = [effect.renamed(next(renamed)) for effect in effects]
         object.__setattr__(self, "effects", in_place(effects, self.rendered or self.environment))
+        object.__setattr__(self, "hands", tuple(hand.renamed(next(renamed)) for hand in self.hands))
 
     def _tie(self) -> None:
         """What is rendered gets the environment's parameters where it refers to them."""
@@ -90,8 +97,12 @@ class Scene(Shown):
         except SceneError as error:
             raise error.within(place) from None
 
+    def held(self) -> Iterator[tuple[str, Hand]]:
+        """The hands, each with its place in a scene file: ``hand`` where there is one, else ``hands.NAME``."""
+        yield from (("hand" if len(self.hands) == 1 else f"hands.{x.name}", x) for x in self.hands)
+
     def elements(self) -> Iterator[tuple[str, Environment | Effect]]:
-        """Everything in the scene that has parameters, with its place in a scene file."""
+        """Everything in the display that has parameters, with its place in a scene file."""
         yield "environment", self.environment
         if self.rendered is not None:
             yield "rendered", self.rendered
@@ -101,7 +112,14 @@ class Scene(Shown):
     @cached_property
     def knobs(self) -> Knobs:
         """Everything that may be varied, by name: each parameter once, and the thresholds."""
-        return Knobs((*self._knobs(), *threshold_knobs(self.threshold)))
+        return Knobs((*self._knobs(), *self._hand_knobs(), *threshold_knobs(self.threshold)))
+
+    def _hand_knobs(self) -> Iterator[Knob]:
+        for place, hand in self.held():
+            for p in hand.parameters:
+                also = (f"hands.{hand.name}.{p.key}",) if place == "hand" else ()
+                own = vars(replace(p, motion=p.motion or self.motion))
+                yield Knob(**own, place=place, model=hand.model, also=also)
 
     def _knobs(self) -> Iterator[Knob]:
         for place, element in self.elements():
@@ -216,8 +234,13 @@ class Scene(Shown):
             environment=self.environment.with_values(named),
             effects=tuple(effect.with_values(named) for effect in self.effects),
             rendered=self.rendered.with_values(named) if self.rendered else None,
+            hands=tuple(hand.with_values(named) for hand in self.hands),
             threshold=self.threshold.with_limits(limits),
         )
+
+    def with_hands(self, *hands: Hand) -> Scene:
+        """The same scene in these hands."""
+        return replace(self, hands=hands)
 
     def with_band(self, low: Number, high: Number) -> Scene:
         """The same scene on another band, rad/s or with a unit."""
@@ -232,7 +255,13 @@ def frequency(key: str, given: Number) -> Expr:
         raise error.within(key) from None
 
 
-def _one_motion(elements: Iterable[tuple[str, Environment | Effect]]) -> None:
+def _different(hands: Iterable[Hand]) -> None:
+    for name, times in Counter(x.name for x in hands).items():
+        if times > 1:
+            raise SceneError(f'hands: "{name}" is there twice: give each a name of its own')
+
+
+def _one_motion(elements: Iterable[tuple[str, Environment | Effect | Hand]]) -> None:
     seen: dict[Motion, str] = {}
     for place, element in elements:
         for parameter in element.parameters:
@@ -241,37 +270,3 @@ def _one_motion(elements: Iterable[tuple[str, Environment | Effect]]) -> None:
     if len(seen) > 1:
         told = " but ".join(f"{where} is {motion.value}" for motion, where in seen.items())
         raise SceneError(f"translation and rotation cannot be mixed: {told}")
-
-
-def _with_names(effects: Iterable[Effect]) -> list[Effect]:
-    """The effects under names of their own: the second "filter" becomes "filter-2"."""
-    listed = list(effects)
-    taken = {effect.name for effect in listed}
-    named: list[Effect] = []
-    for effect in listed:
-        own = effect.name
-        if any(own == other.name for other in named):
-            own = free_name(own, taken, "-")
-            taken.add(own)
-        named.append(replace(effect, name=own))
-    return named
-
-
-def _symbol_names(elements: Iterable[tuple[str, Environment | Effect | None]]) -> list[dict[Symbol, Symbol]]:
-    """For each element, new symbols for those that another element names alike: ``zeta`` becomes ``zeta_filter``."""
-    listed = list(elements)
-    uses = Counter(p.symbol.name for _, element in listed if element for p in element.parameters)
-    taken = set(uses)
-    renamed = []
-    for label, element in listed:
-        suffix = "_" + re.sub(r"\W", "_", label)
-        own = [p.symbol for p in (element.parameters if element else ()) if label and not p.tie]
-        shared = [symbol for symbol in own if uses[symbol.name] > 1]
-        names = {symbol: free_name(f"{symbol.name}{suffix}", taken) for symbol in shared}
-        taken |= set(names.values())
-        renamed.append({symbol: _like(symbol, name) for symbol, name in names.items()})
-    return renamed
-
-
-def _like(symbol: Symbol, name: str) -> Symbol:
-    return Symbol(name, **symbol.assumptions0)

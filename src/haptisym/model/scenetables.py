@@ -12,12 +12,14 @@ from sympy import Integer
 from haptisym.kernel.errors import SceneError, meant
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
 from haptisym.model.family import SceneFamily, named
+from haptisym.model.hand import Hand, hand
 from haptisym.model.jnd import Threshold
 from haptisym.model.scene import Scene, frequency
 
 Table: TypeAlias = Mapping[str, Any]
 
 MOST_EFFECTS = 100
+_TABLES = ("title", "source", "environment", "environments", "rendered", "effects", "hand", "hands", "evaluation")
 _DEFAULT_BAND = (Integer(0), Integer(15))  # rad/s, the band of the paper
 _TOML_HINTS = {
     "Expected newline or end of document": '; a value with a unit goes in quotes, as in k = "100 N/m"',
@@ -41,7 +43,7 @@ def _toml(text: str) -> Table:
 def read_scenes(text: str) -> SceneFamily:
     """The scenes of a TOML text, one for each of its environments. SceneError names key, value and rule."""
     table = _toml(text)
-    _only(table, ("title", "source", "environment", "environments", "rendered", "effects", "evaluation"), "")
+    _only(table, _TABLES, "")
     evaluation = _table(table.get("evaluation", {}), "evaluation")
     _only(evaluation, ("band", "jnd"), "evaluation")
     effects = tuple(_effects(table.get("effects", [])))
@@ -49,7 +51,8 @@ def read_scenes(text: str) -> SceneFamily:
     threshold = _threshold(evaluation["jnd"]) if "jnd" in evaluation else Threshold()
     title, source = _text(table, "title"), _text(table, "source")
     rows = _environments(table) if "environments" in table else [_one_environment(table)]
-    scenes = ((name, Scene(own, effects, band, threshold, rendered)) for name, own, rendered in rows)
+    hands = tuple(_hands(table))
+    scenes = ((name, Scene(own, effects, band, threshold, rendered, hands=hands)) for name, own, rendered in rows)
     return named(scenes, title, source)
 
 
@@ -105,6 +108,26 @@ def _effects(given: Any) -> Iterable[Effect]:
         if not isinstance(parameters.get("name", ""), str) or parameters.get("name") == "":
             raise SceneError(f'{place}: name: "{parameters["name"]}" must be a string that is not empty')
         yield _built(model, parameters, f'{place} "{parameters.get("name", model.name)}"')
+
+
+def _hands(table: Table) -> Iterable[Hand]:
+    if "hand" in table and "hands" in table:
+        raise SceneError("hand: give either [hand] or [[hands]], each with a name")
+    if isinstance(table.get("hand"), list):
+        raise SceneError("hand: one is written [hand]; several are written [[hands]], with an s")
+    if not isinstance(table.get("hands", []), list):
+        raise SceneError("hands: must be written [[hands]], once for each hand")
+    rows = [("hand", table["hand"])] if "hand" in table else []
+    rows += [(f"hands[{i}]", x) for i, x in enumerate(table.get("hands", []), 1)]
+    for place, given in rows:
+        own = dict(_table(given, place))
+        name = own.pop("name", "hand" if place == "hand" else None)
+        if not isinstance(name, str) or not name:
+            raise SceneError(f"{place}: name: each of several hands needs one, a string that is not empty")
+        try:
+            yield hand(name, own)
+        except SceneError as error:
+            raise error.within(place) from None
 
 
 def _model(given: Any, catalogue: Mapping[str, Model], place: str) -> tuple[Model, dict[str, Any]]:

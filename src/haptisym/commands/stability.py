@@ -1,0 +1,44 @@
+"""The verb ``haptisym stability``."""
+
+from __future__ import annotations
+
+import click
+
+from haptisym.commands.limit import within_limit
+from haptisym.commands.options import hand_over, json_option, scene_argument
+from haptisym.commands.verb import verb
+from haptisym.model.scene import Scene
+
+
+@verb(needs=[("--digits", "--json", "the document")])
+@scene_argument
+@click.option(
+    "--hand",
+    "names",
+    multiple=True,
+    metavar="NAME",
+    help="A hand of the scene, or one that the package ships; may be repeated. Those of the scene if not given.",
+)
+@json_option
+@click.option(
+    "--digits", type=click.IntRange(1, 1000), default=15, show_default=True, help="Correct decimal digits in --json."
+)
+@within_limit
+def stability(scene: Scene, names: tuple[str, ...], as_json: bool, digits: int) -> None:
+    """Tell whether a display shakes: imposed, held, in every passive hand.
+
+    SCENE is a scene file (TOML) or the name of a shipped scene.
+
+    Three statements, each proven apart. Imposed: the force under imposed motion is stable. Held: the display is stable in this
+    hand, a mass, damping and stiffness of [hand] in the scene or a published one. Every passive hand: no hand that only takes
+    energy can make it shake.
+
+    \b
+    Examples:
+      haptisym stability delayed-spring --hand light-touch
+      haptisym stability fu2019 --hand postural-arm --hand firm-grip
+      haptisym stability my-device.toml --json --digits 50
+    """
+    from haptisym.verbs.stability.entry import stability as of
+
+    hand_over(of(scene, names or None, digits=digits), as_json=as_json)

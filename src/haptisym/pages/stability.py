@@ -1,0 +1,170 @@
+"""The page of stability: imposed, held, every passive hand, a section each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from haptisym.judge.passivity import Beyond, Passivity
+from haptisym.kernel.reals import ExactNumber
+from haptisym.kernel.rootcount import Chain
+from haptisym.model.hand import hands
+from haptisym.model.quantities import Dimension, Motion, unit_text
+from haptisym.pages.words import H_PERC, OMEGA, both, lead, short, span, title
+from haptisym.verbs.stability.answer import Stability
+from haptisym.verbs.stability.held import Held
+from haptisym.verbs.stability.passive import EveryPassiveHand
+from haptisym.writing.boxes import Operator
+from haptisym.writing.document import (
+    Block,
+    Code,
+    Column,
+    Document,
+    Notes,
+    Number,
+    Paragraph,
+    Phrase,
+    Section,
+    Strong,
+    Table,
+    listed,
+)
+from haptisym.writing.names import named
+
+_IM = (Operator("Im"), " ", H_PERC)
+_RIGHT = "Re\xa0s\xa0≥\xa00"
+_MOST = 6  # active intervals that are told
+_CHAINS = {
+    Chain.RIGHT: "infinitely many roots lie to the right of the imaginary axis: the system is neutral",
+    Chain.NEAR: "infinitely many roots come as near to the imaginary axis as one likes: the system is neutral",
+}
+
+
+def page(found: Stability) -> Document:
+    """The whole page."""
+    blocks = (
+        Section("Imposed: the force under imposed motion", (Paragraph(_imposed(found)),)),
+        Section("Held: the display in a hand", tuple(_held(found))),
+        Section("Every passive hand", tuple(_every(found.every_passive_hand, _units(found)[1]))),
+        Paragraph(_certain(found)),
+    )
+    return Document(title(found.scene), lead(found.scene, found.asides()), blocks, "Stability")
+
+
+def _imposed(found: Stability) -> Phrase:
+    x = found.imposed
+    if x.stable is None:
+        return Strong("UNDECIDED"), ": whether all poles of ", H_PERC, " lie in Re\xa0s\xa0<\xa00."
+    if x.stable:
+        return "Stable: all poles of ", H_PERC, " lie in Re\xa0s\xa0<\xa00."
+    count = "" if x.unstable is None else f" {x.unstable}"
+    if x.chain:
+        return Strong("NOT"), " stable: of the poles of ", H_PERC, f", {_CHAINS[x.chain]}."
+    return Strong("NOT"), " stable: poles of ", H_PERC, f" in {_RIGHT}:{count or ' at least one'}."
+
+
+def _held(found: Stability) -> Iterator[Block]:
+    if not found.held:
+        ask = "No hand was given: write ", Code("[hand]"), " in the scene, or ask with ", Code("--hand NAME"), "."
+        yield Paragraph((*ask, " The package ships ", listed(hands), "."))
+        return
+    keys = (Column((named(key), f" ({unit})"), number=True) for key, unit in zip("mbk", _units(found), strict=True))
+    columns = (Column("hand"), *keys, Column("stable"), Column(f"roots in {_RIGHT}", number=True))
+    yield Table(columns, tuple(map(_row, found.held)), "The display in each hand.")
+    notes = [(x.hand.name, ": ", _reason(x), ".") for x in found.held if _reason(x)]
+    if notes:
+        yield Notes(tuple(notes))
+
+
+def _units(found: Stability) -> list[str]:
+    """Of mass, damping and stiffness."""
+    motion = found.scene.motion or Motion.TRANSLATION
+    return [unit_text(x.unit(motion)) for x in (Dimension.MASS, Dimension.DAMPING, Dimension.STIFFNESS)]
+
+
+def _row(x: Held) -> tuple[Phrase, ...]:
+    verdict: Phrase = Strong("UNDECIDED") if x.stable is None else "yes" if x.stable else Strong("NO")
+    count: Phrase = "" if x.roots is None else "infinite" if x.unstable is None else str(x.unstable)
+    return x.hand.name, *map(_value, (x.hand.m.value, x.hand.b.value, x.hand.k.value)), verdict, count
+
+
+def _value(x: object) -> Number:
+    value = float(x)  # type: ignore[arg-type]
+    return Number(f"{value:.6g}", value)
+
+
+def _reason(x: Held) -> Phrase:
+    if x.roots is None:
+        return "not decided: ", x.reason
+    if x.roots.chain:
+        return _CHAINS[x.roots.chain]
+    if x.on_axis:
+        return (
+            "on the imaginary axis, at ",
+            listed(map(short, x.on_axis)),
+            " rad/s, lie roots that neither grow nor decay",
+        )
+    return ""
+
+
+def _every(x: EveryPassiveHand, unit: str) -> Iterator[Block]:
+    p = x.passivity
+    if p is None or p.holds is None:
+        yield Paragraph((Strong("UNDECIDED"), (": ", x.reason) if p is None else _open(p), "."))
+    elif p.holds:
+        yield Paragraph(("Holds: ", _IM, " ≥ 0 on all of [0, ∞), and no pole of ", H_PERC, "/s forbids it."))
+    else:
+        yield Paragraph((Strong("Does NOT hold"), ": there is a passive hand in which a motion grows."))
+    if p is not None and (notes := tuple(_notes(p, unit))):
+        yield Notes(notes)
+
+
+def _open(p: Passivity) -> Phrase:
+    if p.beyond is Beyond.NEVER:
+        return ": ", _IM, " ≥ 0 on all of [0, ∞), but where poles lie stayed open"
+    return ": beyond ", both(ExactNumber(p.high)), " the sign of ", _IM, f" is {p.beyond.value}"
+
+
+def _notes(p: Passivity, unit: str) -> Iterator[Phrase]:
+    if p.active:
+        yield (
+            "Active (",
+            _IM,
+            " < 0) ",
+            _bands(p),
+            ": there a motion of amplitude A draws the energy −π A² ",
+            _IM,
+            " per cycle.",
+        )
+    if p.holds is False and p.poles_allow is False:
+        yield "Whatever a hand damps: a pole of ", H_PERC, "/s to the right, on the axis, at 0 or at ∞ forbids it."
+    if p.is_unbounded:
+        yield (
+            "No damping of a hand is enough for all its masses and stiffnesses: −",
+            _IM,
+            "/",
+            OMEGA,
+            " grows without bound.",
+        )
+    elif p.is_active and p.damping:
+        place: Phrase = ", approached as ω grows" if p.damping.omega is None else (", at ", both(p.damping.omega))
+        value = "b* = sup(−", _IM, "/", OMEGA, ") = ", short(p.damping.value), f" {unit}", place
+        enough = "; in a hand that damps more no motion grows, whatever its mass and stiffness" if p.poles_allow else ""
+        yield (*value, enough, ".")
+    elif p.is_active and p.beyond is not Beyond.CLOCK:
+        yield Strong("UNDECIDED"), ": how large −", _IM, "/", OMEGA, " becomes."
+
+
+def _bands(p: Passivity) -> Phrase:
+    shown = [span(x) for x in p.active[:_MOST]]
+    if p.beyond is Beyond.ALWAYS and len(p.active) <= _MOST:
+        shown[-1] = ("from ", short(p.active[-1].low.omega), " rad/s on")
+    more = [f"{len(p.active) - _MOST} more intervals"] if len(p.active) > _MOST else []
+    again = [("again and again beyond ", short(ExactNumber(p.high)), " rad/s")] if p.beyond is Beyond.AGAIN else []
+    return listed([*shown, *more, *again])
+
+
+def _certain(found: Stability) -> Phrase:
+    if not found.certified:
+        return Strong("UNDECIDED"), " where it says so. Everything else is proven."
+    proven = "Certain: roots are counted, and signs on [0, ∞) decided, with every delay as it is. "
+    return proven, "Imposed, held and every passive hand are three statements; each is proven by itself."

@@ -1,0 +1,67 @@
+"""Whether a display shakes, as an answer: imposed, held, every passive hand, each said apart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from haptisym.judge.answers import Answer
+from haptisym.kernel.shown import titled
+from haptisym.model.hand import Hand
+from haptisym.model.scene import Scene
+from haptisym.verbs.stability.held import Held, Imposed
+from haptisym.verbs.stability.passive import EveryPassiveHand
+
+
+@dataclass(frozen=True, repr=False)
+class Stability(Answer):
+    """Three statements about a display, that are never mixed.
+
+    ``imposed`` : the force under imposed motion is stable. ``held`` : it is stable in this hand, for each hand.
+    ``every_passive_hand`` : it is stable in every passive hand. ``scene`` : with the hands that were asked about.
+    """
+
+    _schema: ClassVar[str] = "haptisym.stability/1"
+    _page: ClassVar[str] = "haptisym.pages.stability:page"
+
+    scene: Scene
+    imposed: Imposed
+    held: tuple[Held, ...]
+    every_passive_hand: EveryPassiveHand
+    digits: int = 15
+
+    def _line(self) -> str:
+        said = {None: "undecided", True: "holds", False: "does not hold"}
+        rows = (("imposed", self.imposed.stable), *((f"held in {x.hand.name}", x.stable) for x in self.held))
+        told = ", ".join(f"{what} {said[is_so]}" for what, is_so in rows)
+        return f"{titled(self.scene.title)}: {told}, every passive hand {said[self.every_passive_hand.holds]}"
+
+    @property
+    def certified(self) -> bool:
+        """Whether nothing was left undecided."""
+        return None not in (self.imposed.stable, *(x.stable for x in self.held)) and self.every_passive_hand.is_decided
+
+    def _body(self) -> dict[str, Any]:
+        return {
+            "imposed": {"stable": self.imposed.stable, "unstable": self.imposed.unstable},
+            "held": [self._held(x) for x in self.held],
+            "every_passive_hand": self.every_passive_hand.row(self.digits),
+            "sampled": None,
+            "certified": self.certified,
+        }
+
+    def _held(self, x: Held) -> dict[str, Any]:
+        reason = {"reason": x.reason} if x.reason else {}
+        chain = {"chain": x.roots.chain.value} if x.roots and x.roots.chain else {}
+        return {"hand": _hand(x.hand), "stable": x.stable, "unstable": x.unstable, "critical": [], **chain, **reason}
+
+
+def _hand(x: Hand) -> dict[str, Any]:
+    ranges = {p.key: [float(end) for end in p.interval] for p in x.parameters if p.interval}
+    source = {"source": x.source} if x.source else {}
+    return {
+        "name": x.name,
+        **{p.key: float(p.value) for p in x.parameters},
+        **({"ranges": ranges} if ranges else {}),
+        **source,
+    }

@@ -1,0 +1,118 @@
+"""Held in a hand: how many roots H_perc + m s^2 + b s + k has in Re s >= 0, in lowest terms."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.rings import Polynomial, RationalFunction
+from haptisym.kernel.rootcount import Chain, Roots, count_roots
+from haptisym.kernel.shown import Shown
+from haptisym.kernel.stability import is_stable
+from haptisym.kernel.terms import at_least, order_at_0
+from haptisym.model.caveats import clocks, sampled_loop
+from haptisym.model.hand import Hand
+from haptisym.model.scene import Scene
+
+
+def unstable_roots(scene: Scene, hand: Hand) -> Roots:
+    """The roots in Re s >= 0 of a display in a hand: the one place where that is decided. UndecidedError where it stays open."""
+    if clocks(scene):
+        raise UndecidedError("the roots of a sampled loop")
+    return roots_in_hand(scene.distortion().perc, hand)
+
+
+def roots_in_hand(perceived: RationalFunction, hand: Hand) -> Roots:
+    """The same of a dynamics without a clock."""
+    ring = ring_of(perceived)
+    return zeros_of(characteristic(perceived, ring.convert(hand.Z)), perceived.denominator, ring)
+
+
+def characteristic(perceived: RationalFunction, Z: RationalFunction) -> Polynomial:
+    """The numerator of H_perc + Z. H_perc being in lowest terms, so is this over its denominator, but at s = 0."""
+    return perceived.numerator * Z.denominator + Z.numerator * perceived.denominator
+
+
+def ring_of(dynamics: RationalFunction) -> Ring:
+    """The ring of a dynamics."""
+    assert isinstance(dynamics.ring, Ring)
+    return dynamics.ring
+
+
+def zeros_of(top: Polynomial, bottom: Polynomial, ring: Ring) -> Roots:
+    """The zeros of top/bottom in Re s >= 0; what both have at s = 0, as with 1 - exp(-s tau) over s, is none."""
+    found = count_roots(top, ring)
+    order = order_at_0(top, ring)
+    shared = min(order, order_at_0(bottom, ring))
+    if found.number is None or not shared:
+        return found
+    on_axis = found.on_axis if order > shared else found.on_axis[1:]
+    return Roots(found.number - at_least(order) + at_least(order - shared), found.right, on_axis, found.chain)
+
+
+@dataclass(frozen=True, repr=False)
+class Held(Shown):
+    """Whether a display is stable in a hand. ``roots`` : those in Re s >= 0; None where not decided, for that ``reason``."""
+
+    hand: Hand
+    roots: Roots | None
+    reason: str = ""
+
+    def _line(self) -> str:
+        return f"{self.hand.name}: {'undecided' if self.stable is None else 'stable' if self.stable else 'not stable'}"
+
+    @property
+    def stable(self) -> bool | None:
+        """No root in Re s >= 0, nor a chain of them that comes to the axis; None where not decided."""
+        return None if self.roots is None else self.roots.number == 0
+
+    @property
+    def unstable(self) -> int | None:
+        """The number of roots in Re s >= 0; None where there are infinitely many, or it was not decided."""
+        return None if self.roots is None else self.roots.number
+
+    @property
+    def on_axis(self) -> tuple[RealNumber, ...]:
+        """The frequencies of roots on the imaginary axis, rad/s."""
+        return () if self.roots is None else self.roots.on_axis
+
+
+def held(scene: Scene, hand: Hand) -> Held:
+    """Whether a display is stable in a hand (at its nominal values).
+
+    >>> from haptisym.model.hand import hands
+    >>> from haptisym.model.scenefile import load_scene
+    >>> found = held(load_scene("satellite-contact"), hands["postural-arm"])
+    >>> found.stable, found.unstable, found.roots.chain.value
+    (False, None, 'to the right of the imaginary axis')
+    """
+    try:
+        return Held(hand, unstable_roots(scene, hand))
+    except UndecidedError as error:
+        return Held(hand, None, str(error))
+
+
+@dataclass(frozen=True)
+class Imposed:
+    """Whether the force under imposed motion is stable, and the number of poles of H_perc in Re s >= 0; None: not decided."""
+
+    stable: bool | None
+    unstable: int | None
+    chain: Chain | None = None
+
+
+def imposed(scene: Scene) -> Imposed:
+    """The poles of H_perc."""
+    perceived = scene.distortion().perc
+    stable = None if sampled_loop(scene) else is_stable(perceived)
+    if stable is None:
+        return Imposed(stable=None, unstable=None)
+    if stable:
+        return Imposed(stable=True, unstable=0)
+    try:
+        found = zeros_of(perceived.denominator, perceived.numerator, ring_of(perceived))
+    except UndecidedError:
+        return Imposed(stable=stable, unstable=None)
+    return Imposed(stable, found.number, found.chain)

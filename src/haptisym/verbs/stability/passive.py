@@ -1,0 +1,58 @@
+"""Every passive hand: whether H_perc/s is positive real, where the display is active, and the damping that stops it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from haptisym.judge.passivity import Beyond, Passivity, passivity
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import RealNumber
+from haptisym.model.scene import Scene
+
+
+@dataclass(frozen=True)
+class EveryPassiveHand:
+    """Whether every passive hand holds the display, by its ``passivity``; None where that stayed open, for the ``reason``."""
+
+    passivity: Passivity | None
+    reason: str = ""
+
+    @property
+    def holds(self) -> bool | None:
+        """Of H_perc/s: positive real."""
+        return None if self.passivity is None else self.passivity.holds
+
+    @property
+    def is_decided(self) -> bool:
+        """Whether both that and b* were decided."""
+        p = self.passivity
+        return p is not None and p.holds is not None and (p.damping is not None or p.is_unbounded)
+
+    def row(self, digits: int) -> dict[str, Any]:
+        """As documents have it."""
+        p = self.passivity
+        if p is None:
+            return {"holds": None, "active": [], **_number(None, digits), "omega": None, "reason": self.reason}
+        found = p.row()
+        best = p.damping
+        omega = float(best.omega) if best and best.omega is not None else None
+        again = {"active_again_beyond": found["reach"]} if p.beyond is Beyond.AGAIN else {}
+        why = {"reason": p.beyond.value} if p.holds is None and p.beyond is not Beyond.NEVER else {}
+        number = _number(best.value if best else None, digits)
+        own = {"holds": p.holds, "active": found["active"], **number, "omega": omega, "poles_allow": p.poles_allow}
+        return own | again | why
+
+
+def _number(x: RealNumber | None, digits: int) -> dict[str, Any]:
+    return {"damping": None if x is None else float(x), "digits": None if x is None else x.digits(digits)}
+
+
+def every_passive_hand(scene: Scene) -> EveryPassiveHand:
+    """Whether a display is stable in every passive hand: the one place where that is decided."""
+    try:
+        found = passivity(scene)
+        _ = found.holds, found.damping  # what either asks may stay open
+    except UndecidedError as error:
+        return EveryPassiveHand(None, str(error))
+    return EveryPassiveHand(found)
