@@ -8,10 +8,10 @@ import flint
 from flint import arb
 from sympy import Expr
 
-from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.precision import at_rising_precision
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
+from haptisym.kernel.subdivision import Waiting
 from haptisym.kernel.zeros import SmoothFactor, Undecided, Zero, is_clear, sign_of
 
 
@@ -26,14 +26,12 @@ class SeriesFactor(SmoothFactor):
 def isolated(f: SeriesFactor, low: Ball, high: Ball) -> list[RealNumber]:
     """All zeros between two dyadic numbers: subdivision until each piece is clear, monotone or bent one way only."""
     found: list[RealNumber] = []
-    pieces = [(low, high)] if low < high else []
-    while pieces:
-        tick()
-        a, b = pieces.pop()
+    waiting = Waiting([(low, high)] if low < high else [])
+    for a, b in waiting:
         answer = _judged(f, a, b, len(found))
         if answer is None:
             middle = _cut(f, a, b)
-            pieces += [(middle, b), (a, middle)]
+            waiting.add((a, middle), (middle, b))
         else:
             found += answer
     return found

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from heapq import heappop, heappush
-from itertools import count
 from math import inf
 from typing import Protocol, Self, TypeAlias, TypeVar
+
+from haptisym.kernel.subdivision import Waiting
 
 Bounds: TypeAlias = tuple[float, float]
 
 WIDTH = 1e-6
 """Of the enclosure of a supremum, relative to it."""
 _NOTHING = 1e-12  # a supremum below it is known well enough
-_MOST_CELLS = 1 << 16
+_MOST_CELLS = 1 << 15
 
 
 class Cell(Protocol):
@@ -56,17 +56,15 @@ def supremum(whole: C, bounds: Callable[[C], Bounds], limit: float | None = None
     >>> found.least <= 1 <= found.most < 1.00001
     True
     """
-    order = count()
     least, most = bounds(whole)
-    cells: list[tuple[float, int, C]] = [(-most, next(order), whole)]
-    while least < most and not _is_enough(least, most, limit) and next(order) < _MOST_CELLS:
-        _, _, cell = heappop(cells)
-        for half in cell.halves():
-            reached, bound = bounds(half)
-            least = max(least, reached)
-            heappush(cells, (-bound, next(order), half))
-        most = max(least, -cells[0][0])
-    return Supremum(least, most)
+    waiting = Waiting([(most, whole)], lambda x: -x[0], most=_MOST_CELLS)
+    for most, cell in waiting:
+        if least >= most or _is_enough(least, most, limit):
+            break
+        halves = [(*bounds(half), half) for half in cell.halves()]
+        least = max(least, *(reached for reached, _, _ in halves))
+        waiting.add(*((bound, half) for _, bound, half in halves))
+    return Supremum(least, max([least, *(most for most, _ in waiting.rest)]))
 
 
 def _is_enough(least: float, most: float, limit: float | None) -> bool:

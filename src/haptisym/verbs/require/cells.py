@@ -9,10 +9,10 @@ neither way is cut in two, down to cells that are 1e-13 of their values wide.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from heapq import heappop, heappush
 from math import sqrt
 
 import flint
@@ -20,11 +20,11 @@ from flint import arb
 from sympy import Expr, Symbol, pi
 
 from haptisym.judge.criteria import Criterion
-from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import LimitError
 from haptisym.kernel.reals import ExactNumber, RealNumber, dyadic
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import Interval, chart
+from haptisym.kernel.subdivision import Waiting
 from haptisym.verbs.require.feasible import Binding, Kind
 from haptisym.verbs.require.freeparameter import Conditions
 from haptisym.verbs.require.places import Edge, MaximumAt, Place, Strip, Summit, Verdict, places
@@ -81,25 +81,20 @@ class Search:
 
     def _cut(self, low: Fraction, high: Fraction) -> list[Leaf]:
         """The leaves between two numbers, in order; wide cells are cut first, so that no easy one stays open for a hard one."""
-        found, waiting = list[Leaf](), [(_COARSE, low, high)]
-        for _ in range(_MOST_CELLS):
-            if not waiting:
-                break
-            _, a, b = waiting[0]
-            try:
-                tick(len(found), len(found) + len(waiting), "values in cells")
+        found = list[Leaf]()
+        waiting = Waiting([(low, high)], self._rank, most=_MOST_CELLS, what="values in cells")
+        with suppress(LimitError):  # what waits stays open
+            for a, b in waiting:
                 leaf = self._judged(a, b)
-            except LimitError:  # what waits stays open
-                break
-            heappop(waiting)
-            if leaf.verdict is not Verdict.OPEN or self._width(a, b) < _NARROW:
-                found.append(leaf)
-                continue
-            middle = _middle(a, b)
-            for x, y in ((a, middle), (middle, b)):
-                heappush(waiting, (-max(self._width(x, y), _COARSE), x, y))
-        found += [Leaf(a, b, Verdict.OPEN) for _, a, b in waiting]
+                if leaf.verdict is not Verdict.OPEN or self._width(a, b) < _NARROW:
+                    found.append(leaf)
+                else:
+                    waiting.add((a, _middle(a, b)), (_middle(a, b), b))
+        found += [Leaf(a, b, Verdict.OPEN) for a, b in waiting.rest]
         return sorted(found, key=lambda leaf: leaf.low or 0)
+
+    def _rank(self, cell: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
+        return -max(self._width(*cell), _COARSE), cell[0]
 
     def _width(self, low: Fraction, high: Fraction) -> Fraction:
         """The width of a cell, relative to its values."""

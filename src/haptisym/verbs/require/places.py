@@ -11,8 +11,8 @@ import flint
 from flint import arb
 from sympy import Expr
 
-from haptisym.kernel.budget import tick
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
+from haptisym.kernel.subdivision import Waiting
 from haptisym.kernel.wavesums import Compiled
 from haptisym.kernel.zeros import rounded_up, tightened
 from haptisym.verbs.require.feasible import Kind
@@ -238,11 +238,8 @@ def places(strip: Strip, band: tuple[Expr, Expr]) -> _Found:
 def _unclear(strip: Strip, low: Ball, high: Ball) -> Verdict | list[_Box]:
     """The pieces of the band on which the condition does not show to be kept, in order."""
     found: list[_Box] = []
-    waiting, count = [(low, high)], 0
-    while waiting:
-        tick()
-        a, b = waiting.pop()
-        count += 1
+    waiting = Waiting([(low, high)])
+    for a, b in waiting:
         box = a.union(b)
         value, slope, bend = strip.over(box)
         if value < 0:
@@ -250,12 +247,12 @@ def _unclear(strip: Strip, low: Ball, high: Ball) -> Verdict | list[_Box]:
         middle = ((a + b) / 2).mid()
         if strip.value(middle) > 0:
             return Verdict.BROKEN
-        if strip.broken_in_the_middle(middle) or count > _MOST_BOXES:
+        if strip.broken_in_the_middle(middle) or waiting.examined > _MOST_BOXES:
             return Verdict.OPEN
         if (b - a) * _FINEST < high - low and (_sign(slope) or _sign(bend) < 0):
             found.append(_Box(a, b, _sign(slope), _sign(bend)))
         else:
-            waiting += [(middle, b), (a, middle)]
+            waiting.add((a, middle), (middle, b))
     return found
 
 
