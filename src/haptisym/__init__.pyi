@@ -34,6 +34,8 @@ from haptisym.verbs.sensitivity.entry import Sensitivities, sensitivity
 from haptisym.verbs.simulate.entry import check, simulate
 from haptisym.verbs.simulate.motions import chirp, multisine, sine
 from haptisym.verbs.simulate.recordings import recording
+from haptisym.verbs.simulate.release import release
+from haptisym.verbs.simulate.released import Release
 from haptisym.verbs.simulate.results import EncoderQuantisation, ForceSaturation, Simulation
 from haptisym.verbs.stability.answer import Stability
 from haptisym.verbs.stability.entry import stability
@@ -75,6 +77,7 @@ __all__ = [
     "Property",
     "Psychometric",
     "RealNumber",
+    "Release",
     "Relevance",
     "Requirement",
     "Scene",
@@ -113,6 +116,7 @@ __all__ = [
     "parse_scenes",
     "peaks",
     "recording",
+    "release",
     "relevance",
     "require",
     "s",

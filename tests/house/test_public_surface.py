@@ -188,6 +188,7 @@ def answers(path: Path) -> list[str]:
     family: hs.SceneFamily = hs.load_scenes("fu2019", ["fu2019", "helicopter-cyclic"])
     together: hs.FamilyEvaluation = hs.evaluate_all(family)
     arm: hs.Hand = hs.hands["postural-arm"]
+    let_go: hs.Release = hs.release(scene, "1 cm", arm)
     shakes: hs.Stability = hs.stability(scene, [arm, "firm-grip", hs.Hand("own", m="0.5 kg")])
     sets = hs.sweep(scene, {"effects.filter.omega_n": [60, 80]})
     code: str = hs.scene_code(scene, hs.Language.NUMPY) + hs.distortion_code(scene.distortion(), hs.Language.C)
@@ -199,7 +200,7 @@ def answers(path: Path) -> list[str]:
     except hs.SceneError as error:
         written.append(str(error))
     shown: list[object] = [width, spans, felt, points, kinds, high, derived, needed, design, slopes, boxes, kept]
-    shown += [measures, shakes, costs, harder, simulated, run, both, motions, sets, f]
+    shown += [measures, shakes, costs, harder, simulated, run, let_go, both, motions, sets, f]
     return [*written, *map(str, shown), str(path)]
 '''
 

@@ -38,6 +38,8 @@ ANSWERS: dict[str, Callable[[], Any]] = {
     "stability, no hand": lambda: hs.stability("fu2019"),
     "sweep": lambda: Swept(TINY, hs.sweep(TINY, {"environment.m": [1.0, 2.0, 3.0]})),
     "simulate": lambda: hs.simulate("fu2019", hs.sine("5 cm", 10)),
+    "release": lambda: hs.release("delayed-spring", "1 cm", hs.Hand("own", m="0.5 kg", b="3.6 N*s/m")),
+    "release, a neutral system": lambda: hs.release("satellite-contact", "1 cm", "postural-arm"),
     "jnd": lambda: hs.jnd(ANSWERED, reference=5, lapse=0.02),
     "jnd that does not fit": lambda: hs.jnd(
         Answers("two people", tuple(Row(float(x), k, 40) for x, k in enumerate((2, 30, 8, 33, 12, 38))))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import click
@@ -12,13 +13,16 @@ from haptisym.commands.progress import progress
 from haptisym.commands.verb import verb
 from haptisym.model.scene import Scene
 
+_MOVED = ("--motion", "--amplitude", "--omega", "--check", "--quantise", "--saturate", "--lowpass")
+
 
 @verb(
     apart=[
         ("--check", "--motion", "--check chooses the motion itself"),
         ("--check", "--force", "--check compares frequencies, --force writes one run in time"),
+        *(("--release", x, f"--release lets the hand go, {x} is about a hand that moves") for x in _MOVED),
     ],
-    needs=[("--lowpass-order", "--lowpass", "the low-pass")],
+    needs=[("--lowpass-order", "--lowpass", "the low-pass"), ("--hand", "--release", "a hand that lets go")],
 )
 @scene_argument
 @json_option
@@ -33,6 +37,8 @@ from haptisym.model.scene import Scene
 @click.option("--amplitude", metavar="LENGTH", help='Of the motion, as "5 cm" or "3 deg".')
 @click.option("--omega", metavar="FREQUENCY", help='Of a sine, or the highest; as "10 rad/s" or "2 Hz".')
 @click.option("--duration", metavar="TIME", help='Simulated time, as "20 s"; as long as needed if not given.')
+@click.option("--release", metavar="LENGTH", help='Held displaced by that, as "1 cm", and let go, instead of moved.')
+@click.option("--hand", metavar="NAME", help="The hand that lets go: of the scene, or one that the package ships.")
 @click.option("--check", is_flag=True, help="Compare with the closed form at ten frequencies along the band.")
 @click.option("--quantise", metavar="LENGTH", help='Resolution of the position encoder, as "0.1 mm".')
 @click.option("--saturate", metavar="FORCE", help='Largest force that can be rendered, as "5 N".')
@@ -48,15 +54,20 @@ def simulate(
     """Simulate a scene in time, and recover from the force what the closed form says.
 
     The force at the hand follows from the equations of motion of the scene's elements (delay lines, sampling clocks, sliding
-    friction), not from the closed form; a lock-in then gives back Re and Im of H_perc to compare with it.
+    friction), not from the closed form; a lock-in then gives back Re and Im of H_perc to compare with it. With --release the hand
+    holds the display displaced and lets go: whether it shakes, at which rate and frequency, beside the closed form's root.
 
     \b
     Examples:
       haptisym simulate fu2019 --omega "10 rad/s"
       haptisym simulate sampled-wall --check
       haptisym simulate stick-with-friction --amplitude "5 cm" --figures figures
+      haptisym simulate delayed-spring --release "1 cm" --hand light-touch
       haptisym simulate fu2019 --motion hand.csv --lowpass "20 Hz" --force force.csv
     """
+    if options.get("release"):
+        _let_go(scene, options, as_json, figures, force)
+        return
     from haptisym.verbs.simulate.command import run  # SciPy is loaded for this verb alone
 
     with progress("s simulated") as told:
@@ -69,4 +80,29 @@ def simulate(
         keep_figures(figures, lambda: save_simulation_figures(runs, figures))
     show(runs, as_json=as_json)
     if runs.agrees is False:
+        sys.exit(3)
+
+
+def _let_go(
+    scene: Scene,
+    options: Mapping[str, str | None],
+    as_json: bool,
+    figures: Path | None,
+    force: Path | None,
+) -> None:
+    """The hand holds the display displaced, and lets go."""
+    from haptisym.verbs.simulate.release import release
+
+    with progress("s simulated") as told:
+        found = release(
+            scene, str(options["release"]), options.get("hand"), duration=options.get("duration"), progress=told
+        )
+    if force is not None:
+        keep("force", force, lambda: force.write_text(found.to_csv(), encoding="utf-8"))
+    if figures is not None:
+        from haptisym.figures.release import save_release_figures
+
+        keep_figures(figures, lambda: save_release_figures(found, figures))
+    show(found, as_json=as_json)
+    if found.agrees is False or found.sign_agrees is False:
         sys.exit(3)

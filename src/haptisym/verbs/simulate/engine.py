@@ -8,7 +8,7 @@ polynomials of the step in which they fall.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property, lru_cache, reduce
 from heapq import heappop, heappush
@@ -38,7 +38,14 @@ _MOST_EVENTS = 100_000
 class Engine:
     """A network, a prescribed motion, and everything recorded so far; ``advance`` goes on."""
 
-    def __init__(self, net: Network, motion: Motion, readings: Sequence[Reading], longest: float) -> None:
+    def __init__(
+        self,
+        net: Network,
+        motion: Motion,
+        readings: Sequence[Reading],
+        longest: float,
+        rest: Mapping[str, float] | None = None,
+    ) -> None:
         if len(net.switches) > 3:
             raise SceneError(f"{len(net.switches)} elements with friction or saturation: at most 3 can be simulated")
         monitored = [(s.driver, 0) for s in net.switches] + [(s.driver, 1) for s in net.switches if s.offset == 0]
@@ -57,13 +64,11 @@ class Engine:
         self.longest = self._regular(longest)
         self.stalled, self.events, self.calm = (0.0, 0), 0, _MOST_AT_ONCE
         self._update_forces()
-        self._begin(float(motion.derivatives(np.zeros(1), 0)[0, 0]))
+        position = float(motion.derivatives(np.zeros(1), 0)[0, 0])
+        if rest or position:  # the hand has rested at its first position for so long that everything else rests too
+            self._begin(rest or at_rest(self.net, position))
 
-    def _begin(self, position: float) -> None:
-        """The hand has rested at its first position for so long that everything else rests too."""
-        if not position:
-            return
-        rest = at_rest(self.net, position)
+    def _begin(self, rest: Mapping[str, float]) -> None:
         self.record.before = np.array([rest.get(name, 0.0) if k == 0 else 0.0 for name, k in self.system.readings])
         for hold in self.net.holds:
             self.held[hold.target] = rest[hold.source]
@@ -71,7 +76,7 @@ class Engine:
             self.held[step.target] = step.resolution * round(rest[step.source] / step.resolution)
         everything = {(name, k): rest.get(name, 0.0) if k == 0 else 0.0 for name, k in self.system.exact.columns}
         keys = list(self.system.exact.columns)
-        known = rest | self.held
+        known = {**rest, **self.held}
         inputs = [0.0 if k else (rest if x.lag else known)[x.name] for x, k in self.system.drives]
         self.z = np.array([everything[keys[i]] for i in self.system.exact.chosen]) - self.system.back @ inputs
 

@@ -49,7 +49,8 @@ class Run:
         self.scene, self.motion, self.extras, self.progress = scene, motion, tuple(extras), progress
         self.until = 0.0  # where the simulation is known to go on to, s
         self.net = Network(motion.span)
-        self.ports = _build(self.net, scene, motion, self.extras)
+        self.ports = build(self.net, scene, self.extras)
+        self.net.equal(self.ports[-1].X, Sum.of(MOTION))
         join_frictions(self.net)
         outputs = [(name_of(signal), 0) for port in (self.ports[0], self.ports[-1]) for signal in port]
         longest = step / motion.span[1] if motion.omegas or motion.name == "chirp" else step * pi / motion.span[1]
@@ -153,8 +154,8 @@ def period_of(motion: Motion) -> float:
     return 2 * pi / motion.span[0]
 
 
-def _build(net: Network, scene: Scene, motion: Motion, extras: Sequence[Extra]) -> list[Port]:
-    """The scene's equations; ports from the environment to the hand."""
+def build(net: Network, scene: Scene, extras: Sequence[Extra] = ()) -> list[Port]:
+    """The scene's equations but for what the hand does; ports from the environment to the hand."""
     ports = [Port(net.signal("F"), net.signal("X")) for _ in range(len(scene.effects) + 1)]
     near = ports[0]
     for extra in extras:
@@ -165,7 +166,6 @@ def _build(net: Network, scene: Scene, motion: Motion, extras: Sequence[Extra]) 
         build_environment(net, scene.rendered or scene.environment, near)
     for effect, inner, outer in zip(scene.effects, ports, ports[1:], strict=False):
         build_effect(net, effect, inner, outer)
-    net.equal(ports[-1].X, Sum.of(MOTION))
     return ports
 
 
