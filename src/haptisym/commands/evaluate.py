@@ -87,6 +87,7 @@ def evaluate(
     one = family[str(environment)] if environments else chosen(family, Path(scene).name, environment)
     with progress() as told, limited(limit, told):
         result = evaluate_scene(one, digits, tolerance=tolerance)
+        _ = result.bandwidths  # of a range of thresholds: within the limit
     if figures is not None:
         from haptisym.figures.files import save_figures
 

@@ -12,7 +12,9 @@ from typing import Any, ClassVar, NamedTuple, Protocol
 from sympy import Expr
 
 from haptisym.judge.answers import Answer
+from haptisym.judge.bandwidths import bandwidths
 from haptisym.judge.bounds import AnyEnvironment, any_environment
+from haptisym.judge.climb import Bandwidths
 from haptisym.judge.criteria import Criterion, judged, kept, noticed
 from haptisym.judge.crossings import Crossing, Curve, curves, find_crossings, unbounded_points
 from haptisym.judge.passivity import Passivity, passivity
@@ -147,6 +149,11 @@ class Evaluation(Answer):
         return first.high.omega if first and first.low is self.chart.points[0] else None
 
     @cached_property
+    def bandwidths(self) -> Bandwidths | None:
+        """All bandwidths there are where the threshold is a range; None where it is a number."""
+        return bandwidths(self.distortion, self.scene.threshold, self.scene.band)
+
+    @cached_property
     def changeovers_environment(self) -> tuple[Point, ...]:
         return changeovers(self.chart, Curve.ENVIRONMENT)
 
@@ -202,7 +209,7 @@ class Evaluation(Answer):
     @property
     def certified(self) -> bool:
         """Whether every number here is proven, none estimated, and nothing was left undecided."""
-        return not self.undecided
+        return not self.undecided and (self.bandwidths is None or self.bandwidths.certified)
 
     @cached_property
     def effort(self) -> Effort:
@@ -222,6 +229,7 @@ class Evaluation(Answer):
             "crossings": [self._crossing(c) for c in self.crossings],
             "transparent": [_interval(x) for x in self.transparent],
             "bandwidth": None if self.bandwidth is None else float(self.bandwidth),
+            **({"bandwidths": self.bandwidths.row(self.digits)} if self.bandwidths else {}),
             "changeovers": {system: [float(p.omega) for p in points] for system, points in changeovers.items()},
             "percepts": [_percept(p) for p in self.percepts],
             "outside_model": [_interval(x) for x in self.outside_model],

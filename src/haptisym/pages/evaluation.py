@@ -14,6 +14,7 @@ from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.symbols import omega, s
 from haptisym.model.jnd import Part
+from haptisym.pages.bandwidths import bandwidths
 from haptisym.pages.held import held
 from haptisym.pages.words import (
     CHANGE,
@@ -165,6 +166,8 @@ def _effect(name: str, model: str) -> str:
 
 def _step_1(e: Evaluation) -> Iterator[Block]:
     yield Paragraph(transparency(e))
+    if e.bandwidths:
+        yield bandwidths(e.bandwidths, e.scene.threshold)
     yield _figure(
         e, "ratios", "Distortion ratios over the band. Grey: neither exceeds its threshold, the display is transparent. A dot "
         "marks where the ratio of the real part meets its threshold, a ring that of the imaginary part.", wide=True,

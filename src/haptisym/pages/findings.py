@@ -25,7 +25,12 @@ def findings(e: Evaluation) -> Iterator[tuple[Phrase, Phrase]]:
     }
     yield "under imposed motion", stable[e.stable]
     yield "every passive hand", _of_hands(e.passivity)
-    tangencies = f"{len(e.undecided)} tangenc{'y' if len(e.undecided) == 1 else 'ies'} stayed open"
+    number = len(e.undecided)
+    tangencies = (
+        f"{number} tangenc{'y' if number == 1 else 'ies'} stayed open"
+        if number
+        else "jumps of the bandwidth stayed open"
+    )
     proof = (Strong("proven"), " (none missed, none invented)"), (Strong("in part undecided"), f" ({tangencies})")
     yield "these answers", proof[not e.certified]
 
@@ -45,7 +50,15 @@ def _bandwidth(e: Evaluation) -> Phrase:
         return Strong("none"), " (", onwards or "transparent nowhere on the band", ")"
     more = f", and on {len(e.transparent) - 1} more" if len(e.transparent) > 1 else ""
     whole = ", the whole band" if is_transparent_throughout(e) else more
-    return Strong((short(e.bandwidth), " rad/s")), f" ({hertz(e.bandwidth)} Hz{whole})"
+    return Strong((short(e.bandwidth), " rad/s")), f" ({hertz(e.bandwidth)} Hz{whole})", _from_to(e)
+
+
+def _from_to(e: Evaluation) -> Phrase:
+    """The bandwidths that the range of the threshold gives."""
+    found = e.bandwidths
+    if found is None or found.least is None or found.most is None:
+        return ""
+    return "; ", short(found.least), " to ", short(found.most), " rad/s for the range of the threshold"
 
 
 def _first(e: Evaluation) -> Phrase:

@@ -1,0 +1,90 @@
+"""All bandwidths of a scene whose threshold is only known as a range: an interval, less the jumps at peaks of the ratios.
+
+The bandwidth as a function of c is the generalised inverse of the running maximum of the ratio r: it grows with c, and
+jumps where c reaches a peak that is higher than all before it. So a range of c maps exactly onto a set of bandwidths, without
+sampling.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import reduce
+from itertools import product
+
+from sympy import Expr
+
+from haptisym.judge.climb import Bandwidths, Climb, Jump, above
+from haptisym.judge.criteria import Criterion, kept, noticed
+from haptisym.kernel.errors import LimitError, UndecidedError
+from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.roots import chart
+from haptisym.model.distortion import Distortion
+from haptisym.model.jnd import Part, Threshold
+from haptisym.model.ranges import Interval
+
+
+def bandwidths(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> Bandwidths | None:
+    """The bandwidths for all thresholds of a range; None where the threshold is no range.
+
+    Thresholds of both parts that are alike are one number, as everywhere; else each takes all values of its range. The ends are
+    exact in any case. Undecided may stay whether two peaks are equally high, and whether a ratio touches an end of the range.
+    """
+    ranges = {part: threshold.interval(part) or (threshold[part], threshold[part]) for part in Part}
+    if not any(map(threshold.interval, Part)):
+        return None
+    least: RealNumber | None = None
+    most: RealNumber | None = None
+    try:
+        least, most = (_at(d, Threshold.of(*(ranges[part][end] for part in Part)), band) for end in (0, 1))
+        found = _inside({x: x.measure(d) for x in noticed(threshold)}, ranges, band)
+        return replace(found, least=least or found.least, most=most)
+    except LimitError:
+        raise
+    except UndecidedError as error:
+        return Bandwidths(least, most, undecided=str(error))
+
+
+def _at(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> RealNumber | None:
+    """The bandwidth for one threshold."""
+    table = chart({x: x.function(d) for x in noticed(threshold)}, *band)
+    if table.undecided:
+        raise UndecidedError("whether a ratio touches an end of the range of thresholds")
+    first = next(iter(kept(table)), None)
+    return first.high.omega if first and first.low is table.points[0] else None
+
+
+def _inside(
+    squares: Mapping[Criterion, RealFunction], ranges: Mapping[Part, Interval], band: tuple[Expr, Expr]
+) -> Bandwidths:
+    if ranges[Part.REAL] == ranges[Part.IMAG]:
+        return Climb(squares, ranges[Part.REAL], band, "jnd").found
+    each = [Climb({x: square}, ranges[x.part], band, x.name).found for x, square in squares.items() if x.part]
+    return reduce(_lower, each)
+
+
+def _lower(a: Bandwidths, b: Bandwidths) -> Bandwidths:
+    """All smaller ones of two bandwidths, each of a set of its own."""
+    if a.most is None or b.most is None or a.least is None or b.least is None:
+        return Bandwidths(None, None)
+    least, most = _least(a.least, b.least), _least(a.most, b.most)
+    pairs = product(_unreached(a, least), _unreached(b, least))
+    jumps = [x for one, other in pairs if (x := _common(one, other, most)) is not None]
+    return Bandwidths(least, most, tuple(jumps), {**a.blocked, **b.blocked})
+
+
+def _unreached(x: Bandwidths, least: RealNumber) -> list[Jump]:
+    """What a set leaves out between the least of both and its own most."""
+    assert x.least is not None
+    return [*([] if x.least is least else [Jump(least, x.least)]), *x.jumps]
+
+
+def _common(a: Jump, b: Jump, most: RealNumber) -> Jump | None:
+    low = b.low if a.low is not b.low and above(b.low, a.low) else a.low
+    high = _least(_least(a.high, b.high), most)
+    return Jump(low, high) if low is not high and above(high, low) else None
+
+
+def _least(a: RealNumber, b: RealNumber) -> RealNumber:
+    return a if a is b or above(b, a) else b
