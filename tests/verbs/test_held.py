@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sympy import Rational
+from sympy import Rational, lambdify
 
 import haptisym as hs
 from haptisym.verbs.stability.held import held
@@ -35,6 +35,115 @@ def test_the_arm_that_was_measured_holds_a_late_spring_of_no_more_than_200_newto
     arm = hs.hands["postural-arm"]
     for k, expected in (("199.8521022587101", 0), ("199.8521022587102", 2), ("290", 2)):
         assert held(hs.parse_scene(LATE.format(k=k)), arm).unstable == expected
+
+
+CRITICAL = [  # scene, hand, path, value, rad/s, stable side: computed elsewhere
+    (100, {"m": "0.5 kg", "b": 1}, "hand.b", "3.4635997327677041014", 13.320697368492448, "above"),
+    (100, {"m": "0.5 kg", "b": 9, "k": 100}, "hand.b", "3.3297497532862287950", 18.858713273231587, "above"),
+    (100, {"m": "0.5 kg", "b": 1, "k": 500}, "hand.b", "2.8197283310552300722", 32.802726231761795, "above"),
+    (100, {"m": "0.5 kg", "b": 1, "k": 1000}, "hand.b", "2.2386594085525189552", 44.64024101711087, "above"),
+    (290, {"m": "0.5 kg", "b": 1}, "hand.b", "9.5037390727713175455", 20.660047835266866, "above"),
+    (290, {"m": "0.5 kg", "b": 1, "k": 100}, "hand.b", "9.1877001353127948759", 24.010212956148372, "above"),
+    (290, {"m": "0.5 kg", "b": 1, "k": 500}, "hand.b", "7.9599529917453498043", 34.4665745428735, "above"),
+    (290, {"m": "0.5 kg", "b": 1, "k": 1000}, "hand.b", "6.5113668307878865184", 44.515059476572006, "above"),
+    (
+        100,
+        {"m": "0.554 kg", "b": "6.45", "k": 135},
+        "environment.k",
+        "199.85210225871012834",
+        22.244306341605846,
+        "below",
+    ),
+]
+
+
+@pytest.mark.parametrize(("k", "hand", "path", "value", "omega", "side"), CRITICAL)
+def test_how_far_a_number_may_go_is_told_to_any_digits(
+    k: int, hand: dict[str, Any], path: str, value: str, omega: float, side: str
+) -> None:
+    found = hs.stability(
+        hs.parse_scene(LATE.format(k=k)), hs.Hand("hand", **hand), ["environment.k"], digits=20
+    ).to_dict()
+    [row] = [x for x in found["held"][0]["critical"] if x["path"] == path]
+    assert (row["digits"], row["stable_side"]) == (value, side)
+    assert row["omega"] == pytest.approx(omega, rel=1e-15)
+    low, high = row["enclosure"]
+    assert Rational(low) < Rational(high)
+    assert float(low) == float(high) == pytest.approx(float(value), rel=1e-15)
+
+
+def test_the_delay_that_a_hand_bears_is_the_one_at_which_its_spring_is_critical() -> None:
+    """K exp(-j w tau) = -Z: at K = 199.85... and tau = 36 ms; the other way round tau is critical at 36 ms for that K."""
+    scene = hs.parse_scene(LATE.format(k="199.85210225871012834"))
+    [row] = [x for x in hs.stability(scene, "postural-arm", "tau").critical[0] if x.path.endswith("tau")]
+    assert float(row.found[0].value) == pytest.approx(0.036, rel=1e-14)
+
+
+def test_a_mass_of_500_kilograms_is_where_the_chain_of_a_satellite_is_lost() -> None:
+    mass, damping, stiffness = hs.stability("satellite-contact", "postural-arm").critical[0]
+    [found] = mass.found
+    assert (found.value.digits(5), found.omega, found.below, found.stable_side) == ("500.00", None, None, None)
+    assert (damping.found, stiffness.found) == ((), ())
+
+
+def third_order(k: float, b: float, w: float) -> list[float]:
+    """(0.5 s^2 + b s + k) (s + w) + 100 w: a spring of 100 N/m behind a lag, in a hand of 0.5 kg."""
+    return [0.5, b + 0.5 * w, k + b * w, (k + 100) * w]
+
+
+def test_of_a_rational_display_the_critical_values_are_those_of_routh() -> None:
+    """a1 a2 = a0 a3 of the third order; here in the hand's numbers, the spring and, squared, the lag's frequency."""
+    scene = hs.Scene(hs.environments.mass_spring_damper(k=100), (hs.effects.first_order_lag("7 rad/s"),))
+    hand = hs.Hand("hand", m="0.5 kg", b=1, k=20)
+    rows = {x.path: x.found for x in hs.stability(scene, hand, ["environment.k", "omega_c"]).critical[0]}
+    for path, found in rows.items():
+        for x in found:
+            own = {"k": 20.0, "b": 1.0, "w": 7.0}
+            value = float(x.value)
+            if path == "environment.k":
+                row = [*third_order(20, 1, 7)[:3], (20 + value) * 7]
+            elif path == "hand.m":
+                row = [value, 1 + value * 7, 20 + 7, 120 * 7]
+            else:
+                row = third_order(
+                    **(own | {{"hand.b": "b", "hand.k": "k", "effects.first-order-lag.omega_c": "w"}[path]: value})
+                )
+            assert row[1] * row[2] == pytest.approx(row[0] * row[3], rel=1e-9), path
+            assert x.omega is not None
+            assert float(x.omega) == pytest.approx((row[2] / row[0]) ** 0.5, rel=1e-9)
+    assert all(rows[path] for path in ("hand.b", "hand.k", "environment.k"))
+
+
+def winding(scene: hs.Scene, hand: hs.Hand) -> int:
+    """Roots with 1e-6 < Re s, |s| < 3000 by the turns of H_perc + Z times its denominator around a half disc."""
+    H = scene.distortion().perc
+    top = H.ring.expression(H.numerator) + H.ring.expression(H.denominator) * hand.Z
+    f = lambdify(H.ring.meanings[0], top, "numpy")
+    arc = 1e-6 + 3000 * np.exp(1j * np.linspace(-np.pi / 2, np.pi / 2, 200_001))
+    axis = 1e-6 + 1j * 3000 * np.linspace(1, -1, 600_001)
+    values = f(np.concatenate([arc, axis]))
+    turn = np.angle(values[1:] / values[:-1])
+    assert np.abs(turn).max() < 2.5
+    return round(float(turn.sum()) / (2 * np.pi))
+
+
+@pytest.mark.parametrize("name", ["delayed-spring", "position-force-teleoperation", "zener-tissue", "fu2019"])
+def test_beside_each_critical_value_a_contour_winds_around_as_many_roots_as_are_counted(name: str) -> None:
+    scene = hs.load_scene(name).with_hands(hs.hands["device-operator"])
+    near = hs.stability(scene, free=[x.path for x in scene.parameters if x.key not in ("alpha", "m")]).critical[0]
+    told = [x for row in near for x in row.found if x.omega is not None and 1 < float(x.omega) < 2000]
+    assert told
+    for x in told:
+        for share, expected in ((0.98, x.below), (1.02, x.above)):
+            moved = scene.with_values({x.path: Rational(float(x.value) * share)})
+            assert winding(moved, moved.hands[0]) == expected, x
+
+
+def test_a_threshold_and_a_number_without_a_hand_are_refused() -> None:
+    with pytest.raises(hs.SceneError, match="evaluation.jnd is a threshold, which moves no root"):
+        hs.stability("fu2019", "light-touch", ["c"])
+    with pytest.raises(hs.SceneError, match="depends on the hand"):
+        hs.stability("fu2019", free=["omega_n"])
 
 
 @pytest.mark.parametrize("name", hs.hands)

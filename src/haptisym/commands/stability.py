@@ -19,12 +19,19 @@ from haptisym.model.scene import Scene
     metavar="NAME",
     help="A hand of the scene, or one that the package ships; may be repeated. Those of the scene if not given.",
 )
+@click.option(
+    "--free",
+    "paths",
+    multiple=True,
+    metavar="PATH",
+    help="A number, as environment.k or its symbol, of which it is told how far it may go; may be repeated.",
+)
 @json_option
 @click.option(
     "--digits", type=click.IntRange(1, 1000), default=15, show_default=True, help="Correct decimal digits in --json."
 )
 @within_limit
-def stability(scene: Scene, names: tuple[str, ...], as_json: bool, digits: int) -> None:
+def stability(scene: Scene, names: tuple[str, ...], paths: tuple[str, ...], as_json: bool, digits: int) -> None:
     """Tell whether a display shakes: imposed, held, in every passive hand.
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
@@ -37,8 +44,9 @@ def stability(scene: Scene, names: tuple[str, ...], as_json: bool, digits: int) 
     Examples:
       haptisym stability delayed-spring --hand light-touch
       haptisym stability fu2019 --hand postural-arm --hand firm-grip
+      haptisym stability delayed-spring --hand postural-arm --free environment.k --free tau
       haptisym stability my-device.toml --json --digits 50
     """
     from haptisym.verbs.stability.entry import stability as of
 
-    hand_over(of(scene, names or None, digits=digits), as_json=as_json)
+    hand_over(of(scene, names or None, paths, digits=digits), as_json=as_json)

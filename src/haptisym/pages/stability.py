@@ -9,8 +9,9 @@ from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rootcount import Chain
 from haptisym.model.hand import hands
 from haptisym.model.quantities import Dimension, Motion, unit_text
-from haptisym.pages.words import H_PERC, OMEGA, both, lead, short, span, title
+from haptisym.pages.words import H_PERC, OMEGA, both, exactly, lead, short, span, title
 from haptisym.verbs.stability.answer import Stability
+from haptisym.verbs.stability.critical import Critical, Nearest
 from haptisym.verbs.stability.held import Held
 from haptisym.verbs.stability.passive import EveryPassiveHand
 from haptisym.writing.boxes import Operator
@@ -73,6 +74,32 @@ def _held(found: Stability) -> Iterator[Block]:
     notes = [(x.hand.name, ": ", _reason(x), ".") for x in found.held if _reason(x)]
     if notes:
         yield Notes(tuple(notes))
+    yield from (_going(found, x, rows) for x, rows in zip(found.held, found.critical, strict=True) if rows)
+
+
+def _going(found: Stability, x: Held, rows: tuple[Nearest, ...]) -> Section:
+    """How far each number may go."""
+    heads = ("number", False), ("critical at", True), ("in", False), ("stable", False), ((OMEGA, " (rad/s)"), True)
+    columns = tuple(Column(words, number=is_number) for words, is_number in heads)
+    lines = tuple(_critical(found, one) for near in rows for one in near.found)
+    caption = (
+        "The nearest values, either way, at which the number of unstable roots changes, and where it then oscillates."
+    )
+    blocks: list[Block] = [Table(columns, lines, caption)] if lines else []
+    never = [near.path for near in rows if not near.found and not near.reason]
+    notes: list[Phrase] = (
+        [(listed(never), ": the number of unstable roots is the same for all values.")] if never else []
+    )
+    notes += [(Strong("UNDECIDED"), f": {near.path}: {near.reason}.") for near in rows if near.reason]
+    if notes:
+        blocks.append(Notes(tuple(notes)))
+    return Section(f"How far a number may go in the hand {x.hand.name}", tuple(blocks))
+
+
+def _critical(found: Stability, x: Critical) -> tuple[Phrase, ...]:
+    unit = unit_text(found.scene.knobs[x.path].unit)
+    place: Phrase = "from infinity" if x.omega is None else short(x.omega)
+    return x.path, exactly(x.value, 8), "" if unit == "1" else unit, x.stable_side or "on neither side", place
 
 
 def _units(found: Stability) -> list[str]:

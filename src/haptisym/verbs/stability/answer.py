@@ -9,6 +9,7 @@ from haptisym.judge.answers import Answer
 from haptisym.kernel.shown import titled
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
+from haptisym.verbs.stability.critical import Critical, Nearest
 from haptisym.verbs.stability.held import Held, Imposed
 from haptisym.verbs.stability.passive import EveryPassiveHand
 
@@ -17,7 +18,8 @@ from haptisym.verbs.stability.passive import EveryPassiveHand
 class Stability(Answer):
     """Three statements about a display, that are never mixed.
 
-    ``imposed`` : the force under imposed motion is stable. ``held`` : it is stable in this hand, for each hand.
+    ``imposed`` : the force under imposed motion is stable. ``held`` : it is stable in this hand, for each hand; ``critical`` :
+    for each hand, and each number that was asked about, the nearest values at which the number of unstable roots changes.
     ``every_passive_hand`` : it is stable in every passive hand. ``scene`` : with the hands that were asked about.
     """
 
@@ -27,6 +29,7 @@ class Stability(Answer):
     scene: Scene
     imposed: Imposed
     held: tuple[Held, ...]
+    critical: tuple[tuple[Nearest, ...], ...]
     every_passive_hand: EveryPassiveHand
     digits: int = 15
 
@@ -39,21 +42,36 @@ class Stability(Answer):
     @property
     def certified(self) -> bool:
         """Whether nothing was left undecided."""
-        return None not in (self.imposed.stable, *(x.stable for x in self.held)) and self.every_passive_hand.is_decided
+        decided = (
+            None not in (self.imposed.stable, *(x.stable for x in self.held)) and self.every_passive_hand.is_decided
+        )
+        return decided and not any(x.reason for rows in self.critical for x in rows)
 
     def _body(self) -> dict[str, Any]:
         return {
             "imposed": {"stable": self.imposed.stable, "unstable": self.imposed.unstable},
-            "held": [self._held(x) for x in self.held],
+            "held": [self._held(x, rows) for x, rows in zip(self.held, self.critical, strict=True)],
             "every_passive_hand": self.every_passive_hand.row(self.digits),
             "sampled": None,
             "certified": self.certified,
         }
 
-    def _held(self, x: Held) -> dict[str, Any]:
+    def _held(self, x: Held, rows: tuple[Nearest, ...]) -> dict[str, Any]:
         reason = {"reason": x.reason} if x.reason else {}
         chain = {"chain": x.roots.chain.value} if x.roots and x.roots.chain else {}
-        return {"hand": _hand(x.hand), "stable": x.stable, "unstable": x.unstable, "critical": [], **chain, **reason}
+        critical = [self._critical(found) for near in rows for found in near.found]
+        left = [{"path": near.path, "reason": near.reason} for near in rows if near.reason]
+        own = {"hand": _hand(x.hand), "stable": x.stable, "unstable": x.unstable, "critical": critical}
+        return own | ({"undecided": left} if left else {}) | chain | reason
+
+    def _critical(self, x: Critical) -> dict[str, Any]:
+        value = {
+            "value": float(x.value),
+            "digits": x.value.digits(self.digits),
+            "enclosure": list(x.value.enclosure(self.digits)),
+        }
+        omega = None if x.omega is None else float(x.omega)
+        return {"path": x.path, **value, "omega": omega, "stable_side": x.stable_side}
 
 
 def _hand(x: Hand) -> dict[str, Any]:

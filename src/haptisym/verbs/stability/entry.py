@@ -7,20 +7,27 @@ from pathlib import Path
 
 from haptisym.kernel.errors import SceneError, meant
 from haptisym.model.hand import Hand, hands
+from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.stability.answer import Stability
-from haptisym.verbs.stability.held import held, imposed
+from haptisym.verbs.stability.critical import Nearest, critical
+from haptisym.verbs.stability.held import Held, held, imposed
 from haptisym.verbs.stability.passive import every_passive_hand
 
 
 def stability(
-    scene: Scene | str | Path, hand: str | Hand | Iterable[str | Hand] | None = None, *, digits: int = 15
+    scene: Scene | str | Path,
+    hand: str | Hand | Iterable[str | Hand] | None = None,
+    free: Iterable[str] = (),
+    *,
+    digits: int = 15,
 ) -> Stability:
     """Whether a display is stable under imposed motion, in each hand, and in every passive hand: certified.
 
     ``hand`` : the hands to ask about: the scene's, or those that the package ships (``hs.hands``), by name, or each a ``Hand``;
-    those of the scene if not given. ``digits`` : of each number in the document.
+    those of the scene if not given. ``free`` : numbers by path or symbol; for each, and for the hand's own, the nearest
+    values are found at which the number of unstable roots changes. ``digits`` : of each number in the document.
 
     What stays open is None, and the answer is then not certified. SceneError where a hand is not known, is given twice or turns
     about an axis where the scene moves along a line.
@@ -38,8 +45,30 @@ def stability(
             raise SceneError(f'the hand "{name}" is asked about twice')
         scene = scene.with_hands(*asked)
     scene.knobs.need_numbers()
+    paths = [free] if isinstance(free, str) else [*free]
+    asked_of = [_number(scene, x) for x in scene.knobs.chosen(paths)]
     rows = tuple(held(scene, x) for x in scene.hands)
-    return Stability(scene, imposed(scene), rows, every_passive_hand(scene), digits)
+    near = tuple(_critical(scene, x, asked_of) for x in rows)
+    return Stability(scene, imposed(scene), rows, near, every_passive_hand(scene), digits)
+
+
+def _number(scene: Scene, x: Knob) -> Knob:
+    if x.parts:
+        raise SceneError(
+            f"{x.path} is a threshold, which moves no root: ask for a number of the display or of the hand"
+        )
+    if not scene.hands:
+        raise SceneError(f"{x.path}: how far it may go depends on the hand: give [hand] in the scene, or --hand NAME")
+    return x
+
+
+def _critical(scene: Scene, x: Held, free: Iterable[Knob]) -> tuple[Nearest, ...]:
+    """Of the hand's own numbers, and of those that were asked about."""
+    if x.roots is None:
+        return ()
+    own = [knob for knob in scene.knobs if knob.is_of_hand and knob.symbol in {p.symbol for p in x.hand.parameters}]
+    others = [knob for knob in free if not knob.is_of_hand]
+    return tuple(critical(scene, x.hand, knob) for knob in (*own, *others))
 
 
 def chosen(scene: Scene, given: str | Hand) -> Hand:

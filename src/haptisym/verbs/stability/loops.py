@@ -1,0 +1,131 @@
+"""A display in a hand with one number left open: its characteristic function C(s; q), and where on its way C meets the axis."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import flint
+from flint import fmpq
+from sympy import Expr, Integer, Rational, Symbol, pi
+
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import ExactNumber, RealNumber, expression_ball
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
+from haptisym.kernel.rootcount import Roots
+from haptisym.kernel.roots import chart
+from haptisym.kernel.symbols import omega
+from haptisym.kernel.terms import size, terms_of
+from haptisym.model.hand import Hand
+from haptisym.model.knobs import Knob
+from haptisym.model.parameters import values
+from haptisym.model.scene import Scene
+from haptisym.verbs.stability.held import zeros_of
+
+
+@dataclass(frozen=True)
+class Loop:
+    """The characteristic function of a display in a hand, over the denominator of H_perc; ``symbol`` stays open in both."""
+
+    ring: Ring
+    top: Polynomial
+    bottom: Polynomial
+    symbol: Symbol
+
+    @classmethod
+    def of(cls, scene: Scene, hand: Hand, free: Knob) -> Loop:
+        """With ``free`` left open: a number of the hand, or of the display."""
+        display = scene.chain.at(values(x for x in scene.parameters if x.path != free.path))
+        Z = hand.dynamics.xreplace(values(p for p in hand.parameters if p.symbol != free.symbol))
+        ring = Ring.of([*display.entries(), Z])
+        H = display.perceived(range(len(display.matrices)), ring)
+        z = ring.convert(Z)
+        return cls(ring, H.numerator * z.denominator + z.numerator * H.denominator, H.denominator, free.symbol)
+
+    @cached_property
+    def turns(self) -> bool:
+        """Whether the open number is in a delay, or in a power of s."""
+        return any(self.symbol in x.free_symbols for x in (*self.ring.lags, *self.ring.orders))
+
+    @property
+    def _index(self) -> int:
+        return self.ring.meanings.index(self.symbol)
+
+    @cached_property
+    def powers(self) -> list[Polynomial]:
+        """C by ascending powers of the open number."""
+        return coefficients(self.top, self._index if self.symbol in self.ring.meanings else None)
+
+    def at(self, value: Rational) -> Roots:
+        """The roots in Re s >= 0 at a number."""
+        if self.turns:
+            known = {self.symbol: value}
+            ring = Ring.of([x.xreplace(known) for x in self.ring.meanings if x != pi])
+            top, bottom = (ring.convert(self.ring.expression(p).xreplace(known)) for p in (self.top, self.bottom))
+            H = (top / bottom).reduced()
+            return zeros_of(H.numerator, H.denominator, ring)
+        if self.symbol not in self.ring.meanings:
+            return zeros_of(self.top, self.bottom, self.ring)
+        here = {f"x{self._index}": fmpq(int(value.p), int(value.q))}
+        found = RationalFunction(self.ring, self.top.subs(here), self.bottom.subs(here)).reduced()
+        return zeros_of(found.numerator, found.denominator, self.ring)
+
+    def far_out(self) -> Iterator[RealNumber]:
+        """The values at which a root, or a chain of roots, comes from infinity: where the highest power of s is lost."""
+        if any(self.symbol in x.free_symbols for x in self.ring.orders):
+            raise UndecidedError("where roots meet the imaginary axis as a power of s changes")
+        found = [terms_of(p, self.ring) if p else {} for p in self.powers]
+        highest = max(max(x) for x in found if x)
+        rows = [x.get(highest, {}) for x in found]
+        if not any(rows[1:]):
+            return
+        none = (0,) * len(self.ring.lags)
+        delayed = {turns for row in rows for turns in row} - {none}
+        own = [row.get(none, Integer(0)) for row in rows]
+        moved = any(turns in row for row in rows[1:] for turns in delayed)
+        if len(delayed) > 1 and moved:
+            raise UndecidedError(
+                "where a chain of roots comes to the axis, as several delays meet in the highest power of s"
+            )
+        if moved:
+            [turns] = delayed
+            other = [row.get(turns, Integer(0)) for row in rows]
+        else:
+            other = [
+                sum((size(x) for x in rows[0].values()), Integer(0)) - size(own[0]),
+                *[Integer(0)] * (len(rows) - 1),
+            ]
+        for sign in (1, -1) if delayed else (1,):
+            yield from zeros([x - sign * y for x, y in zip(own, other, strict=True)])
+
+
+def zeros(row: Sequence[Expr]) -> list[RealNumber]:
+    """The zeros >= 0 of a polynomial with ascending coefficients; those of a linear one whatever their sign."""
+    while row and row[-1] == 0:
+        row = row[:-1]
+    if len(row) < 2:
+        return []
+    if len(row) == 2:
+        return [ExactNumber(-row[0] / row[1])]
+    ring = Ring().axis
+    f = RealFunction(ring.convert(sum((c * omega**n for n, c in enumerate(row)), Integer(0))))
+    with flint.ctx.workprec(128):
+        bound = max(abs(expression_ball(c / row[-1])).upper() for c in row[:-1]) + 1
+    table = chart({"": f}, Integer(0), Integer(int(bound.ceil().unique_fmpz())))
+    return [x.omega for x in table.points if x.orders.get("")]
+
+
+def coefficients(polynomial: Polynomial, index: int | None) -> list[Polynomial]:
+    """By ascending powers of one variable; one alone where there is none."""
+    if index is None:
+        return [polynomial]
+    rows: list[dict[tuple[int, ...], object]] = [{} for _ in range(degree_in([polynomial], index) + 1)]
+    for exponents, value in polynomial.to_dict().items():
+        own = [int(n) for n in exponents]
+        power, own[index] = own[index], 0
+        rows[power][tuple(own)] = value
+    context = polynomial.context()
+    return [context.from_dict(row) for row in rows]
