@@ -10,8 +10,10 @@ from pathlib import Path
 import pytest
 
 import haptisym
+import haptisym_check
 
 SOURCE = Path(haptisym.__file__).parent
+CHECKER = Path(haptisym_check.__file__).parent
 
 FOLDERS = ["kernel", "programs", "model", "judge", "verbs", "writing", "figures", "pages", "commands"]
 """From the ground up; what a folder holds is the sentence in its ``__init__``. Modules beside the folders are the public surface."""
@@ -101,9 +103,38 @@ def test_importing_the_package_loads_no_matplotlib_and_changes_no_global_state()
     subprocess.run([sys.executable, "-c", probe], check=True)
 
 
+def test_the_checker_imports_the_standard_library_alone() -> None:
+    for path in CHECKER.glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            names = [x.name for x in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module or "."] if isinstance(node, ast.ImportFrom) else []
+            tops = {name.partition(".")[0] for name in names}
+            assert tops <= {*sys.stdlib_module_names, "haptisym_check"}, path.name
+
+
+def lines_of_code(path: Path) -> int:
+    """Lines that are not blank, a comment or a docstring."""
+    text = path.read_text(encoding="utf-8")
+    said = {
+        line
+        for n in ast.walk(ast.parse(text))
+        if isinstance(n, ast.Expr) and isinstance(n.value, ast.Constant)
+        for line in range(n.lineno, (n.end_lineno or n.lineno) + 1)
+    }
+    return sum(1 for i, x in enumerate(text.splitlines(), 1) if x.strip() and x.strip()[0] != "#" and i not in said)
+
+
+def test_the_checker_is_read_in_one_sitting() -> None:
+    """The rules have fewer than 400 lines, and so has what they are about, a scene file."""
+    sizes = {path.name: lines_of_code(path) for path in CHECKER.glob("*.py")}
+    scene = sizes.pop("scene.py")
+    assert sum(sizes.values()) < 400
+    assert scene < 250
+
+
 def test_no_source_evaluates_text_or_simplifies() -> None:
     forbidden = {"eval", "exec", "simplify", "nsimplify", "sympify", "parse_expr"}
-    for path in SOURCE.rglob("*.py"):
+    for path in (*SOURCE.rglob("*.py"), *CHECKER.rglob("*.py")):
         calls = [n.func for n in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(n, ast.Call)]
         names = {f.id if isinstance(f, ast.Name) else f.attr if isinstance(f, ast.Attribute) else "" for f in calls}
         assert not names & forbidden, path.name

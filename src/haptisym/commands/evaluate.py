@@ -10,8 +10,10 @@ from haptisym.commands.limit import limit_option
 from haptisym.commands.options import (
     environment_option,
     figures_option,
+    file_option,
     hand_over,
     json_option,
+    keep,
     keep_figures,
 )
 from haptisym.commands.progress import progress
@@ -43,6 +45,7 @@ from haptisym.verbs.evaluate.entry import evaluate as evaluate_scene
 )
 @click.option("--tolerance", metavar="X", help="Leave out the effects that change the ratios by at most that, jointly.")
 @figures_option
+@file_option("certificate", "Write the answer with a proof that `python -m haptisym_check FILE SCENE.toml` checks.")
 @limit_option
 def evaluate(
     scene: str,
@@ -53,6 +56,7 @@ def evaluate(
     digits: int,
     tolerance: str | None,
     figures: Path | None,
+    certificate: Path | None,
     limit: float,
 ) -> None:
     """Find when a display begins to be noticed, and how it is felt, with proof.
@@ -73,6 +77,7 @@ def evaluate(
       haptisym evaluate fu2019 --environments fu2019 helicopter-cyclic my-stick.toml
       haptisym evaluate fu2019 --figures figures --latex fu2019.tex
       haptisym evaluate fu2019 --report fu2019.html
+      haptisym evaluate my-device.toml --certificate my-device.proof.json
       haptisym evaluate my-device.toml --json --digits 50
       haptisym evaluate control-stick-in-detail --tolerance 0.01
     """
@@ -82,12 +87,17 @@ def evaluate(
     if environment is None and (environments or len(family) > 1):
         if tolerance is not None:
             raise SceneError("--tolerance takes one environment: choose it with --environment NAME")
+        if certificate is not None:
+            raise SceneError("--certificate takes one environment: choose it with --environment NAME")
         _evaluate_all(family, digits, figures, as_json, limit)
         return
     one = family[str(environment)] if environments else chosen(family, Path(scene).name, environment)
     with progress() as told, limited(limit, told):
         result = evaluate_scene(one, digits, tolerance=tolerance)
         _ = result.bandwidths  # of a range of thresholds: within the limit
+        proof = None if certificate is None else result.certificate()
+    if certificate is not None and proof is not None:
+        keep("certificate", certificate, lambda: certificate.write_text(proof, encoding="utf-8"))
     if figures is not None:
         from haptisym.figures.files import save_figures
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any, ClassVar, Protocol
 
-from haptisym.kernel.errors import NothingToDrawError
+from haptisym.kernel.errors import NothingToDrawError, SceneError
 from haptisym.kernel.shown import Shown
 
 
@@ -29,14 +29,16 @@ class Subject(Protocol):
 class Answer(Shown):
     """What a verb answers: ``print`` shows the command line's page, a notebook likewise, ``to_json`` gives the document.
 
-    A class says what is its own: ``_about``, ``_body`` and, as data, ``_schema`` and what writes its ``_page`` and draws its
-    ``_figure``: functions as ``"package.module:function"``, so that nothing of the kind is loaded before it is asked for.
+    A class says what is its own: ``_about``, ``_body`` and, as data, ``_schema`` and what writes its ``_page``, draws its
+    ``_figure`` and proves it (``_certificate``): functions as ``"package.module:function"``, so that nothing of the kind is
+    loaded before it is asked for.
     """
 
     __slots__ = ()
     _schema: ClassVar[str]
     _page: ClassVar[str]
     _figure: ClassVar[str] = ""
+    _certificate: ClassVar[str] = ""
 
     @property
     def certified(self) -> bool:
@@ -85,6 +87,13 @@ class Answer(Shown):
         """Write the figure, as the name ends: .svg, .pdf or .png; the same file for the same answer."""
         target: Path = resolve_name("haptisym.figures.sheet:save_as")(self.figure(), path)
         return target
+
+    def certificate(self) -> str:
+        """The answer with a proof that ``python -m haptisym_check`` checks, as JSON. SceneError where there is none."""
+        if not self._certificate:
+            raise SceneError(f"an answer of this kind ({type(self).__name__}) has no certificate")
+        text: str = resolve_name(self._certificate)(self)
+        return text
 
     def document(self) -> Any:
         """The page, a ``haptisym.writing.document.Document`` for any of its writers; text where it is not one yet."""

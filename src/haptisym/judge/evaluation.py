@@ -102,6 +102,7 @@ class Evaluation(Answer):
 
     _schema: ClassVar[str] = "haptisym.evaluation/1"
     _page: ClassVar[str] = "haptisym.pages.evaluation:page"
+    _certificate: ClassVar[str] = "haptisym.verbs.evaluate.certificate:certificate"
 
     scene: Scene
     distortion: Distortion

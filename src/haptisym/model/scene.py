@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, reduce
 from typing import Any
 
@@ -50,6 +50,8 @@ class Scene(Shown):
     title: str = ""
     source: str = ""
     hands: tuple[Hand, ...] = ()
+    text: str = field(default="", repr=False, compare=False)
+    """Of the file that it was read from, as it was then."""
 
     def _line(self) -> str:
         between = ", ".join(effect.name for effect in self.effects) or "no effects"

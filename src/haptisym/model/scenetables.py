@@ -52,7 +52,8 @@ def read_scenes(text: str) -> SceneFamily:
     title, source = _text(table, "title"), _text(table, "source")
     rows = _environments(table) if "environments" in table else [_one_environment(table)]
     hands = tuple(_hands(table))
-    scenes = ((name, Scene(own, effects, band, threshold, rendered, hands=hands)) for name, own, rendered in rows)
+    shared: dict[str, Any] = {"hands": hands, "text": text}
+    scenes = ((name, Scene(own, effects, band, threshold, rendered, **shared)) for name, own, rendered in rows)
     return named(scenes, title, source)
 
 

@@ -1,0 +1,134 @@
+"""The certificate of an evaluation: its claim, with a proof that another program can check (docs/certificates.md)."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+from haptisym.judge.crossings import Curve, curves
+from haptisym.judge.evaluation import Evaluation
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.levels import Level
+from haptisym.kernel.reals import Sliver
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.roots import Interval, Point
+from haptisym.model.scene import Scene
+from haptisym.model.scenetables import read_scenes
+from haptisym.verbs.evaluate.breakpoints import breakpoints
+from haptisym.verbs.evaluate.poles import poles
+from haptisym.verbs.evaluate.products import products
+
+FORMAT = "haptisym.certificate/1"
+_MOST_DIGITS = 500  # of an enclosure: a checker need not read longer ones
+
+_NAMES = {
+    Curve.ENVIRONMENT: "environment",
+    Curve.PERCEIVED: "perceived",
+    Curve.DIFFERENCE: "difference",
+    Curve.SUM: "sum",
+}
+
+
+def certificate(e: Evaluation) -> str:
+    """The document of JSON. SceneError, a sentence, where the format has no room for the scene or the answer.
+
+    >>> from haptisym.verbs.evaluate.entry import evaluate
+    >>> json.loads(certificate(evaluate("fu2019")))["claim"]["crossings"][0]
+    {'at': 5, 'part': 'real', 'kind': 'exceeds', 'sign': 1, 'multiplicity': 1}
+    """
+    scene = e.scene
+    if e.relevance is not None:
+        raise SceneError("a certificate is about all effects of a scene: ask for it without a tolerance")
+    if [x.name for x in e.criteria] != ["real", "imag"]:
+        raise SceneError("a certificate needs a threshold that is one number, or one for each part")
+    environment = _named(scene)
+    functions = _functions(e)
+    factors, told = products(functions)
+    frequencies = _enclosures(e)
+    inner = [Sliver(Fraction(x), Fraction(y)) for x, y in frequencies[1:-1]]
+    points = breakpoints([e.chart.points[0].omega, *inner, e.chart.points[-1].omega], factors)
+    about_poles = poles(e.distortion.perc, stable=e.stable)
+    document = {
+        "format": FORMAT,
+        "scene_sha256": hashlib.sha256(scene.text.encode()).hexdigest(),
+        "environment": environment,
+        "claim": {"frequencies": frequencies} | _claim(e) | {"stable": None if about_poles is None else e.stable},
+        "proof": {
+            "breakpoints": [str(x) for x in points],
+            "factors": [{"step": f.step, "polynomial": [[str(n) for n in row] for row in f.rows]} for f in factors],
+            "functions": told,
+            "poles": about_poles,
+        },
+    }
+    return json.dumps(document, ensure_ascii=False)
+
+
+def _named(scene: Scene) -> str | None:
+    """Which of several environments it is of the file that it was read from."""
+    if not scene.text:
+        raise SceneError("a certificate is about a scene file: write the scene to one, and evaluate that")
+    family = read_scenes(scene.text)
+    for name, one in family.scenes.items():
+        if replace(one, title="", hands=()) == replace(scene, title="", hands=()):
+            return name if len(family) > 1 or "[[environments]]" in scene.text else None
+    raise SceneError("a certificate is about a scene as its file has it: this one was changed since it was read")
+
+
+def _functions(e: Evaluation) -> dict[str, RealFunction]:
+    found: dict[str, RealFunction] = {}
+    for key, f in curves(e.distortion, e.criteria).items():
+        if isinstance(f, Level):
+            raise SceneError("a certificate needs thresholds that are rational, or rational in pi")
+        if isinstance(key, tuple):
+            curve, part = key
+            found[f"{_NAMES[curve]}.{part.value}"] = f
+        else:
+            found[f"excess.{key.name}"] = f  # type: ignore[attr-defined]
+    return found
+
+
+def _claim(e: Evaluation) -> dict[str, Any]:
+    """What the evaluation answers, each frequency by its place among all at which something happens."""
+    points = e.chart.points
+    place = {id(point.omega): i for i, point in enumerate(points)}
+
+    def at(point: Point) -> int:
+        return place[id(point.omega)]
+
+    def ends(intervals: Sequence[Interval]) -> list[list[int]]:
+        return [[at(x.low), at(x.high)] for x in intervals]
+
+    return {
+        "crossings": [
+            {"at": place[id(x.omega)], "part": x.criterion.name}
+            | {"kind": x.kind.value, "sign": x.sign, "multiplicity": x.multiplicity}
+            for x in e.crossings
+        ],
+        "transparent": ends(e.transparent),
+        "changeovers": {
+            "environment": [at(x) for x in e.changeovers_environment],
+            "perceived": [at(x) for x in e.changeovers_perceived],
+        },
+        "percepts": [
+            {"part": x.part.value, "from": at(x.band.low), "to": at(x.band.high)}
+            | {"property": x.property.value, "change": x.change.value}
+            for x in e.percepts
+        ],
+        "outside_model": ends(e.outside_model),
+        "unbounded": [at(x) for x in e.unbounded],
+    }  # fmt: skip
+
+
+def _enclosures(e: Evaluation) -> list[list[str]]:
+    """Of all places, with as many digits as were asked for, or more where that does not tell them apart."""
+    digits = min(e.digits, _MOST_DIGITS)
+    while True:
+        found = [list(point.omega.enclosure(digits)) for point in e.chart.points]
+        if all(Fraction(a[1]) < Fraction(b[0]) for a, b in pairwise(found)):
+            return found
+        digits *= 2

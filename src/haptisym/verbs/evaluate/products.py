@@ -1,0 +1,127 @@
+"""The functions behind an evaluation as products of polynomials with whole coefficients, as a certificate tells them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+from typing import Any, TypeAlias
+
+import flint
+from flint import arb, fmpq_poly
+from sympy import Rational
+
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import Polynomial, PolynomialRing
+
+Rows: TypeAlias = tuple[tuple[int, ...], ...]
+"""The coefficients of a polynomial, ascending, each as those of ascending powers of pi."""
+
+_BITS = 330  # of pi: the 100 digits that a checker has
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A polynomial in variable^step."""
+
+    rows: Rows
+    step: int
+
+    @cached_property
+    def bounds(self) -> tuple[fmpq_poly, ...]:
+        """Polynomials below and above it for arguments >= 0; one alone where pi is not in it."""
+        if all(len(row) == 1 for row in self.rows):
+            return (fmpq_poly([row[0] for row in self.rows]),)
+        with flint.ctx.workprec(_BITS):
+            balls = [sum((n * arb.pi() ** i for i, n in enumerate(row)), arb(0)) for row in self.rows]
+            return tuple(
+                fmpq_poly([x.fmpq() for x in ends]) for ends in ([b.lower() for b in balls], [b.upper() for b in balls])
+            )
+
+    def moved(self, low: Fraction, high: Fraction) -> tuple[int, ...] | None:
+        """The signs of the coefficients of (1 + u)^n p((low + high u)/(1 + u)); None where one stays open."""
+        found = [_signs(p, len(self.rows) - 1, low**self.step, high**self.step) for p in self.bounds]
+        return found[0] if found[0] == found[-1] else None
+
+
+def _signs(p: fmpq_poly, degree: int, low: Fraction, high: Fraction) -> tuple[int, ...]:
+    start, end = (flint.fmpq(x.numerator, x.denominator) for x in (low, high))
+    there = p(fmpq_poly([start, end - start]))
+    turned = fmpq_poly([there[n] for n in range(degree, -1, -1)])(fmpq_poly([1, 1]))
+    return tuple((turned[n] > 0) - (turned[n] < 0) for n in range(degree, -1, -1))[::-1]
+
+
+@dataclass
+class Factors:
+    """The factors of some functions, each of them once, and the functions as products of them."""
+
+    listed: dict[Factor, int] = field(default_factory=dict)
+    known: list[tuple[Polynomial, Any]] = field(default_factory=list)
+
+    def product(self, x: RealFunction, *, in_square: bool) -> dict[str, Any]:
+        """``number * omega^omega * product of factor^exponent``."""
+        return self.quotient(x.axis, x.function.numerator, x.function.denominator, in_square=in_square)
+
+    def quotient(self, ring: PolynomialRing, top: Polynomial, bottom: Polynomial, *, in_square: bool) -> dict[str, Any]:
+        """The same of a quotient of polynomials."""
+        if top.is_zero():
+            return {"number": "0", "omega": 0, "powers": []}
+        number, omega, powers = Rational(1), 0, Counter[int]()
+        for polynomial, sign in ((top, 1), (bottom, -1)):
+            unit, factors = self._taken(ring, polynomial, in_square=in_square)
+            number *= unit**sign
+            for factor, n in factors:
+                if factor == ring.variable:
+                    omega += sign * n
+                else:
+                    powers[self._index(factor, in_square=in_square)] += sign * n
+        return {"number": str(number), "omega": omega, "powers": [[i, n] for i, n in sorted(powers.items()) if n]}
+
+    def _taken(self, ring: PolynomialRing, polynomial: Polynomial, *, in_square: bool) -> Any:
+        found = next((taken for other, taken in self.known if other == polynomial), None)
+        if found is None:
+            found = ring.factors(polynomial, in_square=in_square)
+            self.known.append((polynomial, found))
+        return found
+
+    def _index(self, factor: Polynomial, *, in_square: bool) -> int:
+        rows = rows_of(factor)
+        even = in_square and not any(any(row) for row in rows[1::2])
+        return self.listed.setdefault(Factor(rows[::2] if even else rows, 2 if even else 1), len(self.listed))
+
+
+def rows_of(polynomial: Polynomial) -> Rows:
+    """The coefficients of a polynomial with whole coefficients in the variable and pi; SceneError where it holds more."""
+    rows: dict[int, dict[int, int]] = {}
+    for (power, of_pi, *others), value in polynomial.to_dict().items():
+        if any(others):
+            raise SceneError(NOT_RATIONAL)
+        rows.setdefault(int(power), {})[int(of_pi)] = int(value.p)
+    return tuple(
+        tuple(row.get(i, 0) for i in range(max(row, default=0) + 1))
+        for row in (rows.get(n, {}) for n in range(max(rows) + 1))
+    )
+
+
+NOT_RATIONAL = (
+    "a certificate needs a rational scene: this one has a delay, a hold or a fractional power of s, "
+    "so that its functions are no quotients of polynomials"
+)
+
+
+def are_even(functions: Sequence[RealFunction]) -> bool:
+    """Whether all numerators and denominators are even or odd in omega; those of Coulomb friction are not."""
+    every = (p for f in functions for p in (f.function.numerator, f.function.denominator) if not p.is_zero())
+    return all(len({int(e[0]) % 2 for e in p.monoms()}) == 1 for p in every)
+
+
+def products(functions: Mapping[str, RealFunction]) -> tuple[list[Factor], dict[str, dict[str, Any]]]:
+    """The factors of real functions, and each function as the product of them."""
+    if any(f.axis.functions for f in functions.values()):
+        raise SceneError(NOT_RATIONAL)
+    factors, even = Factors(), are_even(list(functions.values()))
+    told = {name: factors.product(f, in_square=even) for name, f in functions.items()}
+    return list(factors.listed), told

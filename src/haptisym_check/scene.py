@@ -1,0 +1,270 @@
+"""What a scene file says: exact numbers, and the chain of its dynamics in Gaussian integers wherever it is asked for."""
+
+import ast
+import re
+import tomllib
+from collections.abc import Callable
+from fractions import Fraction
+from functools import cache
+from math import comb, factorial
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
+
+
+class RefusedError(Exception):
+    """What a certificate does not prove, or what is not understood."""
+
+
+def need(condition: object, why: str) -> None:
+    """RefusedError, and why, unless the condition holds."""
+    if not condition:
+        raise RefusedError(why)
+
+
+class Value(NamedTuple):
+    """A Gaussian integer, the value of a polynomial in s and pi at some s and pi, with bounds on its degrees in them."""
+
+    re: int
+    im: int = 0
+    s: int = 0
+    pi: int = 0
+
+    def plus(self, x: "Value", sign: int = 1) -> "Value":
+        return Value(self.re + sign * x.re, self.im + sign * x.im, max(self.s, x.s), max(self.pi, x.pi))
+
+    def times(self, x: "Value") -> "Value":
+        re, im = self.re * x.re - self.im * x.im, self.re * x.im + self.im * x.re
+        return Value(re, im, self.s + x.s, self.pi + x.pi)
+
+    def conjugate(self) -> "Value":
+        """For s = j omega a polynomial in omega, of the same degree."""
+        return Value(self.re, -self.im, self.s, self.pi)
+
+
+Ratio = tuple[Value, Value]  # a dynamics is numerator and denominator: nothing is divided, no polynomial written out
+ONE, ZERO = Value(1), Value(0, s=-(10**6), pi=-(10**6))  # the polynomial 0 has a degree below all others
+
+
+def combined(sign: str, x: Ratio, y: Ratio) -> Ratio:
+    """x + y, x - y, x * y or x / y."""
+    degree, size = sum(max(v.s, 0) for v in (*x, *y)), sum(v.re.bit_length() for v in (*x, *y))
+    need(degree < 1000 and size < 10**5, "a formula is too large")
+    if sign in "*/":
+        top, bottom = y if sign == "*" else y[::-1]
+        return x[0].times(top), x[1].times(bottom)
+    return x[0].times(y[1]).plus(y[0].times(x[1]), 1 if sign == "+" else -1), x[1].times(y[1])
+
+
+T = TypeVar("T")
+WORD = re.compile(r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?|[^\W\d]\w*|[°%]")
+SIGNS: dict[type, str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.UAdd: "+", ast.USub: "-"}
+
+
+@cache
+def parsed(text: str) -> tuple[ast.expr, list[str]]:
+    """A formula as Python's grammar reads it with placeholders x0, x1, ... for its numbers and names; nothing is executed."""
+    words = WORD.findall(text)
+    count = iter(range(len(words)))
+    plain = WORD.sub(lambda _: f" x{next(count)} ", " ".join(text.split())).replace("^", "**").strip()
+    try:
+        need(len(text) <= 4000 and re.fullmatch(r"[-+*/() x0-9]*", plain), f"{text[:60]!r} is not understood")
+        return ast.parse(plain, mode="eval").body, words
+    except (SyntaxError, RecursionError, MemoryError):
+        raise RefusedError(f"{text[:60]!r} is not understood") from None
+
+
+def evaluated(text: str, leaf: Callable[[str], T], combine: Callable[[str, T, T], T]) -> T:
+    """A formula's value, from what numbers and names are and how two values are combined by + - * /."""
+    tree, words = parsed(text)
+
+    def of(x: ast.expr) -> T:
+        if isinstance(x, ast.Name):
+            return leaf(words[int(x.id[1:])])
+        if isinstance(x, ast.UnaryOp):
+            return combine(SIGNS[type(x.op)], leaf("0"), of(x.operand))
+        need(isinstance(x, ast.BinOp), f"{text[:60]!r} is not understood")
+        assert isinstance(x, ast.BinOp)
+        if type(x.op) in SIGNS:
+            return combine(SIGNS[type(x.op)], of(x.left), of(x.right))
+        sign, n = (
+            SIGNS[type(x.right.op)] if isinstance(x.right, ast.UnaryOp) else "+",
+            getattr(x.right, "operand", x.right),
+        )
+        power = words[int(n.id[1:])] if isinstance(n, ast.Name) else ""
+        need(
+            isinstance(x.op, ast.Pow) and re.fullmatch("[0-9]{1,2}", power),
+            f"{text[:60]!r}: a power must be a whole number",
+        )
+        base, result = of(x.left), leaf("1")
+        for _ in range(int(power)):
+            result = combine("*" if sign == "+" else "/", result, base)
+        return result
+
+    return of(tree)
+
+
+class Number(NamedTuple):
+    """value * pi^pi, and its dimension, powers of kg, m and s; None without a unit."""
+
+    value: Fraction
+    pi: int = 0
+    dimension: list[int] | None = None
+
+    def at(self, pi: int) -> Ratio:
+        """With a whole number in place of pi."""
+        up, down = max(self.pi, 0), max(-self.pi, 0)
+        top = Value(self.value.numerator * pi**up, pi=up) if self.value else ZERO
+        return top, Value(self.value.denominator * pi**down, pi=down)
+
+
+CATALOGUE = tomllib.loads((Path(__file__).parent / "catalogue.toml").read_text(encoding="utf-8"))
+NUMBER = r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)"
+SPELLED: dict[int, str] = {ord(x): y for x, y in zip("·×⋅²³", ("*", "*", "*", "^2", "^3"), strict=True)}
+QUANTITY = re.compile(rf"\s*{NUMBER}(?:\s*/\s*([0-9]+)(?![\w.]))?\s*(.*?)\s*")
+
+
+def unit(name: str) -> Number:
+    """A unit by its name, perhaps with a prefix."""
+    prefix, base = ("", name) if name in CATALOGUE["units"] else (name[:1], name[1:])
+    factor, pi, dimension, prefixed = CATALOGUE["units"].get(base, ["1", 0, [], ""])
+    need(
+        dimension and (not prefix or (prefix in CATALOGUE["prefixes"] and prefixed)),
+        f"the unit {name!r} is not understood",
+    )
+    return Number(Fraction(factor) * Fraction(10) ** CATALOGUE["prefixes"].get(prefix, 0), pi, dimension)
+
+
+def units(sign: str, x: Number, y: Number) -> Number:
+    """The product or the quotient of two units."""
+    need(sign in "*/", "a unit is a product of powers")
+    n = 1 if sign == "*" else -1
+    both = zip(x.dimension or [], y.dimension or [], strict=True)
+    return Number(x.value * y.value**n, x.pi + n * y.pi, [a + n * b for a, b in both])
+
+
+def quantity(given: Any, kind: str = "") -> Number:
+    """A number with or without a unit, exactly; of a range the nominal value. ``kind``: a key of the dimensions."""
+    if isinstance(given, list):
+        need(2 <= len(given) <= 3, "a range has two ends, and perhaps its nominal value between them")
+        low, *between, high = (quantity(x, kind) for x in given)
+        need(low[1:] == high[1:], "the ends of a range have different units")
+        return between[0] if between else low._replace(value=(low.value + high.value) / 2)
+    if isinstance(given, int | Fraction) and not isinstance(given, bool):
+        return Number(Fraction(given))
+    need(isinstance(given, str) and len(given) < 500, "a value is neither a number nor a text")
+    text, *deviation = re.split(r"\+/?-|±", given)
+    found = QUANTITY.fullmatch(text)
+    need(found and int(found[2] or 1) and len(deviation) < 2, f"the quantity {given[:60]!r} is not understood")
+    assert found
+    number = Fraction(found[1]) / int(found[2] or 1)
+    if not found[3]:
+        return Number(number)
+    plain = found[3].translate(SPELLED)
+    own = evaluated(re.sub(r"(?<=[\w)°%])\s+(?=[^\W\d]|[(°%])", "*", plain), unit, units)
+    need(not kind or own.dimension in CATALOGUE["dimensions"][kind], f"{given[:60]!r} has the wrong dimension")
+    return own._replace(value=own.value * number)
+
+
+def row(model: str, given: dict[str, Any]) -> list[str]:
+    """That of the catalogue for these parameters; lists among them are taken apart."""
+    if model == "prony":
+        k, b = given.pop("k", None), given.pop("b", None)
+        need(isinstance(k, list) and isinstance(b, list) and 0 < len(k) == len(b) <= 20, "k and b must be lists alike")
+        given.update({f"{key}_{i}": x for key, xs in (("k", k), ("b", b)) for i, x in enumerate(xs, 1)})
+        return [" ".join(given), "k0" + "".join(f" + k_{i}*b_{i}*s/(k_{i} + b_{i}*s)" for i in range(1, len(k) + 1))]
+    if model == "pade-delay":
+        n = given.pop("order", 0)
+        need(isinstance(n, int) and 1 <= n <= 10, "the order must be a whole number from 1 to 10")
+        weights = [comb(n, i) * factorial(2 * n - i) for i in range(n + 1)]
+        back, forth = (" + ".join(f"{c}*({x}s*tau)^{i}" for i, c in enumerate(weights)) for x in ("-", ""))
+        return ["tau", back, "0", "0", forth]
+    full = f"{model} Z" if "Z" in given else model
+    need(full in CATALOGUE["models"], f"the model {model!r} is not understood")
+    return list(CATALOGUE["models"][full])
+
+
+class Element:
+    """An environment (one formula) or an effect (four), with the numbers that the names in them stand for."""
+
+    def __init__(self, table: Any, formulas: int, felt: "Element | None" = None) -> None:
+        """``felt``: the environment whose parameters what is rendered may refer to."""
+        need(isinstance(table, dict) and isinstance(table.get("model"), str), "an environment or effect has no model")
+        model, given = table["model"], {key: x for key, x in table.items() if key not in ("model", "name")}
+        own = given.pop("parameters", {})
+        signature, *texts = row(model, given)
+        names = {x.rstrip("=?"): x for x in signature.split()}
+        needed = {key for key, x in names.items() if "?" not in x}
+        fits = len(texts) == formulas and needed <= given.keys() <= names.keys() and isinstance(own, dict)
+        need(fits and (not own or "=" in signature), f"the parameters of {model} are not understood")
+        if "=" in signature:
+            self.texts = [re.sub(r"\b[A-Z]\b", lambda x: str(given[x[0]]), text) for text in texts]
+            self.numbers = {key: self.number(x, "", felt) for key, x in own.items()}
+        else:
+            self.texts = texts
+            self.numbers = {key: self.number(given.get(key, 0), key[0].lower(), felt) for key in names}
+            delay = self.numbers["tau"].value if "tau" in names and model != "pade-delay" else 0
+            need(not delay, f"{model} with a delay: this format is for rational scenes")
+
+    @staticmethod
+    def number(given: Any, kind: str, felt: "Element | None") -> Number:
+        """A parameter's value, or that of the environment's parameter that it refers to."""
+        if isinstance(given, str) and felt and given.strip().startswith("environment."):
+            name = re.sub(r"\[(\d+)\]$", r"_\1", given.strip().removeprefix("environment."))
+            need(name in felt.numbers, f"{given[:60]!r} is no parameter of the environment")
+            return felt.numbers[name]
+        return quantity(given, kind)
+
+    def at(self, s: Value, pi: int) -> list[Ratio]:
+        """The formulas' values."""
+        known = {name: x.at(pi) for name, x in self.numbers.items()}
+        known |= {"s": (s, ONE), "j": (Value(0, 1), ONE), "pi": (Value(pi, pi=1), ONE)}
+
+        def leaf(word: str) -> Ratio:
+            need(word in known or word[0] in ".0123456789", f"the name {word!r} is not known")
+            return known[word] if word in known else Number(Fraction(word)).at(pi)
+
+        return [evaluated(x, leaf, combined) for x in self.texts]
+
+
+class Scene:
+    """Band and thresholds of a scene file, and its chain."""
+
+    def __init__(self, data: bytes, name: str | None) -> None:
+        """``name``: which of several environments."""
+        try:
+            table = tomllib.loads(data.decode("utf-8-sig"), parse_float=lambda text: quantity(text).value)
+        except (ValueError, RecursionError) as error:
+            raise RefusedError(f"the scene is not understood: {error}") from None
+        known = {"title", "source", "environment", "environments", "rendered", "effects", "evaluation", "hand", "hands"}
+        need(table.keys() <= known, f"keys of the scene are not understood: {', '.join(table.keys() - known)}")
+        if "environments" in table or name is not None:
+            every = [
+                x
+                for x in table.get("environments", [])
+                if isinstance(x, dict) and x.get("name", x.get("model")) == name
+            ]
+            need(len(every) == 1 and "environment" not in table, f"there is not one environment {name!r}")
+            table["environment"] = {key: x for key, x in every[0].items() if key != "rendered"}
+            table |= {key: x for key, x in every[0].items() if key == "rendered"}
+        self.felt = Element(table.get("environment"), 1)
+        self.rendered = Element(table["rendered"], 1, self.felt) if "rendered" in table else self.felt
+        effects, told = table.get("effects", []), table.get("evaluation", {})
+        need(isinstance(effects, list) and len(effects) <= 100, "the effects are not a list of at most 100")
+        self.effects = [Element(x, 4) for x in effects]
+        need(isinstance(told, dict) and told.keys() <= {"band", "jnd"}, "[evaluation] is not understood")
+        band, jnd = told.get("band", [0, 15]), told.get("jnd", Fraction(1, 10))
+        need(isinstance(band, list) and len(band) == 2, "the band is not a pair")
+        self.band = [quantity(x, "o") for x in band]
+        both = jnd if isinstance(jnd, dict) else {"real": jnd, "imag": jnd}
+        need(both.keys() == {"real", "imag"}, "the threshold is not a number, nor one for each part")
+        self.threshold = {part: quantity(x, "z") for part, x in both.items()}
+
+    def at(self, s: Value, pi: int) -> tuple[Ratio, Ratio]:
+        """H_env and H_perc, each numerator and denominator."""
+        [felt], [(top, bottom)] = self.felt.at(s, pi), self.rendered.at(s, pi)
+        for effect in self.effects:
+            (a, x), (b, y), (c, z), (d, w) = effect.at(s, pi)
+            above = a.times(y).times(top).plus(b.times(x).times(bottom))
+            below = c.times(w).times(top).plus(d.times(z).times(bottom))
+            top, bottom = above.times(z.times(w)), below.times(x.times(y))
+        return felt, (top, bottom)
