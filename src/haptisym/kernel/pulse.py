@@ -9,10 +9,11 @@ G(s)/s exp(s (T - theta)) w/(1 - w exp(s T)).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import lcm
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from flint import arb, arb_mat, arb_poly, fmpq, fmpq_poly
@@ -57,16 +58,20 @@ class SampledLoop:
     above: tuple[Expr, ...]
     below: tuple[Expr, ...]
 
-    def balls(self) -> list[Ball]:
-        """The coefficients at the current working precision."""
-        above, below = (arb_poly([expression_ball(x) for x in row]) for row in (self.above, self.below))
-        den, num = pulse(self.plant, self.T, self.whole)
+    def balls(self, known: Mapping[Expr, Ball] = MappingProxyType({})) -> list[Ball]:
+        """The coefficients at the current working precision; ``known`` : balls that symbols in the loop stand for."""
+        above, below = (arb_poly([expression_ball(x, known) for x in row]) for row in (self.above, self.below))
+        den, num = pulse(self.plant, self.T, self.samples(known), known)
         return [*(below * den + above * num).coeffs()]
 
     @cached_property
     def whole(self) -> tuple[int, ...]:
         """Of each delay the whole samples."""
-        return tuple(_floor(lag / self.T) for lag, _ in self.plant.terms)
+        return self.samples({})
+
+    def samples(self, known: Mapping[Expr, Ball]) -> tuple[int, ...]:
+        """Of each delay the whole samples."""
+        return tuple(_floor(lag / self.T, known) for lag, _ in self.plant.terms)
 
     def exact(self) -> list[Element] | None:
         """The same times a number that is not 0; None where the plant holds pi."""
@@ -84,17 +89,17 @@ class SampledLoop:
         return _Residues(self, [_fmpq(x) for x in lags]).polynomial()
 
 
-def pulse(plant: Plant, period: Expr, whole: Sequence[int]) -> tuple[Any, Any]:
+def pulse(plant: Plant, period: Expr, whole: Sequence[int], known: Mapping[Expr, Ball]) -> tuple[Any, Any]:
     """Denominator and numerator of the pulse transfer function, polynomials in w, in balls."""
-    lead, T = expression_ball(plant.denominator[-1]), expression_ball(period)
-    Q = [expression_ball(x) / lead for x in plant.denominator]
-    A, n = arb_mat(_companion(Q)), len(Q) - 1
+    lead, T = expression_ball(plant.denominator[-1], known), expression_ball(period, known)
+    Q = [expression_ball(x, known) / lead for x in plant.denominator]
+    A, n = _matrix(_companion(Q)), len(Q) - 1
     Phi = (A * T).exp()
     den, total = _reversed_characteristic(Phi), arb_poly([])
     for (lag, above), ell in zip(plant.terms, whole, strict=True):
-        N = [expression_ball(x) / lead for x in above]
+        N = [expression_ball(x, known) / lead for x in above]
         N += [arb(0)] * (n + 1 - len(N))
-        C, late = [x - N[n] * q for x, q in zip(N, Q, strict=True)][:n], expression_ball(lag - ell * period)
+        C, late = [x - N[n] * q for x, q in zip(N, Q, strict=True)][:n], expression_ball(lag - ell * period, known)
         own = arb_poly([arb(0), N[n]]) * den + _response(Phi, _held(Q, T - late), C, den)
         if not late.is_zero():
             before = (A * (T - late)).exp() * _held(Q, late)
@@ -103,11 +108,11 @@ def pulse(plant: Plant, period: Expr, whole: Sequence[int]) -> tuple[Any, Any]:
     return den, total
 
 
-def _floor(ratio: Expr) -> int:
-    """The whole part of a positive number."""
+def _floor(ratio: Expr, known: Mapping[Expr, Ball]) -> int:
+    """The whole part of a number."""
 
     def whole(_: int) -> int | None:
-        found = expression_ball(ratio).floor().unique_fmpz()
+        found = expression_ball(ratio, known).floor().unique_fmpz()
         return None if found is None else int(found)
 
     if ratio.is_Rational:
@@ -122,6 +127,12 @@ def _fmpq(x: Expr) -> fmpq:
     return fmpq(int(x.p), int(x.q))
 
 
+def _matrix(rows: list[list[Ball]], columns: int | None = None) -> Any:
+    """A matrix, which may be of no size."""
+    width = len(rows) if columns is None else columns
+    return arb_mat(rows) if rows and width else arb_mat(len(rows), width)
+
+
 def _companion(Q: Sequence[Ball]) -> list[list[Ball]]:
     n = len(Q) - 1
     return [[arb(int(j == i + 1)) if i < n - 1 else -Q[j] for j in range(n)] for i in range(n)]
@@ -131,8 +142,8 @@ def _held(Q: Sequence[Ball], time: Ball) -> Any:
     """Where a unit force that is held for some time takes a plant at rest."""
     n = len(Q) - 1
     rows = [[*row, arb(int(i == n - 1))] for i, row in enumerate(_companion(Q))]
-    moved = (arb_mat([*rows, [arb(0)] * (n + 1)]) * time).exp()
-    return arb_mat([[moved[i, n]] for i in range(n)])
+    moved = (_matrix([*rows, [arb(0)] * (n + 1)]) * time).exp()
+    return _matrix([[moved[i, n]] for i in range(n)], 1)
 
 
 def _reversed_characteristic(M: Any) -> Any:
@@ -142,7 +153,7 @@ def _reversed_characteristic(M: Any) -> Any:
 
 def _response(Phi: Any, start: Any, C: Sequence[Ball], den: Any) -> Any:
     """w C adj(1 - w Phi) start: |1 - w (Phi - start C)| is the denominator and that."""
-    return _reversed_characteristic(Phi - start * arb_mat([list(C)])) - den
+    return _reversed_characteristic(Phi - start * _matrix([list(C)], len(C))) - den
 
 
 class _Residues:

@@ -46,7 +46,7 @@ def _loops(scene: Scene) -> list[str]:
     words = (
         f"{hold} holds a force that {other} brings back to a clock: images of the samples fold back into the band, and the "
         "closed form leaves them out. It is an approximation here, and does not tell whether the sampled loop is stable; "
-        "haptisym simulate runs that loop."
+        "haptisym stability decides that in a hand, haptisym simulate runs the loop."
     )
     return [words]
 
@@ -58,8 +58,8 @@ def _hand(scene: Scene) -> list[str]:
         return []
     work = f"{' and '.join(clocks)} {'works' if len(clocks) == 1 else 'work'} by a clock"
     words = (
-        f"{work}, so that hand and display together are a sampled loop. Whether that loop is stable was not decided: what is "
-        "said here holds for imposed motion."
+        f"{work}, so that hand and display together are a sampled loop. What is said here holds for imposed motion; "
+        "haptisym stability decides that loop in a hand."
     )
     return [words]
 

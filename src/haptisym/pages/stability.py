@@ -9,6 +9,7 @@ from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rootcount import Chain
 from haptisym.model.hand import hands
 from haptisym.model.quantities import Dimension, Motion, unit_text
+from haptisym.pages.clock import sampled_condition
 from haptisym.pages.words import H_PERC, OMEGA, both, exactly, lead, short, span, title
 from haptisym.verbs.stability.answer import Stability
 from haptisym.verbs.stability.critical import Critical, Nearest
@@ -69,7 +70,8 @@ def _held(found: Stability) -> Iterator[Block]:
         yield Paragraph((*ask, " The package ships ", listed(hands), "."))
         return
     keys = (Column((named(key), f" ({unit})"), number=True) for key, unit in zip("mbk", _units(found), strict=True))
-    columns = (Column("hand"), *keys, Column("stable"), Column(f"roots in {_RIGHT}", number=True))
+    where = f"roots in {_RIGHT}" if found.sampled is None else "roots with |z|\xa0≥\xa01"
+    columns = (Column("hand"), *keys, Column("stable"), Column(where, number=True))
     yield Table(columns, tuple(map(_row, found.held)), "The display in each hand.")
     notes = [(x.hand.name, ": ", _reason(x), ".") for x in found.held if _reason(x)]
     if notes:
@@ -135,6 +137,9 @@ def _reason(x: Held) -> Phrase:
 
 def _every(x: EveryPassiveHand, unit: str) -> Iterator[Block]:
     p = x.passivity
+    if x.sampled is not None:
+        yield from sampled_condition(x.sampled, unit)
+        return
     if p is None or p.holds is None:
         yield Paragraph((Strong("UNDECIDED"), (": ", x.reason) if p is None else _open(p), "."))
     elif p.holds:

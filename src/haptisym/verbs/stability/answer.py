@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
+from haptisym.judge.colgate import SampledPassivity
 from haptisym.kernel.shown import titled
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
@@ -40,6 +41,11 @@ class Stability(Answer):
         return f"{titled(self.scene.title)}: {told}, every passive hand {said[self.every_passive_hand.holds]}"
 
     @property
+    def sampled(self) -> SampledPassivity | None:
+        """With a clock, Colgate and Schenkel's condition."""
+        return self.every_passive_hand.sampled
+
+    @property
     def certified(self) -> bool:
         """Whether nothing was left undecided."""
         decided = (
@@ -52,7 +58,7 @@ class Stability(Answer):
             "imposed": {"stable": self.imposed.stable, "unstable": self.imposed.unstable},
             "held": [self._held(x, rows) for x, rows in zip(self.held, self.critical, strict=True)],
             "every_passive_hand": self.every_passive_hand.row(self.digits),
-            "sampled": None,
+            "sampled": None if self.sampled is None else self.sampled.row(self.digits),
             "certified": self.certified,
         }
 

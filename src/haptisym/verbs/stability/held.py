@@ -15,12 +15,13 @@ from haptisym.kernel.terms import at_least, order_at_0
 from haptisym.model.caveats import clocks, sampled_loop
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
+from haptisym.verbs.stability.clocked import clocked_roots
 
 
 def unstable_roots(scene: Scene, hand: Hand) -> Roots:
     """The roots in Re s >= 0 of a display in a hand: the one place where that is decided. UndecidedError where it stays open."""
     if clocks(scene):
-        raise UndecidedError("the roots of a sampled loop")
+        return clocked_roots(scene, hand)
     return roots_in_hand(scene.distortion().perc, hand)
 
 

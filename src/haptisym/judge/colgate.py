@@ -1,0 +1,153 @@
+"""Whether every passive hand may hold a sampled loop: Colgate and Schenkel's condition, one polynomial sign in tan(theta/2).
+
+A device m s^2 + b s + k, its position sampled every T, a controller C(z), the force held: passive where, for 0 < theta <= pi,
+    b > T/2 Re((1 - exp(-j theta)) C(exp(j theta)))/(1 - cos theta).
+With exp(j theta) = (1 + s)/(1 - s), s = j tan(theta/2), the right-hand side is Re((s - 1)/s C) T/2: a response like any other.
+Source: Colgate and Schenkel (1997). Derivation: 17_sampled_passivity.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import flint
+from flint import arb
+from sympy import Expr, Integer
+
+from haptisym.judge.peaks import Greatest, Largest, greatest
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
+from haptisym.kernel.response import RealFunction, on_axis
+from haptisym.kernel.roots import chart, sign_of_number
+from haptisym.kernel.stability import is_stable
+from haptisym.kernel.symbols import s
+from haptisym.model.sampled import BACK, CLOCKS, SAMPLED_LOOP, controller
+from haptisym.model.scene import Scene
+
+_TEN = "something other than mass, spring and damper lies between clock and hand"
+
+
+@dataclass(frozen=True, repr=False)
+class Angle(RealNumber):
+    """theta = 2 atan(t), or pi less that."""
+
+    tangent: RealNumber
+    is_far: bool = False
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits):
+            found = 2 * self.tangent.ball(bits).atan()
+            return arb.pi() - found if self.is_far else found
+
+
+@dataclass(frozen=True)
+class SampledPassivity:
+    """Colgate and Schenkel's condition for a display of period ``T``, s, whose device has this ``damping``.
+
+    ``sides`` : its right-hand side as a function of tan(theta/2), and of cot(theta/2); None where the condition does not
+    apply, for that ``reason``. ``is_settled`` : whether the controller's own poles lie inside the unit circle.
+    """
+
+    T: Expr
+    damping: Expr = Integer(0)
+    sides: tuple[RealFunction, RealFunction] | None = None
+    is_settled: bool = True
+    reason: str = ""
+
+    @cached_property
+    def needed(self) -> Greatest | None:
+        """The largest right-hand side: the damping that the device must exceed, and theta. None where nothing bounds it."""
+        return self._largest(Integer(0))
+
+    def _largest(self, less: Expr) -> Greatest | None:
+        """Of the right-hand side less a number."""
+        if self.sides is None:
+            return None
+        shifted = (RealFunction((f.function - f.axis.convert(less)).reduced()) for f in self.sides)
+        near, far = (greatest(f, Integer(0), Integer(1)) for f in shifted)
+        if near is None or far is None:
+            return None
+        best = max(((near, False), (far, True)), key=lambda x: float(x[0].value))
+        assert best[0].omega is not None
+        return Greatest(Largest((near.value, far.value)), Angle(best[0].omega, best[1]))
+
+    @cached_property
+    def passive(self) -> bool | None:
+        """Whether the device's damping exceeds that: then every passive hand may hold the display. None where not decided."""
+        if self.sides is None:
+            return None
+        if self.needed is None:
+            return False
+        if not self.is_settled:
+            return None
+        return all(self._exceeds(f) for f in self.sides)
+
+    @property
+    def hand_needed(self) -> RealNumber | None:
+        """The damping of a hand that makes up for what the device lacks, at least 0: with it any mass and stiffness will do."""
+        if self.passive:
+            return ExactNumber(Integer(0))
+        found = self._largest(self.damping)
+        return found.value if found and self.is_settled else None
+
+    def _exceeds(self, f: RealFunction) -> bool:
+        table = chart({"": RealFunction((f.axis.convert(self.damping) - f.function).reduced())}, Integer(0), Integer(1))
+        if table.undecided:
+            raise UndecidedError("whether a device has just the damping that its sampled loop needs")
+        signs = {
+            x for p in table.points for x in (*p.at.values(), *p.before.values(), *p.after.values()) if x is not None
+        }
+        return signs == {1}
+
+    def row(self, digits: int) -> dict[str, Any]:
+        """As documents have it."""
+        best = self.needed
+        told = {
+            "damping_needed": None if best is None else float(best.value),
+            "digits": None if best is None else best.value.digits(digits),
+            "theta": None if best is None or best.omega is None else float(best.omega),
+        }
+        return {"T": float(self.T), "passive": self.passive, **told, **({"reason": self.reason} if self.reason else {})}
+
+
+def sampled_passivity(scene: Scene) -> SampledPassivity | None:
+    """Colgate and Schenkel's condition for a scene with numbers; None without a clock.
+
+    >>> from haptisym import effects, environments
+    >>> device = effects.shunt(m="0.04", b="0.8")
+    >>> wall = Scene(environments.kelvin_voigt(1500, "0.04"), (effects.sampled_loop("1 ms", "backward-difference"), device))
+    >>> found = sampled_passivity(wall)                                              # K T/2 + B
+    >>> found.needed.value.digits(5), found.passive
+    ('0.79000', True)
+    """
+    clocks = [x for x in scene.effects if x.model in CLOCKS]
+    if not clocks:
+        return None
+    T = clocks[0].parameters[0].value
+    if clocks[0].model != SAMPLED_LOOP:
+        return SampledPassivity(T, reason="the clock samples a force that was made in continuous time, no position")
+    device = _device(scene)
+    if device is None:
+        return SampledPassivity(T, reason=_TEN)
+    C = controller(clocks[0]).expression().xreplace({BACK: (1 - s) / (1 + s)})
+    ring = Ring()
+    inner = ring.convert(C).reduced()
+    settled = is_stable(inner) is True and inner.numerator.degrees()[0] <= inner.denominator.degrees()[0]
+    sides = [ring.convert(T / 2 * (s - 1) / s * C), ring.convert(T / 2 * (1 - s) * C.xreplace({s: 1 / s}))]
+    near, far = (on_axis(f.reduced()).real for f in sides)
+    reason = "" if settled else "the controller has a pole on or outside the unit circle"
+    return SampledPassivity(T, device, (near, far), settled, reason)
+
+
+def _device(scene: Scene) -> Expr | None:
+    """The damping between clock and hand; None where there is something other than mass, spring and damper, none negative."""
+    total = dict.fromkeys("mbk", Integer(0))
+    for effect in scene.effects[1:]:
+        if effect.model != "shunt" or any(p.key not in total for p in effect.parameters):
+            return None
+        for p in effect.parameters:
+            total[p.key] += p.value
+    return None if any(sign_of_number(total[key]) < 0 for key in "mk") else total["b"]

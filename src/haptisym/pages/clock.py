@@ -1,0 +1,50 @@
+"""What the page of stability says of a display with a clock."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from haptisym.judge.colgate import SampledPassivity
+from haptisym.kernel.reals import ExactNumber
+from haptisym.pages.words import short
+from haptisym.writing.document import Block, Notes, Paragraph, Phrase, Strong
+from haptisym.writing.names import named
+
+_CONDITION = "Colgate and Schenkel's condition"
+
+
+def sampled_condition(x: SampledPassivity, unit: str) -> Iterator[Block]:
+    """Whether every passive hand holds a sampled loop, and the damping that the device needs for it."""
+    if x.passive is None:
+        yield Paragraph((Strong("UNDECIDED"), f": {_CONDITION} does not apply, as {x.reason}."))
+    elif x.passive:
+        yield Paragraph((f"Holds: {_CONDITION} is met on all of 0 < ", named("theta"), " = ", *_ANGLE, " ≤ π."))
+    else:
+        words = f": {_CONDITION} is not met, so that there is a passive hand in which a motion grows."
+        yield Paragraph((Strong("Does NOT hold"), words))
+    if x.sides is not None:
+        yield Notes(tuple(_notes(x, unit)))
+
+
+_ANGLE: tuple[Phrase, ...] = (named("omega"), " ", named("T"))
+
+
+def _notes(x: SampledPassivity, unit: str) -> Iterator[Phrase]:
+    best = x.needed
+    if best is None:
+        yield "No damping of the device is enough: what the controller asks for grows without bound."
+        return
+    assert best.omega is not None
+    place = ("at ", named("theta"), " = ", short(best.omega))
+    has = f" {unit}; it has ", short(ExactNumber(x.damping)), f" {unit}"
+    yield (
+        "The device's damping must exceed ",
+        short(best.value),
+        *has,
+        " (the largest right-hand side is ",
+        *place,
+        ").",
+    )
+    if x.passive is False and x.hand_needed is not None:
+        lacking = short(x.hand_needed), f" {unit}"
+        yield "In a hand that damps more than ", *lacking, " no motion grows, whatever its mass and stiffness."

@@ -1,0 +1,238 @@
+"""Displays with a clock, held in a hand and in every passive hand: the published table, and simulation as a witness."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from sympy import Rational
+
+import haptisym as hs
+from haptisym.judge.colgate import sampled_passivity
+from haptisym.model.hand import Hand
+from haptisym.verbs.stability.held import held
+
+E, F = hs.environments, hs.effects
+FREE = Hand("let go")
+DEVICE = {"m": "0.04", "b": "0.8"}
+
+
+def wall(
+    K: Any,
+    B: Any = 0,
+    T: str = "1 ms",
+    delay: int = 0,
+    device: dict[str, str] = DEVICE,
+    method: str = "backward-difference",
+) -> hs.Scene:
+    environment = E.kelvin_voigt(K, B) if B else E.mass_spring_damper(k=K)
+    return hs.Scene(environment, (F.sampled_loop(T, method, delay), F.shunt(**device)))
+
+
+P3 = Hand("P3", b=8, k=400)
+SUN = {"m": "0.032", "b": "3.62"}
+TABLE: dict[str, tuple[float, dict[str, Any], Hand]] = {
+    "held by nothing": (1605.35113477512, {}, FREE),
+    "one sample late": (536.278559788946, {"delay": 1}, FREE),
+    "two": (322.743931195746, {"delay": 2}, FREE),
+    "three": (231.251826734561, {"delay": 3}, FREE),
+    "T = 5 ms": (325.422809758905, {"T": "5 ms"}, FREE),
+    "in a hand": (18284.7872144337, {}, P3),
+    "in a hand, T = 5 ms": (4387.83474049539, {"T": "5 ms"}, P3),
+    "in a hand without damping": (1606.69137940911, {}, Hand("k", k=400)),
+    "B = 0.4": (2384.3034697805, {"B": "0.4"}, FREE),
+    "KTU": (2001.66805601833, {"device": {"m": "0.05", "b": "0.5"}, "T": "0.5 ms"}, FREE),
+    "b = 0.1": (200.083368061341, {"device": {"m": "0.04", "b": "0.1"}}, FREE),
+    "Sun": (7379.09706084562, {"device": SUN}, FREE),
+    "Sun, in a hand": (18273.4389482611, {"device": SUN}, Hand("Sun", "0.8", "5.5", "30")),
+}
+
+
+@pytest.mark.parametrize("case", TABLE)
+def test_a_wall_is_stable_up_to_the_published_stiffness(case: str) -> None:
+    K, keys, hand = TABLE[case]
+    below, above = (held(wall(repr(K * (1 + sign * 1e-13)), **keys), hand) for sign in (-1, 1))
+    assert (below.stable, below.unstable) == (True, 0)
+    assert (above.stable, above.unstable) == (False, 2)
+
+
+FILTERED = "k + b*s*w/(s + w)"
+
+
+def test_the_filtered_wall_let_go() -> None:
+    def scene(K: float) -> hs.Scene:
+        H = E.expression(FILTERED, parameters={"k": repr(K), "b": 3, "w": "314.159"})
+        return hs.Scene(H, (F.sampled_loop("1 ms", "backward-difference", 1), F.shunt(m="45 g")))
+
+    assert [held(scene(1124.64856112794 * f), FREE).stable for f in (1 - 1e-13, 1 + 1e-13)] == [True, False]
+
+
+@given(beta=st.fractions(min_value=Rational(1, 50), max_value=Rational(19, 10), max_denominator=60))
+def test_without_damping_the_boundary_is_alpha_of_beta_exactly(beta: Any) -> None:
+    """alpha = K T^2/m = 2 beta (2 - beta)/(2 + beta), beta = B T/m: on it a pair lies on the circle, exactly."""
+    beta = Rational(beta.numerator, beta.denominator)
+    alpha = 2 * beta * (2 - beta) / (2 + beta)
+    found = [
+        held(wall(alpha * f, beta, "1 s", device={"m": "1"}), FREE).roots
+        for f in (Rational(99, 100), 1, Rational(101, 100))
+    ]
+    assert [(x.number, x.right) for x in found if x] == [(0, 0), (2, 0), (2, 2)]
+
+
+LARGEST = [
+    (0, 0.686291501015240, 0.828427124746190),
+    (1, 0.144469349226052, 0.424693789882598),
+    (2, 0.0624304893523135, 0.291392227931262),
+]
+
+
+@pytest.mark.parametrize(("delay", "alpha", "beta"), LARGEST)
+def test_the_stiffest_wall_without_damping(delay: int, alpha: float, beta: float) -> None:
+    def stable(a: float, b: float) -> bool | None:
+        return held(wall(repr(a), repr(b), "1 s", delay, {"m": "1"}), FREE).stable
+
+    assert stable(alpha * (1 - 1e-12), beta)
+    assert not any(stable(alpha * (1 + 1e-12), beta * (1 + x)) for x in (-1e-3, -1e-5, 0, 1e-5, 1e-3))
+
+
+def test_late_by_a_delay_or_by_samples_is_the_same() -> None:
+    """The delay effect behind a clock that samples at once, and whole samples of computation."""
+    K = 536.278559788946
+    for factor, stable in ((1 - 1e-13, True), (1 + 1e-13, False)):
+        late = hs.Scene(
+            E.mass_spring_damper(k=repr(K * factor)),
+            (F.sampled_loop("1 ms", "tustin"), F.delay("1 ms"), F.shunt(**DEVICE)),
+        )
+        assert held(late, FREE).stable is stable
+        assert held(wall(repr(K * factor), delay=1), FREE).stable is stable
+
+
+def test_a_spring_before_a_hold_is_a_spring_behind_its_sampler() -> None:
+    for factor, stable in ((1 - 1e-13, True), (1 + 1e-13, False)):
+        spring = E.mass_spring_damper(k=repr(1605.35113477512 * factor))
+        assert held(hs.Scene(spring, (F.zero_order_hold("1 ms"), F.shunt(**DEVICE))), FREE).stable is stable
+
+
+def test_what_leaves_the_place_free_has_a_root_at_one() -> None:
+    found = held(
+        hs.Scene(E.mass_spring_damper(b=3), (F.sampled_loop("1 ms", "tustin", 1), F.shunt(m="0.1", b="0.3"))), FREE
+    )
+    assert (found.stable, found.unstable) == (False, 1)
+
+
+REASONS = {
+    "two clocks": ((F.zero_order_hold("1 ms"), F.zero_order_hold("2 ms"), F.shunt(m="0.1")), "two clocks"),
+    "a line": (
+        (F.sampled_loop("1 ms", "tustin"), F.wave_variables(3, "5 ms")),
+        "a delay comes back between clock and hand",
+    ),
+    "friction": ((F.sampled_loop("1 ms", "tustin"), F.coulomb_friction("0.1", "1 cm"), F.shunt(m="0.1")), "friction"),
+    "nothing": ((F.sampled_loop("1 ms", "tustin"),), "nothing that has mass"),
+}
+
+
+@pytest.mark.parametrize("case", REASONS)
+def test_what_is_not_decided_is_said(case: str) -> None:
+    effects, words = REASONS[case]
+    found = held(hs.Scene(E.mass_spring_damper(k=100), effects), FREE)
+    assert found.stable is None
+    assert words in found.reason
+
+
+# Every passive hand
+
+
+NEEDED = {
+    "K = 100, B = 1, one late": (wall(100, 1, delay=1), "1.05125000000000", 1.545793721895536),
+    "a spring": (wall(1600), "0.800000000000000", None),
+    "a spring two late": (wall(1600, delay=2), "4.00000000000000", 0.0),
+    "B = 0.4": (wall(800, "0.4"), "0.800000000000000", 3.141592653589793),
+    "tustin": (wall(100, method="tustin"), "0.0500000000000000", None),
+}
+
+
+@pytest.mark.parametrize("case", NEEDED)
+def test_the_damping_that_every_passive_hand_asks_of_the_device(case: str) -> None:
+    scene, digits, theta = NEEDED[case]
+    found = sampled_passivity(scene)
+    assert found is not None
+    assert found.needed is not None
+    assert found.needed.value.digits(15) == digits
+    assert found.needed.omega is not None
+    assert theta is None or float(found.needed.omega) == pytest.approx(theta, rel=1e-15)
+    assert found.passive is (float(digits) < 0.8)  # b must exceed it
+
+
+def filtered(delay: int, b: str) -> hs.Scene:
+    H = E.expression(FILTERED, parameters={"k": 500, "b": 3, "w": "50 Hz"})
+    return hs.Scene(H, (F.sampled_loop("1 ms", "backward-difference", delay), F.shunt(m="45 g", b=b)))
+
+
+def test_the_filtered_wall_needs_twice_the_damping_when_it_is_late() -> None:
+    late, at_once = (sampled_passivity(filtered(d, "1")) for d in (1, 0))
+    assert late is not None
+    assert at_once is not None
+    assert late.needed is not None
+    assert at_once.needed is not None
+    assert [float(x.needed.value) for x in (late, at_once) if x.needed] == [1.3717548999605444, 0.6572657444908996]
+    assert [float(x.needed.omega) for x in (late, at_once) if x.needed and x.needed.omega] == pytest.approx(
+        [0.80523027, 3.14159265], abs=2e-8
+    )
+    assert (late.passive, at_once.passive) == (False, True)
+    assert late.hand_needed is not None
+    assert late.hand_needed.digits(8) == "0.37175490"
+
+
+@given(
+    K=st.integers(1, 3000), B=st.integers(-3, 9), delay=st.integers(0, 3), x=st.floats(-0.99, 0.99),
+)  # fmt: skip
+def test_the_condition_is_a_sum_of_cosines(K: int, B: int, delay: int, x: float) -> None:
+    """K T/2 (1 + 2 sum cos k theta) - B cos((d + 1) theta): nowhere larger than what is said, and as large somewhere."""
+    import numpy as np
+
+    T = 1e-3
+    H = E.expression("k + b*s", parameters={"k": K, "b": B})
+    found = sampled_passivity(hs.Scene(H, (F.sampled_loop("1 ms", "backward-difference", delay), F.shunt(m=1))))
+    theta = np.linspace(0, np.pi, 20001)
+    side = K * T / 2 * (1 + 2 * sum(np.cos(k * theta) for k in range(1, delay + 1))) - B * np.cos((delay + 1) * theta)
+    assert found is not None
+    assert found.needed is not None
+    assert float(found.needed.value) == pytest.approx(side.max(), abs=1e-6 * (K * T + abs(B)))
+
+
+def test_where_the_condition_does_not_apply_a_reason_is_given() -> None:
+    soft = hs.Scene(
+        E.mass_spring_damper(k=100), (F.sampled_loop("1 ms", "tustin"), F.compliance(k=5000), F.shunt(m="0.1"))
+    )
+    document = json.loads(hs.stability(soft, "postural-arm").to_json())
+    assert document["held"][0]["stable"] is True
+    assert document["sampled"] == {
+        "T": 0.001, "passive": None, "damping_needed": None, "digits": None, "theta": None,
+        "reason": "something other than mass, spring and damper lies between clock and hand",
+    }  # fmt: skip
+    assert "does not apply" in str(hs.stability(soft, "postural-arm"))
+
+
+def test_the_page_and_the_document_say_the_same() -> None:
+    scene = filtered(1, "1")
+    found = hs.stability(scene, "firm-grip")
+    document = json.loads(found.to_json())
+    assert document["sampled"]["damping_needed"] == 1.3717548999605444
+    assert document["every_passive_hand"]["holds"] is False
+    assert document["every_passive_hand"]["damping"] == pytest.approx(0.3717548999605444)
+    text = " ".join(str(found).split())
+    assert "roots with |z| ≥ 1" in text
+    assert "The device's damping must exceed 1.3718 N·s/m; it has 1 N·s/m" in text
+    assert "In a hand that damps more than 0.37175 N·s/m no motion grows" in text
+
+
+def test_a_passive_display_is_stable_in_every_hand_that_is_tried() -> None:
+    scene = wall(1590)
+    assert sampled_passivity(scene).passive  # type: ignore[union-attr]
+    for m in ("0", "0.01", "0.3", "4"):
+        for b in ("0", "2"):
+            for k in ("0", "90", "4000"):
+                assert held(scene, Hand("any", m, b, k)).stable
