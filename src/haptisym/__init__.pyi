@@ -12,6 +12,7 @@ from haptisym.model.distortion import Distortion, distort
 from haptisym.model.family import SceneFamily
 from haptisym.model.hand import Hand, hands
 from haptisym.model.jnd import Part, Threshold
+from haptisym.model.published import Published
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import family_names, load_scene, load_scenes, parse_scene, parse_scenes, scene_names
 from haptisym.pages.latex import latex
@@ -25,6 +26,7 @@ from haptisym.verbs.effects.relevance import Relevance
 from haptisym.verbs.evaluate.entry import evaluate
 from haptisym.verbs.family.entry import FamilyEvaluation, evaluate_all
 from haptisym.verbs.jnd.entry import Psychometric, jnd
+from haptisym.verbs.jnd.published import PublishedThresholds, published
 from haptisym.verbs.metrics.entry import metrics
 from haptisym.verbs.metrics.metric import Metrics
 from haptisym.verbs.require.designmap import DesignMap, design_map
@@ -76,6 +78,8 @@ __all__ = [
     "Point",
     "Property",
     "Psychometric",
+    "Published",
+    "PublishedThresholds",
     "RealNumber",
     "Release",
     "Relevance",
@@ -115,6 +119,7 @@ __all__ = [
     "parse_scene",
     "parse_scenes",
     "peaks",
+    "published",
     "recording",
     "release",
     "relevance",

@@ -177,6 +177,8 @@ def answers(path: Path) -> list[str]:
     slopes: hs.Sensitivities = hs.sensitivity(scene)
     boxes: hs.Tolerances = hs.tolerances(hs.load_scene("fu2019-tolerances"), samples=0)
     person: hs.Psychometric = hs.jnd("answers.csv", reference=5, lapse=None)
+    known: hs.PublishedThresholds = hs.published()
+    first: hs.Published = known[0]
     kept: hs.Relevance = hs.relevance(scene, "1 %")
     measures: hs.Metrics = hs.metrics("fu2019")
     costs: hs.Cost = hs.cost(scene, quick=True)
@@ -200,7 +202,7 @@ def answers(path: Path) -> list[str]:
     except hs.SceneError as error:
         written.append(str(error))
     shown: list[object] = [width, spans, felt, points, kinds, high, derived, needed, design, slopes, boxes, kept]
-    shown += [measures, shakes, costs, harder, simulated, run, let_go, both, motions, sets, f]
+    shown += [person, known, first, measures, shakes, costs, harder, simulated, run, let_go, both, motions, sets, f]
     return [*written, *map(str, shown), str(path)]
 '''
 

@@ -44,6 +44,7 @@ ANSWERS: dict[str, Callable[[], Any]] = {
     "jnd that does not fit": lambda: hs.jnd(
         Answers("two people", tuple(Row(float(x), k, 40) for x, k in enumerate((2, 30, 8, 33, 12, 38))))
     ),
+    "published": hs.published,
     "cost": lambda: hs.cost("fu2019", quick=True),
     "hard costs": lambda: hs.hard_costs(hard_cases("identities")),
 }

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import click
+from click.core import ParameterSource
 
 from haptisym.commands.options import drawn, figure_option, json_option, show
 from haptisym.commands.verb import verb
@@ -29,7 +30,8 @@ class _Number(click.ParamType[object]):
 
 
 @verb()
-@click.argument("data")
+@click.argument("data", required=False)
+@click.option("--published", is_flag=True, help="List the published thresholds instead, usable by name in a scene.")
 @click.option(
     "--proportion", type=_Number(), metavar="P", help="Take the JND at that share of answers.  [default: 0.75]"
 )
@@ -57,7 +59,8 @@ class _Number(click.ParamType[object]):
 @figure_option("answers and curve")
 @json_option
 def jnd(
-    data: str,
+    data: str | None,
+    published: bool,
     proportion: float | None,
     alternatives: int | None,
     reference: float | None,
@@ -87,7 +90,13 @@ def jnd(
       haptisym jnd answers.csv --reference 5 --proportion 0.84 --figure answers.svg
       haptisym jnd staircase.csv --alternatives 2 --reference 1 --where participant=07
       haptisym jnd psignifit.json --method psignifit --json
+      haptisym jnd --published
     """
+    if published:
+        _list(data, as_json)
+        return
+    if data is None:
+        raise SceneError("jnd: name a file of answers as DATA, or ask for --published")
     from haptisym.verbs.jnd.entry import jnd as measure
 
     named = {"level": level, "count": count, "trials": trials, "answer": answer}
@@ -98,6 +107,26 @@ def jnd(
     )  # fmt: skip
     drawn(found, figure)
     show(found, as_json=as_json)
+
+
+def _list(data: str | None, as_json: bool) -> None:
+    """What is published."""
+    given = [
+        x.name for x in click.get_current_context().command.params if x.name not in ("published", "as_json", *_PAGES)
+    ]
+    asked = [name for name in given if name and _is_given(name)]
+    if data is not None or asked:
+        raise SceneError("--published lists what others measured: leave out DATA and what is about it")
+    from haptisym.verbs.jnd.published import published
+
+    show(published(), as_json=as_json)
+
+
+_PAGES = ("latex", "report")
+
+
+def _is_given(name: str) -> bool:
+    return click.get_current_context().get_parameter_source(name) is ParameterSource.COMMANDLINE
 
 
 def _pairs(given: Iterable[str]) -> dict[str, str]:

@@ -227,6 +227,7 @@ class Evaluation(Answer):
         return {
             "band": [float(point.omega) for point in (self.chart.points[0], self.chart.points[-1])],
             "threshold": {"real": str(self.scene.threshold.real), "imag": str(self.scene.threshold.imag)},
+            **({"like": name} if (name := self.scene.threshold.source) else {}),
             "crossings": [self._crossing(c) for c in self.crossings],
             "transparent": [_interval(x) for x in self.transparent],
             "bandwidth": None if self.bandwidth is None else float(self.bandwidth),

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import Any
 
 from sympy import Expr, Rational
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.shown import Viewed
+from haptisym.model.published import like
 from haptisym.model.quantities import Dimension, Number, require_number
 from haptisym.model.ranges import Interval, ranged
 
@@ -40,11 +42,23 @@ class Threshold(Viewed):
     real_interval: Interval | None = field(default=None, repr=False)
     imag_interval: Interval | None = field(default=None, repr=False)
     """Where they may lie, if they are given as ranges (``"0.1 +- 20 %"`` or a pair)."""
+    source: str = field(default="", repr=False)
+    """The name of the published threshold that it is, if it is one."""
 
     @classmethod
     def of(cls, real: Number, imag: Number | None = None) -> Threshold:
         """A threshold from numbers; the imaginary part's is the real part's unless given. SceneError unless > 0."""
         return cls(real, real if imag is None else imag)
+
+    @classmethod
+    def like(cls, name: str) -> Threshold:
+        """A published one, by its name, with its range where the source gives one. SceneError for a name that there is not.
+
+        >>> Threshold.like("weight").real_interval
+        (11/50, 11/25)
+        """
+        given: Any = like(name).given
+        return cls(given, given, source=name)
 
     def __post_init__(self) -> None:
         for key in ("real", "imag"):

@@ -166,6 +166,9 @@ def _threshold(given: Any) -> Threshold:
     try:
         if not isinstance(given, Mapping):
             return Threshold.of(given)
+        if "like" in given:
+            _only(given, ("like",), "")
+            return Threshold.like(given["like"])
         _only(given, ("real", "imag"), "")
         if len(given) < 2:
             raise SceneError("must give both real and imag")

@@ -1,13 +1,14 @@
-"""What is said of all bandwidths that a range of thresholds gives."""
+"""What is said of a threshold that is published or a range, and of all bandwidths that the range gives."""
 
 from __future__ import annotations
 
 from haptisym.judge.climb import Bandwidths, Jump
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.jnd import Part, Threshold
+from haptisym.model.published import like
 from haptisym.model.ranges import Interval
 from haptisym.pages.words import PART_NAMES, both, percent, short
-from haptisym.writing.document import Block, Number, Paragraph, Phrase, Strong, listed
+from haptisym.writing.document import Block, Code, Number, Paragraph, Phrase, Strong, listed
 
 
 def bandwidths(found: Bandwidths, threshold: Threshold) -> Block:
@@ -62,3 +63,12 @@ def _share(x: RealNumber) -> Phrase:
 
 def _open(found: Bandwidths) -> Phrase:
     return (" ", Strong("UNDECIDED"), f": {found.undecided}; there may be jumps between.") if found.undecided else ""
+
+
+def published_words(threshold: Threshold) -> Phrase:
+    """Which published threshold it is; nothing where it is none."""
+    if not threshold.source:
+        return ""
+    found = like(threshold.source)
+    taken = f" at {float(100 * found.criterion):g}\xa0%" if found.criterion else ""
+    return ", as ", Code(found.name), f": {found.quantity}{taken} ({found.source})"

@@ -14,7 +14,7 @@ from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.symbols import omega, s
 from haptisym.model.jnd import Part
-from haptisym.pages.bandwidths import bandwidths
+from haptisym.pages.bandwidths import bandwidths, published_words
 from haptisym.pages.held import held
 from haptisym.pages.words import (
     CHANGE,
@@ -149,7 +149,7 @@ def _dynamics(e: Evaluation) -> Iterator[tuple[str, Phrase]]:
     yield "", _equation("Im dH", d.difference_response.imag.written, omega)
     low, high = (e.chart.points[i].omega for i in (0, -1))
     yield "band", (both(low), " to ", both(high))
-    yield "threshold", limits(e.scene.threshold)
+    yield "threshold", (limits(e.scene.threshold), published_words(e.scene.threshold))
 
 
 def _equation(name: str, function: RationalFunction, variable: Symbol) -> Phrase:
