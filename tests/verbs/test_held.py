@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -137,6 +138,47 @@ def test_beside_each_critical_value_a_contour_winds_around_as_many_roots_as_are_
         for share, expected in ((0.98, x.below), (1.02, x.above)):
             moved = scene.with_values({x.path: Rational(float(x.value) * share)})
             assert winding(moved, moved.hands[0]) == expected, x
+
+
+BOXES = [
+    ("delayed-spring", ("0.3", "1"), ("4", "10"), ("0", "500"), "all"),  # beyond b* = 3.6
+    ("delayed-spring", ("0.3", "1"), ("3", "10"), ("0", "500"), "some"),
+    ("delayed-spring", ("0.3", "1"), ("3.4", "10"), ("400", "500"), "all"),
+    ("delayed-spring", ("0.3", "1"), ("0.1", "0.4"), ("0", "500"), "none"),
+    ("delayed-spring", ("0", "1"), ("4", "10"), ("0", "500"), "all"),
+    ("fu2019", ("0", "1"), ("0", "10"), ("0", "500"), "all"),
+    ("satellite-contact", ("1", "400"), ("1", "10"), ("0", "500"), "none"),
+]
+
+
+@pytest.mark.parametrize(("name", "m", "b", "k", "share"), BOXES)
+def test_a_box_of_hands_is_decided_as_a_whole(name: str, m: Any, b: Any, k: Any, share: str) -> None:
+    """Held against a grid of hands inside the box: all, none, or both kinds are stable."""
+    box = hs.Hand("box", [*m], [*b], [*k])
+    answer = hs.stability(name, box)
+    assert answer.to_dict()["held"][0]["whole_box"] == share
+    assert {"all": "stable in all of these hands.", "some": "but in some.", "none": "NOT stable in any"}[
+        share
+    ] in " ".join(str(answer).split())
+    scene = hs.load_scene(name)
+    shares = [Rational(n, 3) for n in range(4)]
+    inside = [
+        held(
+            scene,
+            hs.Hand(
+                "one",
+                *(Rational(x[0]) + u * (Rational(x[1]) - Rational(x[0])) for x, u in zip((m, b, k), at, strict=True)),
+            ),
+        ).stable
+        for at in product(shares, repeat=3)
+    ]
+    assert {(True,): "all", (False,): "none"}.get(tuple(set(inside)), "some") == share
+
+
+def test_how_far_a_hand_is_from_shaking_is_told_of_its_nominal_values() -> None:
+    [row] = hs.stability("delayed-spring", hs.Hand("hand", "0.5 kg", "5 N*s/m +- 10 %")).to_dict()["held"]
+    assert (row["hand"]["ranges"], row["whole_box"]) == ({"b": [4.5, 5.5]}, "all")
+    assert row["critical"][0]["digits"] == "3.46359973276770"
 
 
 def test_a_threshold_and_a_number_without_a_hand_are_refused() -> None:

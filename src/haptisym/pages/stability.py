@@ -7,11 +7,12 @@ from collections.abc import Iterator
 from haptisym.judge.passivity import Beyond, Passivity
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rootcount import Chain
-from haptisym.model.hand import hands
+from haptisym.model.hand import Hand, hands
 from haptisym.model.quantities import Dimension, Motion, unit_text
 from haptisym.pages.clock import sampled_condition
 from haptisym.pages.words import H_PERC, OMEGA, both, exactly, lead, short, span, title
 from haptisym.verbs.stability.answer import Stability
+from haptisym.verbs.stability.boxes import Box, Share
 from haptisym.verbs.stability.critical import Critical, Nearest
 from haptisym.verbs.stability.held import Held
 from haptisym.verbs.stability.passive import EveryPassiveHand
@@ -73,10 +74,28 @@ def _held(found: Stability) -> Iterator[Block]:
     where = f"roots in {_RIGHT}" if found.sampled is None else "roots with |z|\xa0≥\xa01"
     columns = (Column("hand"), *keys, Column("stable"), Column(where, number=True))
     yield Table(columns, tuple(map(_row, found.held)), "The display in each hand.")
-    notes = [(x.hand.name, ": ", _reason(x), ".") for x in found.held if _reason(x)]
+    notes: list[Phrase] = [(x.hand.name, ": ", _reason(x), ".") for x in found.held if _reason(x)]
+    notes += [_box(x.hand, box) for x, box in zip(found.held, found.boxes, strict=True) if box]
     if notes:
         yield Notes(tuple(notes))
     yield from (_going(found, x, rows) for x, rows in zip(found.held, found.critical, strict=True) if rows)
+
+
+def _box(hand: Hand, box: Box) -> Phrase:
+    """In which hands of a box it is stable."""
+    ranges = listed(
+        (named(p.key), f" from {float(p.interval[0]):.6g} to {float(p.interval[1]):.6g}")
+        for p in hand.parameters
+        if p.interval
+    )
+    if box.share is None:
+        return Strong("UNDECIDED"), f": {hand.name} with ", ranges, f": {box.reason}."
+    verdict: dict[Share, Phrase] = {
+        Share.ALL: "stable in all of these hands",
+        Share.SOME: (Strong("NOT"), " stable in all of these hands, but in some"),
+        Share.NONE: (Strong("NOT"), " stable in any of these hands"),
+    }
+    return f"{hand.name} with ", ranges, ": ", verdict[box.share], "."
 
 
 def _going(found: Stability, x: Held, rows: tuple[Nearest, ...]) -> Section:

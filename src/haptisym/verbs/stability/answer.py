@@ -10,6 +10,7 @@ from haptisym.judge.colgate import SampledPassivity
 from haptisym.kernel.shown import titled
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
+from haptisym.verbs.stability.boxes import Box
 from haptisym.verbs.stability.critical import Critical, Nearest
 from haptisym.verbs.stability.held import Held, Imposed
 from haptisym.verbs.stability.passive import EveryPassiveHand
@@ -21,7 +22,8 @@ class Stability(Answer):
 
     ``imposed`` : the force under imposed motion is stable. ``held`` : it is stable in this hand, for each hand; ``critical`` :
     for each hand, and each number that was asked about, the nearest values at which the number of unstable roots changes.
-    ``every_passive_hand`` : it is stable in every passive hand. ``scene`` : with the hands that were asked about.
+    ``boxes`` : of each hand with ranges, in which of its hands it is stable. ``every_passive_hand`` : it is stable in every one.
+    ``scene`` : with the hands that were asked about.
     """
 
     _schema: ClassVar[str] = "haptisym.stability/1"
@@ -31,6 +33,7 @@ class Stability(Answer):
     imposed: Imposed
     held: tuple[Held, ...]
     critical: tuple[tuple[Nearest, ...], ...]
+    boxes: tuple[Box | None, ...]
     every_passive_hand: EveryPassiveHand
     digits: int = 15
 
@@ -51,23 +54,27 @@ class Stability(Answer):
         decided = (
             None not in (self.imposed.stable, *(x.stable for x in self.held)) and self.every_passive_hand.is_decided
         )
-        return decided and not any(x.reason for rows in self.critical for x in rows)
+        left = [x.reason for rows in self.critical for x in rows] + [x.reason for x in self.boxes if x]
+        return decided and not any(left)
 
     def _body(self) -> dict[str, Any]:
         return {
             "imposed": {"stable": self.imposed.stable, "unstable": self.imposed.unstable},
-            "held": [self._held(x, rows) for x, rows in zip(self.held, self.critical, strict=True)],
+            "held": [self._held(*row) for row in zip(self.held, self.critical, self.boxes, strict=True)],
             "every_passive_hand": self.every_passive_hand.row(self.digits),
             "sampled": None if self.sampled is None else self.sampled.row(self.digits),
             "certified": self.certified,
         }
 
-    def _held(self, x: Held, rows: tuple[Nearest, ...]) -> dict[str, Any]:
+    def _held(self, x: Held, rows: tuple[Nearest, ...], box: Box | None) -> dict[str, Any]:
         reason = {"reason": x.reason} if x.reason else {}
         chain = {"chain": x.roots.chain.value} if x.roots and x.roots.chain else {}
         critical = [self._critical(found) for near in rows for found in near.found]
         left = [{"path": near.path, "reason": near.reason} for near in rows if near.reason]
-        own = {"hand": _hand(x.hand), "stable": x.stable, "unstable": x.unstable, "critical": critical}
+        own: dict[str, Any] = {"hand": _hand(x.hand), "stable": x.stable, "unstable": x.unstable, "critical": critical}
+        if box is not None:
+            own["whole_box"] = box.share.value if box.share else None
+            left += [{"path": x.hand.name, "reason": box.reason}] if box.reason else []
         return own | ({"undecided": left} if left else {}) | chain | reason
 
     def _critical(self, x: Critical) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.stability.answer import Stability
+from haptisym.verbs.stability.boxes import whole_box
 from haptisym.verbs.stability.critical import Nearest, critical
 from haptisym.verbs.stability.held import Held, held, imposed
 from haptisym.verbs.stability.passive import every_passive_hand
@@ -49,7 +50,8 @@ def stability(
     asked_of = [_number(scene, x) for x in scene.knobs.chosen(paths)]
     rows = tuple(held(scene, x) for x in scene.hands)
     near = tuple(_critical(scene, x, asked_of) for x in rows)
-    return Stability(scene, imposed(scene), rows, near, every_passive_hand(scene), digits)
+    boxes = tuple(whole_box(scene, x) for x in scene.hands)
+    return Stability(scene, imposed(scene), rows, near, boxes, every_passive_hand(scene), digits)
 
 
 def _number(scene: Scene, x: Knob) -> Knob:
