@@ -148,6 +148,19 @@ def test_single_answers_are_put_together_before_the_fit_is_tested() -> None:
     assert "300 levels put into 60 groups" in str(found)
 
 
+def test_very_many_levels_are_put_together_and_give_the_same_curve() -> None:
+    random = np.random.default_rng(11)
+    level = random.normal(5, 1, 20_000)
+    answered = random.random(20_000) < Curve(5, 0.6)(level)
+    many = tuple(Row(float(x), int(y), 1) for x, y in sorted(zip(level, answered, strict=True)))
+    found = hs.jnd(Answers("many", many))
+    whole = Likelihood(many, 0.0, 0.0).best(begun=found.fit.curve).curve
+    assert len(found.answers.rows) == 1000
+    assert found.notes[0] == "20000 levels put into 1000 groups of neighbours, each at its mean"
+    assert found.fit.curve.sigma == pytest.approx(whole.sigma, rel=1e-3)
+    assert found.jnd.low < 0.6744897501960817 * 0.6 < found.jnd.high
+
+
 def test_a_table_too_small_for_an_interval_has_no_upper_end() -> None:
     found = hs.jnd(Answers("few", (Row(1.0, 1, 4), Row(2.0, 2, 4), Row(3.0, 3, 4))), reference=2)
     assert found.jnd.high is None

@@ -37,7 +37,7 @@ def bandwidths(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> 
     least: RealNumber | None = None
     most: RealNumber | None = None
     try:
-        least, most = (_at(d, Threshold.of(*(ranges[part][end] for part in Part)), band) for end in (0, 1))
+        least, most = (_at(d, threshold.with_limits({part: ranges[part][i] for part in Part}), band) for i in (0, 1))
         found = _inside({x: x.measure(d) for x in noticed(threshold)}, ranges, band)
         return replace(found, least=least or found.least, most=most)
     except LimitError:

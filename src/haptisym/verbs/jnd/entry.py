@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
 from haptisym.kernel.errors import SceneError
-from haptisym.verbs.jnd.answers import Answers
+from haptisym.verbs.jnd.answers import Answers, condensed
 from haptisym.verbs.jnd.curve import Asked
 from haptisym.verbs.jnd.fit import Deviance, Estimate, Fit, grouped_words
 from haptisym.verbs.jnd.tables import read_answers
@@ -140,7 +140,7 @@ def jnd(
     ``method`` : "likelihood", or "psignifit", which is another package, and fits guesses and lapses itself. ``columns`` : which
     column holds "level", "count", "trials" or "answer"; ``where`` : only lines with these values.
     """
-    answers = data if isinstance(data, Answers) else read_answers(data, columns or {}, where or {})
+    answers = condensed(data if isinstance(data, Answers) else read_answers(data, columns or {}, where or {}))
     choices = answers.alternatives if alternatives is None else alternatives
     if answers.alternatives not in (None, choices):
         raise SceneError(f"{answers.name} says that there were {answers.alternatives} alternatives, not {choices}")

@@ -80,7 +80,7 @@ class Likelihood:
             pull = _times(count, np.exp(density - more)) - _times(trials - count, np.exp(density - less))
             by_lapse = _times(trials - count, ndtr(z) / np.exp(less)) - _times(count, ndtr(z) / np.exp(more))
             total = -(_times(count, more) + _times(trials - count, less)).sum()
-        slopes = np.array([pull.sum() / sigma, (pull * z).sum(), -by_lapse.sum()])
+            slopes = np.array([pull.sum() / sigma, (pull * z).sum(), -by_lapse.sum()])
         return (float(total), slopes) if np.isfinite(total) and np.isfinite(slopes).all() else (1e300, np.zeros(3))
 
     def best(self, held: Held | None = None, begun: Curve | None = None) -> Best:
