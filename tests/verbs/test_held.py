@@ -181,6 +181,58 @@ def test_how_far_a_hand_is_from_shaking_is_told_of_its_nominal_values() -> None:
     assert row["critical"][0]["digits"] == "3.46359973276770"
 
 
+@pytest.mark.parametrize(
+    ("name", "hand", "counts"),
+    [
+        ("delayed-spring", "light-touch", {0, 1, 2}), ("fu2019", "postural-arm", {0, 1}), ("satellite-contact", "postural-arm", {None}),
+        ("position-force-teleoperation", "postural-arm", {0, 2}),
+    ],
+)  # fmt: skip
+def test_the_cells_of_a_hands_plane_bear_the_number_of_roots_that_every_hand_in_them_has(
+    name: str, hand: str, counts: set[int | None]
+) -> None:
+    from haptisym.verbs.stability.plane import plane
+
+    scene, own = hs.load_scene(name), hs.hands[hand]
+    low, high, least, most = window = (-130.0 if name in ("fu2019", "delayed-spring") else -25.0, 1800.0, -0.6, 12.5)
+    found = plane(scene, own, window)
+    assert {x.roots.number for x in found.cells if x.roots} == counts
+    for x in found.cells:
+        rows, columns = np.nonzero(x.pixels)
+        k, b = (
+            low + (rows + 0.5) * (high - low) / len(x.pixels),
+            least + (columns + 0.5) * (most - least) / len(x.pixels),
+        )
+        for i in range(0, len(k), len(k) // 5 + 1):
+            if k[i] >= 0 and b[i] >= 0:
+                inside = hs.Hand("inside", own.m.value, Rational(float(b[i])), Rational(float(k[i])))
+                assert x.roots is not None
+                assert held(scene, inside).unstable == x.roots.number
+
+
+def test_the_boundary_is_where_roots_lie_on_the_axis() -> None:
+    """K exp(-j w tau) - m w^2 + j w b + k = 0 at every point of it."""
+    from haptisym.verbs.stability.plane import plane
+
+    found = plane(hs.load_scene("delayed-spring"), hs.Hand("hand", "0.5 kg"), (-130.0, 500.0, 0.0, 10.0))
+    w = np.linspace(1, 34, 300)
+    for x in w:
+        at = (0.5 * x**2 - 100 * np.cos(0.036 * x), 100 * np.sin(0.036 * x) / x)
+        assert np.hypot((found.k - at[0]) / 100, found.b - at[1]).min() < 0.02
+    assert found.at_0 == -100
+
+
+def test_a_display_with_a_clock_has_no_plane_of_h_perc(call: Any, tmp_path: Any) -> None:
+    status, out, err = call(
+        "stability", "virtual-wall", "--hand", "light-touch", "--figure", str(tmp_path / "plane.svg")
+    )
+    assert status in (0, 3)
+    assert "Held" in out
+    assert "no figure: with a clock" in err
+    _, _, told = call("stability", "fu2019", "--figure", str(tmp_path / "plane.svg"))
+    assert "figure written" in told
+
+
 def test_a_threshold_and_a_number_without_a_hand_are_refused() -> None:
     with pytest.raises(hs.SceneError, match="evaluation.jnd is a threshold, which moves no root"):
         hs.stability("fu2019", "light-touch", ["c"])

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
 
 from haptisym.commands.limit import within_limit
-from haptisym.commands.options import hand_over, json_option, scene_argument
+from haptisym.commands.options import drawn, figure_option, hand_over, json_option, scene_argument
 from haptisym.commands.verb import verb
 from haptisym.model.scene import Scene
 
@@ -26,12 +28,15 @@ from haptisym.model.scene import Scene
     metavar="PATH",
     help="A number, as environment.k or its symbol, of which it is told how far it may go; may be repeated.",
 )
+@figure_option("the hand's plane: where the display is stable")
 @json_option
 @click.option(
     "--digits", type=click.IntRange(1, 1000), default=15, show_default=True, help="Correct decimal digits in --json."
 )
 @within_limit
-def stability(scene: Scene, names: tuple[str, ...], paths: tuple[str, ...], as_json: bool, digits: int) -> None:
+def stability(
+    scene: Scene, names: tuple[str, ...], paths: tuple[str, ...], figure: Path | None, as_json: bool, digits: int
+) -> None:
     """Tell whether a display shakes: imposed, held, in every passive hand.
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
@@ -45,8 +50,11 @@ def stability(scene: Scene, names: tuple[str, ...], paths: tuple[str, ...], as_j
       haptisym stability delayed-spring --hand light-touch
       haptisym stability fu2019 --hand postural-arm --hand firm-grip
       haptisym stability delayed-spring --hand postural-arm --free environment.k --free tau
+      haptisym stability delayed-spring --hand postural-arm --figure plane.svg
       haptisym stability my-device.toml --json --digits 50
     """
     from haptisym.verbs.stability.entry import stability as of
 
-    hand_over(of(scene, names or None, paths, digits=digits), as_json=as_json)
+    found = of(scene, names or None, paths, digits=digits)
+    drawn(found, figure)
+    hand_over(found, as_json=as_json)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from haptisym.judge.passivity import Beyond, Passivity
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rootcount import Chain
+from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand, hands
 from haptisym.model.quantities import Dimension, Motion, unit_text
 from haptisym.pages.clock import sampled_condition
@@ -22,6 +23,7 @@ from haptisym.writing.document import (
     Code,
     Column,
     Document,
+    Figure,
     Notes,
     Number,
     Paragraph,
@@ -35,6 +37,7 @@ from haptisym.writing.names import named
 
 _IM = (Operator("Im"), " ", H_PERC)
 _RIGHT = "Re\xa0s\xa0≥\xa00"
+_PLANE = "Hands of one mass: where the display is stable in them, and the number of roots on the right where it is not."
 _MOST = 6  # active intervals that are told
 _CHAINS = {
     Chain.RIGHT: "infinitely many roots lie to the right of the imaginary axis: the system is neutral",
@@ -44,9 +47,10 @@ _CHAINS = {
 
 def page(found: Stability) -> Document:
     """The whole page."""
+    drawn = () if clocks(found.scene) else (Figure("plane", _PLANE, found.figure),)
     blocks = (
         Section("Imposed: the force under imposed motion", (Paragraph(_imposed(found)),)),
-        Section("Held: the display in a hand", tuple(_held(found))),
+        Section("Held: the display in a hand", (*_held(found), *drawn)),
         Section("Every passive hand", tuple(_every(found.every_passive_hand, _units(found)[1]))),
         Paragraph(_certain(found)),
     )

@@ -1,0 +1,170 @@
+"""The plane of a hand: where the display is stable, the boundary, published hands, and the box of a hand with ranges."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Rectangle
+
+from haptisym.figures.sheet import one_column
+from haptisym.figures.style import (
+    BLUE,
+    DASHED,
+    GREY,
+    INK,
+    RED,
+    SHADE,
+    SMALL,
+    SOLID,
+    TEXT,
+    dress,
+    handle,
+    legend,
+    number,
+)
+from haptisym.kernel.errors import NothingToDrawError
+from haptisym.model.caveats import clocks
+from haptisym.model.hand import Hand, hands
+from haptisym.model.quantities import Dimension, Motion, unit_text
+from haptisym.verbs.stability.answer import Stability
+from haptisym.verbs.stability.plane import Plane, Window, plane
+
+_UNSTABLE = "#f3dcd8"
+_SMALLER = SMALL - 1
+_ROOM = 1.25  # of the largest number that is shown
+_NARROW = 9  # pixels of a cell in which nothing is written
+_NEAR = 20  # times that a critical value may be beyond the hands
+
+
+def stability_figure(found: Stability) -> Figure:
+    """The plane of the mass of the first hand; NothingToDrawError with a clock, which has no such plane."""
+    if clocks(found.scene):
+        raise NothingToDrawError("with a clock the boundary in a hand's plane is none of H_perc")
+    return one_column(2.6, lambda ax: draw_plane(ax, found))
+
+
+def draw_plane(ax: Axes, found: Stability, hand: Hand | None = None) -> list[Artist]:
+    """Stiffness against damping of hands of one mass: a ground where the display is not stable, with the number of roots.
+
+    ``hand`` : whose mass it is; the first that was asked about, or 0.5 kg (or 0.01 kg m^2) where none was. Filled: the hands that
+    were asked about, if they are of that mass; hollow: published ones, whatever theirs. Returns what the legend has.
+
+    >>> from haptisym import stability
+    >>> drawn = draw_plane(Figure().add_subplot(), stability("delayed-spring", "light-touch"))
+    >>> [x.get_label() for x in drawn][0]
+    'boundary'
+    """
+    asked = [x.hand for x in found.held]
+    turning = found.scene.motion is Motion.ROTATION
+    own = hand or (asked[0] if asked else Hand("none", "0.01 kg*m^2" if turning else "0.5 kg"))
+    shown = [] if turning else [x for name, x in hands.items() if name not in {y.name for y in asked}]
+    drawn = plane(found.scene, own, _window(found, [*asked, *shown]))
+    low, high, least, most = drawn.window
+    ax.set(xlim=(low, high), ylim=(least, most))
+    made = [*_lines(ax, drawn), *_ground(ax, drawn), *_boxes(ax, asked), *_points(ax, asked, shown, drawn)]
+    dress(ax)
+    mass, damping, stiffness = (unit_text(x.unit(found.scene.motion or Motion.TRANSLATION)) for x in _KINDS)
+    ax.set_xlabel(rf"$k_\mathrm{{h}}$ ({stiffness}), for a hand of {number(drawn.mass)} {mass}", fontsize=TEXT)
+    ax.set_ylabel(rf"$b_\mathrm{{h}}$ ({damping})", fontsize=TEXT)
+    legend(ax, made)
+    return made
+
+
+_KINDS = (Dimension.MASS, Dimension.DAMPING, Dimension.STIFFNESS)
+
+
+def _window(found: Stability, shown: Iterable[Hand]) -> Window:
+    """Room for the hands, their boxes, critical values that are not far, and the line of the root at 0 if it is near."""
+    ends = [[(p.interval or (p.value, p.value))[1] for p in x.parameters] for x in shown]
+    most = [max((float(x[i]) for x in ends), default=0.0) for i in (1, 2)]
+    b, k = (x or other for x, other in zip(most, (1.0, 100.0), strict=True))
+    near = [(x.path, float(x.value)) for rows in found.critical for row in rows for x in row.found]
+    b = max([b, *(v for path, v in near if path.startswith("hand") and path.endswith(".b") and v < _NEAR * b)])
+    k = max([k, *(v for path, v in near if path.startswith("hand") and path.endswith(".k") and v < _NEAR * k)])
+    at_0 = float(found.scene.distortion().compile(of=("perceived_real",))(np.array([0.0])).perceived_real[0])
+    low = -1.3 * at_0 if 0 < at_0 < k else -0.05 * k
+    return low, _ROOM * k, -0.05 * b, _ROOM * b
+
+
+def _ground(ax: Axes, drawn: Plane) -> list[Artist]:
+    """Cells by whether they are stable, each with its number of roots."""
+    image = np.full(drawn.cells[0].pixels.shape if drawn.cells else (1, 1), np.nan)
+    for x in drawn.cells:
+        image[x.pixels] = 0 if x.roots is None else 1 if x.is_stable else 2
+        if min(np.ptp(np.nonzero(x.pixels), axis=1)) >= _NARROW:
+            shown = "?" if x.roots is None else "∞" if x.roots.number is None else f"{x.roots.number}"
+            ax.annotate(shown, (x.k, x.b), ha="center", va="center", fontsize=TEXT, color=INK)
+    low, high, least, most = drawn.window
+    colors = ListedColormap([SHADE, "white", _UNSTABLE])
+    ax.imshow(
+        image.T, extent=(low, high, least, most), origin="lower", aspect="auto", cmap=colors, vmin=0, vmax=2, zorder=0
+    )
+    made: list[Artist] = []
+    if any(x.roots is not None and not x.is_stable for x in drawn.cells):
+        made.append(Patch(facecolor=_UNSTABLE, label="not stable"))
+    if any(x.roots is None for x in drawn.cells):
+        made.append(Patch(facecolor=SHADE, label="not decided"))
+    return made
+
+
+def _lines(ax: Axes, drawn: Plane) -> list[Artist]:
+    """The boundary, and where a root is at 0."""
+    ax.plot(drawn.k, drawn.b, color=BLUE, linewidth=1.1)
+    low, high, least, most = drawn.window
+    is_here = bool(((drawn.k > low) & (drawn.k < high) & (drawn.b > least) & (drawn.b < most)).any())
+    made: list[Artist] = [handle(BLUE, SOLID, "boundary" if is_here else "boundary (elsewhere)")]
+    if drawn.at_0 is not None and low < drawn.at_0 < high:
+        ax.axvline(drawn.at_0, color=RED, linewidth=0.9, linestyle=DASHED)
+        made.append(handle(RED, DASHED, "root at 0"))
+    return made
+
+
+def _boxes(ax: Axes, asked: Iterable[Hand]) -> list[Artist]:
+    """The box of each hand with ranges of damping and stiffness."""
+    for x in asked:
+        if x.k.interval or x.b.interval:
+            (k, k_high), (b, b_high) = ([float(end) for end in p.interval or (p.value, p.value)] for p in (x.k, x.b))
+            ax.add_patch(Rectangle((k, b), k_high - k, b_high - b, fill=False, edgecolor=INK, linewidth=0.9))
+    return []
+
+
+def _points(ax: Axes, asked: list[Hand], shown: list[Hand], drawn: Plane) -> list[Artist]:
+    """Hands by their names: filled where their mass is that of the plane."""
+    written = (ax.transData.transform((x.k, x.b)) * 72 / ax.figure.dpi for x in drawn.cells)
+    taken = [(float(x) - 4, float(y) - 4, 8.0) for x, y in written]
+    for x in (*asked, *shown):
+        color, k, b = INK if x in asked else GREY, float(x.k.value), float(x.b.value)
+        face = INK if x in asked and float(x.m.value) == drawn.mass else "none"
+        ax.plot([k], [b], "o", color=color, markerfacecolor=face, markersize=3.5, markeredgewidth=0.7)
+        right, up = _free(ax, (k, b), len(x.name), taken)
+        side = "left" if right > 0 else "right"
+        ax.annotate(x.name, (k, b), (right, up), textcoords="offset points", fontsize=_SMALLER, color=color, ha=side)
+    here = [x for x in asked if float(x.m.value) == drawn.mass]
+    marker: dict[str, Any] = {"marker": "o", "markersize": 3.5}
+    made: list[Artist] = [handle(INK, "none", "of this mass", **marker)] if here else []
+    if len(here) < len(asked) + len(shown):
+        made.append(handle(GREY, "none", "of another", markerfacecolor="none", markeredgewidth=0.7, **marker))
+    return made
+
+
+def _free(
+    ax: Axes, place: tuple[float, float], length: int, taken: list[tuple[float, float, float]]
+) -> tuple[float, float]:
+    """Where beside a point a name meets no other: points to the right and up; the last resort is the first."""
+    box = ax.transData.transform(place) * 72 / ax.figure.dpi
+    for right, up in ((4, 2), (4, -8), (-4, 2), (-4, -8), (4, 10), (4, -16)):
+        wide = 0.55 * _SMALLER * length
+        x, y = float(box[0]) + (right if right > 0 else right - wide), float(box[1]) + up
+        if not any(
+            x < other + width and other < x + wide and abs(y - height) < 1.1 * _SMALLER
+            for other, height, width in taken
+        ):
+            taken.append((x, y, wide))
+            return right, up
+    return 4, 2
