@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from haptisym.figures.judged import columns, limit_of, name_of
 from haptisym.figures.labels import label_above
-from haptisym.figures.sampling import broken, columns, sampled
+from haptisym.figures.sampling import broken, sampled
 from haptisym.figures.scales import RADIANS, Scale, band_scale
 from haptisym.figures.sheet import _legend_height, save
 from haptisym.figures.style import (
@@ -31,7 +32,6 @@ from haptisym.figures.style import (
     legend,
     name_frequency,
     shade,
-    written,
 )
 from haptisym.judge.criteria import noticed
 from haptisym.programs.values import Array
@@ -56,7 +56,7 @@ def draw_envelope(
     ratios = {name: all_[:, which] for name, all_ in sampled.items()}
     envelope = np.max(np.nan_to_num(np.stack(list(ratios.values())), nan=np.inf), axis=0)
     criterion = noticed(evaluation.family.threshold)[which]
-    c, at = float(criterion.threshold), scale.of(omega)
+    c, at = limit_of(criterion), scale.of(omega)
     looks = binding_looks(evaluation)
     shade(ax, evaluation.transparent, scale)
     ax.axhline(c, color=GREY, linewidth=0.6, linestyle=DOTTED)
@@ -71,7 +71,7 @@ def draw_envelope(
         ax.plot([place], [c], marker="o", markersize=3.8, color=color, zorder=4, clip_on=False)
     ax.set(xlim=(at[0], at[-1]), ylim=(0, _height(envelope, c)))
     dress(ax)
-    ax.set_ylabel(written(criterion), fontsize=TEXT)
+    ax.set_ylabel(name_of(criterion), fontsize=TEXT)
     return lines
 
 
@@ -92,7 +92,7 @@ def _sampled(evaluation: FamilyEvaluation, omega: Array) -> Ratios:
     found = {}
     for name, answers in evaluation.answers.items():
         values = answers.distortion.compile()(omega)
-        found[name] = broken(columns(answers.criteria, values), omega, answers.unbounded)
+        found[name] = broken(columns(answers.criteria, values, omega), omega, answers.unbounded)
     return found
 
 

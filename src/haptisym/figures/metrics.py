@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from haptisym.figures.judged import is_share, limit_of
 from haptisym.figures.sampling import band_of, ends_of, sampled
 from haptisym.figures.scales import scale_of
 from haptisym.figures.sheet import _legend_height
@@ -86,15 +87,16 @@ def draw_measures(
             label=f"{name}{look.suffix}",
         )
     ]  # fmt: skip
-    limits = sorted({float(x.threshold) for x in e.criteria})
+    limits = sorted({limit_of(x) for x in e.criteria if not is_share(x)})
     told = entries(ax)
     thresholds = [
         ax.axhline(c, color=GREY, linewidth=0.6, label=f"$c = {c:.3g}$") for c in limits if f"$c = {c:.3g}$" not in told
     ]
     finite = relative[np.isfinite(relative)]
-    top = max(1.06 * float(finite.max()) if finite.size else 0.0, 1.6 * max(limits))
+    most = max(limits, default=0.1)
+    top = max(1.06 * float(finite.max()) if finite.size else 0.0, 1.6 * most)
     low, high = band_of(e)
-    limit(ax, (scale.of(low), scale.of(high)), (0, min(top, 8 * max(limits))), number=look.number)
+    limit(ax, (scale.of(low), scale.of(high)), (0, min(top, 8 * most)), number=look.number)
     dress(ax)
     name_frequency(ax, scale)
     ax.set_ylabel(r"fraction of $|H_\mathrm{env}|$", fontsize=TEXT)

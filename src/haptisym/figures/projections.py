@@ -37,8 +37,10 @@ from haptisym.figures.style import (
     text_width,
     write_note,
 )
+from haptisym.judge.crossings import Curve
 from haptisym.judge.evaluation import Evaluation
-from haptisym.kernel.roots import Interval
+from haptisym.judge.percepts import felt_of
+from haptisym.kernel.roots import Interval, Signs
 from haptisym.model.jnd import Part
 from haptisym.programs.values import Array, Values
 
@@ -63,7 +65,8 @@ def draw_projections(
 ) -> list[Line2D]:
     """``|Re|`` or ``|Im|`` of H_env and H_perc over the band (the paper's Fig. 7a and 7b).
 
-    Bold where the part's ratio exceeds its threshold, with the percept in words; thin on grey where it does not.
+    Bold where the part's ratio exceeds its threshold, or both parts together leave a region, with the percept in words; thin on
+    grey where it does not.
 
     ``color``, ``label``, ``hertz`` : as of ``draw_ratios``; the percepts of a further scene on the same axes are not written.
     Returns the lines, of H_env bold and thin, then of H_perc.
@@ -78,9 +81,8 @@ def draw_projections(
     first = rf"$|{name}\,H_\mathrm{{env}}|$"
     look, scale = Look.on(ax, first, color, label), scale_of(ax, evaluation.scene.band, hertz=hertz)
     f, grid = evaluation.distortion.compile(), sampled(evaluation)
-    own = [x for x in evaluation.criteria if x.part is part]
-    noticed = evaluation.chart.where(lambda signs: any(signs[x] > 0 for x in own))
-    unnoticed = evaluation.chart.where(lambda signs: all(signs[x] <= 0 for x in own))
+    exceeded = _exceeded(evaluation, part)
+    noticed, unnoticed = evaluation.chart.where(exceeded), evaluation.chart.where(lambda signs: not exceeded(signs))
     top = 1.3 * top_of(_magnitudes(f, grid, part), _magnitudes(f, evenly(evaluation), part)) or 1.0
     omega = refined(lambda w: in_window(_magnitudes(f, w, part), 0, top), grid)
     values = broken(_magnitudes(f, omega, part), omega, poles_of(evaluation))
@@ -102,6 +104,20 @@ def draw_projections(
     return lines
 
 
+def _exceeded(evaluation: Evaluation, part: Part) -> Callable[[Signs], bool]:
+    """Whether a part is noticed, by itself or together with the other."""
+    own = [x for x in evaluation.criteria if x.part in (part, None)]
+    other = Part.IMAG if part is Part.REAL else Part.REAL
+
+    def exceeded(signs: Signs) -> bool:
+        if not any(signs[x] > 0 for x in own):
+            return False
+        alone = signs.get((Curve.OUTSIDE, part), 1) > 0
+        return alone or signs.get((Curve.OUTSIDE, other), 0) <= 0
+
+    return exceeded
+
+
 def _write_all(ax: Axes, labels: Sequence[_Label]) -> list[Line2D]:
     """All percepts, or that there are none; what the legend says of those that have only a number."""
     _draw_boundaries(ax, labels)
@@ -116,7 +132,8 @@ def _magnitudes(f: Callable[..., Values], omega: Array, part: Part) -> Array:
 
 def _percept_labels(evaluation: Evaluation, part: Part, scale: Scale) -> list[_Label]:
     """As what a part is felt where it is noticed, in the words of all outputs."""
-    return [_on(scale, x.band, x.words) for x in evaluation.felt if x.part is part]
+    together = [_on(scale, x.band, felt_of(x, part)) for x in evaluation.percepts if x.part is None]
+    return together + [_on(scale, x.band, x.words) for x in evaluation.felt if x.part is part]
 
 
 def _on(scale: Scale, band: Interval, words: str) -> _Label:

@@ -9,8 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from haptisym.figures.judged import columns, is_share, limit_of, name_of
 from haptisym.figures.labels import label_above
-from haptisym.figures.sampling import band_of, broken, columns, evenly, in_window, refined, sampled, top_of
+from haptisym.figures.sampling import band_of, broken, evenly, in_window, refined, sampled, top_of
 from haptisym.figures.scales import Scale, scale_of
 from haptisym.figures.style import (
     DASHED,
@@ -29,8 +30,8 @@ from haptisym.figures.style import (
     name_frequency,
     number,
     shade,
-    written,
 )
+from haptisym.judge.criteria import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.programs.values import Array
 
@@ -55,13 +56,13 @@ def draw_ratios(
     >>> len(lines), ax.get_xlabel(), ax.get_xlim() == (0, 40)
     (2, '$\\\\omega$ (rad/s)', True)
     """
-    first = written(evaluation.criteria[0])
+    first = name_of(evaluation.criteria[0])
     look, scale = Look.on(ax, first, color, label), scale_of(ax, evaluation.scene.band, hertz=hertz)
     criteria, f = evaluation.criteria, evaluation.distortion.compile()
-    limits = [float(x.threshold) for x in criteria]
+    limits = [limit_of(x) for x in criteria]
 
     def judged(omega: Array) -> Array:
-        return columns(criteria, f(omega))
+        return columns(criteria, f(omega), omega)
 
     grid = sampled(evaluation)
     top = max(top_of(judged(grid), judged(evenly(evaluation)), max(limits)), 2 * max(limits))
@@ -70,7 +71,7 @@ def draw_ratios(
     where = f"transparent{look.suffix}"
     found = evaluation.transparent
     spans = bars(ax, found, look, scale, where) if look.number else shade(ax, found, scale, where)
-    thresholds = _draw_thresholds(ax, limits)
+    thresholds = _draw_thresholds(ax, limits, shares=any(map(is_share, criteria)))
     lines = [
         line
         for values, x, style in zip(ratios.T, criteria, STROKES, strict=False)
@@ -80,13 +81,13 @@ def draw_ratios(
             color=look.color,
             linewidth=1.1,
             linestyle=style,
-            label=f"{written(x)}{look.suffix}",
+            label=f"{name_of(x)}{look.suffix}",
         )
     ]
     limit(ax, _span(evaluation, scale), (0, top), number=look.number)
     dress(ax)
     name_frequency(ax, scale)
-    ax.set_ylabel(r"ratio to $|H_\mathrm{env}|$", fontsize=TEXT)
+    ax.set_ylabel(_judged(criteria), fontsize=TEXT)
     dots = _mark_crossings(ax, evaluation, look, scale)
     label_above(ax, _frequency_labels(evaluation, scale, omega, ratios.max(axis=1), top), look.color)
     shown = spans[:1] or [entry(f"nowhere transparent{look.suffix}")]
@@ -99,12 +100,19 @@ def _span(evaluation: Evaluation, scale: Scale) -> tuple[float, float]:
     return scale.of(low), scale.of(high)
 
 
-def _draw_thresholds(ax: Axes, limits: Sequence[float]) -> list[Line2D]:
+def _judged(criteria: Sequence[Criterion]) -> str:
+    """What the axis says of ratios and of multiples of limits."""
+    shares = [is_share(x) for x in criteria]
+    fraction, multiple = r"ratio to $|H_\mathrm{env}|$", "multiple of the limit"
+    return multiple if all(shares) else f"{fraction}, or {multiple}" if any(shares) else fraction
+
+
+def _draw_thresholds(ax: Axes, limits: Sequence[float], *, shares: bool) -> list[Line2D]:
     """The thresholds that are not drawn yet; entries of them all."""
     names = (r"c_\mathrm{r}", r"c_\mathrm{i}") if len(set(limits)) > 1 else ("c",)
     made = []
     for name, c, style in zip(names, limits, (SOLID, DASHED), strict=False):
-        label = f"${name} = {c:.3g}$"
+        label = "limit" if shares and c == 1 else f"${name} = {c:.3g}$"
         if label not in entries(ax):
             made.append(ax.axhline(c, color=GREY, linewidth=0.6, linestyle=style, label=label))
     return made
@@ -118,8 +126,8 @@ def _mark_crossings(ax: Axes, evaluation: Evaluation, look: Look, scale: Scale) 
         if not omega:  # an unclipped line without points would upset the layout
             continue
         made += ax.plot(
-            omega, [float(x.threshold)] * len(omega), linestyle="none", marker="o", markersize=3.6, color=look.color,
-            markerfacecolor=face, markeredgewidth=0.8, zorder=4, clip_on=False, label=f"{written(x)} crosses{look.suffix}",
+            omega, [limit_of(x)] * len(omega), linestyle="none", marker="o", markersize=3.6, color=look.color,
+            markerfacecolor=face, markeredgewidth=0.8, zorder=4, clip_on=False, label=f"{name_of(x)} crosses{look.suffix}",
         )  # fmt: skip
     return made
 

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from sympy import Expr
 
+from haptisym.figures.judged import judged, limit_of
 from haptisym.figures.scales import RADIANS, Scale, band_scale
 from haptisym.figures.sheet import one_column
 from haptisym.figures.style import (
@@ -167,9 +168,9 @@ def _worst(found: Requirement, t: Array) -> dict[Criterion, Array]:
     omega = np.linspace(start, end, _GRID)[:, None]
     with np.errstate(all="ignore"):
         at = f(omega, **({} if free.parts else {free.symbol.name: t[None, :]}))
-        ratios = {x: x.sampled(at) for x in found.criteria if x.sampled}
+        ratios = {x: own for x in found.criteria if (own := judged(x, at, omega)) is not None}
     return {x: np.nanmax(ratio / _threshold(found, x, t), axis=0) for x, ratio in ratios.items()}
 
 
 def _threshold(found: Requirement, x: Criterion, t: Array) -> Array:
-    return t[None, :] if x.depends_on(found.free.parts) else np.asarray(float(x.threshold))
+    return t[None, :] if x.depends_on(found.free.parts) else np.asarray(limit_of(x))

@@ -8,14 +8,13 @@ from typing import Any
 import numpy as np
 from sympy import Expr, Poly, PolynomialError, fraction
 
-from haptisym.judge.criteria import Criterion
 from haptisym.judge.crossings import Curve
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.roots import Interval, Point
 from haptisym.kernel.symbols import s
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
-from haptisym.programs.values import Array, Values
+from haptisym.programs.values import Array
 
 
 def band_of(evaluation: Evaluation) -> tuple[float, float]:
@@ -25,11 +24,6 @@ def band_of(evaluation: Evaluation) -> tuple[float, float]:
 
 def ends_of(interval: Interval) -> tuple[float, float]:
     return float(interval.low.omega), float(interval.high.omega)
-
-
-def columns(criteria: Iterable[Criterion], values: Values) -> Array:
-    """What criteria judge, a column each, from compiled values."""
-    return np.stack([x.sampled(values) for x in criteria if x.sampled], axis=1)
 
 
 def evenly(evaluation: Evaluation) -> Array:
@@ -96,8 +90,3 @@ def top_of(everywhere: Array, evenly: Array, least: float = 0.0) -> float:
     highest, upper = float(np.nanmax(everywhere)), evenly.max(axis=1)
     most, nearly_all = np.quantile(upper[np.isfinite(upper)], (0.75, 0.9))
     return 1.06 * highest if highest <= 3 * nearly_all else max(2.5 * float(most), 4 * least)
-
-
-def limits_of(evaluation: Evaluation) -> tuple[float, float]:
-    threshold = evaluation.scene.threshold
-    return float(threshold.real), float(threshold.imag)

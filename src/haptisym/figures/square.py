@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.patches import Rectangle
+from matplotlib.patches import Patch
 
 from haptisym.figures.nyquist import HEAD, arrow, responses, stacked
-from haptisym.figures.sampling import band_of, limits_of
+from haptisym.figures.outlines import Outline, outline
+from haptisym.figures.sampling import band_of
 from haptisym.figures.scales import band_scale
 from haptisym.figures.style import (
     DOTTED,
@@ -41,8 +42,9 @@ def draw_jnd_square(
 ) -> list[Artist]:
     """H_env and H_perc at one frequency of the band, rad/s, with the region of changes that are not noticed (Fig. 2).
 
-    The region is c_real ``|H_env|`` wide and c_imag ``|H_env|`` high to each side of the tip of H_env; its projections are
-    bars on the axes. Raises SceneError outside the band and where H_env or H_perc is infinite.
+    The square is c_real ``|H_env|`` wide and c_imag ``|H_env|`` high to each side of the tip of H_env; other regions are drawn as
+    they are. What is not noticed of one part alone are bars on the axes. Raises SceneError outside the band and where H_env or
+    H_perc is infinite.
 
     ``color``, ``label`` : of the scene; the verdict stands in the title, that of a further scene in the legend.
     Returns the region and the two arrows.
@@ -59,9 +61,9 @@ def draw_jnd_square(
     if not np.isfinite(tips).all():
         raise SceneError(f"omega: the dynamics are infinite at {omega:g} rad/s")
     look = Look.on(ax, r"$H_\mathrm{env}$", color, label)
-    reach = np.array(limits_of(evaluation)) * np.hypot(*tips[0])
-    region = _draw_region(ax, tips[0], reach, look)
-    frame = _frame(np.array([[0, 0], *tips, tips[0] - reach, tips[0] + reach]))
+    around = outline(evaluation.criteria, tips[0], omega, _style(look))
+    region = _draw_region(ax, around, look)
+    frame = _frame(np.array([[0, 0], *tips, *around.corners]))
     limit(ax, *frame, number=look.number)
     ax.set_aspect("equal", adjustable="box")
     arrows = [_draw_vector(ax, tip, colour, style) for tip, (colour, style, _) in zip(tips, curves(look), strict=True)]
@@ -89,6 +91,8 @@ def _projected() -> list[Artist]:
 def _verdict(noticed: Sequence[Criterion]) -> str:
     if not noticed:
         return "not noticed"
+    if noticed[0].joint:
+        return f"outside the {noticed[0].joint.kind}"
     return f"noticed in {'both parts' if len(noticed) == 2 else f'the {noticed[0].words}'}"
 
 
@@ -103,21 +107,27 @@ def _sign_at(evaluation: Evaluation, omega: float, criterion: Criterion) -> int:
     return (below[-1].at if float(below[-1].omega) == omega else below[-1].after)[criterion]
 
 
-def _draw_region(ax: Axes, tip: Array, reach: Array, look: Look) -> Rectangle:
-    """The region of changes that are not noticed, and its projections on the axes; of a further scene its outline alone."""
-    corner, size = tip - reach, 2 * reach
+def _style(look: Look) -> dict[str, Any]:
+    """Of the region; of a further scene its outline alone."""
     style: dict[str, Any] = {"facecolor": SHADE, "edgecolor": GREY, "label": "not noticed"}
     if look.number:
         style = {"facecolor": "none", "edgecolor": look.color, "label": f"not noticed{look.suffix}"}
-    region = Rectangle((corner[0], corner[1]), *size, linewidth=0.6, zorder=1, **style)
-    ax.add_patch(region)
+    return {**style, "linewidth": 0.6, "zorder": 1}
+
+
+def _draw_region(ax: Axes, around: Outline, look: Look) -> Patch:
+    """The region of changes that are not noticed, and what is not noticed of one part alone on the axes."""
+    for patch in around.patches:
+        ax.add_patch(patch)
     if not look.number:
         ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
         ax.axvline(0, color=GREY, linewidth=0.4, zorder=0)
         bar: dict[str, Any] = {"color": GREY, "alpha": 0.5, "linewidth": 3, "solid_capstyle": "butt", "zorder": 1}
-        ax.plot([corner[0], corner[0] + size[0]], [0, 0], **bar)
-        ax.plot([0, 0], [corner[1], corner[1] + size[1]], **bar)
-    return region
+        for low, high in around.stretches[0]:
+            ax.plot([low, high], [0, 0], **bar)
+        for low, high in around.stretches[1]:
+            ax.plot([0, 0], [low, high], **bar)
+    return around.patches[0]
 
 
 def _draw_vector(ax: Axes, tip: Array, color: str, style: Any) -> Artist:

@@ -11,15 +11,18 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-from sympy import Expr, sqrt
+from sympy import Expr, Integer, sqrt
 
 from haptisym.judge.criteria import Criterion, noticed
+from haptisym.judge.regions import Polygon
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.lattices import Lattice, Signed
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.response import RealFunction, squared_modulus
 from haptisym.kernel.roots import chart
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Threshold
+from haptisym.model.regions import Shape
 from haptisym.model.scene import Scene
 
 
@@ -78,7 +81,41 @@ ANY_ENVIRONMENT = Criterion(
 
 def for_any_environment(threshold: Threshold) -> Criterion:
     """|G - 1| <= c, with the smaller threshold."""
+    threshold.need_plain("for any environment")
     return replace(ANY_ENVIRONMENT, threshold=min(threshold.real, threshold.imag))
+
+
+def around(threshold: Threshold, square: RealFunction) -> tuple[Signed, Signed]:
+    """For a region what is positive where some, and where every, change of this squared length leaves it.
+
+    By the largest circle inside it and the smallest one around it, both about 0. With a floor, or limits for each way, the first
+    is on the careful side, and the second says nothing.
+    """
+    own, axis, q = threshold.region, square.axis, square.function
+
+    def over(x: Expr, minus: int = 1) -> RealFunction:
+        return RealFunction((q * axis.convert(x) - axis.convert(Integer(minus))).reduced())
+
+    if own.shape is Shape.ELLIPSE:  # by trace and determinant of the quadratic form of its border
+        upright = 1 - own.tilt**2
+        trace = (threshold.real**-2 + threshold.imag**-2) / upright
+        whole = over(-trace, -1).function + q * q * axis.convert((threshold.real * threshold.imag) ** -2 / upright)
+        form, sum_ = RealFunction(whole.reduced()), over(trace, 2)
+        return Lattice.largest([sum_, RealFunction(-form.function)]), Lattice(((sum_, form),))
+    inner, outer = _circles(threshold)
+    return Lattice.largest(map(over, inner)), Lattice((tuple(map(over, outer)),))
+
+
+def _circles(threshold: Threshold) -> tuple[list[Expr], list[Expr]]:
+    """1/radius^2 of circles about 0: within all of the first no change leaves the region, outside all of the others every one."""
+    region, (a, b) = threshold.region, (threshold.real, threshold.imag)
+    if region.shape is Shape.POLYGON:
+        return [p * p + q * q for p, q in Polygon(region.corners).edges], [
+            1 / (x * x + y * y) for x, y in region.corners
+        ]
+    if region.shape is Shape.DIAMOND:
+        return [a**-2 + b**-2], [a**-2, b**-2]
+    return [x**-2 for x in (a, b, *region.lower) if x is not None], [1 / (a * a + b * b)]
 
 
 def any_environment(scene: Scene) -> AnyEnvironment | None:
@@ -92,12 +129,18 @@ def any_environment(scene: Scene) -> AnyEnvironment | None:
     d = scene.distortion()
     if relative_square(d) is None:
         return None
-    least = for_any_environment(scene.threshold)
-    most: Expr = sqrt(sum(x.limit for x in noticed(scene.threshold)))
-    beyond = replace(least, threshold=most)
-    table = chart({"all": least.function(d), "none": beyond.function(d)}, *scene.band)
+    if scene.threshold.is_plain:
+        least = for_any_environment(scene.threshold)
+        most: Expr = sqrt(sum(x.limit for x in noticed(scene.threshold)))
+        asked: tuple[Signed, Signed] = least.function(d), replace(least, threshold=most).function(d)
+    else:
+        region = scene.threshold.region
+        if region.floor is not None or region.lower != (None, None):  # where more than the length of a change matters
+            return None
+        asked = around(scene.threshold, _square(d))
+    table = chart(dict(zip(("all", "none"), asked, strict=True)), *scene.band)
     transparent = table.where(lambda signs: signs["all"] <= 0)
     opaque = table.where(lambda signs: signs["none"] > 0)
     starts = [x.high.omega for x in transparent[:1] if x.low is table.points[0]]
     ends = [x.low.omega for x in opaque[-1:] if x.high is table.points[-1]]
-    return AnyEnvironment(*(found[0] if found else None for found in (starts, ends)))
+    return AnyEnvironment(*(places[0] if places else None for places in (starts, ends)))

@@ -8,13 +8,16 @@ from typing import Any, TypeAlias
 
 from sympy import Expr, Integer
 
+from haptisym.judge.regions import Diamond, Ellipse, Joint, Polygon, Region, Sided
+from haptisym.kernel.lattices import Signed
 from haptisym.kernel.levels import Level, algebraic
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import Chart, Interval
-from haptisym.kernel.symbols import c
+from haptisym.kernel.symbols import c, omega
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part, Threshold, is_irrational_algebraic
+from haptisym.model.regions import Shape
 
 Measure: TypeAlias = Callable[[Distortion], RealFunction]
 
@@ -26,9 +29,10 @@ class Criterion:
     ``name`` : as JSON calls it. ``words`` : in a legend. ``symbol`` : of what is judged. ``rule`` : the condition, written.
     ``measure`` : of a distortion, an exact real function of omega and of what is a symbol in it; for a ratio r it is r^2.
     ``sampled`` : the ratio from the fields of compiled values, for drawings.
-    ``threshold`` : c of a ratio, a number or a symbol; 0 where the measure itself must not be positive.
+    ``threshold`` : c of a ratio, a number, a symbol or a formula in omega; 0 where the measure itself must not be positive.
     ``part`` : the component of dH that is judged; None where both are.
     ``kept`` : what a display is called that keeps it on a whole band.
+    ``region`` : of a JND that is more than a number for each part: what is judged instead.
     """
 
     name: str
@@ -40,6 +44,7 @@ class Criterion:
     threshold: Expr = Integer(0)
     part: Part | None = None
     kept: str = "transparent on the whole band"
+    region: Region | None = None
 
     def __hash__(self) -> int:
         return hash(self.name)  # charts look up much
@@ -50,6 +55,11 @@ class Criterion:
         return {Part.REAL: "Re", Part.IMAG: "Im"}.get(self.part, "") if self.part else ""
 
     @property
+    def joint(self) -> Joint | None:
+        """The region that judges both parts at once; None where it is one part, or a ratio, that is judged."""
+        return self.region if self.part is None else None  # type: ignore[return-value]
+
+    @property
     def limit(self) -> Expr:
         """What the measure is held against: c^2, or 0."""
         return (self.threshold**2).expand()
@@ -58,11 +68,13 @@ class Criterion:
         """Whether its threshold is that of one of some parts."""
         return bool(parts) and self.threshold != 0 and (self.part is None or self.part in parts)
 
-    def function(self, d: Distortion) -> RealFunction | Level:
+    def function(self, d: Distortion) -> Signed:
         """r^2 - c^2 in lowest terms: positive exactly where the criterion is broken, a pole where the measure is unbounded.
 
         As common factors are gone, a resonance at which H_env and dH vanish together invents no crossing.
         """
+        if self.region:
+            return self.region.exceeded(d)
         return self.exceeded(self.measure(d))
 
     def exceeded(self, measure: RealFunction) -> RealFunction | Level:
@@ -88,7 +100,8 @@ def level(measure: RealFunction, limit: Expr) -> RealFunction | Level:
     f = measure.function
     bound = f.ring.convert(limit)
     top = f.numerator * bound.denominator - bound.numerator * f.denominator
-    return RealFunction(RationalFunction(f.ring, top, f.denominator * bound.denominator))
+    found = RationalFunction(f.ring, top, f.denominator * bound.denominator)
+    return RealFunction(found.reduced() if limit.has(omega) else found)
 
 
 def _square_real(d: Distortion) -> RealFunction:
@@ -121,13 +134,50 @@ _JND: Mapping[Part, Criterion] = {
 
 
 def noticed(threshold: Threshold) -> tuple[Criterion, ...]:
-    """What must hold so that nothing is noticed: r_r <= c_real and r_i <= c_imag, eq. (4)."""
-    return tuple(replace(x, threshold=threshold[part]) for part, x in _JND.items())
+    """What must hold so that nothing is noticed: r_r <= c_real and r_i <= c_imag, eq. (4), or that a region is not left."""
+    region = threshold.region
+    if region.shape is not Shape.SQUARE:
+        return (_joint(_shaped(threshold)),)
+    return tuple(_of_part(threshold, part) for part in Part)
+
+
+def _of_part(threshold: Threshold, part: Part) -> Criterion:
+    own, lower, floor = threshold[part], threshold.lower(part), threshold.region.floor
+    plain = replace(_JND[part], threshold=own)
+    if lower is None and floor is None:
+        return plain
+    sided = Sided(part, own, own if lower is None else lower, floor)
+    return replace(plain, measure=sided, region=sided, rule=f"|{plain.component} dH| within its limit")
+
+
+def _shaped(threshold: Threshold) -> Joint:
+    region = threshold.region
+    if region.shape is Shape.POLYGON:
+        return Polygon(region.corners)
+    if region.shape is Shape.DIAMOND:
+        return Diamond(threshold.real, threshold.imag)
+    return Ellipse(threshold.real, threshold.imag, region.tilt)
+
+
+def _joint(region: Joint) -> Criterion:
+    rule = f"dH/|H_env| within the {region.kind}"
+    return Criterion(JOINT, "both parts at once", "r_j", rule, region, threshold=Integer(1), region=region)
+
+
+JOINT = "joint"
+"""The name of what judges both parts of dH at once."""
 
 
 def opened(criteria: Iterable[Criterion], parts: Collection[Part]) -> tuple[Criterion, ...]:
     """Criteria with the symbol c for the thresholds of some parts."""
-    return tuple(replace(x, threshold=c) if x.depends_on(parts) else x for x in criteria)
+    return tuple(_opened(x, parts) if x.depends_on(parts) else x for x in criteria)
+
+
+def _opened(x: Criterion, parts: Collection[Part]) -> Criterion:
+    if x.region is None:
+        return replace(x, threshold=c)
+    region = x.region.opened(dict.fromkeys(parts, c))
+    return replace(x, measure=region, region=region)
 
 
 PASSIVE = Criterion("passive", "passive", "-Im H_perc", "Im H_perc >= 0", _given_away, kept="passive on the whole band")

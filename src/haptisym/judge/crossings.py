@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from enum import Enum
 
 from haptisym.judge.criteria import Criterion, Judged, judged
-from haptisym.kernel.levels import Level
+from haptisym.judge.regions import Sided
+from haptisym.kernel.lattices import Signed
 from haptisym.kernel.reals import ExactNumber, RealNumber
-from haptisym.kernel.response import RealFunction, on_axis
+from haptisym.kernel.response import on_axis
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import Chart, Key, Point
 from haptisym.kernel.shown import Shown
@@ -27,23 +28,31 @@ class CrossingKind(Enum):
 
 _MEETS = {CrossingKind.EXCEEDS: "exceeds", CrossingKind.RETURNS: "returns below", CrossingKind.TOUCHES: "touches"}
 
+_LEAVES = {CrossingKind.EXCEEDS: "leaves", CrossingKind.RETURNS: "returns into", CrossingKind.TOUCHES: "touches"}
+
 
 @dataclass(frozen=True, repr=False)
 class Crossing(Judged, Shown):
-    """A frequency at which a ratio equals its threshold; ``sign`` is that of Re dH or Im dH there, 0 where both are judged."""
+    """A frequency at which a ratio equals its threshold; ``sign`` is that of Re dH or Im dH there, 0 where both are judged.
+
+    ``jump`` : whether it is the threshold that passes the ratio there, from the one for higher to the one for lower or back.
+    """
 
     criterion: Criterion
     omega: RealNumber
     kind: CrossingKind
     sign: int
     multiplicity: int
+    jump: bool = False
 
     def _line(self) -> str:
-        return f"{self.criterion.symbol} {_MEETS[self.kind]} its threshold at {self.omega!r} rad/s"
+        what = f"dH {_LEAVES[self.kind]} the {x.kind}" if (x := self.criterion.joint) else ""
+        said = what or f"{self.criterion.symbol} {_MEETS[self.kind]} its threshold"
+        return f"{said} at {self.omega!r} rad/s"
 
 
 class Curve(Enum):
-    """The real functions whose signs tell how a distortion is felt; each exists for both parts."""
+    """The real functions whose signs tell how a distortion is felt; each is of one part."""
 
     __hash__ = object.__hash__  # members are singletons; the hash by name is slow, and charts look up much
 
@@ -51,9 +60,14 @@ class Curve(Enum):
     PERCEIVED = "Re or Im of H_perc"
     DIFFERENCE = "Re or Im of dH"
     SUM = "Re or Im of H_env + H_perc; its sign times that of dH compares the magnitudes"
+    OUTSIDE = "where a region judges both parts at once: whether that part alone would be outside"
 
 
-def curves(d: Distortion, criteria: Iterable[Criterion]) -> dict[Key, RealFunction | Level]:
+NEARER = "real nearer"
+"""The function that is positive where the real part is nearer its own limit than the imaginary part, of such a region."""
+
+
+def curves(d: Distortion, criteria: Iterable[Criterion]) -> dict[Key, Signed]:
     """All real functions that an evaluation asks about."""
     both = RationalFunction(d.env.ring, d.env.numerator, d.env.denominator) + d.perc
     responses = {
@@ -62,7 +76,11 @@ def curves(d: Distortion, criteria: Iterable[Criterion]) -> dict[Key, RealFuncti
         Curve.DIFFERENCE: d.difference_response,
         Curve.SUM: on_axis(both.reduced()),
     }
-    found: dict[Key, RealFunction | Level] = {x: x.function(d) for x in criteria}
+    listed = list(criteria)
+    found: dict[Key, Signed] = {x: x.function(d) for x in listed}
+    for region in (x.joint for x in listed if x.joint):
+        found |= {(Curve.OUTSIDE, part): region.projected(d, part) for part in Part}
+        found[NEARER] = region.nearer(d)
     return found | {(name, part): part_of(x, part) for part in Part for name, x in responses.items()}
 
 
@@ -83,7 +101,8 @@ def _crossing(point: Point, x: Criterion) -> Crossing:
         kind = CrossingKind.TOUCHES
     else:
         kind = CrossingKind.EXCEEDS if after > 0 else CrossingKind.RETURNS
-    return Crossing(x, point.omega, kind, point.after.get((Curve.DIFFERENCE, x.part), 0), point.orders[x])
+    jump = isinstance(x.region, Sided) and x.region.has_sides and point.orders.get((Curve.SUM, x.part), 0) > 0
+    return Crossing(x, point.omega, kind, point.after.get((Curve.DIFFERENCE, x.part), 0), point.orders[x], jump)
 
 
 def unbounded_points(chart: Chart) -> tuple[Point, ...]:

@@ -15,7 +15,7 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.bandwidths import bandwidths
 from haptisym.judge.bounds import AnyEnvironment, any_environment
 from haptisym.judge.climb import Bandwidths
-from haptisym.judge.criteria import Criterion, judged, kept, noticed
+from haptisym.judge.criteria import JOINT, Criterion, judged, kept, noticed
 from haptisym.judge.crossings import Crossing, Curve, curves, find_crossings, unbounded_points
 from haptisym.judge.passivity import Passivity, passivity
 from haptisym.judge.percepts import Felt, Percept, changeovers, find_felt, find_percepts, outside_model, unnamed
@@ -87,11 +87,11 @@ _METHODS = {
 class Evaluation(Answer):
     """The answers for a scene, all proven: nothing is missed on the band and nothing is invented.
 
-    ``crossings``: where r_r or r_i meets its threshold. ``transparent``: where neither exceeds it, a union of closed
-    intervals. ``changeovers``: where Re H_env and Re H_perc change sign. ``percepts``: what is felt where a ratio
-    exceeds; ``felt`` : the same in words, with what has no name. ``outside_model``: where Im H_perc < 0; ``unnamed`` : where
-    the imaginary part is noticed there. ``unbounded``: where a ratio is infinite. ``stable``: whether the force under imposed
-    motion is stable, which is to say all poles of H_perc lie in the open left half plane; it says nothing about a display
+    ``crossings``: where r_r or r_i meets its threshold, or dH the border of its region. ``transparent``: where neither exceeds
+    it, a union of closed intervals. ``changeovers``: where Re H_env and Re H_perc change sign. ``percepts``: what is felt where
+    a ratio exceeds; ``felt`` : the same in words, with what has no name. ``outside_model``: where Im H_perc < 0; ``unnamed`` :
+    where the imaginary part is noticed there. ``unbounded``: where a ratio is infinite. ``stable``: whether the force under
+    imposed motion is stable, which is to say all poles of H_perc lie in the open left half plane; it says nothing about a display
     that is held in a hand (``passivity`` does, for every passive one). None where that is not decided, or the poles do not
     tell it (a sampled loop).
     ``digits``: decimal digits shown of each crossing. ``undecided``: where
@@ -226,7 +226,7 @@ class Evaluation(Answer):
         changeovers = {"environment": self.changeovers_environment, "perceived": self.changeovers_perceived}
         return {
             "band": [float(point.omega) for point in (self.chart.points[0], self.chart.points[-1])],
-            "threshold": {"real": str(self.scene.threshold.real), "imag": str(self.scene.threshold.imag)},
+            "threshold": self.scene.threshold.row(),
             **({"like": name} if (name := self.scene.threshold.source) else {}),
             "crossings": [self._crossing(c) for c in self.crossings],
             "transparent": [_interval(x) for x in self.transparent],
@@ -257,6 +257,7 @@ class Evaluation(Answer):
             "kind": c.kind.value,
             "sign": c.sign,
             "multiplicity": c.multiplicity,
+            **({"limit": "changes"} if c.jump else {}),
         }
 
 
@@ -291,5 +292,9 @@ def _interval(x: Interval) -> list[float]:
 
 
 def _percept(p: Percept) -> dict[str, Any]:
-    names = {"property": p.property.value, "change": p.change.value}
-    return {"part": p.part.value, "band": _interval(p.band), **names}
+    """A percept as a row; of both parts together both properties, that of the part nearer its own limit last."""
+    if p.part:
+        return {"part": p.part.value, "band": _interval(p.band), "property": p.property.value, "change": p.change.value}
+    listed = [*([p.other] if p.other else []), (p.property, p.change)]
+    names = {"property": [x.value for x, _ in listed], "change": [x.value for _, x in listed]}
+    return {"part": JOINT, "band": _interval(p.band), **names}

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import Enum
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from haptisym.judge.criteria import Criterion, judged
-from haptisym.judge.crossings import Curve
+from haptisym.judge.crossings import NEARER, Curve
 from haptisym.kernel.roots import Chart, Interval, Point, Signs
 from haptisym.kernel.shown import Shown
 from haptisym.model.jnd import Part
@@ -34,22 +34,28 @@ class Change(Enum):
 
 @dataclass(frozen=True, repr=False)
 class Percept(Shown):
-    """On this whole piece of the band the part's ratio exceeds its threshold, and this is how that is felt."""
+    """On this whole piece of the band the part's ratio exceeds its threshold, and this is how that is felt.
 
-    part: Part
+    ``part`` : None where both are noticed together, neither by itself; ``property`` and ``change`` are then of the part that is
+    nearer its own limit, and ``other`` is how the other one has changed.
+    """
+
+    part: Part | None
     band: Interval
     property: Property
     change: Change
+    other: tuple[Property, Change] | None = None
 
     def _line(self) -> str:
         low, high = (x.omega.digits(5) for x in (self.band.low, self.band.high))
-        return f"{felt(self)} ({self.part.value} part) from {low} to {high} rad/s"
+        which = f"{self.part.value} part" if self.part else "both parts together"
+        return f"{felt(self)} ({which}) from {low} to {high} rad/s"
 
 
 class Felt(NamedTuple):
-    """A piece of the band on which a part is noticed, and as what it is felt, in words."""
+    """A piece of the band on which a part, or None for both together, is noticed, and as what it is felt, in words."""
 
-    part: Part
+    part: Part | None
     band: Interval
     words: str
 
@@ -68,39 +74,99 @@ def felt(percept: Percept) -> str:
 
     Where a property takes the place of another, the magnitudes compared are those of the force.
     """
-    exchanged = _EXCHANGED.get(percept.property)
-    if exchanged:
-        return f"{exchanged}, with {percept.change.value} force"
-    return f"{percept.change.value} {percept.property.value}"
+    own = _words(percept.property, percept.change)
+    return own if percept.other is None else f"{_words(*percept.other)} and {own}"
+
+
+def felt_of(percept: Percept, part: Part) -> str:
+    """The words for one part of what is noticed of both together."""
+    labels = [(percept.property, percept.change), *([percept.other] if percept.other else [])]
+    return next(_words(*x) for x in labels if (x[0] is Property.DAMPING) == (part is Part.IMAG))
+
+
+def _words(what: Property, change: Change) -> str:
+    exchanged = _EXCHANGED.get(what)
+    return f"{exchanged}, with {change.value} force" if exchanged else f"{change.value} {what.value}"
 
 
 def find_felt(chart: Chart) -> tuple[Felt, ...]:
     """Everything that is noticed on the band, part by part: the percepts, and where no property is named."""
     named = [Felt(p.part, p.band, felt(p)) for p in find_percepts(chart)]
-    rows = [*named, *(Felt(Part.IMAG, band, NOT_NAMED) for band in unnamed(chart))]
-    return tuple(sorted(rows, key=lambda x: (x.part is Part.IMAG, float(x.band.low.omega))))
+    missing = None if _joint(chart) else Part.IMAG
+    rows = [*named, *(Felt(missing, band, NOT_NAMED) for band in unnamed(chart))]
+    return tuple(sorted(rows, key=lambda x: (_ORDER.index(x.part), float(x.band.low.omega))))
+
+
+_ORDER = (Part.REAL, Part.IMAG, None)
 
 
 def find_percepts(chart: Chart) -> tuple[Percept, ...]:
     """The pieces of the band where a ratio exceeds its threshold, split where property or change changes.
 
-    Proven by signs on whole intervals, never sampled. No damping percept is claimed where Im H_perc < 0.
+    Proven by signs on whole intervals, never sampled. No damping percept is claimed where Im H_perc < 0. Of a region that judges
+    both parts at once a part is named where it alone would be outside, and both together where neither would.
     """
-    return tuple(percept for x in judged(chart) if x.part for percept in _percepts(chart, x, x.part))
+    joint = _joint(chart)
+    if joint:
+        return tuple(percept for part in _ORDER for percept in _percepts(chart, _Noticed(joint, part)))
+    return tuple(percept for x in judged(chart) if x.part for percept in _percepts(chart, _Noticed(x, x.part)))
 
 
-def _percepts(chart: Chart, criterion: Criterion, part: Part) -> list[Percept]:
-    """Maximal runs of cells with one label, over points at which the ratio still exceeds its threshold."""
+def _joint(chart: Chart) -> Criterion | None:
+    """The criterion that judges both parts at once."""
+    return next((x for x in judged(chart) if x.joint), None)
+
+
+_Label: TypeAlias = tuple[tuple[Property, Change], tuple[Property, Change] | None]
+"""Property and change of a part, and of the other one where both are noticed together."""
+
+
+class _Noticed(NamedTuple):
+    """What is felt where a criterion is broken, of one part or of both together."""
+
+    criterion: Criterion
+    part: Part | None
+
+    def at(self, signs: Signs) -> bool:
+        """Whether it is this that is noticed."""
+        if signs[self.criterion] <= 0:
+            return False
+        if not self.criterion.joint:
+            return True
+        alone = [signs[Curve.OUTSIDE, part] > 0 for part in Part]
+        return not any(alone) if self.part is None else alone[self.part is Part.IMAG]
+
+    def label(self, signs: Signs) -> _Label | None:
+        """How it is felt; None where it is not noticed, or has no name."""
+        if not self.at(signs):
+            return None
+        if self.part:
+            own = _label(signs, self.part)
+            return own and (own, None)
+        real, imag = (_label(signs, part) for part in Part)
+        if real is None or imag is None:
+            return None
+        return (real, imag) if signs[NEARER] > 0 else (imag, real)
+
+
+def _percepts(chart: Chart, noticed: _Noticed) -> list[Percept]:
+    """Maximal runs of cells with one label, over points at which the same is still noticed."""
     runs: list[Percept] = []
     for low, high in pairwise(chart.points):
-        label = _label(low.after, part) if low.after[criterion] > 0 else None
+        label = noticed.label(low.after)
         if label is None:
             continue
         last = runs[-1] if runs else None
-        if last and last.band.high is low and (last.property, last.change) == label and low.at[criterion] > 0:
+        own, other = label
+        if (
+            last
+            and last.band.high is low
+            and (last.property, last.change, last.other) == (*own, other)
+            and noticed.at(low.at)
+        ):
             runs[-1] = replace(last, band=Interval(last.band.low, high))
         else:
-            runs.append(Percept(part, Interval(low, high), *label))
+            runs.append(Percept(noticed.part, Interval(low, high), *own, other))
     return runs
 
 
@@ -137,6 +203,8 @@ def outside_model(chart: Chart) -> tuple[Interval, ...]:
 
 
 def unnamed(chart: Chart) -> tuple[Interval, ...]:
-    """Where Im H_perc < 0 and the imaginary part is noticed all the same: no property is named for it there."""
+    """Where Im H_perc < 0 and the imaginary part is noticed all the same, alone or with the real one: it has no name there."""
+    joint = _joint(chart)
     damping = [x for x in judged(chart) if x.part is Part.IMAG]
-    return chart.where(lambda signs: signs[Curve.PERCEIVED, Part.IMAG] < 0 and any(signs[x] > 0 for x in damping))
+    found = [_Noticed(joint, None), _Noticed(joint, Part.IMAG)] if joint else [_Noticed(x, x.part) for x in damping]
+    return chart.where(lambda signs: signs[Curve.PERCEIVED, Part.IMAG] < 0 and any(x.at(signs) for x in found))

@@ -33,10 +33,17 @@ class Product:
     exponents: Mapping[Factor, int]
 
 
-def factored_function(function: RealFunction | Level, known: list[tuple[Polynomial, Factored]]) -> Product:
-    """The function taken apart; ``known`` gathers polynomials that are, as denominators are mostly alike."""
+def factored_function(
+    function: RealFunction | Level, known: list[tuple[Polynomial, Factored]], *, in_square: bool = True
+) -> Product:
+    """The function taken apart; ``known`` gathers polynomials that are, as denominators are mostly alike.
+
+    ``in_square`` : whether even polynomials may be taken apart in omega^2. Of functions on one chart that must be the same, and
+    only where all are even or odd: else one frequency might be the zero of two different factors.
+    """
     if isinstance(function, Level):
-        below = factored_function(RealFunction(function.function.axis.one / _denominator(function.function)), known)
+        one = RealFunction(function.function.axis.one / _denominator(function.function))
+        below = factored_function(one, known, in_square=in_square)
         return replace(below, exponents={**below.exponents, function.factor: 1})
     top, bottom = function.function.numerator, function.function.denominator
     if top.is_zero():
@@ -45,7 +52,7 @@ def factored_function(function: RealFunction | Level, known: list[tuple[Polynomi
     for polynomial, direction in ((top, 1), (bottom, -1)):
         found = next((taken for other, taken in known if other == polynomial), None)
         if found is None:
-            found = _factored(polynomial, function.axis)
+            found = _factored(polynomial, function.axis, in_square=in_square)
             known.append((polynomial, found))
         own_sign, own_power, factors = found
         sign, power = sign * own_sign, power + direction * own_power
@@ -58,15 +65,21 @@ def _denominator(function: RealFunction) -> RationalFunction:
     return function.axis.function(function.function.denominator)
 
 
-def _factored(polynomial: Polynomial, axis: Axis) -> Factored:
+def is_even_or_odd(function: RealFunction | Level) -> bool:
+    """Whether above and below the line there are even powers of omega alone, or odd ones alone."""
+    f = function.function if isinstance(function, RealFunction) else function.function.function
+    return all(len({int(powers[0]) % 2 for powers in p.monoms()}) <= 1 for p in (f.numerator, f.denominator))
+
+
+def _factored(polynomial: Polynomial, axis: Axis, *, in_square: bool) -> Factored:
     """Sign, power of omega and irreducible factors; half-angle tangents made homogeneous in cosine and sine."""
     plain = axis.univariate(polynomial)
     if plain is not None and not axis.functions:
-        own_sign, lowest, simple = polynomial_factors(plain)
+        own_sign, lowest, simple = polynomial_factors(plain, in_square=in_square)
         return own_sign, Integer(lowest), [*simple]
-    # where sines meet odd powers of omega not all functions are even: then none is factored in omega^2, so that one
-    # frequency is never the zero of two different factors
-    number, factors = axis.factors(axis.without_circles(polynomial)[0], in_square=not axis.functions)
+    # where sines meet odd powers of omega not all functions are even
+    in_square = in_square and not axis.functions
+    number, factors = axis.factors(axis.without_circles(polynomial)[0], in_square=in_square)
     sign, power = (1 if number > 0 else -1), Integer(0)
     found: list[tuple[Factor, int]] = []
     for factor, exponent in factors:

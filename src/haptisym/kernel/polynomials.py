@@ -130,11 +130,13 @@ class Root(RealNumber):
             return root.sqrt() if self.factor.step == 2 else root
 
 
-def polynomial_factors(coefficients: list[fmpq]) -> tuple[int, int, list[tuple[PolynomialFactor, int]]]:
+def polynomial_factors(
+    coefficients: list[fmpq], *, in_square: bool = True
+) -> tuple[int, int, list[tuple[PolynomialFactor, int]]]:
     """Sign, power of omega and irreducible factors of a polynomial in omega, given ascending: in omega^2 where it is even."""
     lowest = next(n for n, c in enumerate(coefficients) if c)
     rest, step = coefficients[lowest:], 1
-    if not any(rest[1::2]):
+    if in_square and not any(rest[1::2]):
         rest, step = rest[::2], 2
     number, factors = fmpq_poly(rest).factor()
     found = [(PolynomialFactor(tuple((int(c.p),) for c in f.coeffs()), step), n) for f, n in factors]

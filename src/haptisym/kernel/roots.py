@@ -6,7 +6,7 @@ before, at and after each. Every question about a band (crossings, percepts, act
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from math import prod
@@ -17,7 +17,8 @@ from sympy import Expr, Rational
 from haptisym.kernel.analytic import AnalyticFactor
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.factoring import Factored, Product, factored_function
+from haptisym.kernel.factoring import Factored, Product, factored_function, is_even_or_odd
+from haptisym.kernel.lattices import Lattice, Signed, met
 from haptisym.kernel.levels import Level
 from haptisym.kernel.polynomials import PolynomialFactor
 from haptisym.kernel.precision import MOST_BITS, SURE_BITS, at_rising_precision
@@ -114,7 +115,7 @@ class Chart:
         return tuple(point for point in self.points if point.undecided)
 
 
-def chart(functions: Mapping[Any, RealFunction | Level], low: Expr, high: Expr) -> Chart:
+def chart(functions: Mapping[Any, Signed], low: Expr, high: Expr) -> Chart:
     """The chart of real functions of omega on the band from ``low`` to ``high`` (0 <= low < high, rational in pi).
 
     Guaranteed: every zero and every pole on the closed band is a point; no other frequency is; all orders and signs are
@@ -132,8 +133,31 @@ def chart(functions: Mapping[Any, RealFunction | Level], low: Expr, high: Expr) 
     3.0000 -1 1 1
     9.0000 1 0 1
     """
+    lattices = {name: f for name, f in functions.items() if isinstance(f, Lattice)}
+    single = {name: f for name, f in functions.items() if not isinstance(f, Lattice)}
+    for name, lattice in lattices.items():
+        single |= lattice.pieces(name)
+    found = _charted(single, low, high)
+    return Chart(tuple(_joined(functions, lattices, point) for point in found)) if lattices else Chart(found)
+
+
+def _joined(names: Iterable[Key], lattices: Mapping[Key, Lattice], point: Point) -> Point:
+    """A point with what happens to lattices in place of what happens to their pieces."""
+    sides = point.before, point.after
+    found = {name: met(x, name, point.orders, sides, point.undecided) for name, x in lattices.items()}
+    listed = list(names)
+    orders = {x: found[x].order if x in found else point.orders.get(x, 0) for x in listed}
+    doubtful = {name for name, x in found.items() if x.undecided} | point.undecided.intersection(listed)
+    before = {x: found[x].before if x in found else point.before[x] for x in listed}
+    after = {x: found[x].after if x in found else point.after[x] for x in listed}
+    return Point(point.omega, {x: n for x, n in orders.items() if n}, before, after, frozenset(doubtful))
+
+
+def _charted(functions: Mapping[Key, RealFunction | Level], low: Expr, high: Expr) -> tuple[Point, ...]:
+    """The points of a chart of single functions."""
     known: list[tuple[Polynomial, Factored]] = []
-    products = {name: factored_function(function, known) for name, function in functions.items()}
+    even = all(is_even_or_odd(function) for function in functions.values())
+    products = {name: factored_function(function, known, in_square=even) for name, function in functions.items()}
     factors = {factor for product in products.values() for factor in product.exponents}
     steady = {f: sign for f in factors if (sign := f.steady_sign(low, high))}
     places = _places(factors - steady.keys(), low, high)
@@ -148,7 +172,7 @@ def chart(functions: Mapping[Any, RealFunction | Level], low: Expr, high: Expr) 
             before, after = other_side, signs
         points.append(Point(place.omega, orders, before, after, _undecided(products, place)))
         signs = after
-    return Chart(tuple(points))
+    return tuple(points)
 
 
 def _turned(signs: Signs, products: Mapping[Key, Product], orders: Mapping[Key, int], place: _Place) -> dict[Key, int]:

@@ -81,6 +81,6 @@ def _thresholds(scene: Scene) -> list[str]:
     return [
         f"The threshold of the {'real' if part is Part.REAL else 'imaginary'} part is {float(100 * c):.5g} % of |H_env|: "
         'a JND of 12 % is written 0.12 or "12 %".'
-        for part in Part
+        for part in (() if scene.threshold.region.corners else Part)
         if not (c := scene.threshold[part]).free_symbols and isinstance(c, Rational) and c >= 1
     ]

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Any
 
 from sympy import Expr, Rational
 
+from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.shown import Viewed
+from haptisym.kernel.symbols import omega
+from haptisym.model import expressions
 from haptisym.model.published import like
-from haptisym.model.quantities import Dimension, Number, require_number
+from haptisym.model.quantities import Dimension, Motion, Number, decimal, require_number
 from haptisym.model.ranges import Interval, ranged
+from haptisym.model.regions import SQUARE, Region, Shape, positive
 
 
 class Part(Enum):
@@ -30,7 +35,8 @@ class Part(Enum):
 class Threshold(Viewed):
     """The JND c of eq. (4): a change of Re H or Im H is noticed when it exceeds that fraction of ``|H|``.
 
-    Each a number > 0: rational, rational in pi, or algebraic as a SymPy expression (for scenes whose numbers are rational).
+    Each a number > 0: rational, rational in pi, or algebraic as a SymPy expression (for scenes whose numbers are rational); or a
+    rational formula in omega, as a string. ``region`` : what it is besides, where it is not the paper's square.
     Source: Fu, van Paassen and Mulder (2019), eq. (4); 10 % for the impedances of manual control.
 
     >>> Threshold.of(0.1)
@@ -44,6 +50,7 @@ class Threshold(Viewed):
     """Where they may lie, if they are given as ranges (``"0.1 +- 20 %"`` or a pair)."""
     source: str = field(default="", repr=False)
     """The name of the published threshold that it is, if it is one."""
+    region: Region = SQUARE
 
     @classmethod
     def of(cls, real: Number, imag: Number | None = None) -> Threshold:
@@ -66,15 +73,87 @@ class Threshold(Viewed):
             object.__setattr__(self, key, value)
             if interval:
                 object.__setattr__(self, f"{key}_interval", interval)
+        if (self.real_interval or self.imag_interval) and not self.is_plain:
+            raise SceneError(f"a threshold takes a range where it is a number for each part, not of {self.kind}")
+
+    def __repr__(self) -> str:
+        own = "" if self.region == SQUARE else f", region={self.region!r}"
+        return f"Threshold(real={self.real}, imag={self.imag}{own})"
 
     def __getitem__(self, part: Part) -> Expr:
         return self.real if part is Part.REAL else self.imag
 
+    def lower(self, part: Part) -> Expr | None:
+        """The limit for changes that make a part smaller, where that is another one."""
+        return self.region.lower[0 if part is Part.REAL else 1]
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether no number depends on the frequency."""
+        region = self.region
+        numbers = (self.real, self.imag, region.tilt, *region.numbers.values(), *(x for p in region.corners for x in p))
+        return not any(x.has(omega) for x in numbers)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether it is the paper's: a number for each part."""
+        return self.region == SQUARE and self.is_constant
+
+    @property
+    def kind(self) -> str:
+        """What it is, in words: ``an ellipse``."""
+        region = self.region
+        if region.shape is not Shape.SQUARE:
+            return f"{'an' if region.shape is Shape.ELLIPSE else 'a'} {region.shape.value}"
+        if region.floor is not None:
+            return "a square with a floor"
+        if region.lower != (None, None):
+            return "a square with limits for higher and lower"
+        return "a square" if self.real == self.imag else "a rectangle"
+
+    def need_plain(self, question: str) -> None:
+        """SceneError, in a sentence, unless it is the paper's: for what is defined, or answered, for that alone."""
+        if not self.is_plain:
+            own = self.kind if self.is_constant else f"{self.kind} that depends on omega"
+            raise SceneError(f"{question}: the JND is {own}; this is answered for one number for each part alone")
+
+    def need_square(self, question: str) -> None:
+        """SceneError, in a sentence, unless it judges each part by itself against a number or a formula in omega."""
+        if self.region != SQUARE:
+            raise SceneError(f"{question}: the JND is {self.kind}; this is answered for one limit for each part alone")
+
+    def check(self, low: Expr, high: Expr, motion: Motion | None) -> None:
+        """SceneError unless it makes a region at every frequency of a band, for a scene of that motion."""
+        try:
+            self.region.check(low, high)
+            for key, x in {"real": self.real, "imag": self.imag, **self.region.numbers}.items():
+                if x.has(omega) and not positive(x, low, high):
+                    raise SceneError(f"{key}: {x} must be > 0 on the whole band")
+        except SceneError as error:
+            raise error.within("jnd") from None
+        if self.region.motion and motion and self.region.motion is not motion:
+            raise SceneError(f"jnd: floor: is {self.region.motion.value}, but the scene is {motion.value}")
+
     def with_limits(self, limits: Mapping[Part, Number]) -> Threshold:
-        """The same with other thresholds (in place of ranges, too) for some parts."""
+        """The same with other thresholds (in place of ranges, formulas and limits for each way, too) for some parts."""
+        if limits and self.region.shape is Shape.POLYGON:
+            raise SceneError("jnd: a polygon is given by its corners: it has no limit for one part")
         given = {part: (limits[part], None) if part in limits else (self[part], self.interval(part)) for part in Part}
         (real, real_interval), (imag, imag_interval) = given.values()
-        return Threshold(real, imag, real_interval, imag_interval)
+        below = [None if part in limits else self.lower(part) for part in Part]
+        region = replace(self.region, lower=(below[0], below[1]))
+        return Threshold(real, imag, real_interval, imag_interval, "" if limits else self.source, region)
+
+    def row(self) -> dict[str, Any]:
+        """As documents have it: the half widths, and what else the region is."""
+        found = self.region
+        if found.shape is Shape.POLYGON:
+            return {"shape": found.shape.value, "corners": [[str(x), str(y)] for x, y in found.corners]}
+        row: dict[str, Any] = {"real": str(self.real), "imag": str(self.imag)}
+        row |= {} if found.shape is Shape.SQUARE else {"shape": found.shape.value}
+        row |= {"tilt": str(found.tilt)} if found.tilt else {}
+        lower = {part.value: str(x) for part in Part if (x := self.lower(part)) is not None}
+        return row | ({"lower": lower} if lower else {}) | ({"floor": str(found.floor)} if found.floor else {})
 
     def interval(self, part: Part) -> Interval | None:
         """The range of a part's threshold, if it has one."""
@@ -85,6 +164,10 @@ def threshold_value(key: str, given: Number) -> tuple[Expr, Interval | None]:
     """A threshold and its range, if it has one; SceneError, with the key, unless both are > 0."""
     if isinstance(given, Expr) and is_irrational_algebraic(given) and given.evalf() > 0:
         return given, None
+    found_formula = formula(key, given)
+    if found_formula is not None and found_formula.has(omega):
+        return found_formula, None
+    given = given if found_formula is None else found_formula
     try:
         found = ranged(given, Dimension.RATIO)
         value = require_number(given, found.nominal).value
@@ -93,6 +176,33 @@ def threshold_value(key: str, given: Number) -> tuple[Expr, Interval | None]:
     if any(sign_of_number(x) <= 0 for x in (value, *(found.interval or ()))):
         raise SceneError(f'{key}: "{given}" must be > 0')
     return value, found.interval
+
+
+_NAMES_OMEGA = re.compile(r"(?<!\w)omega(?!\w)")
+
+
+def formula(key: str, given: object) -> Expr | None:
+    """A rational formula in omega; None for what does not name it. SceneError, with the key, where it is not rational.
+
+    >>> formula("real", "0.08 + 0.004*omega"), formula("real", "10 %")
+    (omega/250 + 2/25, None)
+    """
+    if isinstance(given, Expr) and {x.name for x in given.free_symbols} == {omega.name}:
+        value: Expr = given.xreplace(dict.fromkeys(given.free_symbols, omega))
+    elif isinstance(given, str) and _NAMES_OMEGA.search(given):
+        try:
+            value = expressions.evaluate(given, number=decimal, name={omega.name: omega}.__getitem__)
+        except SceneError as error:
+            raise error.within(key) from None
+    else:
+        return None
+    try:
+        Ring().axis.convert(value)
+    except SceneError:
+        raise SceneError(
+            f'{key}: "{given}" is no rational formula in omega: numbers, omega, + - * / and whole powers'
+        ) from None
+    return value
 
 
 def is_irrational_algebraic(value: Expr) -> bool:

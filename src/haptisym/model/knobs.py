@@ -9,7 +9,7 @@ from typing import Protocol, TypeVar
 from sympy import Expr
 
 from haptisym.kernel.errors import SceneError, meant
-from haptisym.kernel.symbols import c
+from haptisym.kernel.symbols import c, omega
 from haptisym.model.jnd import Part, Threshold, threshold_value
 from haptisym.model.parameters import Parameter, Rule, Slot, read_parameter
 from haptisym.model.quantities import Dimension, Number, number
@@ -87,7 +87,9 @@ class Knob(Parameter):
 
 
 def threshold_knobs(threshold: Threshold) -> tuple[Knob, ...]:
-    """Both thresholds as one (the value is the real part's), then each."""
+    """Both thresholds as one (the value is the real part's), then each; none of a polygon, which is given by its corners."""
+    if threshold.region.corners:
+        return ()
     keys = {"jnd": tuple(Part), **{f"jnd.{part.value}": (part,) for part in Part}}
     return tuple(
         Knob(
@@ -143,8 +145,11 @@ class Knobs(Collection[Knob]):
 
     @property
     def limits(self) -> dict[Part, Knob]:
-        """Of each part the threshold: one for both where they are alike, else its own."""
-        both, *each = (x for x in self if x.parts)
+        """Of each part the threshold: one for both where they are alike, else its own; none of a polygon."""
+        found = [x for x in self if x.parts]
+        if not found:
+            return {}
+        both, *each = found
         alike = len({(x.value, x.interval) for x in each}) == 1
         return {part: both if alike else own for part, own in zip(Part, each, strict=True)}
 
@@ -165,7 +170,7 @@ class Knobs(Collection[Knob]):
     def need_numbers(self, besides: Collection[Knob] = ()) -> None:
         """SceneError where one that is not ``besides`` is a symbol."""
         for x in self:
-            if x.value.free_symbols and x not in besides:
+            if x.value.free_symbols - {omega} and x not in besides:
                 raise SceneError(
                     f"{x.path} = {x.value} is a symbol where a number is needed: put one in, as by "
                     f'with_values({{"{x.path}": ...}}); derive and distort answer in symbols'

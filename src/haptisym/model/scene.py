@@ -18,6 +18,7 @@ from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion, distort
 from haptisym.model.hand import Hand
 from haptisym.model.jnd import Part, Threshold
+from haptisym.model.jndtables import read_threshold
 from haptisym.model.knobs import THRESHOLD, Knob, Knobs, threshold_knobs
 from haptisym.model.naming import symbol_names, with_names
 from haptisym.model.parameters import Rule, refuse_references
@@ -31,7 +32,7 @@ class Scene(Shown):
     """What is to be evaluated. Valid by construction: SceneError names what is wrong.
 
     ``effects`` : nearest the environment first. ``band`` : lowest and highest frequency, numbers in rad/s or strings with a
-    unit. ``threshold`` : a Threshold, or one number for both parts.
+    unit. ``threshold`` : a Threshold, or what a scene file says of the JND: a number, a formula or a table.
     ``rendered`` : what the controller really renders, where that is not the environment itself. A parameter of it may be the
     environment's: ``k="environment.k"`` is one parameter in two places, with one symbol, one value and one range.
     ``hands`` : those in which it may be held; they change nothing of what is felt.
@@ -68,7 +69,7 @@ class Scene(Shown):
         low, high = (frequency("band", x) for x in self.band)
         object.__setattr__(self, "band", (low, high))
         if not isinstance(self.threshold, Threshold):
-            object.__setattr__(self, "threshold", Threshold.of(self.threshold))
+            object.__setattr__(self, "threshold", read_threshold(self.threshold))
         if sign_of_number(low) < 0:
             raise SceneError(f"band: the low end, {shown[0]}, must be >= 0")
         if sign_of_number(high - low) <= 0:
@@ -76,6 +77,7 @@ class Scene(Shown):
         self._tie()
         _different(self.hands)
         _one_motion((*self.elements(), *self.held()))
+        self.threshold.check(low, high, self.motion)
         effects = with_names(self.effects)
         listed: list[Effect | Hand] = [*effects, *self.hands]
         whose = ((x.name, x) for x in listed)

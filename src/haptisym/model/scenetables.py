@@ -14,6 +14,7 @@ from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment,
 from haptisym.model.family import SceneFamily, named
 from haptisym.model.hand import Hand, hand
 from haptisym.model.jnd import Threshold
+from haptisym.model.jndtables import read_threshold
 from haptisym.model.scene import Scene, frequency
 
 Table: TypeAlias = Mapping[str, Any]
@@ -164,15 +165,7 @@ def _band(given: Any) -> tuple[Any, Any]:
 
 def _threshold(given: Any) -> Threshold:
     try:
-        if not isinstance(given, Mapping):
-            return Threshold.of(given)
-        if "like" in given:
-            _only(given, ("like",), "")
-            return Threshold.like(given["like"])
-        _only(given, ("real", "imag"), "")
-        if len(given) < 2:
-            raise SceneError("must give both real and imag")
-        return Threshold.of(given["real"], given["imag"])
+        return read_threshold(given)
     except SceneError as error:
         raise error.within("evaluation: jnd") from None
 

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 
 from sympy import Expr, I
 
 from haptisym.judge.evaluation import Evaluation
+from haptisym.kernel.lattices import Lattice
+from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import omega, s
 from haptisym.model.catalogue import Effect
 from haptisym.model.jnd import Part
 from haptisym.pages.sceneforms import DIFFERENCE, DYNAMICS, FELT, RELATIVE, Group, SceneForms
 from haptisym.pages.sceneforms import RATIOS as RATIO_FORMS
 from haptisym.pages.sections import beyond
-from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OPERATORS, RATIOS
+from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OMEGA, OPERATORS, RATIOS
 from haptisym.verbs.derive.entry import derive
 from haptisym.writing.boxes import Box, Equation, Prefixed, Sum
 from haptisym.writing.document import Block, Equations, Line, Paragraph, Phrase, Section, listed
@@ -26,6 +29,7 @@ from haptisym.writing.texprinter import formula
 
 _H = named("H")
 _VALUES = "the scene's values"
+_MOST_POLYNOMIALS = 12
 
 
 def derivation(forms: SceneForms) -> Iterator[Block]:
@@ -87,6 +91,9 @@ class _Steps:
             yield self._equations(self.forms.in_numbers(DIFFERENCE))
 
     def thresholds(self) -> Iterator[Block]:
+        if not self.evaluation.scene.threshold.is_plain:
+            yield from self._regions()
+            return
         functions = self.evaluation.distortion.squared_modulus.axis.functions
         kind = "polynomials in ω, its powers, sines and cosines" if functions else "polynomials in ω²"
         exceeds = listed((RATIOS[part], " exceeds exactly where ", _excess(part), " > 0") for part in Part)
@@ -96,6 +103,28 @@ class _Steps:
             "positive factor:",
         ))  # fmt: skip
         yield self._equations([self.forms.threshold(part) for part in Part])
+
+    def _regions(self) -> Iterator[Block]:
+        """Of what is judged by a region or by a formula in omega: which functions must not all be positive."""
+        said: list[Phrase] = []
+        lines: list[Line] = []
+        for x in self.evaluation.criteria:
+            found = x.function(self.evaluation.distortion)
+            terms = found.terms if isinstance(found, Lattice) else ((found,),)
+            names = [[function(f"p_{x.name}_{i}{j}" if len(terms) > 1 or len(row) > 1 else f"p_{x.name}", OMEGA)
+                      for j, _ in enumerate(row, 1)] for i, row in enumerate(terms, 1)]  # fmt: skip
+            ways = listed((listed((name, " > 0") for name in row) for row in names), "or")
+            what = f"The {x.joint.kind} is left" if x.joint else (named(x.symbol), " exceeds its limit")
+            said.append((what, " exactly where ", ways, ". "))
+            rows = zip(chain(*names), chain(*terms), strict=True)
+            moves = bool(x.joint) and not self.evaluation.scene.threshold.is_constant  # corners may change sign
+            singles = ((name, f) for name, f in rows if isinstance(f, RealFunction))
+            lines += [self.forms.polynomial(name, _whole(f) if moves else f) for name, f in singles]
+        if len(lines) > _MOST_POLYNOMIALS:
+            yield Paragraph(f"{len(lines)} functions of ω decide what is noticed: too many to be written here.")
+            return
+        yield Paragraph((*said, "Written up to a positive factor (to ten digits after ≈):"))
+        yield self._equations(lines)
 
     def properties(self) -> Iterator[Block]:
         real, imag = (Prefixed(OPERATORS[part], _H) for part in Part)
@@ -122,6 +151,11 @@ class _Steps:
 
     def _equations(self, lines: Iterable[Line]) -> Block:
         return Equations(tuple(self.forms.named(list(lines))))
+
+
+def _whole(f: RealFunction) -> RealFunction:
+    """A polynomial of the sign of a function, whatever that of its denominator."""
+    return RealFunction(f.axis.function(f.function.numerator * f.function.denominator))
 
 
 def _excess(part: Part) -> Box:

@@ -9,37 +9,34 @@ from typing import TYPE_CHECKING
 
 from sympy import Symbol
 
-from haptisym.judge.crossings import Crossing, CrossingKind
+from haptisym.judge.criteria import JOINT
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.symbols import omega, s
 from haptisym.model.jnd import Part
 from haptisym.pages.bandwidths import bandwidths, published_words
+from haptisym.pages.crossings import crossings, joint, proven, undecided
 from haptisym.pages.held import held
 from haptisym.pages.words import (
     CHANGE,
     H_ENV,
     H_PERC,
-    OMEGA,
     OPERATORS,
     both,
     bounds,
     caveats,
     compared,
     ends,
-    exactly,
-    hertz,
     is_transparent_throughout,
     lead,
     limits,
-    percent,
     places,
     short,
     spans,
     stiffness_unit,
     title,
 )
-from haptisym.writing.boxes import Operator, Prefixed
+from haptisym.writing.boxes import Prefixed
 from haptisym.writing.document import (
     Block,
     Column,
@@ -56,14 +53,13 @@ from haptisym.writing.document import (
     Versions,
     listed,
 )
+from haptisym.writing.equations import equation
+from haptisym.writing.formula import readable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
 
     from haptisym.pages.sceneforms import SceneForms
-from haptisym.writing.equations import equation
-from haptisym.writing.formula import readable
-from haptisym.writing.names import named
 
 
 def page(e: Evaluation) -> Document:
@@ -168,14 +164,21 @@ def _step_1(e: Evaluation) -> Iterator[Block]:
     yield Paragraph(transparency(e))
     if e.bandwidths:
         yield bandwidths(e.bandwidths, e.scene.threshold)
-    yield _figure(
-        e, "ratios", "Distortion ratios over the band. Grey: neither exceeds its threshold, the display is transparent. A dot "
-        "marks where the ratio of the real part meets its threshold, a ring that of the imaginary part.", wide=True,
-    )  # fmt: skip
+    yield _figure(e, "ratios", _JOINT_RATIOS if joint(e) else _RATIOS, wide=True)
     yield crossings(e)
     if e.undecided:
-        yield _undecided(e)
+        yield undecided(e)
     yield from _any_environment(e)
+
+
+_RATIOS = (
+    "Distortion ratios over the band. Grey: neither exceeds its threshold, the display is transparent. A dot "
+    "marks where the ratio of the real part meets its threshold, a ring that of the imaginary part."
+)
+_JOINT_RATIOS = (
+    "How many times the region must be enlarged to hold the distortion, over the band. Grey: not more than once, the display is "
+    "transparent. A dot marks where the distortion leaves or enters the region."
+)
 
 
 def transparency(e: Evaluation) -> Phrase:
@@ -191,51 +194,6 @@ def transparency(e: Evaluation) -> Phrase:
         width = both(e.bandwidth)
         return "At ", width, ". Below that the display is perceptually transparent: this is its bandwidth."
     return "At ", both(e.bandwidth), ", its bandwidth. The display is perceptually transparent ", pieces, "."
-
-
-def crossings(e: Evaluation) -> Block:
-    """Every crossing on the band: digits, what happens, enclosure."""
-    if not e.crossings:
-        decided = ", as far as that was decided" if e.undecided else ""
-        return Paragraph(f"No ratio meets its threshold on the band{decided}.")
-    columns = (
-        Column("part"), Column((OMEGA, " (rad/s)"), number=True), Column("Hz", number=True), Column("what happens"),
-        Column("distortion"), Column(("enclosure of ", OMEGA), full=True),
-    )  # fmt: skip
-    caption = f"All crossings of the thresholds on the band, {proven(e)}."
-    return Table(columns, tuple(_crossing(e, c) for c in e.crossings), caption)
-
-
-def proven(e: Evaluation) -> str:
-    """How certain a table is."""
-    return "proven: none missed, none invented" if e.certified else "proven, but for what is listed as undecided"
-
-
-def _crossing(e: Evaluation, c: Crossing) -> tuple[Phrase, ...]:
-    low, high = c.omega.enclosure(e.digits)
-    return c.criterion.name, exactly(c.omega, e.digits), hertz(c.omega), event(c), sense(c), f"[{low}, {high}]"
-
-
-VERBS = {CrossingKind.EXCEEDS: "rises above", CrossingKind.RETURNS: "falls below", CrossingKind.TOUCHES: "touches"}
-
-
-def event(c: Crossing) -> Phrase:
-    """``r_r rises above 10 %``."""
-    times = f" ({c.multiplicity}-fold)" if c.multiplicity > 1 else ""
-    return named(c.criterion.symbol), f" {VERBS[c.kind]} {percent(c.criterion.threshold)}{times}"
-
-
-def sense(c: Crossing) -> Phrase:
-    """``Re dH > 0``; nothing where both parts are judged."""
-    return compared(Prefixed(Operator(c.criterion.component), CHANGE), ">" if c.sign > 0 else "<") if c.sign else ""
-
-
-def _undecided(e: Evaluation) -> Table:
-    """What stayed open at the precision limit."""
-    found = [(x.name, point.omega.enclosure(e.digits)) for x, point in e.undecided]
-    rows = tuple((name, f"[{low}, {high}]") for name, (low, high) in found)
-    caption = "Undecided at the precision limit: whether the ratio touches its threshold here, crosses it twice or stays clear."
-    return Table((Column("part"), Column(("near ", OMEGA, " (rad/s)"))), rows, caption)
 
 
 def _any_environment(e: Evaluation) -> Iterator[Block]:
@@ -283,10 +241,13 @@ def _figure(e: Evaluation, name: str, caption: str, *, wide: bool = False) -> Fi
 
 def percepts(e: Evaluation) -> Block:
     """What is felt where a ratio exceeds its threshold."""
+    region = joint(e)
     if not e.felt:
-        return Paragraph("Nothing is noticed on the band: neither ratio exceeds its threshold.")
-    rows = tuple((ends(x.band), x.part.value, x.words) for x in e.felt)
-    caption = f"What is felt where a ratio exceeds its threshold, {proven(e)}."
+        why = f"the distortion never leaves the {region.kind}" if region else "neither ratio exceeds its threshold"
+        return Paragraph(f"Nothing is noticed on the band: {why}.")
+    rows = tuple((ends(x.band), x.part.value if x.part else JOINT, x.words) for x in e.felt)
+    where = f"outside the {region.kind}" if region else "where a ratio exceeds its threshold"
+    caption = f"What is felt {where}, {proven(e)}."
     return Table((Column("band (rad/s)"), Column("part"), Column("felt as")), rows, caption)
 
 

@@ -60,6 +60,9 @@ class Slider:
 
 def explorer(e: Evaluation, forms: SceneForms) -> Html:
     """The explorer's controls, plots, script and data; it needs ``data/explorer.js`` and nothing from elsewhere."""
+    if not e.scene.threshold.is_plain:
+        own = f"The JND of this scene is {e.scene.threshold.kind}."
+        return element("p", own, " The explorer knows one number for each part alone: it is left out.")
     is_small = forms.symbolic is not None
     program = scene_program(e.scene, None if is_small else ())
     sliders = _parameters(e, forms) if is_small else {}

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.symbols import omega, s
-from haptisym.pages.words import caveats, lead, percent, short, spans, title
+from haptisym.pages.words import caveats, lead, percent, region, short, spans, title
 from haptisym.verbs.metrics.forms import Form
 from haptisym.verbs.metrics.metric import Metric, Metrics, Value
 from haptisym.writing.boxes import (
@@ -65,6 +65,8 @@ def page(m: Metrics) -> Document:
 def jnd_verdict(m: Metrics) -> Phrase:
     """What the JND evaluation says, in a line."""
     c, found = m.scene.threshold, m.evaluation.transparent
+    if not c.is_plain:
+        return "transparent ", spans(found) if found else "nowhere on the band", " (", region(c), ")"
     limits = percent(c.real) if c.real == c.imag else f"{percent(c.real)} and {percent(c.imag)}"
     where: Phrase = spans(found) if found else "nowhere on the band"
     return "transparent ", where, " (", named("c"), f" = {limits})"

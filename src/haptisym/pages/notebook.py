@@ -27,8 +27,8 @@ from haptisym.model.quantities import Dimension, Motion
 from haptisym.model.scene import Scene
 from haptisym.pages import scene as scene_page
 from haptisym.pages.closedforms import ClosedForms
-from haptisym.pages.evaluation import VERBS, sense
-from haptisym.pages.words import PART_NAMES, ends, exactly, short
+from haptisym.pages.crossings import VERBS, event, sense
+from haptisym.pages.words import PART_NAMES, ends, exactly, region, short
 from haptisym.writing.boxes import Box, Equation, Grid
 from haptisym.writing.document import Line
 from haptisym.writing.equations import function
@@ -38,6 +38,7 @@ from haptisym.writing.layout import layout
 from haptisym.writing.mathematics import display
 from haptisym.writing.names import named
 from haptisym.writing.numerals import rounded
+from haptisym.writing.plain import said
 from haptisym.writing.texlines import align, is_long
 from haptisym.writing.texprinter import tex
 
@@ -120,6 +121,8 @@ def _rows(x: Distortion) -> list[Line]:
 
 
 def _threshold(x: Threshold) -> str:
+    if not x.is_plain:
+        return _displayed(rf"\text{{{said(region(x))}}}")
     if x.real == x.imag:
         return _displayed(_value(named("c"), x.real))
     return _displayed(_value(named("c_real"), x.real), r",\quad ", _value(named("c_imag"), x.imag))
@@ -143,6 +146,8 @@ def _short(x: RealNumber) -> str:
 
 
 def _crossing(x: Crossing) -> str:
+    if x.criterion.region or x.criterion.threshold.free_symbols:
+        return _displayed(rf"\text{{{said(event(x))} at}}\ \omega = {_decimal(x.omega.digits())}{_PER_SECOND}")
     threshold = tex(named(f"c_{x.criterion.name}"))
     return _displayed(rf"{_ratio(x)} = {threshold},\quad \omega = {_decimal(x.omega.digits())}{_PER_SECOND}")
 
@@ -187,6 +192,8 @@ def _distortion_html(x: Distortion) -> str:
 
 def _crossing_html(x: Crossing) -> str:
     """``r_r rises above its threshold at 7.97891679017471 rad/s (Re dH > 0)``."""
+    if x.criterion.joint:
+        return str(phrase((event(x), " at ", exactly(x.omega, 15), " rad/s")))
     where = exactly(x.omega, 15), " rad/s (", sense(x), ")"
     return str(phrase((named(x.criterion.symbol), f" {VERBS[x.kind]} its threshold at ", where)))
 
@@ -201,7 +208,8 @@ def _peak_html(x: Peak) -> str:
 
 def _percept_html(x: Percept) -> str:
     """``lower mass (real part), from 7.9789 to 15 rad/s``."""
-    return str(phrase((f"{felt(x)} ({PART_NAMES[x.part]} part), from ", ends(x.band), " rad/s")))
+    which = f"{PART_NAMES[x.part]} part" if x.part else "both parts together"
+    return str(phrase((f"{felt(x)} ({which}), from ", ends(x.band), " rad/s")))
 
 
 _HTML: Mapping[type, Callable[[Any], str]] = {

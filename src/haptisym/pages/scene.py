@@ -12,8 +12,9 @@ from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment
 from haptisym.model.jnd import Threshold, is_irrational_algebraic
 from haptisym.model.knobs import Knob
 from haptisym.model.quantities import Dimension, Motion, unit_text
+from haptisym.model.regions import Shape
 from haptisym.model.scene import Scene
-from haptisym.pages.words import H_ENV, H_PERC, both, lead, title
+from haptisym.pages.words import H_ENV, H_PERC, both, lead, region, title
 from haptisym.writing.boxes import Absolute, Equation
 from haptisym.writing.document import Block, Chain, Column, Document, Paragraph, Phrase, Strong, Table
 from haptisym.writing.layout import layout
@@ -38,14 +39,25 @@ def scene_blocks(scene: Scene, short_names: Mapping[Symbol, Symbol] = _AS_THEY_A
         columns = ("symbol", "of", "parameter", "quantity", "value", "unit")
         yield Table(tuple(Column(x, number=x == "value") for x in columns), rows, "The parameters, in SI units.")
     low, high = (both(ExactNumber(x)) for x in scene.band)
-    yield Paragraph((
-        "The band of interest goes from ", low, " to ", high, ". A change of the real or the imaginary part is noticed ",
-        "when it exceeds the fraction ", threshold(scene.threshold), " of ", Absolute(H_ENV), ".",
-    ))  # fmt: skip
+    yield Paragraph(("The band of interest goes from ", low, " to ", high, ". ", noticeable(scene.threshold)))
+
+
+def noticeable(c: Threshold) -> Phrase:
+    """Which changes are noticed, in a sentence."""
+    if c.is_plain:
+        return (
+            "A change of the real or the imaginary part is noticed when it exceeds the fraction ", threshold(c), " of ",
+            Absolute(H_ENV), ".",
+        )  # fmt: skip
+    if c.region.shape is Shape.SQUARE:
+        return "A change of the real or the imaginary part is noticed when it exceeds ", region(c), "."
+    return "A change, both parts together, is noticed when it leaves the region: ", region(c), "."
 
 
 def threshold(c: Threshold) -> Phrase:
-    """``c = 0.1``, or the thresholds of both parts where they differ."""
+    """``c = 0.1``, or the thresholds of both parts where they differ; the region in words where it is none of that."""
+    if not c.is_plain:
+        return region(c)
     if c.real == c.imag:
         return _equality("c", c.real)
     return _equality("c_real", c.real), " (real) or ", _equality("c_imag", c.imag), " (imaginary)"

@@ -21,6 +21,7 @@ from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part, is_irrational_algebraic
 from haptisym.model.parameters import values
 from haptisym.pages.closedforms import ClosedForms
+from haptisym.writing.boxes import Box
 from haptisym.writing.document import Line
 from haptisym.writing.equations import quantity
 from haptisym.writing.numerals import approximate
@@ -80,11 +81,14 @@ class SceneForms:
 
     def threshold(self, part: Part) -> Line:
         """The polynomial in omega^2 that is positive exactly where the ratio exceeds its threshold, in factors."""
-        left = quantity("p_r" if part is Part.REAL else "p_i")
         limits = self.evaluation.scene.threshold
         free = [x for x in Part if is_irrational_algebraic(limits[x] ** 2)]
         found = next(x for x in opened(noticed(limits), free) if x.part is part).function(self.evaluation.distortion)
         assert isinstance(found, RealFunction)  # a symbol is no algebraic number
+        return self.polynomial(quantity("p_r" if part is Part.REAL else "p_i"), found)
+
+    def polynomial(self, left: Box, found: RealFunction) -> Line:
+        """The numerator of a function that is positive where it is, in factors, rounded where that is long."""
         function = found.written
         if function.is_zero:
             return Line(left, S.Zero)

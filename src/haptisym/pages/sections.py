@@ -39,14 +39,24 @@ def sections(d: Derivation) -> tuple[Section, ...]:
     """What a derivation was asked for, or all that it says unasked."""
     if d.of:
         return asked(d, d.of)
-    found = [_dynamics(d), _in_steps(d), _written_out(d), _when(d), _changeovers(d), *_dimensionless(d), *_fast(d)]
+    when = _when(d) if d.scene.threshold.is_plain else _not_solved(d)
+    found = [_dynamics(d), _in_steps(d), _written_out(d), when, _changeovers(d), *_dimensionless(d), *_fast(d)]
     return tuple(section for section in found if section.blocks)
 
 
 def beyond(d: Derivation) -> tuple[Section, ...]:
     """What closed forms alone do not show: short steps, crossings solved for omega, groups, leading terms."""
-    found = [_in_steps(d), _solved(d), *_dimensionless(d), *_fast(d)]
+    found = [_in_steps(d), *([_solved(d)] if d.scene.threshold.is_plain else []), *_dimensionless(d), *_fast(d)]
     return tuple(section for section in found if any(isinstance(x, Equations) for x in section.blocks))
+
+
+def _not_solved(d: Derivation) -> Section:
+    """That crossings with other regions than the paper's are certified, but not written as formulas."""
+    kind = d.scene.threshold.kind
+    return _section(
+        ("When it is noticed",),
+        notes=(f"The JND is {kind}: `haptisym evaluate` has its crossings, and no formulas for them.",),
+    )
 
 
 def asked(d: Derivation, names: Iterable[str]) -> tuple[Section, ...]:

@@ -15,12 +15,15 @@ from haptisym.kernel import reals
 from haptisym.kernel.hertz import Hertz
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Interval, Point
+from haptisym.kernel.symbols import omega
 from haptisym.model.family import SceneFamily
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.quantities import Motion
+from haptisym.model.regions import Shape
 from haptisym.model.scene import Scene
 from haptisym.writing.boxes import Absolute, Box, Equation, Numeral, Operator, Prefixed, Sum, Titled
 from haptisym.writing.document import Notes, Number, Phrase, Strong, coded, listed
+from haptisym.writing.layout import layout
 from haptisym.writing.names import named
 
 if TYPE_CHECKING:
@@ -104,9 +107,40 @@ def percent(c: Expr) -> str:
 
 
 def limits(c: Threshold) -> Phrase:
-    """The threshold of both parts, or of each where they differ."""
+    """The threshold of both parts, or of each where they differ; the region, where it is none of that."""
+    if not c.is_plain:
+        return region(c)
     said = percent(c.real) if c.real == c.imag else f"{percent(c.real)} (real) and {percent(c.imag)} (imaginary)"
     return said, " of ", Absolute(H_ENV)
+
+
+def amount(c: Expr) -> Phrase:
+    """``10 %``, or a formula in omega."""
+    return layout(c) if c.has(omega) else percent(c)
+
+
+def region(c: Threshold) -> Phrase:
+    """A region in words: ``an ellipse, 10 % (real) and 12 % (imaginary) of |H_env|, tilt 0.5``."""
+    of, own = (" of ", Absolute(H_ENV)), c.region
+    if own.shape is Shape.POLYGON:
+        corners = listed(("(", amount(x), ", ", amount(y), ")") for x, y in own.corners)
+        return "a polygon with the corners ", corners, *of
+    widths: Phrase = (_width(c, Part.REAL), " (real) and ", _width(c, Part.IMAG), " (imaginary)")
+    if c.real == c.imag and own.lower == (None, None):
+        widths = amount(c.real)
+    kind = () if own.shape is Shape.SQUARE else f"{c.kind}, "
+    tilt = (", tilt ", layout(own.tilt)) if own.tilt else ()
+    floor = (
+        ()
+        if own.floor is None
+        else (", and at least ", layout(own.floor), " N m/rad" if own.motion is Motion.ROTATION else " N/m")
+    )
+    return kind, widths, *of, *tilt, *floor
+
+
+def _width(c: Threshold, part: Part) -> Phrase:
+    lower = c.lower(part)
+    return amount(c[part]) if lower is None else (amount(c[part]), " higher or ", amount(lower), " lower")
 
 
 def bounds(found: Mapping[Part, Supremum]) -> Phrase:

@@ -86,6 +86,7 @@ def cost(scene: Scene | str | Path, *, quick: bool = False, told: Told = lambda 
     (['crossings', 'effects', 'evaluate'], True)
     """
     scene = as_scene(scene)
+    scene.threshold.need_plain("right digits against time")
     scene.knobs.need_numbers()
     tasks = [
         evaluate_task(scene, quick=quick),

@@ -21,8 +21,10 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Chart, Interval, chart
 from haptisym.kernel.shown import titled
+from haptisym.kernel.symbols import omega
 from haptisym.model.catalogue import Effect
 from haptisym.model.jnd import Part
+from haptisym.model.regions import positive
 from haptisym.model.scene import Scene
 from haptisym.programs.series import series_arithmetic
 from haptisym.verbs.effects.ballchain import BallChain, Piece
@@ -128,7 +130,7 @@ class Relevance(Answer):
         square = criterion.measure(self.pruned.distortion())
         bound = Rational(*self.bound[part].most.as_integer_ratio())
         levels = {"high": replace(criterion, threshold=c + bound).exceeded(square)}
-        if (c - bound).evalf() > 0:
+        if positive(c - bound, *self.pruned.band) if c.has(omega) else (c - bound).evalf() > 0:
             levels["low"] = replace(criterion, threshold=c - bound).exceeded(square)
         table = chart(levels, *self.pruned.band)
         for x in table.where(lambda signs: signs.get("low", 1) >= 0 >= signs["high"]):

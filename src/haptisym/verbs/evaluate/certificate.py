@@ -13,7 +13,6 @@ from typing import Any
 from haptisym.judge.crossings import Curve, curves
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.levels import Level
 from haptisym.kernel.reals import Sliver
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import Interval, Point
@@ -44,8 +43,7 @@ def certificate(e: Evaluation) -> str:
     scene = e.scene
     if e.relevance is not None:
         raise SceneError("a certificate is about all effects of a scene: ask for it without a tolerance")
-    if [x.name for x in e.criteria] != ["real", "imag"]:
-        raise SceneError("a certificate needs a threshold that is one number, or one for each part")
+    scene.threshold.need_plain("a certificate")
     environment = _named(scene)
     functions = _functions(e)
     factors, told = products(functions)
@@ -82,7 +80,7 @@ def _named(scene: Scene) -> str | None:
 def _functions(e: Evaluation) -> dict[str, RealFunction]:
     found: dict[str, RealFunction] = {}
     for key, f in curves(e.distortion, e.criteria).items():
-        if isinstance(f, Level):
+        if not isinstance(f, RealFunction):
             raise SceneError("a certificate needs thresholds that are rational, or rational in pi")
         if isinstance(key, tuple):
             curve, part = key
@@ -118,6 +116,7 @@ def _claim(e: Evaluation) -> dict[str, Any]:
             {"part": x.part.value, "from": at(x.band.low), "to": at(x.band.high)}
             | {"property": x.property.value, "change": x.change.value}
             for x in e.percepts
+            if x.part
         ],
         "outside_model": ends(e.outside_model),
         "unbounded": [at(x) for x in e.unbounded],

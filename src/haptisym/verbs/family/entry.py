@@ -11,9 +11,8 @@ from typing import Any, ClassVar
 from haptisym.judge.answers import Answer
 from haptisym.judge.criteria import Criterion, Judged, noticed
 from haptisym.judge.evaluation import Evaluation, evaluate
-from haptisym.kernel.levels import Level
+from haptisym.kernel.lattices import Signed
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import Chart, Interval, Key, Signs, chart
 from haptisym.kernel.shown import counted, titled
 from haptisym.model.distortion import Distortion
@@ -96,7 +95,7 @@ class FamilyEvaluation(Answer):
     def _body(self) -> dict[str, Any]:
         return {
             "band": [float(point.omega) for point in (self.chart.points[0], self.chart.points[-1])],
-            "threshold": {"real": str(self.family.threshold.real), "imag": str(self.family.threshold.imag)},
+            "threshold": self.family.threshold.row(),
             "environments": [{"name": name, **x.to_dict()} for name, x in self.answers.items()],
             "transparent": [[float(x.low.omega), float(x.high.omega)] for x in self.transparent],
             "binding": [self._binding(x) for x in self.binding],
@@ -134,7 +133,7 @@ def evaluate_all(family: SceneFamily | Scene | str | Path, digits: int = 15) -> 
 def common_chart(family: SceneFamily) -> Chart:
     """r^2 - c^2 of all environments and criteria on the family's band, in one ring: equal functions are found equal."""
     ring = family.ring()
-    functions: dict[Key, RealFunction | Level] = {}
+    functions: dict[Key, Signed] = {}
     for name, scene in family.scenes.items():
         distortion = Distortion.of(scene.distortion().chain, ring)
         functions |= {(name, x): x.function(distortion) for x in noticed(family.threshold)}

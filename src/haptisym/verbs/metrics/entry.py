@@ -20,7 +20,7 @@ from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.metrics.disagreements import disagreements
 from haptisym.verbs.metrics.forms import Forms
-from haptisym.verbs.metrics.judging import TOO_LARGE, WITHIN_3_DB
+from haptisym.verbs.metrics.judging import TOO_LARGE, WITHIN_3_DB, relative_square
 from haptisym.verbs.metrics.measured import FAR, Measured, value_at
 from haptisym.verbs.metrics.metric import Metric, Metrics, Value
 from haptisym.verbs.metrics.passivehands import absolute_stability, passivity_measure
@@ -106,18 +106,29 @@ def _edge(p: Point) -> str:
 
 
 def _relative(m: Measured, forms: Forms) -> Metric:
-    c, square = m.relative.threshold, m.relative.measure(m.d)
+    square = relative_square(m.d)
+    circle = (
+        f"at most {float(100 * m.relative.threshold):.6g} %"
+        if m.relative
+        else "within the largest circle that the region holds"
+    )
     return Metric(
         "relative distortion",
         forms("Theta"),
         (
-            Value(f"at most {float(100 * c):.6g} %", m.within, "rad/s"),
+            Value(circle, m.within, "rad/s"),
             Value("largest on the band", _largest(square, m)),
         ),
         "Griffiths, Gillespie and Freudenberg (2008), doi:10.1109/TRO.2008.924256",
         "abstract read; formula recalled, not verified",
-        "where it is at most c neither r_r nor r_i can exceed c; the JND test asks less, as it judges the two parts apart",
+        _RELATIVE if m.relative else _IN_CIRCLE,
     )
+
+
+_RELATIVE = (
+    "where it is at most c neither r_r nor r_i can exceed c; the JND test asks less, as it judges the two parts apart"
+)
+_IN_CIRCLE = "where it is in that circle no change leaves the region; the JND test asks less, as the region is larger"
 
 
 def _range(m: Measured, forms: Forms) -> Metric:

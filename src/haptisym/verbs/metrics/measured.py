@@ -9,6 +9,7 @@ from typing import TypeAlias
 
 from sympy import Expr, Integer
 
+from haptisym.judge.bounds import around
 from haptisym.judge.criteria import PASSIVE, Criterion, kept
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.peaks import ValueAt
@@ -21,7 +22,7 @@ from haptisym.model.caveats import clocks
 from haptisym.model.distortion import Distortion
 from haptisym.model.quantities import Motion
 from haptisym.verbs.metrics.freeresponse import FreeResponse, free_response
-from haptisym.verbs.metrics.judging import LLEWELLYN, WITHIN_3_DB, relative
+from haptisym.verbs.metrics.judging import LLEWELLYN, WITHIN_3_DB, relative, relative_square
 from haptisym.verbs.metrics.twoport import TwoPort
 from haptisym.verbs.metrics.unconditional import Unconditional, unconditional
 
@@ -55,9 +56,10 @@ class Measured:
         return self.d.env.ring.convert(self.d.chain.rendered).reduced()
 
     @cached_property
-    def relative(self) -> Criterion:
-        """|dH/H_env| against the smaller threshold."""
-        return relative(min(x.threshold for x in self.evaluation.criteria))
+    def relative(self) -> Criterion | None:
+        """|dH/H_env| against the smaller threshold; None where the JND is no number for each part."""
+        plain = self.evaluation.scene.threshold.is_plain
+        return relative(min(x.threshold for x in self.evaluation.criteria)) if plain else None
 
     @cached_property
     def sensitivity_square(self) -> RealFunction | None:
@@ -88,12 +90,14 @@ class Measured:
 
     @cached_property
     def _within(self) -> Chart:
-        return self._chart([self.relative], self.band[1])
+        if self.relative:
+            return self._chart([self.relative], self.band[1])
+        return chart({"": around(self.evaluation.scene.threshold, relative_square(self.d))[0]}, *self.band)
 
     @property
     def within(self) -> Bands:
-        """Where |dH/H_env| is at most the smaller threshold."""
-        return kept(self._within)
+        """Where |dH/H_env| is at most the smaller threshold, or within the largest circle that the region holds."""
+        return self._within.where(lambda signs: all(sign <= 0 for sign in signs.values()))
 
     @cached_property
     def _passive(self) -> Chart:

@@ -83,7 +83,7 @@ class Metrics(Answer):
         return {
             "band": [float(e.chart.points[i].omega) for i in (0, -1)],
             "jnd": {
-                "threshold": {"real": str(e.scene.threshold.real), "imag": str(e.scene.threshold.imag)},
+                "threshold": e.scene.threshold.row(),
                 "transparent": _pairs(e.transparent),
                 "bandwidth": None if e.bandwidth is None else float(e.bandwidth),
             },

@@ -9,7 +9,7 @@ from sympy import Expr, Integer
 from haptisym.judge.positivereal import has_no_pole_right, poles_allow
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.far import Sense, far
-from haptisym.kernel.levels import Level
+from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.model.distortion import Distortion
 from haptisym.verbs.metrics.judging import LLEWELLYN
@@ -44,7 +44,7 @@ def _on_axis(d: Distortion, port: TwoPort) -> bool | None:
     high: Expr = Integer(1)
     try:
         for f in functions.values():
-            assert not isinstance(f, Level)
+            assert isinstance(f, RealFunction)  # none is about a threshold
             beyond = far(f.axis.function(f.function.numerator * f.function.denominator))
             if beyond.sense is Sense.BOTH or (beyond.sense is Sense.POSITIVE and not f.is_zero):
                 return False

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from sympy import Expr, Integer
 
 from haptisym.judge.bounds import for_any_environment
 from haptisym.judge.criteria import Criterion, noticed, opened
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.lattices import Lattice
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.distortion import Distortion
@@ -76,10 +77,22 @@ Conditions = Mapping[Criterion, RealFunction]
 
 
 def conditions(scene: Scene, free: Iterable[Knob], criteria: Iterable[Criterion]) -> dict[Criterion, RealFunction]:
-    """What criteria ask, with the free parameters left as symbols."""
+    """What criteria ask, with the free parameters left as symbols; of what asks for several functions each of them."""
     listed = list(free)
     d, parts = _distortion(scene, listed), {part for x in listed for part in x.parts}
-    return {x: _real(x.function(d)) for x in opened(criteria, parts)}
+    found: dict[Criterion, RealFunction] = {}
+    for x in opened(criteria, parts):
+        own = x.function(d)
+        if isinstance(own, Lattice) and all(len(term) == 1 for term in own.terms):
+            found |= {each(x, i): _real(f) for i, (f,) in enumerate(own.terms, 1)}
+        else:
+            found[x] = _real(own)
+    return found
+
+
+def each(x: Criterion, place: int) -> Criterion:
+    """One of several conditions that a criterion is."""
+    return replace(x, rule=f"{x.rule} ({place})")
 
 
 def _distortion(scene: Scene, free: list[Knob]) -> Distortion:
@@ -88,6 +101,11 @@ def _distortion(scene: Scene, free: list[Knob]) -> Distortion:
 
 
 def _real(found: object) -> RealFunction:
+    if isinstance(found, Lattice):
+        raise SceneError(
+            "a requirement is answered where the JND is a square, a rectangle, an ellipse or a diamond: not for a polygon, nor "
+            "with a floor or limits for higher and lower"
+        )
     if not isinstance(found, RealFunction):
         raise SceneError("a requirement needs thresholds that are rational numbers")
     return found

@@ -20,6 +20,7 @@ from haptisym.judge.peaks import Top, tops
 from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import RealNumber, SquareRoot, rational_between
+from haptisym.kernel.symbols import omega
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.feasible import Binding, Kind, Span
@@ -66,7 +67,8 @@ class Nearest:
 
 def nearest(r: Asked) -> Nearest | None:
     """The value that comes nearest where none will do, found in ten seconds; None where none shows."""
-    if r.feasible or r.undecided or r.free.parts or any(x.threshold == 0 for x in r.criteria):
+    plain = all(x.region is None and not x.threshold.has(omega) and x.threshold != 0 for x in r.criteria)
+    if r.feasible or r.undecided or r.free.parts or not plain:
         return None
     best: Nearest | None = None
     least = 1.0

@@ -14,7 +14,7 @@ from haptisym.judge.criteria import Criterion, opened
 from haptisym.kernel.reals import RealNumber, Sliver
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.shown import titled
-from haptisym.kernel.symbols import c
+from haptisym.kernel.symbols import c, omega
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
@@ -95,7 +95,9 @@ class Requirement(Answer):
         return tuple(self.form(end) for end in self.ends)
 
     def _symbolic(self, criterion: Criterion) -> RealFunction | None:
-        """The condition with symbols for all parameters; None where it would fill a book."""
+        """The condition with symbols for all parameters; None where it would fill a book, or is that of a region."""
+        if criterion.region is not None or criterion.threshold.has(omega):
+            return None
         d = self.scene.symbolic_distortion()
         if len(d.difference.numerator.monoms()) * len(d.difference.denominator.monoms()) > _MOST_PRODUCTS:
             return None

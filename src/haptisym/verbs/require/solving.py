@@ -8,18 +8,21 @@ from fractions import Fraction
 from functools import cached_property, partial
 
 import flint
-from sympy import Expr, Rational
+from sympy import Expr, Rational, S
 
 from haptisym.judge.criteria import Criterion
 from haptisym.kernel.budget import share
 from haptisym.kernel.errors import LimitError, SceneError
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, expression_ball
-from haptisym.model.knobs import Knob
+from haptisym.kernel.response import RealFunction
+from haptisym.model.distortion import Distortion
+from haptisym.model.jnd import Part
+from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.cells import Leaf, Search
 from haptisym.verbs.require.criticalvalues import Problem
 from haptisym.verbs.require.feasible import End, Solved, Span, bound_ends, runs
-from haptisym.verbs.require.freeparameter import Conditions, Domain, conditions
+from haptisym.verbs.require.freeparameter import Conditions, Domain, conditions, each
 from haptisym.verbs.require.places import Verdict
 from haptisym.verbs.require.thresholds import ThresholdProblem
 
@@ -65,8 +68,23 @@ _FOR_BALLS, _FOR_CRITICAL_VALUES = 0.4, 0.6
 def _threshold_problem(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]) -> ThresholdProblem:
     """The question for a threshold: the conditions that it is not part of stay as they are."""
     d = scene.distortion()
-    own = {x: x.measure(d) for x in criteria if x.depends_on(free.parts)}
-    return ThresholdProblem(own, {x: x.function(d) for x in criteria if x not in own}, scene.band, asked)
+    own: dict[Criterion, RealFunction] = {}
+    for x in criteria:
+        if x.depends_on(free.parts):
+            own |= _squares(x, d, free)
+    return ThresholdProblem(
+        own, {x: x.function(d) for x in criteria if not x.depends_on(free.parts)}, scene.band, asked
+    )
+
+
+def _squares(x: Criterion, d: Distortion, free: Knob) -> dict[Criterion, RealFunction]:
+    """What a free threshold c judges, squares to be at most c^2: of a region about both parts where both limits are c."""
+    if x.region is None:
+        return {x: x.measure(d)}
+    if x.joint and len(free.parts) < len(Part):
+        raise SceneError(f"{free.path}: the {x.joint.kind} judges both parts at once: leave {THRESHOLD} free")
+    squares = x.region.opened(dict.fromkeys(free.parts, S.One)).squares(d)
+    return {each(x, i) if len(squares) > 1 else x: f for i, f in enumerate(squares, 1)}
 
 
 def allowed(scene: Scene, free: Knob, value: Expr) -> bool:

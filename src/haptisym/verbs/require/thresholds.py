@@ -15,7 +15,7 @@ from sympy import Expr
 from haptisym.judge.criteria import Criterion
 from haptisym.judge.peaks import Largest, Top, tops
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.levels import Level
+from haptisym.kernel.lattices import Signed
 from haptisym.kernel.reals import ExactNumber, SquareRoot
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import chart
@@ -31,7 +31,7 @@ class ThresholdProblem:
     """Squared ratios that one threshold judges on a band; ``kept``: what must not be positive besides, as it is."""
 
     squares: Mapping[Criterion, RealFunction]
-    kept: Mapping[Criterion, RealFunction | Level]
+    kept: Mapping[Criterion, Signed]
     band: tuple[Expr, Expr]
     domain: Domain
 
@@ -54,10 +54,10 @@ class ThresholdProblem:
             return (Span(bottom, bottom),) if self.domain.holds_high else ()
         return (Span(bottom, top),)
 
-    def _excess(self, limit: Expr) -> dict[Criterion, RealFunction | Level]:
+    def _excess(self, limit: Expr) -> dict[Criterion, Signed]:
         return {x: replace(x, threshold=limit).exceeded(square) for x, square in self.squares.items()}
 
-    def _exceeds(self, conditions: Mapping[Criterion, RealFunction | Level]) -> bool:
+    def _exceeds(self, conditions: Mapping[Criterion, Signed]) -> bool:
         table = chart(conditions, *self.band)
         exceeds = bool(table.where(lambda signs: any(sign > 0 for sign in signs.values())))
         if not exceeds and table.undecided:

@@ -193,4 +193,5 @@ def sensitivity(scene: Scene | str | Path, digits: int = 15) -> Sensitivities:
     [('omega_n', '1.265'), ('zeta', '-1.245')]
     """
     scene = as_scene(scene)
+    scene.threshold.need_plain("sensitivity")
     return Sensitivities(evaluate(scene, digits))

@@ -64,6 +64,7 @@ def sweep(
            [ 7.9789, 15.    ]])
     """
     scene = as_scene(scene)
+    scene.threshold.need_plain("a sweep")
     xarray = _needed("xarray")
     grid = Grid.of(scene, axes(scene, vary), _whole(block))
     if out is not None:

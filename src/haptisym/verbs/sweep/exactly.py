@@ -12,11 +12,10 @@ from haptisym.judge.criteria import judged, kept, noticed
 from haptisym.judge.crossings import Curve
 from haptisym.judge.percepts import changeovers
 from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.levels import Level
-from haptisym.kernel.response import RealFunction
+from haptisym.kernel.lattices import Signed
 from haptisym.kernel.roots import Chart, Key, Point, chart
 from haptisym.model.distortion import Distortion, part_of
-from haptisym.model.jnd import Part, Threshold
+from haptisym.model.jnd import Part
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 
@@ -48,8 +47,8 @@ def _chart(scene: Scene, swept: Sequence[Knob], values: Sequence[Expr]) -> Chart
     limits = {part: value for x, value in zip(swept, values, strict=True) for part in x.parts}
     known = {p.symbol: p.value for p in scene.parameters}
     d = Distortion.of(scene.chain.at({**known, **given}))
-    threshold = Threshold(*(limits.get(part, scene.threshold[part]) for part in Part))
-    asked: dict[Key, RealFunction | Level] = {x: x.function(d) for x in noticed(threshold)}
+    threshold = scene.threshold.with_limits(limits)
+    asked: dict[Key, Signed] = {x: x.function(d) for x in noticed(threshold)}
     asked[Curve.ENVIRONMENT, Part.REAL] = part_of(d.env_response, Part.REAL)
     asked[Curve.PERCEIVED, Part.REAL] = part_of(d.perc_response, Part.REAL)
     return chart(asked, *scene.band)

@@ -1,0 +1,270 @@
+"""JND regions as exact functions: positive where a change (x, y) = (Re dH, Im dH)/|H_env| lies outside.
+
+A region with 0 inside is judged by how many times it must be enlarged to hold the change, which must not be more than once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Protocol
+
+from sympy import Expr, Integer, S
+
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.lattices import Lattice, Signed
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import RationalFunction
+from haptisym.model.distortion import Distortion, part_of
+from haptisym.model.jnd import Part
+from haptisym.model.regions import Corner
+
+
+class Region(Protocol):
+    """What is judged of a change at each frequency, and what is drawn of it."""
+
+    def __call__(self, d: Distortion) -> RealFunction:
+        """The square of what must not exceed 1; SceneError where that is not one smooth function."""
+
+    def squares(self, d: Distortion) -> tuple[RealFunction, ...]:
+        """The squares of which the largest must not exceed 1; SceneError where it is not made of such."""
+
+    def exceeded(self, d: Distortion) -> Signed:
+        """Positive where the change is noticed."""
+
+    def opened(self, limits: Mapping[Part, Expr]) -> Region:
+        """With other limits for some parts."""
+
+
+class Joint(Region, Protocol):
+    """A region that judges both parts at once."""
+
+    kind: ClassVar[str]
+
+    def projected(self, d: Distortion, part: Part) -> Signed:
+        """Positive where one part of the change, the other taken as 0, is outside."""
+
+    def nearer(self, d: Distortion) -> Signed:
+        """Positive where the real part is nearer its own limit than the imaginary part."""
+
+    def enlarged(self, x: Any, y: Any, number: Callable[[Expr], Any]) -> Any:
+        """How many times the region must be enlarged, in floats; ``number`` : the floats of an exact number."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change of dynamics: its parts X and Y and the square N of what they are compared with, in one ring."""
+
+    d: Distortion
+
+    def part(self, part: Part) -> RationalFunction:
+        return part_of(self.d.difference_response, part).function
+
+    @property
+    def square(self) -> RationalFunction:
+        return self.d.squared_modulus.function
+
+    def number(self, x: Expr) -> RationalFunction:
+        return self.square.ring.convert(x)
+
+    def over(self, x: RationalFunction) -> RealFunction:
+        """A square relative to that of H_env."""
+        return RealFunction((x / self.square).reduced())
+
+    def beyond(self, x: RationalFunction, limit: Expr = S.One) -> RealFunction:
+        """A square relative to that of H_env, minus that of a limit."""
+        return RealFunction((x / self.square - self.number(limit) ** 2).reduced())
+
+
+@dataclass(frozen=True)
+class Ellipse:
+    """(x/a)^2 - 2 t (x/a)(y/b) + (y/b)^2 <= 1 - t^2."""
+
+    real: Expr
+    imag: Expr
+    tilt: Expr = Integer(0)
+    kind: ClassVar[str] = "ellipse"
+
+    def __call__(self, d: Distortion) -> RealFunction:
+        w = Change(d)
+        u, v, t = w.part(Part.REAL) / w.number(self.real), w.part(Part.IMAG) / w.number(self.imag), w.number(self.tilt)
+        return w.over((u * u + v * v - w.number(Integer(2)) * t * u * v) / w.number(1 - self.tilt**2))
+
+    def squares(self, d: Distortion) -> tuple[RealFunction, ...]:
+        return (self(d),)
+
+    def exceeded(self, d: Distortion) -> Signed:
+        f = self(d).function
+        return RealFunction(f.ring.function(f.numerator - f.denominator, f.denominator))
+
+    def projected(self, d: Distortion, part: Part) -> Signed:
+        w = Change(d)
+        own = w.part(part) / w.number(self.real if part is Part.REAL else self.imag)
+        return w.beyond(own * own / w.number(1 - self.tilt**2))
+
+    def nearer(self, d: Distortion) -> Signed:
+        return _nearer(d, self.real, self.imag)
+
+    def opened(self, limits: Mapping[Part, Expr]) -> Ellipse:
+        return replace(self, **_named(limits))
+
+    def enlarged(self, x: Any, y: Any, number: Callable[[Expr], Any]) -> Any:
+        u, v, t = x / number(self.real), y / number(self.imag), number(self.tilt)
+        return ((u * u + v * v - 2 * t * u * v) / (1 - t * t)) ** 0.5
+
+
+@dataclass(frozen=True)
+class Diamond:
+    """|x|/a + |y|/b <= 1: both sums x/a + y/b and x/a - y/b are at most 1 large."""
+
+    real: Expr
+    imag: Expr
+    kind: ClassVar[str] = "diamond"
+
+    def __call__(self, d: Distortion) -> RealFunction:
+        raise _not_smooth(self.kind)
+
+    def squares(self, d: Distortion) -> tuple[RealFunction, ...]:
+        w = Change(d)
+        u, v = w.part(Part.REAL) / w.number(self.real), w.part(Part.IMAG) / w.number(self.imag)
+        return tuple(w.over(x * x) for x in (u + v, u - v))
+
+    def exceeded(self, d: Distortion) -> Signed:
+        one = Change(d).number(S.One)
+        return Lattice.largest(RealFunction((x.function - one).reduced()) for x in self.squares(d))
+
+    def projected(self, d: Distortion, part: Part) -> Signed:
+        w = Change(d)
+        own = w.part(part) / w.number(self.real if part is Part.REAL else self.imag)
+        return w.beyond(own * own)
+
+    def nearer(self, d: Distortion) -> Signed:
+        return _nearer(d, self.real, self.imag)
+
+    def opened(self, limits: Mapping[Part, Expr]) -> Diamond:
+        return replace(self, **_named(limits))
+
+    def enlarged(self, x: Any, y: Any, number: Callable[[Expr], Any]) -> Any:
+        return abs(x) / number(self.real) + abs(y) / number(self.imag)
+
+
+@dataclass(frozen=True)
+class Polygon:
+    """p x + q y <= 1 for each edge: outside where p Re dH + q Im dH is positive and larger than |H_env|."""
+
+    corners: tuple[Corner, ...]
+    kind: ClassVar[str] = "polygon"
+
+    def __call__(self, d: Distortion) -> RealFunction:
+        raise _not_smooth(self.kind)
+
+    def squares(self, d: Distortion) -> tuple[RealFunction, ...]:
+        raise _not_smooth(self.kind)
+
+    @property
+    def edges(self) -> tuple[Corner, ...]:
+        """(p, q) of each edge."""
+        found = []
+        for (x, y), (right, up) in zip(self.corners, [*self.corners[1:], self.corners[0]], strict=True):
+            area = x * up - y * right
+            found.append(((up - y) / area, (x - right) / area))
+        return tuple(found)
+
+    def exceeded(self, d: Distortion) -> Signed:
+        return self._outside(d, tuple(Part))
+
+    def projected(self, d: Distortion, part: Part) -> Signed:
+        return self._outside(d, (part,))
+
+    def _outside(self, d: Distortion, parts: tuple[Part, ...]) -> Signed:
+        w = Change(d)
+        found = []
+        for edge in self.edges:
+            own = [w.number(edge[0 if part is Part.REAL else 1]) * w.part(part) for part in parts]
+            along = (own[0] + own[1] if len(own) == 2 else own[0]).reduced()
+            found.append((RealFunction(along), w.beyond(along * along)))
+        return Lattice(tuple(found))
+
+    def nearer(self, d: Distortion) -> Signed:
+        w = Change(d)
+        across, up = (_extremes([edge[i] for edge in self.edges]) for i in (0, 1))
+        return Lattice(tuple(
+            tuple(RealFunction((w.number(p) * w.part(Part.REAL) - w.number(q) * w.part(Part.IMAG)).reduced()) for q in up)
+            for p in across
+        ))  # fmt: skip
+
+    def opened(self, limits: Mapping[Part, Expr]) -> Polygon:
+        raise SceneError("jnd: a polygon is given by its corners: it has no limit for one part")
+
+    def enlarged(self, x: Any, y: Any, number: Callable[[Expr], Any]) -> Any:
+        found = [number(p) * x + number(q) * y for p, q in self.edges]
+        largest = found[0]
+        for one in found[1:]:
+            largest = (largest + one + abs(largest - one)) / 2
+        return largest
+
+
+@dataclass(frozen=True)
+class Sided:
+    """One part, with a limit for a magnitude that grows and one for a magnitude that shrinks, or with a floor, or both.
+
+    Where the part is as large as it was, the larger limit holds, so that what is not noticed is a closed set.
+    """
+
+    part: Part
+    higher: Expr
+    lower: Expr
+    floor: Expr | None = None
+
+    @property
+    def has_sides(self) -> bool:
+        """Whether it matters in which way the part changes."""
+        return bool(self.higher != self.lower)
+
+    def __call__(self, d: Distortion) -> RealFunction:
+        return self.squares(d)[0]
+
+    def squares(self, d: Distortion) -> tuple[RealFunction, ...]:
+        if self.has_sides or self.floor is not None:
+            what = "limits for higher and lower" if self.has_sides else "a floor"
+            raise SceneError(f"a JND with {what} makes no smooth ratio, which this question needs")
+        w = Change(d)
+        own = w.part(self.part) / w.number(self.higher)
+        return (w.over(own * own),)
+
+    def exceeded(self, d: Distortion) -> Signed:
+        w = Change(d)
+        own = w.part(self.part)
+        larger, smaller = (w.beyond(own * own, x) for x in (self.higher, self.lower))
+        least = () if self.floor is None else (RealFunction((own * own - w.number(self.floor) ** 2).reduced()),)
+        if not self.has_sides:
+            return Lattice(((larger, *least),))
+        env, perc = (part_of(x, self.part).function for x in (d.env_response, d.perc_response))
+        growth = (perc * perc - env * env).reduced()
+        up, down = RealFunction(growth), RealFunction(-growth)
+        return Lattice(((up, larger, *least), (down, smaller, *least), (larger, smaller, *least)))
+
+    def opened(self, limits: Mapping[Part, Expr]) -> Sided:
+        x = limits.get(self.part)
+        return self if x is None else replace(self, higher=x, lower=x)
+
+
+def _extremes(values: Sequence[Expr]) -> list[Expr]:
+    """Those among which the largest multiple is: the ends, where they are rational numbers."""
+    listed = sorted(set(values), key=str)
+    return [min(listed), max(listed)] if all(x.is_Rational for x in listed) else listed
+
+
+def _named(limits: Mapping[Part, Expr]) -> dict[str, Any]:
+    return {part.value: x for part, x in limits.items()}
+
+
+def _nearer(d: Distortion, real: Expr, imag: Expr) -> RealFunction:
+    """|X|/a against |Y|/b, as a difference of squares."""
+    w = Change(d)
+    u, v = w.part(Part.REAL) / w.number(real), w.part(Part.IMAG) / w.number(imag)
+    return RealFunction((u * u - v * v).reduced())
+
+
+def _not_smooth(kind: str) -> SceneError:
+    return SceneError(f"a {kind} makes no smooth ratio, which this question needs: a square and an ellipse do")

@@ -1,0 +1,114 @@
+"""What a scene says of the JND, ``jnd = ...``, read: a number, a formula, or a table with a region."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from sympy import Expr, Integer
+
+from haptisym.kernel.errors import SceneError, meant
+from haptisym.kernel.roots import sign_of_number
+from haptisym.kernel.symbols import omega
+from haptisym.model.jnd import Threshold, formula, threshold_value
+from haptisym.model.quantities import Dimension, Motion, number
+from haptisym.model.regions import MOST_CORNERS, Corner, Region, Shape, turning
+
+_KEYS = {
+    Shape.SQUARE: ("real", "imag", "floor"),
+    Shape.ELLIPSE: ("real", "imag", "tilt"),
+    Shape.DIAMOND: ("real", "imag"),
+    Shape.POLYGON: ("corners",),
+}
+_OPTIONAL = ("shape", "floor", "tilt")
+
+
+def read_threshold(given: Any) -> Threshold:
+    """A threshold as a scene file gives it. SceneError names key and rule.
+
+    >>> read_threshold({"shape": "diamond", "real": 0.1, "imag": "12 %"}).row()
+    {'real': '1/10', 'imag': '3/25', 'shape': 'diamond'}
+    """
+    if not isinstance(given, Mapping):
+        return Threshold.of(given)
+    if "like" in given:
+        if len(given) > 1:
+            raise SceneError(f'like: stands alone: it says all that "{next(x for x in given if x != "like")}" would')
+        return Threshold.like(given["like"])
+    shape = _shape(given.get("shape", "square"))
+    keys = _KEYS[shape]
+    for key in given:
+        if key not in keys and key != "shape":
+            owners = [x.value for x, own in _KEYS.items() if key in own]
+            hint = f"it is of a {' or '.join(owners)}; " if owners else meant(str(key), keys)
+            what = "" if shape is Shape.SQUARE else f" of a {shape.value}"
+            raise SceneError(f'unknown key "{str(key)[:60]}"{what}: {hint}valid are {", ".join(("shape", *keys))}')
+    missing = [key for key in keys if key not in given and key not in _OPTIONAL]
+    if missing:
+        raise SceneError("must give both real and imag" if "real" in keys else "corners is missing")
+    if shape is Shape.POLYGON:
+        return Threshold(Integer(1), Integer(1), region=Region(shape, corners=_corners(given["corners"])))
+    real, imag = (_sided(key, given[key], allowed=shape is Shape.SQUARE) for key in ("real", "imag"))
+    floor, motion = _floor(given["floor"]) if "floor" in given else (None, None)
+    tilt = _number("tilt", given["tilt"]) if "tilt" in given else Integer(0)
+    return Threshold(real[0], imag[0], region=Region(shape, tilt, (), (real[1], imag[1]), floor, motion))
+
+
+def _shape(given: Any) -> Shape:
+    valid = [x.value for x in Shape]
+    if given not in valid:
+        shown = str(given)[:60]
+        raise SceneError(f'shape: unknown shape "{shown}": {meant(shown, valid)}valid are {", ".join(valid)}')
+    return Shape(given)
+
+
+def _sided(key: str, given: Any, *, allowed: bool) -> tuple[Any, Expr | None]:
+    """A limit, and that for changes which make the part smaller where it is given apart."""
+    if not isinstance(given, Mapping):
+        return given, None
+    if not allowed:
+        raise SceneError(f"{key}: limits for higher and lower are of a square alone")
+    if set(given) != {"higher", "lower"}:
+        raise SceneError(f"{key}: must be a number, or give both higher and lower")
+    (higher, one), (lower, other) = (threshold_value(f"{key}: {way}", given[way]) for way in ("higher", "lower"))
+    if one or other:
+        raise SceneError(f"{key}: limits for higher and lower take no ranges")
+    return higher, lower
+
+
+def _floor(given: Any) -> tuple[Expr, Motion | None]:
+    """The least change that is noticed, N/m or N m/rad."""
+    found = formula("floor", given)
+    if found is not None and found.has(omega):
+        return found, None
+    try:
+        read = number(given, Dimension.STIFFNESS)
+    except SceneError as error:
+        raise error.within("floor") from None
+    if sign_of_number(read.value) <= 0:
+        raise SceneError(f'floor: "{given}" must be > 0')
+    return read.value, read.motion
+
+
+def _number(key: str, given: Any) -> Expr:
+    """A number of any sign, or a formula."""
+    found = formula(key, given)
+    if found is not None:
+        return found
+    try:
+        return number(given, Dimension.RATIO).value
+    except SceneError as error:
+        raise error.within(key) from None
+
+
+def _corners(given: Any) -> tuple[Corner, ...]:
+    """The corners, counterclockwise at the middle of the paper's band."""
+    if not isinstance(given, Sequence) or isinstance(given, str) or not 3 <= len(given) <= MOST_CORNERS:
+        raise SceneError(f"corners: must be a list of 3 to {MOST_CORNERS} pairs [x, y]")
+    found: list[Corner] = []
+    for i, pair in enumerate(given, 1):
+        if not isinstance(pair, Sequence) or isinstance(pair, str) or len(pair) != 2:
+            raise SceneError(f"corners: {i}: must be a pair [x, y]")
+        found.append((_number(f"corners: {i}", pair[0]), _number(f"corners: {i}", pair[1])))
+    clockwise = sign_of_number(turning(found, Integer(1))) < 0
+    return tuple(reversed(found)) if clockwise else tuple(found)

@@ -1,0 +1,259 @@
+"""JND regions: published and derived crossings, and every region against an independent scan of random scenes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from oracles import DIGITS, MP, Case
+from regions import margin, outside
+from strategies import cases, scene
+
+import haptisym as hs
+from haptisym.judge.percepts import Property
+
+PAPER = hs.load_scene("fu2019")
+
+
+def judged(jnd: Any, plain: hs.Scene = PAPER) -> hs.Evaluation:
+    """A scene with another JND."""
+    return hs.evaluate(hs.Scene(plain.environment, plain.effects, plain.band, jnd))
+
+
+WIDE = {"real": 0.1, "imag": 0.1}
+SQUARE_CORNERS = [[0.1, 0.1], [-0.1, 0.1], [-0.1, -0.1], [0.1, -0.1]]
+FACTS: dict[str, tuple[Any, list[tuple[str, str, float]]]] = {
+    "square": (0.1, [("real", "exceeds", 7.978916790174708), ("imag", "exceeds", 11.937310924322059)]),
+    "disc": ({"shape": "ellipse", **WIDE}, [("joint", "exceeds", 7.922311857140609)]),
+    "ellipse along the diagonal": (
+        {"shape": "ellipse", **WIDE, "tilt": 0.5},
+        [("joint", "exceeds", 5.919946018706412)],
+    ),
+    "ellipse across it": ({"shape": "ellipse", **WIDE, "tilt": -0.5}, [("joint", "exceeds", 7.147634692279112)]),
+    "diamond": ({"shape": "diamond", **WIDE}, [("joint", "exceeds", 7.627045310833144)]),
+    "diamond by its corners": (
+        {"shape": "polygon", "corners": [[0.1, 0], [0, 0.1], [-0.1, 0], [0, -0.1]]},
+        [("joint", "exceeds", 7.627045310833144)],
+    ),
+    "square by its corners": (
+        {"shape": "polygon", "corners": SQUARE_CORNERS},
+        [("joint", "exceeds", 7.978916790174708)],
+    ),
+    "sooner noticed where it grows": (
+        {"real": {"higher": 0.08, "lower": 0.12}, "imag": 0.1},
+        [
+            ("real", "exceeds", 6.533581844485884),
+            ("real", "returns", 7.657526552494918),
+            ("imag", "exceeds", 11.937310924322059),
+        ],
+    ),
+    "sooner noticed where it shrinks": (
+        {"real": {"higher": 0.12, "lower": 0.08}, "imag": 0.1},
+        [("real", "exceeds", 7.657526552494918), ("imag", "exceeds", 11.937310924322059)],
+    ),
+    "floor": (
+        {**WIDE, "floor": "15 N/m"},
+        [("real", "exceeds", 8.88766189298739), ("imag", "exceeds", 11.937310924322059)],
+    ),
+    "limit that grows with omega": ("0.08 + 0.004*omega", [("imag", "exceeds", 13.845284093670381)]),
+}
+
+
+@pytest.mark.parametrize("name", FACTS)
+def test_the_papers_example_is_noticed_where_an_independent_scan_found_it(name: str) -> None:
+    jnd, expected = FACTS[name]
+    found = judged(jnd).crossings
+    assert [(c.criterion.name, c.kind.value) for c in found] == [(part, kind) for part, kind, _ in expected]
+    for crossing, (_, _, omega) in zip(found, expected, strict=True):
+        assert float(crossing.omega) == pytest.approx(omega, rel=3e-15)
+
+
+def test_a_limit_that_jumps_is_said_to_and_splits_the_transparent_set() -> None:
+    found = judged(FACTS["sooner noticed where it grows"][0])
+    assert [c.jump for c in found.crossings] == [False, True, False]
+    assert [x["limit"] for x in found.to_dict()["crossings"] if "limit" in x] == ["changes"]
+    assert len(found.transparent) == 2
+    assert found.transparent[1].low.omega is found.crossings[1].omega
+
+
+def test_what_neither_part_alone_would_show_is_felt_in_both_the_nearer_one_last() -> None:
+    found = judged(FACTS["disc"][0])
+    [together] = [p for p in found.percepts if p.part is None]
+    assert [float(x.omega) for x in (together.band.low, together.band.high)] == pytest.approx(
+        [7.922311857140609, 7.978916790174708], rel=1e-15
+    )
+    assert together.property is Property.MASS  # r_r is nearly 0.1 there, r_i is 0.01
+    row = next(x for x in found.to_dict()["percepts"] if x["part"] == "joint")
+    assert (row["property"], row["change"]) == (["damping", "mass"], ["higher", "lower"])
+
+
+def test_an_ellipse_whose_axes_lie_along_the_parts_is_left_before_the_rectangle_around_it() -> None:
+    rectangle, ellipse = judged({"real": 0.1, "imag": 0.12}), judged({"shape": "ellipse", "real": 0.1, "imag": 0.12})
+    assert float(ellipse.bandwidth or 0) < float(rectangle.bandwidth or 0)
+
+
+# --- every region, at random scenes, against plain complex arithmetic ------------------------------------------------
+
+Draw = Callable[[st.SearchStrategy[Any]], Any]
+PERCENT = st.integers(2, 60).map(lambda n: f"{n}/100")
+SLOPES = st.sampled_from(["", " + omega/300", " + 1/(omega + 3)", " + omega**2/(omega**2 + 50)"])
+LIMITS = st.builds(lambda c, more: c + more, PERCENT, SLOPES)
+
+
+def on_circle(n: int) -> tuple[Fraction, Fraction]:
+    """A rational point of the circle, further round for larger n from -12 to 12."""
+    t = Fraction(n, 5)
+    return (1 - t**2) / (1 + t**2), 2 * t / (1 + t**2)
+
+
+@st.composite
+def polygons(draw: Draw) -> dict[str, Any]:
+    """Convex, 0 inside: some points of a circle, made longer, wider and moved a little."""
+    turns = sorted(draw(st.sets(st.integers(-12, 12), min_size=1, max_size=4)) | {-9, 0, 8})
+    a, b = (Fraction(draw(st.integers(3, 60)), 100) for _ in range(2))
+    shift = [Fraction(draw(st.integers(-3, 3)), 20) for _ in range(2)]
+    stretch = draw(SLOPES)
+    corners = [(a * (x + shift[0]), b * (y + shift[1])) for x, y in map(on_circle, turns)]
+    if draw(st.booleans()):
+        corners.reverse()
+    return {"shape": "polygon", "corners": [[f"{x}", f"({y})*(1{stretch})" if stretch else f"{y}"] for x, y in corners]}
+
+
+@st.composite
+def jnds(draw: Draw) -> dict[str, Any]:
+    """A JND of any kind."""
+    kind = draw(st.sampled_from(["square", "sided", "floor", "ellipse", "diamond", "polygon"]))
+    if kind == "polygon":
+        return draw(polygons())  # type: ignore[no-any-return]
+    found = {"real": draw(LIMITS), "imag": draw(LIMITS)}
+    if kind in ("ellipse", "diamond"):
+        found["shape"] = kind
+    if kind == "ellipse":
+        found["tilt"] = draw(st.integers(-9, 9).map(lambda n: f"{n}/10"))
+    if kind in ("sided", "floor"):
+        sides = draw(st.sampled_from([("real",), ("imag",), ("real", "imag"), ()]))
+        found |= {part: {"higher": draw(LIMITS), "lower": draw(LIMITS)} for part in sides}
+    if kind == "floor":
+        found["floor"] = draw(st.sampled_from(["1/10", "3", "100", "2 + omega", "50/(omega + 1)"]))
+    return found
+
+
+def numeric(case: Case, omega: float) -> tuple[complex, complex]:
+    H, G = case.dynamics(MP.mpc(0, omega), DIGITS)
+    return complex(H), complex(G)
+
+
+def between(found: hs.Evaluation) -> list[float]:
+    """Frequencies well inside all pieces of the band on which nothing changes."""
+    ends = [float(point.omega) for point in found.chart.points]
+    return [a + share * (b - a) for a, b in pairwise(ends) if b - a > 1e-6 * b for share in (0.03, 0.35, 0.8, 0.98)]
+
+
+@given(cases(order=3), jnds())
+def test_a_region_is_left_exactly_where_plain_arithmetic_says_so(case: Case, jnd: dict[str, Any]) -> None:
+    found = judged(jnd, scene(case))
+    spans = [(float(x.low.omega), float(x.high.omega)) for x in found.transparent]
+    assume(not found.unbounded)
+    for omega in between(found):
+        H, G = numeric(case, omega)
+        by = margin(jnd, H, G, omega)
+        if abs(by) > 1e-9 * (1 + abs(G / H)):
+            assert (by <= 0) == any(low <= omega <= high for low, high in spans), (omega, by)
+
+
+@given(cases(order=3), jnds())
+def test_a_part_is_named_exactly_where_it_alone_would_be_outside(case: Case, jnd: dict[str, Any]) -> None:
+    assume("shape" in jnd)
+    found = judged(jnd, scene(case))
+    felt = [(x.part, float(x.band.low.omega), float(x.band.high.omega)) for x in found.felt]
+    for omega in between(found):
+        H, G = numeric(case, omega)
+        x, y = (G - H).real / abs(H), (G - H).imag / abs(H)
+        signs = [outside(jnd, *at, omega) for at in ((x, y), (x, 0), (0, y))]
+        if min(map(abs, signs)) < 1e-9 * (1 + abs(G / H)):
+            continue
+        told = {part for part, low, high in felt if low <= omega <= high}
+        real, imag = signs[1] > 0, signs[2] > 0
+        if signs[0] <= 0:
+            assert not told
+        elif G.imag < 0:  # outside the model: the imaginary part has no name there
+            assert told == ({hs.Part.REAL} if real and not imag else {hs.Part.REAL, None} if real else {None})
+        else:
+            assert told == ({p for p, out in zip(hs.Part, (real, imag), strict=True) if out} or {None})
+
+
+@given(cases(order=3))
+def test_more_regions_agree_where_one_holds_the_other(case: Case) -> None:
+    """The diamond lies in the disc, the disc in the square: who is transparent in the smaller is so in the larger."""
+    plain = scene(case)
+    sets = [judged(jnd, plain).transparent for jnd in ({"shape": "diamond", **WIDE}, {"shape": "ellipse", **WIDE}, 0.1)]
+    for smaller, larger in pairwise(sets):
+        for x in smaller:
+            low, high = (float(end.omega) for end in (x.low, x.high))
+            assert any(
+                float(y.low.omega) <= low * (1 + 1e-12) and high <= float(y.high.omega) * (1 + 1e-12) for y in larger
+            )
+
+
+# --- what is no region -----------------------------------------------------------------------------------------------
+
+FAULTS: dict[str, tuple[Any, str]] = {
+    "0 on an edge": ([[0, 0.1], [0, -0.1], [0.1, 0]], "0 inside"),
+    "0 outside": ([[0.1, 0.1], [0.3, 0.1], [0.2, 0.3]], "0 inside"),
+    "0 at a corner": ([[0, 0], [0.1, 0], [0, 0.1]], "0 inside"),
+    "two equal corners": ([[0.1, 0], [0, 0.1], [0, 0.1], [-0.1, 0], [0, -0.1]], "2 and 3 are one point"),
+    "not convex": ([[0.1, 0], [0.01, 0.01], [0, 0.1], [-0.1, 0], [0, -0.1]], "convex"),
+    "a corner on a straight edge": ([[0.1, 0], [0.05, 0.05], [0, 0.1], [-0.1, 0], [0, -0.1]], "convex"),
+    "twice around": (
+        [[0.1, 0], [-0.0809, 0.0588], [0.0309, -0.0951], [0.0309, 0.0951], [-0.0809, -0.0588]],
+        "in their order around it",
+    ),
+    "two corners": ([[0.1, 0], [-0.1, 0]], "3 to"),
+    "no pairs": ([1, 2, 3], "pair"),
+    "not convex at the high end of the band": (
+        [[0.1, 0], ["0.06 - 0.003*omega", "0.06 - 0.003*omega"], [0, 0.1], [-0.1, 0], [0, -0.1]],
+        "convex",
+    ),
+    "0 on an edge at one frequency": ([["0.1 - omega/150", 0.1], ["0.1 - omega/150", -0.1], [-0.1, 0]], "0 inside"),
+    "a formula that is no formula": ([["0.1 + omga", 0], [0, 0.1], [-0.1, -0.1]], "omga"),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_polygon_that_is_none_is_refused_with_the_reason(name: str) -> None:
+    corners, why = FAULTS[name]
+    with pytest.raises(hs.SceneError, match="corners.*") as refused:
+        judged({"shape": "polygon", "corners": corners})
+    assert why in str(refused.value)
+
+
+WRONG: dict[str, tuple[Any, str]] = {
+    "limit that falls to 0": ("0.15 - 0.01*omega", "real: .* must be > 0 on the whole band"),
+    "limit with a pole": ("0.1/(omega - 3)^2", "on the whole band"),
+    "root": ("0.1*omega^0.5", "no rational formula"),
+    "other name": ("0.1*w + omega", "unknown name"),
+    "tilt of 1": ({"shape": "ellipse", **WIDE, "tilt": 1}, "tilt: 1 must lie between -1 and 1"),
+    "tilt that gets there": ({"shape": "ellipse", **WIDE, "tilt": "omega/15"}, "tilt: .* on the whole band"),
+    "unknown shape": ({"shape": "elipse", **WIDE}, 'did you mean "ellipse"'),
+    "floor of an ellipse": ({"shape": "ellipse", **WIDE, "floor": 1}, "of a square"),
+    "tilt of a square": ({**WIDE, "tilt": 1}, "of a ellipse|of an ellipse"),
+    "one way only": ({"real": {"higher": 0.1}, "imag": 0.1}, "both higher and lower"),
+    "ways of an ellipse": ({"shape": "ellipse", "real": {"higher": 0.1, "lower": 1}, "imag": 0.1}, "square alone"),
+    "floor of nothing": ({**WIDE, "floor": 0}, "floor: .* must be > 0"),
+    "floor about an axis": ({**WIDE, "floor": "3 N*m/rad"}, "rotational, but the scene is translational"),
+    "floor in kilograms": ({**WIDE, "floor": "3 kg"}, "floor"),
+    "half a diamond": ({"shape": "diamond", "real": 0.1}, "both real and imag"),
+    "negative way": ({"real": {"higher": 0.1, "lower": -1}, "imag": 0.1}, "real: lower: .* must be > 0"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_region_that_is_none_is_refused_in_a_sentence(name: str) -> None:
+    jnd, why = WRONG[name]
+    with pytest.raises(hs.SceneError, match=why):
+        judged(jnd)
