@@ -32,8 +32,9 @@ def read_threshold(given: Any) -> Threshold:
     if not isinstance(given, Mapping):
         return Threshold.of(given)
     if "like" in given:
-        if len(given) > 1:
-            raise SceneError(f'like: stands alone: it says all that "{next(x for x in given if x != "like")}" would')
+        for key in given:
+            if key != "like":
+                raise SceneError(f'unknown key "{str(key)[:60]}": a published threshold stands alone: valid are like')
         return Threshold.like(given["like"])
     shape = _shape(given.get("shape", "square"))
     keys = _KEYS[shape]
