@@ -233,6 +233,17 @@ def test_a_display_with_a_clock_has_no_plane_of_h_perc(call: Any, tmp_path: Any)
     assert "figure written" in told
 
 
+def test_what_is_felt_is_not_asked_of_a_hand() -> None:
+    scene = hs.parse_scene(LATE.format(k=100) + "[hand]\nb = 4\n")
+    for ask in (
+        lambda: hs.derive(scene, ["hand.b"]),
+        lambda: hs.require(scene, "hand.b"),
+        lambda: hs.scene_code(scene, hs.Language.C, parameters=["b_h"]),
+    ):
+        with pytest.raises(hs.SceneError, match=r"^hand\.b changes nothing of what is felt: haptisym stability tells"):
+            ask()
+
+
 def test_a_threshold_and_a_number_without_a_hand_are_refused() -> None:
     with pytest.raises(hs.SceneError, match="evaluation.jnd is a threshold, which moves no root"):
         hs.stability("fu2019", "light-touch", ["c"])

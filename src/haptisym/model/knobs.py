@@ -54,6 +54,12 @@ class Knob(Parameter):
         """Whether it is a hand's, which changes nothing of what is felt."""
         return self.model == "hand"
 
+    def felt(self) -> Knob:
+        """The same; SceneError for a hand's, of which what is felt holds nothing."""
+        if self.is_of_hand:
+            raise SceneError(f"{self.path} changes nothing of what is felt: haptisym stability tells what it changes")
+        return self
+
     @property
     def name(self) -> str:
         """The name of its symbol; ``c_real`` and ``c_imag`` tell the thresholds of the parts apart."""

@@ -28,6 +28,6 @@ def derive(scene: Scene | str | Path, keep: Iterable[str] | None = None) -> Deri
     scene = as_scene(scene)
     if keep is None:
         return Derivation(scene, tuple(x.symbol for x in scene.parameters))
-    kept = [scene.knobs[name] for name in ([keep] if isinstance(keep, str) else keep)]
+    kept = [scene.knobs[name].felt() for name in ([keep] if isinstance(keep, str) else keep)]
     thresholds = tuple(part for part in Part if any(part in x.parts for x in kept))
     return Derivation(scene, tuple(x.symbol for x in kept if not x.parts), thresholds)

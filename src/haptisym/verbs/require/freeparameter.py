@@ -78,7 +78,7 @@ Conditions = Mapping[Criterion, RealFunction]
 
 def conditions(scene: Scene, free: Iterable[Knob], criteria: Iterable[Criterion]) -> dict[Criterion, RealFunction]:
     """What criteria ask, with the free parameters left as symbols; of what asks for several functions each of them."""
-    listed = list(free)
+    listed = [x.felt() for x in free]
     d, parts = _distortion(scene, listed), {part for x in listed for part in x.parts}
     found: dict[Criterion, RealFunction] = {}
     for x in opened(criteria, parts):

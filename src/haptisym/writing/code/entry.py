@@ -72,7 +72,7 @@ def scene_program(scene: Scene | str | Path, parameters: Iterable[str] | None = 
     ['omega', 'k', 'tau']
     """
     scene = as_scene(scene)
-    free = scene.parameters if parameters is None else [scene.knobs[name] for name in parameters]
+    free = scene.parameters if parameters is None else [scene.knobs[name].felt() for name in parameters]
     limit = next((x for x in free if x.parts), None)
     if limit is not None:
         raise SceneError(f"{limit.path} is a threshold, of which code holds nothing: leave it out")
