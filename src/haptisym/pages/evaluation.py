@@ -74,7 +74,9 @@ def page(e: Evaluation) -> Document:
         Section("Step 2. How is it felt?", tuple(_step_2(e)), "step-2"),
         Section("Which values would do?", (Versions((), full.design),), "which-values-would-do"),
         Section("Explorer", (Live(full.explorer),), "explorer"),
-        Versions(certain, lambda: [Section("What is certain", (*certain, *_assumed()), "certainty")]),
+        Versions(
+            certain, lambda: [Section("What is certain", (*certain, Live(full.checked), *_assumed()), "certainty")]
+        ),
         Section("Derivation", (Versions((), full.derivation),), "derivation", appendix=True),
     ]
     kind = "Two-step evaluation of a haptic display"
@@ -112,6 +114,11 @@ class _InFull:
         from haptisym.pages.explorer import explorer
 
         return explorer(self.evaluation, self._forms)
+
+    def checked(self) -> str:
+        from haptisym.pages.checked import checked
+
+        return checked(self.evaluation, self.evaluation.scene.text)
 
     def derivation(self) -> Iterable[Block]:
         from haptisym.pages.derivation import derivation

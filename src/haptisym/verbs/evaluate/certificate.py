@@ -23,7 +23,7 @@ from haptisym.verbs.evaluate.poles import poles
 from haptisym.verbs.evaluate.products import products
 
 FORMAT = "haptisym.certificate/1"
-_MOST_DIGITS = 500  # of an enclosure: a checker need not read longer ones
+_MOST_DIGITS = 1000  # of an enclosure: a checker need not read many more
 
 _NAMES = {
     Curve.ENVIRONMENT: "environment",
@@ -125,7 +125,9 @@ def _claim(e: Evaluation) -> dict[str, Any]:
 
 def _enclosures(e: Evaluation) -> list[list[str]]:
     """Of all places, with as many digits as were asked for, or more where that does not tell them apart."""
-    digits = min(e.digits, _MOST_DIGITS)
+    digits = e.digits
+    if digits > _MOST_DIGITS:
+        raise SceneError(f"a certificate has room for {_MOST_DIGITS} digits of a frequency, not for {digits}")
     while True:
         found = [list(point.omega.enclosure(digits)) for point in e.chart.points]
         if all(Fraction(a[1]) < Fraction(b[0]) for a, b in pairwise(found)):

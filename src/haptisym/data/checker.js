@@ -1,0 +1,840 @@
+// Checks a certificate against the scene file that it is about: written from docs/certificates.md, with nothing from elsewhere.
+// A scene and a certificate are texts; `catalogue` lists the units and models that are understood. Nothing here is a float.
+const haptisymCheck = (function () {
+  "use strict";
+
+  class Refused extends Error {}
+
+  function need(condition, why) {
+    if (!condition) throw new Refused(why);
+  }
+
+  // Exact fractions.
+
+  const size = (n) => (n < 0n ? -n : n);
+  const signOf = (n) => (n > 0n ? 1 : n < 0n ? -1 : 0);
+
+  function divisor(a, b) {
+    [a, b] = [size(a), size(b)];
+    while (b) [a, b] = [b, a % b];
+    return a;
+  }
+
+  class Fraction {
+    constructor(n, d = 1n) {
+      need(d !== 0n, "a division by zero");
+      const by = (d < 0n ? -1n : 1n) * (divisor(n, d) || 1n);
+      [this.n, this.d] = [n / by, d / by];
+    }
+    plus(x) { return new Fraction(this.n * x.d + x.n * this.d, this.d * x.d); }
+    minus(x) { return new Fraction(this.n * x.d - x.n * this.d, this.d * x.d); }
+    times(x) { return new Fraction(this.n * x.n, this.d * x.d); }
+    over(x) { return new Fraction(this.n * x.d, this.d * x.n); }
+    power(k) { return k >= 0 ? new Fraction(this.n ** BigInt(k), this.d ** BigInt(k)) : new Fraction(this.d, this.n).power(-k); }
+    compare(x) { return signOf(this.n * x.d - x.n * this.d); }
+    get size() { return new Fraction(size(this.n), this.d); }
+  }
+
+  const ZERO = new Fraction(0n);
+  const ONE = new Fraction(1n);
+
+  /** A number of a scene file: digits, a point, an exponent of ten of at most three digits. */
+  function decimal(text) {
+    const found = /^([+-]?)([0-9]*)(?:\.([0-9]*))?(?:[eE]([+-]?[0-9]{1,3}))?$/.exec(text);
+    need(found && (found[2] || found[3]) && text.length < 4200, `${text.slice(0, 40)} is not understood`);
+    const tail = found[3] || "";
+    const whole = new Fraction(BigInt(`${found[2]}${tail}`) * (found[1] === "-" ? -1n : 1n));
+    return whole.times(new Fraction(10n).power(Number(found[4] || 0) - tail.length));
+  }
+
+  // SHA-256 of a text in UTF-8 (FIPS 180-4).
+
+  function primes(count) {
+    const found = [];
+    for (let n = 2; found.length < count; n += 1) if (found.every((p) => n % p)) found.push(n);
+    return found;
+  }
+
+  /** The first 32 bits of the fraction of a root, exactly. */
+  function rootBits(p, degree) {
+    const target = BigInt(p) << BigInt(32 * degree);
+    let [low, high] = [0n, 1n << 40n];
+    while (high - low > 1n) {
+      const middle = (low + high) / 2n;
+      if (middle ** BigInt(degree) <= target) low = middle;
+      else high = middle;
+    }
+    return Number(low & 0xffffffffn);
+  }
+
+  function sha256(text) {
+    const bytes = [...new TextEncoder().encode(text)];
+    const length = BigInt(bytes.length * 8);
+    bytes.push(0x80);
+    while (bytes.length % 64 !== 56) bytes.push(0);
+    for (let k = 7n; k >= 0n; k -= 1n) bytes.push(Number((length >> (8n * k)) & 255n));
+    const rounds = primes(64).map((p) => rootBits(p, 3));
+    const state = primes(8).map((p) => rootBits(p, 2));
+    const turned = (x, n) => (x >>> n) | (x << (32 - n));
+    for (let at = 0; at < bytes.length; at += 64) {
+      const w = Array.from({ length: 16 }, (_, i) => bytes.slice(at + 4 * i, at + 4 * i + 4).reduce((x, b) => (x << 8) | b, 0));
+      for (let i = 16; i < 64; i += 1) {
+        const a = turned(w[i - 15], 7) ^ turned(w[i - 15], 18) ^ (w[i - 15] >>> 3);
+        const b = turned(w[i - 2], 17) ^ turned(w[i - 2], 19) ^ (w[i - 2] >>> 10);
+        w.push((w[i - 16] + a + w[i - 7] + b) | 0);
+      }
+      let [a, b, c, d, e, f, g, h] = state;
+      for (let i = 0; i < 64; i += 1) {
+        const one = (h + (turned(e, 6) ^ turned(e, 11) ^ turned(e, 25)) + ((e & f) ^ (~e & g)) + rounds[i] + w[i]) | 0;
+        const two = ((turned(a, 2) ^ turned(a, 13) ^ turned(a, 22)) + ((a & b) ^ (a & c) ^ (b & c))) | 0;
+        [h, g, f, e, d, c, b, a] = [g, f, e, (d + one) | 0, c, b, a, (one + two) | 0];
+      }
+      [a, b, c, d, e, f, g, h].forEach((x, i) => { state[i] = (state[i] + x) | 0; });
+    }
+    return state.map((x) => (x >>> 0).toString(16).padStart(8, "0")).join("");
+  }
+
+  // TOML, as far as scene files are usually written in it; anything else is refused.
+
+  const ESCAPES = { '"': '"', "\\": "\\", b: "\b", t: "\t", n: "\n", f: "\f", r: "\r" };
+
+  function toml(source) {
+    let at = 0;
+    const text = source.replace(/^\ufeff/, "").replace(/\r\n/g, "\n");
+    const root = new Map();
+    const closed = new Set();
+    const fail = () => need(false, `line ${text.slice(0, at).split("\n").length} of the scene is not understood`);
+    const take = (pattern) => {
+      const found = new RegExp(pattern.source, "uy");
+      found.lastIndex = at;
+      const match = found.exec(text);
+      if (match) at += match[0].length;
+      return match;
+    };
+    const blank = () => take(/(?:[ \t]|\n|#[^\n]*)*/);
+    const space = () => take(/[ \t]*/);
+
+    function string() {
+      const found = take(/"(?!"")((?:[^"\\\n\u0000-\u0008\u000b-\u001f\u007f]|\\["\\btnfr]|\\u[0-9a-fA-F]{4}|\\U[0-9a-fA-F]{8})*)"/) || take(/'(?!'')([^'\n\u0000-\u0008\u000b-\u001f\u007f]*)'/);
+      if (!found) return null;
+      if (found[0][0] === "'") return found[1];
+      return found[1].replace(/\\(?:u([0-9a-fA-F]{4})|U([0-9a-fA-F]{8})|(.))/gu, (_, short, long, other) => (other ? ESCAPES[other] : String.fromCodePoint(parseInt(short || long, 16))));
+    }
+
+    function key() {
+      const path = [];
+      do {
+        space();
+        const bare = take(/[A-Za-z0-9_-]+/);
+        const name = bare ? bare[0] : string();
+        if (name === null) fail();
+        path.push(name);
+        space();
+      } while (take(/\./));
+      return path;
+    }
+
+    /** The table of a path from a table on; of a list of tables the last one. */
+    function inside(table, path) {
+      return path.reduce((x, name) => {
+        if (!x.has(name)) x.set(name, new Map());
+        const found = x.get(name);
+        const next = Array.isArray(found) ? found[found.length - 1] : found;
+        if (!(next instanceof Map) || closed.has(next) || (Array.isArray(found) && closed.has(found))) fail();
+        return next;
+      }, table);
+    }
+
+    function pair(table) {
+      const path = key();
+      if (!take(/=/)) fail();
+      const target = inside(table, path.slice(0, -1));
+      if (target.has(path[path.length - 1])) fail();
+      space();
+      target.set(path[path.length - 1], value(0));
+    }
+
+    function value(depth) {
+      need(depth < 50, "the scene is nested too deeply");
+      const told = string();
+      if (told !== null) return told;
+      if (take(/\[/)) {
+        const list = [];
+        closed.add(list);
+        for (blank(); !take(/\]/); blank()) {
+          list.push(value(depth + 1));
+          blank();
+          if (!take(/,/)) {
+            blank();
+            if (!take(/\]/)) fail();
+            return list;
+          }
+        }
+        return list;
+      }
+      if (take(/\{/)) {
+        const table = new Map();
+        space();
+        if (!take(/\}/)) {
+          do pair(table); while (space() && take(/,/));
+          if (!take(/\}/)) fail();
+        }
+        closed.add(table);
+        return table;
+      }
+      const number = take(/[+-]?(?:0|[1-9][0-9]*)(\.[0-9]+)?([eE][+-]?[0-9]{1,3})?(?![\w.:-])/);
+      if (!number) fail();
+      return number[1] || number[2] ? decimal(number[0]) : { whole: decimal(number[0]) };
+    }
+
+    let here = root;
+    for (blank(); at < text.length; blank()) {
+      if (take(/\[\[/)) {
+        const path = key();
+        const table = inside(root, path.slice(0, -1));
+        const last = path[path.length - 1];
+        if (!table.has(last)) table.set(last, []);
+        if (!Array.isArray(table.get(last)) || closed.has(table.get(last))) fail();
+        here = new Map();
+        table.get(last).push(here);
+        if (!take(/\]\]/)) fail();
+      } else if (take(/\[/)) {
+        const path = key();
+        const above = inside(root, path.slice(0, -1));
+        if (above.has(path[path.length - 1])) fail();
+        here = inside(above, path.slice(-1));
+        if (!take(/\]/)) fail();
+      } else pair(here);
+      if (!take(/[ \t]*(?:#[^\n]*)?(?:\n|$)/)) fail();
+    }
+    return root;
+  }
+
+  // Values: Gaussian integers, each that of a polynomial in s and pi, with bounds on its degrees in them.
+
+  const value = (re, im = 0n, s = 0, pi = 0) => ({ re, im, s, pi });
+  const plus = (x, y, sign = 1n) => value(x.re + sign * y.re, x.im + sign * y.im, Math.max(x.s, y.s), Math.max(x.pi, y.pi));
+  const times = (x, y) => value(x.re * y.re - x.im * y.im, x.re * y.im + x.im * y.re, x.s + y.s, x.pi + y.pi);
+  const conjugate = (x) => ({ ...x, im: -x.im });
+  const UNIT = value(1n);
+  const NOTHING = value(0n, 0n, -1e6, -1e6);
+
+  /** x + y, x - y, x * y or x / y of pairs of numerator and denominator. */
+  function combined(sign, x, y) {
+    const all = [...x, ...y];
+    const bits = all.reduce((n, v) => n + v.re.toString(16).length * 4, 0);
+    need(all.reduce((n, v) => n + Math.max(v.s, 0), 0) < 1000 && bits < 1e5, "a formula is too large");
+    if (sign === "*") return [times(x[0], y[0]), times(x[1], y[1])];
+    if (sign === "/") return [times(x[0], y[1]), times(x[1], y[0])];
+    return [plus(times(x[0], y[1]), times(y[0], x[1]), sign === "+" ? 1n : -1n), times(x[1], y[1])];
+  }
+
+  // Formulas.
+
+  const TOKEN = /((?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)|([\p{L}\p{Nl}_][\p{L}\p{N}_]*|[°%])|(\*\*|[-+*\/^()])|\s+/uy;
+
+  function parsed(text) {
+    const why = `${text.slice(0, 60)} is not understood`;
+    need(text.length <= 4000, why);
+    const tokens = [];
+    for (TOKEN.lastIndex = 0; TOKEN.lastIndex < text.length; ) {
+      const found = TOKEN.exec(text);
+      need(found, why);
+      if (found[0].trim()) tokens.push(found);
+    }
+    let at = 0;
+    const sign = (...which) => (at < tokens.length && tokens[at][3] && which.includes(tokens[at][3]) ? tokens[at++][3] : "");
+    const chain = (inner, ...signs) => {
+      let tree = inner();
+      for (let s = sign(...signs); s; s = sign(...signs)) tree = [s, tree, inner()];
+      return tree;
+    };
+    const sum = () => chain(() => chain(signed, "*", "/"), "+", "-");
+    function signed() {
+      const s = sign("+", "-");
+      if (s) return [s, "0", signed()];
+      return power();
+    }
+    function power() {
+      let tree;
+      if (sign("(")) {
+        tree = sum();
+        need(sign(")"), why);
+      } else {
+        need(at < tokens.length && !tokens[at][3], why);
+        tree = tokens[at++][0];
+      }
+      if (!sign("^", "**")) return tree;
+      const bracket = sign("(");
+      const minus = sign("+", "-") === "-";
+      need(at < tokens.length && /^[0-9]{1,2}$/.test(tokens[at][0]), why);
+      const n = Number(tokens[at++][0]);
+      need((!bracket || sign(")")) && !sign("^", "**"), why);
+      return ["^", tree, minus ? -n : n];
+    }
+    const tree = sum();
+    need(at === tokens.length, why);
+    return tree;
+  }
+
+  function evaluated(tree, leaf, combine) {
+    if (typeof tree === "string") return leaf(tree);
+    if (tree[0] !== "^") return combine(tree[0], evaluated(tree[1], leaf, combine), evaluated(tree[2], leaf, combine));
+    const base = evaluated(tree[1], leaf, combine);
+    let result = leaf("1");
+    for (let k = 0; k < Math.abs(tree[2]); k += 1) result = combine(tree[2] > 0 ? "*" : "/", result, base);
+    return result;
+  }
+
+  // Quantities: value * pi^pi, and powers of kg, m and s (null without a unit).
+
+  const quantityOf = (x, pi = 0, dimension = null) => ({ value: x, pi, dimension });
+
+  function at(x, pi) {
+    const [up, down] = [Math.max(x.pi, 0), Math.max(-x.pi, 0)];
+    const top = x.value.n ? value(x.value.n * pi ** BigInt(up), 0n, 0, up) : NOTHING;
+    return [top, value(x.value.d * pi ** BigInt(down), 0n, 0, down)];
+  }
+
+  function reader(catalogue) {
+    const own = (table, name) => Object.prototype.hasOwnProperty.call(table, name);
+
+    function unit(name) {
+      const whole = own(catalogue.units, name);
+      const [prefix, base] = whole ? ["", name] : [name.slice(0, 1), name.slice(1)];
+      need(own(catalogue.units, base) && (!prefix || (own(catalogue.prefixes, prefix) && catalogue.units[base][3])), `the unit ${name.slice(0, 40)} is not understood`);
+      const [factor, pi, dimension] = catalogue.units[base];
+      const [n, d] = factor.split("/");
+      const scale = new Fraction(10n).power(prefix ? catalogue.prefixes[prefix] : 0);
+      return quantityOf(new Fraction(BigInt(n), BigInt(d || 1)).times(scale), pi, dimension);
+    }
+
+    function units(sign, x, y) {
+      need(sign === "*" || sign === "/", "a unit is a product of powers");
+      const n = sign === "*" ? 1 : -1;
+      return quantityOf(x.value.times(y.value.power(n)), x.pi + n * y.pi, x.dimension.map((k, i) => k + n * y.dimension[i]));
+    }
+
+    const same = (x, y) => JSON.stringify(x) === JSON.stringify(y);
+
+    function quantity(given, kind) {
+      if (Array.isArray(given)) {
+        need(given.length === 2 || given.length === 3, "a range has two ends, and perhaps its nominal value between them");
+        const [low, ...more] = given.map((x) => quantity(x, kind));
+        const high = more[more.length - 1];
+        need(low.pi === high.pi && same(low.dimension, high.dimension), "the ends of a range have different units");
+        return more.length === 2 ? more[0] : { ...low, value: low.value.plus(high.value).over(new Fraction(2n)) };
+      }
+      if (given instanceof Fraction) return quantityOf(given);
+      if (given && given.whole) return quantityOf(given.whole);
+      need(typeof given === "string" && given.length < 500, "a value is neither a number nor a text");
+      const [text, ...deviation] = given.split(/\+\/?-|±/);
+      const found = /^\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)(?:\s*\/\s*([0-9]+)(?![\p{L}\p{N}_.]))?\s*(.*?)\s*$/u.exec(text);
+      need(found && deviation.length < 2, `${given.slice(0, 60)} is not understood`);
+      const number = decimal(found[1]).over(new Fraction(BigInt(found[2] || 1)));
+      if (!found[3]) return quantityOf(number);
+      const plain = found[3].replace(/[·×⋅]/g, "*").replace(/²/g, "^2").replace(/³/g, "^3");
+      const x = evaluated(parsed(plain.replace(/(?<=[\p{L}\p{N}_)°%])\s+(?=[\p{L}_(°%])/gu, "*")), unit, units);
+      need(!kind || catalogue.dimensions[kind].some((d) => same(d, x.dimension)), `${given.slice(0, 60)} has the wrong dimension`);
+      return { ...x, value: x.value.times(number) };
+    }
+
+    /** The row of the catalogue for these parameters; lists among them are taken apart. */
+    function row(model, given) {
+      if (model === "prony") {
+        const [k, b] = ["k", "b"].map((name) => given.get(name));
+        need(Array.isArray(k) && Array.isArray(b) && k.length === b.length && k.length > 0 && k.length <= 20, "k and b must be lists alike");
+        given.delete("k");
+        given.delete("b");
+        [["k", k], ["b", b]].forEach(([name, list]) => list.forEach((x, i) => given.set(`${name}_${i + 1}`, x)));
+        const one = (i) => ` + k_${i}*b_${i}*s/(k_${i} + b_${i}*s)`;
+        return [[...given.keys()].join(" "), `k0${k.map((_, i) => one(i + 1)).join("")}`];
+      }
+      if (model === "pade-delay") {
+        const order = given.get("order");
+        need(order && order.whole && order.whole.n >= 1n && order.whole.n <= 10n, "the order must be a whole number from 1 to 10");
+        given.delete("order");
+        const n = Number(order.whole.n);
+        const factorial = (k) => (k > 1 ? BigInt(k) * factorial(k - 1) : 1n);
+        const weight = (i) => (factorial(n) / factorial(i) / factorial(n - i)) * factorial(2 * n - i);
+        const p = (x) => Array.from({ length: n + 1 }, (_, i) => `${weight(i)}*(${x}s*tau)^${i}`).join(" + ");
+        return ["tau", p("-"), "0", "0", p("")];
+      }
+      const full = given.has("Z") ? `${model} Z` : model;
+      need(own(catalogue.models, full), `the model ${model.slice(0, 40)} is not understood`);
+      return catalogue.models[full];
+    }
+
+    /** Formulas of an environment (one) or effect (four), and the numbers of their names; `felt`: what may be referred to. */
+    function element(table, count, felt) {
+      need(table instanceof Map && typeof table.get("model") === "string", "an environment or effect has no model");
+      const model = table.get("model");
+      const given = new Map([...table].filter(([key]) => !["model", "name", "parameters"].includes(key)));
+      const free = table.get("parameters") || new Map();
+      const [signature, ...texts] = row(model, given);
+      const names = new Map(signature.split(" ").map((x) => [x.replace(/[=?]$/, ""), x]));
+      const complete = [...names].every(([key, x]) => x.endsWith("?") || given.has(key));
+      const fits = texts.length === count && complete && [...given.keys()].every((key) => names.has(key)) && free instanceof Map;
+      const formulas = signature.includes("=");
+      need(fits && (formulas || !free.size), `the parameters of ${model} are not understood`);
+      const referred = (x, kind) => {
+        if (typeof x !== "string" || !felt || !x.trim().startsWith("environment.")) return quantity(x, kind);
+        const name = x.trim().slice("environment.".length).replace(/\[([0-9]+)\]$/, "_$1");
+        need(felt.numbers.has(name), `${x.slice(0, 60)} is no parameter of the environment`);
+        return felt.numbers.get(name);
+      };
+      const written = (x) => (typeof x === "string" ? x : x.whole || x instanceof Fraction ? `${(x.whole || x).n}/${(x.whole || x).d}` : "?");
+      const trees = texts.map((text) => parsed(formulas ? text.replace(/\b[A-Z]\b/, (x) => written(given.get(x))) : text));
+      const values = formulas ? [...free].map(([key, x]) => [key, referred(x, "")]) : [...names.keys()].map((key) => [key, referred(given.has(key) ? given.get(key) : ZERO, key[0].toLowerCase())]);
+      const numbers = new Map(values);
+      const delay = !formulas && model !== "pade-delay" && numbers.has("tau") && numbers.get("tau").value.n;
+      need(!delay, `${model} with a delay: this format is for rational scenes`);
+      return { trees, numbers };
+    }
+
+    function evaluatedElement(x, s, pi) {
+      const known = new Map([...x.numbers].map(([name, number]) => [name, at(number, pi)]));
+      known.set("s", [s, UNIT]).set("j", [value(0n, 1n), UNIT]).set("pi", [value(pi, 0n, 0, 1), UNIT]);
+      const leaf = (word) => {
+        if (known.has(word)) return known.get(word);
+        need(/^[.0-9]/.test(word), `the name ${word.slice(0, 40)} is not known`);
+        return at(quantityOf(decimal(word)), pi);
+      };
+      return x.trees.map((tree) => evaluated(tree, leaf, combined));
+    }
+
+    /** Band, thresholds and chain of a scene file; `name`: which of several environments. */
+    return function scene(text, name) {
+      const table = toml(text);
+      const keys = ["title", "source", "environment", "environments", "rendered", "effects", "evaluation", "hand", "hands"];
+      need([...table.keys()].every((key) => keys.includes(key)), "the scene has keys that are not understood");
+      let [felt, rendered] = [table.get("environment"), table.get("rendered")];
+      if (table.has("environments") || name !== null) {
+        const every = table.get("environments");
+        const listed = Array.isArray(every) ? every.filter((x) => x instanceof Map && (x.has("name") ? x.get("name") : x.get("model")) === name) : [];
+        need(listed.length === 1 && !table.has("environment"), "there is not one environment of that name");
+        felt = new Map([...listed[0]].filter(([key]) => key !== "rendered"));
+        rendered = listed[0].get("rendered");
+      }
+      const own = element(felt, 1);
+      const source = rendered === undefined ? own : element(rendered, 1, own);
+      const [effects, told] = [table.get("effects") || [], table.get("evaluation") || new Map()];
+      need(Array.isArray(effects) && effects.length <= 100, "the effects are not a list of at most 100");
+      const between = effects.map((x) => element(x, 4));
+      need(told instanceof Map && [...told.keys()].every((key) => key === "band" || key === "jnd"), "[evaluation] is not understood");
+      const band = told.has("band") ? told.get("band") : [ZERO, new Fraction(15n)];
+      const jnd = told.has("jnd") ? told.get("jnd") : new Fraction(1n, 10n);
+      need(Array.isArray(band) && band.length === 2, "the band is not a pair");
+      const both = jnd instanceof Map ? jnd : new Map([["real", jnd], ["imag", jnd]]);
+      need(both.size === 2 && both.has("real") && both.has("imag"), "the threshold is not a number, nor one for each part");
+      return {
+        band: band.map((x) => quantity(x, "o")),
+        threshold: { real: quantity(both.get("real"), "z"), imag: quantity(both.get("imag"), "z") },
+        /** H_env and H_perc, each numerator and denominator. */
+        at(s, pi) {
+          const [env] = evaluatedElement(own, s, pi);
+          let [[top, bottom]] = evaluatedElement(source, s, pi);
+          between.forEach((effect) => {
+            const [[a, x], [b, y], [c, z], [d, w]] = evaluatedElement(effect, s, pi);
+            const above = plus(times(times(a, y), top), times(times(b, x), bottom));
+            const below = plus(times(times(c, w), top), times(times(d, z), bottom));
+            [top, bottom] = [times(above, times(z, w)), times(below, times(x, y))];
+          });
+          return [env, [top, bottom]];
+        },
+      };
+    };
+  }
+
+  // Reading a certificate: nothing but what the specification knows.
+
+  function keyed(x, ...keys) {
+    const own = x && typeof x === "object" && !Array.isArray(x) ? Object.keys(x).sort().join() : null;
+    need(own === [...keys].sort().join(), `expected an object with the keys ${keys.join(", ")}`);
+    return keys.map((key) => x[key]);
+  }
+
+  function listed(x, most, least = 0) {
+    need(Array.isArray(x) && x.length >= least && x.length <= most, `expected a list of ${least} to ${most} entries`);
+    return x;
+  }
+
+  function whole(x, low, high) {
+    need(Number.isInteger(x) && x >= low && x <= high, `expected a whole number from ${low} to ${high}`);
+    return x;
+  }
+
+  function number(x) {
+    const found = typeof x === "string" && /^(-?[0-9]{1,2000})(?:\/([1-9][0-9]{0,1999})|((?:\.[0-9]{1,2000})?(?:E[+-]?[0-9]{1,3})?))$/.exec(x);
+    need(found, `${String(x).slice(0, 40)} is not a number`);
+    return found[2] ? new Fraction(BigInt(found[1]), BigInt(found[2])) : decimal(x);
+  }
+
+  function polynomial(x) {
+    const rows = listed(x, 300, 1).map((row) => listed(row, 100, 1));
+    rows.flat().forEach((n) => need(typeof n === "string" && /^-?[0-9]{1,2000}$/.test(n), "a polynomial is not one"));
+    const found = rows.map((row) => row.map(BigInt));
+    need(found[found.length - 1].some((n) => n), "a leading coefficient is 0");
+    return found;
+  }
+
+  /** JSON in which no key stands twice, and all numbers are small and whole: written again it is the same. */
+  function json(text) {
+    need(text.length <= 4e6, "the certificate is too large");
+    let found;
+    try {
+      found = JSON.parse(text);
+      const plain = text.replace(/("(?:[^"\\]|\\.)*")|\s+/g, (_, told) => told || "");
+      need(JSON.stringify(found) === plain, "the certificate is not plain JSON: a key twice, a float, an escape");
+    } catch (error) {
+      throw new Refused(error instanceof Refused ? error.message : "the certificate is no JSON");
+    }
+    return found;
+  }
+
+  // Rule 1: the functions of the scene are those of the proof.
+
+  const PARTS = ["real", "imag"];
+  const CURVES = ["environment", "perceived", "excess", "difference", "sum"];
+
+  function product(x, factors) {
+    const [told, omega, rows] = keyed(x, "number", "omega", "powers");
+    const pairs = listed(rows, 500).map((row) => listed(row, 2, 2));
+    const powers = new Map(pairs.map(([i, n]) => [whole(i, 0, factors - 1), whole(n, -100, 100)]));
+    need(powers.size === pairs.length, "a factor stands twice in a product");
+    return { number: number(told), omega: whole(omega, -500, 500), powers };
+  }
+
+  const each = (p) => [[-1, p.omega], ...p.powers];
+
+  /** Numerator and denominator, with values of x and the factors. */
+  function sides(p, x, factors) {
+    const found = [p.number.n, p.number.d];
+    each(p).forEach(([i, n]) => { found[n < 0 ? 1 : 0] *= (i < 0 ? x : factors[i]) ** BigInt(Math.abs(n)); });
+    return found;
+  }
+
+  /** Their degrees, with degrees of x and the factors. */
+  function degrees(p, own, factors) {
+    const found = [0, 0];
+    each(p).forEach(([i, n]) => { found[n < 0 ? 1 : 0] += (i < 0 ? own : factors[i]) * Math.abs(n); });
+    return found;
+  }
+
+  function functions(scene, omega, pi) {
+    const [[n, d], [p, q]] = scene.at(value(0n, omega, 1), pi);
+    const [pd, qn, dq] = [times(p, d), times(q, n), times(d, q)];
+    const pairs = { environment: [n, d], perceived: [p, q], difference: [plus(pd, qn, -1n), dq], sum: [plus(pd, qn), dq] };
+    const found = {};
+    Object.entries(pairs).forEach(([name, [u, v]]) => {
+      const turned = times(u, conjugate(v)); // u/v = u conj(v)/|v|^2
+      const below = times(v, conjugate(v));
+      found[`${name}.real`] = [{ ...turned, im: 0n }, below];
+      found[`${name}.imag`] = [{ ...turned, re: turned.im, im: 0n }, below];
+    });
+    const root = times(times(n, d), times(q, q));
+    const below = times(root, conjugate(root));
+    PARTS.forEach((part) => { // (Re (G - H))^2/|H|^2 = (Re ((P D - Q N) conj(D Q)))^2/(|N|^2 |D|^2 |Q|^4)
+      const [top, bottom] = at(scene.threshold[part], pi);
+      const [x, square] = [found[`difference.${part}`][0], times(bottom, bottom)];
+      found[`excess.${part}`] = [plus(times(times(x, x), square), times(times(below, top), top), -1n), times(below, square)];
+    });
+    return found;
+  }
+
+  const sum = (list) => list.reduce((x, y) => x + y, 0n);
+
+  /** Refused unless the products are the functions of a scene at (x, pi): on a grid that decides it. */
+  function link(told, factors, scene) {
+    const byX = factors.map(({ step, rows }) => step * (rows.length - 1));
+    const byPi = factors.map(({ rows }) => Math.max(...rows.map((row) => row.length)) - 1);
+    const grid = Object.entries(scene(0n, 1n)).map(([name, [top, bottom]]) => {
+      const [[up, down], [over, under]] = [degrees(told[name], 1, byX), degrees(told[name], 0, byPi)];
+      return [name, Math.max(top.s + down, bottom.s + up, 0) + 1, Math.max(top.pi + under, bottom.pi + over, 0) + 1];
+    });
+    const [n, m] = [1, 2].map((i) => Math.max(...grid.map((row) => row[i])));
+    need(n <= 3000 && n * m <= 1e5, "the degrees are too high");
+    const vanishing = new Set(Object.keys(told));
+    for (let pi = 1; pi <= m; pi += 1) {
+      const rows = factors.map(({ step, rows: p }) => [step, p.map((row) => sum(row.map((c, i) => c * BigInt(pi) ** BigInt(i))))]);
+      const most = Math.max(...grid.map(([, k, l]) => (l >= pi ? k : 0)));
+      for (let x = 0; x < most; x += 1) {
+        const values = rows.map(([step, p]) => p.reduceRight((y, c) => y * BigInt(x) ** BigInt(step) + c, 0n));
+        const found = scene(BigInt(x), BigInt(pi));
+        grid.forEach(([name, k, l]) => {
+          if (x >= k || pi > l) return;
+          const [top, bottom] = found[name];
+          const [left, right] = sides(told[name], BigInt(x), values);
+          need(left * bottom.re === right * top.re && left * bottom.im === right * top.im, `${name} is not that of the scene`);
+          if ((bottom.re || bottom.im) && right) vanishing.delete(name);
+        });
+      }
+    }
+    need(!vanishing.size, `${[...vanishing].join(", ")} is nowhere defined`);
+  }
+
+  // Rules 2 and 3: zeros and signs of polynomials, and the chart.
+
+  const SCALE = 10n ** 100n;
+
+  /** Whole numbers below and above pi 10^100: pi/4 = 4 arctan 1/5 - arctan 1/239 (Machin), by alternating series. */
+  const PI = (function () {
+    const arctangent = (n, terms) => {
+      let total = ZERO;
+      for (let k = 0; k < terms; k += 1) total = total.plus(new Fraction(k % 2 ? -1n : 1n, BigInt(2 * k + 1) * n ** BigInt(2 * k + 1)));
+      return total;
+    };
+    const between = (n, terms) => [arctangent(n, terms), arctangent(n, terms + 1)].sort((x, y) => x.compare(y));
+    const [fifth, other] = [between(5n, 75), between(239n, 22)];
+    const ends = [0, 1].map((i) => fifth[i].times(new Fraction(16n)).minus(other[1 - i].times(new Fraction(4n))).times(new Fraction(SCALE)));
+    return [ends[0].n / ends[0].d, ends[1].n / ends[1].d + 1n];
+  })();
+
+  /** Polynomials below and above p for arguments >= 0, times one positive number; only one without pi. */
+  function bounds(p) {
+    const n = Math.max(...p.map((row) => row.length)) - 1;
+    const end = (k) => p.map((row) => sum(row.map((c, i) => c * PI[c < 0n ? 1 - k : k] ** BigInt(i) * SCALE ** BigInt(n - i))));
+    return n ? [end(0), end(1)] : [end(0)];
+  }
+
+  function agreed(rows) {
+    const signs = rows.map((row) => row.map(signOf));
+    need(signs[0].every((x, i) => x === signs[signs.length - 1][i]), "a sign stays open");
+    return signs[0];
+  }
+
+  /** The coefficients of (1 + u)^n p((a + b u)/(1 + u)), times a positive number. */
+  function moved(p, a, b) {
+    const e = a.d * b.d;
+    const [low, high] = [a.n * b.d, b.n * a.d];
+    let [found, binomial, scale] = [[p[p.length - 1]], [1n], 1n];
+    for (let k = p.length - 2; k >= 0; k -= 1) {
+      scale *= e;
+      const c = p[k] * scale;
+      binomial = [...binomial, 0n].map((x, i) => x + (i ? binomial[i - 1] : 0n));
+      const last = found;
+      found = binomial.map((y, i) => low * (i < last.length ? last[i] : 0n) + high * (i ? last[i - 1] : 0n) + c * y);
+    }
+    return found;
+  }
+
+  const sign = (p, x) => agreed(p.map((row) => [moved(row, x, x.plus(ONE))[0]]))[0];
+  const changes = (signs) => signs.slice(1).filter((x, i) => x !== signs[i]).length;
+
+  /** The places of the band in order, with the orders of all factors there, and their signs in between. */
+  function charted(scene, points, factors, told) {
+    const ends = scene.band.map((x) => PI.map((pi) => x.value.times(new Fraction(pi, SCALE).power(x.pi))).sort((x, y) => x.compare(y)));
+    const [[low, lowTop], [high, highTop]] = ends;
+    const last = points.length - 1;
+    const up = (...list) => list.every((x, i) => !i || list[i - 1].compare(x) <= 0);
+    need(up(ZERO, points[0], low) && up(lowTop, points[1]), "the first cell does not hold the low end of the band");
+    need(up(points[last - 1], high) && up(highTop, points[last]), "the last cell does not hold the high end of the band");
+    need(lowTop.compare(high) < 0 && points.every((x, i) => !i || points[i - 1].compare(x) < 0), "the breakpoints do not ascend");
+    const bits = points.reduce((n, x) => n + 4 * (x.d.toString(16).length + x.n.toString(16).length), 0);
+    need(bits * factors.reduce((n, { rows }) => n + rows.length ** 3, 0) < 2e9, "the cells are too many, or too fine");
+    const rows = factors.map(({ step, rows: p }) => [step, bounds(p)]);
+    const chart = { from0: lowTop.n === 0n, orders: [new Map()], signs: [] };
+    const trailing = new Map();
+    let used = 1;
+    need(told.length > 1 && up(told[0][0], low) && up(lowTop, told[0][1]), "the low end of the band is not in its enclosure");
+    for (let k = 0; k < last; k += 1) {
+      const [a, b] = [points[k], points[k + 1]];
+      const starts = low.compare(a) === 0 && lowTop.compare(a) === 0;
+      const stops = high.compare(b) === 0 && highTop.compare(b) === 0;
+      const found = rows.map(([step, ps]) => agreed(ps.map((p) => moved(p, a.power(step), b.power(step)))));
+      const inner = found.map((signs) => signs.filter((x) => x));
+      found.forEach((signs, i) => {
+        const lead = signs.findIndex((x) => x);
+        const trail = [...signs].reverse().findIndex((x) => x);
+        need((starts || !lead) && (stops || !trail), "a factor is zero at a breakpoint");
+        if (lead) chart.orders[0].set(i, lead);
+        if (trail) trailing.set(i, trail);
+      });
+      if (!chart.signs.length) chart.signs.push(inner.map((x) => x[0]));
+      const turns = inner.map(changes);
+      const beside = (k === 0 && !starts) || (k === last - 1 && !stops);
+      need(turns.reduce((x, y) => x + y, 0) <= (beside ? 0 : 1), "a cell may hold two zeros, or one beside an end of the band");
+      const i = turns.indexOf(1);
+      if (i >= 0) {
+        need(used < told.length, "there are more places than frequencies");
+        const [x, y] = told[used];
+        used += 1;
+        const [step, ps] = rows[i];
+        need(up(a, x, y, b) && sign(ps, x.power(step)) * sign(ps, y.power(step)) <= 0, "an enclosure holds no zero");
+        chart.orders.push(new Map([[i, 1]]));
+        chart.signs.push(inner.map((s) => s[s.length - 1]));
+      }
+    }
+    chart.orders.push(trailing);
+    need(used === told.length - 1, "there are not as many frequencies as places");
+    need(up(told[used][0], high) && up(highTop, told[used][1]), "the high end of the band is not in its enclosure");
+    return chart;
+  }
+
+  // Rule 4: what follows.
+
+  function curve(p, chart) {
+    const order = chart.orders.map((found, i) => [...p.powers].reduce((x, [f, n]) => x + n * (found.get(f) || 0), i === 0 && chart.from0 ? p.omega : 0));
+    const between = chart.signs.map((row) => [...p.powers].reduce((x, [f, n]) => x * (n % 2 ? row[f] : 1), signOf(p.number.n)));
+    const flip = (x, n) => (n % 2 ? -x : x) || 0;
+    const before = [flip(between[0], order[0]), ...between];
+    const after = [...between, flip(between[between.length - 1], order[order.length - 1])];
+    return { order, before, after, at: order.map((n, i) => (n > 0 || before[i] !== after[i] ? 0 : after[i])) };
+  }
+
+  /** As few closed intervals as possible, of places and of what is between: where all curves pass. */
+  function where(test, ...curves) {
+    const [here, next] = ["at", "after"].map((key) => curves[0][key].map((_, i) => curves.every((c) => test(c[key][i]))));
+    const found = [];
+    here.forEach((passes, i) => {
+      if (passes && !(i && next[i - 1])) found.push([i, i]);
+      if (i + 1 < here.length && next[i]) {
+        if (passes) found[found.length - 1][1] = i + 1;
+        else found.push([i, i + 1]);
+      }
+    });
+    return found;
+  }
+
+  const PROPERTIES = { "1,1": "stiffness", "-1,-1": "mass", "1,-1": "stiffness-to-mass", "-1,1": "mass-to-stiffness" };
+
+  function percepts(curves, part) {
+    const [env, perc, excess, change, both] = CURVES.map((name) => curves[`${name}.${part}`]);
+    const found = [];
+    for (let i = 0; i + 1 < env.order.length; i += 1) {
+      const [x, y] = [env.after[i], perc.after[i]];
+      if (!(excess.after[i] > 0 && (part === "real" || y >= 0))) continue;
+      const property = part === "imag" ? "damping" : PROPERTIES[[x || y, y || x].join()];
+      const compared = { 1: "higher", 0: "equal", "-1": "lower" }[change.after[i] * both.after[i]];
+      const last = found[found.length - 1];
+      if (last && last.to === i && last.property === property && last.change === compared && excess.at[i] > 0) last.to = i + 1;
+      else found.push({ part, from: i, to: i + 1, property, change: compared });
+    }
+    return found;
+  }
+
+  function claimed(curves, from0) {
+    const places = curves["excess.real"].order.map((_, i) => i);
+    const crossings = [];
+    places.forEach((i) => PARTS.forEach((part) => {
+      const c = curves[`excess.${part}`];
+      if (c.order[i] <= 0) return;
+      const touches = c.before[i] === c.after[i] && !(i === 0 && from0 && c.after[i] > 0);
+      const kind = touches ? "touches" : c.after[i] > 0 ? "exceeds" : "returns";
+      crossings.push({ at: i, part, kind, sign: curves[`difference.${part}`].after[i], multiplicity: c.order[i] });
+    }));
+    const excess = PARTS.map((part) => curves[`excess.${part}`]);
+    const turns = (name) => places.filter((i) => curves[`${name}.real`].before[i] * curves[`${name}.real`].after[i] < 0);
+    return {
+      crossings,
+      transparent: where((x) => x <= 0, ...excess),
+      changeovers: { environment: turns("environment"), perceived: turns("perceived") },
+      percepts: PARTS.flatMap((part) => percepts(curves, part)),
+      outside_model: where((x) => x < 0, curves["perceived.imag"]),
+      unbounded: places.filter((i) => excess.some((c) => c.order[i] < 0)),
+    };
+  }
+
+  // Rules 5 and 6: poles.
+
+  /** E and O of p(j omega) = E + j omega O, in omega^2, between bounds. */
+  function evenOdd(p) {
+    return [0, 1].map((i) => {
+      const half = p.filter((_, k) => k % 2 === i).map((row, k) => row.map((c) => (k % 2 ? -c : c)));
+      return bounds(half.length ? half : [[0n]]);
+    });
+  }
+
+  const QUADRANTS = [[1, 1], [-1, 1], [-1, -1], [1, -1]];
+
+  function turnsRound(p, points) {
+    const [even, odd] = evenOdd(p);
+    need(points.length === p.length - 1, "there are not as many turns as the degree");
+    const signs = points.map((x) => [sign(even, x.power(2)), sign(odd, x.power(2))]);
+    const first = signs.length ? signs[0][0] : 1;
+    const ascend = points.every((x, i) => x.compare(i ? points[i - 1] : ZERO) > 0);
+    return ascend && signs.every(([a, b], k) => a * first === QUADRANTS[k % 4][0] && b * first === QUADRANTS[k % 4][1]);
+  }
+
+  /** Whether p has k zeros (0 or 1) within r of x + j y: by Rouche, as one Taylor coefficient is larger than all others. */
+  function around(p, x, y, r, k) {
+    const rows = bounds(p);
+    const reach = x.size.plus(y.size).plus(r);
+    let others = rows[0].reduce((total, low, i) => total.plus(new Fraction(rows[rows.length - 1][i] - low).times(reach.power(i))), ZERO);
+    let found = [];
+    [...rows[0]].reverse().forEach((c) => { // p(z + u) by Horner: times z + u, plus the next coefficient
+      const longer = [...found, [ZERO, ZERO]];
+      const last = [[new Fraction(c), ZERO], ...found];
+      found = longer.map(([a, b], i) => [a.times(x).minus(b.times(y)).plus(last[i][0]), a.times(y).plus(b.times(x)).plus(last[i][1])]);
+    });
+    if (found.length <= k) return false;
+    found.forEach(([a, b], i) => { if (i !== k) others = others.plus(a.size.plus(b.size).times(r.power(i))); });
+    return found[k].some((a) => a.size.times(r.power(k)).compare(others) > 0);
+  }
+
+  function poles(x, scene) {
+    if (x === null) return null;
+    const [told, top, rows, turns, disc] = keyed(x, "number", "numerator", "factors", "turns", "disc");
+    const pairs = listed(rows, 100).map((row) => listed(row, 2, 2));
+    const factors = pairs.map(([p]) => polynomial(p));
+    const every = [polynomial(top), ...factors].map((p) => ({ step: 1, rows: p }));
+    const powers = [[0, 1], ...pairs.map(([, n], i) => [i + 1, -whole(n, 1, 100)])];
+    link({ H_perc: product({ number: told, omega: 0, powers }, every.length) }, every, (s, pi) => ({ H_perc: scene.at(value(s, 0n, 1), pi)[1] }));
+    if (disc === null) {
+      const points = listed(turns, factors.length, factors.length).map((row) => listed(row, 300).map(number));
+      need(factors.every((p, i) => turnsRound(p, points[i])), "a factor of the denominator does not turn through the quadrants");
+      return true;
+    }
+    const [index, ...rest] = listed(disc, 4, 4);
+    const p = factors[whole(index, 0, factors.length - 1)];
+    const [a, b, r] = rest.map(number);
+    const even = evenOdd(p)[0];
+    const onlyEven = p.every((row, k) => k % 2 === 0 || row.every((c) => !c));
+    const onAxis = a.n === 0n && onlyEven && b.compare(r) >= 0 && r.n >= 0n && sign(even, b.minus(r).power(2)) * sign(even, b.plus(r).power(2)) <= 0;
+    const at0 = a.n === 0n && b.n === 0n && p[0].every((c) => !c);
+    need(onAxis || at0 || (a.compare(r) >= 0 && r.n > 0n && around(p, a, b, r, 1)), "the disc may hold no pole with Re s >= 0");
+    need(around(every[0].rows, a, b, r, 0), "the numerator may vanish with the denominator");
+    return false;
+  }
+
+  const sorted = (x) => JSON.stringify(x, (_, y) => (y && typeof y === "object" && !Array.isArray(y) ? Object.fromEntries(Object.entries(y).sort()) : y));
+
+  /** The claim, if the certificate proves it for that scene; a Refused error, and why, if not. */
+  function check(text, sceneText, catalogue) {
+    const [kind, digest, name, claim, proof] = keyed(json(text), "format", "scene_sha256", "environment", "claim", "proof");
+    need(kind === "haptisym.certificate/1", "the format is not haptisym.certificate/1");
+    need(sceneText.length <= 1e6, "the scene is too large");
+    need(digest === sha256(sceneText), "the certificate is that of another scene file");
+    need(name === null || typeof name === "string", "the environment has no name");
+    const scene = reader(catalogue)(sceneText, name);
+    const [points, told, products, aboutPoles] = keyed(proof, "breakpoints", "factors", "functions", "poles");
+    const factors = listed(told, 500).map((x) => {
+      const [step, p] = keyed(x, "step", "polynomial");
+      return { step: whole(step, 1, 2), rows: polynomial(p) };
+    });
+    const names = CURVES.flatMap((x) => PARTS.map((part) => `${x}.${part}`));
+    const written = keyed(products, ...names).map((x) => product(x, factors.length));
+    link(Object.fromEntries(names.map((x, i) => [x, written[i]])), factors, (omega, pi) => functions(scene, omega, pi));
+    need(claim && typeof claim === "object" && "frequencies" in claim, "the claim has no frequencies");
+    const enclosures = listed(claim.frequencies, 2000).map((pair) => listed(pair, 2, 2).map(number));
+    const chart = charted(scene, listed(points, 2000, 2).map(number), factors, enclosures);
+    const curves = Object.fromEntries(names.map((x, i) => [x, curve(written[i], chart)]));
+    const follows = { ...claimed(curves, chart.from0), stable: poles(aboutPoles, scene) };
+    keyed(claim, "frequencies", ...Object.keys(follows));
+    Object.entries(follows).forEach(([key, x]) => need(sorted(claim[key]) === sorted(x), `${key}: something else is proven than what is claimed`));
+    return claim;
+  }
+
+  /** The same, with words instead of errors: `claim` is null where it is not proven. */
+  function verdict(text, sceneText, catalogue) {
+    try {
+      return { claim: check(text, sceneText, catalogue), why: "" };
+    } catch (error) {
+      if (error instanceof Refused || error instanceof RangeError) return { claim: null, why: error.message };
+      throw error;
+    }
+  }
+
+  return { verdict, sha256, toml };
+})();
+if (typeof module !== "undefined") module.exports = haptisymCheck;

@@ -1,0 +1,213 @@
+"""A report proves its own table in the browser: by a second checker, in another language, that accepts and refuses as the first."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import time
+import tomllib
+from collections.abc import Iterator
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import browser
+import pytest
+from browser import Browser
+from certificates import OWN, RATIONAL, SCENES, certificate, evaluated, hostile, mutants, random_scene, text_of
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from marks import often, required
+from secondchecker import run, verdicts
+
+import haptisym as hs
+from haptisym.pages.report import page
+
+
+def test_the_certificate_of_every_rational_scene_is_accepted() -> None:
+    names = [*RATIONAL, *OWN]
+    for name, (claim, why) in zip(names, verdicts([(certificate(x), text_of(x)) for x in names]), strict=True):
+        assert claim == json.loads(certificate(name))["claim"], (name, why)
+
+
+@pytest.mark.parametrize("first", often(range(0, 1000, 40), [0].__contains__))
+def test_certificates_of_random_scenes_are_accepted(first: int) -> None:
+    texts = [random_scene(seed) for seed in range(first, first + 40)]
+    asked = [(hs.evaluate(hs.parse_scene(text)).certificate(), text) for text in texts]
+    assert [why for _, why in verdicts(asked)] == [""] * len(asked)
+
+
+def test_a_scene_of_several_environments_is_checked_by_name() -> None:
+    text = (SCENES.parent / "families" / "palpation-device.toml").read_text(encoding="utf-8")
+    proof = json.loads(hs.evaluate(hs.load_scene("palpation-device", "liver")).certificate())
+    asked = [
+        json.dumps({**proof, "environment": name}, ensure_ascii=False) for name in ("liver", "muscle", "none", None, 3)
+    ]
+    assert [not why for _, why in verdicts([(x, text) for x in asked])] == [True, False, False, False, False]
+
+
+@pytest.mark.parametrize("name", often([*OWN, *RATIONAL], {"fu2019", "touches", "integrator"}.__contains__))
+def test_every_mutant_is_refused(name: str) -> None:
+    listed = [(what, json.dumps(x)) for what, x in mutants(json.loads(certificate(name)))]
+    said = verdicts([(x, text_of(name)) for _, x in listed])
+    assert [what for (what, _), (claim, _) in zip(listed, said, strict=True) if claim] == []
+
+
+def test_hostile_documents_are_refused_in_bounded_time_and_memory() -> None:
+    listed = list(hostile())
+    said = verdicts([(x, text_of("fu2019")) for _, x in listed], seconds=60)
+    assert [name for (name, _), (claim, why) in zip(listed, said, strict=True) if claim or not why] == []
+
+
+def test_another_scene_is_refused() -> None:
+    for text in (text_of("fu2019") + "\n", text_of("sidestick"), ""):
+        assert verdicts([(certificate("fu2019"), text)]) == [[None, "the certificate is that of another scene file"]]
+
+
+def test_its_sha_256_is_that_of_the_standard() -> None:
+    texts = ["", "abc", "a" * 55, "a" * 56, "a" * 64, "ω Δ \N{SNOWMAN} \U0001f600" * 99]
+    code = "const c = require(process.argv[1]); const t = JSON.parse(require('fs').readFileSync(0, 'utf8'));"
+    said = run(code + "process.stdout.write(JSON.stringify(t.map(c.sha256)))", texts, 60)
+    assert said == [hashlib.sha256(x.encode()).hexdigest() for x in texts]
+
+
+TOML = """
+const c = require(process.argv[1]);
+const plain = (x) => x instanceof Map ? Object.fromEntries([...x].map(([k, y]) => [k, plain(y)])) : Array.isArray(x) ? x.map(plain)
+  : x && x.whole ? `${x.whole.n}` : x && x.d ? `${x.n}/${x.d}` : x;
+const read = (t) => { try { return plain(c.toml(t)); } catch (error) { return null; } };
+process.stdout.write(JSON.stringify(JSON.parse(require("fs").readFileSync(0, "utf8")).map(read)));
+"""
+
+
+def plain(x: Any) -> Any:
+    """The same of what Python reads."""
+    if isinstance(x, dict):
+        return {key: plain(y) for key, y in x.items()}
+    if isinstance(x, list):
+        return [plain(y) for y in x]
+    if isinstance(x, Fraction):
+        return f"{x.numerator}/{x.denominator}"
+    return str(x) if type(x) is int else x
+
+
+def python_reads(text: str) -> Any:
+    try:
+        return plain(tomllib.loads(text, parse_float=Fraction))
+    except ValueError:
+        return None
+
+
+ODD = [
+    "a = 1\na = 2\n", "[a]\n[a]\n", "[[a]]\n[a]\n", "a.b = 1\n[a.c]\nd = 1.50\n", "a = [1, [2], ]\n", "a = { b = 1, c = [1] }\n",
+    "a = { b = 1 }\na.c = 2\n", "a = [{}]\n[[a]]\n", 'a = "\\u00e9\\t\\\\"\n', "a = 'it\\n'\n", "a = 1 b = 2\n", "a = \n", "a = 01\n",
+    "a = 1.\n", "a = -1.5e+3 # c\n", '"a b" = 1\n', "[a]b = 1\n", "a = [1 2]\n", "a = [\n1, # x\n2\n]\n", "a = {\nb = 1 }\n", "a\n",
+    "[a.b]\n[a]\nc = 1\n", "[[a.b]]\nc = 1\n[[a.b]]\n[a.b.d]\ne = 2\n", "a = 'x\ny'\n", "a = 1979-05-27\n", "= 1\n", "a = \"\x01\"\n",
+]  # fmt: skip
+
+
+def test_it_reads_toml_as_python_does_or_refuses() -> None:
+    texts = [*ODD, *(path.read_text(encoding="utf-8") for path in SCENES.glob("*.toml"))]
+    said = run(TOML, texts, 60)
+    for text, mine in zip(texts, said, strict=True):
+        assert mine is None or mine == python_reads(text), text
+    assert None not in said[len(ODD) :]
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.lists(st.text("ab.=[]{}\"'\\,#1-e \n", max_size=30), min_size=50, max_size=50))
+def test_whatever_it_reads_python_reads_alike(texts: list[str]) -> None:
+    for text, mine in zip(texts, run(TOML, texts, 60), strict=True):
+        assert mine is None or mine == python_reads(text), text
+
+
+# The page.
+
+
+@pytest.fixture(scope="module")
+def shown(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """What a page says in Chromium of its own certificate."""
+    required("chromium", browser.program())
+    folder = tmp_path_factory.mktemp("pages")
+    with browser.running() as opened:
+
+        def show(text: str) -> str:
+            file = folder / "page.html"
+            file.write_text(text, encoding="utf-8")
+            opened.open(file)
+            return _said(opened)
+
+        yield show
+
+
+def _said(opened: Browser) -> str:
+    for _ in range(600):
+        said = opened.value("(document.getElementById('checked') || {textContent: 'nothing'}).textContent")
+        if not said.startswith("Checking"):
+            assert opened.complaints() == []
+            return str(said)
+        time.sleep(0.05)
+    return "still checking"
+
+
+@cache
+def written(name: str) -> str:
+    return page(evaluated(name))
+
+
+SAID = {
+    "fu2019": "Checked here: 2 crossings, none missed; H_perc has all its poles in Re s < 0.",
+    "integrator": "Checked here: 1 crossing, none missed; H_perc has a pole in Re s ≥ 0.",
+    "nothing between": "Checked here: no crossing, none missed; H_perc has all its poles in Re s < 0.",
+    "touches": "Checked here: 1 crossing, none missed; H_perc has all its poles in Re s < 0.",
+    "stick-with-friction": "Checked here: 2 crossings, none missed. Nothing was checked about poles.",
+    "sidestick": "Checked here: 1 crossing, none missed; H_perc has all its poles in Re s < 0.",
+}
+
+
+@pytest.mark.parametrize("name", often(SAID, {"fu2019", "integrator"}.__contains__))
+def test_a_report_proves_its_own_table(name: str, shown: Any) -> None:
+    assert shown(written(name)) == SAID[name]
+
+
+def test_a_report_says_what_failed(shown: Any) -> None:
+    text = written("fu2019")
+    low = evaluated("fu2019").to_dict()["crossings"][0]["enclosure"][0]
+    row = text[text.index("<tbody><tr><td>real</td>") :]
+    row = row[len("<tbody>") : row.index("</tr>") + len("</tr>")]
+    twofold = (r"multiplicity\": 1", r"multiplicity\": 2")
+    for (old, new), words in {
+        (f"[{low},", f"[{low[:-3]}000,"): "row 1 of the table is not what is proven",
+        ("rises above 10", "falls below 10"): "row 1 of the table is not what is proven",
+        (row, ""): "the table shows 1 crossings, and 2 are proven",
+        ("zeta = 0.5", "zeta = 0.6"): "the certificate is that of another scene file",
+        twofold: "crossings: something else is proven",
+    }.items():
+        assert old in text, old
+        said = shown(text.replace(old, new))
+        assert said.startswith("NOT proven here: "), said
+        assert words in said
+
+
+@pytest.mark.parametrize("name", ["delayed-spring", "built in Python"])
+def test_a_report_without_a_certificate_says_so_and_claims_no_check(name: str, shown: Any) -> None:
+    if name == "built in Python":
+        scene = hs.Scene(hs.environments.kelvin_voigt(290, 2), (hs.effects.first_order_lag(20),))
+    else:
+        scene = hs.load_scene(name)
+    text = page(hs.evaluate(scene))
+    assert "This page carries no certificate: " in text
+    assert 'id="checked"' not in text
+    assert "haptisymCheck" not in text
+    assert shown(text) == "nothing"
+
+
+def test_without_javascript_nothing_is_said_to_be_checked() -> None:
+    assert '<p id="checked" role="status">Not checked here: that needs JavaScript.</p>' in written("fu2019")
+
+
+def test_a_page_of_a_scene_with_hostile_words_is_checked(shown: Any, tmp_path: Path) -> None:
+    file = tmp_path / "x.toml"
+    file.write_text('title = "</script><!-- \\" \\u2028 ω"\n' + text_of("nothing between"), encoding="utf-8")
+    assert shown(page(hs.evaluate(file))).startswith("Checked here: no crossing")
