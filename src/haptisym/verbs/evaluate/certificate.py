@@ -44,6 +44,9 @@ def certificate(e: Evaluation) -> str:
     if e.relevance is not None:
         raise SceneError("a certificate is about all effects of a scene: ask for it without a tolerance")
     scene.threshold.need_plain("a certificate")
+    if scene.threshold.source:
+        name = scene.threshold.source
+        raise SceneError(f'a certificate needs the threshold as a number in the scene file, not by the name "{name}"')
     environment = _named(scene)
     functions = _functions(e)
     factors, told = products(functions)
