@@ -142,6 +142,58 @@ def test_what_is_not_decided_is_said(case: str) -> None:
     assert words in found.reason
 
 
+# How far a number may go
+
+
+def critical(scene: hs.Scene, hand: Hand, path: str) -> dict[str, Any]:
+    document = json.loads(
+        hs.stability(scene, hand, free=[path] if not path.startswith("hand") else [], digits=15).to_json()
+    )
+    (row,) = document["held"]
+    found = [x for x in row["critical"] if x["path"] == path]
+    (looked,) = [x for x in row["looked_at"] if x["path"] == path]
+    return {"found": found, "looked": looked}
+
+
+@pytest.mark.parametrize("case", ["held by nothing", "in a hand", "B = 0.4", "Sun, in a hand"])
+def test_the_stiffest_wall_is_found_from_a_softer_one(case: str) -> None:
+    K, keys, hand = TABLE[case]
+    (x,) = [x for x in critical(wall(round(K / 3), **keys), hand, "environment.k")["found"] if x["value"]]
+    assert x["value"] == pytest.approx(K, rel=1e-14)
+    assert float(x["digits"]) == pytest.approx(K, rel=1e-14)
+    assert x["stable_side"] == "below"
+    assert 0 < x["omega"] < 3141
+
+
+def test_a_wall_of_no_stiffness_lets_the_handle_go() -> None:
+    low = critical(wall(500), FREE, "environment.k")["found"][0]
+    assert (low["value"], low["omega"], low["stable_side"]) == (0, 0, "above")
+
+
+def test_the_damping_that_holds_a_stiff_wall_is_where_the_count_changes() -> None:
+    (x,) = critical(wall(20000), P3, "hand.b")["found"]
+    assert x["stable_side"] == "above"
+    b = Rational(x["digits"])
+    counts = [held(wall(20000), Hand("P3", b=b * (1 + sign * Rational(1, 10**14)), k=400)).unstable for sign in (-1, 1)]
+    assert counts == [2, 0]
+
+
+def test_the_period_and_the_stiffness_have_one_boundary() -> None:
+    """K(T) and T(K) are inverse to each other."""
+    (x,) = critical(wall(300, T="4 ms"), FREE, "effects.sampled-loop.T")["found"]
+    assert x["stable_side"] == "below"
+    counts = [
+        held(wall(300, T=Rational(x["digits"]) * (1 + sign * Rational(1, 10**13))), FREE).unstable for sign in (-1, 1)
+    ]
+    assert counts == [0, 2]
+
+
+def test_beyond_what_was_looked_at_nothing_is_said() -> None:
+    found = hs.stability(wall(500), P3)
+    assert "hand.m: looked at from" in " ".join(str(found).split())
+    assert "same for all values" not in str(found)
+
+
 # Every passive hand
 
 

@@ -2,15 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+
+from sympy import Rational
 
 from haptisym.judge.colgate import SampledPassivity
 from haptisym.kernel.reals import ExactNumber
 from haptisym.pages.words import short
+from haptisym.verbs.stability.critical import Nearest
 from haptisym.writing.document import Block, Notes, Paragraph, Phrase, Strong
 from haptisym.writing.names import named
 
 _CONDITION = "Colgate and Schenkel's condition"
+
+
+def looked_at(rows: Sequence[Nearest]) -> list[Phrase]:
+    """As far as numbers of a loop with a clock were looked at, where no value was found on a side."""
+    told: list[Phrase] = []
+    for x in rows:
+        if x.low is not None and x.high is not None and len(x.found) < 2:
+            ends = short(ExactNumber(_rational(x.low))), " to ", short(ExactNumber(_rational(x.high)))
+            told.append((f"{x.path}: looked at from ", *ends, "; what is beyond was not."))
+    return told
+
+
+def _rational(x: Fraction) -> Rational:
+    return Rational(x.numerator, x.denominator)
 
 
 def sampled_condition(x: SampledPassivity, unit: str) -> Iterator[Block]:

@@ -10,7 +10,7 @@ from haptisym.kernel.rootcount import Chain
 from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand, hands
 from haptisym.model.quantities import Dimension, Motion, unit_text
-from haptisym.pages.clock import sampled_condition
+from haptisym.pages.clock import looked_at, sampled_condition
 from haptisym.pages.words import H_PERC, OMEGA, both, exactly, lead, short, span, title
 from haptisym.verbs.stability.answer import Stability
 from haptisym.verbs.stability.boxes import Box, Share
@@ -111,11 +111,12 @@ def _going(found: Stability, x: Held, rows: tuple[Nearest, ...]) -> Section:
         "The nearest values, either way, at which the number of unstable roots changes, and where it then oscillates."
     )
     blocks: list[Block] = [Table(columns, lines, caption)] if lines else []
-    never = [near.path for near in rows if not near.found and not near.reason]
+    never = [near.path for near in rows if not near.found and not near.reason and near.low is None]
     notes: list[Phrase] = (
         [(listed(never), ": the number of unstable roots is the same for all values.")] if never else []
     )
     notes += [(Strong("UNDECIDED"), f": {near.path}: {near.reason}.") for near in rows if near.reason]
+    notes += looked_at(rows)
     if notes:
         blocks.append(Notes(tuple(notes)))
     return Section(f"How far a number may go in the hand {x.hand.name}", tuple(blocks))

@@ -76,6 +76,12 @@ class Stability(Answer):
         if box is not None:
             own["whole_box"] = box.share.value if box.share else None
             left += [{"path": x.hand.name, "reason": box.reason}] if box.reason else []
+        looked = [
+            {"path": y.path, "from": float(y.low), "to": float(y.high)}
+            for y in rows
+            if y.low is not None and y.high is not None
+        ]
+        own |= {"looked_at": looked} if looked else {}
         return own | ({"undecided": left} if left else {}) | chain | reason
 
     def _critical(self, x: Critical) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TypeAlias
 
 import flint
@@ -19,6 +20,7 @@ from haptisym.model.knobs import Knob
 from haptisym.model.parameters import Rule
 from haptisym.model.scene import Scene
 from haptisym.verbs.stability.boundary import Meeting, Meetings, from_infinity, meetings
+from haptisym.verbs.stability.clockcritical import passages
 from haptisym.verbs.stability.loops import Loop
 
 _BITS = 600  # at which values that are still alike count as one
@@ -50,18 +52,25 @@ class Critical(Shown):
 
 @dataclass(frozen=True)
 class Nearest:
-    """The nearest values below and above at which the count changes, as far as they are there; ``reason`` : what stayed open."""
+    """The nearest values below and above at which the count changes, as far as they are there; ``reason`` : what stayed open.
+
+    ``low``, ``high`` : the values that were looked at, if not all were; up to a value that was found all are.
+    """
 
     path: str
     found: tuple[Critical, ...] = ()
     reason: str = ""
+    low: Fraction | None = None
+    high: Fraction | None = None
 
 
 def critical(scene: Scene, hand: Hand, free: Knob) -> Nearest:
     """How far a number of the hand or of the display may go, either way, before the count of unstable roots changes."""
     try:
         if clocks(scene):
-            raise UndecidedError("the roots of a sampled loop")
+            found = passages(scene, hand, free)
+            rows = tuple(Critical(free.path, x.value, x.omega, x.below, x.above) for x in found.found)
+            return Nearest(free.path, rows, low=found.low, high=found.high)
         return Nearest(free.path, _Walk(Loop.of(scene, hand, free), free).found())
     except UndecidedError as error:
         return Nearest(free.path, reason=str(error))

@@ -1,0 +1,96 @@
+"""The polynomial of a loop with a clock about z = 1, where fast clocks put all roots: in v, z = (1 + v)/(1 - v), in narrow balls.
+
+exp(A T) - 1 = A int_0^T exp(A t) dt has balls as narrow, relatively, as those of the numbers that it is made of; the coefficients
+of z^n have not. Roots with |z| < 1 are those with Re v < 0, so that Hurwitz' determinants say where one leaves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from math import comb
+from typing import Any
+
+from flint import arb, arb_mat, arb_poly
+from sympy import Expr, Integer
+
+from haptisym.kernel.pulse import SampledLoop
+from haptisym.kernel.reals import Ball, expression_ball
+from haptisym.kernel.states import States, matrix
+
+
+def about_one(loop: SampledLoop, known: Mapping[Expr, Ball]) -> list[Ball]:
+    """The coefficients of z^N C(1/z) in z - 1, ascending, in balls; roots at z = 0 may be added."""
+    plant, whole = loop.plant, loop.samples(known)
+    T, lead = (expression_ball(x, known) for x in (loop.T, plant.denominator[-1]))
+    Q = [expression_ball(x, known) / lead for x in plant.denominator]
+    n = len(Q) - 1
+    states = States(Q)
+    M = states.A * states.integral(T)
+    total, (den, adjugate) = arb_poly([]), _leverrier(M)
+    longest = max(whole) + 1
+    for (lag, above), ell in zip(plant.terms, whole, strict=True):
+        N = [expression_ball(x, known) / lead for x in above]
+        N += [arb(0)] * (n + 1 - len(N))
+        C = states.row([x - N[n] * q for x, q in zip(N, Q, strict=True)][:n])
+        late = expression_ball(lag - ell * loop.T, known)
+        own = _power(1) * _between(C, adjugate, states.held(T - late)) + N[n] * den
+        if not late.is_zero():
+            own += _between(C, adjugate, (states.A * (T - late)).exp() * states.held(late))
+        total += own * _power(longest - 1 - ell)
+    size = max(len(loop.above), len(loop.below)) - 1
+    above_z, below_z = (_shifted(row, size, known) for row in (loop.above, loop.below))
+    return [*(below_z * den * _power(longest) + above_z * total).coeffs()]
+
+
+def hurwitz(row: list[Ball]) -> tuple[list[Ball], Ball]:
+    """The coefficients in v, ascending, of a polynomial in z - 1 = 2 v/(1 - v), and the last determinant but one of Hurwitz.
+
+    The determinant vanishes where two roots v add up to 0: a pair on the axis, or a real root and its negative.
+    """
+    n = len(row) - 1
+    turned = arb_poly([])
+    for k, x in enumerate(row):
+        turned += x * arb_poly([0] * k + [2**k]) * arb_poly([(-1) ** i * comb(n - k, i) for i in range(n - k + 1)])
+    c = [*turned.coeffs()]
+    c += [arb(0)] * (n + 1 - len(c))
+    if n < 2:
+        return c, arb(1)
+    down = c[::-1]
+    places = [[2 * (j + 1) - (i + 1) for j in range(n - 1)] for i in range(n - 1)]
+    return c, arb_mat([[down[k] if 0 <= k <= n else arb(0) for k in line] for line in places]).det()
+
+
+def _leverrier(M: Any) -> tuple[Any, list[Any]]:
+    """|x - M|, and the coefficients of adj(x - M), ascending in x: without differences of what is nearly equal (Leverrier)."""
+    n = M.nrows()
+    one = matrix([[arb(int(i == j)) for j in range(n)] for i in range(n)])
+    row, N = [arb(1)], one
+    found = [one] if n else []
+    for k in range(1, n + 1):
+        moved = N * M
+        row.append(-moved.trace() / k)
+        N = moved + one * row[-1]
+        if k < n:
+            found.append(N)
+    return arb_poly(row[::-1]), found[::-1]
+
+
+def _between(C: Any, adjugate: list[Any], start: Any) -> Any:
+    """C adj(x - M) start."""
+    return arb_poly([(C * N * start)[0, 0] for N in adjugate])
+
+
+@lru_cache(maxsize=64)
+def _power(k: int) -> Any:
+    """z^k in z - 1."""
+    return arb_poly([comb(k, i) for i in range(k + 1)])
+
+
+def _shifted(row: tuple[Expr, ...], size: int, known: Mapping[Expr, Ball]) -> Any:
+    """z^size times a polynomial in 1/z, in z - 1: what cancels does so exactly."""
+    sums = [Integer(0)] * (size + 1)
+    for k, x in enumerate(row):
+        for i in range(size - k + 1):
+            sums[i] += x * comb(size - k, i)
+    return arb_poly([expression_ball(x.expand(), known) for x in sums])

@@ -1,0 +1,65 @@
+"""A plant in states: where a force that is held takes it, by matrix exponentials in balls."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from flint import arb, arb_mat
+
+from haptisym.kernel.reals import Ball
+
+
+def matrix(rows: list[list[Ball]], columns: int | None = None) -> Any:
+    """A matrix, which may be of no size."""
+    width = len(rows) if columns is None else columns
+    return arb_mat(rows) if rows and width else arb_mat(len(rows), width)
+
+
+@dataclass(frozen=True)
+class States:
+    """The companion form of a monic denominator Q(s), coefficients ascending, in balls.
+
+    The i-th state is the i-th derivative times rate^(n - 1 - i): with entries of one size a matrix exponential, whose error is
+    one for all of its entries, stays narrow where the numbers it is made of are.
+    """
+
+    Q: Sequence[Ball]
+
+    @property
+    def size(self) -> int:
+        return len(self.Q) - 1
+
+    @cached_property
+    def rate(self) -> Ball:
+        """About how fast the plant is, 1/s."""
+        n = self.size
+        sizes = [float(abs(q).mid()) ** (1 / (n - i)) for i, q in enumerate(self.Q[:n])]
+        return arb(max([*sizes, 1.0]))
+
+    @cached_property
+    def A(self) -> Any:
+        n, rate = self.size, self.rate
+        last = [-q / rate ** (n - 1 - j) for j, q in enumerate(self.Q[:n])]
+        return matrix([[rate * int(j == i + 1) for j in range(n)] for i in range(n - 1)] + ([last] if n else []))
+
+    def row(self, C: Sequence[Ball]) -> Any:
+        """What reads c_0 y + c_1 y' + ... off the states."""
+        n = self.size
+        return matrix([[c / self.rate ** (n - 1 - j) for j, c in enumerate(C)]], n)
+
+    def held(self, time: Ball) -> Any:
+        """Where a unit force that is held for some time takes the plant from rest."""
+        n, A = self.size, self.A
+        rows = [[*(A[i, j] for j in range(n)), arb(int(i == n - 1))] for i in range(n)]
+        moved = (matrix([*rows, [arb(0)] * (n + 1)]) * time).exp()
+        return matrix([[moved[i, n]] for i in range(n)], 1)
+
+    def integral(self, time: Ball) -> Any:
+        """int_0^time exp(A t) dt."""
+        n, A = self.size, self.A
+        rows = [[*(A[i, j] for j in range(n)), *(self.rate * int(i == j) for j in range(n))] for i in range(n)]
+        moved = (matrix([*rows, *([arb(0)] * (2 * n) for _ in range(n))]) * time).exp()
+        return matrix([[moved[i, n + j] / self.rate for j in range(n)] for i in range(n)])

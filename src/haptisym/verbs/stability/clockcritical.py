@@ -1,0 +1,309 @@
+"""How far a number may go before a display with a clock shakes: where roots of its loop reach the unit circle, by balls.
+
+There is a root z = 1 where B(1) Q(0) + A(1) N(0) = 0, D = A/B and G = N/Q; a root z = -1 where the highest coefficient in v is 0,
+z = (1 + v)/(1 - v); a pair on the circle where a determinant of Hurwitz is. From a value on, cells in which none of the three
+vanishes follow each other, as long as they may be, up to one in which the number of roots changes; its zero is closed in on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property, lru_cache
+from typing import Any
+
+import flint
+from flint import acb_poly, arb
+from sympy import Add, Expr, Integer, Rational, Symbol
+
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.nearone import about_one, hurwitz
+from haptisym.kernel.pulse import Plant, SampledLoop
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
+from haptisym.kernel.schurcohn import count_on_circle
+from haptisym.model.hand import Hand
+from haptisym.model.knobs import Knob
+from haptisym.model.parameters import Rule
+from haptisym.model.scene import Scene
+from haptisym.verbs.stability.clocked import loop_of
+
+_BITS = 128
+_REACH = 10  # times that a value is doubled, and halved, at the most
+_FINEST = Fraction(
+    1, 1 << 24
+)  # of a value: where cells are shorter it is asked whether roots are more or fewer behind them
+_MOST_CELLS = 500  # on a side
+
+
+@dataclass(frozen=True)
+class Passage:
+    """A ``value`` at which the number of roots with |z| >= 1 changes, from ``below`` to ``above``; ``omega`` : theirs, rad/s."""
+
+    value: RealNumber
+    omega: RealNumber
+    below: int
+    above: int
+
+
+@dataclass(frozen=True)
+class Passages:
+    """Those ``found``, and between which values (``low``, ``high``) all are."""
+
+    found: tuple[Passage, ...]
+    low: Fraction | None = None
+    high: Fraction | None = None
+
+
+def passages(scene: Scene, hand: Hand, free: Knob) -> Passages:
+    """The nearest below the value that a number has, and the nearest above it. UndecidedError where that stays open."""
+    if free.rule not in (Rule.POSITIVE, Rule.NONNEGATIVE, Rule.ANY):
+        raise UndecidedError("an order in a loop with a clock")
+    symbol = free.symbol
+    if any(p.symbol == symbol for p in hand.parameters):
+        opened, own = scene, hand.with_values({symbol.name: symbol})
+    else:
+        opened, own = scene.with_values({free.path: symbol}), hand
+    loop = Opened(loop_of(opened, own), symbol)
+    if loop.is_fixed:
+        return Passages(())
+    start = Rational(free.value)
+    home = loop.count(start)
+    if home[1]:
+        raise UndecidedError("how far a number may go that has roots on the unit circle now")
+    walk = _Walk(loop, _fraction(start), home[0], free.rule)
+    (below, low), (above, high) = (walk.towards(side) for side in (-1, 1))
+    return Passages(tuple(x for x in (below, above) if x is not None), low, high)
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A loop in which a symbol stands for one number."""
+
+    loop: SampledLoop
+    symbol: Symbol
+
+    @cached_property
+    def is_fixed(self) -> bool:
+        """Whether the number is nowhere in it."""
+        plant = self.loop.plant
+        every = (
+            self.loop.T,
+            *self.loop.above,
+            *self.loop.below,
+            *plant.denominator,
+            *(x for lag, N in plant.terms for x in (lag, *N)),
+        )
+        return not any(x.has(self.symbol) for x in every)
+
+    def at(self, value: Rational) -> SampledLoop:
+        """The loop at a number."""
+
+        def put(row: tuple[Expr, ...]) -> tuple[Expr, ...]:
+            known = [x.xreplace({self.symbol: value}) for x in row]
+            while len(known) > 1 and known[-1] == 0:
+                known.pop()
+            return tuple(known)
+
+        plant = self.loop.plant
+        terms = tuple((lag.xreplace({self.symbol: value}), put(N)) for lag, N in plant.terms)
+        T = self.loop.T.xreplace({self.symbol: value})
+        return SampledLoop(Plant(put(plant.denominator), terms), T, put(self.loop.above), put(self.loop.below))
+
+    def count(self, value: Rational) -> tuple[int, int]:
+        """The roots with |z| >= 1 at a number, and those on the circle that are not there at any number."""
+        found = count_on_circle(self.at(value))
+        return found.inside + found.on, found.on - self.always
+
+    @cached_property
+    def at_one(self) -> Expr:
+        """B(1) Q(0) + A(1) N(0): C(1) times what is nowhere 0."""
+        plant = self.loop.plant
+        return (
+            Add(*self.loop.below) * plant.denominator[0] + Add(*self.loop.above) * Add(*(N[0] for _, N in plant.terms))
+        ).expand()
+
+    @cached_property
+    def always(self) -> int:
+        """How many roots lie at 1 whatever the number is."""
+        if self.at_one != 0:
+            return 0
+        found = count_on_circle(self.at(Rational(7919, 6007)))
+        return found.on
+
+    def row(self, q: Ball) -> list[Ball]:
+        """The coefficients at a ball of numbers, but for the roots that are always at 1."""
+        row = self.loop.balls({self.symbol: q})
+        for _ in range(self.always):
+            rest = [row[-1]]
+            for x in row[-2:0:-1]:
+                rest.append(x + rest[-1])
+            row = rest[::-1]
+        return row
+
+    def tests(self, q: Ball) -> tuple[Ball, Ball, Ball]:
+        """At z = 1, at z = -1, and where two roots v add up to 0: numbers that vanish where a root is on the circle."""
+        row = about_one(self.loop, {self.symbol: q})[self.always :]
+        c, pairs = hurwitz(row)
+        one = c[0] if self.always else expression_ball(self.at_one, {self.symbol: q})
+        return one, c[-1], pairs
+
+    def angle(self, q: Ball, bits: int) -> Ball:
+        """Of the pair on the circle: its argument, to so many bits; not finite where balls do not tell."""
+        try:
+            roots = acb_poly(self.row(q)).roots(tol=arb(2) ** -bits, maxprec=2 * flint.ctx.prec)
+        except ValueError:
+            return arb("nan")
+        found = [z.arg() for z in roots if abs(z).overlaps(arb(1)) and z.imag > 0]
+        return found[0] if len(found) == 1 else arb("nan")
+
+    def period(self, q: Ball) -> Ball:
+        """T, s."""
+        return expression_ball(self.loop.T, {self.symbol: q})
+
+
+@dataclass(frozen=True)
+class _Walk:
+    """From a value on, cell after cell."""
+
+    loop: Opened
+    start: Fraction
+    home: int
+    rule: Rule
+
+    def towards(self, side: int) -> tuple[Passage | None, Fraction]:
+        """The nearest change on one side, None where there is none, and as far as that is known."""
+        scale = abs(self.start) or Fraction(1)
+        end = self._end(side, scale)
+        at, step = self.start, scale / 64
+        for _ in range(_MOST_CELLS):
+            if at == end:
+                found = self._at_0(at, side)
+                return found, Fraction(0) if found else at
+            ahead = min(at + step, end) if side > 0 else max(at - step, end)
+            if self._is_clear(at, ahead):
+                at, step = ahead, step * Fraction(3, 2)
+            elif step > _FINEST * max(abs(at), scale * _FINEST):
+                step /= 2
+            else:
+                beyond = at + 8 * side * step
+                try:
+                    found = self._between(at, beyond, side)
+                except UndecidedError:
+                    break
+                if found is not None:
+                    return found, beyond
+                at = beyond
+        return None, at
+
+    def _end(self, side: int, scale: Fraction) -> Fraction:
+        far: Fraction = self.start + side * scale * 2**_REACH
+        return far if side > 0 or self.rule is Rule.ANY else self.start / 2**_REACH
+
+    def _is_clear(self, one: Fraction, other: Fraction) -> bool:
+        with flint.ctx.workprec(_BITS):
+            q = _ball(one).union(_ball(other))
+            try:
+                return not any(x.contains(0) or not x.is_finite() for x in self.loop.tests(q))
+            except (UndecidedError, ZeroDivisionError):
+                return False
+
+    def _between(self, one: Fraction, other: Fraction, side: int) -> Passage | None:
+        """A change between two values that are close to each other."""
+        count, on = self.loop.count(Rational(other.numerator, other.denominator))
+        if on:
+            raise UndecidedError("where a root stays on the unit circle")
+        if count == self.home:
+            return None
+        low, high = sorted((one, other))
+        below, above = (self.home, count) if side > 0 else (count, self.home)
+        with flint.ctx.workprec(_BITS):
+            ends = [self.loop.tests(_ball(x)) for x in (low, high)]
+            changed = [i for i, (x, y) in enumerate(zip(*ends, strict=True)) if x * y < 0]
+        if len(changed) != 1:
+            raise UndecidedError("where roots reach the unit circle together")
+        value = CriticalValue(self.loop, changed[0], low, high)
+        return Passage(value, Swing(value), below, above)
+
+    def _at_0(self, at: Fraction, side: int) -> Passage | None:
+        """At the end of what was looked at: a change at 0 itself, where a root comes to 1."""
+        if side > 0 or self.rule is not Rule.NONNEGATIVE or self.start == 0:
+            return None
+        count, _ = self.loop.count(Integer(0))
+        left = (self.loop.at_one / self.loop.symbol).expand()
+        with flint.ctx.workprec(_BITS):
+            q = arb(0).union(_ball(at))
+            clear = not any(x.contains(0) for x in self.loop.tests(q)[1:])
+        if count == self.home or not clear or left.has(1 / self.loop.symbol) or self.loop.always:
+            return None
+        zero = ExactNumber(Integer(0))
+        return Passage(zero, zero, count, self.home)
+
+
+@dataclass(frozen=True, repr=False)
+class CriticalValue(RealNumber):
+    """The zero of one of the three tests between two values at which its signs differ."""
+
+    loop: Opened
+    test: int
+    low: Fraction
+    high: Fraction
+
+    def ball(self, bits: int) -> Ball:
+        return _bisected(self, bits)
+
+    def value(self, x: Ball) -> Ball:
+        """The test at a point."""
+        return self.loop.tests(x)[self.test]
+
+
+@lru_cache(maxsize=256)
+def _bisected(zero: CriticalValue, bits: int) -> Ball:
+    """A ball around it of about that relative accuracy: by regula falsi, until signs on both sides of a point confirm it."""
+    with flint.ctx.workprec(2 * bits + 64):
+        low, high = _ball(zero.low), _ball(zero.high)
+        f, g = (zero.value(x).mid() for x in (low, high))
+        width = abs(high) * arb(2) ** -bits
+        while (high - low) > 2 * width:
+            x = ((low * g - high * f) / (g - f)).mid()
+            for place in ((x - width).mid(), (x + width).mid()):
+                if not low < place < high:
+                    continue
+                y = zero.value(place)
+                if y.contains(0):
+                    return low.union(high)
+                if (y > 0) == (f > 0):
+                    low, f = place, y.mid()
+                else:
+                    high, g = place, y.mid()
+            middle = ((low + high) / 2).mid()
+            y = zero.value(middle)
+            if y.contains(0):
+                return low.union(high)
+            if (y > 0) == (f > 0):
+                low, f = middle, y.mid()
+            else:
+                high, g = middle, y.mid()
+        return low.union(high)
+
+
+@dataclass(frozen=True, repr=False)
+class Swing(RealNumber):
+    """The frequency at which roots reach the unit circle, rad/s."""
+
+    value: CriticalValue
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(4 * bits + 128):
+            q = self.value.ball(2 * bits + 64)
+            if self.value.test == 0:
+                return arb(0)
+            theta = arb.pi() if self.value.test == 1 else self.value.loop.angle(q, bits)
+            return theta / self.value.loop.period(q)
+
+
+def _fraction(x: Rational) -> Fraction:
+    return Fraction(int(x.p), int(x.q))
+
+
+def _ball(x: Fraction) -> Any:
+    return arb(x.numerator) / arb(x.denominator)
