@@ -469,10 +469,18 @@ def test_the_contract_document(capsys, monkeypatch) -> None:  # type: ignore[no-
         "range": [0.0, None],
         "band": [0.0, 15.0],
         "condition": ["real", "imag"],
+        "criteria": ["transparent"],
         "feasible": [[122.35581477043092, None]],
         "ends": [[{"digits": "122.3558147704309211874431712767197563518", "closed": True}, None]],
         "binding": [
-            {"at": 122.35581477043092, "part": "imag", "omega": 15.0, "kind": "band-edge", "closed_form": None}
+            {
+                "at": 122.35581477043092,
+                "part": "imag",
+                "criterion": "transparent",
+                "omega": 15.0,
+                "kind": "band-edge",
+                "closed_form": None,
+            }
         ],
         "closed_form": None,
         "undecided": [],

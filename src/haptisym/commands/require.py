@@ -15,7 +15,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.model.scene import Scene
 
 
-@verb()
+@verb(needs=[("--hand", "--that", "the hand of --that stable")])
 @scene_argument
 @click.option(
     "--free",
@@ -34,6 +34,15 @@ from haptisym.model.scene import Scene
     help='The values asked about, as "50 rad/s" "30 Hz"; bare numbers in SI. All that the model allows if not given.',
 )
 @click.option("--part", "name", type=click.Choice(["real", "imag"]), help="Ask for the condition of one part only.")
+@click.option(
+    "--that",
+    multiple=True,
+    type=click.Choice(["transparent", "stable", "passive"]),
+    default=["transparent"],
+    show_default=True,
+    help="What is asked of the display; may be repeated: all of them together.",
+)
+@click.option("--hand", metavar="NAME", help="The hand of --that stable: of the scene, or one that the package ships.")
 @click.option("--any-environment", is_flag=True, help="Ask for |G - 1| <= c, for every environment at once.")
 @json_option
 @click.option(
@@ -71,6 +80,7 @@ def require(
       haptisym require fu2019 --free effects.filter.omega_n
       haptisym require fu2019 --free zeta --range 0 1 --json --digits 50
       haptisym require delayed-spring --free tau --any-environment
+      haptisym require delayed-spring --free environment.k --range 1 1000 --that stable --hand postural-arm
       haptisym require fu2019 --free omega_n --free zeta --range 60 200 --range 0.1 1 --figure map.svg
     """
     from haptisym.model.jnd import Part

@@ -10,24 +10,17 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from haptisym.figures.require import HATCH, label_of, limits_of, look_of, parameter_scale
 from haptisym.figures.scales import Scale
-from haptisym.figures.sheet import one_column
 from haptisym.figures.style import GREY, SHADE, TEXT, Look, dress, legend, limit, write_note
 from haptisym.judge.criteria import Criterion
 from haptisym.verbs.require.designmap import DesignMap, Slice
 from haptisym.verbs.require.feasible import Binding, Kind, Span
 
 _FILL = {Kind.EDGE: "full", Kind.START: "none", Kind.TOUCH: "bottom"}
-
-
-def map_figure(found: DesignMap) -> Figure:
-    """A map of two parameters."""
-    return one_column(2.6, lambda ax: draw_map(ax, found))
 
 
 def draw_map(ax: Axes, found: DesignMap, *, color: str | None = None, label: str = "") -> list[Artist]:
@@ -37,15 +30,14 @@ def draw_map(ax: Axes, found: DesignMap, *, color: str | None = None, label: str
     or between slices that differ in kind. Ticks on the lower axis: where the slices are.
     ``color``, ``label`` : of the scene; of a further one on the same axes no ground is drawn. Returns the strokes and the marks.
 
-    >>> from matplotlib.figure import Figure
-    >>> from haptisym import design_map, load_scene
+    >>>     >>> from haptisym import design_map, load_scene
     >>> found = design_map(load_scene("fu2019"), ["omega_n", "zeta"], [(60, 200), (0.1, 1)], slices=5)
     >>> strokes, *marks = draw_map(Figure().add_subplot(), found)
     >>> [mark.get_label() for mark in marks]
     ['imaginary part, band-edge']
     """
-    look, scales = Look.on(ax, "exact slices", color, label), _scales(found)
-    (a, b), (low, high) = _window_of(found)
+    look, scales = Look.on(ax, "exact slices", color, label), scales_of(found)
+    (a, b), (low, high) = window_of(found)
     strokes = _draw_slices(ax, found, look, scales)
     ground = [] if look.number else _draw_ground(ax, found, scales)
     marks = draw_boundary(ax, found, color=None if look.plain else look.color, suffix=look.suffix)
@@ -65,14 +57,14 @@ def draw_map(ax: Axes, found: DesignMap, *, color: str | None = None, label: str
 _STROKES = "transparent on the slice"
 
 
-def _scales(found: DesignMap) -> tuple[Scale, Scale]:
+def scales_of(found: DesignMap) -> tuple[Scale, Scale]:
     one, other = (parameter_scale(x, (*pair, x.value)) for x, pair in zip(found.free, found.ranges, strict=True))
     return one, other
 
 
 def _draw_slices(ax: Axes, found: DesignMap, look: Look, scales: tuple[Scale, Scale]) -> LineCollection:
     """An upright stroke along each interval of each slice, and a tick on the axis for each slice."""
-    _, window = _window_of(found)
+    _, window = window_of(found)
     color = GREY if look.plain else look.color
     rows = [(scales[0].of(float(x.at)), x.requirement) for x in found.slices]
     lines = [[(x, scales[1].of(y)) for y in limits_of(span, *window)] for x, r in rows for span in r.feasible]
@@ -94,7 +86,7 @@ def _tick_entry(look: Look) -> list[Artist]:
 
 def _draw_ground(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale]) -> list[Artist]:
     """A light ground between slices of one kind, which proves nothing."""
-    _, window = _window_of(found)
+    _, window = window_of(found)
     for at, left, right in _pieces(found):
         (y0, y1), (z0, z1) = (limits_of(span, *window) for span in (left, right))
         x, bottom, top = (
@@ -112,8 +104,8 @@ def draw_boundary(
 
     ``suffix`` : what the entries end with; ``width`` : of the lines, points.
     """
-    _, window = _window_of(found)
-    scales = _scales(found)
+    _, window = window_of(found)
+    scales = scales_of(found)
     drawn = []
     for at, left, right in _pieces(found):
         (y0, y1), (z0, z1) = (limits_of(span, *window) for span in (left, right))
@@ -150,7 +142,7 @@ def _ends(found: DesignMap) -> dict[tuple[Criterion, Kind], list[tuple[float, fl
 
 def _draw_undecided(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale], look: Look) -> list[Artist]:
     """Hatched: what a slice leaves open, halfway to its neighbours, and what lies between slices that differ in kind."""
-    boxes = [*_left_open(found), *_between(found)]
+    boxes = [*left_open(found), *_between(found)]
     for (a, b), (c, d) in boxes:
         x, y = scales[0].of(np.array([a, b])), scales[1].of(np.array([c, d]))
         ax.fill_between(x, [y[0]] * 2, [y[1]] * 2, zorder=1, **HATCH)
@@ -160,8 +152,9 @@ def _draw_undecided(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale], loo
 Box = tuple[tuple[float, float], tuple[float, float]]
 
 
-def _left_open(found: DesignMap) -> Iterator[Box]:
-    _, (low, high) = _window_of(found)
+def left_open(found: DesignMap) -> Iterator[Box]:
+    """What slices leave open, halfway to their neighbours."""
+    _, (low, high) = window_of(found)
     at = [float(x.at) for x in found.slices]
     middles = [at[0], *((a + b) / 2 for a, b in pairwise(at)), at[-1]] if at else []
     for x, around in zip(found.slices, pairwise(middles), strict=True):
@@ -171,7 +164,7 @@ def _left_open(found: DesignMap) -> Iterator[Box]:
 
 def _between(found: DesignMap) -> Iterator[Box]:
     """The intervals of two neighbouring slices that have not as many."""
-    _, window = _window_of(found)
+    _, window = window_of(found)
     for one, other in pairwise(found.slices):
         spans = one.requirement.feasible + other.requirement.feasible
         if not _alike(one, other):
@@ -183,7 +176,7 @@ def _alike(one: Slice, other: Slice) -> bool:
     return len(one.requirement.feasible) == len(other.requirement.feasible)
 
 
-def _window_of(found: DesignMap) -> tuple[tuple[float, float], tuple[float, float]]:
+def window_of(found: DesignMap) -> tuple[tuple[float, float], tuple[float, float]]:
     (a, b), (low, high) = ((float(x) for x in pair) for pair in found.ranges)
     return (a, b), (low, high)
 

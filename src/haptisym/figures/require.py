@@ -103,15 +103,25 @@ def draw_requirement(ax: Axes, found: Requirement, *, color: str | None = None, 
         ) if x in curves else []  # fmt: skip
     ends = [scale.of(float(end.value)) for end in found.ends if end.value is not None]
     dots = _dots(ax, ends, INK if look.plain else look.color, f"ends, proven{look.suffix}")
-    threshold = [] if "threshold" in entries(ax) else [ax.axhline(1, color=GREY, linewidth=0.6, label="threshold")]
+    is_new = bool(lines) and "threshold" not in entries(ax)
+    threshold = [ax.axhline(1, color=GREY, linewidth=0.6, label="threshold")] if is_new else []
     lowest = [float(np.min(worst[np.isfinite(worst)], initial=np.inf)) for worst in curves.values()]
     top = max([3.0, *(1.5 * x for x in lowest if x < np.inf)])  # each curve is seen somewhere
     limit(ax, (scale.of(low), scale.of(high)), (0, top), number=look.number)
     dress(ax)
     ax.set_xlabel(label_of(found.free, scale), fontsize=TEXT)
-    ax.set_ylabel("worst case on the band, $r/c$", fontsize=TEXT)
+    if lines:
+        ax.set_ylabel("worst case on the band, $r/c$", fontsize=TEXT)
+    else:  # what was asked has no course along a band
+        ax.set_yticks([])
+        ax.set_ylim(0, 2)
     legend(ax, [*lines, *threshold, *spans, *dots])
     return lines
+
+
+def kept_words(that: Iterable[str]) -> str:
+    """``transparent and stable``: of what was asked."""
+    return " and ".join("fit for every passive hand" if x == "passive" else x for x in that)
 
 
 def _dots(ax: Axes, at: Sequence[float], color: str, label: str) -> list[Line2D]:
@@ -134,8 +144,9 @@ def _draw_set(ax: Axes, found: Requirement, look: Look, scale: Scale, window: tu
             made.append(ax.axvline(a, color=SHADE, linewidth=2, zorder=0))
         else:
             made.append(ax.axvspan(a, b, facecolor=SHADE, linewidth=0, zorder=0))
-    told = made[:1] or [entry(f"no value is {'transparent' if found.certified else 'proven transparent'}{look.suffix}")]
-    told[0].set_label(f"transparent{look.suffix}" if made else str(told[0].get_label()))
+    word = kept_words(found.that)
+    told = made[:1] or [entry(f"no value is {word if found.certified else f'proven {word}'}{look.suffix}")]
+    told[0].set_label(f"{word}{look.suffix}" if made else str(told[0].get_label()))
     low, high = window
     for start, end in found.undecided:
         a, b = low if start is None else float(start), high if end is None else float(end)

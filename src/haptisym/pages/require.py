@@ -30,7 +30,12 @@ from haptisym.writing.document import (
 )  # fmt: skip
 from haptisym.writing.names import named
 
-_PLACES = {Kind.EDGE: "the band's high end", Kind.START: "the band's low end", Kind.TOUCH: "a touch inside the band"}
+_PLACES = {
+    Kind.EDGE: "the band's high end", Kind.START: "the band's low end", Kind.TOUCH: "a touch inside the band",
+    Kind.AXIS: "roots on the imaginary axis", Kind.FAR: "far out",
+}  # fmt: skip
+_OF_ALL = {Kind.START: "at low frequencies", Kind.TOUCH: "a touch", Kind.FAR: "at high frequencies", Kind.AXIS: "poles"}
+"""Where every passive hand binds, which is not about the band."""
 
 
 def page(r: Requirement) -> Document:
@@ -51,7 +56,14 @@ def _question(r: Requirement) -> Iterator[tuple[str, Phrase]]:
     yield "free", (r.free.path, " (", named(r.free.symbol.name), f"), {unit}")
     yield "asked", _asked(r)
     yield "band", (low, " to ", high)
-    yield "condition", (listed(map(rule, r.criteria)), " on the whole band")
+    yield "condition", _condition(r)
+
+
+def _condition(r: Requirement) -> Phrase:
+    judged = [x for x in r.criteria if x.name not in ("stable", "passive")]
+    others = [x.rule for x in r.criteria if x not in judged]
+    first = (listed(map(rule, judged)), " on the whole band") if judged else ""
+    return first, "; " if judged and others else "", "; ".join(others)
 
 
 def _asked(r: Requirement) -> str:
@@ -129,11 +141,14 @@ def _heading(free: Knob) -> Phrase:
 
 
 def _part(b: Binding) -> Phrase:
+    if b.criterion.name in ("stable", "passive"):
+        return b.criterion.words
     return symbol(b.criterion.symbol), f" ({b.criterion.name})" if b.part else ""
 
 
 def _where(b: Binding) -> Phrase:
-    return _PLACES[b.kind], "" if b.omega is None else (", ", both(b.omega))
+    place = _OF_ALL[b.kind] if b.criterion.name == "passive" else _PLACES[b.kind]
+    return place, "" if b.omega is None else (", ", both(b.omega))
 
 
 def _formulas(r: Requirement) -> Iterator[Block]:
@@ -165,6 +180,7 @@ def _limit(x: RealNumber | None) -> str:
 
 # A map of two parameters.
 
+_WORDS = {"transparent": "transparent", "stable": "stable", "passive": "fit for every passive hand"}
 _MOST_ROWS = 10  # of slices that are listed; the document of JSON has them all
 
 
@@ -175,25 +191,42 @@ def map_page(m: DesignMap) -> Document:
     kinds = sorted({y.kind.value for x in some for e in x.requirement.ends for y in e.bindings})
     said = (
         f"{len(m.slices)} exact slices along ", named(a.symbol.name), f": {len(some)} of them hold values of ",
-        named(b.symbol.name), " that make the display transparent on its whole band.",
-        (" The boundary is a ", listed(kinds), " curve.") if kinds else "",
+        named(b.symbol.name), " that make the display ", listed(dict.fromkeys(x.kept for x in m.criteria)), ".",
+        (" What binds at the boundary: ", listed(kinds), ".") if kinds else "",
     )  # fmt: skip
     certain = (
         "Certain: every value of a slice is proven. Between slices the figure draws straight lines, which prove nothing; "
         "--slices N gives more of them."
     )
     last = certain if m.certified else (Strong("UNDECIDED"), " in some slices: see --json.")
-    shown = (
-        "Values that make the display transparent on its whole band, along exact slices, with what binds at their ends."
-    )
+    shown = "Values that will do, along exact slices, with what binds at their ends."
     figure = Figure("map", shown, m.figure)
-    blocks = Paragraph(said), _slices(m), figure, Paragraph(last)
+    blocks = Facts(tuple(_wished(m))), Paragraph(said), _slices(m), *_classical(m), figure, Paragraph(last)
     return Document(title(m.scene), lead(m.scene, m.asides()), blocks, "Which values will do")
+
+
+def _wished(m: DesignMap) -> Iterator[tuple[str, Phrase]]:
+    judged = [x for x in m.criteria if x.name not in ("stable", "passive")]
+    others = [x.rule for x in m.criteria if x not in judged]
+    first = (listed(map(rule, judged)), " on the whole band") if judged else ""
+    yield "condition", (first, "; " if judged and others else "", "; ".join(others))
+
+
+def _classical(m: DesignMap) -> Iterator[Block]:
+    """The classical bounds that the figure has beside what is exact."""
+    if m.lines:
+        told = listed(f"{x.rule} ({x.name})" for x in m.lines)
+        yield Paragraph(
+            ("Beside the exact sets the figure has the classical bounds ", told, ", which are drawn and not proven.")
+        )
 
 
 def _slices(m: DesignMap) -> Table:
     """Some of the slices, the first and the last one among them."""
     step = ceil((len(m.slices) - 1) / _MOST_ROWS)
     rows = [(float(x.at), sets(x.requirement)) for x in [*m.slices[:-1:step], m.slices[-1]]]
-    columns = Column(_heading(m.free[0]), number=True), Column("transparent for")
+    columns = (
+        Column(_heading(m.free[0]), number=True),
+        Column("will do" if len(m.that) > 1 else f"{_WORDS[m.that[0]]} for"),
+    )
     return Table(columns, tuple((Number(f"{at:.6g}", at), found) for at, found in rows), "Some of the slices, proven.")

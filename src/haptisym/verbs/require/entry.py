@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from haptisym.judge.criteria import noticed
 from haptisym.kernel.budget import Told, limited
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.response import RealFunction
+from haptisym.model.hand import Hand
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.require.freeparameter import asked_of, domain
+from haptisym.verbs.require.held import with_hands
 from haptisym.verbs.require.required import Requirement
-from haptisym.verbs.require.solving import solve
+from haptisym.verbs.require.wishes import STABLE, TRANSPARENT, further, solve_all, wishes
 
 
 def require(
@@ -24,6 +27,8 @@ def require(
     *,
     part: Part | None = None,
     any_environment: bool = False,
+    that: Sequence[str] = (TRANSPARENT,),
+    hand: str | Hand | None = None,
     digits: int = 15,
     limit: float | None = None,
     told: Told | None = None,
@@ -34,6 +39,8 @@ def require(
     ``range`` : the values asked about, numbers in SI or strings with a unit; all that the model allows if not given.
     ``part`` : ask for one part's condition only. ``any_environment`` : ask for |G - 1| <= c instead, which series effects G
     must keep to go unnoticed with every environment.
+    ``that`` : what is asked of the display, together: "transparent", "stable" (in ``hand``, one of the scene or one that the
+    package ships; in all hands of the scene if not given), "passive" (every passive hand may hold it, at all frequencies).
 
     ``limit`` : seconds after which what is proven so far is answered, all other values being undecided; None for no limit.
     ``told`` : is called now and then with how much is done, of how much, and what it is.
@@ -50,12 +57,15 @@ def require(
     scene = as_scene(scene)
     if not isinstance(digits, int) or digits < 1:
         raise SceneError(f"digits: {digits} must be a whole number, at least 1")
+    scene = with_hands(scene, hand) if STABLE in that else scene
     free = scene.knobs[path]
-    criteria, asked = asked_of(scene, [free], part, any_environment=any_environment), domain(free, range)
+    wanted, asked = wishes(that), domain(free, range)
+    judged = asked_of(scene, [free], part, any_environment=any_environment) if TRANSPARENT in wanted else ()
+    criteria = (*judged, *further(scene, wanted))
     with limited(limit, told) as budget:
-        found = solve(scene, free, asked, criteria)
+        found = solve_all(scene, free, asked, criteria)
     cut = budget.seconds if budget.reached else None
-    return Requirement(scene, free, asked, found.feasible, found.undecided, criteria, digits, cut)
+    return Requirement(scene, free, asked, found.feasible, found.undecided, criteria, digits, cut, tuple(wanted))
 
 
 def is_quick(scene: Scene) -> bool:

@@ -21,6 +21,10 @@ class Kind(Enum):
     """At the band's low end."""
     TOUCH = "tangency"
     """Inside: a ratio touches its threshold there."""
+    AXIS = "axis"
+    """Roots of a display in a hand lie on the imaginary axis."""
+    FAR = "far-out"
+    """At frequencies without bound: a root comes from infinity, or a condition fails there first."""
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ _MOST_PRODUCTS = 5000
 
 @dataclass(frozen=True, repr=False)
 class Requirement(Answer):
-    """All values of one parameter for which a scene is transparent on its whole band, certified.
+    """All values of one parameter for which a scene is transparent on its whole band, or what else is asked, certified.
 
     ``feasible``: intervals of values, SI, in order; () means proved that none will do. Each end says what binds there: which
     condition, and where on the band. ``undecided``: values about which nothing is proven; empty for every rational scene.
@@ -52,6 +52,8 @@ class Requirement(Answer):
     criteria: tuple[Criterion, ...] = ()
     digits: int = 15
     limit: float | None = None
+    that: tuple[str, ...] = ("transparent",)
+    """What was asked, as ``require`` takes it."""
 
     def _line(self) -> str:
         spans = " or ".join(map(spanned, self.feasible)) or "none will do"
@@ -122,6 +124,7 @@ class Requirement(Answer):
             "range": [low, high],
             "band": [float(x) for x in self.scene.band],
             "condition": [x.name for x in self.criteria],
+            "criteria": list(self.that),
             "feasible": rows["feasible"],
             "ends": [[self._end(x.low), self._end(x.high)] for x in self.feasible],
             "binding": rows["binding"],
@@ -178,7 +181,8 @@ def _float(end: End) -> float | None:
 def _binding(b: Binding) -> dict[str, Any]:
     omega = None if b.omega is None else float(b.omega)
     part = None if b.criterion.name == ANY_ENVIRONMENT.name else b.criterion.name
-    return {"part": part, "omega": omega, "kind": b.kind.value}
+    name = b.criterion.name if b.criterion.name in ("stable", "passive") else "transparent"
+    return {"part": part if name == "transparent" else None, "criterion": name, "omega": omega, "kind": b.kind.value}
 
 
 def _nearest(x: Nearest) -> dict[str, Any]:

@@ -1,0 +1,131 @@
+"""One map of several things asked: where nothing is noticed, what is stable in a hand, both, and the classical lines."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from haptisym.figures.designmap import left_open, scales_of, window_of
+from haptisym.figures.require import HATCH, label_of, limits_of
+from haptisym.figures.scales import Scale
+from haptisym.figures.style import BLUE, DASHED, DOTTED, GREY, INK, RED, SHADE, TEXT, dress, legend, limit
+from haptisym.programs.values import Array
+from haptisym.verbs.require.classical import Line
+from haptisym.verbs.require.designmap import DesignMap
+from haptisym.verbs.require.required import Requirement
+
+_COLORS = {"transparent": BLUE, "stable": RED, "passive": "#d0701f"}
+_NAMES = {"transparent": "transparent", "stable": "stable", "passive": "every passive hand"}
+_STROKES: Sequence[Any] = (DASHED, DOTTED)
+_GRID = 160
+
+
+def draw_wishes(ax: Axes, found: DesignMap) -> list[Artist]:
+    """What was asked, each set along its exact slices in its own colour, and what they have in common on a grey ground.
+
+    What joins the slices is interpolation. Classical bounds are thin lines with their names. Returns what the legend tells.
+    """
+    scales, ((a, b), (low, high)) = scales_of(found), window_of(found)
+    shown: list[Artist] = [_ground(ax, found, scales)]
+    for i, name in enumerate(found.that):
+        rows = [(float(x.at), (x.apart or (x.requirement,))[i]) for x in found.slices]
+        shown += _outlined(ax, rows, scales, (low, high), name)
+    shown += [_strokes(ax, found, scales, (low, high)), *_hatched(ax, found, scales)]
+    for line, stroke in zip(found.lines, _STROKES, strict=False):
+        shown += _classical(ax, found, line, stroke, scales)
+    limit(ax, (scales[0].of(a), scales[0].of(b)), (scales[1].of(low), scales[1].of(high)))
+    dress(ax)
+    ax.set_xlabel(label_of(found.free[0], scales[0]), fontsize=TEXT)
+    ax.set_ylabel(label_of(found.free[1], scales[1]), fontsize=TEXT)
+    legend(ax, shown)
+    return shown
+
+
+def _neighbours(
+    rows: Sequence[tuple[float, Requirement]], window: tuple[float, float]
+) -> Iterator[tuple[tuple[float, float], tuple[float, float], tuple[float, float]]]:
+    """Between slices with as many intervals: where they are, and both ends of the intervals that belong together."""
+    for (x, one), (y, other) in pairwise(rows):
+        if len(one.feasible) == len(other.feasible):
+            for left, right in zip(one.feasible, other.feasible, strict=True):
+                (a, b), (c, d) = limits_of(left, *window), limits_of(right, *window)
+                yield (x, y), (a, c), (b, d)
+
+
+def _ground(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale]) -> Artist:
+    _, window = window_of(found)
+    for at, below, above in _neighbours([(float(x.at), x.requirement) for x in found.slices], window):
+        x, bottom, top = scales[0].of(np.array(at)), scales[1].of(np.array(below)), scales[1].of(np.array(above))
+        ax.fill_between(x, bottom, top, color=SHADE, linewidth=0, antialiased=False, zorder=0)
+    return Patch(facecolor=SHADE, label="all of them, interpolated")
+
+
+def _strokes(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale], window: tuple[float, float]) -> Artist:
+    rows = [(scales[0].of(float(x.at)), x.requirement) for x in found.slices]
+    lines = [[(x, scales[1].of(y)) for y in limits_of(span, *window)] for x, r in rows for span in r.feasible]
+    strokes = LineCollection(lines, colors=GREY, linewidths=0.6, zorder=1, label="all of them, exact slices")
+    ax.add_collection(strokes)
+    return strokes
+
+
+def _outlined(
+    ax: Axes,
+    rows: Sequence[tuple[float, Requirement]],
+    scales: tuple[Scale, Scale],
+    window: tuple[float, float],
+    name: str,
+) -> list[Artist]:
+    """The ends of one set: lines that interpolate, and a dot where each slice has proven one."""
+    color, dots = _COLORS[name], list[tuple[Any, Any]]()
+    for at, *pairs in _neighbours(rows, window):
+        for pair in pairs:
+            if not all(y in window for y in pair):
+                ax.plot(scales[0].of(np.array(at)), scales[1].of(np.array(pair)), color=color, linewidth=0.9, zorder=2)
+    for x, r in rows:
+        dots += [(scales[0].of(x), scales[1].of(float(e.value))) for e in r.ends if e.value is not None]
+    if dots:
+        ax.plot(*zip(*dots, strict=True), color=color, linestyle="none", marker="o", markersize=1.8, zorder=3)
+    for (x, one), (y, other) in pairwise(rows):
+        for span in one.feasible + other.feasible if len(one.feasible) != len(other.feasible) else ():
+            at = scales[0].of((x + y) / 2)
+            ax.plot([at, at], scales[1].of(np.array(limits_of(span, *window))), color=color, linewidth=0.9, zorder=2)
+    return [Line2D([], [], color=color, linewidth=0.9, marker="o", markersize=2.2, label=_NAMES[name])]
+
+
+def _hatched(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale]) -> list[Artist]:
+    """What slices leave open."""
+    boxes = list(left_open(found))
+    for (a, b), (c, d) in boxes:
+        x, y = scales[0].of(np.array([a, b])), scales[1].of(np.array([c, d]))
+        ax.fill_between(x, [y[0]] * 2, [y[1]] * 2, zorder=1, **HATCH)
+    return [Patch(label="undecided", **HATCH)] if boxes else []
+
+
+def _classical(ax: Axes, found: DesignMap, line: Line, stroke: Any, scales: tuple[Scale, Scale]) -> list[Artist]:
+    """Where a classical bound is met, by its sign on a grid: drawn, not proven."""
+    (a, b), (low, high) = window_of(found)
+    x, y = np.linspace(a, b, _GRID), np.linspace(low, high, _GRID)
+    one, other = (free.path for free in found.free)
+    with np.errstate(all="ignore"):
+        excess: Array = np.array([[_finite(line, {one: u, other: v}) for u in x] for v in y])
+    if not (np.nanmin(excess) < 0 < np.nanmax(excess)):
+        return []
+    ax.contour(
+        scales[0].of(x), scales[1].of(y), excess, [0.0], colors=INK, linestyles=[stroke], linewidths=0.9, zorder=2
+    )
+    return [Line2D([], [], color=INK, linestyle=stroke, linewidth=0.9, label=line.name)]
+
+
+def _finite(line: Line, at: dict[str, float]) -> float:
+    try:
+        return float(line.excess(at))
+    except ZeroDivisionError:
+        return float("nan")

@@ -1,0 +1,110 @@
+"""For which values of one parameter a display is stable in a hand: exact counts of unstable roots between critical values."""
+
+from __future__ import annotations
+
+from itertools import islice
+from typing import Any
+
+import flint
+from flint import acb, arb
+from sympy import Expr, Rational, exp, pi
+
+from haptisym.judge.criteria import Criterion
+from haptisym.kernel.errors import SceneError, UndecidedError
+from haptisym.kernel.reals import RealNumber, expression_ball
+from haptisym.kernel.symbols import s
+from haptisym.model.caveats import clocks
+from haptisym.model.hand import Hand, hands
+from haptisym.model.knobs import Knob
+from haptisym.model.scene import Scene
+from haptisym.verbs.require.feasible import Binding, Kind, Solved
+from haptisym.verbs.require.freeparameter import Domain
+from haptisym.verbs.require.verdicts import Question, Turn, all_open
+from haptisym.verbs.stability.boundary import Meetings, meetings
+from haptisym.verbs.stability.entry import chosen
+from haptisym.verbs.stability.loops import Loop
+
+_MOST_WINDOWS = 8
+"""Of values about the scene's own, each about four times as wide as the one before it."""
+_BITS = 256
+
+
+def stable_in(hand: Hand) -> Criterion:
+    """The display is stable in this hand: a criterion without a function of frequency."""
+    name = f"stable in {hand.name}"
+    return Criterion("stable", name, "H_perc + Z_hand", name, _none, kept=name)
+
+
+def _none(_: object) -> Any:
+    raise SceneError("whether a display is stable in a hand is no condition at one frequency")
+
+
+def with_hands(scene: Scene, given: str | Hand | None) -> Scene:
+    """The scene in the hand that is asked about; its own if none is."""
+    found = scene if given is None else scene.with_hands(chosen(scene, given))
+    if not found.hands:
+        raise SceneError(
+            "whether a display is stable is asked of it in a hand: --hand NAME, or [hand] in the scene; haptisym ships "
+            + ", ".join(hands)
+        )
+    return found
+
+
+def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
+    """All values with which no root of H_perc + m s^2 + b s + k lies in Re s >= 0; the others, or open."""
+    try:
+        if clocks(scene):
+            raise UndecidedError("the roots of a sampled loop")
+        loop = Loop.of(scene, hand, free)
+        window = window_of(loop, free, asked)
+    except UndecidedError:
+        return all_open(asked)
+    criterion = stable_in(hand)
+    turns = [
+        Turn(x.value, (Binding(criterion, x.omega, Kind.AXIS if x.omega is not None else Kind.FAR),))
+        for x in window.found
+    ]
+
+    def verdict(value: Expr) -> bool | None:
+        return loop.at(Rational(value)).number == 0
+
+    return Question(
+        turns, verdict, asked, closed=False, beyond=(window.above, window.below), spares=lambda x: _is_clear(loop, x)
+    ).solve()
+
+
+def _is_clear(loop: Loop, turn: Turn) -> bool:
+    """Whether no root lies on the axis at a value after all: as where all but the hand's damping vanish at omega = 0."""
+    places = [b.omega for b in turn.bindings]
+    return loop.turns is False and all(x is not None and not _on_axis(loop, turn.value, x).contains(0) for x in places)
+
+
+def _on_axis(loop: Loop, value: RealNumber, omega: RealNumber) -> Any:
+    """A ball around the characteristic function at a frequency."""
+    with flint.ctx.workprec(_BITS):
+        at = acb(0, omega.ball(_BITS))
+        known: dict[Expr, Any] = {s: at, pi: acb(arb.pi()), loop.symbol: acb(value.ball(_BITS))}
+        known |= {exp(-s * lag): (-at * expression_ball(lag)).exp() for lag in loop.ring.lags}
+        known |= {s**order: at ** acb(expression_ball(order)) for order in loop.ring.orders}
+        return acb(loop.ring.ball(loop.top, known))
+
+
+def window_of(loop: Loop, free: Knob, asked: Domain) -> Meetings:
+    """The values with roots on the axis, as far as the domain goes where that is known."""
+    last: Meetings | None = None
+    for found in islice(meetings(loop, free.value), _MOST_WINDOWS):
+        last = found if last is None else _wider(last, found)
+        low = last.above is None or (asked.low is not None and bool(last.above <= asked.low))
+        high = last.below is None or (asked.high is not None and bool(last.below >= asked.high))
+        if low and high:
+            break
+    if last is None:
+        raise UndecidedError("where roots meet the imaginary axis")
+    return last
+
+
+def _wider(one: Meetings, other: Meetings) -> Meetings:
+    """Two windows that both hold the scene's own value, as one."""
+    above = None if one.above is None or other.above is None else min(one.above, other.above)
+    below = None if one.below is None or other.below is None else max(one.below, other.below)
+    return Meetings((*one.found, *other.found), above, below)

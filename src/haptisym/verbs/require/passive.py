@@ -1,0 +1,88 @@
+"""For which values of one parameter every passive hand may hold a display: exact verdicts between critical values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from sympy import Expr, Integer
+
+from haptisym.judge.criteria import PASSIVE
+from haptisym.judge.passivity import passivity
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.eliminants import resultant
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import Polynomial
+from haptisym.model.caveats import clocks
+from haptisym.model.distortion import Distortion
+from haptisym.model.knobs import Knob
+from haptisym.model.parameters import values
+from haptisym.model.scene import Scene
+from haptisym.verbs.require.boundary import critical, irreducible, real_roots
+from haptisym.verbs.require.feasible import Binding, Kind, Solved
+from haptisym.verbs.require.freeparameter import Domain, conditions
+from haptisym.verbs.require.verdicts import Question, Turn, all_open
+
+
+def solve_passive(scene: Scene, free: Knob, asked: Domain) -> Solved:
+    """All values with which every passive hand may hold the display; the others, or open: with delays all of them are."""
+    condition = conditions(scene, [free], [PASSIVE])[PASSIVE]
+    if condition.axis.functions or clocks(scene):
+        return all_open(asked)
+    try:
+        turns = [*_of_signs(condition, free), *_of_poles(scene, free)]
+    except UndecidedError:
+        return all_open(asked)
+
+    def verdict(value: Expr) -> bool | None:
+        return passivity(free.put(scene, value)).holds
+
+    return Question(turns, verdict, asked, closed=True).solve()
+
+
+def _of_signs(condition: RealFunction, free: Knob) -> Iterator[Turn]:
+    """Where Im H_perc begins or ceases to be negative somewhere on (0, infinity)."""
+    if free.symbol not in condition.axis.meanings:
+        return
+    index = condition.axis.meanings.index(free.symbol)
+    found = [
+        (x[1], p) for x, p in critical(PASSIVE, condition, (Integer(0), Integer(1))) if x and x[1] is not Kind.EDGE
+    ]
+    found += [(Kind.FAR, _leading(f)) for f, _ in irreducible(condition.function.numerator)]
+    for kind, polynomial in found:
+        omega = None
+        for factor, _ in polynomial.factor()[1]:
+            for value in real_roots(factor, index, negative=True):
+                yield Turn(value, (Binding(PASSIVE, omega, kind),))
+
+
+def _end(polynomial: Polynomial, power: int) -> Polynomial:
+    """The coefficient of one power of the ring's variable."""
+    terms = {(0, *e[1:]): value for e, value in polynomial.to_dict().items() if int(e[0]) == power}
+    return polynomial.context().from_dict(terms)
+
+
+def _leading(polynomial: Polynomial) -> Polynomial:
+    return _end(polynomial, int(polynomial.degrees()[0]))
+
+
+def _of_poles(scene: Scene, free: Knob) -> Iterator[Turn]:
+    """Where poles of H_perc cross the axis, or poles or zeros come from infinity or to 0."""
+    d = Distortion.of(scene.chain.at(values(x for x in scene.parameters if x.path != free.path)))
+    ring = d.perc.ring
+    assert isinstance(ring, Ring)
+    if free.symbol not in ring.meanings:
+        return
+    index, found = ring.meanings.index(free.symbol), list[tuple[Kind, Polynomial]]()
+    for polynomial in (d.perc.numerator, d.perc.denominator):
+        for f, _ in polynomial.factor()[1]:
+            found += [(Kind.FAR, _leading(f)), (Kind.START, _end(f, min(int(e[0]) for e in f.monoms())))]
+    for f, _ in d.perc.denominator.factor()[1]:
+        [(real, imag)] = ring.axis.parts([f])
+        common = real.gcd(imag)
+        if real and imag and f.degrees()[0]:
+            found.append((Kind.AXIS, resultant(real / common, imag / common, 0)))
+    for kind, polynomial in found:
+        for factor, _ in polynomial.factor()[1] if polynomial else ():
+            for value in real_roots(factor, index, negative=True):
+                yield Turn(value, (Binding(PASSIVE, None, kind),))

@@ -1,0 +1,179 @@
+"""The values of one parameter for which a verdict is yes: one exact verdict between each two values at which it may change."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import flint
+from sympy import Expr, Rational
+
+from haptisym.kernel.budget import tick
+from haptisym.kernel.errors import LimitError, UndecidedError
+from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
+from haptisym.verbs.require.feasible import Binding, End, Solved, Span, runs
+from haptisym.verbs.require.freeparameter import Domain
+
+_BITS = 600
+"""With which values are told apart; what is alike so far counts as one."""
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A value at which a verdict may change, and what binds there."""
+
+    value: RealNumber
+    bindings: tuple[Binding, ...]
+
+
+@dataclass(frozen=True)
+class Question:
+    """A verdict on the values of a domain: ``turns`` all values inside at which it may change, ``verdict`` that of a number.
+
+    ``closed`` : whether a turn beside a value that will do will do itself; ``spares`` : whether one of them does, if not.
+    ``beyond`` : from where on turns are not known, None where they all are.
+    """
+
+    turns: Sequence[Turn]
+    verdict: Callable[[Expr], bool | None]
+    domain: Domain
+    closed: bool
+    beyond: tuple[Expr | None, Expr | None] = (None, None)
+    spares: Callable[[Turn], bool] = lambda _: False
+
+    def solve(self) -> Solved:
+        """All values for which the verdict is yes, and those about which it stays open."""
+        places = self._places()
+        cells = [self._cell(a, b) for a, b in pairwise(places)]
+        at = [self._at(i, places, cells) for i in range(len(places))]
+
+        def end(i: int, *, closed: bool) -> End:
+            found = places[i]
+            if found is None:
+                return End(None, closed)
+            return End(found.value, closed, () if self._is_edge(found.value) else found.bindings)
+
+        found = runs([x is True for x in at], [x is True for x in cells])
+        spans = []
+        for i, j, a, b in found:
+            low = end(i, closed=a)
+            spans.append(Span(low, low if i == j else end(j, closed=b)))
+        left = runs([x is None and places[i] is not None for i, x in enumerate(at)], [x is None for x in cells])
+        values = [None if x is None else x.value for x in places]
+        return Solved(tuple(spans), tuple((values[i], values[j]) for i, j, _, _ in left))
+
+    def _places(self) -> list[Turn | None]:
+        """The turns in the domain, in order, with its ends; None without bound."""
+        low, high = self.domain.low, self.domain.high
+        ends = [Turn(ExactNumber(x), ()) for x in (low, high, *self.beyond) if x is not None and self._holds(x)]
+        inside = [x for x in self.turns if x.value.ball(_BITS).is_finite() and self._within(x.value)]
+        found: list[Turn] = []
+        for x in sorted([*ends, *inside], key=lambda x: x.value.ball(_BITS).mid()):
+            if found and not compared(found[-1].value, x.value):
+                found[-1] = replace(found[-1], bindings=tuple(dict.fromkeys([*found[-1].bindings, *x.bindings])))
+            else:
+                found.append(x)
+        return [*([None] if low is None else []), *found, *([None] if high is None else [])]
+
+    def _holds(self, x: Expr) -> bool:
+        return self._within(ExactNumber(x))
+
+    def _within(self, x: RealNumber) -> bool:
+        low, high = self.domain.low, self.domain.high
+        above = low is None or compared(ExactNumber(low), x) >= 0
+        return above and (high is None or compared(x, ExactNumber(high)) >= 0)
+
+    def _cell(self, a: Turn | None, b: Turn | None) -> bool | None:
+        low, high = (None if x is None else x.value for x in (a, b))
+        first, last = self.beyond
+        if first is not None and high is not None and compared(high, ExactNumber(first)) >= 0:
+            return None
+        if last is not None and (high is None or compared(ExactNumber(last), high) > 0):
+            return None
+        return self._asked(rational_between(low, high))
+
+    def _asked(self, value: Expr) -> bool | None:
+        try:
+            tick()
+            return self.verdict(value)
+        except (LimitError, UndecidedError):
+            return None
+
+    def _at(self, i: int, places: Sequence[Turn | None], cells: Sequence[bool | None]) -> bool | None:
+        """At one of the places: as exact numbers tell; else as its neighbours do."""
+        here = places[i]
+        if here is None or not self._belongs(here.value):
+            return False
+        if isinstance(here.value, ExactNumber) and isinstance(here.value.value, Rational):
+            return self._asked(here.value.value)
+        near = cells[max(i - 1, 0) : i + 1]
+        if True not in near:
+            return None if None in near else False
+        return self.closed or not here.bindings or self.spares(here)
+
+    def _is_edge(self, x: RealNumber) -> bool:
+        return any(end is not None and not compared(x, ExactNumber(end)) for end in (self.domain.low, self.domain.high))
+
+    def _belongs(self, x: RealNumber) -> bool:
+        domain = self.domain
+        low = domain.low is not None and not compared(x, ExactNumber(domain.low))
+        high = domain.high is not None and not compared(x, ExactNumber(domain.high))
+        return not (low and not domain.holds_low) and not (high and not domain.holds_high)
+
+
+def compared(x: RealNumber, y: RealNumber) -> int:
+    """1 where y is beyond x, -1 where it is before it, 0 where they are alike as far as bits go."""
+    with flint.ctx.workprec(_BITS):
+        change = y.ball(_BITS) - x.ball(_BITS)
+        return int(change > 0) - int(change < 0)
+
+
+def all_open(domain: Domain) -> Solved:
+    """Nothing is known of any value."""
+    low, high = (None if x is None else ExactNumber(x) for x in (domain.low, domain.high))
+    return Solved((), ((low, high),))
+
+
+def together(domain: Domain, found: Sequence[Solved]) -> Solved:
+    """The values that are in every one of some sets; undecided what is in none of them for certain out, and in some open."""
+    if len(found) == 1:
+        return found[0]
+    turns = [Turn(end.value, end.bindings) for x in found for end in _ends(x) if end.value is not None]
+    turns += [Turn(y, ()) for x in found for pair in x.undecided for y in pair if y is not None]
+
+    def verdict(value: RealNumber) -> bool | None:
+        answers = [_answer(x, value) for x in found]
+        return False if False in answers else None if None in answers else True
+
+    question = _Sets(turns, lambda x: verdict(ExactNumber(x)), domain, closed=True, of=verdict)
+    return question.solve()
+
+
+@dataclass(frozen=True)
+class _Sets(Question):
+    """A question about numbers of any kind."""
+
+    of: Callable[[RealNumber], bool | None] = lambda _: None
+
+    def _at(self, i: int, places: Sequence[Turn | None], cells: Sequence[bool | None]) -> bool | None:
+        here = places[i]
+        return False if here is None else self.of(here.value)
+
+
+def _ends(x: Solved) -> Iterable[End]:
+    return (end for span in x.feasible for end in (span.low, span.high))
+
+
+def _answer(x: Solved, value: RealNumber) -> bool | None:
+    """Whether a value is in a set; None where that is open."""
+    for span in x.feasible:
+        low, high = span.low, span.high
+        above = 1 if low.value is None else compared(low.value, value)
+        below = 1 if high.value is None else compared(value, high.value)
+        if (above > 0 or (above == 0 and low.closed)) and (below > 0 or (below == 0 and high.closed)):
+            return True
+    for start, end in x.undecided:
+        if (start is None or compared(start, value) >= 0) and (end is None or compared(value, end) >= 0):
+            return None
+    return False
