@@ -20,9 +20,11 @@ from matplotlib.patches import Rectangle
 from matplotlib.text import Annotation, Text
 
 import haptisym as hs
+from haptisym.figures.bandwidths import draw_bandwidths
 from haptisym.figures.effects import draw_influences
 from haptisym.figures.family import save_family_figures
 from haptisym.figures.files import save_figures
+from haptisym.figures.jnd import draw_jnd
 from haptisym.figures.metrics import draw_measures, draw_verdicts
 from haptisym.figures.nyquist import HEAD, draw_nyquist
 from haptisym.figures.projections import draw_projections
@@ -32,6 +34,7 @@ from haptisym.figures.simulate import draw_loop, draw_recovered, draw_time, save
 from haptisym.figures.square import draw_jnd_square
 from haptisym.figures.style import SHADE
 from haptisym.figures.tolerances import draw_tolerances
+from haptisym.verbs.jnd.answers import Answers, Row
 from haptisym.verbs.sweep.swept import Swept
 
 NATURAL, MASS = "effects.filter.omega_n", "environment.m"
@@ -62,6 +65,14 @@ def swept(values: dict[str, Any]) -> Swept:
     return Swept(paper(), hs.sweep(paper(), values))
 
 
+def answered(*shifts: int, alternatives: int | None = None) -> tuple[hs.Psychometric, ...]:
+    """What people answered, each with counts that are a little larger."""
+    base = 20 if alternatives else 3
+    counts = [[base + shift + (x * (30 - base)) // 5 for x in range(6)] for shift in shifts]
+    rows = [tuple(Row(4.4 + 0.3 * i, k, 40) for i, k in enumerate(row)) for row in counts]
+    return tuple(hs.jnd(Answers("answers", x), alternatives=alternatives) for x in rows)
+
+
 KINDS: dict[str, Callable[[Path], object]] = {
     "evaluate": evaluated("fu2019"),
     "evaluate in Hz": evaluated("steering-wheel"),
@@ -69,6 +80,11 @@ KINDS: dict[str, Callable[[Path], object]] = {
     "several environments": lambda folder: save_family_figures(
         hs.evaluate_all(hs.load_scenes("palpation-device")), folder
     ),
+    "evaluate a range of thresholds": lambda folder: save_figures(
+        hs.evaluate(hs.load_scene(RESONANT).with_values({"c": ["0.02", "0.1", "0.4"]})), folder
+    ),
+    "a measured JND": lambda folder: answered(3)[0].save_figure(folder / "x.svg"),
+    "a JND of a forced choice": lambda folder: answered(3, alternatives=2)[0].save_figure(folder / "x.svg"),
     "require": lambda folder: hs.require(paper(), "omega_n").save_figure(folder / "x.svg"),
     "require a JND": lambda folder: hs.require(paper(), "evaluation.jnd").save_figure(folder / "x.svg"),
     "require, in vain": lambda folder: hs.require(paper(), "omega_n", (5, 20)).save_figure(folder / "x.svg"),
@@ -215,9 +231,15 @@ def runs() -> tuple[Any, ...]:
     return tuple(hs.simulate(scene, hs.sine("5 cm", "10 rad/s")) for scene in scenes())
 
 
+def bandwidths() -> tuple[hs.Evaluation, ...]:
+    return tuple(hs.evaluate(x.with_values({"c": ["0.02", "0.1", "0.16"]})) for x in scenes())
+
+
 Draw = Callable[..., Any]
 PAIRS: dict[str, tuple[Draw, Callable[[], tuple[Any, ...]]]] = {
     "ratios": (draw_ratios, evaluations),
+    "bandwidths": (draw_bandwidths, bandwidths),
+    "JND": (draw_jnd, lambda: answered(0, 4)),
     "nyquist": (draw_nyquist, evaluations),
     "projections": (lambda ax, e, **look: draw_projections(ax, e, hs.Part.REAL, **look), evaluations),
     "square": (lambda ax, e, **look: draw_jnd_square(ax, e, 10, **look), evaluations),

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from haptisym.figures.bandwidths import draw_bandwidths, has_bandwidths
 from haptisym.figures.kinds import UNDATED
 from haptisym.figures.nyquist import draw_nyquist
 from haptisym.figures.projections import draw_projections
@@ -28,7 +29,8 @@ def save_figures(evaluation: Evaluation, directory: str | Path, kinds: Iterable[
     """
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
-    return [path for name in _DRAWINGS for path in save(folder / name, draw_figure(evaluation, name), kinds)]
+    names = [name for name in _DRAWINGS if name != "bandwidths" or has_bandwidths(evaluation)]
+    return [path for name in names for path in save(folder / name, draw_figure(evaluation, name), kinds)]
 
 
 def draw_figure(evaluation: Evaluation, name: str, *, wide: bool = False) -> Figure:
@@ -39,6 +41,7 @@ def draw_figure(evaluation: Evaluation, name: str, *, wide: bool = False) -> Fig
 
 _DRAWINGS: Mapping[str, tuple[float, Callable[[Axes, Evaluation], object]]] = MappingProxyType({
     "ratios": (2.1, draw_ratios),
+    "bandwidths": (2.1, draw_bandwidths),
     "nyquist": (2.6, draw_nyquist),
     "projections-real": (2.0, lambda ax, e: draw_projections(ax, e, Part.REAL)),
     "projections-imag": (2.0, lambda ax, e: draw_projections(ax, e, Part.IMAG)),

@@ -59,7 +59,7 @@ def _inside(
     squares: Mapping[Criterion, RealFunction], ranges: Mapping[Part, Interval], band: tuple[Expr, Expr]
 ) -> Bandwidths:
     if ranges[Part.REAL] == ranges[Part.IMAG]:
-        return Climb(squares, ranges[Part.REAL], band, "jnd").found
+        return replace(Climb(squares, ranges[Part.REAL], band, "jnd").found, one=True)
     each = [Climb({x: square}, ranges[x.part], band, x.name).found for x, square in squares.items() if x.part]
     return reduce(_lower, each)
 

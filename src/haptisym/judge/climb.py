@@ -52,10 +52,18 @@ class Bandwidths:
     blocked: Mapping[str, RealNumber] = field(default_factory=dict)
     undecided: str = ""
 
+    one: bool = False
+    """Whether they are those of one number, for both parts."""
+
     @property
     def certified(self) -> bool:
         """Whether nothing stayed open."""
         return not self.undecided
+
+    @property
+    def is_one_curve(self) -> bool:
+        """Whether they can be drawn over one threshold."""
+        return self.one and self.certified and self.least is not None and self.most is not None
 
     def row(self, digits: int) -> dict[str, Any]:
         """As a document has it."""

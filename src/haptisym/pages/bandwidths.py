@@ -2,18 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from functools import partial
+from typing import TYPE_CHECKING
+
 from haptisym.judge.climb import Bandwidths, Jump
+from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.published import like
 from haptisym.model.ranges import Interval
 from haptisym.pages.words import PART_NAMES, both, percent, short
-from haptisym.writing.document import Block, Code, Number, Paragraph, Phrase, Strong, listed
+from haptisym.writing.document import Block, Code, Figure, Number, Paragraph, Phrase, Strong, listed
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Canvas
 
 
-def bandwidths(found: Bandwidths, threshold: Threshold) -> Block:
-    """A paragraph: the least and the most, both reached, and what between is not."""
-    return Paragraph(("For thresholds ", _range(threshold), " ", _said(found), _blocked(found), _open(found)))
+def bandwidths(e: Evaluation) -> Iterator[Block]:
+    """Where the threshold is a range: the least and the most bandwidth, both reached, what between is not, and a drawing."""
+    found, threshold = e.bandwidths, e.scene.threshold
+    if found is None:
+        return
+    yield Paragraph(("For thresholds ", _range(threshold), " ", _said(found), _blocked(found), _open(found)))
+    if found.is_one_curve:
+        caption = "The bandwidth over the range of the threshold; a dot is reached, a ring is not."
+        yield Figure("bandwidths", caption, partial(_drawn, e))
+
+
+def _drawn(e: Evaluation) -> Canvas:
+    from haptisym.figures.files import draw_figure  # matplotlib is loaded where something is drawn
+
+    return draw_figure(e, "bandwidths")
 
 
 def _range(threshold: Threshold) -> Phrase:

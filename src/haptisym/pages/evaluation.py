@@ -169,8 +169,7 @@ def _effect(name: str, model: str) -> str:
 
 def _step_1(e: Evaluation) -> Iterator[Block]:
     yield Paragraph(transparency(e))
-    if e.bandwidths:
-        yield bandwidths(e.bandwidths, e.scene.threshold)
+    yield from bandwidths(e)
     yield _figure(e, "ratios", _JOINT_RATIOS if joint(e) else _RATIOS, wide=True)
     yield crossings(e)
     if e.undecided:
