@@ -200,6 +200,42 @@ def test_more_regions_agree_where_one_holds_the_other(case: Case) -> None:
             )
 
 
+# --- side by side ----------------------------------------------------------------------------------------------------
+
+
+def test_square_disc_and_diamond_stand_beside_the_scenes_own_region() -> None:
+    found = hs.evaluate(PAPER, regions=True)
+    rows = found.to_dict()["regions"]
+    assert [x["region"] for x in rows] == ["square", "disc", "diamond", "the scene's own"]
+    assert [x["bandwidth"] for x in rows] == pytest.approx(
+        [7.978916790174708, 7.922311857140609, 7.627045310833144, 7.978916790174708], rel=1e-15
+    )
+    assert [x["crossing"]["part"] for x in rows] == ["real", "joint", "joint", "real"]
+    assert "Does it survive another JND model?" in str(found)
+    assert "regions" not in hs.evaluate(PAPER).to_dict()
+
+
+@pytest.mark.parametrize("name", FACTS)
+def test_side_by_side_each_region_says_what_it_says_alone(name: str) -> None:
+    jnd = FACTS[name][0]
+    found = hs.evaluate(hs.Scene(PAPER.environment, PAPER.effects, PAPER.band, jnd), regions=True)
+    for x in found.regions:
+        alone = judged(x.threshold)
+        assert (x.bandwidth and x.bandwidth.digits(20)) == (alone.bandwidth and alone.bandwidth.digits(20))
+        assert (x.crossing and x.crossing.omega.digits(20)) == (
+            alone.crossings[0].omega.digits(20) if alone.crossings else None
+        )
+
+
+def test_a_polygon_that_moves_has_no_half_widths() -> None:
+    corners = [[0.1, 0], [0, 0.1], [-0.1, 0], [0, "-0.1 - 0.001*omega"]]
+    with pytest.raises(hs.SceneError, match="half widths"):
+        hs.evaluate(
+            hs.Scene(PAPER.environment, PAPER.effects, PAPER.band, {"shape": "polygon", "corners": corners}),
+            regions=True,
+        )
+
+
 # --- what is no region -----------------------------------------------------------------------------------------------
 
 FAULTS: dict[str, tuple[Any, str]] = {

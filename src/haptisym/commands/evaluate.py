@@ -44,6 +44,8 @@ from haptisym.verbs.evaluate.entry import evaluate as evaluate_scene
     help="Correct decimal digits of each crossing.",
 )
 @click.option("--tolerance", metavar="X", help="Leave out the effects that change the ratios by at most that, jointly.")
+@click.option("--regions", is_flag=True, help="Compare with square, disc and diamond of the JND's half widths.")
+@click.option("--proportion", metavar="P", help="Convert the JND to that proportion of right answers, as 0.84.")
 @figures_option
 @file_option("certificate", "Write the answer with a proof that `python -m haptisym_check FILE SCENE.toml` checks.")
 @limit_option
@@ -55,6 +57,8 @@ def evaluate(
     environments: tuple[str, ...],
     digits: int,
     tolerance: str | None,
+    regions: bool,
+    proportion: str | None,
     figures: Path | None,
     certificate: Path | None,
     limit: float,
@@ -77,6 +81,8 @@ def evaluate(
       haptisym evaluate fu2019 --environments fu2019 helicopter-cyclic my-stick.toml
       haptisym evaluate fu2019 --figures figures --latex fu2019.tex
       haptisym evaluate fu2019 --report fu2019.html
+      haptisym evaluate fu2019 --regions
+      haptisym evaluate my-device.toml --proportion 0.84
       haptisym evaluate my-device.toml --certificate my-device.proof.json
       haptisym evaluate my-device.toml --json --digits 50
       haptisym evaluate control-stick-in-detail --tolerance 0.01
@@ -89,11 +95,14 @@ def evaluate(
             raise SceneError("--tolerance takes one environment: choose it with --environment NAME")
         if certificate is not None:
             raise SceneError("--certificate takes one environment: choose it with --environment NAME")
+        if regions or proportion is not None:
+            option = "--regions" if regions else "--proportion"
+            raise SceneError(f"{option} takes one environment: choose it with --environment NAME")
         _evaluate_all(family, digits, figures, as_json, limit)
         return
     one = family[str(environment)] if environments else chosen(family, Path(scene).name, environment)
     with progress() as told, limited(limit, told):
-        result = evaluate_scene(one, digits, tolerance=tolerance)
+        result = evaluate_scene(one, digits, tolerance=tolerance, regions=regions, proportion=proportion)
         _ = result.bandwidths  # of a range of thresholds: within the limit
         proof = None if certificate is None else result.certificate()
     if certificate is not None and proof is not None:

@@ -14,6 +14,7 @@ from haptisym.figures.kinds import UNDATED
 from haptisym.figures.nyquist import draw_nyquist
 from haptisym.figures.projections import draw_projections
 from haptisym.figures.ratios import draw_ratios
+from haptisym.figures.regions import draw_regions
 from haptisym.figures.sampling import band_of, ends_of, poles_of
 from haptisym.figures.sheet import one_column, save
 from haptisym.figures.square import draw_jnd_square
@@ -29,8 +30,12 @@ def save_figures(evaluation: Evaluation, directory: str | Path, kinds: Iterable[
     """
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
-    names = [name for name in _DRAWINGS if name != "bandwidths" or has_bandwidths(evaluation)]
-    return [path for name in names for path in save(folder / name, draw_figure(evaluation, name), kinds)]
+    return [path for name in _names(evaluation) for path in save(folder / name, draw_figure(evaluation, name), kinds)]
+
+
+def _names(evaluation: Evaluation) -> list[str]:
+    without = {"regions": not evaluation.regions, "bandwidths": not has_bandwidths(evaluation)}
+    return [name for name in _DRAWINGS if not without.get(name)]
 
 
 def draw_figure(evaluation: Evaluation, name: str, *, wide: bool = False) -> Figure:
@@ -45,6 +50,7 @@ _DRAWINGS: Mapping[str, tuple[float, Callable[[Axes, Evaluation], object]]] = Ma
     "nyquist": (2.6, draw_nyquist),
     "projections-real": (2.0, lambda ax, e: draw_projections(ax, e, Part.REAL)),
     "projections-imag": (2.0, lambda ax, e: draw_projections(ax, e, Part.IMAG)),
+    "regions": (2.9, draw_regions),
     "jnd-square": (2.6, lambda ax, e: draw_jnd_square(ax, e, _telling_frequency(e))),
 })  # fmt: skip
 

@@ -28,11 +28,13 @@ class Outline:
     corners: Array
 
 
-def outline(criteria: Sequence[Criterion], tip: Array, omega: float, style: dict[str, Any]) -> Outline:
-    """The changes that are not noticed where H_env has this tip, at a frequency in rad/s."""
+def outline(
+    criteria: Sequence[Criterion], tip: Array, omega: float, style: dict[str, Any], size: float | None = None
+) -> Outline:
+    """The changes that are not noticed where H_env has this tip (and, if it is given, that size), at a frequency in rad/s."""
+    size = float(np.hypot(*tip)) if size is None else size
     if criteria[0].joint:
-        return _joint(criteria[0].joint, tip, omega, style)
-    size = float(np.hypot(*tip))
+        return _joint(criteria[0].joint, tip, omega, style, size)
     stretches = tuple(_stretches(x, float(own), size, omega) for x, own in zip(criteria, tip, strict=True))
     patches = tuple(
         Rectangle((x0, y0), x1 - x0, y1 - y0, **(style if not i else {**style, "label": "_nolegend_"}))
@@ -63,13 +65,13 @@ def _sorted(a: float, b: float) -> tuple[float, float]:
     return min(a, b), max(a, b)
 
 
-def _joint(region: Joint, tip: Array, omega: float, style: dict[str, Any]) -> Outline:
+def _joint(region: Joint, tip: Array, omega: float, style: dict[str, Any], size: float) -> Outline:
     angles = np.linspace(0, 2 * np.pi, _DIRECTIONS, endpoint=False)
     if isinstance(region, Cornered):
         corners = np.array([[floats_of(c, omega) for c in corner] for corner in region.corners])
         angles = np.sort(np.concatenate([angles, np.arctan2(corners[:, 1], corners[:, 0]) % (2 * np.pi)]))
     across, up = np.cos(angles), np.sin(angles)
-    reach = np.hypot(*tip) / region.enlarged(across, up, lambda x: floats_of(x, omega))
+    reach = size / region.enlarged(across, up, lambda x: floats_of(x, omega))
     border = tip + np.stack([across, up], axis=1) * reach[:, None]
     quarters = [reach[np.argmin(np.abs(angles - n * np.pi / 2))] for n in range(4)]
     stretches = tuple(((float(tip[i] - quarters[i + 2]), float(tip[i] + quarters[i])),) for i in (0, 1))

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, Protocol
 
 from sympy import Expr
 
@@ -17,17 +17,15 @@ from haptisym.judge.bounds import AnyEnvironment, any_environment
 from haptisym.judge.climb import Bandwidths
 from haptisym.judge.criteria import JOINT, Criterion, judged, kept, noticed
 from haptisym.judge.crossings import Crossing, Curve, curves, find_crossings, unbounded_points
+from haptisym.judge.effort import Effort, effort
 from haptisym.judge.passivity import Passivity, passivity
 from haptisym.judge.percepts import Felt, Percept, changeovers, find_felt, find_percepts, outside_model, unnamed
-from haptisym.kernel.decimals import bits_for
+from haptisym.judge.spread import Compared, compared
 from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.periodic import Turned
-from haptisym.kernel.polynomials import Root
-from haptisym.kernel.reals import ExactNumber, RealNumber
+from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Chart, Interval, Point, chart
 from haptisym.kernel.shown import counted, titled
 from haptisym.kernel.stability import is_stable
-from haptisym.kernel.zeros import Zero
 from haptisym.model.catalogue import Effect
 from haptisym.model.caveats import caveats, sampled_loop
 from haptisym.model.distortion import Distortion
@@ -67,22 +65,6 @@ class LeftOut(Protocol):
         """What a document says of the full scene."""
 
 
-class Effort(NamedTuple):
-    """What the crossings' digits took: the method that encloses them, the least working precision, bits, and the time, s."""
-
-    method: str
-    bits: int
-    seconds: float
-
-
-_METHODS = {
-    Root: "certified polynomial roots",
-    Turned: "arctangents of certified polynomial roots",
-    Zero: "interval Newton in ball arithmetic",
-    ExactNumber: "closed form",
-}
-
-
 @dataclass(frozen=True, repr=False)
 class Evaluation(Answer):
     """The answers for a scene, all proven: nothing is missed on the band and nothing is invented.
@@ -97,7 +79,8 @@ class Evaluation(Answer):
     ``digits``: decimal digits shown of each crossing. ``undecided``: where
     something stayed open at the precision limit (a tangency of a scene with delays): empty for every rational scene.
     ``relevance`` : what was left out, where a tolerance was given; all answers are then those of the pruned scene, ``scene``.
-    ``isolation`` : seconds in which everything that happens on the band was found and set apart.
+    ``isolation`` : seconds in which everything that happens on the band was found and set apart. ``regions`` : where other JND
+    models were asked about, what each says.
     """
 
     _schema: ClassVar[str] = "haptisym.evaluation/1"
@@ -111,6 +94,7 @@ class Evaluation(Answer):
     digits: int = 15
     relevance: LeftOut | None = None
     isolation: float = field(default=0.0, compare=False)
+    regions: tuple[Compared, ...] = ()
 
     def _line(self) -> str:
         width = "no bandwidth" if self.bandwidth is None else f"bandwidth {self.bandwidth.digits(5)} rad/s"
@@ -119,7 +103,11 @@ class Evaluation(Answer):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A copy evaluates again: what was found holds what cannot be pickled."""
-        return _again, (self.scene, self.digits, self.relevance)
+        return _again, (self.scene, self.digits, self.relevance, self.regions)
+
+    def with_regions(self) -> Evaluation:
+        """The same, with what square, disc and diamond of the same half widths say."""
+        return replace(self, regions=compared(self.distortion, self.scene.threshold, self.scene.band))
 
     @property
     def given(self) -> Scene:
@@ -218,9 +206,8 @@ class Evaluation(Answer):
         started = time.perf_counter()
         for crossing in self.crossings:
             crossing.omega.digits(self.digits)
-        kinds = {_METHODS.get(type(crossing.omega), "bisection") for crossing in self.crossings}
         seconds = self.isolation + time.perf_counter() - started
-        return Effort(", ".join(sorted(kinds)) or "none needed", bits_for(self.digits), seconds)
+        return effort((crossing.omega for crossing in self.crossings), self.digits, seconds)
 
     def _body(self) -> dict[str, Any]:
         changeovers = {"environment": self.changeovers_environment, "perceived": self.changeovers_perceived}
@@ -246,6 +233,7 @@ class Evaluation(Answer):
     def _left(self) -> dict[str, Any]:
         rows = [{"part": x.name, "enclosure": list(p.omega.enclosure(self.digits))} for x, p in self.undecided]
         found: dict[str, Any] = {"undecided": rows} if rows else {}
+        found |= {"regions": [x.row(self.digits) for x in self.regions]} if self.regions else {}
         return found | ({} if self.relevance is None else {"relevance": self.relevance.row()})
 
     def _crossing(self, c: Crossing) -> dict[str, Any]:
@@ -283,8 +271,9 @@ def evaluate(scene: Scene | str | Path, digits: int = 15, *, left_out: LeftOut |
     return Evaluation(scene, distortion, table, stable, digits, left_out, isolation)
 
 
-def _again(scene: Scene, digits: int, left_out: LeftOut | None) -> Evaluation:
-    return evaluate(scene, digits, left_out=left_out)
+def _again(scene: Scene, digits: int, left_out: LeftOut | None, regions: tuple[Compared, ...]) -> Evaluation:
+    found = evaluate(scene, digits, left_out=left_out)
+    return found.with_regions() if regions else found
 
 
 def _interval(x: Interval) -> list[float]:

@@ -16,6 +16,7 @@ from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.shown import Viewed
 from haptisym.kernel.symbols import omega
 from haptisym.model import expressions
+from haptisym.model.proportions import Conversion, read_proportion
 from haptisym.model.published import like
 from haptisym.model.quantities import Dimension, Motion, Number, decimal, require_number
 from haptisym.model.ranges import Interval, ranged
@@ -51,6 +52,9 @@ class Threshold(Viewed):
     source: str = field(default="", repr=False)
     """The name of the published threshold that it is, if it is one."""
     region: Region = SQUARE
+    proportion: Expr | None = field(default=None, repr=False)
+    conversion: Conversion | None = field(default=None, repr=False)
+    """At which proportion of right answers it holds, if that is told, and how it was brought there, if it was."""
 
     @classmethod
     def of(cls, real: Number, imag: Number | None = None) -> Threshold:
@@ -142,18 +146,35 @@ class Threshold(Viewed):
         (real, real_interval), (imag, imag_interval) = given.values()
         below = [None if part in limits else self.lower(part) for part in Part]
         region = replace(self.region, lower=(below[0], below[1]))
-        return Threshold(real, imag, real_interval, imag_interval, "" if limits else self.source, region)
+        return Threshold(
+            real, imag, real_interval, imag_interval, "" if limits else self.source, region, self.proportion
+        )
+
+    def at_proportion(self, end: Number) -> Threshold:
+        """The same at another proportion of right answers, by a cumulative Gaussian; SceneError where its own is not told."""
+        to = read_proportion("proportion", end)
+        start = self.proportion or (like(self.source).criterion if self.source else None)
+        if start is None:
+            raise SceneError("proportion: the JND does not tell its own: add proportion = 0.75, say, to its table")
+        found = Conversion(read_proportion("proportion", start), to)
+        c = found.factor
+        real, imag = (x and (x[0] * c, x[1] * c) for x in (self.real_interval, self.imag_interval))
+        region, own = self.region.scaled(c), self.region.shape is not Shape.POLYGON
+        widths = (self.real * c, self.imag * c) if own else (self.real, self.imag)
+        return Threshold(*widths, real, imag, self.source, region, to, found)
 
     def row(self) -> dict[str, Any]:
         """As documents have it: the half widths, and what else the region is."""
         found = self.region
+        taken: dict[str, Any] = {} if self.proportion is None else {"proportion": float(self.proportion)}
+        taken |= {"conversion": self.conversion.row()} if self.conversion else {}
         if found.shape is Shape.POLYGON:
-            return {"shape": found.shape.value, "corners": [[str(x), str(y)] for x, y in found.corners]}
+            return {"shape": found.shape.value, "corners": [[str(x), str(y)] for x, y in found.corners]} | taken
         row: dict[str, Any] = {"real": str(self.real), "imag": str(self.imag)}
         row |= {} if found.shape is Shape.SQUARE else {"shape": found.shape.value}
         row |= {"tilt": str(found.tilt)} if found.tilt else {}
         lower = {part.value: str(x) for part in Part if (x := self.lower(part)) is not None}
-        return row | ({"lower": lower} if lower else {}) | ({"floor": str(found.floor)} if found.floor else {})
+        return row | ({"lower": lower} if lower else {}) | ({"floor": str(found.floor)} if found.floor else {}) | taken
 
     def interval(self, part: Part) -> Interval | None:
         """The range of a part's threshold, if it has one."""

@@ -11,6 +11,7 @@ from haptisym.kernel.errors import SceneError, meant
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.symbols import omega
 from haptisym.model.jnd import Threshold, formula, threshold_value
+from haptisym.model.proportions import read_proportion
 from haptisym.model.quantities import Dimension, Motion, number
 from haptisym.model.regions import MOST_CORNERS, Corner, Region, Shape, turning
 
@@ -39,20 +40,25 @@ def read_threshold(given: Any) -> Threshold:
     shape = _shape(given.get("shape", "square"))
     keys = _KEYS[shape]
     for key in given:
-        if key not in keys and key != "shape":
+        if key not in (*keys, "shape", "proportion"):
             owners = [x.value for x, own in _KEYS.items() if key in own]
             hint = f"it is of a {' or '.join(owners)}; " if owners else meant(str(key), keys)
             what = "" if shape is Shape.SQUARE else f" of a {shape.value}"
-            raise SceneError(f'unknown key "{str(key)[:60]}"{what}: {hint}valid are {", ".join(("shape", *keys))}')
+            raise SceneError(
+                f'unknown key "{str(key)[:60]}"{what}: {hint}valid are {", ".join(("shape", *keys, "proportion"))}'
+            )
     missing = [key for key in keys if key not in given and key not in _OPTIONAL]
     if missing:
         raise SceneError("must give both real and imag" if "real" in keys else "corners is missing")
+    taken = read_proportion("proportion", given["proportion"]) if "proportion" in given else None
     if shape is Shape.POLYGON:
-        return Threshold(Integer(1), Integer(1), region=Region(shape, corners=_corners(given["corners"])))
+        region = Region(shape, corners=_corners(given["corners"]))
+        return Threshold(Integer(1), Integer(1), region=region, proportion=taken)
     real, imag = (_sided(key, given[key], allowed=shape is Shape.SQUARE) for key in ("real", "imag"))
     floor, motion = _floor(given["floor"]) if "floor" in given else (None, None)
     tilt = _number("tilt", given["tilt"]) if "tilt" in given else Integer(0)
-    return Threshold(real[0], imag[0], region=Region(shape, tilt, (), (real[1], imag[1]), floor, motion))
+    region = Region(shape, tilt, (), (real[1], imag[1]), floor, motion)
+    return Threshold(real[0], imag[0], region=region, proportion=taken)
 
 
 def _shape(given: Any) -> Shape:

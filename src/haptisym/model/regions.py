@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from itertools import combinations
 from typing import TypeAlias
@@ -51,6 +51,12 @@ class Region:
         """What must be positive besides the half widths, by name."""
         named = {"real: lower": self.lower[0], "imag: lower": self.lower[1], "floor": self.floor}
         return {name: x for name, x in named.items() if x is not None}
+
+    def scaled(self, c: Expr) -> Region:
+        """That many times as large."""
+        corners = tuple((x * c, y * c) for x, y in self.corners)
+        one, other = (None if x is None else x * c for x in self.lower)
+        return replace(self, corners=corners, lower=(one, other), floor=None if self.floor is None else self.floor * c)
 
     def check(self, low: Expr, high: Expr) -> None:
         """SceneError unless the region has 0 inside and is convex at every frequency of a band."""

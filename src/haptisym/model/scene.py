@@ -246,6 +246,13 @@ class Scene(Shown):
         """The same scene in these hands."""
         return replace(self, hands=hands)
 
+    def at_proportion(self, end: Number) -> Scene:
+        """The same scene with its threshold at another proportion of right answers; SceneError where its own is not told."""
+        try:
+            return replace(self, threshold=self.threshold.at_proportion(end))
+        except SceneError as error:
+            raise error.within("jnd") from None
+
     def with_band(self, low: Number, high: Number) -> Scene:
         """The same scene on another band, rad/s or with a unit."""
         return replace(self, band=(frequency("band", low), frequency("band", high)))

@@ -17,6 +17,7 @@ from haptisym.model.jnd import Part
 from haptisym.pages.bandwidths import bandwidths, published_words
 from haptisym.pages.crossings import crossings, joint, proven, undecided
 from haptisym.pages.held import held
+from haptisym.pages.regions import REGIONS, regions
 from haptisym.pages.words import (
     CHANGE,
     H_ENV,
@@ -71,6 +72,11 @@ def page(e: Evaluation) -> Document:
         Versions((Facts(tuple(_dynamics(e))),), full.findings),
         Section("Scene", (Versions((), full.scene),), "scene"),
         Section("Step 1. When does the hand begin to notice?", tuple(_step_1(e)), "step-1"),
+        *(
+            [Section("Does it survive another JND model?", (*regions(e), _figure(e, "regions", REGIONS)), "regions")]
+            if e.regions
+            else []
+        ),
         Section("Step 2. How is it felt?", tuple(_step_2(e)), "step-2"),
         Section("Which values would do?", (Versions((), full.design),), "which-values-would-do"),
         Section("Explorer", (Live(full.explorer),), "explorer"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from decimal import ROUND_CEILING, Context
 from math import inf
 from typing import TYPE_CHECKING
@@ -18,6 +19,7 @@ from haptisym.kernel.roots import Interval, Point
 from haptisym.kernel.symbols import omega
 from haptisym.model.family import SceneFamily
 from haptisym.model.jnd import Part, Threshold
+from haptisym.model.proportions import DIGITS
 from haptisym.model.quantities import Motion
 from haptisym.model.regions import Shape
 from haptisym.model.scene import Scene
@@ -108,6 +110,12 @@ def percent(c: Expr) -> str:
 
 def limits(c: Threshold) -> Phrase:
     """The threshold of both parts, or of each where they differ; the region, where it is none of that."""
+    if c.conversion:
+        f, (p, q) = c.conversion, (percent(x) for x in (c.conversion.start, c.conversion.end))
+        factor = short(f.exact)
+        own = limits(replace(c, conversion=None))
+        said = f", brought from {p} to {q} right answers by a cumulative Gaussian: times "
+        return own, said, factor, f" (rounded to {DIGITS} digits, all proven)"
     if not c.is_plain:
         return region(c)
     said = percent(c.real) if c.real == c.imag else f"{percent(c.real)} (real) and {percent(c.imag)} (imaginary)"

@@ -1,0 +1,34 @@
+"""What the digits of crossings took."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from haptisym.kernel.decimals import bits_for
+from haptisym.kernel.periodic import Turned
+from haptisym.kernel.polynomials import Root
+from haptisym.kernel.reals import ExactNumber, RealNumber
+from haptisym.kernel.zeros import Zero
+
+
+class Effort(NamedTuple):
+    """What the crossings' digits took: the method that encloses them, the least working precision, bits, and the time, s."""
+
+    method: str
+    bits: int
+    seconds: float
+
+
+_METHODS = {
+    Root: "certified polynomial roots",
+    Turned: "arctangents of certified polynomial roots",
+    Zero: "interval Newton in ball arithmetic",
+    ExactNumber: "closed form",
+}
+
+
+def effort(numbers: Iterable[RealNumber], digits: int, seconds: float) -> Effort:
+    """Of numbers that took that long to that many digits."""
+    kinds = {_METHODS.get(type(x), "bisection") for x in numbers}
+    return Effort(", ".join(sorted(kinds)) or "none needed", bits_for(digits), seconds)
