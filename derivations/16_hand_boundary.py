@@ -8,8 +8,8 @@ axis at omega > 0 exactly where
 the negative of the effective stiffness and damping that step 2 names, the stiffness shifted by m_h omega^2; and at omega = 0 on
 the line k_h = -H_perc(0). So a hand that damps more than b* = sup(-Im H_perc/omega) never meets the boundary, whatever its mass
 and stiffness. A spring K that comes late by tau has b_h = K sin(omega tau)/omega <= b* = K tau, its limit as omega -> 0. The
-two questions trade off: a hand b holds it for all masses and stiffnesses while tau <= b/K, and it is transparent at least up to
-asin(c)/tau >= asin(c) K/b; K = 100 N/m, b = 5.5 N s/m, c = 0.1: 1.82122583930108720628 rad/s. In the hand 0.554 kg, 6.45 N s/m,
+two questions trade off: a hand b holds it for all masses and stiffnesses exactly while tau <= b/K, and it is transparent then up
+to asin(c)/tau >= asin(c) K/b; K = 100 N/m, b = 5.5 N s/m, c = 0.1: 1.82122583930108720628 rad/s. In the hand 0.554 kg, 6.45 N s/m,
 135 N/m a spring 36 ms late is stable up to K = 199.85210225871012834 N/m, where it oscillates at 22.244306341605851 rad/s.
 
 Assumptions. Linear; the hand and the display move together; m_h, b_h, k_h >= 0; K, tau > 0; 0 < c < 1.
@@ -37,6 +37,7 @@ from sympy import (
     expand,
     fraction,
     limit,
+    pi,
     sin,
     solve,
     symbols,
@@ -101,8 +102,20 @@ assert is_zero(diff(rise, u) - 2 * sin(u / 2) ** 2)
 # A hand $b$ is enough for all masses and stiffnesses while $b^* = K\tau \le b$. The delay is noticed from $\sin\omega\tau = c$ on
 # ([`02_delay_budget.py`](02_delay_budget.py)), at $\omega = \mathrm{asin}(c)/\tau \ge \mathrm{asin}(c) K/b$: what keeps a soft
 # spring from shaking keeps it transparent, too.
+#
+# With less damping, $b < K\tau$, some hand shakes: $K\sin(\omega\tau)/\omega$ falls from $K\tau$ to 0 on $(0, \pi/\tau]$, so
+# that it is $b$ at one frequency there, and every mass $m_h \ge K\cos(\omega\tau)/\omega^2$ has a stiffness $k_h \ge 0$ with
+# roots on the axis. So whoever wants all masses and stiffnesses held must have $\tau \le b/K$: design for stability bounds
+# the bandwidth from below.
 
 # %%
+falls = u * cos(u) - sin(u)  # the sign of the slope of sin(u)/u: 0 at 0, and its own slope -u sin(u) is negative on (0, pi)
+assert falls.subs(u, 0) == 0
+assert is_zero(diff(falls, u) + u * sin(u))
+assert b_late.subs(omega, pi / tau) == 0
+least_mass = K * cos(omega * tau) / omega**2
+assert is_zero(k_late.subs(m_h, least_mass))
+assert diff(k_late, m_h) == omega**2
 mp.dps = 40
 least = mp.asin(mpf(1) / 10) * 100 / mpf("5.5")
 assert mp.nstr(least, 21) == "1.82122583930108720628"
