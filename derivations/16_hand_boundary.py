@@ -9,8 +9,8 @@ the negative of the effective stiffness and damping that step 2 names, the stiff
 the line k_h = -H_perc(0). So a hand that damps more than b* = sup(-Im H_perc/omega) never meets the boundary, whatever its mass
 and stiffness. A spring K that comes late by tau has b_h = K sin(omega tau)/omega <= b* = K tau, its limit as omega -> 0. The
 two questions trade off: a hand b holds it for all masses and stiffnesses exactly while tau <= b/K, and it is transparent then up
-to asin(c)/tau >= asin(c) K/b; K = 100 N/m, b = 5.5 N s/m, c = 0.1: 1.82122583930108720628 rad/s. In the hand 0.554 kg, 6.45 N s/m,
-135 N/m a spring 36 ms late is stable up to K = 199.85210225871012834 N/m, where it oscillates at 22.244306341605851 rad/s.
+to asin(c)/tau >= asin(c) K/b; K = 100 N/m, b = 5.5 N s/m, c = 0.1: 1.82122583930108720628 rad/s. In the hand 0.554 kg, 6.45
+N s/m, 135 N/m a spring 36 ms late is stable up to K = 199.85210225871012834 N/m, where it oscillates at 22.244306341605851 rad/s.
 
 Assumptions. Linear; the hand and the display move together; m_h, b_h, k_h >= 0; K, tau > 0; 0 < c < 1.
 
@@ -109,7 +109,7 @@ assert is_zero(diff(rise, u) - 2 * sin(u / 2) ** 2)
 # the bandwidth from below.
 
 # %%
-falls = u * cos(u) - sin(u)  # the sign of the slope of sin(u)/u: 0 at 0, and its own slope -u sin(u) is negative on (0, pi)
+falls = u * cos(u) - sin(u)  # of the sign of the slope of sin(u)/u; 0 at 0, its own slope -u sin(u) < 0 on (0, pi)
 assert falls.subs(u, 0) == 0
 assert is_zero(diff(falls, u) + u * sin(u))
 assert b_late.subs(omega, pi / tau) == 0

@@ -103,8 +103,10 @@ def test_a_sampled_wall_let_go_grows_as_the_eigenvalues_of_its_sampled_loop_say(
     assert run.grows is (rate > 0)
     assert run.fitted is not None
     assert run.fitted.rate == pytest.approx(rate, rel=1e-6)
-    assert run.closed is None
-    assert "a clock" in run.approximate
+    assert run.closed is not None
+    assert run.closed.rate == pytest.approx(rate, rel=1e-12)
+    assert run.agrees is True
+    assert run.sign_agrees is True
 
 
 def test_a_mass_that_comes_late_grows_in_a_light_hand() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from haptisym.kernel.rootcount import Chain
+from haptisym.model.caveats import clocks
 from haptisym.model.quantities import Motion
 from haptisym.pages.words import H_PERC, lead, title
 from haptisym.verbs.simulate.released import Closed, Release
@@ -52,7 +53,14 @@ def _table(r: Release) -> Iterator[Block]:
     if r.closed is not None and not r.is_envelope:
         rate, omega = r.closed.root.digits()
         proven = "proven" if r.closed.root.certified else "not proven to be the rightmost"
-        rows.append(("rightmost root", Number(rate, r.closed.rate), Number(omega, r.closed.omega), proven))
+        rows.append(
+            (
+                "largest root z, ln z/T" if clocks(r.scene) else "rightmost root",
+                Number(rate, r.closed.rate),
+                Number(omega, r.closed.omega),
+                proven,
+            )
+        )
     if rows:
         caption = "The motion that lasts longest: it goes as exp(rate t). The error of what is read is estimated."
         columns = (
@@ -67,7 +75,8 @@ def _table(r: Release) -> Iterator[Block]:
 def _remarks(r: Release) -> Iterator[Block]:
     if r.closed is not None and r.is_envelope:
         yield Notes((_chain(r.closed),))
-    yield Notes((("Held in this hand, by the closed form (", H_PERC, " + m s^2 + b s + k): ", _held(r), "."),))
+    loop: Phrase = "the loop with its clock" if clocks(r.scene) else (H_PERC, " + m s^2 + b s + k")
+    yield Notes((("Held in this hand, by the closed form (", loop, "): ", _held(r), "."),))
 
 
 def _held(r: Release) -> Phrase:
@@ -75,7 +84,7 @@ def _held(r: Release) -> Phrase:
     if roots is None:
         return f"not decided ({r.held.reason})"
     if r.held.stable:
-        return "stable, no root has Re\xa0s\xa0≥\xa00"
+        return "stable, no root has |z| ≥ 1" if clocks(r.scene) else "stable, no root has Re\xa0s\xa0≥\xa00"
     if roots.chain is Chain.NEAR:
         return Strong(
             "NOT"

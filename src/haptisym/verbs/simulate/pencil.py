@@ -11,6 +11,8 @@ from haptisym.programs.values import Array
 from haptisym.verbs.simulate.propagate import Record
 
 _WINDOWS = 6
+_PER_TURN = 1.5  # radians between samples, at the most
+_MOST = 480
 _COUNT = 240  # samples of a window
 _RANK = 1e-9  # relative: smaller singular values are rounding
 _SHARE = 1e-3  # of the largest amplitude at the end of the window: less is no mode of the motion
@@ -32,16 +34,23 @@ class Mode:
         return self.s.imag
 
 
-def slowest(record: Record, column: int, start: float, period: float, *, waving: bool = False) -> Mode | None:
+def slowest(
+    record: Record, column: int, start: float, period: float, *, waving: bool = False, turn: float = 0.0
+) -> Mode | None:
     """The mode that is left at the end of a record, read from what comes after that share of it; None where nothing moves.
 
     ``waving`` : among those that oscillate, beside a creep that fades as a power of time. ``period`` : that of a clock, s, so
-    that every sample sees the clock alike; 0 without one.
+    that every sample sees the clock alike; 0 without one. ``turn`` : a frequency, rad/s, that samples must still tell.
     """
     last = record.count - 1
     end = float(record.times[last] + record.lengths[last])
     first = start * end
-    step = period * max(1, int((end - first) / (_COUNT * period))) if period else (end - first) / _COUNT
+    if period:
+        most = int(_PER_TURN / (turn * period)) if turn else _COUNT
+        step = period * max(1, min(int((end - first) / (_COUNT * period)), most))
+        first = max(first, end - _MOST * step)
+    else:
+        step = (end - first) / _COUNT
     times = np.arange(np.ceil(first / step), np.floor(end / step), dtype=np.float64) * np.float64(step)
     if len(times) < 8:
         return None

@@ -25,6 +25,7 @@ from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.blocks import Port
+from haptisym.verbs.simulate.clockroot import clocked_root
 from haptisym.verbs.simulate.engine import Engine
 from haptisym.verbs.simulate.frictions import join_frictions
 from haptisym.verbs.simulate.motions import _fade, positive
@@ -124,9 +125,10 @@ def _one_kind(scene: Scene, kind: Kind | None, hand: Hand) -> None:
 
 
 def closed_form(scene: Scene, hand: Hand) -> Closed | None:
-    """The rightmost root of H_perc + m s^2 + b s + k; None with a clock, where that is not the loop's function."""
+    """The rightmost root of H_perc + m s^2 + b s + k, or that of the loop with its clock; None where there is none to find."""
     if clocks(scene):
-        return None
+        sampled = clocked_root(scene, hand)
+        return None if sampled is None else Closed(sampled)
     perceived = scene.distortion().perc
     ring = ring_of(perceived)
     top = characteristic(perceived, ring.convert(hand.Z))
@@ -227,7 +229,8 @@ class _Run:
         if self.closed and self.closed.is_endless:
             return envelope(record, column, 0.3)
         period, waving = max(self.periods, default=0.0), bool(self.net.fractional)
-        one, other = (slowest(record, column, part, period, waving=waving) for part in (0.35, 0.5))
+        turn = abs(self.lead.imag)
+        one, other = (slowest(record, column, part, period, waving=waving, turn=turn) for part in (0.35, 0.5))
         if one is None or other is None or abs(one.s - other.s) > _CLEAR * abs(other.s):
             return None, inf
         return other, float(abs(one.s - other.s))
@@ -236,7 +239,7 @@ class _Run:
         """Why the closed form is not what was simulated; empty where it is."""
         if self.net.frictions:
             return "sliding friction, for which the closed form has a describing function of one amplitude"
-        return "a clock, with which the closed form of H_perc is not that of the loop" if self.periods else ""
+        return "a clock whose loop has no closed form here" if self.periods and self.closed is None else ""
 
 
 def _held(net: Network, scene: Scene, hand: Hand) -> Port:

@@ -23,7 +23,10 @@ _NEAR = 1e-6  # relative: how well a mode is read at best
 
 @dataclass(frozen=True)
 class Closed:
-    """The rightmost root of H_perc(s) + m s^2 + b s + k, as far as it is proven (``root.certified``)."""
+    """The rightmost root of H_perc(s) + m s^2 + b s + k, as far as it is proven (``root.certified``).
+
+    With a clock: ln z/T of the largest root z of the loop through controller, hold and what moves.
+    """
 
     root: Rightmost
 
@@ -44,7 +47,7 @@ class Closed:
     @property
     def chain(self) -> float | None:
         """To which rate infinitely many roots tend, of a neutral system."""
-        return self.root.function.chain
+        return self.root.function.chain if self.root.function else None
 
     @property
     def is_endless(self) -> bool:
@@ -59,7 +62,8 @@ class Release(Answer):
     """A display that a hand held at ``displacement`` and let go. ``hand_motion`` and ``force`` over ``time``, s.
 
     ``fitted`` : what lasts longest in the motion, None where nothing is left to read; ``error`` its estimated error, 1/s.
-    ``closed`` : the closed form's, None with a clock or where it has no root. ``stopped`` : why the run ended early.
+    ``closed`` : the closed form's, None where it has no root, or that of a loop with a clock is not known. ``stopped`` : why the
+    run ended early.
     ``approximate`` : why the closed form is not what was simulated; empty where it is. ``held`` : the certified verdict.
     """
 

@@ -50,7 +50,7 @@ class Rightmost:
     s: complex
     enclosure: Any
     certified: bool
-    function: Characteristic = field(repr=False)
+    function: Characteristic | None = field(default=None, repr=False)
     others: tuple[complex, ...] = ()
     """All roots that were found, from the right to the left."""
 
