@@ -18,6 +18,7 @@ from haptisym.kernel.symbols import omega, s, symbols
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.distortion import Distortion, distort
 from haptisym.model.jnd import Part, Threshold
+from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import load_scene, parse_scene, scene_names
 from haptisym.programs.accuracy import Accuracy
@@ -35,6 +36,8 @@ _ON_DEMAND = {
     "Hand": "model.hand",
     "HardCosts": "verbs.cost.hardcosts",
     "Language": "writing.code.entry",
+    "MeasuredEvaluation": "verbs.measured.entry",
+    "Measurement": "model.measured",
     "Metrics": "verbs.metrics.metric",
     "Peak": "judge.peaks",
     "Peaks": "judge.peaks",
@@ -64,6 +67,7 @@ _ON_DEMAND = {
     "latex": "pages.latex",
     "load_scenes": "model.scenefile",
     "mathml": "writing.mathml",
+    "measured": "model.measuring",
     "metrics": "verbs.metrics.entry",
     "multisine": "verbs.simulate.motions",
     "parse_scenes": "model.scenefile",
@@ -122,6 +126,9 @@ __all__ = [
     "HardCosts",
     "Interval",
     "Language",
+    "MeasuredEvaluation",
+    "MeasuredScene",
+    "Measurement",
     "Metrics",
     "Part",
     "Peak",
@@ -165,6 +172,7 @@ __all__ = [
     "load_scene",
     "load_scenes",
     "mathml",
+    "measured",
     "metrics",
     "multisine",
     "omega",

@@ -12,6 +12,9 @@ from haptisym.model.distortion import Distortion, distort
 from haptisym.model.family import SceneFamily
 from haptisym.model.hand import Hand, hands
 from haptisym.model.jnd import Part, Threshold
+from haptisym.model.measured import Measurement
+from haptisym.model.measuredscene import MeasuredScene
+from haptisym.model.measuring import measured
 from haptisym.model.published import Published
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import family_names, load_scene, load_scenes, parse_scene, parse_scenes, scene_names
@@ -27,6 +30,7 @@ from haptisym.verbs.evaluate.entry import evaluate
 from haptisym.verbs.family.entry import FamilyEvaluation, evaluate_all
 from haptisym.verbs.jnd.entry import Psychometric, jnd
 from haptisym.verbs.jnd.published import PublishedThresholds, published
+from haptisym.verbs.measured.entry import MeasuredEvaluation
 from haptisym.verbs.metrics.entry import metrics
 from haptisym.verbs.metrics.metric import Metrics
 from haptisym.verbs.require.designmap import DesignMap, design_map
@@ -70,6 +74,9 @@ __all__ = [
     "HardCosts",
     "Interval",
     "Language",
+    "MeasuredEvaluation",
+    "MeasuredScene",
+    "Measurement",
     "Metrics",
     "Part",
     "Peak",
@@ -113,6 +120,7 @@ __all__ = [
     "load_scene",
     "load_scenes",
     "mathml",
+    "measured",
     "metrics",
     "multisine",
     "omega",

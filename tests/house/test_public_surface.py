@@ -192,6 +192,8 @@ def answers(path: Path) -> list[str]:
     arm: hs.Hand = hs.hands["postural-arm"]
     let_go: hs.Release = hs.release(scene, "1 cm", arm)
     shakes: hs.Stability = hs.stability(scene, [arm, "firm-grip", hs.Hand("own", m="0.5 kg")])
+    lines: hs.Measurement = hs.measured([1.0, 2.0], [99 + 2j, 98 + 4j], coherence=[0.9, 0.9], averages=10)
+    bench: hs.MeasuredEvaluation = hs.evaluate(hs.MeasuredScene(hs.environments.kelvin_voigt(100, 2), lines))
     sets = hs.sweep(scene, {"effects.filter.omega_n": [60, 80]})
     code: str = hs.scene_code(scene, hs.Language.NUMPY) + hs.distortion_code(scene.distortion(), hs.Language.C)
     d: hs.Distortion = hs.distort(hs.environments.mass_spring_damper(*hs.symbols("m b k")), hs.effects.delay("5 ms"))
@@ -202,7 +204,7 @@ def answers(path: Path) -> list[str]:
     except hs.SceneError as error:
         written.append(str(error))
     shown: list[object] = [width, spans, felt, points, kinds, high, derived, needed, design, slopes, boxes, kept]
-    shown += [person, known, first, measures, shakes, costs, harder, simulated, run, let_go, both, motions, sets, f]
+    shown += [person, known, first, measures, shakes, costs, harder, simulated, run, let_go, both, motions, sets, f, bench]
     return [*written, *map(str, shown), str(path)]
 '''
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import click
@@ -15,13 +16,16 @@ from haptisym.commands.options import (
     json_option,
     keep,
     keep_figures,
+    show,
 )
 from haptisym.commands.progress import progress
-from haptisym.commands.verb import verb
+from haptisym.commands.verb import PAGES, given, verb
 from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError
+from haptisym.model.catalogue import Environment
 from haptisym.model.family import SceneFamily
-from haptisym.model.scenefile import chosen, load_scenes
+from haptisym.model.measuredscene import MeasuredScene
+from haptisym.model.scenefile import chosen, felt_through, open_scenes
 from haptisym.verbs.evaluate.entry import evaluate as evaluate_scene
 
 
@@ -86,10 +90,15 @@ def evaluate(
       haptisym evaluate my-device.toml --certificate my-device.proof.json
       haptisym evaluate my-device.toml --json --digits 50
       haptisym evaluate control-stick-in-detail --tolerance 0.01
+      haptisym evaluate bench.toml              a scene with [perceived] from a file: measured lines alone
     """
     if more and not environments:
         raise click.UsageError(f"got an unexpected argument ({more[0]})")
-    family = load_scenes(scene, (*environments, *more))
+    opened, _ = open_scenes(scene)
+    if isinstance(opened, MeasuredScene):
+        _evaluate_measured(opened, figures, as_json)
+        return
+    family = felt_through(opened, scene, (*environments, *more))
     if environment is None and (environments or len(family) > 1):
         if tolerance is not None:
             raise SceneError("--tolerance takes one environment: choose it with --environment NAME")
@@ -112,6 +121,38 @@ def evaluate(
 
         keep_figures(figures, lambda: save_figures(result, figures))
     hand_over(result, as_json=as_json)
+
+
+_ABOUT_FORMULAS = (
+    "--environments", "--environment", "--digits", "--tolerance", "--certificate", "--regions", "--proportion", "--limit",
+)  # fmt: skip
+
+
+def _evaluate_measured(scene: MeasuredScene, figures: Path | None, as_json: bool) -> None:
+    """Measured lines."""
+    from haptisym.verbs.measured.entry import judge
+
+    context = click.get_current_context()
+    for option in _ABOUT_FORMULAS:
+        if given(context, option):
+            raise SceneError(f"{option} is about scenes of formulas, and this one is measured: leave it out")
+    _kept(scene, context.meta[PAGES])
+    result = judge(scene)
+    if figures is not None:
+        from haptisym.figures.measured import save_measured_figures
+
+        keep_figures(figures, lambda: save_measured_figures(result, figures))
+    show(result, as_json=as_json)
+
+
+def _kept(scene: MeasuredScene, outputs: Mapping[str, Path | None]) -> None:
+    """Refuse to write a page over the measurement."""
+    for m in (scene.perceived, scene.environment):
+        for option, path in outputs.items():
+            if path and path.exists() and not isinstance(m, Environment) and m.path and m.path.samefile(path):
+                raise SceneError(
+                    f"--{option}: {path} is read by this very call, and would be overwritten: choose another name"
+                )
 
 
 def _evaluate_all(family: SceneFamily, digits: int, figures: Path | None, as_json: bool, limit: float) -> None:

@@ -23,6 +23,7 @@ from haptisym.judge.criteria import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.roots import Interval
 from haptisym.model.quantities import Motion, unit_text
+from haptisym.verbs.measured.entry import MeasuredEvaluation
 from haptisym.writing.texprinter import formula
 
 WIDTH = 3.4
@@ -130,7 +131,7 @@ def raised(text: str) -> str:
     return re.sub(r"\^(-?\d+)", lambda found: found[1].translate(_RAISED), text)
 
 
-def name_dynamics(axis: Axis, name: str, evaluation: Evaluation) -> None:
+def name_dynamics(axis: Axis, name: str, evaluation: Evaluation | MeasuredEvaluation) -> None:
     """The label of an axis of force per position, in thousands or millions of its unit where numbers are large."""
     most = np.abs(axis.get_view_interval()).max()
     factor, prefix = next(((f, p) for f, p in ((1e6, "M"), (1e3, "k")) if most >= 100 * f), (1.0, ""))

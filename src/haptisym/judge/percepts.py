@@ -74,17 +74,18 @@ def felt(percept: Percept) -> str:
 
     Where a property takes the place of another, the magnitudes compared are those of the force.
     """
-    own = _words(percept.property, percept.change)
-    return own if percept.other is None else f"{_words(*percept.other)} and {own}"
+    own = felt_words(percept.property, percept.change)
+    return own if percept.other is None else f"{felt_words(*percept.other)} and {own}"
 
 
 def felt_of(percept: Percept, part: Part) -> str:
     """The words for one part of what is noticed of both together."""
     labels = [(percept.property, percept.change), *([percept.other] if percept.other else [])]
-    return next(_words(*x) for x in labels if (x[0] is Property.DAMPING) == (part is Part.IMAG))
+    return next(felt_words(*x) for x in labels if (x[0] is Property.DAMPING) == (part is Part.IMAG))
 
 
-def _words(what: Property, change: Change) -> str:
+def felt_words(what: Property, change: Change) -> str:
+    """The words for a property and its change."""
     exchanged = _EXCHANGED.get(what)
     return f"{exchanged}, with {change.value} force" if exchanged else f"{change.value} {what.value}"
 
@@ -176,10 +177,10 @@ def _label(signs: Signs, part: Part) -> tuple[Property, Change] | None:
         return None
     change = {1: Change.HIGHER, -1: Change.LOWER, 0: Change.EQUAL}
     compared = signs[Curve.DIFFERENCE, part] * signs[Curve.SUM, part]
-    return (Property.DAMPING if part is Part.IMAG else _real_property(env, perc)), change[compared]
+    return (Property.DAMPING if part is Part.IMAG else real_property(env, perc)), change[compared]
 
 
-def _real_property(env: int, perc: int) -> Property:
+def real_property(env: int, perc: int) -> Property:
     """A part that is zero throughout takes the other's side: nothing becomes something of the same kind."""
     return _SIDES[env or perc, perc or env]
 

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
+from typing import TypeVar
 
 from haptisym.kernel.errors import SceneError, meant
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.distortion import Distortion
 from haptisym.model.family import SceneFamily, named
+from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.scene import Scene
-from haptisym.model.scenetables import read_scenes
+from haptisym.model.scenetables import MEASURED, read_any, read_scenes
+
+_T = TypeVar("_T", SceneFamily, SceneFamily | MeasuredScene)
 
 _SHIPPED = Path(__file__).parents[1]  # ``importlib.resources`` takes longer than the evaluation of a scene
 LARGEST_FILE = 1_000_000  # bytes; a scene is a page of text
@@ -63,14 +67,24 @@ def load_scenes(scene: str | Path, environments: Iterable[str | Path] = ()) -> S
     (['fat', 'muscle', 'liver', 'tumour'], ['fu2019', 'helicopter-cyclic'])
     """
     text, name = scene_text(scene)
-    own = parse_scenes(text, name)
+    return felt_through(parse_scenes(text, name), name, environments)
+
+
+def felt_through(own: SceneFamily, name: str, environments: Iterable[str | Path]) -> SceneFamily:
+    """The displays of scenes with the environments of others, if there are any; ``name`` is what error messages call the file."""
     given = [(label, x) for place in environments for label, x in _labelled(place)]
     if not given:
         return own
     try:
-        return named(((label, _felt_through(own.first, label, x)) for label, x in given), own.title, own.source)
+        return named(((label, _with_environment(own.first, label, x)) for label, x in given), own.title, own.source)
     except SceneError as error:
         raise error.within(name) from None
+
+
+def open_scenes(scene: str | Path) -> tuple[SceneFamily | MeasuredScene, str]:
+    """What is in that file, or has that name: scenes of formulas, or one that is measured; and what error messages call it."""
+    text, name = scene_text(scene)
+    return _parsed(name, lambda: read_any(text, Path(str(scene)).parent)), name
 
 
 def as_scene(given: Scene | str | Path) -> Scene:
@@ -95,7 +109,7 @@ def as_family(given: SceneFamily | Scene | str | Path) -> SceneFamily:
     return load_scenes(given)
 
 
-def _felt_through(display: Scene, label: str, other: Scene) -> Scene:
+def _with_environment(display: Scene, label: str, other: Scene) -> Scene:
     """The display of one scene with the environment of another."""
     try:
         return replace(display, environment=other.environment, rendered=other.rendered)
@@ -123,13 +137,17 @@ def parse_scene(text: str, name: str = "scene", environment: str | None = None) 
 
 def parse_scenes(text: str, name: str = "scene") -> SceneFamily:
     """The scenes that a TOML text describes, one for each of its environments; ``name`` is what error messages call it."""
+    return _parsed(name, lambda: read_scenes(text))
+
+
+def _parsed(name: str, read: Callable[[], _T]) -> _T:
     try:
-        family = read_scenes(text)
-        for scene in family.scenes.values():
+        found = read()
+        for scene in () if isinstance(found, MeasuredScene) else found.scenes.values():
             scene.distortion()  # what is wrong with the dynamics as a whole is wrong with this file
     except SceneError as error:
         raise error.within(name) from None
-    return family
+    return found
 
 
 def _chosen(text: str, name: str, environment: str | None) -> Scene:
@@ -165,6 +183,8 @@ def _instead(given: object) -> str:
         return "this is a scene's text, not its name or path: read it with parse_scene(text)"
     if isinstance(given, Scene):
         return "this is a scene already, not the name or path of one"
+    if isinstance(given, MeasuredScene):
+        return MEASURED
     if isinstance(given, SceneFamily):
         way = f'choose one, as in scenes["{next(iter(given))}"], or ask for all with evaluate_all(scenes)'
     elif isinstance(given, Distortion):

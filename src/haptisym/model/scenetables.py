@@ -5,7 +5,8 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterable, Mapping
 from decimal import Decimal
-from typing import Any, TypeAlias
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from sympy import Integer
 
@@ -15,12 +16,25 @@ from haptisym.model.family import SceneFamily, named
 from haptisym.model.hand import Hand, hand
 from haptisym.model.jnd import Threshold
 from haptisym.model.jndtables import read_threshold
+from haptisym.model.measuredscene import MeasuredScene
+from haptisym.model.quantities import Dimension, number
 from haptisym.model.scene import Scene, frequency
+
+if TYPE_CHECKING:
+    from haptisym.model.measured import Measurement  # needs NumPy, which a scene of formulas does not load
 
 Table: TypeAlias = Mapping[str, Any]
 
 MOST_EFFECTS = 100
-_TABLES = ("title", "source", "environment", "environments", "rendered", "effects", "hand", "hands", "evaluation")
+_TABLES = (
+    "title", "source", "environment", "environments", "rendered", "perceived", "effects", "hand", "hands", "evaluation",
+)  # fmt: skip
+MEASURED = (
+    "this scene is measured, line by line, and evaluate alone judges it; every other question needs formulas: a model in "
+    "[environment], and [[effects]] in place of [perceived]"
+)
+_APART = ("environments", "rendered", "effects", "hand", "hands")
+"""Tables that a scene with a measured response does not have."""
 _DEFAULT_BAND = (Integer(0), Integer(15))  # rad/s, the band of the paper
 _TOML_HINTS = {
     "Expected newline or end of document": '; a value with a unit goes in quotes, as in k = "100 N/m"',
@@ -44,6 +58,23 @@ def _toml(text: str) -> Table:
 def read_scenes(text: str) -> SceneFamily:
     """The scenes of a TOML text, one for each of its environments. SceneError names key, value and rule."""
     table = _toml(text)
+    if _is_measured(table):
+        raise SceneError(MEASURED)
+    return _formulas(table, text)
+
+
+def read_any(text: str, folder: Path) -> SceneFamily | MeasuredScene:
+    """The same; or a scene whose responses are measured, and lie in files of that folder."""
+    table = _toml(text)
+    return _measured_scene(table, folder) if _is_measured(table) else _formulas(table, text)
+
+
+def _is_measured(table: Table) -> bool:
+    own = table.get("environment")
+    return "perceived" in table or (isinstance(own, Mapping) and "file" in own)
+
+
+def _formulas(table: Table, text: str) -> SceneFamily:
     _only(table, _TABLES, "")
     evaluation = _table(table.get("evaluation", {}), "evaluation")
     _only(evaluation, ("band", "jnd"), "evaluation")
@@ -161,6 +192,50 @@ def _band(given: Any) -> tuple[Any, Any]:
         frequency("evaluation: band", x)
     low, high = given  # as they are written, for what may be said about them
     return low, high
+
+
+def _measured_scene(table: Table, folder: Path) -> MeasuredScene:
+    for key in _APART:
+        if key in table:
+            raise SceneError(
+                f"{key}: does not go with what is measured, which is [environment] and [perceived]: leave it out"
+            )
+    _only(table, _TABLES, "")
+    for key in ("environment", "perceived"):
+        if key not in table:
+            raise SceneError(f"[{key}] is missing: what is felt is compared, line by line, with what should be felt")
+    own = _table(table["environment"], "environment")
+    environment = _measurement(own, "environment", folder) if "file" in own else _environment(own, "environment")
+    perceived = _measurement(_table(table["perceived"], "perceived"), "perceived", folder)
+    evaluation = _table(table.get("evaluation", {}), "evaluation")
+    _only(evaluation, ("band", "jnd"), "evaluation")
+    band = _band(evaluation["band"]) if "band" in evaluation else None
+    threshold = _threshold(evaluation["jnd"]) if "jnd" in evaluation else Threshold()
+    return MeasuredScene(environment, perceived, band, threshold, _text(table, "title"), _text(table, "source"))
+
+
+def _measurement(table: Table, place: str, folder: Path) -> Measurement:
+    from haptisym.model.measured import CONFIDENCE
+    from haptisym.model.measuredfile import read_measurement
+
+    try:
+        _only(table, ("file", "averages", "confidence"), "")
+        name = table.get("file")
+        if not isinstance(name, str) or not name or "\0" in name:
+            raise SceneError("file: give the name of a CSV file beside the scene")
+        averages, confidence = (_float(table, key) for key in ("averages", "confidence"))
+        return read_measurement(folder / name, averages, CONFIDENCE if confidence is None else confidence)
+    except SceneError as error:
+        raise error.within(place) from None
+
+
+def _float(table: Table, key: str) -> float | None:
+    if key not in table:
+        return None
+    try:
+        return float(number(table[key], Dimension.RATIO).value)
+    except SceneError as error:
+        raise error.within(key) from None
 
 
 def _threshold(given: Any) -> Threshold:

@@ -1,45 +1,88 @@
-"""The evaluation of a scene from which effects that do not matter may be left out."""
+"""The evaluation of a scene, from which effects that do not matter may be left out; of a measured one, line by line."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, overload
 
 from haptisym.judge import evaluation
 from haptisym.judge.evaluation import Evaluation
+from haptisym.kernel.errors import SceneError
+from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
-from haptisym.model.scenefile import as_scene
+from haptisym.model.scenefile import as_scene, chosen, open_scenes
+
+if TYPE_CHECKING:
+    from haptisym.verbs.measured.entry import MeasuredEvaluation
+
+_DIGITS = 15
 
 
+@overload
+def evaluate(scene: MeasuredScene) -> MeasuredEvaluation: ...
+@overload
 def evaluate(
-    scene: Scene | str | Path,
-    digits: int = 15,
+    scene: Scene,
+    digits: int = ...,
+    *,
+    tolerance: Number | None = ...,
+    regions: bool = ...,
+    proportion: Number | None = ...,
+) -> Evaluation: ...
+@overload
+def evaluate(
+    scene: str | Path,
+    digits: int = ...,
+    *,
+    tolerance: Number | None = ...,
+    regions: bool = ...,
+    proportion: Number | None = ...,
+) -> Evaluation | Any: ...
+def evaluate(
+    scene: Scene | MeasuredScene | str | Path,
+    digits: int = _DIGITS,
     *,
     tolerance: Number | None = None,
     regions: bool = False,
     proportion: Number | None = None,
-) -> Evaluation:
+) -> Evaluation | MeasuredEvaluation:
     """Evaluate a scene with numbers for all parameters; ``digits`` decimal digits of each crossing, as many as wanted.
 
     ``tolerance`` : if given, only the effects that matter for it are used (see ``relevance``); the answers are those of the scene
     without the others, and ``relevance`` says by how much the full scene's ratios may differ, and where its crossings are.
     ``regions`` : whether ``regions`` is to tell what square, disc and diamond of the JND's half widths say, beside its own.
-    ``proportion`` : of right answers, to which a JND that tells its own is converted. Raises SceneError if a parameter is still a
-    symbol.
+    ``proportion`` : of right answers, to which a JND that tells its own is converted.
+    A scene whose perceived dynamics is measured is judged at its lines alone, and gives a ``MeasuredEvaluation``.
+    Raises SceneError if a parameter is still a symbol.
 
     >>> [c.omega.digits(20) for c in evaluate("fu2019").crossings]
     ['7.9789167901747077028', '11.937310924322057781']
     """
+    given = _opened(scene) if isinstance(scene, str | Path) else scene
+    if isinstance(given, MeasuredScene):
+        from haptisym.verbs.measured.entry import judge  # loaded where it is asked for
+
+        if tolerance is not None or digits != _DIGITS or regions or proportion is not None:
+            raise SceneError(
+                "measured lines are judged as they are: leave out digits, tolerance, regions and proportion"
+            )
+        return judge(given)
     if proportion is not None:
-        scene = as_scene(scene).at_proportion(proportion)
-    found = _evaluated(scene, digits, tolerance)
+        given = as_scene(given).at_proportion(proportion)
+    found = _evaluated(given, digits, tolerance)
     return found.with_regions() if regions else found
 
 
-def _evaluated(scene: Scene | str | Path, digits: int, tolerance: Number | None) -> Evaluation:
+def _evaluated(scene: Scene, digits: int, tolerance: Number | None) -> Evaluation:
     if tolerance is None:
         return evaluation.evaluate(scene, digits)
-    from haptisym.verbs.effects.entry import relevance  # loaded where it is asked for
+    from haptisym.verbs.effects.entry import relevance
 
     found = relevance(scene, tolerance)
     return evaluation.evaluate(found.pruned, digits, left_out=found)
+
+
+def _opened(scene: str | Path) -> Scene | MeasuredScene:
+    found, name = open_scenes(scene)
+    return found if isinstance(found, MeasuredScene) else chosen(found, name, None)

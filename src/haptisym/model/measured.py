@@ -1,0 +1,188 @@
+"""A frequency response that was measured: lines at frequencies, and the disc around each in which the truth lies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import isfinite
+from numbers import Real
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.shown import Shown, counted
+from haptisym.model.quantities import Motion
+
+Reals: TypeAlias = NDArray[np.float64]
+Complexes: TypeAlias = NDArray[np.complex128]
+Named: TypeAlias = Callable[[int], str]
+
+CONFIDENCE = 0.95
+
+
+def disc_radius(coherence: ArrayLike, averages: float, confidence: float = CONFIDENCE) -> Reals:
+    """The radius of the confidence disc of an estimate H1, relative to ``|H|``.
+
+    sqrt(2/(n-2) F(2, n-2; confidence) (1-g2)/g2), n = 2 averages; F with 2 and n - 2 degrees of freedom has the closed quantile
+    (n-2)/2 ((1-confidence)^(-2/(n-2)) - 1). ``coherence`` : g2, 0 to 1; at 0 the disc is the whole plane.
+    Source: Bendat and Piersol, Random Data, on the errors of frequency response estimates.
+
+    >>> print(f"{disc_radius(0.95, 10):.7f} {disc_radius(0.99, 10):.8f} {disc_radius(0.95, 20):.8f}")
+    0.1441766 0.06316171 0.09480726
+    """
+    g2 = np.asarray(coherence, dtype=float)
+    with np.errstate(divide="ignore"):
+        noise = (1 - g2) / g2
+    found: Reals = np.sqrt(_spread(averages, confidence) * noise)
+    return found
+
+
+def coherence_for(radius: ArrayLike, averages: ArrayLike, confidence: float = CONFIDENCE) -> Reals:
+    """The least coherence at which a disc is no larger than ``radius``, relative to ``|H|``.
+
+    >>> print(f"{coherence_for(0.1, 10):.7f}")
+    0.9753056
+    """
+    spread = _spread(averages, confidence)
+    found: Reals = np.asarray(spread / (spread + np.square(radius)))
+    return found
+
+
+def averages_for(radius: ArrayLike, coherence: ArrayLike, confidence: float = CONFIDENCE) -> Reals:
+    """The least whole number of averages with which a disc is no larger than ``radius``, relative to ``|H|``.
+
+    >>> int(averages_for(0.1, 0.95)), float(disc_radius(0.95, 18)) > 0.1 >= float(disc_radius(0.95, 19))
+    (19, True)
+    """
+    g2 = np.asarray(coherence, dtype=float)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        reach = np.log1p(np.square(radius) * g2 / (1 - g2))
+        found: Reals = np.maximum(2.0, 1 + np.ceil(-np.log1p(-confidence) / reach))
+    return found
+
+
+def _spread(averages: ArrayLike, confidence: float) -> Any:
+    """2/(n-2) F(2, n-2; confidence)."""
+    return np.expm1(-np.log1p(-confidence) / (np.asarray(averages, dtype=float) - 1))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Measurement(Shown):
+    """A measured frequency response H: force per position, N/m or N m/rad. Valid by construction.
+
+    ``omega`` : rad/s, rising. ``H`` : complex. What is known of its certainty: ``coherence`` with the number of ``averages``, or
+    ``radius``, of discs that hold the truth with that ``confidence``, in the unit of H; or nothing. ``motion`` : as its units
+    tell. ``name`` : what error messages and pages call it. ``path`` : of its file.
+    """
+
+    omega: Any
+    H: Any
+    coherence: Any = None
+    averages: float | None = None
+    confidence: float = CONFIDENCE
+    radius: Any = None
+    motion: Motion | None = None
+    name: str = "measured"
+    path: Path | None = None
+
+    def __post_init__(self) -> None:
+        try:
+            self._check()
+        except SceneError as error:
+            raise error.within(self.name) from None
+
+    def _check(self) -> None:
+        for key, kind in (("omega", float), ("H", complex), ("coherence", float), ("radius", float)):
+            given = getattr(self, key)
+            if given is not None or key in ("omega", "H"):
+                object.__setattr__(self, key, _row(key, given, kind))
+        for key in ("H", "coherence", "radius"):
+            if (row := getattr(self, key)) is not None and len(row) != len(self.omega):
+                raise SceneError(f"{key} has {len(row)} values, and omega {len(self.omega)}: each line needs both")
+        if not len(self.omega):
+            raise SceneError("there are no lines in it")
+        check_certainty(self.coherence is not None, self.radius is not None, self.averages, self.confidence)
+        check_lines(self, lambda i: f"line {i + 1}")
+
+    def _line(self) -> str:
+        low, high = float(self.omega[0]), float(self.omega[-1])
+        return f"{self.name}: {counted(len(self.omega), 'line')} from {low:.5g} to {high:.5g} rad/s"
+
+    def __len__(self) -> int:
+        return len(self.omega)
+
+    @cached_property
+    def discs(self) -> Reals | None:
+        """The radius of each line's disc, in the unit of H; None where nothing tells it."""
+        if self.coherence is None:
+            found: Reals | None = self.radius
+            return found
+        assert self.averages is not None
+        size = np.abs(self.H)
+        with np.errstate(invalid="ignore"):
+            relative = disc_radius(self.coherence, self.averages, self.confidence)
+            return np.where(np.isinf(relative), np.inf, size * relative)
+
+    def at(self, lines: NDArray[Any]) -> Measurement:
+        """Some of its lines."""
+        coherence, radius = (None if x is None else x[lines] for x in (self.coherence, self.radius))
+        return replace(self, omega=self.omega[lines], H=self.H[lines], coherence=coherence, radius=radius)
+
+
+def check_certainty(coherence: bool, radius: bool, averages: float | None, confidence: float) -> None:  # noqa: FBT001
+    """SceneError unless what is given tells the radius of a disc in one way, or in none."""
+    if not isinstance(confidence, Real) or isinstance(confidence, bool) or not 0 < confidence < 1:
+        raise SceneError(f"confidence: {confidence} must lie between 0 and 1")
+    if coherence and radius:
+        raise SceneError("there are coherence and radius: both tell how large the discs are, leave out one of them")
+    if averages is None:
+        if coherence:
+            raise SceneError(
+                "averages is missing: the coherence tells the radius of a disc only with the number of averages"
+            )
+        return
+    if not coherence:
+        raise SceneError("averages is given, but no coherence: leave it out, or give the coherence")
+    if not isinstance(averages, Real) or isinstance(averages, bool) or not (isfinite(averages) and averages >= 2):
+        raise SceneError(f"averages: {averages} must be a number from 2 on")
+
+
+def check_lines(m: Measurement, place: Named) -> None:
+    """SceneError, with the place of the first one, for lines that cannot be: not finite, or not in rising order."""
+    rules: list[tuple[str, Any, Callable[[Any], Any], str]] = [
+        ("omega", m.omega, lambda x: np.isfinite(x) & (x >= 0), "must be a finite frequency, 0 or above"),
+        ("H", m.H, np.isfinite, "must be finite"),
+        ("coherence", m.coherence, lambda x: (x >= 0) & (x <= 1), "must lie from 0 to 1"),
+        ("radius", m.radius, lambda x: np.isfinite(x) & (x >= 0), "must be finite, 0 or above"),
+    ]
+    for key, row, rule, words in rules:
+        if row is not None and not (right := rule(row)).all():
+            first = int(np.argmin(right))
+            raise SceneError(f"{place(first)}: {key}: {row[first]:.6g} {words}")
+    rising = np.diff(m.omega) > 0
+    if not rising.all():
+        i = int(np.argmin(rising)) + 1
+        low, high = m.omega[i - 1], m.omega[i]
+        what = (
+            "is there twice: one line for each frequency" if low == high else f"comes after {low:.10g}: sort the lines"
+        )
+        raise SceneError(f"{place(i)}: the frequency {high:.10g} rad/s {what}")
+
+
+def _row(key: str, given: Any, kind: type) -> Any:
+    try:
+        if kind is float and np.iscomplexobj(given):
+            raise SceneError(f"{key}: must be real")
+        found: Any = np.array(given, dtype=kind)
+    except (TypeError, ValueError) as error:
+        if isinstance(error, SceneError):
+            raise
+        raise SceneError(f"{key}: must be a list or an array of numbers") from None
+    if found.ndim != 1:
+        raise SceneError(f"{key}: has the shape {found.shape}, and must be one row")
+    found.setflags(write=False)
+    return found

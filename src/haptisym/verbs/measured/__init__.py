@@ -1,0 +1,1 @@
+"""Measured responses, judged line by line: exceeds, below or unresolved."""

@@ -1,0 +1,174 @@
+"""The two-step evaluation of a measured scene, at the measured frequencies alone. Measured, never certified."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from haptisym.judge.answers import Answer
+from haptisym.judge.percepts import Change, Property
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.shown import counted, titled
+from haptisym.model.jnd import Part
+from haptisym.model.measured import Reals
+from haptisym.model.measuredscene import MeasuredScene
+from haptisym.verbs.measured.judging import CODES, Lines, Signs, Verdict, distances, lines_of, signs, verdicts
+from haptisym.verbs.measured.needed import Needed, needed
+
+
+class Row(NamedTuple):
+    """What is said of one line. ``radius`` : of the disc around the change, relative to ``|H_env|``; None where none is known."""
+
+    omega: float
+    ratio_real: float
+    ratio_imag: float
+    radius: float | None
+    real: Verdict
+    imag: Verdict
+
+
+class MeasuredPercept(NamedTuple):
+    """What is felt of a part at one line, as far as the discs decide it."""
+
+    part: Part
+    omega: float
+    property: Property
+    change: Change
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MeasuredEvaluation(Answer):
+    """What the measured lines say, line by line; nothing is said between them, and nothing is certified.
+
+    ``lines`` : the numbers. ``distance`` : of each part's ratio from its threshold, positive outside. ``verdict`` : of each part
+    1 where the whole disc exceeds the threshold, -1 where the whole disc is below, 0 where the disc does not tell.
+    ``signs`` : what step 2 is told by. ``rows``, ``percepts`` : the same as values.
+    """
+
+    _schema: ClassVar[str] = "haptisym.measured/1"
+    _page: ClassVar[str] = "haptisym.pages.measured:page"
+    _figure: ClassVar[str] = "haptisym.figures.measured:measured_figure"
+
+    scene: MeasuredScene
+    lines: Lines
+    distance: Mapping[Part, Reals]
+    verdict: Mapping[Part, Any]
+    signs: Mapping[Part, Signs]
+    needed: Needed | None
+
+    def _line(self) -> str:
+        told = [f"{int((self.verdict[part] == code).sum())} {x.value}" for part in Part for code, x in CODES.items()]
+        lines = counted(len(self), "line")
+        return f"{titled(self.scene.title)}: {lines}, real {', '.join(told[:3])}, imaginary {', '.join(told[3:])}"
+
+    def __len__(self) -> int:
+        return len(self.lines.omega)
+
+    @property
+    def certified(self) -> bool:
+        """False: what is measured is not proven."""
+        return False
+
+    @property
+    def left_out(self) -> int:
+        """Lines of the perceived response that are not judged: off the band, or without a line of the environment."""
+        return len(self.scene.perceived) - len(self)
+
+    @cached_property
+    def rows(self) -> tuple[Row, ...]:
+        """Every line that is judged."""
+        return tuple(self._rows())
+
+    def _rows(self) -> Iterator[Row]:
+        x = self.lines
+        radius = [None] * len(self) if x.radius is None else x.radius.tolist()
+        ratios = np.abs(x.change.real).tolist(), np.abs(x.change.imag).tolist()
+        told = ((CODES[code] for code in self.verdict[part].tolist()) for part in Part)
+        yield from map(Row, x.omega.tolist(), *ratios, radius, *told)
+
+    def named(self, part: Part) -> Any:
+        """Where a property is named: the part exceeds, and its disc tells what it is felt as."""
+        own = self.signs[part]
+        inside = (
+            own.perceived >= 0 if part is Part.IMAG else True
+        )  # below 0 the display is active: the model has no name
+        return (self.verdict[part] == 1) & own.known & inside
+
+    @cached_property
+    def percepts(self) -> tuple[MeasuredPercept, ...]:
+        """What is felt, at each line where the discs decide it."""
+        omega = self.lines.omega
+        return tuple(
+            MeasuredPercept(part, float(omega[i]), *self.signs[part].label(part, i))
+            for part in Part
+            for i in np.flatnonzero(self.named(part)).tolist()
+        )
+
+    def _body(self) -> dict[str, Any]:
+        felt = self.scene.perceived
+        return {
+            "lines": len(self),
+            "left_out": self.left_out,
+            "threshold": self.scene.threshold.row(),
+            "averages": felt.averages,
+            "confidence": None if self.lines.radius is None else felt.confidence,
+            "rows": [_row(x) for x in self._rows()],
+            "percepts": [
+                {"part": p.part.value, "omega": p.omega, "property": p.property.value, "change": p.change.value}
+                for p in self.percepts
+            ],
+            "needed": None if self.needed is None else _needed(self.needed),
+            "certified": self.certified,
+        }
+
+    def to_json(self) -> str:
+        """As text, one line for each measured line."""
+        told = (f"  {json.dumps(key)}: {_written(key, value)}" for key, value in self.to_dict().items())
+        return "{\n" + ",\n".join(told) + "\n}"
+
+
+def _written(key: str, value: Any) -> str:
+    if key in ("rows", "percepts") and value:
+        listed = ",\n".join(f"    {json.dumps(row)}" for row in value)
+        return f"[\n{listed}\n  ]"
+    return json.dumps(value, indent=2, ensure_ascii=False).replace("\n", "\n  ")
+
+
+def _row(x: Row) -> dict[str, Any]:
+    numbers = {"ratio_real": x.ratio_real, "ratio_imag": x.ratio_imag, "radius": x.radius}
+    finite = {key: value if value is not None and np.isfinite(value) else None for key, value in numbers.items()}
+    return {"omega": x.omega, **finite, "real": x.real.value, "imag": x.imag.value}
+
+
+def _needed(x: Needed) -> dict[str, Any]:
+    shares = {"radius": x.radius, "coherence": x.coherence, "averages": x.averages}
+    return {"lines": x.lines} | {key: share.row() for key, share in shares.items() if share is not None}
+
+
+def judge(scene: MeasuredScene) -> MeasuredEvaluation:
+    """Judge every measured line of a scene on its band. SceneError where there is none.
+
+    >>> from haptisym import environments
+    >>> from haptisym.model.measuring import measured
+    >>> felt = measured([2, 8], [92.8 + 30j, -30 + 120j], radius=[2, 2])
+    >>> found = judge(MeasuredScene(environments.mass_spring_damper(1.8, 15, 100), felt))
+    >>> [(x.real.value, x.imag.value) for x in found.rows]
+    [('below', 'below'), ('exceeds', 'below')]
+    """
+    if not isinstance(scene, MeasuredScene):
+        raise SceneError(
+            f"{type(scene).__name__} is not a measured scene: make one with MeasuredScene(environment, perceived)"
+        )
+    scene.threshold.need_square("measured lines")
+    x = lines_of(scene)
+    distance = distances(scene, x)
+    change = x.perceived - x.environment
+    moved = {Part.REAL: change.real, Part.IMAG: change.imag}
+    found = {part: verdicts(x, distance[part], moved[part]) for part in Part}
+    told = {part: signs(x, part) for part in Part}
+    return MeasuredEvaluation(scene, x, distance, found, told, needed(x, distance, found))

@@ -1,0 +1,194 @@
+"""Three-valued judgements of measured lines: where the disc of a change lies against the region of what is not noticed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+import numpy as np
+from sympy import Expr, Poly, fraction, together
+
+from haptisym.judge.percepts import Change, Property, real_property
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.symbols import omega
+from haptisym.model.catalogue import Environment
+from haptisym.model.jnd import Part
+from haptisym.model.measured import Complexes, Measurement, Reals
+from haptisym.model.measuredscene import MeasuredScene
+
+OPEN = 2
+"""A sign that a disc does not tell."""
+
+
+class Verdict(Enum):
+    """Of a part at a line."""
+
+    EXCEEDS = "exceeds"
+    BELOW = "below"
+    UNRESOLVED = "unresolved"
+
+
+CODES = {1: Verdict.EXCEEDS, -1: Verdict.BELOW, 0: Verdict.UNRESOLVED}
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """The measured lines as numbers: both responses, the radii of their discs, and the change with its own.
+
+    ``environment``, ``perceived`` : H at ``omega``, rad/s. ``env_radius``, ``perc_radius`` : in the unit of H, 0 where a response
+    is taken as it is. ``change`` : dH/|H_env|, x + j y. ``radius`` : of a disc around it that holds the true change, relative
+    to the true ``|H_env|``, whenever both discs hold the truth; None where no disc is known. ``felt``, ``own`` : as
+    they were measured; ``own`` is of the environment, None where that is a model.
+    """
+
+    omega: Reals
+    environment: Complexes
+    perceived: Complexes
+    env_radius: Reals
+    perc_radius: Reals
+    change: Complexes
+    radius: Reals | None
+    felt: Measurement
+    own: Measurement | None
+
+
+def matched(scene: MeasuredScene) -> tuple[Measurement, Measurement | None]:
+    """The perceived response on the band, and the environment's where that is measured, at the same frequencies. SceneError
+    where there are none."""
+    felt, own = scene.perceived, scene.environment
+    if scene.band is not None:
+        low, high = (float(x) for x in scene.band)
+        inside = (felt.omega >= low * (1 - _SAME)) & (felt.omega <= high * (1 + _SAME))
+        if not inside.any():
+            raise SceneError(f"band: no line of {felt.name} lies from {low:.6g} to {high:.6g} rad/s")
+        felt = felt.at(inside)
+    if isinstance(own, Environment):
+        return felt, None
+    nearest = _nearest(own.omega, felt.omega)
+    common = np.abs(own.omega[nearest] - felt.omega) <= _SAME * felt.omega
+    if not common.any():
+        raise SceneError(f"{own.name} and {felt.name} have no frequency in common: lines are compared one by one")
+    return felt.at(common), own.at(nearest[common])
+
+
+_SAME = 1e-9
+"""Frequencies that differ by no more than this share are one: files round them."""
+
+
+def _nearest(among: Reals, wanted: Reals) -> Any:
+    """For each wanted frequency the index of the nearest one among rising others."""
+    right = np.searchsorted(among, wanted).clip(0, len(among) - 1)
+    left = np.maximum(right - 1, 0)
+    return np.where(wanted - among[left] <= among[right] - wanted, left, right)
+
+
+def lines_of(scene: MeasuredScene) -> Lines:
+    """The lines that a scene judges. SceneError where H_env is infinite at one of them."""
+    felt, own = matched(scene)
+    env = _exact(scene, felt.omega) if own is None else own.H
+    inner, outer = (np.zeros(len(felt)) if m is None or m.discs is None else m.discs for m in (own, felt))
+    known = any(m is not None and m.discs is not None for m in (own, felt))
+    size = np.abs(env)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        change = (felt.H - env) / size
+        share = inner / size
+        radius = np.where(share < 1, ((inner + outer) / size + np.abs(change) * share) / (1 - share), np.inf)
+    return Lines(felt.omega, env, felt.H, inner, outer, change, radius if known else None, felt, own)
+
+
+def _exact(scene: MeasuredScene, at: Reals) -> Complexes:
+    """H_env of a model, at all frequencies."""
+    values = scene.frame.distortion().compile(of=["environment_real", "environment_imag"])(at)
+    env: Complexes = values.environment_real + 1j * values.environment_imag
+    if not np.isfinite(env).all():
+        where = at[int(np.argmin(np.isfinite(env)))]
+        raise SceneError(
+            f"H_env is infinite at {where:.6g} rad/s: nothing can be compared with it; leave that line out"
+        )
+    return env
+
+
+# Step 1.
+
+
+def limits_of(scene: MeasuredScene, at: Reals) -> dict[Part, Reals]:
+    """The thresholds of both parts at all lines."""
+    return {part: values_of(scene.threshold[part], at) for part in Part}
+
+
+def values_of(formula: Expr, at: Reals) -> Reals:
+    """A number, or a rational formula in omega, at frequencies."""
+    if not formula.has(omega):
+        return np.full(len(at), float(formula))
+    above, below = (
+        np.polyval([float(c) for c in Poly(x, omega).all_coeffs()], at) for x in fraction(together(formula))
+    )
+    return np.asarray(above / below)
+
+
+def distances(scene: MeasuredScene, x: Lines) -> Mapping[Part, Reals]:
+    """How far, relative to ``|H_env|``, each line's change lies outside a part's limits; negative inside."""
+    limits = limits_of(scene, x.omega)
+    zero = x.environment == 0
+    sides = {Part.REAL: x.change.real, Part.IMAG: x.change.imag}
+    found = {part: np.abs(side) - limits[part] for part, side in sides.items()}
+    if zero.any():  # there the threshold is 0
+        moved = {Part.REAL: x.perceived.real, Part.IMAG: x.perceived.imag}
+        found = {part: np.where(zero, np.where(moved[part] == 0, -np.inf, np.inf), d) for part, d in found.items()}
+    return found
+
+
+def verdicts(x: Lines, distance: Reals, moved: Reals) -> Any:
+    """1 where the disc lies outside, -1 where it lies inside, 0 where it does not tell. ``moved`` : that part of dH."""
+    radius = np.zeros(len(distance)) if x.radius is None else x.radius
+    with np.errstate(invalid="ignore"):
+        outside, inside = distance > radius, distance <= -radius
+    zero = x.environment == 0
+    if zero.any():  # the disc itself, against the point of no change
+        outside = np.where(zero, np.abs(moved) > x.perc_radius, outside)
+        inside = np.where(zero, (moved == 0) & (x.perc_radius == 0), inside)
+    return outside.astype(np.int8) - inside.astype(np.int8)
+
+
+# Step 2.
+
+
+@dataclass(frozen=True, eq=False)
+class Signs:
+    """What discs tell of a part: its signs in H_env and H_perc, and whether it is felt larger; OPEN where they do not."""
+
+    environment: Any
+    perceived: Any
+    compared: Any
+
+    @property
+    def known(self) -> Any:
+        """Where all are told."""
+        return (self.environment != OPEN) & (self.perceived != OPEN) & (self.compared != OPEN)
+
+    def label(self, part: Part, line: int) -> tuple[Property, Change]:
+        """How the change is felt at a line where all signs are known."""
+        env, perc, compared = int(self.environment[line]), int(self.perceived[line]), int(self.compared[line])
+        change = {1: Change.HIGHER, -1: Change.LOWER, 0: Change.EQUAL}[compared]
+        return (Property.DAMPING if part is Part.IMAG else real_property(env, perc)), change
+
+
+def signs(x: Lines, part: Part) -> Signs:
+    """Of one part, at all lines."""
+    env, perc = (h.real if part is Part.REAL else h.imag for h in (x.environment, x.perceived))
+    compared = _sign(np.abs(perc) - np.abs(env), x.env_radius + x.perc_radius)
+    return Signs(_sign(env, x.env_radius), _sign(perc, x.perc_radius), compared)
+
+
+def _sign(value: Reals, radius: Reals) -> Any:
+    told: Any = np.where((np.abs(value) > radius) | (radius == 0), np.sign(value), OPEN)
+    return told.astype(np.int8)
+
+
+def certainty(m: Measurement) -> str:
+    """What the discs of a response come from."""
+    if m.coherence is not None:
+        return f"coherence, {m.averages:g} averages"
+    return "no disc is known" if m.radius is None else "radius in the file"

@@ -1,0 +1,75 @@
+"""What would resolve the open lines: the coherence, the number of averages or the radius at which their discs decide."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from haptisym.model.jnd import Part
+from haptisym.model.measured import Measurement, Reals, averages_for, coherence_for
+from haptisym.verbs.measured.judging import Lines
+
+MOST_AVERAGES = 1e6
+"""More than anyone takes: a line that would need more lies at its threshold, as far as measuring goes."""
+
+MOST_COHERENCE = 1 - 1e-6
+"""More than any bench gives."""
+
+
+@dataclass(frozen=True)
+class Share:
+    """What resolves half of the open lines, and all of them; None where nothing sensible does."""
+
+    half: float | None
+    all: float | None
+
+    def row(self) -> dict[str, Any]:
+        return {"half": self.half, "all": self.all}
+
+
+@dataclass(frozen=True)
+class Needed:
+    """What would resolve open lines if the estimates stay where they are, each quantity alone, the others as they are.
+
+    ``radius`` : at most, relative to ``|H_env|``. ``coherence``, ``averages`` : at least; None where the discs do not come from
+    them, or not from them alone.
+    """
+
+    lines: int
+    radius: Share
+    coherence: Share | None
+    averages: Share | None
+
+
+def needed(x: Lines, distance: Mapping[Part, Reals], found: Mapping[Part, Any]) -> Needed | None:
+    """Of the lines that are open in some part; None if none is."""
+    open_lines = np.any([found[part] == 0 for part in Part], axis=0)
+    if not open_lines.any():
+        return None
+    margins = [np.where(found[part] == 0, np.abs(distance[part]), np.inf) for part in Part]
+    margin = np.min(margins, axis=0)[open_lines]
+    felt, own = x.felt, x.own
+    coherence = averages = None
+    if felt.coherence is not None and (own is None or own.discs is None):
+        coherence, averages = _of_coherence(felt, x, margin, open_lines)
+    return Needed(int(open_lines.sum()), _shares(-margin, negated=True), coherence, averages)
+
+
+def _of_coherence(felt: Measurement, x: Lines, margin: Reals, at: Any) -> tuple[Share, Share]:
+    assert felt.averages is not None
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = margin * np.abs(x.environment[at]) / np.abs(x.perceived[at])
+    coherence = coherence_for(relative, felt.averages, felt.confidence)
+    averages = averages_for(relative, felt.coherence[at], felt.confidence)
+    return _shares(coherence, most=MOST_COHERENCE), _shares(averages, most=MOST_AVERAGES)
+
+
+def _shares(values: Reals, *, most: float = np.inf, negated: bool = False) -> Share:
+    """The value that is enough for at least half of the lines, and for all; None for one above ``most``."""
+    order = np.sort(np.nan_to_num(values, nan=np.inf))
+    found = (float(order[(len(order) - 1) // 2]), float(order[-1]))
+    half, every = (None if value > most or not np.isfinite(value) else -value if negated else value for value in found)
+    return Share(half, every)
