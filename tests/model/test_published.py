@@ -10,6 +10,7 @@ from click.testing import CliRunner
 
 import haptisym as hs
 from haptisym.cli import app
+from haptisym.writing.latex import latex
 
 SCENE = 'environment = {{ model = "mass-spring-damper", k = 1 }}\n[evaluation]\njnd = {{ like = "{}" }}\n'
 EVIDENCE = Path(__file__).parents[2] / "docs" / "evidence.md"
@@ -96,6 +97,10 @@ def test_a_name_that_is_none_is_told(jnd: str, told: str) -> None:
     with pytest.raises(hs.SceneError) as raised:
         hs.parse_scene(SCENE.replace('{{ like = "{}" }}', jnd).replace("{{", "{").replace("}}", "}"))
     assert told in str(raised.value)
+
+
+def test_what_is_to_be_typed_keeps_its_quotation_marks_in_latex() -> None:
+    assert r"\texttt{jnd = \{ like = \char34{}steering-wheel\char34{} \}}" in latex(hs.published().document())
 
 
 def test_the_command_lists_them() -> None:

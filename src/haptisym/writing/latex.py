@@ -117,7 +117,12 @@ def phrase(words: Phrase) -> str:
         return _digits(words.digits)
     if isinstance(words, Strong):
         return rf"\textbf{{{phrase(words.words)}}}"
-    return rf"\texttt{{{escape(words.text)}}}" if isinstance(words, Code) else f"${tex(words)}$"
+    return rf"\texttt{{{_typed(words.text)}}}" if isinstance(words, Code) else f"${tex(words)}$"
+
+
+def _typed(text: str) -> str:
+    """What is typed, its quotation marks straight."""
+    return escape(text).replace("''", r"\char34{}") if '"' in text else escape(text)
 
 
 _LONG_NUMBER = 25  # digits; a longer one is set on several lines
