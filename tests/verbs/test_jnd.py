@@ -164,7 +164,7 @@ def test_very_many_levels_are_put_together_and_give_the_same_curve() -> None:
 def test_a_table_too_small_for_an_interval_has_no_upper_end() -> None:
     found = hs.jnd(Answers("few", (Row(1.0, 1, 4), Row(2.0, 2, 4), Row(3.0, 3, 4))), reference=2)
     assert found.jnd.high is None
-    assert found.line == "jnd = 0.5000"  # 25 % at 1, 50 % at 2, 75 % at 3
+    assert found.table["real"] == "0.5000"  # 25 % at 1, 50 % at 2, 75 % at 3
     assert "unbounded" in str(found)
 
 
@@ -342,12 +342,32 @@ def test_what_cannot_be_asked_is_refused(options: dict[str, object], told: str) 
 # For a scene.
 
 
-def test_the_line_for_a_scene_is_one_with_the_interval_as_its_range() -> None:
+def test_the_line_for_a_scene_is_one_with_the_interval_as_its_range_and_its_proportion() -> None:
     found = hs.jnd(DATA, reference=5)
-    scene = hs.parse_scene(f'environment = {{ model = "mass-spring-damper", k = 1 }}\n[evaluation]\n{found.line}\n')
-    assert float(scene.threshold.real) == pytest.approx(found.jnd.value / 5, rel=1e-3)
-    low, high = scene.threshold.real_interval
+    own = 'environment = { model = "mass-spring-damper", k = 1 }\n'
+    threshold = hs.parse_scene(f"{own}[evaluation]\n{found.line}\n").threshold
+    assert float(threshold.real) == pytest.approx(found.jnd.value / 5, rel=1e-3)
+    low, high = threshold.real_interval
     assert float(low) <= found.fraction.low < found.fraction.high <= float(high)
+    assert threshold.imag_interval == (low, high)
+    lines = [
+        line.strip().strip("`")
+        for line in str(found).split("In a scene")[1].split("The curve")[0].split("\n")
+        if line.strip()
+    ]
+    assert hs.parse_scene(own + "\n".join(lines)).threshold == threshold
+    there = threshold.at_proportion("0.84")  # as another fit at that proportion has it
+    assert float(there.real) == pytest.approx(hs.jnd(DATA, reference=5, proportion=0.84).fraction.value, rel=1e-3)
+
+
+def test_the_line_of_a_forced_choice_tells_no_proportion_that_could_be_converted() -> None:
+    rows = tuple(Row(0.04 * i, k, 40) for i, k in enumerate((20, 24, 31, 36, 40)))
+    found = hs.jnd(Answers("choices", rows), alternatives=2, reference=1)
+    assert "proportion" not in found.table
+    with pytest.raises(hs.SceneError, match="does not tell its own"):
+        hs.parse_scene(
+            f'environment = {{ model = "mass-spring-damper", k = 1 }}\n[evaluation]\n{found.line}\n'
+        ).threshold.at_proportion("0.84")
 
 
 def test_the_command_says_the_same_as_python(file: Callable[..., Path], tmp_path: Path) -> None:

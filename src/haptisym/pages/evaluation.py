@@ -53,7 +53,7 @@ from haptisym.writing.document import (
     Table,
     Versions,
     listed,
-)
+)  # fmt: skip
 from haptisym.writing.equations import equation
 from haptisym.writing.formula import readable
 

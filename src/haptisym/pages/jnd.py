@@ -47,6 +47,7 @@ def page(p: Psychometric) -> Document:
     blocks: tuple[Block, ...] = (
         Facts(tuple(_found(p))),
         *_warned(p),
+        *_for_a_scene(p),
         Section("The curve", (Equations((_equation(p),)), Facts(tuple(_facts(p)))), "curve"),
         Figure("answers", caption, _draw(p)),
         Section("The answers", (_answers(p),), "answers"),
@@ -97,10 +98,22 @@ def _found(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
     if p.fraction and p.reference:
         yield "fraction", (_estimate(p, p.fraction), " of the standard, ", _number(p.reference))
     yield "fit", _fit(p)
-    yield "in a scene", Code(p.line) if p.line else (
-        "a threshold is a fraction of the standard: give its level with ", Code("--reference"),
-        " (1 where the levels are fractions)",
-    )  # fmt: skip
+    if not p.table:
+        yield (
+            "in a scene",
+            (
+                "a threshold is a fraction of the standard: give its level with ",
+                Code("--reference"),
+                " (1 for fractions)",
+            ),
+        )
+
+
+def _for_a_scene(p: Psychometric) -> Iterator[Block]:
+    """The threshold as a table of a scene file, line by line."""
+    if p.table:
+        lines = ("[evaluation.jnd]", *(f"{key} = {value}" for key, value in p.table.items()))
+        yield Section("In a scene", (Notes(tuple(map(Code, lines))),), "scene")
 
 
 def _fit(p: Psychometric) -> Phrase:

@@ -87,9 +87,22 @@ class Psychometric(Answer):
         return self.fit.deviance
 
     @cached_property
+    def table(self) -> dict[str, str]:
+        """The threshold as the table ``jnd`` of a scene's ``[evaluation]``, values as TOML; empty without a fraction.
+
+        The interval is a range. A comparison tells its proportion, so that it can be brought to another one; the curve of a
+        forced choice has another shape, and is asked for the proportion itself.
+        """
+        if self.fraction is None:
+            return {}
+        own = dict.fromkeys(("real", "imag"), _written(self.fraction))
+        return own if self.asked.alternatives else own | {"proportion": f"{self.asked.proportion:.15g}"}
+
+    @property
     def line(self) -> str:
-        """The threshold as a line of a scene file, its interval a range; empty without a fraction."""
-        return "" if self.fraction is None else f"jnd = {_written(self.fraction)}"
+        """The same as one line; empty without a fraction."""
+        told = ", ".join(f"{key} = {value}" for key, value in self.table.items())
+        return f"jnd = {{ {told} }}" if told else ""
 
     @property
     def notes(self) -> tuple[str, ...]:
