@@ -112,6 +112,12 @@ def test_the_chain_of_a_neutral_function_is_recognised(chain: Expr, where: Chain
     assert (found.number is None) is (where is not None)
 
 
+def test_a_delay_that_all_terms_share_has_no_roots() -> None:
+    assert roots(100 * E).number == 0
+    assert roots(expand(E**2 * LATE * (s**2 - s + 4))).right == 2
+    assert roots(expand(E * (s + 1 + 2 * s * E))).chain is Chain.RIGHT
+
+
 @pytest.mark.parametrize("hand", ["400", "499.9999", "500", "2000"])
 def test_a_delayed_mass_is_held_by_no_lighter_one(hand: str) -> None:
     """(500 s^2 + 100) exp(-s/2) + m s^2 + 40 s + 900: the chain lies at Re s = 2 log(500/m)."""

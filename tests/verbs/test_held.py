@@ -233,6 +233,28 @@ def test_a_display_with_a_clock_has_no_plane_of_h_perc(call: Any, tmp_path: Any)
     assert "figure written" in told
 
 
+SPRING, LATE_BY = hs.environments.mass_spring_damper(k=100), hs.effects.delay("36 ms")
+ODD: list[tuple[hs.Scene, dict[str, Any], bool]] = [
+    (hs.Scene(SPRING), {}, True), (hs.Scene(SPRING), {"m": 1}, False), (hs.Scene(SPRING), {"b": 1}, True),
+    (hs.Scene(hs.environments.mass_spring_damper(m=1)), {"m": 1}, False), (hs.Scene(hs.environments.mass_spring_damper(b=1)), {}, False),
+    (hs.Scene(SPRING, (LATE_BY,)), {}, True), (hs.Scene(SPRING, (LATE_BY,)), {"k": 50}, False), (hs.Scene(SPRING, (LATE_BY,)), {"k": 100}, False),
+    (hs.Scene(SPRING, (LATE_BY,)), {"k": 150}, True), (hs.Scene(SPRING, (LATE_BY,)), {"b": 3}, True),
+    (hs.Scene(SPRING, (hs.effects.shunt(m="-0.2 kg"),)), {"m": "0.1 kg", "b": 1}, False),
+    (hs.Scene(SPRING, (hs.effects.shunt(m="-0.2 kg"),)), {"m": "0.2 kg", "b": 1}, True),
+    (hs.Scene(hs.environments.kelvin_voigt(100, 2), (LATE_BY,)), {"b": 1}, False), (hs.Scene(SPRING, (hs.effects.series("1/s"),)), {"m": 1, "b": 1}, False),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("scene", "hand", "stable"), ODD)
+def test_displays_at_the_edge_of_sense_get_an_answer(scene: hs.Scene, hand: dict[str, Any], *, stable: bool) -> None:
+    """A spring alone has no motion of its own; a late one bounces from a weaker spring more each time, from a stiffer one less."""
+    own = hs.Hand("hand", **hand)
+    answer = hs.stability(scene, own, [x.path for x in scene.parameters])
+    assert str(answer)
+    assert json.loads(answer.to_json())
+    assert answer.held[0].stable is stable
+
+
 def test_what_is_felt_is_not_asked_of_a_hand() -> None:
     scene = hs.parse_scene(LATE.format(k=100) + "[hand]\nb = 4\n")
     for ask in (

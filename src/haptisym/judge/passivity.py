@@ -97,9 +97,11 @@ class Passivity:
     @cached_property
     def is_unbounded(self) -> bool:
         """Whether -Im H_perc/omega is proven to be unbounded far out, so that no damping of a hand is enough."""
+        if self.beyond not in (Beyond.ALWAYS, Beyond.AGAIN):
+            return False
         raw = self.distortion.perc_response.raw_imag
         top, below = (power(p, raw) for p in (raw.numerator, raw.denominator))
-        return self.beyond in (Beyond.ALWAYS, Beyond.AGAIN) and sign_of_number(top - below - 1) > 0
+        return sign_of_number(top - below - 1) > 0
 
     @cached_property
     def most_given(self) -> Greatest | None:

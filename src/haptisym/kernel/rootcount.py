@@ -70,6 +70,7 @@ def count_roots(polynomial: Polynomial, ring: Ring) -> Roots:
     """
     if I in ring.generators and degree_in([polynomial], len(ring.meanings) - 1):
         raise UndecidedError("the roots of a function with j among its numbers")
+    polynomial = _without_shared_delays(polynomial, ring)
     terms = terms_of(polynomial, ring)
     degree = max(terms)
     floor = floor_of(terms[degree], ring)
@@ -90,6 +91,15 @@ def count_roots(polynomial: Polynomial, ring: Ring) -> Roots:
     at_0 = [curve.points[0].omega] if order else []
     right = left_of_it - 2 * sum(map(_times, passed))
     return Roots(left_of_it + at_least(order), right, (*at_0, *(p.omega for p in passed)))
+
+
+def _without_shared_delays(polynomial: Polynomial, ring: Ring) -> Polynomial:
+    """Without the delays that all terms share, which are nowhere 0."""
+    for i in range(ring.size, ring.size + len(ring.lags)):
+        shared = min(int(exponents[i]) for exponents in polynomial.monoms())
+        if shared:
+            polynomial = polynomial / ring.context.gens()[i] ** shared
+    return polynomial
 
 
 # What the highest power of s is multiplied by, L(exp(-s tau_1), ...)

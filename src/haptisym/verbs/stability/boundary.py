@@ -24,6 +24,7 @@ from haptisym.kernel.roots import chart
 from haptisym.verbs.stability.loops import Loop, coefficients
 
 _WINDOWS = 12
+_MOST_TURNING = 400  # radians that a delay turns up to where roots are looked for
 _FURTHER = 8  # turns of a delay beyond its value
 _LOWS = (Rational(15, 16), Rational(1, 2))
 _SETTLED = (Sense.POSITIVE, Sense.NEGATIVE)
@@ -81,11 +82,22 @@ def meetings(loop: Loop, value: Expr) -> Iterator[Meetings]:
     if curve is None:
         yield Meetings(far_out)
         return
-    settled = far(curve.condition)
-    if settled.sense in _SETTLED and not curve.condition.is_zero:
-        yield Meetings((*far_out, *curve.meetings(max(settled.radius, Integer(1)))))
+    if curve.condition.is_zero:  # one value alone puts roots there, everywhere
+        here = ValueAt(RealFunction(curve.value.reduced()), ExactNumber(Integer(1)))
+        yield Meetings((*far_out, Meeting(here, None)))
         return
-    yield from _windows(curve, value, far_out)
+    settled = far(curve.condition)
+    if settled.sense in _SETTLED:
+        yield Meetings((*far_out, *curve.meetings(_near(settled.radius, loop))))
+        return
+    yield from _windows(loop, curve, value, far_out)
+
+
+def _near(radius: Expr, loop: Loop) -> Expr:
+    """How far to look; UndecidedError where delays turn too often on the way."""
+    if any(float(radius * lag) > _MOST_TURNING for lag in loop.ring.lags):
+        raise UndecidedError("where roots meet the imaginary axis: its delays turn very often")
+    return max(radius, Integer(1))
 
 
 def from_infinity(loop: Loop) -> tuple[Meeting, ...]:
@@ -93,7 +105,7 @@ def from_infinity(loop: Loop) -> tuple[Meeting, ...]:
     return tuple(Meeting(x, None) for x in loop.far_out())
 
 
-def _windows(curve: Curve, value: Expr, far_out: tuple[Meeting, ...]) -> Iterator[Meetings]:
+def _windows(loop: Loop, curve: Curve, value: Expr, far_out: tuple[Meeting, ...]) -> Iterator[Meetings]:
     """Where frequencies never end: as far as values lie in a window, about the value that is asked about."""
     done = False
     for j in range(_WINDOWS):
@@ -104,7 +116,8 @@ def _windows(curve: Curve, value: Expr, far_out: tuple[Meeting, ...]) -> Iterato
         for end, sense in ((high, Sense.POSITIVE), (low, Sense.NEGATIVE)):
             ahead = far(_minus(curve.square, end**2))
             if ahead.sense is sense and end > 0:
-                done, found = True, (*far_out, *curve.meetings(max(ahead.radius, Integer(1))))
+                found = (*far_out, *curve.meetings(_near(ahead.radius, loop)))
+                done = True
                 yield Meetings(found, -high, high) if end is high else Meetings(found, low)
     if not done:
         raise UndecidedError("where roots meet the imaginary axis at ever higher frequencies")

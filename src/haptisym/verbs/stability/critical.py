@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
@@ -167,7 +168,9 @@ class _Walk:
         if low is None or high is None or _order(low, high):
             return self._at(rational_between(low, high))
         end = self.high if i else self.low
-        return self._at(end) if self.closed and end is not None else None
+        with suppress(UndecidedError):  # what is asked about need not end there
+            return self._at(end) if self.closed and end is not None else None
+        return None
 
     def _at(self, value: Expr) -> Count:
         if value not in self.counts:

@@ -44,6 +44,8 @@ def ring_of(dynamics: RationalFunction) -> Ring:
 
 def zeros_of(top: Polynomial, bottom: Polynomial, ring: Ring) -> Roots:
     """The zeros of top/bottom in Re s >= 0; what both have at s = 0, as with 1 - exp(-s tau) over s, is none."""
+    if top.is_zero():
+        raise UndecidedError("the roots of what resists no motion at all")
     found = count_roots(top, ring)
     order = order_at_0(top, ring)
     shared = min(order, order_at_0(bottom, ring))
