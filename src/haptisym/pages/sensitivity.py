@@ -96,8 +96,8 @@ def _signed(x: RealNumber) -> Number:
 def _certain(found: Sensitivities) -> Phrase:
     if not found.certified:
         return Strong("UNDECIDED"), " at the precision limit where it says so. Everything else is proven."
+    formulas = " Their formulas: ", Code('haptisym derive SCENE --of "d omega_r/d NAME"'), "."
     return (
         "Elasticity: per cent of frequency per per cent of the parameter. Certain: derivatives by implicit differentiation of ",
-        "the threshold equation, every digit proven. Their formulas: ",
-        Code('haptisym derive SCENE --of "d omega_r/d NAME"'), ".",
+        "the threshold equation, every digit proven.", formulas if found.scene.threshold.is_plain else (),
     )  # fmt: skip

@@ -97,8 +97,10 @@ class Derivation(Answer):
         return opened(noticed(limits), free)
 
     def criterion(self, of: Part | Criterion) -> Criterion:
-        """What is judged of a part, or by that name; SceneError for another JND than a number for each part."""
-        self.scene.threshold.need_plain("formulas of crossings")
+        """What is judged of a part, or by that name; SceneError for a JND of which there are no such formulas."""
+        if self.kept_thresholds:
+            self.scene.threshold.need_plain("formulas of crossings")
+        self.scene.threshold.need_smooth("formulas of crossings")
         name = of.value if isinstance(of, Part) else of.name
         return next(x for x in self.criteria if x.name == name)
 

@@ -81,7 +81,7 @@ class Sensitivities(Answer):
         if end is None:
             return None
         there = [x for x in self.crossings if x.omega is end and x.kind is not CrossingKind.TOUCHES]
-        places = (*self._parameters, next(iter(self._thresholds.values())))
+        places = (*self._parameters, *list(self._thresholds.values())[:1])
         reason = self._kink(end, there)
         if reason:
             return Sensitive(end, none(places, reason))
@@ -100,12 +100,15 @@ class Sensitivities(Answer):
 
     @cached_property
     def _thresholds(self) -> dict[Criterion, Place]:
+        if not self.scene.threshold.is_plain:  # no one number that it could be moved by
+            return {}
         one, knobs = derive(self.scene, [THRESHOLD]), self.scene.knobs.limits.values()
         return {x: Place(knob, _limit(x), one) for x, knob in zip(self.evaluation.criteria, knobs, strict=True)}
 
     def _crossing(self, x: Crossing) -> Sensitive:
-        places = (*self._parameters, self._thresholds[x.criterion])
-        known = {c: _limit(x.criterion)}
+        own = self._thresholds.get(x.criterion)
+        places = (*self._parameters, *([own] if own else []))
+        known = {c: own.value} if own else {}
         flat = TOUCH if x.kind is CrossingKind.TOUCHES else FLAT if x.multiplicity > 1 and not float(x.omega) else ""
         rows = (at(p, p.factors(x.criterion), x.omega, known, flat, simple=x.multiplicity == 1) for p in places)
         return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows), x.criterion, x.kind)
@@ -193,5 +196,5 @@ def sensitivity(scene: Scene | str | Path, digits: int = 15) -> Sensitivities:
     [('omega_n', '1.265'), ('zeta', '-1.245')]
     """
     scene = as_scene(scene)
-    scene.threshold.need_plain("sensitivity")
+    scene.threshold.need_smooth("sensitivity")
     return Sensitivities(evaluate(scene, digits))
