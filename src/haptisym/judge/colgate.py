@@ -3,7 +3,7 @@
 A device m s^2 + b s + k, its position sampled every T, a controller C(z), the force held: passive where, for 0 < theta <= pi,
     b > T/2 Re((1 - exp(-j theta)) C(exp(j theta)))/(1 - cos theta).
 With exp(j theta) = (1 + s)/(1 - s), s = j tan(theta/2), the right-hand side is Re((s - 1)/s C) T/2: a response like any other.
-Source: Colgate and Schenkel (1997). Derivation: 17_sampled_passivity.
+Source: Colgate and Schenkel (1997). Derivation: 18_sampled_passivity.
 """
 
 from __future__ import annotations
