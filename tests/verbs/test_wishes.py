@@ -168,10 +168,49 @@ def test_a_word_that_is_none_of_those_that_can_be_asked_is_named() -> None:
         hs.require("fu2019", "omega_n", that=["stabel"])
 
 
-def test_with_a_clock_stability_is_left_open_and_said_to_be() -> None:
-    r = hs.require("sampled-wall", "environment.k", (1, 1000), that="stable", hand=POSTURAL)
+def wall(T: str = "1 ms", delay: int = 0, B: object = 0) -> hs.Scene:
+    """A virtual wall that a clock renders on a device of 0.04 kg and 0.8 N s/m."""
+    loop = hs.effects.sampled_loop(T=T, method="backward-difference", delay=delay)
+    device = hs.effects.shunt(m="0.04 kg", b="0.8 N*s/m", name="device")
+    return hs.Scene(hs.environments.mass_spring_damper(k=1000, b=B), (loop, device), ("0 Hz", "10 Hz"))
+
+
+NOTHING = hs.Hand("nothing")
+
+
+@pytest.mark.parametrize(
+    ("scene", "hand", "stiffest"),
+    [
+        (wall(), NOTHING, 1605.35113477512),
+        (wall(delay=1), NOTHING, 536.278559788946),
+        (wall(T="5 ms"), NOTHING, 325.422809758905),
+        (wall(), hs.Hand("firm", b=8, k=400), 18284.7872144337),
+        (wall(B="0.4"), NOTHING, 2384.3034697805),
+    ],
+    ids=["free", "late", "slow", "held", "damped"],
+)
+def test_with_a_clock_the_stiffest_wall_is_the_known_one(scene: hs.Scene, hand: hs.Hand, stiffest: float) -> None:
+    r = hs.require(scene, "environment.k", (1, 30_000), that="stable", hand=hand)
+    assert r.certified
+    assert ends(r) == [(1, pytest.approx(stiffest, rel=1e-13))]
+    assert r.feasible[0].high.bindings[0].kind.value == "axis"
+
+
+def test_with_a_clock_every_passive_hand_is_left_open_and_said_to_be() -> None:
+    r = hs.require("sampled-wall", "environment.k", (1, 1000), that="passive")
     assert not r.certified
     assert "UNDECIDED" in str(r)
+
+
+def test_a_sampled_wall_has_both_classical_lines_beside_the_exact_set() -> None:
+    """Colgate's bound is safe; to first order Gil and Hulin's is exact, and not safe with much virtual damping."""
+    free = ["effects.device.b", "environment.k"]
+    found = hs.design_map(wall(), free, [("0.4", "1.2"), (1, 4000)], that=["stable"], hand=NOTHING, slices=3)
+    assert [x.name for x in found.lines] == ["Gil and Hulin", "Colgate and Schenkel"]
+    for x in found.slices:
+        [(_, high)] = ends(x.requirement)
+        assert high is not None
+        assert 1 < high / (2000 * float(x.at)) < 1.006
 
 
 def test_the_trade_off_of_a_late_spring_in_a_damped_hand() -> None:

@@ -21,6 +21,7 @@ from haptisym.verbs.require.feasible import Binding, Kind, Solved
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.verdicts import Question, Turn, all_open
 from haptisym.verbs.stability.boundary import Meetings, meetings
+from haptisym.verbs.stability.clockrange import passages_in
 from haptisym.verbs.stability.entry import chosen
 from haptisym.verbs.stability.loops import Loop
 
@@ -54,7 +55,7 @@ def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
     """All values with which no root of H_perc + m s^2 + b s + k lies in Re s >= 0; the others, or open."""
     try:
         if clocks(scene):
-            raise UndecidedError("the roots of a sampled loop")
+            return _with_a_clock(scene, hand, free, asked)
         loop = Loop.of(scene, hand, free)
         window = window_of(loop, free, asked)
     except UndecidedError:
@@ -71,6 +72,18 @@ def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
     return Question(
         turns, verdict, asked, closed=False, beyond=(window.above, window.below), spares=lambda x: _is_clear(loop, x)
     ).solve()
+
+
+def _with_a_clock(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
+    """By Schur and Cohn's count between the values at which roots of the sampled loop reach the unit circle."""
+    loop, found, (low, high) = passages_in(scene, hand, free, (asked.low, asked.high))
+    criterion = stable_in(hand)
+    turns = [Turn(x.value, (Binding(criterion, x.omega, Kind.AXIS),)) for x in found]
+
+    def verdict(value: Expr) -> bool | None:
+        return loop.count(Rational(value))[0] == 0
+
+    return Question(turns, verdict, asked, closed=False, beyond=(low, high)).solve()
 
 
 def _is_clear(loop: Loop, turn: Turn) -> bool:

@@ -58,21 +58,24 @@ def passages(scene: Scene, hand: Hand, free: Knob) -> Passages:
     """The nearest below the value that a number has, and the nearest above it. UndecidedError where that stays open."""
     if free.rule not in (Rule.POSITIVE, Rule.NONNEGATIVE, Rule.ANY):
         raise UndecidedError("an order in a loop with a clock")
-    symbol = free.symbol
-    if any(p.symbol == symbol for p in hand.parameters):
-        opened, own = scene, hand.with_values({symbol.name: symbol})
-    else:
-        opened, own = scene.with_values({free.path: symbol}), hand
-    loop = Opened(loop_of(opened, own), symbol)
+    loop = opened(scene, hand, free)
     if loop.is_fixed:
         return Passages(())
     start = Rational(free.value)
     home = loop.count(start)
     if home[1]:
         raise UndecidedError("how far a number may go that has roots on the unit circle now")
-    walk = _Walk(loop, _fraction(start), home[0], free.rule)
+    walk = Walk(loop, _fraction(start), home[0], free.rule)
     (below, low), (above, high) = (walk.towards(side) for side in (-1, 1))
     return Passages(tuple(x for x in (below, above) if x is not None), low, high)
+
+
+def opened(scene: Scene, hand: Hand, free: Knob) -> Opened:
+    """The loop with a symbol for a number of the hand or of the display."""
+    symbol = free.symbol
+    if any(p.symbol == symbol for p in hand.parameters):
+        return Opened(loop_of(scene, hand.with_values({symbol.name: symbol})), symbol)
+    return Opened(loop_of(scene.with_values({free.path: symbol}), hand), symbol)
 
 
 @dataclass(frozen=True)
@@ -162,7 +165,7 @@ class Opened:
 
 
 @dataclass(frozen=True)
-class _Walk:
+class Walk:
     """From a value on, cell after cell."""
 
     loop: Opened
