@@ -14,7 +14,7 @@ from haptisym.model.hand import Hand, hands
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.measured import Measurement
 from haptisym.model.measuredscene import MeasuredScene
-from haptisym.model.measuring import measured
+from haptisym.model.measuring import measured, sampled
 from haptisym.model.published import Published
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import family_names, load_scene, load_scenes, parse_scene, parse_scenes, scene_names
@@ -133,6 +133,7 @@ __all__ = [
     "relevance",
     "require",
     "s",
+    "sampled",
     "scene_code",
     "scene_names",
     "sensitivity",

@@ -25,6 +25,7 @@ from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import PolynomialRing, RationalFunction, degree_in
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import Effect, Environment
+from haptisym.model.measured import Measurement
 from haptisym.model.quantities import Dimension, decimal, quantity
 
 System: TypeAlias = Any
@@ -108,6 +109,15 @@ def to_scipy(system: System) -> Any:
     are exact. It has frequency responses of improper systems too (a mass, say), but simulates proper ones only.
     """
     return _package("scipy.signal", "SciPy").TransferFunction(*_floats(system))
+
+
+def to_frd(response: Measurement) -> Any:
+    """A measured or sampled response as python-control's data (``control.FRD``), lines as they are.
+
+    Its certainty is lost on the way: FRD has no place for coherence or radius. Raises SceneError where python-control is not
+    installed.
+    """
+    return _package("control", "python-control").frd(response.H, response.omega)
 
 
 # --- in --------------------------------------------------------------------------------------------------------------

@@ -193,6 +193,7 @@ def answers(path: Path) -> list[str]:
     let_go: hs.Release = hs.release(scene, "1 cm", arm)
     shakes: hs.Stability = hs.stability(scene, [arm, "firm-grip", hs.Hand("own", m="0.5 kg")])
     lines: hs.Measurement = hs.measured([1.0, 2.0], [99 + 2j, 98 + 4j], coherence=[0.9, 0.9], averages=10)
+    exact: hs.Measurement = hs.sampled(scene, [1.0, 2.0])
     bench: hs.MeasuredEvaluation = hs.evaluate(hs.MeasuredScene(hs.environments.kelvin_voigt(100, 2), lines))
     sets = hs.sweep(scene, {"effects.filter.omega_n": [60, 80]})
     code: str = hs.scene_code(scene, hs.Language.NUMPY) + hs.distortion_code(scene.distortion(), hs.Language.C)
@@ -204,7 +205,7 @@ def answers(path: Path) -> list[str]:
     except hs.SceneError as error:
         written.append(str(error))
     shown: list[object] = [width, spans, felt, points, kinds, high, derived, needed, design, slopes, boxes, kept]
-    shown += [person, known, first, measures, shakes, costs, harder, simulated, run, let_go, both, motions, sets, f, bench]
+    shown += [person, known, first, measures, shakes, costs, harder, simulated, run, let_go, both, motions, sets, f, bench, exact]
     return [*written, *map(str, shown), str(path)]
 '''
 

@@ -25,6 +25,7 @@ CALLS: dict[str, Callable[[Any], str]] = {
     "peaks": lambda x: str([p.omega.digits(9) for p in hs.peaks(x)]),
     "relevance": lambda x: str(hs.relevance(x).pruned),
     "require": lambda x: hs.require(x, "omega_n").to_json(),
+    "sampled": lambda x: str(hs.sampled(x, [1, 5]).H),
     "scene_code": lambda x: hs.scene_code(x, hs.Language.C),
     "sensitivity": lambda x: hs.sensitivity(x).to_json(),
     "simulate": lambda x: str(hs.simulate(x, hs.sine("5 cm", 10)).estimates),

@@ -487,6 +487,63 @@ def test_lines_without_discs_are_judged_as_they_stand_and_told() -> None:
     assert "judged as if it were exact" in " ".join(str(e).split())
 
 
+@pytest.mark.parametrize("name", ["fu2019", "delayed-spring", "steering-wheel", "sampled-wall"])
+def test_a_sampled_scene_comes_back_from_its_file_and_from_control(tmp_path: Path, name: str) -> None:
+    scene = hs.load_scene(name)
+    exact = hs.sampled(scene, points=30)
+    again = hs.measured(exact.to_csv(tmp_path / "out.csv"))
+    assert (again.omega == exact.omega).all()
+    assert np.array_equal(again.H, exact.H)
+    assert again.motion is scene.motion
+    back = hs.measured(hs.interop.to_frd(exact))
+    assert np.array_equal(back.H, exact.H)
+
+
+def test_a_file_keeps_what_is_known_of_the_certainty(tmp_path: Path) -> None:
+    felt = hs.measured([1.0, 2.0], [0.1 + 1j, 1 / 3 - 2e-17j], coherence=[0.9, 1 / 7], averages=9)
+    again = hs.measured(felt.to_csv(tmp_path / "out.csv"), averages=9)
+    assert np.array_equal(again.discs, felt.discs)
+
+
+def test_the_response_is_exact_and_is_judged_as_the_scene_is(tmp_path: Path, call: Called) -> None:
+    out = tmp_path / "bench.csv"
+    status, _, err = call("evaluate", "fu2019", "--response", str(out), "--points", "61")
+    assert (status, "response written to" in err) == (0, True)
+    e = hs.evaluate(bench(tmp_path, out.read_text(encoding="utf-8")))
+    assert len(e) == 61
+    assert np.abs(e.lines.perceived - response(e.lines.omega)[1]).max() < 1e-12
+    real, imag = (float(c.omega) for c in hs.evaluate(FU).crossings)
+    assert [(x.real.value == "exceeds", x.imag.value == "exceeds") for x in e.rows] == [
+        (x.omega > real, x.omega > imag) for x in e.rows
+    ]
+
+
+@pytest.mark.parametrize("omega", [[2, 1], [-1], [np.nan], [], "x", [[1]], [1j]])
+def test_frequencies_that_cannot_be_are_refused(omega: object) -> None:
+    with pytest.raises(hs.SceneError):
+        hs.sampled(FU, omega)  # type: ignore[arg-type]
+
+
+def test_frequencies_at_which_the_response_is_infinite_are_left_out() -> None:
+    rotor = hs.Scene(hs.environments.expression("1/s + s"), (hs.effects.first_order_lag(5),), (0, 10))
+    assert hs.sampled(rotor, points=11).omega.tolist() == list(range(1, 11))
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["fu2019", "--points", "9"], "needs --response"),
+        (["palpation-device", "--response", "{out}"], "takes one environment"),
+        (["fu2019", "--response", "{out}", "--latex", "{out}"], "would both be written"),
+    ],
+)
+def test_options_of_the_response_that_do_not_fit_are_refused(
+    tmp_path: Path, call: Called, words: list[str], told: str
+) -> None:
+    status, _, err = call("evaluate", *(x.format(out=tmp_path / "out.csv") for x in words))
+    assert (status, told in err) == (2, True)
+
+
 @pytest.mark.slow
 def test_a_million_lines_fit_in_half_a_gigabyte(tmp_path: Path) -> None:
     omega = np.linspace(0.001, 1000, 1_000_000)

@@ -29,7 +29,7 @@ from haptisym.model.scenefile import chosen, felt_through, open_scenes
 from haptisym.verbs.evaluate.entry import evaluate as evaluate_scene
 
 
-@verb()
+@verb(needs=[("--points", "--response", "the lines of a file")])
 @click.argument("scene")
 @click.argument("more", nargs=-1, metavar="")
 @json_option
@@ -51,6 +51,10 @@ from haptisym.verbs.evaluate.entry import evaluate as evaluate_scene
 @click.option("--regions", is_flag=True, help="Compare with square, disc and diamond of the JND's half widths.")
 @click.option("--proportion", metavar="P", help="Convert the JND to that proportion of right answers, as 0.84.")
 @figures_option
+@file_option("response", "Write the exact response, sampled on the band, as a CSV file that [perceived] reads.")
+@click.option(
+    "--points", type=click.IntRange(2, 1_000_000), default=200, show_default=True, help="Lines of --response."
+)
 @file_option("certificate", "Write the answer with a proof that `python -m haptisym_check FILE SCENE.toml` checks.")
 @limit_option
 def evaluate(
@@ -64,6 +68,8 @@ def evaluate(
     regions: bool,
     proportion: str | None,
     figures: Path | None,
+    response: Path | None,
+    points: int,
     certificate: Path | None,
     limit: float,
 ) -> None:
@@ -88,6 +94,7 @@ def evaluate(
       haptisym evaluate fu2019 --regions
       haptisym evaluate my-device.toml --proportion 0.84
       haptisym evaluate my-device.toml --certificate my-device.proof.json
+      haptisym evaluate fu2019 --response fu2019.csv --points 60
       haptisym evaluate my-device.toml --json --digits 50
       haptisym evaluate control-stick-in-detail --tolerance 0.01
       haptisym evaluate bench.toml              a scene with [perceived] from a file: measured lines alone
@@ -107,6 +114,8 @@ def evaluate(
         if regions or proportion is not None:
             option = "--regions" if regions else "--proportion"
             raise SceneError(f"{option} takes one environment: choose it with --environment NAME")
+        if response is not None:
+            raise SceneError("--response takes one environment: choose it with --environment NAME")
         _evaluate_all(family, digits, figures, as_json, limit)
         return
     one = family[str(environment)] if environments else chosen(family, Path(scene).name, environment)
@@ -116,6 +125,10 @@ def evaluate(
         proof = None if certificate is None else result.certificate()
     if certificate is not None and proof is not None:
         keep("certificate", certificate, lambda: certificate.write_text(proof, encoding="utf-8"))
+    if response is not None:
+        from haptisym.model.measuring import sampled
+
+        keep("response", response, lambda: sampled(result.given, points=points).to_csv(response))
     if figures is not None:
         from haptisym.figures.files import save_figures
 
@@ -124,7 +137,8 @@ def evaluate(
 
 
 _ABOUT_FORMULAS = (
-    "--environments", "--environment", "--digits", "--tolerance", "--certificate", "--regions", "--proportion", "--limit",
+    "--environments", "--environment", "--digits", "--tolerance", "--certificate", "--regions", "--proportion", "--response",
+    "--points", "--limit",
 )  # fmt: skip
 
 

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.shown import Shown, counted
-from haptisym.model.quantities import Motion
+from haptisym.model.quantities import Dimension, Motion
 
 Reals: TypeAlias = NDArray[np.float64]
 Complexes: TypeAlias = NDArray[np.complex128]
@@ -99,7 +99,7 @@ class Measurement(Shown):
         for key, kind in (("omega", float), ("H", complex), ("coherence", float), ("radius", float)):
             given = getattr(self, key)
             if given is not None or key in ("omega", "H"):
-                object.__setattr__(self, key, _row(key, given, kind))
+                object.__setattr__(self, key, one_row(key, given, kind))
         for key in ("H", "coherence", "radius"):
             if (row := getattr(self, key)) is not None and len(row) != len(self.omega):
                 raise SceneError(f"{key} has {len(row)} values, and omega {len(self.omega)}: each line needs both")
@@ -126,6 +126,22 @@ class Measurement(Shown):
         with np.errstate(invalid="ignore"):
             relative = disc_radius(self.coherence, self.averages, self.confidence)
             return np.where(np.isinf(relative), np.inf, size * relative)
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write the lines as a file that ``measured`` and a scene's ``file`` read back, every digit of every float."""
+        columns = {"omega": self.omega, "real": self.H.real, "imag": self.H.imag}
+        columns |= {key: x for key in ("coherence", "radius") if (x := getattr(self, key)) is not None}
+        unit = "" if self.motion is None else Dimension.STIFFNESS.unit(self.motion)
+        units = {"omega": "rad/s", "coherence": "1"}
+        rows = zip(*(x.tolist() for x in columns.values()), strict=True)
+        told = [
+            ",".join(columns),
+            ",".join(units.get(key, unit) for key in columns),
+            *(",".join(map(repr, x)) for x in rows),
+        ]
+        target = Path(path)
+        target.write_text("\n".join(told) + "\n", encoding="utf-8")
+        return target
 
     def at(self, lines: NDArray[Any]) -> Measurement:
         """Some of its lines."""
@@ -173,7 +189,8 @@ def check_lines(m: Measurement, place: Named) -> None:
         raise SceneError(f"{place(i)}: the frequency {high:.10g} rad/s {what}")
 
 
-def _row(key: str, given: Any, kind: type) -> Any:
+def one_row(key: str, given: Any, kind: type) -> Any:
+    """Numbers as a row of an array that cannot be written to; SceneError for anything else."""
     try:
         if kind is float and np.iscomplexobj(given):
             raise SceneError(f"{key}: must be real")

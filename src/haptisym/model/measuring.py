@@ -1,4 +1,4 @@
-"""A measured response from wherever it is: arrays, data of python-control, a file."""
+"""A measured response from wherever it is: arrays, data of python-control, a file; or sampled from a scene of formulas."""
 
 from __future__ import annotations
 
@@ -6,11 +6,14 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from haptisym.kernel.errors import SceneError
-from haptisym.model.measured import CONFIDENCE, Measurement
+from haptisym.model.measured import CONFIDENCE, Measurement, one_row
 from haptisym.model.measuredfile import read_measurement
+from haptisym.model.scene import Scene
+from haptisym.model.scenefile import as_scene
 
 
 def measured(
@@ -53,3 +56,25 @@ def _frd(system: Any) -> tuple[Any, Any]:
     if (system.ninputs, system.noutputs) != (1, 1):
         raise SceneError(f"the FRD object has {system.ninputs} inputs and {system.noutputs} outputs: take one of each")
     return system.omega, system.frdata[0, 0]
+
+
+def sampled(scene: Scene | str | Path, omega: ArrayLike | None = None, *, points: int = 200) -> Measurement:
+    """The exact H_perc of a scene at frequencies, as if it had been measured without error; each float is the nearest one.
+
+    ``omega`` : rad/s, rising; without it that many ``points``, evenly on the band. Frequencies at which H_perc is infinite are
+    left out. Raises SceneError for parameters that are still symbols.
+
+    >>> sampled("fu2019", [0, 8]).H.tolist()[0]
+    (100+0j)
+    """
+    given = as_scene(scene)
+    given.knobs.need_numbers()
+    if isinstance(points, bool) or not isinstance(points, int) or points < 2:
+        raise SceneError(f"points: {points} must be a whole number, at least 2")
+    low, high = (float(x) for x in given.band)
+    at = one_row("omega", np.linspace(low, high, points) if omega is None else omega, float)
+    Measurement(at, np.zeros(len(at)), name="sampled")  # refuses what no frequencies can be
+    values = given.distortion().compile("certified", of=["perceived_real", "perceived_imag"])(at)
+    real, imag = values.perceived_real, values.perceived_imag
+    known = np.isfinite(real) & np.isfinite(imag)
+    return Measurement(at[known], real[known] + 1j * imag[known], motion=given.motion, name=given.title or "sampled")
