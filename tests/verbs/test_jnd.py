@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
@@ -257,6 +258,16 @@ def test_psignifit_and_the_likelihood_agree_on_a_forced_choice() -> None:
         )
         assert other.jnd.value == pytest.approx(one.jnd.value, rel=0.03)
         assert other.jnd.low < one.jnd.value < other.jnd.high
+
+
+def test_a_table_may_come_through_a_pipe() -> None:
+    read, write = os.pipe()
+    os.write(write, TABLE.encode())
+    os.close(write)
+    try:
+        assert hs.jnd(f"/dev/fd/{read}").answers.rows == ROWS
+    finally:
+        os.close(read)
 
 
 def test_a_million_lines_are_read_as_their_counts(file: Callable[..., Path]) -> None:

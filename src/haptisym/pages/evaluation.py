@@ -17,6 +17,7 @@ from haptisym.model.jnd import Part
 from haptisym.pages.bandwidths import bandwidths, published_words
 from haptisym.pages.crossings import crossings, joint, proven, undecided
 from haptisym.pages.held import held
+from haptisym.pages.leftout import left_out
 from haptisym.pages.regions import REGIONS, regions
 from haptisym.pages.words import (
     CHANGE,
@@ -24,7 +25,6 @@ from haptisym.pages.words import (
     H_PERC,
     OPERATORS,
     both,
-    bounds,
     caveats,
     compared,
     ends,
@@ -68,7 +68,7 @@ def page(e: Evaluation) -> Document:
     full = _InFull(e)
     certain: tuple[Block, ...] = (*caveats(e.caveats), Paragraph(_certain(e)))
     blocks: list[Block] = [
-        *_pruned(e),
+        *left_out(e),
         Versions((Facts(tuple(_dynamics(e))),), full.findings),
         Section("Scene", (Versions((), full.scene),), "scene"),
         Section("Step 1. When does the hand begin to notice?", tuple(_step_1(e)), "step-1"),
@@ -130,19 +130,6 @@ class _InFull:
         from haptisym.pages.derivation import derivation
 
         return derivation(self._forms)
-
-
-def _pruned(e: Evaluation) -> Iterator[Block]:
-    """What was left out of the scene, and what that changes at most."""
-    r = e.relevance
-    if r is None or not r.dropped:
-        return
-    found = listed(f"[{x.bounds[0]:.6g}, {x.bounds[1]:.6g}] ({x.criterion.name})" for x in r.crossings)
-    yield Paragraph((
-        "Without ", listed(x.name for x in r.dropped), ": leaving them out changes ", bounds(r.bound), " anywhere on the band, ",
-        f"proven (tolerance {float(r.tolerance):g}). What follows is exact for the scene without them. The full scene differs ",
-        "by no more than that. ", ("Its crossings lie in ", found, " rad/s.") if found else "It has no crossings on the band.",
-    ))  # fmt: skip
 
 
 def _dynamics(e: Evaluation) -> Iterator[tuple[str, Phrase]]:

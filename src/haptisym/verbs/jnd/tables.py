@@ -7,6 +7,7 @@ import json
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from io import TextIOWrapper
 from itertools import chain
 from math import isfinite
 from pathlib import Path
@@ -33,10 +34,10 @@ def read_answers(path: str | Path, named: Mapping[str, str], where: Mapping[str,
     what is wrong."""
     path = Path(path)
     try:
-        with path.open("rb") as begun:
-            _refuse(path, begun.read(8))
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            return _read(path, file, named, where)
+        with path.open("rb") as raw:  # opened once, as it may be a pipe
+            _refuse(path, raw.peek(8))
+            with TextIOWrapper(raw, encoding="utf-8-sig", newline="") as file:
+                return _read(path, file, named, where)
     except SceneError as error:
         raise error.within(path.name) from None
     except IsADirectoryError:
