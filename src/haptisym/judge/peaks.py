@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property, reduce
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeAlias
 
 import flint
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
@@ -19,9 +19,10 @@ from haptisym.kernel.levels import the_one
 from haptisym.kernel.polynomials import PolynomialFactor, Root
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot
 from haptisym.kernel.response import RealFunction
-from haptisym.kernel.roots import chart
+from haptisym.kernel.roots import Key, Point, chart
 from haptisym.kernel.shown import Shown, counted, titled
 from haptisym.kernel.zeros import Zero
+from haptisym.model.distortion import Distortion
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 
@@ -62,8 +63,10 @@ class Peak(Judged, Shown):
     def threshold(self) -> Expr | None:
         """The ratio as an exact algebraic number, fit for a ``Threshold``: the display then touches it here.
 
-        None where the numbers of the scene are not all rational.
+        None where the numbers of the scene are not all rational, and of a region that judges both parts at once.
         """
+        if self.criterion.joint:
+            return None
         f, axis = self.square.function, self.square.axis
         top, bottom = (axis.univariate(p) for p in (f.numerator, f.denominator))
         zero = self.omega.factor if isinstance(self.omega, Root | Zero) else None
@@ -122,15 +125,36 @@ def peaks(scene: Scene | str | Path) -> Peaks:
     scene = as_scene(scene)
     scene.knobs.need_numbers()
     d = scene.distortion()
-    squares = {x: x.measure(d) for x in noticed(scene.threshold)}
-    table = chart({x: square.derivative() for x, square in squares.items()}, *scene.band)
+    squares = {(x, i): f for x in noticed(scene.threshold) for i, f in enumerate(_squares(x, d))}
+    functions: dict[Key, RealFunction] = {key: square.derivative() for key, square in squares.items()}
+    functions |= {(one, other): squares[one] - squares[other] for one in squares for other in _rivals(one, squares)}
+    table = chart(functions, *scene.band)
     found = (
-        Peak(x, point.omega, square)
+        Peak(key[0], point.omega, square)
         for point in table.points[1:-1]
-        for x, square in squares.items()
-        if (point.before[x], point.after[x]) == (1, -1) and point.orders[x] > 0  # no pole
+        for key, square in squares.items()
+        if (point.before[key], point.after[key]) == (1, -1) and point.orders[key] > 0  # no pole
+        if all(_is_larger(point, key, other) for other in _rivals(key, squares))
     )
     return Peaks(scene, found, (point.omega for point in table.undecided))
+
+
+_Key: TypeAlias = tuple[Criterion, int]
+"""One of the squares of which a criterion judges the largest."""
+
+
+def _squares(x: Criterion, d: Distortion) -> tuple[RealFunction, ...]:
+    return x.region.squares(d) if x.region else (x.measure(d),)
+
+
+def _rivals(key: _Key, squares: Iterable[_Key]) -> list[_Key]:
+    return [other for other in squares if other[0] == key[0] and other != key]
+
+
+def _is_larger(point: Point, one: _Key, other: _Key) -> bool:
+    """Whether a square is the largest at a point and to both sides; of two that are the same the first."""
+    signs = [side[one, other] for side in (point.before, point.at, point.after)]
+    return min(signs) >= 0 and (any(signs) or one[1] < other[1])
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,11 @@
-"""Crossings on a page: a table of all of them, and each in words."""
+"""Step 1 on a page: where a display is transparent, a table of all crossings, and each in words."""
 
 from __future__ import annotations
 
 from haptisym.judge.crossings import Crossing, CrossingKind
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.regions import Joint
-from haptisym.pages.words import CHANGE, OMEGA, amount, compared, exactly, hertz
+from haptisym.pages.words import CHANGE, OMEGA, amount, both, compared, exactly, hertz, is_transparent_throughout, spans
 from haptisym.writing.boxes import Operator, Prefixed
 from haptisym.writing.document import Block, Column, Paragraph, Phrase, Table
 from haptisym.writing.names import named
@@ -79,3 +79,33 @@ def undecided(e: Evaluation) -> Table:
     rows = tuple((name, f"[{low}, {high}]") for name, (low, high) in found)
     caption = "Undecided at the precision limit: whether the ratio touches its threshold here, crosses it twice or stays clear."
     return Table((Column("part"), Column(("near ", OMEGA, " (rad/s)"))), rows, caption)
+
+
+_RATIOS = (
+    "Distortion ratios over the band. Grey: neither exceeds its threshold, the display is transparent. A dot "
+    "marks where the ratio of the real part meets its threshold, a ring that of the imaginary part."
+)
+_JOINT_RATIOS = (
+    "How many times the region must be enlarged to hold the distortion, over the band. Grey: not more than once, the display is "
+    "transparent. A dot marks where the distortion leaves or enters the region."
+)
+
+
+def ratios_caption(e: Evaluation) -> str:
+    """What the figure of ratios shows."""
+    return _JOINT_RATIOS if joint(e) else _RATIOS
+
+
+def transparency(e: Evaluation) -> Phrase:
+    """Where neither ratio exceeds its threshold."""
+    if not e.transparent:
+        return "At every frequency of the band: the display is transparent nowhere."
+    if is_transparent_throughout(e):
+        return "Never on this band: the display is perceptually transparent on the whole of it."
+    pieces = spans(e.transparent)
+    if e.bandwidth is None:
+        return "From the low end of the band on. The display is perceptually transparent only ", pieces, "."
+    if len(e.transparent) == 1:
+        width = both(e.bandwidth)
+        return "At ", width, ". Below that the display is perceptually transparent: this is its bandwidth."
+    return "At ", both(e.bandwidth), ", its bandwidth. The display is perceptually transparent ", pieces, "."

@@ -15,7 +15,7 @@ from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.symbols import omega, s
 from haptisym.model.jnd import Part
 from haptisym.pages.bandwidths import bandwidths, published_words
-from haptisym.pages.crossings import crossings, joint, proven, undecided
+from haptisym.pages.crossings import crossings, joint, proven, ratios_caption, transparency, undecided
 from haptisym.pages.held import held
 from haptisym.pages.leftout import left_out
 from haptisym.pages.regions import REGIONS, regions
@@ -28,7 +28,6 @@ from haptisym.pages.words import (
     caveats,
     compared,
     ends,
-    is_transparent_throughout,
     lead,
     limits,
     places,
@@ -163,36 +162,11 @@ def _effect(name: str, model: str) -> str:
 def _step_1(e: Evaluation) -> Iterator[Block]:
     yield Paragraph(transparency(e))
     yield from bandwidths(e)
-    yield _figure(e, "ratios", _JOINT_RATIOS if joint(e) else _RATIOS, wide=True)
+    yield _figure(e, "ratios", ratios_caption(e), wide=True)
     yield crossings(e)
     if e.undecided:
         yield undecided(e)
     yield from _any_environment(e)
-
-
-_RATIOS = (
-    "Distortion ratios over the band. Grey: neither exceeds its threshold, the display is transparent. A dot "
-    "marks where the ratio of the real part meets its threshold, a ring that of the imaginary part."
-)
-_JOINT_RATIOS = (
-    "How many times the region must be enlarged to hold the distortion, over the band. Grey: not more than once, the display is "
-    "transparent. A dot marks where the distortion leaves or enters the region."
-)
-
-
-def transparency(e: Evaluation) -> Phrase:
-    """Where neither ratio exceeds its threshold."""
-    if not e.transparent:
-        return "At every frequency of the band: the display is transparent nowhere."
-    if is_transparent_throughout(e):
-        return "Never on this band: the display is perceptually transparent on the whole of it."
-    pieces = spans(e.transparent)
-    if e.bandwidth is None:
-        return "From the low end of the band on. The display is perceptually transparent only ", pieces, "."
-    if len(e.transparent) == 1:
-        width = both(e.bandwidth)
-        return "At ", width, ". Below that the display is perceptually transparent: this is its bandwidth."
-    return "At ", both(e.bandwidth), ", its bandwidth. The display is perceptually transparent ", pieces, "."
 
 
 def _any_environment(e: Evaluation) -> Iterator[Block]:

@@ -51,12 +51,8 @@ def beyond(d: Derivation) -> tuple[Section, ...]:
 
 
 def _not_solved(d: Derivation) -> Section:
-    """That crossings with other regions than the paper's are certified, but not written as formulas."""
-    kind = d.scene.threshold.kind
-    return _section(
-        ("When it is noticed",),
-        notes=(f"The JND is {kind}: `haptisym evaluate` has its crossings, and no formulas for them.",),
-    )
+    said = f"The JND is {d.scene.threshold.kind}: `haptisym evaluate` has its crossings, and no formulas for them."
+    return _section(("When it is noticed",), notes=(said,))
 
 
 def asked(d: Derivation, names: Iterable[str]) -> tuple[Section, ...]:
