@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
 from sympy import Rational, lambdify
 
 import haptisym as hs
@@ -113,6 +115,46 @@ def test_of_a_rational_display_the_critical_values_are_those_of_routh() -> None:
             assert x.omega is not None
             assert float(x.omega) == pytest.approx((row[2] / row[0]) ** 0.5, rel=1e-9)
     assert all(rows[path] for path in ("hand.b", "hand.k", "environment.k"))
+
+
+whole, positive = st.integers(-9, 9), st.integers(1, 9)
+
+
+def on_the_right(row: list[int], q: list[int], m: float, b: float, k: float) -> int:
+    """Roots of row + (m s^2 + b s + k) q in Re s > 0, by eigenvalues; none may be near the axis."""
+    real = np.roots(np.trim_zeros(np.polyadd(row, np.polymul([m, b, k], q)), "f")).real
+    assume(len(real) == 0 or np.abs(real).min() > 1e-6)
+    return int((real > 0).sum())
+
+
+@given(st.lists(whole, min_size=2, max_size=3).filter(any), st.tuples(positive, positive), positive, positive, positive)
+def test_between_critical_values_nothing_changes_and_beyond_them_it_does(
+    row: list[int], q: tuple[int, int], m: int, b: int, k: int
+) -> None:
+    """H_perc = row/(s^2 + q1 s + q0), against eigenvalues on a grid of each number of the hand."""
+    top = "+".join(f"({c})*s^{n}" for n, c in enumerate(reversed(row)))
+    scene = display(f"({top})/(s^2 + {q[0]}*s + {q[1]})")
+    below = [1, *q]
+    home = on_the_right(row, below, m, b, k)
+    answer = hs.stability(scene, hs.Hand("hand", m=m, b=b, k=k))
+    assert answer.held[0].unstable == home
+    for key, near in zip("mbk", answer.critical[0], strict=True):
+        assert not near.reason
+        start = float({"m": m, "b": b, "k": k}[key])
+        values = [float(x.value) for x in near.found]
+        low, high = (
+            max([v for v in values if v <= start], default=0.0),
+            min([v for v in values if v > start], default=50 * start),
+        )
+        for share in (0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99):
+            own = {"m": m, "b": b, "k": k} | {key: low + share * (high - low)}
+            if all(abs(own[key] - v) > 1e-4 * v for v in values):
+                assert on_the_right(row, below, **own) == home
+        for x in near.found:
+            for change, told in ((0.9999, x.below), (1.0001, x.above)):
+                own = {"m": m, "b": b, "k": k} | {key: float(x.value) * change}
+                if float(x.value) > 0 and x.omega is not None:
+                    assert on_the_right(row, below, **own) == told
 
 
 def winding(scene: hs.Scene, hand: hs.Hand) -> int:
