@@ -65,6 +65,7 @@ VERBS: dict[str, tuple[str, ...]] = {
     "effects": (),
     "sensitivity": (),
     "metrics": (),
+    "stability": ("--hand", "postural-arm"),
     "derive": ("--numeric",),
     "cost": ("--quick",),
     "simulate": ("--amplitude", "1 mm", "--omega", "3 rad/s"),

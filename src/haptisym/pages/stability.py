@@ -9,15 +9,16 @@ from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rootcount import Chain
 from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand, hands
+from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension, Motion, unit_text
 from haptisym.pages.clock import looked_at, sampled_condition
-from haptisym.pages.words import H_PERC, OMEGA, both, exactly, lead, short, span, title
+from haptisym.pages.words import H_PERC, OMEGA, OPERATORS, both, compared, exactly, lead, short, span, title
 from haptisym.verbs.stability.answer import Stability
 from haptisym.verbs.stability.boxes import Box, Share
 from haptisym.verbs.stability.critical import Critical, Nearest
 from haptisym.verbs.stability.held import Held
 from haptisym.verbs.stability.passive import EveryPassiveHand
-from haptisym.writing.boxes import Operator
+from haptisym.writing.boxes import Prefixed
 from haptisym.writing.document import (
     Block,
     Code,
@@ -35,8 +36,9 @@ from haptisym.writing.document import (
 )
 from haptisym.writing.names import named
 
-_IM = (Operator("Im"), " ", H_PERC)
-_RIGHT = "Re\xa0s\xa0≥\xa00"
+_IM = Prefixed(OPERATORS[Part.IMAG], H_PERC)
+_REAL = Prefixed(OPERATORS[Part.REAL], named("s"))
+_LEFT, _RIGHT = compared(_REAL, "<"), compared(_REAL, "≥")
 _PLANE = "Hands of one mass: where the display is stable in them, and the number of roots on the right where it is not."
 _MOST = 6  # active intervals that are told
 _CHAINS = {
@@ -60,13 +62,13 @@ def page(found: Stability) -> Document:
 def _imposed(found: Stability) -> Phrase:
     x = found.imposed
     if x.stable is None:
-        return Strong("UNDECIDED"), ": whether all poles of ", H_PERC, " lie in Re\xa0s\xa0<\xa00."
+        return Strong("UNDECIDED"), ": whether all poles of ", H_PERC, " lie in ", _LEFT, "."
     if x.stable:
-        return "Stable: all poles of ", H_PERC, " lie in Re\xa0s\xa0<\xa00."
+        return "Stable: all poles of ", H_PERC, " lie in ", _LEFT, "."
     count = "" if x.unstable is None else f" {x.unstable}"
     if x.chain:
         return Strong("NOT"), " stable: of the poles of ", H_PERC, f", {_CHAINS[x.chain]}."
-    return Strong("NOT"), " stable: poles of ", H_PERC, f" in {_RIGHT}:{count or ' at least one'}."
+    return Strong("NOT"), " stable: poles of ", H_PERC, " in ", _RIGHT, f":{count or ' at least one'}."
 
 
 def _held(found: Stability) -> Iterator[Block]:
@@ -75,7 +77,7 @@ def _held(found: Stability) -> Iterator[Block]:
         yield Paragraph((*ask, " The package ships ", listed(hands), "."))
         return
     keys = (Column((named(key), f" ({unit})"), number=True) for key, unit in zip("mbk", _units(found), strict=True))
-    where = f"roots in {_RIGHT}" if found.sampled is None else "roots with |z|\xa0≥\xa01"
+    where = ("roots in ", _RIGHT) if found.sampled is None else "roots with |z|\xa0≥\xa01"
     columns = (Column("hand"), *keys, Column("stable"), Column(where, number=True))
     yield Table(columns, tuple(map(_row, found.held)), "The display in each hand.")
     notes: list[Phrase] = [(x.hand.name, ": ", _reason(x), ".") for x in found.held if _reason(x)]
