@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import time
 import tomllib
 from collections.abc import Iterator
+from decimal import Decimal
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
@@ -19,9 +21,10 @@ from certificates import OWN, RATIONAL, SCENES, certificate, evaluated, hostile,
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from marks import often, required
-from secondchecker import run, verdicts
+from secondchecker import catalogue, run, verdicts
 
 import haptisym as hs
+from haptisym.judge.crossings import CrossingKind
 from haptisym.pages.report import page
 
 
@@ -122,6 +125,66 @@ def test_whatever_it_reads_python_reads_alike(texts: list[str]) -> None:
         assert mine is None or mine == python_reads(text), text
 
 
+# The explorer's crossings.
+
+CROSSINGS = """
+const c = require(process.argv[1]);
+const { asked, catalogue } = JSON.parse(require("fs").readFileSync(0, "utf8"));
+process.stdout.write(JSON.stringify(asked.map(([text, given]) => c.crossings(text, null, catalogue, given))));
+"""
+
+
+def found_exactly(asked: list[tuple[str, dict[str, Any]]]) -> list[dict[str, Any]]:
+    return run(CROSSINGS, {"asked": asked, "catalogue": catalogue()}, 300)  # type: ignore[no-any-return]
+
+
+def decimal(x: object) -> str:
+    exact = Fraction(str(x))
+    return str(Decimal(exact.numerator) / Decimal(exact.denominator))
+
+
+def inside(e: hs.Evaluation) -> list[tuple[str, bool, float]]:
+    """Where a ratio passes its threshold, strictly within the band."""
+    ends = (e.chart.points[0].omega, e.chart.points[-1].omega)
+    rows = [x for x in e.crossings if x.kind is not CrossingKind.TOUCHES and x.omega not in ends]
+    return [(x.criterion.name, x.kind is CrossingKind.EXCEEDS, float(x.omega)) for x in rows]
+
+
+@pytest.mark.parametrize("first", often(range(0, 1000, 50), [0].__contains__))
+def test_all_crossings_of_random_scenes_are_found_exactly(first: int) -> None:
+    texts = [random_scene(seed) for seed in range(first, first + 50)]
+    evaluations = [hs.evaluate(hs.parse_scene(text)) for text in texts]
+    asked = [
+        (text, {"values": [], "threshold": {x: decimal(getattr(e.scene.threshold, x)) for x in ("real", "imag")},
+                "band": [decimal(x) for x in e.scene.band]})
+        for text, e in zip(texts, evaluations, strict=True)
+    ]  # fmt: skip
+    for text, e, said in zip(texts, evaluations, found_exactly(asked), strict=True):
+        if said["crossings"] is None:
+            assert said["why"] == "the degrees are too high for that", said
+            continue
+        found = [(x["part"], x["rising"], x["omega"]) for x in said["crossings"]]
+        expected = inside(e)
+        assert sorted(x[:2] for x in found) == sorted(x[:2] for x in expected), text
+        assert [x[2] for x in found] == pytest.approx([x[2] for x in expected], rel=1e-8), text
+
+
+def test_what_cannot_be_found_exactly_is_said() -> None:
+    given = {"values": [], "threshold": {"real": "0.1", "imag": "0.1"}, "band": ["0", "15"]}
+    for text, change, why in (
+        (text_of("stick-with-friction"), {}, "pi is among the numbers"),
+        (text_of("control-stick-in-detail"), {}, "the degrees are too high"),
+        (text_of("fu2019"), {"values": [[3, "omega_n", "1"]]}, "not one of a rational scene"),
+        (text_of("fu2019"), {"values": [[0, "omega_n", "1e9999"]]}, "not understood"),
+        (text_of("fu2019"), {"values": [[0, "omega_n", ""]]}, "not understood"),
+        (text_of("fu2019"), {"band": ["2", "1"]}, "the band is empty"),
+        ((SCENES / "delayed-spring.toml").read_text(encoding="utf-8"), {}, "for rational scenes"),
+    ):
+        [said] = found_exactly([(text, {**given, **change})])
+        assert said["crossings"] is None
+        assert why in said["why"]
+
+
 # The page.
 
 
@@ -132,11 +195,11 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     folder = tmp_path_factory.mktemp("pages")
     with browser.running() as opened:
 
-        def show(text: str) -> str:
+        def show(text: str, *, page_of: bool = False) -> Any:
             file = folder / "page.html"
             file.write_text(text, encoding="utf-8")
             opened.open(file)
-            return _said(opened)
+            return opened if page_of else _said(opened)
 
         yield show
 
@@ -211,3 +274,48 @@ def test_a_page_of_a_scene_with_hostile_words_is_checked(shown: Any, tmp_path: P
     file = tmp_path / "x.toml"
     file.write_text('title = "</script><!-- \\" \\u2028 ω"\n' + text_of("nothing between"), encoding="utf-8")
     assert shown(page(hs.evaluate(file))).startswith("Checked here: no crossing")
+
+
+def typed(opened: Browser, identity: str, text: str) -> None:
+    """Replace the number in a box by another one, by the keyboard."""
+    opened.value(f"(() => {{ const box = document.getElementById('{identity}-value'); box.focus(); box.select(); }})()")
+    opened.call("Input.insertText", text=text)
+
+
+def proven(opened: Browser) -> str:
+    """What the explorer has proven once its sliders rest."""
+    for _ in range(200):
+        if said := opened.value("(document.getElementById('explorer-proven') || {textContent: 'none'}).textContent"):
+            return str(said)
+        time.sleep(0.05)
+    return ""
+
+
+def test_the_explorer_proves_the_crossings_at_the_decimals_shown(shown: Any) -> None:
+    opened = shown(written("fu2019"), page_of=True)
+    assert "at 7.97892; ri rises above its threshold at 11.9373. 2 crossings within" in proven(opened)
+    typed(opened, "explorer-3", "47.5")
+    typed(opened, "explorer-c", "0.15")
+    scene = hs.parse_scene(text_of("fu2019").replace("80 rad/s", "47.5 rad/s").replace("jnd = 0.10", "jnd = 0.15"))
+    expected = [f"at {float(x.omega):.6g}" for x in hs.evaluate(scene).crossings]
+    said = proven(opened)
+    assert re.findall(r"at [\d.]+\d", said) == expected
+    assert said.startswith("Proven at the decimals shown, in exact arithmetic: r")
+    typed(opened, "explorer-3", "-1")
+    time.sleep(0.5)
+    assert opened.value("document.getElementById('explorer-proven').textContent") == ""
+    assert opened.complaints() == []
+
+
+def test_the_explorer_proves_a_scene_in_hertz_with_ties_between_its_parts(shown: Any) -> None:
+    """Of the steering wheel, whose rendered mass is the environment's: all sliders are decimals in SI, and so is the band."""
+    said = proven(shown(written("steering-wheel"), page_of=True))
+    [crossing] = evaluated("steering-wheel").crossings
+    assert f"at {float(crossing.omega):.4g}"[:6] in said
+    assert "1 crossing within the band, none missed" in said
+
+
+def test_the_explorer_of_a_scene_without_a_certificate_proves_nothing(shown: Any) -> None:
+    opened = shown(page(hs.evaluate("delayed-spring")), page_of=True)
+    assert proven(opened) == "none"
+    assert "exact arithmetic" not in opened.value("document.querySelector('#explorer > p').textContent")

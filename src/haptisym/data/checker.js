@@ -389,7 +389,7 @@ const haptisymCheck = (function () {
       const numbers = new Map(values);
       const delay = !formulas && model !== "pade-delay" && numbers.has("tau") && numbers.get("tau").value.n;
       need(!delay, `${model} with a delay: this format is for rational scenes`);
-      return { trees, numbers };
+      return { trees, numbers, isStill: !formulas && model !== "pade-delay" };
     }
 
     function evaluatedElement(x, s, pi) {
@@ -430,6 +430,7 @@ const haptisymCheck = (function () {
       return {
         band: band.map((x) => quantity(x, "o")),
         threshold: { real: quantity(both.get("real"), "z"), imag: quantity(both.get("imag"), "z") },
+        elements: { environment: own, rendered: source, effects: between },
         /** H_env and H_perc, each numerator and denominator. */
         at(s, pi) {
           const [env] = evaluatedElement(own, s, pi);
@@ -835,6 +836,156 @@ const haptisymCheck = (function () {
     }
   }
 
-  return { verdict, sha256, toml };
+  // Crossings at other values of a scene's parameters, for the explorer: found by the rules that prove those of a certificate.
+
+  const trimmed = (p) => p.slice(0, p.length - [...p].reverse().findIndex((c) => c) || 0);
+
+  function primitive(p) {
+    const by = p.reduce(divisor, 0n);
+    return by ? p.map((c) => c / by) : p;
+  }
+
+  /** The remainder of a by b, times a number. */
+  function remainder(a, b) {
+    let rest = a;
+    while (rest.length >= b.length) {
+      const [top, lead, shift] = [rest[rest.length - 1], b[b.length - 1], rest.length - b.length];
+      rest = rest.map((c, i) => c * lead - (i >= shift ? top * b[i - shift] : 0n)).slice(0, -1);
+      rest = rest.some((c) => c) ? primitive(trimmed(rest)) : [];
+    }
+    return rest;
+  }
+
+  function common(a, b) {
+    let [x, y] = [primitive(a), primitive(b)];
+    while (y.length) [x, y] = [y, remainder(x, y)];
+    return x;
+  }
+
+  /** a/b, where b divides a but for a number. */
+  function quotient(a, b) {
+    const found = [];
+    let rest = a.map((c) => new Fraction(c));
+    while (rest.length >= b.length) {
+      const [by, shift] = [rest[rest.length - 1].over(new Fraction(b[b.length - 1])), rest.length - b.length];
+      found.unshift(by);
+      rest = rest.map((c, i) => (i >= shift ? c.minus(by.times(new Fraction(b[i - shift]))) : c)).slice(0, -1);
+    }
+    return cleared(found);
+  }
+
+  function cleared(p) {
+    const scale = p.reduce((x, c) => (x * c.d) / divisor(x, c.d), 1n);
+    return primitive(p.map((c) => (c.n * scale) / c.d));
+  }
+
+  const slope = (p) => p.slice(1).map((c, i) => c * BigInt(i + 1));
+
+  /** The factors of odd multiplicity, each simple (Yun): where p changes its sign, one of them has a zero. */
+  function odd(p) {
+    const found = [];
+    let left = common(p, p.length > 1 ? slope(p) : [1n]);
+    let simple = quotient(p, left);
+    for (let n = 1; simple.length > 1; n += 1) {
+      const next = left.length > 1 ? common(simple, left) : [1n];
+      const own = quotient(simple, next);
+      if (n % 2 && own.length > 1) found.push(own);
+      [simple, left] = [next, quotient(left, next)];
+    }
+    return found;
+  }
+
+  /** Intervals that hold one zero each, of a polynomial with simple zeros; all of those strictly between a and b (Vincent). */
+  function isolated(p, a, b) {
+    const turns = changes(moved(p, a, b).map(signOf).filter((x) => x));
+    if (turns === 0) return [];
+    if (turns === 1) return [[a, b]];
+    const middle = cut(p, a, b);
+    return [...isolated(p, a, middle), ...isolated(p, middle, b)];
+  }
+
+  /** About the middle, where p is not zero. */
+  function cut(p, a, b) {
+    let middle = a.plus(b).over(new Fraction(2n));
+    for (let n = 3n; sign([p], middle) === 0; n += 1n) middle = a.plus(b.minus(a).over(new Fraction(n)));
+    return middle;
+  }
+
+  function refined(p, [a, b]) {
+    const first = moved(p, a, b).map(signOf).find((x) => x);
+    let [low, high] = [a, b];
+    while (high.minus(low).times(new Fraction(10n ** 9n)).compare(high) > 0) {
+      const middle = cut(p, low, high);
+      if (sign([p], middle) === first) low = middle;
+      else high = middle;
+    }
+    return [low, high];
+  }
+
+  /** The numerator of a function, even in omega, as a polynomial in omega^2 with whole coefficients: by its values (Newton). */
+  function interpolated(f) {
+    const degree = Math.max(0, Math.floor(f(0n).s / 2));
+    need(degree <= 20, "the degrees are too high for that");
+    const nodes = Array.from({ length: degree + 1 }, (_, k) => new Fraction(BigInt(k * k)));
+    let column = nodes.map((_, k) => new Fraction(f(BigInt(k)).re));
+    const weights = [column[0]];
+    for (let n = 1; n <= degree; n += 1) {
+      column = column.slice(1).map((y, i) => y.minus(column[i]).over(nodes[i + n].minus(nodes[i])));
+      weights.push(column[0]);
+    }
+    let found = [];
+    for (let n = degree; n >= 0; n -= 1) { // times (W - node), plus the next weight
+      found = [ZERO, ...found].map((c, i) => (i < found.length ? c.minus(found[i].times(nodes[n])) : c));
+      found[0] = found[0].plus(weights[n]);
+    }
+    return found.some((c) => c.n) ? trimmed(cleared(found)) : [];
+  }
+
+  /** Where in between p, not zero everywhere, changes its sign, and whether it is positive thereafter; in omega^2, ascending. */
+  function signChanges(p, a, b) {
+    const found = odd(p).flatMap((own) => isolated(own, a, b).map((cell) => refined(own, cell)));
+    const ordered = found.sort((x, y) => x[0].compare(y[0]));
+    const ends = [...ordered.map(([low]) => low), b];
+    return ordered.map((cell, i) => {
+      let next = cell[1];
+      while (sign([p], next) === 0) next = next.plus(ends[i + 1]).over(new Fraction(2n));
+      return { cell, rising: sign([p], next) > 0 };
+    });
+  }
+
+  /** The omega, a float, of a cell in omega^2. */
+  const root = ([low, high]) => Math.sqrt(Number((low.plus(high).n * 10n ** 30n) / (low.plus(high).d * 2n)) / 1e30);
+
+  /**
+   * All crossings strictly within the band at other values, decimal texts in SI: `values` lists [element, key, text]. A threshold that
+   * is touched is none. `why` says why there is no answer: pi in the scene, a delay, too high a degree.
+   */
+  function crossings(text, name, catalogue, { values, threshold, band }) {
+    try {
+      const scene = reader(catalogue)(text, name);
+      values.forEach(([place, key, told]) => {
+        const x = typeof place === "number" ? scene.elements.effects[place] : scene.elements[place];
+        const own = key.replace(/\[([0-9]+)\]$/, "_$1");
+        const number = decimal(told);
+        need(x && x.numbers.has(own) && !(x.isStill && own === "tau" && number.n), "a parameter is not one of a rational scene");
+        x.numbers.set(own, quantityOf(number));
+      });
+      PARTS.forEach((part) => { scene.threshold[part] = quantityOf(decimal(threshold[part])); });
+      const [low, high] = band.map((x) => decimal(x).power(2));
+      need(low.compare(high) < 0, "the band is empty");
+      const found = PARTS.flatMap((part) => {
+        const numerator = (omega) => functions(scene, omega, 1n)[`excess.${part}`][0];
+        need(numerator(0n).pi <= 0, "pi is among the numbers");
+        const p = interpolated(numerator);
+        return p.length > 1 ? signChanges(p, low, high).map(({ cell, rising }) => ({ part, rising, omega: root(cell) })) : [];
+      });
+      return { crossings: found.sort((x, y) => x.omega - y.omega), why: "" };
+    } catch (error) {
+      if (error instanceof Refused || error instanceof RangeError) return { crossings: null, why: error.message };
+      throw error;
+    }
+  }
+
+  return { verdict, crossings, sha256, toml };
 })();
 if (typeof module !== "undefined") module.exports = haptisymCheck;

@@ -11,6 +11,15 @@ from haptisym.kernel.errors import HaptisymError
 from haptisym.writing.htmltext import Html, data, element, joined, script
 
 
+def has_certificate(answer: Answer) -> bool:
+    """Whether there is one."""
+    try:
+        answer.certificate()
+    except HaptisymError:
+        return False
+    return True
+
+
 def checked(answer: Answer, text: str) -> Html:
     """Certificate, scene file, checker, and where it says what it found; where there is none, why. ``text`` : of the scene."""
     try:

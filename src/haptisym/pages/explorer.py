@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 from typing import Any
@@ -13,6 +14,7 @@ from haptisym.judge.evaluation import Evaluation
 from haptisym.model.jnd import Part
 from haptisym.model.parameters import Parameter, Rule
 from haptisym.model.quantities import Dimension, Motion
+from haptisym.pages.checked import has_certificate
 from haptisym.pages.sceneforms import SceneForms
 from haptisym.pages.words import H_ENV, H_PERC, OMEGA, RATIOS
 from haptisym.writing.code.entry import scene_program
@@ -64,6 +66,7 @@ def explorer(e: Evaluation, forms: SceneForms) -> Html:
         own = f"The JND of this scene is {e.scene.threshold.kind}."
         return element("p", own, " The explorer knows one number for each part alone: it is left out.")
     is_small = forms.symbolic is not None
+    is_certified = is_small and has_certificate(e)
     program = scene_program(e.scene, None if is_small else ())
     sliders = _parameters(e, forms) if is_small else {}
     limits = _thresholds(e)
@@ -76,23 +79,42 @@ def explorer(e: Evaluation, forms: SceneForms) -> Html:
         "arguments": [sliders[x][0].identity for x in names],
         "thresholds": {part.value: slider.identity for part, (slider, _) in limits.items()},
         "sliders": [slider.record() for slider in controls],
+        "paths": _paths(e, sliders) if is_certified else [],
     }
     code = program.code(Language.JAVASCRIPT)
     page = (files("haptisym") / "data" / "explorer.js").read_text(encoding="utf-8")
     return joined([
-        _body([slider.control(words) for slider, words in controls.items()], is_small=is_small),
+        _body([slider.control(words) for slider, words in controls.items()], is_small=is_small, is_certified=is_certified),
         data(json.dumps(record), "explorer-data"), script(code), script(page),
     ])  # fmt: skip
 
 
-def _body(controls: list[Html], *, is_small: bool) -> Html:
+def _paths(e: Evaluation, sliders: Mapping[Symbol, tuple[Slider, str]]) -> list[list[Any]]:
+    """Where in the scene file the number of each slider stands: a table, or the place of an effect, and its key there."""
+    effects = {f"effects.{x.name}": i for i, x in enumerate(e.scene.effects)}
+    found: list[list[Any]] = []
+    for p in e.scene.parameters:
+        if p.symbol in sliders:
+            identity = sliders[p.symbol][0].identity
+            also = [path.partition(".") for path in p.also]
+            found += [[identity, effects.get(p.place, p.place), p.key], *([identity, x, key] for x, _, key in also)]
+    return found
+
+
+def _body(controls: list[Html], *, is_small: bool, is_certified: bool) -> Html:
     fixed = (
         "" if is_small else " The parameters are too many for a formula in all of them, so only the threshold moves."
+    )
+    proven = (
+        " When the sliders rest, crossings are found once more in exact arithmetic: that line is proven."
+        if is_certified
+        else ""
     )
     note = element(
         "p", "Move the sliders, or type values: the closed forms are drawn anew, the scene's own curves stay in grey. ",
         element("strong", "This explorer computes in floating point and samples the band"),
-        "; it sees no tangency, and says nothing of stability. The tables above are proven, for the scene as it is.", fixed,
+        "; it sees no tangency, and says nothing of stability. The tables above are proven, for the scene as it is.",
+        fixed, proven,
     )  # fmt: skip
     plots = element(
         "div", _plot("explorer-ratios", "Distortion ratios at the sliders' values",
@@ -100,7 +122,8 @@ def _body(controls: list[Html], *, is_small: bool) -> Html:
         _plot("explorer-nyquist", "Nyquist plot at the sliders' values", phrase((H_ENV, " (solid), ", H_PERC, " (dashed)"))),
         given={"class": "plots"},
     )  # fmt: skip
-    says = [element("p", given={"id": f"explorer-{x}"}) for x in ("band", "crossings", "probe")]
+    lines = ("band", "crossings", *(("proven",) if is_certified else ()), "probe")
+    says = [element("p", given={"id": f"explorer-{x}"}) for x in lines]
     told = element("div", *says, given={"aria-live": "polite", "class": "told"})
     reset = element("button", "Reset to the scene's values", given={"type": "button", "id": "explorer-reset"})
     form = element("div", *controls, given={"class": "controls"})
