@@ -77,6 +77,7 @@ def test_the_simulated_clock_agrees_with_the_closed_form(method: str, rendered: 
         hs.Scene(wall, (hs.effects.sampled_loop("10 ms", method, 1), hs.effects.shunt(m="0.1"))), sine("1 cm", 20)
     )
     assert run.agrees
+    assert run.built == ("sampled-loop", "shunt")
 
 
 SCENE = """

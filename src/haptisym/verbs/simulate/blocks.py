@@ -213,7 +213,6 @@ def build_controller(net: Network, effect: Effect, port: Port) -> None:
     """Add a sampled controller in the place of the environment that it renders: its difference equation, between samples held."""
     sampled, force = net.signal("sampled"), net.signal("computed")
     T = _values(effect)["T"]
-    net.built.append(effect.model)
     net.holds.append(Hold(name_of(port.X), name_of(sampled), float_of(T), effect.name))
     D = controller(effect)
     net.equal(_samples_ago(D.denominator, force, T), _samples_ago(D.numerator, sampled, T))
