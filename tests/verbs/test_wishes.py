@@ -280,6 +280,17 @@ def test_a_map_of_a_late_wall_has_the_classical_line_beside_the_exact_set(tmp_pa
     assert "Gil and Hulin" in " ".join(str(found).split())
 
 
+@pytest.mark.parametrize("that", [["stable"], ["passive"], ["transparent", "stable", "passive"]])
+def test_what_time_does_not_last_for_is_undecided(that: list[str]) -> None:
+    for scene in (FILTERED, wall()):
+        r = hs.require(
+            scene, "environment.k", (1, 1000), that=that, hand=NOTHING if "stable" in that else None, limit=1e-9
+        )
+        assert (r.feasible, r.certified) == ((), False)
+    few = hs.design_map(FILTERED, ["omega_c", "environment.k"], [(100, 400), (1, 9)], that=that, slices=3, limit=1e-9)
+    assert not few.certified
+
+
 def test_both_classical_lines_are_those_of_the_field() -> None:
     """b = 0.8, T = 1 ms: K < 1600 by both; a hand of 8 N s/m: 17600 by the linear one alone."""
     wall = hs.Scene(

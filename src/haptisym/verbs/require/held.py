@@ -19,7 +19,7 @@ from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.feasible import Binding, Kind, Solved
 from haptisym.verbs.require.freeparameter import Domain
-from haptisym.verbs.require.verdicts import Question, Turn, all_open
+from haptisym.verbs.require.verdicts import Question, Turn
 from haptisym.verbs.stability.boundary import Meetings, meetings
 from haptisym.verbs.stability.clockrange import passages_in
 from haptisym.verbs.stability.entry import chosen
@@ -52,14 +52,11 @@ def with_hands(scene: Scene, given: str | Hand | None) -> Scene:
 
 
 def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
-    """All values with which no root of H_perc + m s^2 + b s + k lies in Re s >= 0; the others, or open."""
-    try:
-        if clocks(scene):
-            return _with_a_clock(scene, hand, free, asked)
-        loop = Loop.of(scene, hand, free)
-        window = window_of(loop, free, asked)
-    except UndecidedError:
-        return all_open(asked)
+    """All values with which no root of H_perc + m s^2 + b s + k lies in Re s >= 0. UndecidedError where none is known."""
+    if clocks(scene):
+        return _with_a_clock(scene, hand, free, asked)
+    loop = Loop.of(scene, hand, free)
+    window = window_of(loop, free, asked)
     criterion = stable_in(hand)
     turns = [
         Turn(x.value, (Binding(criterion, x.omega, Kind.AXIS if x.omega is not None else Kind.FAR),))

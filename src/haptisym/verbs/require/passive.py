@@ -21,18 +21,15 @@ from haptisym.model.scene import Scene
 from haptisym.verbs.require.boundary import critical, irreducible, real_roots
 from haptisym.verbs.require.feasible import Binding, Kind, Solved
 from haptisym.verbs.require.freeparameter import Domain, conditions
-from haptisym.verbs.require.verdicts import Question, Turn, all_open
+from haptisym.verbs.require.verdicts import Question, Turn
 
 
 def solve_passive(scene: Scene, free: Knob, asked: Domain) -> Solved:
-    """All values with which every passive hand may hold the display; the others, or open: with delays all of them are."""
+    """All values with which every passive hand may hold the display. UndecidedError with delays or a clock."""
     condition = conditions(scene, [free], [PASSIVE])[PASSIVE]
     if condition.axis.functions or clocks(scene):
-        return all_open(asked)
-    try:
-        turns = [*_of_signs(condition, free), *_of_poles(scene, free)]
-    except UndecidedError:
-        return all_open(asked)
+        raise UndecidedError("every passive hand, with delays, powers of s or a clock, along a parameter")
+    turns = [*_of_signs(condition, free), *_of_poles(scene, free)]
 
     def verdict(value: Expr) -> bool | None:
         return passivity(free.put(scene, value)).holds

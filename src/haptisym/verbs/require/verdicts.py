@@ -156,6 +156,9 @@ class _Sets(Question):
 
     of: Callable[[RealNumber], bool | None] = lambda _: None
 
+    def _asked(self, value: Expr) -> bool | None:
+        return self.verdict(value)  # known already: no time is asked for
+
     def _at(self, i: int, places: Sequence[Turn | None], cells: Sequence[bool | None]) -> bool | None:
         here = places[i]
         return False if here is None else self.of(here.value)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 from haptisym.judge.criteria import PASSIVE, Criterion
-from haptisym.kernel.errors import SceneError, meant
+from haptisym.kernel.errors import LimitError, SceneError, UndecidedError, meant
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.feasible import Solved
@@ -14,7 +15,7 @@ from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.held import solve_stable, stable_in
 from haptisym.verbs.require.passive import solve_passive
 from haptisym.verbs.require.solving import solve
-from haptisym.verbs.require.verdicts import together
+from haptisym.verbs.require.verdicts import all_open, together
 
 TRANSPARENT, STABLE, SUITS_ALL = "transparent", "stable", "passive"
 WISHES = (TRANSPARENT, STABLE, SUITS_ALL)
@@ -47,8 +48,17 @@ def solve_all(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criter
     found, judged = list[Solved](), [x for x in criteria if x.name not in (STABLE, SUITS_ALL)]
     if judged:
         found.append(solve(scene, free, asked, judged))
+    others: list[Callable[[], Solved]] = []
     if any(x.name == STABLE for x in criteria):
-        found += [solve_stable(scene, hand, free, asked) for hand in scene.hands]
+        others += [partial(solve_stable, scene, hand, free, asked) for hand in scene.hands]
     if any(x.name == SUITS_ALL for x in criteria):
-        found.append(solve_passive(scene, free, asked))
-    return together(asked, found)
+        others.append(partial(solve_passive, scene, free, asked))
+    return together(asked, [*found, *(_or_open(x, asked) for x in others)])
+
+
+def _or_open(solved: Callable[[], Solved], asked: Domain) -> Solved:
+    """The values; all of them undecided where that is not known, or the time does not last."""
+    try:
+        return solved()
+    except (LimitError, UndecidedError):
+        return all_open(asked)
