@@ -93,6 +93,7 @@ def test_without_coherence_the_disc_is_the_whole_plane() -> None:
     e = hs.evaluate(hs.MeasuredScene(FU.environment, felt))
     assert verdicts(e) == [("unresolved", "unresolved")] * 2
     assert [row["radius"] for row in e.to_dict()["rows"]] == [None, None]
+    assert json.loads(e.to_json()) == e.to_dict()
 
 
 # Verdicts.
@@ -158,6 +159,7 @@ def test_active_damping_has_no_name() -> None:
     e = hs.evaluate(hs.MeasuredScene(FU.environment, hs.measured([5.0], [55 - 60j], radius=[1.0])))
     assert verdicts(e) == [("below", "exceeds")]
     assert e.percepts == ()
+    assert json.loads(e.to_json()) == e.to_dict()
     assert "noticed, not named" in str(e)
 
 

@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from math import isfinite
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -110,6 +111,9 @@ class MeasuredEvaluation(Answer):
         )
 
     def _body(self) -> dict[str, Any]:
+        return self._told([_row(x) for x in self._rows()], [_percept(p) for p in self.percepts])
+
+    def _told(self, rows: Any, percepts: Any) -> dict[str, Any]:
         felt = self.scene.perceived
         return {
             "lines": len(self),
@@ -117,31 +121,47 @@ class MeasuredEvaluation(Answer):
             "threshold": self.scene.threshold.row(),
             "averages": felt.averages,
             "confidence": None if self.lines.radius is None else felt.confidence,
-            "rows": [_row(x) for x in self._rows()],
-            "percepts": [
-                {"part": p.part.value, "omega": p.omega, "property": p.property.value, "change": p.change.value}
-                for p in self.percepts
-            ],
+            "rows": rows,
+            "percepts": percepts,
             "needed": None if self.needed is None else _needed(self.needed),
             "certified": self.certified,
         }
 
     def to_json(self) -> str:
         """As text, one line for each measured line."""
-        told = (f"  {json.dumps(key)}: {_written(key, value)}" for key, value in self.to_dict().items())
+        long = {"rows": map(_row_text, self._rows()), "percepts": (json.dumps(_percept(p)) for p in self.percepts)}
+        frame = {"schema": self._schema, "title": self.scene.title} | self._told(None, None) | self.scene.aside_keys()
+        told = (f"  {json.dumps(key)}: {_listed(long[key]) if key in long else _short(x)}" for key, x in frame.items())
         return "{\n" + ",\n".join(told) + "\n}"
 
 
-def _written(key: str, value: Any) -> str:
-    if key in ("rows", "percepts") and value:
-        listed = ",\n".join(f"    {json.dumps(row)}" for row in value)
-        return f"[\n{listed}\n  ]"
+def _short(value: Any) -> str:
     return json.dumps(value, indent=2, ensure_ascii=False).replace("\n", "\n  ")
+
+
+def _listed(rows: Iterator[str]) -> str:
+    """A list with a row to a line."""
+    text = ",\n    ".join(rows)
+    return f"[\n    {text}\n  ]" if text else "[]"
+
+
+def _row_text(x: Row) -> str:
+    """As ``json.dumps(_row(x))``, in a quarter of the time: there may be a million of them."""
+    real, imag, radius = (
+        "null" if value is None or not isfinite(value) else repr(value)
+        for value in (x.ratio_real, x.ratio_imag, x.radius)
+    )
+    ratios = f'"ratio_real": {real}, "ratio_imag": {imag}, "radius": {radius}'
+    return f'{{"omega": {x.omega!r}, {ratios}, "real": "{x.real.value}", "imag": "{x.imag.value}"}}'
+
+
+def _percept(p: MeasuredPercept) -> dict[str, Any]:
+    return {"part": p.part.value, "omega": p.omega, "property": p.property.value, "change": p.change.value}
 
 
 def _row(x: Row) -> dict[str, Any]:
     numbers = {"ratio_real": x.ratio_real, "ratio_imag": x.ratio_imag, "radius": x.radius}
-    finite = {key: value if value is not None and np.isfinite(value) else None for key, value in numbers.items()}
+    finite = {key: value if value is not None and isfinite(value) else None for key, value in numbers.items()}
     return {"omega": x.omega, **finite, "real": x.real.value, "imag": x.imag.value}
 
 
