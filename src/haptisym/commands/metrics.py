@@ -45,10 +45,13 @@ def metrics(
     found = measure(scene)
     drawn(found, figure)
     if language == "latex":
+        from haptisym.writing.document import Paragraph
         from haptisym.writing.latex import fragment
 
         keep_pages(found.document, found.to_json)
-        write(fragment(found.document().blocks, depth=2) + "\n")
+        page = found.document()
+        asides = (Paragraph(x) for x in page.lead if not isinstance(x, str))
+        write(fragment([*asides, *page.blocks], depth=2) + "\n")
     else:
         show(found, as_json=as_json)
     end(found)
