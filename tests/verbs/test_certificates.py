@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import random
 import subprocess
 import sys
@@ -99,6 +100,19 @@ def test_the_commands_write_and_check(tmp_path: Path, monkeypatch: pytest.Monkey
     refused = subprocess.run(checker, capture_output=True, text=True, check=False)
     assert (refused.returncode, refused.stdout) == (1, "NOT proven: the certificate is that of another scene file\n")
     assert subprocess.run(checker[:-1], capture_output=True, check=False).returncode == 2
+    missing = subprocess.run([*checker[:-1], "none.toml"], capture_output=True, text=True, check=False)
+    assert (missing.returncode, missing.stderr, "NOT proven: " in missing.stdout) == (1, "", True)
+
+
+def test_a_reader_that_has_gone_does_not_matter(tmp_path: Path) -> None:
+    target = tmp_path / "proof.json"
+    target.write_text(certificate("fu2019"), encoding="utf-8")
+    reading, writing = os.pipe()
+    os.close(reading)
+    command = [sys.executable, "-m", "haptisym_check", str(target), str(SCENES / "fu2019.toml")]
+    done = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, text=True, check=False)
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def judged(jnd: str) -> hs.Evaluation:
