@@ -225,4 +225,6 @@ def _certain(found: Stability) -> Phrase:
     if not found.certified:
         return Strong("UNDECIDED"), " where it says so. Everything else is proven."
     proven = "Certain: roots are counted, and signs on [0, ∞) decided, with every delay as it is. "
+    if found.sampled is not None:
+        proven = "Certain: roots are counted on the exact polynomial of the loop with its clock, and signs decided on 0 < θ ≤ π. "
     return proven, "Imposed, held and every passive hand are three statements; each is proven by itself."
