@@ -202,6 +202,14 @@ def test_with_a_clock_every_passive_hand_is_left_open_and_said_to_be() -> None:
     assert "UNDECIDED" in str(r)
 
 
+def test_samples_of_computation_are_counted_as_delay() -> None:
+    """One sample late: K < 0.8/(0.5 ms + 1 ms), and Colgate and Schenkel's bound, which knows no delay, is not offered."""
+    late = wall(delay=1)
+    [line] = lines(late, [late.knobs[x] for x in ("environment.k", "effects.device.b")])
+    assert -line.excess({"environment.k": 0.0, "effects.device.b": 0.8}) == pytest.approx(533.333, rel=1e-5)
+    assert line.name == "Gil and Hulin"
+
+
 def test_a_sampled_wall_has_both_classical_lines_beside_the_exact_set() -> None:
     """Colgate's bound is safe; to first order Gil and Hulin's is exact, and not safe with much virtual damping."""
     free = ["effects.device.b", "environment.k"]

@@ -65,13 +65,17 @@ def _ground(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale]) -> Artist:
     for at, below, above in _neighbours([(float(x.at), x.requirement) for x in found.slices], window):
         x, bottom, top = scales[0].of(np.array(at)), scales[1].of(np.array(below)), scales[1].of(np.array(above))
         ax.fill_between(x, bottom, top, color=SHADE, linewidth=0, antialiased=False, zorder=0)
-    return Patch(facecolor=SHADE, label="all of them, interpolated")
+    return Patch(facecolor=SHADE, label=f"{_whole(found)}, interpolated")
+
+
+def _whole(found: DesignMap) -> str:
+    return "all of them" if len(found.that) > 1 else "this set"
 
 
 def _strokes(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale], window: tuple[float, float]) -> Artist:
     rows = [(scales[0].of(float(x.at)), x.requirement) for x in found.slices]
     lines = [[(x, scales[1].of(y)) for y in limits_of(span, *window)] for x, r in rows for span in r.feasible]
-    strokes = LineCollection(lines, colors=GREY, linewidths=0.6, zorder=1, label="all of them, exact slices")
+    strokes = LineCollection(lines, colors=GREY, linewidths=0.6, zorder=1, label=f"{_whole(found)}, exact slices")
     ax.add_collection(strokes)
     return strokes
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from haptisym.model.knobs import Knob
-from haptisym.model.sampled import CLOCKS
+from haptisym.model.sampled import CLOCKS, SAMPLED_LOOP, samples
 from haptisym.model.scene import Scene
 
 
@@ -76,13 +76,7 @@ def _wall(scene: Scene, given: Mapping[str, float]) -> _Wall:
     places = [(x.model, f"effects.{x.name}") for x in scene.effects]
     T = sum(of(place, "T") for model, place in places if model in CLOCKS)
     late = sum(of(place, "tau") for model, place in places if model == "delay")
-    late += sum(of(place, "T") * _samples(scene, place) for model, place in places if model == "sampled-loop")
+    late += sum(of(f"effects.{x.name}", "T") * samples(x) for x in scene.effects if x.model == SAMPLED_LOOP)
     b = sum(of(place, "b") for model, place in places if model == "shunt")
     held = "hand" if len(scene.hands) == 1 else f"hands.{scene.hands[0].name}" if scene.hands else "hand"
     return _Wall(of("environment", "k"), of("environment", "b"), b, of(held, "b"), T, late)
-
-
-def _samples(scene: Scene, place: str) -> float:
-    """Whole samples that a sampled loop computes."""
-    own = next(x for x in scene.effects if f"effects.{x.name}" == place)
-    return next((float(p.value) for p in own.parameters if p.key == "delay"), 0.0)
