@@ -167,7 +167,7 @@ def answers(path: Path) -> list[str]:
     crossings: tuple[hs.Crossing, ...] = e.crossings
     width: hs.RealNumber | None = e.bandwidth
     spans: tuple[hs.Interval, ...] = e.transparent
-    felt: list[tuple[hs.Part, hs.Property, hs.Change]] = [(p.part, p.property, p.change) for p in e.percepts]
+    felt: list[tuple[hs.Part | None, hs.Property, hs.Change]] = [(p.part, p.property, p.change) for p in e.percepts]
     points: tuple[hs.Point, ...] = e.changeovers_perceived
     kinds: set[hs.CrossingKind] = {x.kind for x in crossings}
     high: tuple[hs.Peak, ...] = hs.peaks(own)

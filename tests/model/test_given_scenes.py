@@ -24,6 +24,7 @@ CALLS: dict[str, Callable[[Any], str]] = {
     "metrics": lambda x: hs.metrics(x).to_json(),
     "peaks": lambda x: str([p.omega.digits(9) for p in hs.peaks(x)]),
     "relevance": lambda x: str(hs.relevance(x).pruned),
+    "release": lambda x: hs.release(x, "1 cm", "postural-arm").to_json(),
     "require": lambda x: hs.require(x, "omega_n").to_json(),
     "sampled": lambda x: str(hs.sampled(x, [1, 5]).H),
     "scene_code": lambda x: hs.scene_code(x, hs.Language.C),
