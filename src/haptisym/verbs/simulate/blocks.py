@@ -7,20 +7,19 @@ the ports towards the environment and towards the hand, each with force ``F`` an
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import reduce
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from flint import fmpq
-from sympy import Expr, I, exp, pi
+from sympy import pi
 
-from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import Polynomial
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
 from haptisym.model.sampled import controller
 from haptisym.verbs.simulate.network import Exact, Hold, Network, Sum, Switch, exact, name_of
+from haptisym.verbs.simulate.operators import combined, fractional, quotient
 
 Values: TypeAlias = Mapping[str, Exact]
 
@@ -105,7 +104,7 @@ def _prony(net: Network, element: Environment, port: Port) -> None:
 
 def _spring_pot(net: Network, element: Environment, port: Port) -> None:
     p = _values(element)
-    net.equal(port.F, p.get("k", fmpq(0)) * port.X + p["k_alpha"] * _fractional(net, port.X, p["alpha"]))
+    net.equal(port.F, p.get("k", fmpq(0)) * port.X + p["k_alpha"] * fractional(net, port.X, p["alpha"]))
 
 
 def _two_mass(net: Network, element: Environment, port: Port) -> None:
@@ -117,66 +116,10 @@ def _two_mass(net: Network, element: Environment, port: Port) -> None:
 
 
 def _written(net: Network, element: Environment, port: Port) -> None:
-    _quotient(net, element.H, port.X, port.F)
+    quotient(net, element.H, port.X, port.F)
 
 
 # Formulas
-
-
-def _quotient(net: Network, formula: Expr, x: Sum, y: Sum) -> None:
-    """y = (numerator/denominator) x as a differential equation: denominator(d/dt) y = numerator(d/dt) x."""
-    _combined(net, [formula], [x], y)
-
-
-def _combined(net: Network, formulas: Sequence[Expr], signals: Sequence[Sum], y: Sum) -> None:
-    """y = G_1 x_1 + G_2 x_2 + ... over one denominator: what the formulas share is one motion in time, not several."""
-    ring = Ring.of(formulas)
-    quotients = [ring.convert(formula).reduced() for formula in formulas]
-    common = reduce(_least_multiple, (q.denominator for q in quotients))
-    total = Sum({})
-    for q, x in zip(quotients, signals, strict=True):
-        total = total + _operator(net, q.numerator * (common // q.denominator), ring, x)
-    net.equal(_operator(net, common, ring, y), total)
-
-
-def _least_multiple(one: Polynomial, other: Polynomial) -> Polynomial:
-    return one * (other // one.gcd(other))
-
-
-def _operator(net: Network, polynomial: Polynomial, ring: Ring, x: Sum) -> Sum:
-    """A polynomial in s, delays and powers s^alpha, applied to a signal."""
-    total = Sum({})
-    powers: dict[tuple[Any, int], Sum] = {}
-    for exponents, coefficient in polynomial.to_dict().items():
-        term = x
-        factor = coefficient
-        for meaning, n in zip(ring.meanings[1:], map(int, exponents[1:]), strict=True):
-            if n and (meaning == I or meaning.free_symbols - {ring.meanings[0]}):
-                raise SceneError(f"{meaning} has no meaning in time: this formula cannot be simulated")
-            if isinstance(meaning, exp):
-                term = term.late(n * exact(-meaning.args[0].coeff(ring.meanings[0])))
-            elif n and meaning.is_number:
-                factor = factor * exact(meaning) ** n
-            elif n:
-                term = _powers(net, powers, term, exact(meaning.exp), n)
-        total = total + factor * term.d(int(exponents[0]))
-    return total
-
-
-def _powers(net: Network, made: dict[tuple[Any, int], Sum], x: Sum, alpha: Exact, times: int) -> Sum:
-    """The derivative of order alpha, taken that many times; each is built once."""
-    for n in range(1, times + 1):
-        key = ((tuple(x.terms), alpha), n)
-        if key not in made:
-            made[key] = _fractional(net, x, alpha)
-        x = made[key]
-    return x
-
-
-def _fractional(net: Network, x: Sum, alpha: Exact) -> Sum:
-    from haptisym.verbs.simulate.fractional import derivative  # only scenes with a power of s that is not whole need it
-
-    return derivative(net, x, alpha)
 
 
 # Effects
@@ -184,7 +127,7 @@ def _fractional(net: Network, x: Sum, alpha: Exact) -> Sum:
 
 def _series(net: Network, element: Effect, near: Port, far: Port) -> None:
     net.equal(far.X, near.X)
-    _quotient(net, element.matrix[0], near.F, far.F)
+    quotient(net, element.matrix[0], near.F, far.F)
 
 
 def _first_order_lag(net: Network, element: Effect, near: Port, far: Port) -> None:
@@ -238,7 +181,7 @@ def _shunt(net: Network, element: Effect, near: Port, far: Port) -> None:
     if element.parameters and all(parameter.key in "mbk" for parameter in element.parameters):
         net.equal(beside, _msd(_values(element), near.X))
     else:
-        _quotient(net, element.matrix[1], near.X, beside)
+        quotient(net, element.matrix[1], near.X, beside)
     net.equal(far.F, near.F + beside)
 
 
@@ -259,7 +202,7 @@ def _coulomb_friction(net: Network, element: Effect, near: Port, far: Port) -> N
 
 def _admittance_display(net: Network, element: Effect, near: Port, far: Port) -> None:
     net.equal(far.X, near.X)
-    _quotient(net, 1 / element.matrix[0], far.F, near.F)  # what the hand's force is to the rendered one
+    quotient(net, 1 / element.matrix[0], far.F, near.F)  # what the hand's force is to the rendered one
 
 
 def _wave_variables(net: Network, element: Effect, near: Port, far: Port) -> None:
@@ -296,7 +239,7 @@ def _four_channel(net: Network, element: Effect, near: Port, far: Port) -> None:
 
 def _two_port(net: Network, element: Effect, near: Port, far: Port) -> None:
     for row, signal in ((element.matrix[:2], far.F), (element.matrix[2:], far.X)):
-        _combined(net, row, near, signal)
+        combined(net, row, near, signal)
 
 
 def float_of(number: Exact) -> float:

@@ -11,23 +11,28 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property, lru_cache, reduce
-from heapq import heappop, heappush
-from math import gcd
 
 import numpy as np
 
 from haptisym.kernel.errors import SceneError
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.descriptor import Input
-from haptisym.verbs.simulate.events import Guard, check_derivatives, check_jumps, falls
+from haptisym.verbs.simulate.events import (
+    Breaks,
+    Guard,
+    check_derivatives,
+    check_jumps,
+    common_measure,
+    first_event,
+    guards,
+)
 from haptisym.verbs.simulate.linear import Drive, Linear, Reading, linear_systems
 from haptisym.verbs.simulate.motions import Motion
-from haptisym.verbs.simulate.network import MOTION, Network, Step, Switch
+from haptisym.verbs.simulate.network import MOTION, Network, Step
 from haptisym.verbs.simulate.propagate import NODES, Record, at_end
 from haptisym.verbs.simulate.rest import at_rest
 
 _MOST_AT_ONCE = 256
-_GENERATIONS = 4  # of break points that a jump leaves behind delay lines: each passage through a filter smooths it
 _FINEST = 64  # steps to the shortest delay; delays with no such common measure are read between steps
 _TINY = 1e-12  # of a step: closer instants are the same one
 _UNBOUNDED = 1e15  # m, N: beyond any display
@@ -53,14 +58,16 @@ class Engine:
         sources = [(name, 0) for name in (*(h.source for h in net.holds), *(q.source for q in net.steps))]
         self.net, self.motion = net, motion
         self.systems = linear_systems(net, [*readings, *monitored, *targets, *sources])
-        self.modes = [0 if s.offset or self._can_stick(i) else 1 for i, s in enumerate(net.switches)]
+        self.modes = [
+            0 if s.offset or self.systems[frozenset([i])] is not None else 1 for i, s in enumerate(net.switches)
+        ]
         check_jumps(net, self.systems)
         check_derivatives(motion, self.systems)
         self.z = np.zeros(self.system.exact.size)
         self.held = dict.fromkeys(net.jumps, 0.0)
         self.record = Record(len(self.system.readings))
         self.t, self.samples = 0.0, [0] * len(net.holds)
-        self.due: list[float] = []
+        self.breaks = Breaks(self._lags)
         self.longest = self._regular(longest)
         self.stalled, self.events, self.calm = (0.0, 0), 0, _MOST_AT_ONCE
         self._update_forces()
@@ -107,13 +114,10 @@ class Engine:
         Reading between steps would amplify the highest frequencies a little, again and again where they come back.
         """
         lags = [Fraction(int(x.lag.p), int(x.lag.q)) for x in self._late]
-        unit = reduce(_common_measure, lags) if lags else None
+        unit = reduce(common_measure, lags) if lags else None
         usual = min([*self._lags, *(hold.period for hold in self.net.holds)], default=longest)
         base = float(unit) if unit is not None and usual / float(unit) <= _FINEST else usual
         return base / float(np.ceil(base / longest - 1e-9))
-
-    def _can_stick(self, index: int) -> bool:
-        return self.systems[frozenset([index])] is not None
 
     def column(self, name: str, order: int = 0) -> int:
         """Where a signal is in the record."""
@@ -131,7 +135,8 @@ class Engine:
             if watch is not None:
                 watch(self.t)
             self._sample()
-            end = min([until, *self._clock_ticks(), *self._next_break(), *self._next_on_grid()])
+            ticks = (n * hold.period for n, hold in zip(self.samples, self.net.holds, strict=True))
+            end = min([until, *ticks, *self.breaks.next(self.t + _TINY * self.longest), *self._next_on_grid()])
             whole = int((end - self.t) / self.longest + 1e-9)
             h = self.longest if whole else float(f"{end - self.t:.13e}")  # equal steps are recognised as equal
             # no step may read a delay line where it has not been written yet
@@ -141,7 +146,7 @@ class Engine:
 
     def _take(self, chunk: int, h: float, end: float) -> None:
         w, after, values = self._attempt(chunk, h)
-        event = self._first_event(values, h)
+        event = first_event(guards(self.net, self.modes, self.held), values, self.column, self.motion)
         if event is None:
             self._accept(h, values, after, end)
             self.calm = min(2 * self.calm, _MOST_AT_ONCE)
@@ -207,21 +212,13 @@ class Engine:
 
     # Clocks
 
-    def _clock_ticks(self) -> list[float]:
-        return [self.samples[i] * hold.period for i, hold in enumerate(self.net.holds)]
-
-    def _next_break(self) -> list[float]:
-        while self.due and self.due[0] <= self.t + _TINY * self.longest:
-            heappop(self.due)
-        return [self.due[0]] if self.due else []
-
     def _sample(self) -> None:
         """Let every clock whose time has come read its source, and hold that."""
         for i, hold in enumerate(self.net.holds):
             if self.samples[i] * hold.period <= self.t + _TINY * self.longest:
                 self.held[hold.target] = self._now(hold.source)
                 self.samples[i] += 1
-                self._break_behind_delays()
+                self.breaks.after(self.t)
 
     def _now(self, name: str, order: int = 0) -> float:
         if self.record.count == 0:
@@ -229,48 +226,12 @@ class Engine:
         last = self.record.values[self.record.count - 1, :, self.column(name, order)]
         return float(at_end(last[:, None])[0])
 
-    def _break_behind_delays(self) -> None:
-        reached = {self.t}
-        for _ in range(_GENERATIONS):
-            reached = {t + lag for t in reached for lag in self._lags}
-            for t in reached:
-                heappush(self.due, t)
-
     def _next_on_grid(self) -> list[float]:
         """Back to the grid of the delay lines, after a step that ended beside it."""
         place = self.t / self.longest
         return [float(np.ceil(place) * self.longest)] if self._lags and abs(place - round(place)) > 1e-9 else []
 
     # Switches and quantisers
-
-    def _guards(self) -> list[Guard]:
-        guards = []
-        for switch, mode in zip(self.net.switches, self.modes, strict=True):
-            if mode == 0:
-                guards += [Guard(switch, (switch.target, 0), -sign, -switch.limit) for sign in (1, -1)]
-            else:
-                guards.append(Guard(switch, (switch.driver, 0), mode, switch.offset))
-        for step in self.net.steps:
-            middle, half = self.held[step.target], step.resolution / 2
-            guards += [Guard(step, (step.source, 0), sign, sign * middle - half) for sign in (1, -1)]
-        return guards
-
-    def _first_event(self, values: Array, h: float) -> tuple[int, float, Guard] | None:
-        found: list[tuple[int, float, Guard]] = []
-        for guard in self._guards():
-            course = guard.sign * values[:, :, self.column(*guard.reading)] - guard.bound
-            both = np.concatenate([course, at_end(course[..., None])], axis=1)
-            tolerance = 1e-12 * max(abs(guard.bound), float(np.abs(course).max()), 1e-12 * self._scale(guard))
-            bad = both < -tolerance
-            if bad.any():
-                step = int(np.argmax(bad.any(axis=1)))
-                found.append((step, falls(course[step], both[step], int(np.argmax(bad[step]))), guard))
-        return min(found, key=lambda event: event[:2]) if found else None
-
-    def _scale(self, guard: Guard) -> float:
-        return (
-            self.motion.amplitude * self.motion.span[1] if isinstance(guard.element, Switch) else self.motion.amplitude
-        )
 
     def _react(self, guard: Guard) -> None:
         self.events += 1
@@ -287,7 +248,7 @@ class Engine:
             self.held[guard.element.target] += -guard.sign * guard.element.resolution
         else:
             self._switch(self.net.switches.index(guard.element))
-        self._break_behind_delays()
+        self.breaks.after(self.t)
 
     def _switch(self, index: int) -> None:
         switch, old = self.net.switches[index], self.modes[index]
@@ -306,7 +267,7 @@ class Engine:
             return -old
         for order in (0, 1):
             row = self.system.rows[self.column(switch.driver, order)]
-            found = self._weight(row, (switch.target, 1)), self._weight(row, (switch.target, 0))
+            found = tuple(self.system.weight(row, switch.target, k) for k in (1, 0))
             if found[0]:
                 return 0  # the force cannot jump: it moves what it acts on
             if found[1]:
@@ -316,13 +277,6 @@ class Engine:
                 other = now - 2 * old * switch.limit * found[1]
                 return -old if other * old < 0 else 0
         return -old
-
-    def _weight(self, row: Array, drive: tuple[str, int]) -> float:
-        n = self.system.exact.size
-        return next(
-            (float(row[n + i]) for i, (x, k) in enumerate(self.system.drives) if (x.name, k) == drive and x.lag == 0),
-            0.0,
-        )
 
     def _can_stick_now(self, index: int) -> bool:
         closed = frozenset(i for i, mode in enumerate(self.modes) if mode == 0 or i == index)
@@ -344,9 +298,3 @@ class Engine:
     def _update_forces(self) -> None:
         for switch, mode in zip(self.net.switches, self.modes, strict=True):
             self.held[switch.target] = mode * switch.limit
-
-
-def _common_measure(one: Fraction, other: Fraction) -> Fraction:
-    """The longest time that both are whole multiples of."""
-    below = one.denominator * other.denominator
-    return Fraction(gcd(one.numerator * other.denominator, other.numerator * one.denominator), below)

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
+from heapq import heappop, heappush
+from math import gcd
 from typing import TypeAlias
 
 import numpy as np
@@ -12,8 +16,9 @@ from haptisym.programs.values import Array
 from haptisym.verbs.simulate.linear import Drive, Linear, Reading
 from haptisym.verbs.simulate.motions import Motion
 from haptisym.verbs.simulate.network import MOTION, Network, Step, Switch
-from haptisym.verbs.simulate.propagate import NODES, series
+from haptisym.verbs.simulate.propagate import NODES, at_end, series
 
+_GENERATIONS = 4  # of break points that a jump leaves behind delay lines: each passage through a filter smooths it
 Systems: TypeAlias = dict[frozenset[int], Linear | None]
 
 
@@ -41,6 +46,68 @@ def falls(course: Array, both: Array, bad: int) -> float:
     if start is None:
         return 0.0
     return float(brentq(value, places[start], places[bad + 1], xtol=1e-15))
+
+
+def guards(net: Network, modes: Sequence[int], held: Mapping[str, float]) -> list[Guard]:
+    """What ends the present state of each element: ``modes`` of the switches, and the values that are ``held``."""
+    found = []
+    for switch, mode in zip(net.switches, modes, strict=True):
+        if mode == 0:
+            found += [Guard(switch, (switch.target, 0), -sign, -switch.limit) for sign in (1, -1)]
+        else:
+            found.append(Guard(switch, (switch.driver, 0), mode, switch.offset))
+    for step in net.steps:
+        middle, half = held[step.target], step.resolution / 2
+        found += [Guard(step, (step.source, 0), sign, sign * middle - half) for sign in (1, -1)]
+    return found
+
+
+def first_event(
+    watched: Iterable[Guard], values: Array, column: Callable[[str, int], int], motion: Motion
+) -> tuple[int, float, Guard] | None:
+    """The first guard that falls below zero in a chunk of steps: in which of them, and where on it, from 0 to 1.
+
+    ``values`` : of all readings at the nodes of each step, in the ``column`` of each.
+    """
+    found: list[tuple[int, float, Guard]] = []
+    for guard in watched:
+        course = guard.sign * values[:, :, column(*guard.reading)] - guard.bound
+        both = np.concatenate([course, at_end(course[..., None])], axis=1)
+        scale = motion.amplitude * (motion.span[1] if isinstance(guard.element, Switch) else 1)
+        tolerance = 1e-12 * max(abs(guard.bound), float(np.abs(course).max()), 1e-12 * scale)
+        bad = both < -tolerance
+        if bad.any():
+            step = int(np.argmax(bad.any(axis=1)))
+            found.append((step, falls(course[step], both[step], int(np.argmax(bad[step]))), guard))
+    return min(found, key=lambda event: event[:2]) if found else None
+
+
+class Breaks:
+    """Instants at which what jumped once comes out of a delay line; ``lags`` : of the lines, s."""
+
+    def __init__(self, lags: Sequence[float]) -> None:
+        self.lags = lags
+        self.due: list[float] = []
+
+    def after(self, t: float) -> None:
+        """Something jumps at t."""
+        reached = {t}
+        for _ in range(_GENERATIONS):
+            reached = {t + lag for t in reached for lag in self.lags}
+            for t in reached:
+                heappush(self.due, t)
+
+    def next(self, t: float) -> list[float]:
+        """The first one after t, if there is one; those before are over."""
+        while self.due and self.due[0] <= t:
+            heappop(self.due)
+        return self.due[:1]
+
+
+def common_measure(one: Fraction, other: Fraction) -> Fraction:
+    """The longest time that both are whole multiples of."""
+    below = one.denominator * other.denominator
+    return Fraction(gcd(one.numerator * other.denominator, other.numerator * one.denominator), below)
 
 
 def check_jumps(net: Network, systems: Systems) -> None:

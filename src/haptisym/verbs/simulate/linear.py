@@ -45,6 +45,11 @@ class Linear:
         result: Array = z @ self.rows[:, :n].T + w @ self.rows[:, n:].T
         return result
 
+    def weight(self, row: Array, name: str, order: int) -> float:
+        """That of a derivative of an input, as it is now, in a row of ``rows``."""
+        here = ((x.name, k) == (name, order) and x.lag == 0 for x, k in self.drives)
+        return float(sum(row[self.exact.size + i] for i, is_it in enumerate(here) if is_it))
+
     def poles(self) -> Any:
         """The eigenvalues of the state equation without what comes back through delay lines, 1/s."""
         return np.linalg.eigvals(self.propagator.M) if self.exact.size else np.zeros(0, dtype=complex)
