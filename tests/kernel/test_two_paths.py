@@ -35,8 +35,8 @@ def searched(monkeypatch: pytest.MonkeyPatch) -> list[AnalyticFactor]:
         went.append(as_analytic(factor))
         return went[-1]
 
-    def in_factors(coefficients: list[Any]) -> tuple[int, int, list[tuple[AnalyticFactor, int]]]:
-        sign, lowest, found = polynomial_factors(coefficients)
+    def in_factors(coefficients: list[Any], **how: bool) -> tuple[int, int, list[tuple[AnalyticFactor, int]]]:
+        sign, lowest, found = polynomial_factors(coefficients, **how)
         return sign, lowest, [(other(f), n) for f, n in found]
 
     exact = factoring._polynomial_factor

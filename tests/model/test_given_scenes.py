@@ -23,6 +23,7 @@ CALLS: dict[str, Callable[[Any], str]] = {
     "evaluate": lambda x: hs.evaluate(x).to_json(),
     "metrics": lambda x: hs.metrics(x).to_json(),
     "peaks": lambda x: str([p.omega.digits(9) for p in hs.peaks(x)]),
+    "release": lambda x: f"{hs.release(x, '1 cm', 'light-touch').closed.rate:.9g}",
     "relevance": lambda x: str(hs.relevance(x).pruned),
     "release": lambda x: hs.release(x, "1 cm", "postural-arm").to_json(),
     "require": lambda x: hs.require(x, "omega_n").to_json(),
@@ -33,7 +34,7 @@ CALLS: dict[str, Callable[[Any], str]] = {
     "simulation_cost": lambda x: hs.simulation_cost(x, quick=True).scene.title,
     "stability": lambda x: hs.stability(x, "postural-arm").to_json(),
     "sweep": lambda x: str(hs.sweep(x, {"effects.filter.omega_n": [40.0]}).bandwidth.values),
-    "tolerances": lambda x: str(hs.tolerances(x, samples=0, limit=0.1).box.sides),
+    "tolerances": lambda x: str(hs.tolerances(x, samples=0, limit=5).box.sides),
 }
 TIMED = ["cost", "simulation_cost"]  # minutes of measuring: which scene is measured is seen without that
 

@@ -45,13 +45,10 @@ def metrics(
     found = measure(scene)
     drawn(found, figure)
     if language == "latex":
-        from haptisym.writing.document import Paragraph
-        from haptisym.writing.latex import fragment
+        from haptisym.writing.latex import piece
 
         keep_pages(found.document, found.to_json)
-        page = found.document()
-        asides = (Paragraph(x) for x in page.lead if not isinstance(x, str))
-        write(fragment([*asides, *page.blocks], depth=2) + "\n")
+        write(piece(found.document()) + "\n")
     else:
         show(found, as_json=as_json)
     end(found)

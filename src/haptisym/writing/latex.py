@@ -80,10 +80,19 @@ def fragment(blocks: Iterable[Block], figures: Mapping[str, str] = _NONE, *, dep
     return _Writer(figures, depth=depth).joined(list(chosen(blocks, full=True)))
 
 
+def piece(document: Document) -> str:
+    """A document as a piece of another one, without title and source: what it says of its scene, and its blocks."""
+    return fragment([*_asides(document), *document.blocks], depth=2)
+
+
 def tables(document: Document) -> str:
     """The tables of a document in brief, and what it says below its title but for the source, which is a string."""
     found = chosen(document.blocks, full=False)
-    return fragment([*_tables(found), *(Paragraph(x) for x in document.lead if not isinstance(x, str))])
+    return fragment([*_tables(found), *_asides(document)])
+
+
+def _asides(document: Document) -> list[Block]:
+    return [Paragraph(x) for x in document.lead if not isinstance(x, str)]
 
 
 def _tables(blocks: Iterable[Block]) -> Iterator[Table]:
