@@ -23,7 +23,6 @@ CALLS: dict[str, Callable[[Any], str]] = {
     "evaluate": lambda x: hs.evaluate(x).to_json(),
     "metrics": lambda x: hs.metrics(x).to_json(),
     "peaks": lambda x: str([p.omega.digits(9) for p in hs.peaks(x)]),
-    "release": lambda x: f"{hs.release(x, '1 cm', 'light-touch').closed.rate:.9g}",
     "relevance": lambda x: str(hs.relevance(x).pruned),
     "release": lambda x: hs.release(x, "1 cm", "postural-arm").to_json(),
     "require": lambda x: hs.require(x, "omega_n").to_json(),
