@@ -18,14 +18,14 @@ import haptisym as hs
 from haptisym.model.jnd import Part
 from haptisym.verbs.cost.hardcases import FAMILIES, HardCase, hard_cases
 from haptisym.verbs.cost.hardcosts import put
-from haptisym.verbs.cost.methods import CROSSINGS, NAIVE, RATIOS
-from haptisym.verbs.cost.questions import DOUBLE, Crossings, Ratios, right_digits
+from haptisym.verbs.cost.methods import CROSSINGS, NAIVE, RATIO_METHODS
+from haptisym.verbs.cost.questions import DOUBLE, Crossings, RatioQuestion, right_digits
 
 MP = mpmath.mp.clone()
 MP.dps = 1500
 decades = st.integers(-9, 9)
 CASES = hard_cases()
-VALUES = [case for case in CASES if isinstance(case.question, Ratios)]
+VALUES = [case for case in CASES if isinstance(case.question, RatioQuestion)]
 COUNTS = [case for case in CASES if isinstance(case.question, Crossings)]
 SLOW = {"cascades, values", "cascades, crossings", "long delays"}
 
@@ -55,7 +55,7 @@ def test_there_is_a_reason_for_every_family_and_a_case_in_it() -> None:
 
 @pytest.mark.parametrize("case", cases(VALUES))
 def test_certified_values_are_right_to_the_last_bit(case: HardCase) -> None:
-    [row] = put(case, [RATIOS["certified"]])
+    [row] = put(case, [RATIO_METHODS["certified"]])
     assert row.proven
     assert row.digits >= DOUBLE - 0.01
 
@@ -164,7 +164,7 @@ def test_certified_values_are_right_over_eighteen_decades_of_every_parameter(
     numbers = [Rational(10) ** x for x in (m, b, k, omega_n, zeta)]
     d = hs.distort(hs.environments.mass_spring_damper(*numbers[:3]), hs.effects.second_order_lowpass(*numbers[3:]))
     w = digit * 10.0**omega
-    [found] = RATIOS["certified"].ready(Ratios(d, (w,)))()
+    [found] = RATIO_METHODS["certified"].ready(RatioQuestion(d, (w,)))()
     for value, true in zip(found, ratios(*texts, w), strict=True):
         assert right_digits(float(value), reference(true), DOUBLE) >= DOUBLE - 0.01
 
@@ -176,7 +176,7 @@ def test_the_naive_form_loses_every_digit_below_1e_7_rad_s() -> None:
     low = [x for x in hard_cases("low frequencies") if x.question.omegas[0] <= 1e-7]
     assert len(low) >= 6
     for case in low:
-        naive, stable = put(case, [NAIVE, RATIOS["certified"]])
+        naive, stable = put(case, [NAIVE, RATIO_METHODS["certified"]])
         assert naive.digits < 1
         assert stable.digits > 15.9
 
@@ -184,17 +184,18 @@ def test_the_naive_form_loses_every_digit_below_1e_7_rad_s() -> None:
 @pytest.mark.parametrize("omega", [1e-20, 1e-10, 1e-8, 1e-7, 1e-5, 1e-2])
 def test_even_fast_floats_keep_their_digits_at_low_frequencies(omega: float) -> None:
     paper = hs.load_scene("fu2019").distortion()
-    question = Ratios(paper, (omega,))
-    [pair] = RATIOS["fast"].ready(question)()
+    question = RatioQuestion(paper, (omega,))
+    [pair] = RATIO_METHODS["fast"].ready(question)()
     assert question.score([pair], question.truth(30), DOUBLE).digits > 15
 
 
 @pytest.mark.parametrize("tau", ["1e-9 s", "1e-6 s", "1e-3 s"])
 def test_fast_floats_keep_their_digits_for_short_delays(tau: str) -> None:
     d = hs.distort(hs.environments.mass_spring_damper(1.8, 15, 100), hs.effects.delay(tau))
-    question = Ratios(d, (1e-6, 1.0, 15.0))
+    question = RatioQuestion(d, (1e-6, 1.0, 15.0))
     fast, naive = (
-        question.score(RATIOS[x].ready(question)(), question.truth(30), DOUBLE).digits for x in ("fast", NAIVE.name)
+        question.score(RATIO_METHODS[x].ready(question)(), question.truth(30), DOUBLE).digits
+        for x in ("fast", NAIVE.name)
     )
     assert fast > 14.5
     assert naive < 3

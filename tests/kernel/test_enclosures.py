@@ -18,7 +18,7 @@ from haptisym.kernel.bernstein import range_of
 from haptisym.kernel.eliminants import discriminant, resultant
 from haptisym.kernel.reals import expression_ball
 from haptisym.kernel.rings import PolynomialRing
-from haptisym.kernel.wavesums import Term, WaveSum, _compiled, _power_series
+from haptisym.kernel.wavesums import WaveSum, WaveTerm, _compiled, _power_series
 
 small = st.integers(-5, 5)
 rates = st.fractions("1/100", 3, max_denominator=100)
@@ -32,7 +32,7 @@ def wave_sums(draw: st.DrawFn) -> WaveSum:
     orders = draw(st.sampled_from([(), (Rational(1, 3),)]))
     keys = st.tuples(st.tuples(*(st.integers(0, n) for n in degrees)), st.tuples(*(st.integers(0, 2) for _ in orders)))
     rows = st.lists(st.tuples(small, small), min_size=1, max_size=4).map(tuple)
-    terms = tuple(Term(*key, draw(rows)) for key in draw(st.lists(keys, min_size=1, max_size=5, unique=True)))
+    terms = tuple(WaveTerm(*key, draw(rows)) for key in draw(st.lists(keys, min_size=1, max_size=5, unique=True)))
     return WaveSum(terms, tuple((Rational(r.numerator, r.denominator), c) for r, c in angles), degrees, orders)
 
 
@@ -181,7 +181,11 @@ def test_wide_balls_hold_value_slope_and_half_curvature_of_every_point(
 @pytest.mark.parametrize("reach", [1e-4, 0.02, 0.2])
 def test_ranges_over_a_ball_are_nearly_those_of_the_function(reach: float) -> None:
     """sin(x)^3 - 3 x cos(x) sin(x)^2 x^(1/3) ...: terms that cancel, over balls shorter than its waves."""
-    terms = (Term((3,), (0,), ((1,), (2,))), Term((2,), (1,), ((0,), (-3,))), Term((0,), (0,), ((5,), (0,), (-1, 2))))
+    terms = (
+        WaveTerm((3,), (0,), ((1,), (2,))),
+        WaveTerm((2,), (1,), ((0,), (-3,))),
+        WaveTerm((0,), (0,), ((5,), (0,), (-1, 2))),
+    )
     f = WaveSum(terms, ((Rational(2), False),), (3,), (Rational(1, 3),))
     for place in (1.0, 2.7, 6.0):
         with flint.ctx.workprec(128):
@@ -222,14 +226,14 @@ def test_coefficients_of_high_order_are_those_of_power_series(f: WaveSum, place:
 
 
 def test_sums_without_angles_are_polynomials_with_powers() -> None:
-    line = WaveSum((Term((), (), ((2,), (0, 3), (1,))),), (), (), ())  # 2 + 3 pi x + x^2
+    line = WaveSum((WaveTerm((), (), ((2,), (0, 3), (1,))),), (), (), ())  # 2 + 3 pi x + x^2
     with flint.ctx.workprec(100):
         row = line.series(arb(2), 0, 4)
         for found, true in zip(row, (6 + 6 * arb.pi(), 3 * arb.pi() + 4, arb(1), arb(0)), strict=True):
             assert found.overlaps(true)
             assert found.rad() < 1e-25
         still = WaveSum(
-            (Term((1,), (), ((2,),)), Term((0,), (), ((5,),))), ((pi / 3, True),), (1,), ()
+            (WaveTerm((1,), (), ((2,),)), WaveTerm((0,), (), ((5,),))), ((pi / 3, True),), (1,), ()
         )  # 2 sin + 5 cos of pi/6
         assert still.value(arb(7)).overlaps(1 + 5 * arb(3).sqrt() / 2)
         assert all(c.is_zero() for c in still.series(arb(7), 1, 4))

@@ -13,7 +13,7 @@ from sympy import Expr, I, Rational, exp, expand, lambdify, pi, sqrt
 
 import haptisym as hs
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.rootcount import Chain, Roots, count_roots
+from haptisym.kernel.rootcount import RootChain, Roots, count_roots
 from haptisym.kernel.symbols import s
 
 E = exp(-s)
@@ -100,13 +100,13 @@ def test_random_loops_with_a_delay_are_counted_as_their_contour_winds(
 @pytest.mark.parametrize(
     ("chain", "where"),
     [
-        (1 + 2 * E, Chain.RIGHT), (2 + 3 * LATE, Chain.RIGHT), (E, Chain.RIGHT), (1 + E, Chain.NEAR), (1 - E**2, Chain.NEAR),
-        (1 + E / 2 + LATE, Chain.RIGHT), (1 + E / 2 + LATE / 2, Chain.NEAR), (1 + E - E**2, Chain.RIGHT), (1 - E + E**2, Chain.NEAR),
+        (1 + 2 * E, RootChain.RIGHT), (2 + 3 * LATE, RootChain.RIGHT), (E, RootChain.RIGHT), (1 + E, RootChain.NEAR), (1 - E**2, RootChain.NEAR),
+        (1 + E / 2 + LATE, RootChain.RIGHT), (1 + E / 2 + LATE / 2, RootChain.NEAR), (1 + E - E**2, RootChain.RIGHT), (1 - E + E**2, RootChain.NEAR),
         (1 + E / 2 + LATE / 3, None), (1 + Rational(3, 2) * E + Rational(3, 4) * E**2, None),
     ],
     ids=str,
 )  # fmt: skip
-def test_the_chain_of_a_neutral_function_is_recognised(chain: Expr, where: Chain | None) -> None:
+def test_the_chain_of_a_neutral_function_is_recognised(chain: Expr, where: RootChain | None) -> None:
     found = roots(expand(chain * s**2) + 3 * s + 1)
     assert found.chain is where
     assert (found.number is None) is (where is not None)
@@ -115,14 +115,14 @@ def test_the_chain_of_a_neutral_function_is_recognised(chain: Expr, where: Chain
 def test_a_delay_that_all_terms_share_has_no_roots() -> None:
     assert roots(100 * E).number == 0
     assert roots(expand(E**2 * LATE * (s**2 - s + 4))).right == 2
-    assert roots(expand(E * (s + 1 + 2 * s * E))).chain is Chain.RIGHT
+    assert roots(expand(E * (s + 1 + 2 * s * E))).chain is RootChain.RIGHT
 
 
 @pytest.mark.parametrize("hand", ["400", "499.9999", "500", "2000"])
 def test_a_delayed_mass_is_held_by_no_lighter_one(hand: str) -> None:
     """(500 s^2 + 100) exp(-s/2) + m s^2 + 40 s + 900: the chain lies at Re s = 2 log(500/m)."""
     found = roots((500 * s**2 + 100) * exp(-s / 2) + Rational(hand) * s**2 + 40 * s + 900)
-    expected = Chain.RIGHT if float(hand) < 500 else Chain.NEAR if hand == "500" else None
+    expected = RootChain.RIGHT if float(hand) < 500 else RootChain.NEAR if hand == "500" else None
     assert found.chain is expected
 
 

@@ -271,10 +271,10 @@ def test_taylor_coefficients_of_an_analytic_factor_are_those_of_mpmath_at_any_or
     import mpmath
 
     from haptisym.kernel.analytic import AnalyticFactor
-    from haptisym.kernel.wavesums import Term
+    from haptisym.kernel.wavesums import WaveTerm
 
     factor = AnalyticFactor(
-        (Term((1,), (1,), ((3,), (1,))), Term((0,), (0,), ((2,), (0,), (1,)))),
+        (WaveTerm((1,), (1,), ((3,), (1,))), WaveTerm((0,), (0,), ((2,), (0,), (1,)))),
         ((Integer(2), False),),
         (1,),
         (Rational(1, 4),),

@@ -14,7 +14,7 @@ import haptisym as hs
 from haptisym.kernel import factoring
 from haptisym.kernel.analytic import AnalyticFactor
 from haptisym.kernel.polynomials import PolynomialFactor, polynomial_factors
-from haptisym.kernel.wavesums import Term
+from haptisym.kernel.wavesums import WaveTerm
 
 RATIONAL = [name for name in hs.scene_names() if not hs.load_scene(name).distortion().perc.ring.functions]
 
@@ -23,7 +23,7 @@ def as_analytic(factor: PolynomialFactor) -> AnalyticFactor:
     """The same function of omega, to be searched like one with delays."""
     rows = [[(0,)] * (factor.step - 1) + [row] for row in factor.coefficients[1:]]
     coefficients = (factor.coefficients[0], *(row for group in rows for row in group))
-    return AnalyticFactor((Term((), (), coefficients),), (), (), ())
+    return AnalyticFactor((WaveTerm((), (), coefficients),), (), (), ())
 
 
 @pytest.fixture

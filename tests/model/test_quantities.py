@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from sympy import Expr, I, Rational, nan, oo, pi, zoo
 
 import haptisym as hs
-from haptisym.model.quantities import Dimension, Motion, decimal, quantity
+from haptisym.model.quantities import Dimension, MotionKind, decimal, quantity
 from haptisym.model.units import _USUAL, _measured
 
 EXACT: list[tuple[str, Dimension, Expr]] = [
@@ -189,12 +189,12 @@ def test_numbers_of_every_exact_kind_are_read_exactly() -> None:
 
 
 def test_a_unit_tells_the_motion_and_a_bare_number_does_not() -> None:
-    assert quantity("1 kg", Dimension.MASS).motion is Motion.TRANSLATION
-    assert quantity("1 kg*m^2", Dimension.MASS).motion is Motion.ROTATION
-    assert quantity("1 N/m", Dimension.STIFFNESS).motion is Motion.TRANSLATION
-    assert quantity("1 N*m/rad", Dimension.STIFFNESS).motion is Motion.ROTATION
-    assert quantity("1 mm", Dimension.DISPLACEMENT).motion is Motion.TRANSLATION
-    assert quantity("1 deg", Dimension.DISPLACEMENT).motion is Motion.ROTATION
+    assert quantity("1 kg", Dimension.MASS).motion is MotionKind.TRANSLATION
+    assert quantity("1 kg*m^2", Dimension.MASS).motion is MotionKind.ROTATION
+    assert quantity("1 N/m", Dimension.STIFFNESS).motion is MotionKind.TRANSLATION
+    assert quantity("1 N*m/rad", Dimension.STIFFNESS).motion is MotionKind.ROTATION
+    assert quantity("1 mm", Dimension.DISPLACEMENT).motion is MotionKind.TRANSLATION
+    assert quantity("1 deg", Dimension.DISPLACEMENT).motion is MotionKind.ROTATION
     assert quantity("1", Dimension.MASS).motion is None
     assert quantity("1 Hz", Dimension.FREQUENCY).motion is None
     assert quantity(1, Dimension.STIFFNESS).motion is None

@@ -16,8 +16,8 @@ from flint import arb, fmpq
 from sympy import Symbol
 
 from haptisym.programs import magnitudes
-from haptisym.programs.balls import FUNCTIONS, Point, nearest_double
-from haptisym.programs.magnitudes import Range, judge
+from haptisym.programs.balls import FUNCTIONS, BallPoint, nearest_double
+from haptisym.programs.magnitudes import MagnitudeRange, judge
 from haptisym.programs.program import Writer
 
 MP = mpmath.mp.clone()
@@ -153,7 +153,7 @@ def test_balls_of_a_program_hold_its_results_at_its_doubles_and_tighten_with_the
         p, q = (draw.uniform(-1, 1) * 10.0 ** draw.randint(-30, 30) for _ in "xy")
         exact_a, exact_b = Fraction(p), Fraction(q)
         for bits in (53, 200, 400):
-            found = Point(program, (p, q)).balls(bits)
+            found = BallPoint(program, (p, q)).balls(bits)
             assert holds(found["f"], (exact_a * exact_b + Fraction(1, 3)) / (exact_a - exact_b))
             assert holds(found["g"], exact_a / 3)
             assert found["g"].rel_accuracy_bits() >= bits - 4
@@ -198,15 +198,15 @@ def test_halfway_between_two_doubles_is_given_up_only_when_many_bits_see_a_dot_t
 # Magnitudes: 2^low <= abs(x) <= 2^high for every step.
 
 
-def between(draw: random.Random, of: Range) -> list[float]:
+def between(draw: random.Random, of: MagnitudeRange) -> list[float]:
     """Numbers of a range: both ends of either sign that it has, something inside, and 0 where that may be."""
     sizes = [2.0**of.low, 2.0**of.high, 2.0 ** draw.uniform(of.low, of.high)]
     return [*sizes, *(() if of.positive else (-x for x in sizes)), *(() if of.nonzero else (0.0,))]
 
 
-def drawn(draw: random.Random, low: int = -90, high: int = 90) -> Range:
+def drawn(draw: random.Random, low: int = -90, high: int = 90) -> MagnitudeRange:
     a, b = sorted(float(draw.randint(low, high)) for _ in "ab")
-    return Range(a, b, draw.random() < 0.5, draw.random() < 0.5)
+    return MagnitudeRange(a, b, draw.random() < 0.5, draw.random() < 0.5)
 
 
 def bits_of(value: Any) -> float:
@@ -215,7 +215,7 @@ def bits_of(value: Any) -> float:
     return exponent + log2(mantissa)
 
 
-def assert_in(of: Range, value: Any) -> None:
+def assert_in(of: MagnitudeRange, value: Any) -> None:
     if value:
         assert of.low <= bits_of(value) <= of.high, (of, value)
     else:
@@ -249,19 +249,21 @@ def test_the_range_of_a_step_holds_what_floats_make_of_all_in_its_operands(name:
 
 def test_a_difference_of_near_floats_may_be_as_small_as_their_last_place() -> None:
     for digits in (53, 100):
-        x = Range(0.0, 1.0)
+        x = MagnitudeRange(0.0, 1.0)
         found = magnitudes._step("sub", (0, 1), (x, x), digits)
-        assert found == Range(-digits - 1, 2.0)  # one place more, for pairs of doubles with a gap between them
-        assert magnitudes._step("sub", (0, 1), (x, Range(-4.0, -2.0)), digits) == Range(-4.0 - digits - 1, 2.0)
+        assert found == MagnitudeRange(-digits - 1, 2.0)  # one place more, for pairs of doubles with a gap between them
+        assert magnitudes._step("sub", (0, 1), (x, MagnitudeRange(-4.0, -2.0)), digits) == MagnitudeRange(
+            -4.0 - digits - 1, 2.0
+        )
 
 
 def test_a_sum_of_what_is_not_negative_loses_nothing_and_a_square_is_not_negative() -> None:
-    x, y = Range(-3.0, 5.0, positive=True), Range(-7.0, 2.0, positive=True, nonzero=True)
-    assert magnitudes._step("add", (0, 1), (x, y), 53) == Range(-7.0, 6.0, positive=True, nonzero=True)
-    assert magnitudes._step("add", (0, 1), (x, x), 53) == Range(-3.0, 6.0, positive=True)
+    x, y = MagnitudeRange(-3.0, 5.0, positive=True), MagnitudeRange(-7.0, 2.0, positive=True, nonzero=True)
+    assert magnitudes._step("add", (0, 1), (x, y), 53) == MagnitudeRange(-7.0, 6.0, positive=True, nonzero=True)
+    assert magnitudes._step("add", (0, 1), (x, x), 53) == MagnitudeRange(-3.0, 6.0, positive=True)
     assert magnitudes._step("add", (0, 1), (x, y._replace(positive=False)), 53).low < -7.0 - 53
-    z = Range(-4.0, 3.0)
-    assert magnitudes._step("mul", (2, 2), (z, z), 53) == Range(-8.0, 6.0, positive=True)
+    z = MagnitudeRange(-4.0, 3.0)
+    assert magnitudes._step("mul", (2, 2), (z, z), 53) == MagnitudeRange(-8.0, 6.0, positive=True)
     assert not magnitudes._step("mul", (2, 3), (z, z), 53).positive
 
 
@@ -284,7 +286,7 @@ def test_the_range_of_a_function_holds_it(name: str) -> None:
 def test_the_smallest_cosine_of_a_double_is_in_its_range() -> None:
     worst = 6381956970095103.0 * 2.0**797  # the double nearest to a multiple of pi/2: the cosine is 2^-60.9
     size = float(MP.log(abs(mpmath_cosine(worst)), 2))
-    found = magnitudes._step("cos", (0,), (Range(800.0, 850.0),), 53)
+    found = magnitudes._step("cos", (0,), (MagnitudeRange(800.0, 850.0),), 53)
     assert found.low <= size < -60
     assert found.low >= -72
     assert found.high == 0
@@ -301,7 +303,7 @@ def test_the_range_of_a_power_holds_it(exponent: float) -> None:
     draw = random.Random(str(exponent))
     for _ in range(400):
         x = drawn(draw)._replace(positive=True)
-        found = magnitudes._step("power", (0, 1), (x, Range(-1.0, 0.0, positive=True, nonzero=True)), 53)
+        found = magnitudes._step("power", (0, 1), (x, MagnitudeRange(-1.0, 0.0, positive=True, nonzero=True)), 53)
         for a in between(draw, x):
             assert_in(found, power(MP.mpf(a), MP.mpf(exponent)))
         assert found.high <= max(x.high, 0)
@@ -326,9 +328,9 @@ def test_the_range_of_given_numbers_is_theirs_within_a_bit() -> None:
 
 def test_what_has_no_size_has_no_range_and_zeros_have_that_of_one() -> None:
     for bad in ([inf], [1.0, inf], [-inf, 2.0], [nan], [1.0, nan]):
-        assert magnitudes._of_array(np.array(bad)) == Range(-inf, inf)
+        assert magnitudes._of_array(np.array(bad)) == MagnitudeRange(-inf, inf)
     for zeros in ([0.0], [0.0, -0.0], []):
-        assert magnitudes._of_array(np.array(zeros)) == Range(0.0, 0.0, positive=True)
+        assert magnitudes._of_array(np.array(zeros)) == MagnitudeRange(0.0, 0.0, positive=True)
 
 
 @pytest.mark.parametrize("size", [200.0, 499.0, 501.0, 600.0])

@@ -18,8 +18,8 @@ from haptisym.cli import app
 from haptisym.kernel.errors import SceneError
 from haptisym.verbs.cost.entry import Cost
 from haptisym.verbs.cost.hardcases import hard_cases
-from haptisym.verbs.cost.measurement import Row, front
-from haptisym.verbs.cost.methods import CROSSINGS, RATIOS, Method
+from haptisym.verbs.cost.measurement import Measurement, front
+from haptisym.verbs.cost.methods import CROSSINGS, RATIO_METHODS, Method
 from haptisym.verbs.cost.questions import DOUBLE, Crossings, Found
 from haptisym.verbs.cost.stopwatch import interleaved
 from haptisym.verbs.cost.tasks import approximated
@@ -41,7 +41,9 @@ def digits(task: str, name: str = "fu2019") -> dict[str, float]:
 def test_what_is_proven_keeps_its_promise() -> None:
     for row in found().rows:
         if row.proven:
-            promised = next((x.held for x in (*RATIOS.values(), *CROSSINGS.values()) if x.name == row.method), 15)
+            promised = next(
+                (x.held for x in (*RATIO_METHODS.values(), *CROSSINGS.values()) if x.name == row.method), 15
+            )
             assert row.complete, row
             assert row.digits >= promised - 0.01, row
 
@@ -115,7 +117,7 @@ def test_attempts_take_turns() -> None:
 
 
 def test_the_front_holds_what_nothing_beats() -> None:
-    rows = [Row("crossings", name, n, t, proven=False, missed=missed) for name, n, t, missed in
+    rows = [Measurement("crossings", name, n, t, proven=False, missed=missed) for name, n, t, missed in
             (("fast", 5, 1.0, 0), ("same, slower", 5, 2.0, 0), ("better", 9, 3.0, 0), ("wrong", 99, 0.1, 1))]  # fmt: skip
     assert [row.method for row in front(rows)] == ["fast", "better"]
 
@@ -154,9 +156,10 @@ def test_no_name_in_a_figure_covers_another_one() -> None:
         "certified, 15 digits": (15, 2.4e-2), "certified, 50 digits": (50, 2.6e-2), "certified, 100 digits": (100, 3.9e-2),
         "certified, 300 digits": (300, 3.9e-2), "certified, 1000 digits": (1000, 6.5e-2),
     }  # fmt: skip
-    rows = [Row("crossings", name, n, t, proven=name.startswith("cert")) for name, (n, t) in measured.items()]
+    rows = [Measurement("crossings", name, n, t, proven=name.startswith("cert")) for name, (n, t) in measured.items()]
     others = [
-        Row("evaluate", name, n, t, proven=n > 15) for name, n, t in (("fast", 14, 1e-7), ("certified", 16, 5e-6))
+        Measurement("evaluate", name, n, t, proven=n > 15)
+        for name, n, t in (("fast", 14, 1e-7), ("certified", 16, 5e-6))
     ]
     figure = replace(found(), rows=(*rows, *others)).figure()
     figure.canvas.draw()

@@ -20,11 +20,11 @@ import haptisym as hs
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import EFFECTS
 from haptisym.programs.series import series_arithmetic
-from haptisym.verbs.effects.ballchain import TERMS, BallChain, Kept, Piece
+from haptisym.verbs.effects.ballchain import TERMS, BallChain, BandPiece, Kept
 from haptisym.verbs.effects.differences import Difference, _down, _Expansion, _up
 from haptisym.verbs.effects.entry import relevance
 from haptisym.verbs.effects.relevance import Relevance
-from haptisym.verbs.effects.subsets import Search
+from haptisym.verbs.effects.subsets import SubsetSearch
 from haptisym.verbs.effects.suprema import WIDTH
 from haptisym.verbs.simulate.entry import simulate
 
@@ -115,7 +115,7 @@ def test_influences_of_random_scenes_hold_between_samples(seed: int) -> None:
 def test_a_range_on_a_piece_holds_every_value_on_it() -> None:
     scene = hs.load_scene("sampled-wall")
     balls, witness = BallChain(scene), Witness(scene)
-    for piece in (Piece(3, 0), Piece(3, 5), Piece(6, 63)):
+    for piece in (BandPiece(3, 0), BandPiece(3, 5), BandPiece(6, 63)):
         low, high = (MP.mpf(str(x.evalf(40))) for x in balls.ends(piece))
         for i, part in enumerate(hs.Part):
             with series_arithmetic():
@@ -448,7 +448,7 @@ def distance(ball: object, value: object) -> object:
     return abs(exactly(ball.mid()) - value) - exactly(ball.rad())  # type: ignore[attr-defined]
 
 
-def frequency(balls: BallChain, piece: Piece, share: object) -> object:
+def frequency(balls: BallChain, piece: BandPiece, share: object) -> object:
     low, high = (FINE.mpf(str(x.evalf(60))) for x in balls.ends(piece))
     return low + (high - low) * share
 
@@ -460,7 +460,11 @@ def turned_over(kept: Kept, count: int) -> list[Kept]:
 @pytest.mark.parametrize("scene", CHAINS.values(), ids=CHAINS)
 def test_series_in_the_middle_of_a_piece_are_the_taylor_series_of_the_changes(scene: hs.Scene) -> None:
     balls, witness = BallChain(scene), Wide(scene)
-    for piece, kept in ((Piece(), frozenset({0})), (Piece(2, 1), frozenset()), (Piece(9, 400), frozenset({1}))):
+    for piece, kept in (
+        (BandPiece(), frozenset({0})),
+        (BandPiece(2, 1), frozenset()),
+        (BandPiece(9, 400), frozenset({1})),
+    ):
         expected = witness.series(frequency(balls, piece, FINE.mpf(1) / 2), kept)
         with series_arithmetic():
             for part in hs.Part:
@@ -481,7 +485,7 @@ def test_series_over_a_whole_piece_hold_the_taylor_series_of_every_place_in_it_a
     balls, witness = BallChain(scene), Wide(scene)
     at_seven = int((7 - float(balls.low)) / float(balls.width) * 4096)
     rough = "powers" in next(name for name, x in CHAINS.items() if x is scene)
-    for piece in (Piece(12, 0), Piece(12, at_seven), Piece(12, 4095), Piece(7, 5)):
+    for piece in (BandPiece(12, 0), BandPiece(12, at_seven), BandPiece(12, 4095), BandPiece(7, 5)):
         kept = frozenset({piece.index % 2})
         shares = [FINE.mpf(x) for x in ("0.0001", "0.4", "0.9999")]
         exact = [witness.series(frequency(balls, piece, share), kept) for share in shares]
@@ -491,7 +495,7 @@ def test_series_over_a_whole_piece_hold_the_taylor_series_of_every_place_in_it_a
                 if rough and piece.index == 0:
                     assert not any(x[0].is_finite() for x in pair)
                     continue
-                deeper = balls.changes(Piece(piece.depth + 4, piece.index << 4), kept, part, whole=True)
+                deeper = balls.changes(BandPiece(piece.depth + 4, piece.index << 4), kept, part, whole=True)
                 for k, series in enumerate(pair):
                     own = [turned(pair, x[part])[k] for x in exact]
                     for n in range(TERMS + 1):
@@ -503,7 +507,7 @@ def test_series_over_a_whole_piece_hold_the_taylor_series_of_every_place_in_it_a
 @pytest.mark.parametrize("scene", CHAINS.values(), ids=CHAINS)
 def test_ranges_on_pieces_hold_all_values_and_are_reached(scene: hs.Scene) -> None:
     balls, witness = BallChain(scene), Wide(scene)
-    for piece in (Piece(), Piece(3, 6), Piece(9, 300), Piece(12, 0), Piece(12, 4095)):
+    for piece in (BandPiece(), BandPiece(3, 6), BandPiece(9, 300), BandPiece(12, 0), BandPiece(12, 4095)):
         kept = frozenset({piece.depth % 2})
         ends = (FINE.mpf(10) ** -12, FINE.mpf("0.5"), 1 - FINE.mpf(10) ** -12)
         shares = [*ends, *(FINE.mpf(i) / 16 for i in range(1, 16))]
@@ -542,8 +546,8 @@ def test_precision_and_length_of_series_are_set_for_the_block_alone() -> None:
 
 def test_pieces_tile_the_band() -> None:
     balls = BallChain(CHAINS["a teleoperator with delay at fractional tissue"])
-    assert balls.ends(Piece()) == (2, 30)
-    for piece in (Piece(), Piece(1, 1), Piece(5, 11)):
+    assert balls.ends(BandPiece()) == (2, 30)
+    for piece in (BandPiece(), BandPiece(1, 1), BandPiece(5, 11)):
         first, second = piece.halves()
         (low, high), (a, b), (x, y) = (balls.ends(p) for p in (piece, first, second))
         assert (a, b, y) == (low, x, high)
@@ -554,7 +558,7 @@ def test_pieces_tile_the_band() -> None:
             assert balls.radius(piece).is_exact()
     third = BallChain(hs.Scene(SPRING, (), (0, Rational(1, 3))))
     with series_arithmetic():
-        assert third.radius(Piece()) > flint.arb(flint.fmpq(1, 6))  # rounded up, as it is no binary number
+        assert third.radius(BandPiece()) > flint.arb(flint.fmpq(1, 6))  # rounded up, as it is no binary number
 
 
 # --- suprema that are known in closed form ---------------------------------------------------------------------------
@@ -708,11 +712,11 @@ def test_of_many_effects_a_small_set_is_found_if_not_surely_the_smallest(monkeyp
 def test_sampled_ratios_are_those_of_the_matrices() -> None:
     for scene in CHAINS.values():
         balls, witness = BallChain(scene), Wide(scene)
-        search = Search(scene, balls, Rational(1, 100))
+        search = SubsetSearch(scene, balls, Rational(1, 100))
         for kept in (frozenset({0}), frozenset({1}), frozenset()):
             ratios = search._samples.ratios(kept)
             for index in (0, 50, 127):
-                exact = witness.complex_ratio(frequency(balls, Piece(7, index), FINE.mpf("0.5")), kept)
+                exact = witness.complex_ratio(frequency(balls, BandPiece(7, index), FINE.mpf("0.5")), kept)
                 assert ratios[:, index] == pytest.approx(
                     [float(abs(exact.real)), float(abs(exact.imag))], rel=1e-9, abs=1e-12
                 )
@@ -721,7 +725,7 @@ def test_sampled_ratios_are_those_of_the_matrices() -> None:
                 assert Difference(scene, balls, kept, part).at_middle(piece) == pytest.approx(
                     change, rel=1e-7, abs=1e-10
                 )
-            at = witness.pairs(frequency(balls, Piece(7, 64), FINE.mpf("0.5")), kept)
+            at = witness.pairs(frequency(balls, BandPiece(7, 64), FINE.mpf("0.5")), kept)
             assert all(min(map(abs, x)) <= change * (1 + 1e-9) + 1e-10 for x in at.values())
 
 
@@ -863,9 +867,9 @@ def test_exact_functions_and_suprema_are_asked_only_where_less_does_not_tell(mon
 
     scene = gains("1.2", "1.003")
     monkeypatch.setattr(Difference, "stays_within", refuse)
-    search = Search(scene, BallChain(scene), Rational(1, 100))
+    search = SubsetSearch(scene, BallChain(scene), Rational(1, 100))
     assert [search._verdict(frozenset({i})) for i in (0, 1)] == [True, False]
-    monkeypatch.setattr(Search, "_within", refuse)
+    monkeypatch.setattr(SubsetSearch, "_within", refuse)
     assert search._verdict(frozenset({1})) is False
     with pytest.raises(AssertionError):
         search._verdict(frozenset({0}))

@@ -36,14 +36,14 @@ from haptisym.kernel.symbols import omega as OMEGA  # noqa: N812
 from haptisym.model.distortion import Distortion
 from haptisym.model.knobs import THRESHOLD
 from haptisym.model.parameters import values
-from haptisym.verbs.require.cells import BITS, Leaf, Search, _bound_by_phase, _middle
+from haptisym.verbs.require.cells import BITS, Leaf, ValueSearch, _bound_by_phase, _middle
 from haptisym.verbs.require.criticalvalues import Problem
 from haptisym.verbs.require.entry import is_quick
 from haptisym.verbs.require.feasible import End, Kind, Span, spanned
 from haptisym.verbs.require.freeparameter import Domain, conditions, domain
-from haptisym.verbs.require.places import MaximumAt, Place, Strip, Verdict, _Box, _clusters, _place, places
+from haptisym.verbs.require.places import CellVerdict, CriticalPlace, MaximumAt, Strip, _Box, _clusters, _place, places
 from haptisym.verbs.require.required import Requirement
-from haptisym.verbs.require.solving import Line
+from haptisym.verbs.require.solving import ValueLine
 from haptisym.verbs.require.strips import Shape, _wave
 from haptisym.verbs.require.touches import Surface, touch
 
@@ -756,7 +756,7 @@ def strip_of(formula: Expr, low: float, high: float) -> Strip:
 def kinds(formula: Expr, low: float, high: float, band: tuple[Expr, Expr] = BAND) -> object:
     with flint.ctx.workprec(BITS):
         found = places(strip_of(formula, low, high), band)
-        return found if isinstance(found, Verdict) else [x.kind.value for x in found]
+        return found if isinstance(found, CellVerdict) else [x.kind.value for x in found]
 
 
 PEAK = 1 / (1 + (OMEGA**2 - 49) ** 2 / 400)
@@ -765,13 +765,13 @@ BINDS = [
     (5 - OMEGA**2 / 45 - T, 4.9, 5.1, ["start"]),  # falls from 5 at 0, where the slope is 0
     (5 * PEAK - T, 4.9, 5.1, ["tangency"]),
     (5 * PEAK - T, 5.1, 5.2, []),
-    (5 * PEAK - T, 4.0, 4.5, Verdict.BROKEN),
-    (5 * PEAK - T, 4.0, 6.0, Verdict.OPEN),
+    (5 * PEAK - T, 4.0, 4.5, CellVerdict.BROKEN),
+    (5 * PEAK - T, 4.0, 6.0, CellVerdict.OPEN),
     (OMEGA**2 / 45 - T, 5.01, 9, []),
-    (OMEGA**2 / 45 - T, -1, 4.5, Verdict.BROKEN),
-    (Integer(5) - T, 4, 4.9, Verdict.BROKEN),
+    (OMEGA**2 / 45 - T, -1, 4.5, CellVerdict.BROKEN),
+    (Integer(5) - T, 4, 4.9, CellVerdict.BROKEN),
     (T - 5, 4, 4.9, []),
-    (T - 5, 4, 6, Verdict.OPEN),
+    (T - 5, 4, 6, CellVerdict.OPEN),
     ((OMEGA**2 - 100) ** 2 / 2000 - T, 4.97, 5.05, ["start"]),  # 5 at 0, 7.8 at 15, unless the band ends before
     (OMEGA**2 * (225 - OMEGA**2) ** 2 / 338000 - T, 4.95, 5.05, ["tangency"]),  # largest at 15/sqrt 3: 4.993
 ]
@@ -810,8 +810,8 @@ def test_a_maximum_is_known_to_many_digits_with_the_value_at_which_it_touches() 
 
 
 def test_signs_are_told_only_where_the_condition_changes_one_way_with_the_parameter() -> None:
-    place = Place(Kind.EDGE, arb(14), arb(15), Integer(15))
-    top = Place(Kind.TOUCH, arb(6.5), arb(7.5))
+    place = CriticalPlace(Kind.EDGE, arb(14), arb(15), Integer(15))
+    top = CriticalPlace(Kind.TOUCH, arb(6.5), arb(7.5))
     with flint.ctx.workprec(BITS):
         for at in (place, top):
             rising, falling = (T - 3 + PEAK - PEAK.subs(OMEGA, 15), 3 - T + PEAK - PEAK.subs(OMEGA, 15))
@@ -834,27 +834,29 @@ def placed(cluster: list[_Box], formula: Expr = -((OMEGA**2 - 49) ** 2) - T, low
     """Where a function that is largest at 7 can bind on some pieces of the band."""
     with flint.ctx.workprec(BITS):
         found = _place(strip_of(formula, 0.1, 0.2), cluster, arb(low), arb(15), (Integer(int(low)), Integer(15)))
-        return found if isinstance(found, Verdict) else (found.kind.value, float(found.low), float(found.high))
+        return found if isinstance(found, CellVerdict) else (found.kind.value, float(found.low), float(found.high))
 
 
 def test_what_is_known_of_slopes_and_curvatures_tells_where_a_piece_can_bind() -> None:
     assert placed(boxes((6, 7, 0, -1), (7, 8, 0, -1))) == ("tangency", 6, 8)
-    assert placed(boxes((6, 7, 0, -1), (7, 8, 0, 0))) is Verdict.OPEN
-    assert placed(boxes((6, 6.5, 0, -1), (6.5, 6.75, 0, -1))) is Verdict.KEPT  # rises up to what is known to be kept
-    assert placed(boxes((7.5, 8, 0, -1), (8, 9, 0, -1))) is Verdict.KEPT
+    assert placed(boxes((6, 7, 0, -1), (7, 8, 0, 0))) is CellVerdict.OPEN
+    assert (
+        placed(boxes((6, 6.5, 0, -1), (6.5, 6.75, 0, -1))) is CellVerdict.KEPT
+    )  # rises up to what is known to be kept
+    assert placed(boxes((7.5, 8, 0, -1), (8, 9, 0, -1))) is CellVerdict.KEPT
     assert placed(boxes((14, 14.5, 1, 0), (14.5, 15, 1, 0))) == ("band-edge", 14, 15)
-    assert placed(boxes((14, 14.5, 1, 0), (14.5, 14.75, 1, 0))) is Verdict.KEPT
-    assert placed(boxes((14, 14.5, 1, 0), (14.5, 15, 0, 0))) is Verdict.OPEN
-    assert placed(boxes((14, 14.5, 0, 0), (14.5, 15, 1, -1))) is Verdict.OPEN
+    assert placed(boxes((14, 14.5, 1, 0), (14.5, 14.75, 1, 0))) is CellVerdict.KEPT
+    assert placed(boxes((14, 14.5, 1, 0), (14.5, 15, 0, 0))) is CellVerdict.OPEN
+    assert placed(boxes((14, 14.5, 0, 0), (14.5, 15, 1, -1))) is CellVerdict.OPEN
     assert placed(boxes((14, 15, 0, -1)), formula=OMEGA**2 - T) == ("band-edge", 14, 15)
-    assert placed(boxes((14, 15, 0, 1)), formula=OMEGA**2 - T) is Verdict.OPEN
+    assert placed(boxes((14, 15, 0, 1)), formula=OMEGA**2 - T) is CellVerdict.OPEN
     assert placed(boxes((2, 3, -1, 0), (3, 4, -1, 0)), low=2) == ("start", 2, 4)
-    assert placed(boxes((2.5, 3, -1, 0), (3, 4, -1, 0)), low=2) is Verdict.KEPT
-    assert placed(boxes((2, 3, -1, 0), (3, 4, 0, 0)), low=2) is Verdict.OPEN
+    assert placed(boxes((2.5, 3, -1, 0), (3, 4, -1, 0)), low=2) is CellVerdict.KEPT
+    assert placed(boxes((2, 3, -1, 0), (3, 4, 0, 0)), low=2) is CellVerdict.OPEN
     assert placed(boxes((2, 3, 0, -1)), formula=-(OMEGA**2) - T, low=2) == ("start", 2, 3)
-    assert placed(boxes((2, 3, 0, 1)), formula=-(OMEGA**2) - T, low=2) is Verdict.OPEN
+    assert placed(boxes((2, 3, 0, 1)), formula=-(OMEGA**2) - T, low=2) is CellVerdict.OPEN
     assert placed(boxes((0, 1, 0, -1)), formula=-(OMEGA**4) - T) == ("start", 0, 1)  # even: the slope at 0 is 0
-    assert placed(boxes((0, 1, 0, 0)), formula=-(OMEGA**4) - T) is Verdict.OPEN
+    assert placed(boxes((0, 1, 0, 0)), formula=-(OMEGA**4) - T) is CellVerdict.OPEN
     rows = boxes((1, 2, 0, 0), (2, 3, 0, 0), (4, 5, 0, 0), (5, 6, 0, 0))
     assert [[float(x.low) for x in own] for own in _clusters(rows)] == [[1, 2], [4, 5]]
 
@@ -862,7 +864,7 @@ def test_what_is_known_of_slopes_and_curvatures_tells_where_a_piece_can_bind() -
 # --- cells -----------------------------------------------------------------------------------------------------------
 
 
-def told(leaves: list[Leaf], value: float) -> Verdict | None:
+def told(leaves: list[Leaf], value: float) -> CellVerdict | None:
     """What leaves say of a value; None at an end."""
     for x in leaves:
         if (x.low is None or x.low <= value) and (x.high is None or value <= x.high):
@@ -889,7 +891,7 @@ def test_cells_cover_the_values_and_end_where_the_set_does(
 ) -> None:
     for low, high in (RANGES[0], RANGES[1 + number % 3]):
         a, b = (None if x is None else Fraction(x) for x in (low, high))
-        leaves = Search({JND[REAL]: condition(formula)}, T, BAND, Fraction(2)).leaves(a, b)
+        leaves = ValueSearch({JND[REAL]: condition(formula)}, T, BAND, Fraction(2)).leaves(a, b)
         assert (leaves[0].low, leaves[-1].high) == (a, b)
         assert all(x.high == y.low for x, y in pairwise(leaves))
         inside = [x for x in ends if (a is None or x > a) and (b is None or x < b)]
@@ -899,36 +901,45 @@ def test_cells_cover_the_values_and_end_where_the_set_does(
         for value in (Fraction(float(x)) for x in values):
             if (a is None or value >= a) and (b is None or value <= b):
                 verdict = told(leaves, value)
-                if verdict is Verdict.OPEN:  # far out, where an odd power has both signs
+                if verdict is CellVerdict.OPEN:  # far out, where an odd power has both signs
                     assert abs(value) > 4000
                     assert degree(formula.as_numer_denom()[0], T) % 2
                 else:
-                    assert verdict is (Verdict.KEPT if kept(float(value)) else Verdict.BROKEN)
+                    assert verdict is (CellVerdict.KEPT if kept(float(value)) else CellVerdict.BROKEN)
 
 
 def test_a_cell_in_which_two_conditions_end_is_cut_and_one_broken_condition_breaks() -> None:
     both = {JND[REAL]: condition(T - 5 - OMEGA**2 / 10**6), JND[IMAG]: condition(T - 5 - Rational(1, 10**4))}
-    leaves = Search(both, T, BAND, Fraction(1)).leaves(Fraction(4), Fraction(6))
+    leaves = ValueSearch(both, T, BAND, Fraction(1)).leaves(Fraction(4), Fraction(6))
     [end] = [x for x in leaves if x.above]
-    assert (float(end.value), end.verdict, end.above) == (5, Verdict.KEPT, Verdict.BROKEN)
+    assert (float(end.value), end.verdict, end.above) == (5, CellVerdict.KEPT, CellVerdict.BROKEN)
     assert (end.binding.part, end.binding.kind) == (REAL, Kind.START)
-    assert [told(leaves, Fraction(x)) for x in (4.5, 5.00005, 5.5)] == [Verdict.KEPT, Verdict.BROKEN, Verdict.BROKEN]
+    assert [told(leaves, Fraction(x)) for x in (4.5, 5.00005, 5.5)] == [
+        CellVerdict.KEPT,
+        CellVerdict.BROKEN,
+        CellVerdict.BROKEN,
+    ]
     hard = {
         JND[REAL]: condition(T - 5),
         JND[IMAG]: condition((T - 5) ** 2 - OMEGA**2),
     }  # the second is open on one part of the band
-    assert told(Search(hard, T, BAND, Fraction(1)).leaves(Fraction(4), Fraction(8)), Fraction(7)) is Verdict.BROKEN
+    assert (
+        told(ValueSearch(hard, T, BAND, Fraction(1)).leaves(Fraction(4), Fraction(8)), Fraction(7))
+        is CellVerdict.BROKEN
+    )
 
 
 def test_binding_places_are_told_with_their_frequency() -> None:
-    found = Search({JND[IMAG]: condition(5 * PEAK - T)}, T, BAND, Fraction(1)).leaves(Fraction(1), Fraction(9))
+    found = ValueSearch({JND[IMAG]: condition(5 * PEAK - T)}, T, BAND, Fraction(1)).leaves(Fraction(1), Fraction(9))
     [end] = [x for x in found if x.above]
     assert (end.binding.part, end.binding.kind, end.binding.omega.digits(20)) == (
         IMAG,
         Kind.TOUCH,
         "7.0000000000000000000",
     )
-    found = Search({JND[IMAG]: condition(OMEGA**2 / 45 - T)}, T, BAND, Fraction(1)).leaves(Fraction(1), Fraction(9))
+    found = ValueSearch({JND[IMAG]: condition(OMEGA**2 / 45 - T)}, T, BAND, Fraction(1)).leaves(
+        Fraction(1), Fraction(9)
+    )
     [end] = [x for x in found if x.above]
     assert (end.binding.kind, end.binding.omega.value) == (Kind.EDGE, 15)
 
@@ -976,7 +987,7 @@ def test_a_delay_is_tried_at_several_phases() -> None:
 
 def test_the_width_of_a_cell_is_relative_to_its_larger_end_on_either_side_of_zero() -> None:
     form = Form(LATE, "tau")
-    search = Search(form.conditions, form.free.symbol, LATE.band, Fraction(2))
+    search = ValueSearch(form.conditions, form.free.symbol, LATE.band, Fraction(2))
     for low, high, width in ((4, 8, "1/2"), (-8, -4, "1/2"), (-8, 4, "3/2"), (-4, 8, "3/2"), ("-1/1000", "1/1000", 1)):
         assert search._width(Fraction(low), Fraction(high)) == Fraction(width)
 
@@ -997,13 +1008,13 @@ def test_sines_and_cosines_of_an_unknown_half_angle_are_between_their_least_and_
 
 # --- lines of values -------------------------------------------------------------------------------------------------
 
-KEPT, BROKEN, OPEN = Verdict.KEPT, Verdict.BROKEN, Verdict.OPEN
+KEPT, BROKEN, OPEN = CellVerdict.KEPT, CellVerdict.BROKEN, CellVerdict.OPEN
 
 
 def line(*rows: object, low: object = 0, high: object = 8, closed: tuple[bool, bool] = (True, True), allowed=None):  # type: ignore[no-untyped-def]
     leaves = [Leaf(*(None if x is None else Fraction(x) for x in row[:2]), *row[2:]) for row in rows]  # type: ignore[index]
     ends = [None if x is None else Rational(x) for x in (low, high)]
-    return Line(leaves, Domain(*ends, *closed), allowed or (lambda _: True))
+    return ValueLine(leaves, Domain(*ends, *closed), allowed or (lambda _: True))
 
 
 def shown(spans: object) -> list[tuple[object, ...]]:

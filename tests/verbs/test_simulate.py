@@ -30,7 +30,7 @@ from haptisym.model.parameters import Slot
 from haptisym.model.quantities import Dimension
 from haptisym.verbs.simulate.descriptor import StateSpace, state_space
 from haptisym.verbs.simulate.fractional import bank_error, rates_and_weights
-from haptisym.verbs.simulate.network import Sum
+from haptisym.verbs.simulate.network import SignalSum
 from haptisym.verbs.simulate.recordings import Recording
 from haptisym.verbs.simulate.threads import one_thread
 
@@ -986,8 +986,8 @@ def test_states_answer_as_their_equations_do_and_only_the_motion_drives_by_deriv
         below = [random.randint(1, 9) for _ in range(random.randint(1, 4))]
         above = [random.randint(-9, 9) or 1 for _ in range(random.randint(1, 4))]
         gain = random.randint(1, 5)
-        x, y, f, hand = (Sum.of(n) for n in ("x", "y", "f", "motion"))
-        source = hand if driver == "motion" else Sum.of("held")
+        x, y, f, hand = (SignalSum.of(n) for n in ("x", "y", "f", "motion"))
+        source = hand if driver == "motion" else SignalSum.of("held")
         equations = [y.through(*below) - source.through(*above), f - gain * y.d() - hand, x - y - 2 * f]
         system = state_space(equations, ("held",))
         place = [i.name for i in system.inputs].index(driver)

@@ -29,7 +29,7 @@ import haptisym as hs
 from haptisym.cli import main
 from haptisym.verbs.sweep import blocks, kernel
 from haptisym.verbs.sweep.axes import axes, spaced
-from haptisym.verbs.sweep.blocks import Grid, Pace
+from haptisym.verbs.sweep.blocks import Pace, SweepGrid
 from haptisym.verbs.sweep.exactly import COUNTS, FLOATS, exact_answers
 from haptisym.verbs.sweep.kernel import TOLERANCE, Kernel
 from haptisym.verbs.sweep.swept import Swept
@@ -418,14 +418,14 @@ def test_blocks_are_cut_by_time_and_a_sweep_interrupted_anywhere_ends_with_the_s
 
 @drawn(st.integers(1, 60), st.lists(st.integers(1, 5), min_size=1, max_size=3))
 def test_pieces_of_a_block_hold_each_set_once_however_it_is_cut(sets: int, shape: list[int]) -> None:
-    grid = Grid(PAPER, (), tuple(shape))
+    grid = SweepGrid(PAPER, (), tuple(shape))
     pace = Pace(sets)
     pace.took = lambda *_: None  # type: ignore[method-assign]
     seen = np.zeros(shape, dtype=int)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(blocks, "compute", lambda *_: ())
-        patch.setattr(Grid, "values", lambda *_: [])
-        patch.setattr(Grid, "kernel", None)
+        patch.setattr(SweepGrid, "values", lambda *_: [])
+        patch.setattr(SweepGrid, "kernel", None)
         for piece, _ in grid.pieces(tuple(slice(0, n) for n in shape), pace):
             assert seen[piece].size <= sets
             seen[piece] += 1

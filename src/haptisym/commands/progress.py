@@ -18,7 +18,7 @@ PATIENCE = 0.5  # s; what is done sooner shows no bar
 
 
 @contextmanager
-def progress(unit: str = "", *, kept: str = "there is no answer") -> Iterator[Told]:
+def progress(unit: str = "", *, kept: str = "there is no answer") -> Iterator[ProgressBar]:
     """A bar on standard error, where that is a terminal: it comes after half a second and leaves nothing behind.
 
     ``unit`` : of what is counted, as in "1,200 of 65,536 sets"; percent are shown without it.
@@ -33,7 +33,7 @@ def progress(unit: str = "", *, kept: str = "there is no answer") -> Iterator[To
     ...     told(2, None, "the second half")
     """
     context = click.get_current_context(silent=True)
-    with Told(unit) as told:
+    with ProgressBar(unit) as told:
         if context is not None:
             context.meta[_BAR] = told
         try:
@@ -53,7 +53,7 @@ def quiet() -> None:
         told.stop()
 
 
-class Told:
+class ProgressBar:
     """What ``progress`` yields."""
 
     def __init__(self, unit: str) -> None:

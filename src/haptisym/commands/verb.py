@@ -14,12 +14,12 @@ from click.core import ParameterSource
 from haptisym.figures.kinds import checked_report
 from haptisym.kernel.errors import SceneError
 
-Pair = tuple[str, str, str]
+OptionRule = tuple[str, str, str]
 """Two options, and what is to be said of them."""
 
 
 def verb(
-    *, apart: Sequence[Pair] = (), needs: Sequence[Pair] = (), pages: bool = True
+    *, apart: Sequence[OptionRule] = (), needs: Sequence[OptionRule] = (), pages: bool = True
 ) -> Callable[[Callable[..., Any]], click.Command]:
     """The decorator of a verb, in place of ``click.command()``.
 
@@ -43,7 +43,12 @@ class Verb(click.Command):
     """
 
     def __init__(
-        self, *args: Any, apart: Sequence[Pair] = (), needs: Sequence[Pair] = (), pages: bool = True, **options: Any
+        self,
+        *args: Any,
+        apart: Sequence[OptionRule] = (),
+        needs: Sequence[OptionRule] = (),
+        pages: bool = True,
+        **options: Any,
     ) -> None:
         super().__init__(*args, **options)
         self.apart, self.needs = apart, needs

@@ -19,7 +19,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from haptisym.figures.style import GREY, INK, SHADE, SMALL, TEXT, number, raised
 from haptisym.verbs.cost.entry import Cost
-from haptisym.verbs.cost.measurement import Row, front
+from haptisym.verbs.cost.measurement import Measurement, front
 from haptisym.verbs.cost.summary import duration, summary, wrong
 
 _PANEL, _ALONE = (3.5, 2.7), (6.8, 3.6)
@@ -38,7 +38,7 @@ _TITLES = {
 }
 
 
-def draw_cost(ax: Axes, rows: Sequence[Row]) -> None:
+def draw_cost(ax: Axes, rows: Sequence[Measurement]) -> None:
     """Right digits over time for the methods of one task."""
     ax.set(xscale="log", yscale="log")
     times = [row.seconds for row in rows]
@@ -56,11 +56,11 @@ def draw_cost(ax: Axes, rows: Sequence[Row]) -> None:
     ax.set_ylabel("right digits", fontsize=SMALL)
 
 
-def _place(row: Row) -> tuple[float, float]:
+def _place(row: Measurement) -> tuple[float, float]:
     return row.seconds, row.digits if row.complete and row.digits > _LEAST else _STRIP
 
 
-def _draw_front(ax: Axes, rows: Iterable[Row], **style: Any) -> None:
+def _draw_front(ax: Axes, rows: Iterable[Measurement], **style: Any) -> None:
     """The steps from which nobody gets more digits in less time."""
     best = front(rows)
     if best:
@@ -69,7 +69,7 @@ def _draw_front(ax: Axes, rows: Iterable[Row], **style: Any) -> None:
         ax.plot(*zip(*places, strict=True), drawstyle="steps-post", zorder=2, **style)
 
 
-def _mark(ax: Axes, row: Row) -> None:
+def _mark(ax: Axes, row: Measurement) -> None:
     ax.plot(
         *_place(row), linestyle="none", marker="o", markersize=4.6, color=INK,
         markerfacecolor=INK if row.proven else "white", markeredgewidth=0.9, zorder=4,
@@ -98,7 +98,7 @@ _Box = tuple[float, float, float, float]
 """Left, bottom, right and top, in ems."""
 
 
-def draw_names(ax: Axes, rows: Sequence[Row]) -> None:
+def draw_names(ax: Axes, rows: Sequence[Measurement]) -> None:
     """The name of each method beside its mark, where it covers neither a mark nor another name; once the axes have their size."""
     em = SMALL * ax.figure.dpi / 72
     places = [tuple(float(x) / em for x in ax.transData.transform(_place(row))) for row in rows]
@@ -214,7 +214,7 @@ def _explain(ax: Axes, said: str, style: dict[str, Any]) -> None:
     ax.legend(loc="lower left", bbox_to_anchor=(-0.02, 0.0), labelspacing=0.6, **style)
 
 
-def _handles(rows: Sequence[Row]) -> list[Any]:
+def _handles(rows: Sequence[Measurement]) -> list[Any]:
     """What the legend explains: only what is there."""
     mark: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4.6, "color": INK, "markeredgewidth": 0.9}
     proven = any(row.proven for row in rows)

@@ -149,10 +149,10 @@ def _draw_undecided(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale], loo
     return [Patch(label=f"undecided{look.suffix}", **HATCH)] if boxes else []
 
 
-Box = tuple[tuple[float, float], tuple[float, float]]
+PlaneBox = tuple[tuple[float, float], tuple[float, float]]
 
 
-def left_open(found: DesignMap) -> Iterator[Box]:
+def left_open(found: DesignMap) -> Iterator[PlaneBox]:
     """What slices leave open, halfway to their neighbours."""
     _, (low, high) = window_of(found)
     at = [float(x.at) for x in found.slices]
@@ -162,7 +162,7 @@ def left_open(found: DesignMap) -> Iterator[Box]:
             yield around, (low if start is None else float(start), high if end is None else float(end))
 
 
-def _between(found: DesignMap) -> Iterator[Box]:
+def _between(found: DesignMap) -> Iterator[PlaneBox]:
     """The intervals of two neighbouring slices that have not as many."""
     _, window = window_of(found)
     for one, other in pairwise(found.slices):

@@ -31,7 +31,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.model.jnd import Part
 from haptisym.programs.series import series_arithmetic
 from haptisym.programs.values import Array
-from haptisym.verbs.effects.ballchain import Piece
+from haptisym.verbs.effects.ballchain import BandPiece
 from haptisym.verbs.effects.relevance import Relevance
 
 _DEPTH = 8  # 2^8 samples along the band
@@ -143,7 +143,7 @@ def influences_figure(found: Relevance) -> Figure:
 
 def _sampled(found: Relevance, part: Part) -> tuple[Array, list[Array]]:
     """Frequencies, and each effect's change of a ratio there."""
-    pieces = [Piece(_DEPTH, i) for i in range(1 << _DEPTH)]
+    pieces = [BandPiece(_DEPTH, i) for i in range(1 << _DEPTH)]
     with series_arithmetic():
         grid = np.array([float(found.balls.middle(piece)) for piece in pieces])
         indices = range(len(found.effects))

@@ -41,12 +41,12 @@ _BINDING: tuple[tuple[str, Any], ...] = ((BLUE, SOLID), (RED, DASHED), ("#6fb0b8
 """Colours and strokes of the environments that bind, in the order in which they do."""
 
 
-Ratios: TypeAlias = dict[str, Array]
+SampledCriteria: TypeAlias = dict[str, Array]
 """What is judged, a column for each criterion, by the name of the environment."""
 
 
 def draw_envelope(
-    ax: Axes, evaluation: FamilyEvaluation, which: int, omega: Array, sampled: Ratios, scale: Scale = RADIANS
+    ax: Axes, evaluation: FamilyEvaluation, which: int, omega: Array, sampled: SampledCriteria, scale: Scale = RADIANS
 ) -> list[Line2D]:
     """One ratio of each environment as a thin line, the largest as a thick one, the binding environments in colour.
 
@@ -88,7 +88,7 @@ def _common_grid(evaluation: FamilyEvaluation) -> Array:
     return np.unique(np.concatenate([*grids, ends]))
 
 
-def _sampled(evaluation: FamilyEvaluation, omega: Array) -> Ratios:
+def _sampled(evaluation: FamilyEvaluation, omega: Array) -> SampledCriteria:
     found = {}
     for name, answers in evaluation.answers.items():
         values = answers.distortion.compile()(omega)

@@ -19,7 +19,7 @@ from haptisym.figures.scales import scale_of
 from haptisym.figures.sheet import one_column, save
 from haptisym.figures.style import BLUE, DASHED, GREY, INK, RED, SMALL, TEXT, Look, dress, legend, limit, name_frequency
 from haptisym.model.jnd import Part
-from haptisym.model.quantities import Motion as Kind
+from haptisym.model.quantities import MotionKind as Kind
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.propagate import POINTS, finer
 from haptisym.verbs.simulate.results import Simulation

@@ -31,7 +31,7 @@ from haptisym.figures.style import (
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand, hands
-from haptisym.model.quantities import Dimension, Motion, unit_text
+from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.verbs.stability.answer import Stability
 from haptisym.verbs.stability.plane import Plane, Window, plane
 
@@ -61,7 +61,7 @@ def draw_plane(ax: Axes, found: Stability, hand: Hand | None = None) -> list[Art
     'boundary'
     """
     asked = [x.hand for x in found.held]
-    turning = found.scene.motion is Motion.ROTATION
+    turning = found.scene.motion is MotionKind.ROTATION
     own = hand or (asked[0] if asked else Hand("none", "0.01 kg*m^2" if turning else "0.5 kg"))
     shown = [] if turning else [x for name, x in hands.items() if name not in {y.name for y in asked}]
     drawn = plane(found.scene, own, _window(found, [*asked, *shown]))
@@ -69,7 +69,7 @@ def draw_plane(ax: Axes, found: Stability, hand: Hand | None = None) -> list[Art
     ax.set(xlim=(low, high), ylim=(least, most))
     made = [*_lines(ax, drawn), *_ground(ax, drawn), *_boxes(ax, asked), *_points(ax, asked, shown, drawn)]
     dress(ax)
-    mass, damping, stiffness = (unit_text(x.unit(found.scene.motion or Motion.TRANSLATION)) for x in _KINDS)
+    mass, damping, stiffness = (unit_text(x.unit(found.scene.motion or MotionKind.TRANSLATION)) for x in _KINDS)
     ax.set_xlabel(rf"$k_\mathrm{{h}}$ ({stiffness}), for a hand of {number(drawn.mass)} {mass}", fontsize=TEXT)
     ax.set_ylabel(rf"$b_\mathrm{{h}}$ ({damping})", fontsize=TEXT)
     legend(ax, made)

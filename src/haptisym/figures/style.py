@@ -22,7 +22,7 @@ from haptisym.figures.scales import RADIANS, Scale
 from haptisym.judge.criteria import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.roots import Interval
-from haptisym.model.quantities import Motion, unit_text
+from haptisym.model.quantities import MotionKind, unit_text
 from haptisym.verbs.measured.entry import MeasuredEvaluation
 from haptisym.writing.texprinter import formula
 
@@ -135,7 +135,7 @@ def name_dynamics(axis: Axis, name: str, evaluation: Evaluation | MeasuredEvalua
     """The label of an axis of force per position, in thousands or millions of its unit where numbers are large."""
     most = np.abs(axis.get_view_interval()).max()
     factor, prefix = next(((f, p) for f, p in ((1e6, "M"), (1e3, "k")) if most >= 100 * f), (1.0, ""))
-    unit = "N·m/rad" if evaluation.scene.motion is Motion.ROTATION else "N/m"
+    unit = "N·m/rad" if evaluation.scene.motion is MotionKind.ROTATION else "N/m"
     axis.set_label_text(f"${name}$ ({prefix}{unit})", fontsize=TEXT)
     if prefix:
         axis.set_major_formatter(FuncFormatter(lambda value, _: number(value / factor)))

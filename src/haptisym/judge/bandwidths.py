@@ -22,7 +22,7 @@ from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import chart
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part, Threshold
-from haptisym.model.ranges import Interval
+from haptisym.model.ranges import ExactRange
 
 
 def bandwidths(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> Bandwidths | None:
@@ -56,7 +56,7 @@ def _at(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> RealNum
 
 
 def _inside(
-    squares: Mapping[Criterion, RealFunction], ranges: Mapping[Part, Interval], band: tuple[Expr, Expr]
+    squares: Mapping[Criterion, RealFunction], ranges: Mapping[Part, ExactRange], band: tuple[Expr, Expr]
 ) -> Bandwidths:
     if ranges[Part.REAL] == ranges[Part.IMAG]:
         return replace(Climb(squares, ranges[Part.REAL], band, "jnd").found, one=True)

@@ -19,7 +19,7 @@ from haptisym.kernel.precision import at_rising_precision
 from haptisym.kernel.reals import Ball, RealNumber, SquareRoot
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import Chart, Key, Point, chart
-from haptisym.model.ranges import Interval
+from haptisym.model.ranges import ExactRange
 
 _SURE = 400
 """Bits up to which two numbers are told apart before they are taken for one."""
@@ -88,7 +88,7 @@ class Climb:
     """Thresholds that grow together from the one end of a range to the other."""
 
     squares: Mapping[Criterion, RealFunction]
-    range: Interval
+    range: ExactRange
     band: tuple[Expr, Expr]
     name: str
 

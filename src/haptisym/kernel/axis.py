@@ -18,7 +18,7 @@ from sympy import Expr, Symbol, cos, pi, sin, sinc
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in
 from haptisym.kernel.symbols import omega
 
-Pair: TypeAlias = tuple[Polynomial, Polynomial]
+ComplexPolynomial: TypeAlias = tuple[Polynomial, Polynomial]
 """Real and imaginary part."""
 
 
@@ -51,21 +51,21 @@ class Axis(PolynomialRing):
         super().__init__(omega, symbols, [*tangents, *(omega**order for order in orders)])
         self.delays, self.complex = len(lags), j
 
-    def parts(self, polynomials: Sequence[Polynomial]) -> list[Pair]:
+    def parts(self, polynomials: Sequence[Polynomial]) -> list[ComplexPolynomial]:
         """Real and imaginary part of each polynomial in the dynamics' ring, all times the same factor that is not zero."""
         if not self.functions and not self.complex:
             return [self._even_and_odd(p) for p in polynomials]
         highest = [degree_in(polynomials, self.size + i) for i in range(len(self.angles))]
         return [self._turned(p, highest) for p in polynomials]
 
-    def _even_and_odd(self, polynomial: Polynomial) -> Pair:
+    def _even_and_odd(self, polynomial: Polynomial) -> ComplexPolynomial:
         split: tuple[dict[object, object], dict[object, object]] = ({}, {})
         for exponents, coefficient in polynomial.to_dict().items():
             power = int(exponents[0])
             split[power % 2][exponents] = -coefficient if power % 4 >= 2 else coefficient
         return self.context.from_dict(split[0]), self.context.from_dict(split[1])
 
-    def _turned(self, polynomial: Polynomial, highest: Sequence[int]) -> Pair:
+    def _turned(self, polynomial: Polynomial, highest: Sequence[int]) -> ComplexPolynomial:
         """Each monomial s^n E^k A^l j^i is j^(n+i) times all-passes in the half-angle tangents."""
         real, imag = self.constant(0), self.constant(0)
         gens = self.context.gens()
@@ -87,7 +87,7 @@ class Axis(PolynomialRing):
         return real, imag
 
     @lru_cache(maxsize=256)  # noqa: B019 - a ring lives as long as its functions
-    def _all_pass(self, index: int, turn: int, most: int) -> Pair:
+    def _all_pass(self, index: int, turn: int, most: int) -> ComplexPolynomial:
         """exp(-j k angle) (1 + j t)^most = (1 - j t)^k (1 + j t)^(most - k); the angle of s^alpha turns the other way."""
         t = self.context.gens()[self.size + index]
         sense = -1 if index < self.delays else 1

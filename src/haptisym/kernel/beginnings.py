@@ -21,7 +21,7 @@ from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.exactwaves import exact_waves, taylor_coefficients
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction
-from haptisym.kernel.wavesums import Term, WaveSum
+from haptisym.kernel.wavesums import WaveSum, WaveTerm
 from haptisym.kernel.zeros import is_clear
 
 _MOST_TERMS = 64  # of an expansion that are tried
@@ -38,9 +38,9 @@ class Beginning:
 
 def by_powers(f: WaveSum) -> dict[tuple[int, ...], WaveSum]:
     """A sum as a sum of analytic functions, each times powers omega^alpha."""
-    groups: dict[tuple[int, ...], list[Term]] = {}
+    groups: dict[tuple[int, ...], list[WaveTerm]] = {}
     for term in f.terms:
-        groups.setdefault(term.powers, []).append(Term(term.turns, (), term.coefficients))
+        groups.setdefault(term.powers, []).append(WaveTerm(term.turns, (), term.coefficients))
     return {powers: WaveSum(tuple(terms), f.rates, f.degrees, ()) for powers, terms in groups.items()}
 
 

@@ -18,7 +18,7 @@ from haptisym.kernel.periodic import PeriodicFactor
 from haptisym.kernel.polynomials import PolynomialFactor, polynomial_factors
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, RationalFunction
-from haptisym.kernel.wavesums import Term
+from haptisym.kernel.wavesums import WaveTerm
 from haptisym.kernel.zeros import Factor
 
 Factored: TypeAlias = tuple[int, Expr, list[tuple[Factor, int]]]
@@ -147,21 +147,21 @@ def _analytic_factor(factor: Polynomial, axis: Axis) -> AnalyticFactor:
         tick()
         power, of_pi, *own = map(int, exponents)
         groups.setdefault(tuple(own[first:]), []).append(((power, of_pi), int(value.p)))
-    terms = tuple(Term(waves[:angles], waves[angles:], _rows(found)) for waves, found in sorted(groups.items()))
+    terms = tuple(WaveTerm(waves[:angles], waves[angles:], _rows(found)) for waves, found in sorted(groups.items()))
     return _made(terms, tuple(int(n) for n in factor.degrees()[axis.size : axis.size + angles]), axis)
 
 
 def _cosine(axis: Axis, index: int) -> AnalyticFactor:
     """The cosine of a half angle, which homogeneous forms of different degrees leave behind."""
     degrees = tuple(int(i == index) for i in range(len(axis.angles)))
-    return _made((Term((0,) * len(axis.angles), (0,) * len(axis.orders), ((1,),)),), degrees, axis)
+    return _made((WaveTerm((0,) * len(axis.angles), (0,) * len(axis.orders), ((1,),)),), degrees, axis)
 
 
-def _made(terms: tuple[Term, ...], degrees: tuple[int, ...], axis: Axis) -> AnalyticFactor:
+def _made(terms: tuple[WaveTerm, ...], degrees: tuple[int, ...], axis: Axis) -> AnalyticFactor:
     """The factor, of the kind that knows most about its zeros; angles that it does not hold are none of its."""
     own = [i for i, degree in enumerate(degrees) if degree]
     angles = [axis.angles[i] for i in own]
-    shorter = tuple(Term(tuple(x.turns[i] for i in own), x.powers, x.coefficients) for x in terms)
+    shorter = tuple(WaveTerm(tuple(x.turns[i] for i in own), x.powers, x.coefficients) for x in terms)
     rational = all(len(term.coefficients) == 1 and len(term.coefficients[0]) == 1 for term in terms)
     alone = len(angles) == 1 and not angles[0].constant and not any(any(term.powers) for term in terms)
     kind = PeriodicFactor if alone and rational else AnalyticFactor

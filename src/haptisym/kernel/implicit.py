@@ -13,7 +13,7 @@ from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.rings import Polynomial, PolynomialRing
 from haptisym.kernel.symbols import omega
 
-Terms: TypeAlias = tuple[tuple[Expr, Polynomial], ...]
+FunctionTerms: TypeAlias = tuple[tuple[Expr, Polynomial], ...]
 """A sum of polynomials of a ring, each times an expression: what a derivative of a polynomial in functions is."""
 
 
@@ -35,7 +35,7 @@ class Equation:
         """A ball around F where the symbols have these values, at the current working precision."""
         return self.ring.ball(self.F, _meanings(self.ring, known))
 
-    def partial(self, x: Symbol) -> Terms:
+    def partial(self, x: Symbol) -> FunctionTerms:
         """dF/dx: a derivative of each variable of the ring that depends on x times dF by that variable; () where it is 0."""
         chain = [(meaning.diff(x), self.F.derivative(i)) for i, meaning in enumerate(self.ring.meanings)]
         return tuple((factor, p) for factor, p in chain if factor != 0 and not p.is_zero())
@@ -50,8 +50,8 @@ class ImplicitSlope:
     """``-above/below``, which is d omega/d parameter at every zero at which ``below``, dF/d omega, is not 0."""
 
     ring: PolynomialRing
-    above: Terms
-    below: Terms
+    above: FunctionTerms
+    below: FunctionTerms
 
     def expression(self) -> Expr:
         """The closed form."""
@@ -71,7 +71,7 @@ class ImplicitSlope:
         values = _meanings(self.ring, known)
         return self._ball(self.above, values, known), self._ball(self.below, values, known)
 
-    def _ball(self, terms: Terms, values: Mapping[Expr, Ball], known: Mapping[Expr, Ball]) -> Ball:
+    def _ball(self, terms: FunctionTerms, values: Mapping[Expr, Ball], known: Mapping[Expr, Ball]) -> Ball:
         parts = (expression_ball(f, known) * self.ring.ball(p, values) for f, p in terms)
         return sum(parts, expression_ball(Integer(0)))
 

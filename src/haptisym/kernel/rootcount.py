@@ -31,7 +31,7 @@ _FINEST = 64  # times that a bound is halved before it is given up
 _BITS = 128
 
 
-class Chain(Enum):
+class RootChain(Enum):
     """Where infinitely many roots of large modulus lie, if they do not all lie clear of the axis on its left."""
 
     NEAR = "as near to the imaginary axis as one likes"
@@ -48,7 +48,7 @@ class Roots:
     number: int | None
     right: int | None
     on_axis: tuple[RealNumber, ...] = ()
-    chain: Chain | None = None
+    chain: RootChain | None = None
 
 
 def count_roots(polynomial: Polynomial, ring: Ring) -> Roots:
@@ -74,7 +74,7 @@ def count_roots(polynomial: Polynomial, ring: Ring) -> Roots:
     terms = terms_of(polynomial, ring)
     degree = max(terms)
     floor = floor_of(terms[degree], ring)
-    if isinstance(floor, Chain):
+    if isinstance(floor, RootChain):
         return Roots(None, None, chain=floor)
     reach = _reach(terms, floor, ring)
     parts = _parts(polynomial, ring)
@@ -105,20 +105,20 @@ def _without_shared_delays(polynomial: Polynomial, ring: Ring) -> Polynomial:
 # What the highest power of s is multiplied by, L(exp(-s tau_1), ...)
 
 
-def floor_of(group: Mapping[tuple[int, ...], Expr], ring: Ring) -> Expr | Chain:
+def floor_of(group: Mapping[tuple[int, ...], Expr], ring: Ring) -> Expr | RootChain:
     """A number > 0 that |L| is nowhere less than where all |exp(-s tau)| <= 1; or where the chain of its zeros lies."""
     own = next((c for turns, c in group.items() if not any(turns)), Integer(0))
     delayed = {turns: c for turns, c in group.items() if any(turns)}
     margin = size(own) - sum(map(size, delayed.values()), Integer(0))
     if sign_of_number(own) == 0:
-        return Chain.RIGHT
+        return RootChain.RIGHT
     if sign_of_number(margin) > 0:
         return margin
     used = {i for turns in delayed for i, n in enumerate(turns) if n}
     if len(used) == 1:
         return _floor_of_one(group, used.pop())
     if all(sum(turns) == 1 for turns in delayed) and _are_independent([ring.lags[i] for i in used]):
-        return Chain.RIGHT if sign_of_number(margin) else Chain.NEAR  # the phases oppose as nearly as one likes
+        return RootChain.RIGHT if sign_of_number(margin) else RootChain.NEAR  # the phases oppose as nearly as one likes
     raise UndecidedError("the chain of roots of a neutral function with several delays")
 
 
@@ -129,7 +129,7 @@ def _are_independent(lags: Sequence[Expr]) -> bool:
     return powers and len(set(rests)) == len(rests)
 
 
-def _floor_of_one(group: Mapping[tuple[int, ...], Expr], place: int) -> Expr | Chain:
+def _floor_of_one(group: Mapping[tuple[int, ...], Expr], place: int) -> Expr | RootChain:
     """With one unit delay z = (1 - w)/(1 + w): |z| <= 1 where Re w >= 0, and z = -1 where w is infinite."""
     ring = Ring()
     n = max(turns[place] for turns in group)
@@ -138,7 +138,7 @@ def _floor_of_one(group: Mapping[tuple[int, ...], Expr], place: int) -> Expr | C
     w = ring.convert(turned.expand()).numerator
     inside = count_roots(w, ring)
     if inside.number or int(w.degrees()[0]) < n:
-        return Chain.RIGHT if inside.right else Chain.NEAR
+        return RootChain.RIGHT if inside.right else RootChain.NEAR
     real, imag = _parts(w, ring)
     square = real.function * real.function + imag.function * imag.function
     circle = ring.axis.convert((1 + _omega(ring) ** 2) ** n)

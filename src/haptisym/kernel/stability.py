@@ -7,7 +7,7 @@ from math import ceil, prod
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in
-from haptisym.kernel.rootcount import Chain, count_roots
+from haptisym.kernel.rootcount import RootChain, count_roots
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.terms import order_at_0
 
@@ -39,7 +39,7 @@ def is_stable(dynamics: RationalFunction) -> bool | None:
     except UndecidedError:
         return None
     if found.number is None:
-        return False if found.chain is Chain.RIGHT else None
+        return False if found.chain is RootChain.RIGHT else None
     return bool(found.number == ceil(order))
 
 

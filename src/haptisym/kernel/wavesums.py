@@ -19,7 +19,7 @@ _TAYLOR_ORDER = 8
 
 
 @dataclass(frozen=True)
-class Term:
+class WaveTerm:
     """Part of a sum: a polynomial in omega times sines, cosines and powers.
 
     ``coefficients``: of ascending powers of omega, each a polynomial in pi over the integers. ``turns``: the power of the
@@ -38,7 +38,7 @@ class WaveSum:
     ``rates``: d a_i/d omega of each angle, rad per rad/s, or ``(angle, None)`` for a constant angle. ``degrees``: the n_i.
     """
 
-    terms: tuple[Term, ...]
+    terms: tuple[WaveTerm, ...]
     rates: tuple[tuple[Expr, bool], ...]
     degrees: tuple[int, ...]
     orders: tuple[Expr, ...]
@@ -70,7 +70,7 @@ _Blocks: TypeAlias = Mapping[_Turns, arb_mat]
 
 
 @dataclass(frozen=True, eq=False)
-class Compiled:
+class CompiledWaves:
     """A sum with balls of one precision for its constants: waves of constant angles are among the coefficients.
 
     ``rates``, ``degrees``: of the half angles that turn. ``terms``: sine powers, powers of omega^alpha, polynomial.
@@ -231,7 +231,7 @@ def _product(a: Sequence[Ball], b: Sequence[Ball]) -> list[Ball]:
 
 
 @lru_cache(maxsize=512)
-def _compiled(waves: WaveSum, bits: int) -> Compiled:
+def _compiled(waves: WaveSum, bits: int) -> CompiledWaves:
     with flint.ctx.workprec(bits):
         halves = [expression_ball(rate) / 2 for rate, _ in waves.rates]
         turning = [i for i, (_, constant) in enumerate(waves.rates) if not constant]
@@ -243,7 +243,7 @@ def _compiled(waves: WaveSum, bits: int) -> Compiled:
                 polynomial = polynomial * wave[term.turns[i]]
             key = tuple(term.turns[i] for i in turning), term.powers
             terms[key] = terms[key] + polynomial if key in terms else polynomial
-        return Compiled(
+        return CompiledWaves(
             tuple(halves[i] for i in turning),
             tuple(waves.degrees[i] for i in turning),
             tuple(expression_ball(order) for order in waves.orders),

@@ -66,13 +66,13 @@ class Chain:
 
     def program(self, fields: Sequence[str]) -> Program:
         """The straight-line program of some fields of ``numeric.Values``; what is 0 everywhere is written as 0."""
-        from haptisym.programs.balls import Point  # a certified answer needs no program
+        from haptisym.programs.balls import BallPoint  # a certified answer needs no program
         from haptisym.programs.stable import stable_program
 
         write = stable_program(self.environment, self.rendered, self.matrices, self.parameters)
         program = write(fields, ())
         # a value that is not 0 at some point settles that a field is not 0 everywhere
-        sample = Point(program, tuple(1.25 + n / 8 for n in range(len(program.inputs)))).balls(128)
+        sample = BallPoint(program, tuple(1.25 + n / 8 for n in range(len(program.inputs)))).balls(128)
         zero = [name for name in fields if sample[name].contains(0) and self.vanishes(name)]
         return write(fields, zero) if zero else program
 

@@ -16,7 +16,7 @@ from haptisym.kernel.errors import SceneError, meant
 from haptisym.kernel.shown import Shown
 from haptisym.kernel.symbols import s
 from haptisym.model.parameters import Parameter, Rule, Slot, read_parameter, renamed, values, with_values
-from haptisym.model.quantities import Dimension, Motion, Number
+from haptisym.model.quantities import Dimension, MotionKind, Number
 
 _SLOTS = {
     "m": Slot(Dimension.MASS, Rule.NONNEGATIVE, required=False),
@@ -64,7 +64,7 @@ class Hand(Shown):
         return self.m, self.b, self.k
 
     @property
-    def motion(self) -> Motion | None:
+    def motion(self) -> MotionKind | None:
         """Whether it moves along a line or about an axis; None if no unit tells."""
         return next((p.motion for p in self.parameters if p.motion), None)
 

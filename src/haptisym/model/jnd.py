@@ -18,8 +18,8 @@ from haptisym.kernel.symbols import omega
 from haptisym.model import expressions
 from haptisym.model.proportions import Conversion, read_proportion
 from haptisym.model.published import like
-from haptisym.model.quantities import Dimension, Motion, Number, decimal, require_number
-from haptisym.model.ranges import Interval, ranged
+from haptisym.model.quantities import Dimension, MotionKind, Number, decimal, require_number
+from haptisym.model.ranges import ExactRange, ranged
 from haptisym.model.regions import SQUARE, Region, Shape, positive
 
 
@@ -46,8 +46,8 @@ class Threshold(Viewed):
 
     real: Expr = Rational(1, 10)
     imag: Expr = Rational(1, 10)
-    real_interval: Interval | None = field(default=None, repr=False)
-    imag_interval: Interval | None = field(default=None, repr=False)
+    real_interval: ExactRange | None = field(default=None, repr=False)
+    imag_interval: ExactRange | None = field(default=None, repr=False)
     """Where they may lie, if they are given as ranges (``"0.1 +- 20 %"`` or a pair)."""
     source: str = field(default="", repr=False)
     """The name of the published threshold that it is, if it is one."""
@@ -138,7 +138,7 @@ class Threshold(Viewed):
         if self.region != SQUARE:
             raise SceneError(f"{question}: the JND is {self.kind}; this is answered for one limit for each part alone")
 
-    def check(self, low: Expr, high: Expr, motion: Motion | None) -> None:
+    def check(self, low: Expr, high: Expr, motion: MotionKind | None) -> None:
         """SceneError unless it makes a region at every frequency of a band, for a scene of that motion."""
         try:
             self.region.check(low, high)
@@ -188,12 +188,12 @@ class Threshold(Viewed):
         lower = {part.value: str(x) for part in Part if (x := self.lower(part)) is not None}
         return row | ({"lower": lower} if lower else {}) | ({"floor": str(found.floor)} if found.floor else {}) | taken
 
-    def interval(self, part: Part) -> Interval | None:
+    def interval(self, part: Part) -> ExactRange | None:
         """The range of a part's threshold, if it has one."""
         return self.real_interval if part is Part.REAL else self.imag_interval
 
 
-def threshold_value(key: str, given: Number) -> tuple[Expr, Interval | None]:
+def threshold_value(key: str, given: Number) -> tuple[Expr, ExactRange | None]:
     """A threshold and its range, if it has one; SceneError, with the key, unless both are > 0."""
     if isinstance(given, Expr) and is_irrational_algebraic(given) and given.evalf() > 0:
         return given, None

@@ -12,7 +12,7 @@ from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.symbols import omega
 from haptisym.model.jnd import Threshold, formula, threshold_value
 from haptisym.model.proportions import read_proportion
-from haptisym.model.quantities import Dimension, Motion, number
+from haptisym.model.quantities import Dimension, MotionKind, number
 from haptisym.model.regions import MOST_CORNERS, Corner, Region, Shape, turning
 
 _KEYS = {
@@ -83,7 +83,7 @@ def _sided(key: str, given: Any, *, allowed: bool) -> tuple[Any, Expr | None]:
     return higher, lower
 
 
-def _floor(given: Any) -> tuple[Expr, Motion | None]:
+def _floor(given: Any) -> tuple[Expr, MotionKind | None]:
     """The least change that is noticed, N/m or N m/rad."""
     found = formula("floor", given)
     if found is not None and found.has(omega):

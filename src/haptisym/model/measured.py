@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.shown import Shown, counted
-from haptisym.model.quantities import Dimension, Motion
+from haptisym.model.quantities import Dimension, MotionKind
 
 Reals: TypeAlias = NDArray[np.float64]
 Complexes: TypeAlias = NDArray[np.complex128]
@@ -85,7 +85,7 @@ class Measurement(Shown):
     averages: float | None = None
     confidence: float = CONFIDENCE
     radius: Any = None
-    motion: Motion | None = None
+    motion: MotionKind | None = None
     name: str = "measured"
     path: Path | None = None
 

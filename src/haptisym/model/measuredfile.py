@@ -14,7 +14,7 @@ import numpy as np
 
 from haptisym.kernel.errors import SceneError, meant, quoted
 from haptisym.model.measured import CONFIDENCE, Measurement, Reals, check_certainty, check_lines
-from haptisym.model.quantities import Dimension, Motion, quantity
+from haptisym.model.quantities import Dimension, MotionKind, quantity
 
 LARGEST = 500_000_000
 """Bytes of a file."""
@@ -76,7 +76,7 @@ class Head(NamedTuple):
 
     columns: tuple[str, ...]
     factors: tuple[float, ...]
-    motion: Motion | None
+    motion: MotionKind | None
     delimiter: str
     first: str
     line: int
@@ -138,7 +138,7 @@ def _checked(names: Sequence[str]) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _factors(columns: Sequence[str], units: Sequence[str]) -> tuple[tuple[float, ...], Motion | None]:
+def _factors(columns: Sequence[str], units: Sequence[str]) -> tuple[tuple[float, ...], MotionKind | None]:
     found = [_factor(*x) for x in zip(columns, units, strict=True)]
     motions = {motion for _, motion in found if motion}
     if len(motions) > 1:
@@ -146,7 +146,7 @@ def _factors(columns: Sequence[str], units: Sequence[str]) -> tuple[tuple[float,
     return tuple(factor for factor, _ in found), next(iter(motions), None)
 
 
-def _factor(column: str, unit: str) -> tuple[float, Motion | None]:
+def _factor(column: str, unit: str) -> tuple[float, MotionKind | None]:
     """What the numbers of a column are multiplied by, and the motion that its unit implies."""
     if not unit or unit == "-":
         return 1.0, None

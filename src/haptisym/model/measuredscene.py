@@ -14,7 +14,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.shown import Shown, counted, titled
 from haptisym.model.catalogue import Environment
 from haptisym.model.jnd import Threshold
-from haptisym.model.quantities import Motion
+from haptisym.model.quantities import MotionKind
 from haptisym.model.scene import Scene
 
 if TYPE_CHECKING:
@@ -73,11 +73,11 @@ class MeasuredScene(Shown):
         return Scene(exact, (), band, self.threshold, title=self.title, source=self.source)
 
     @property
-    def _motion(self) -> Motion | None:
+    def _motion(self) -> MotionKind | None:
         return None if isinstance(self.environment, Environment) else self.environment.motion
 
     @property
-    def motion(self) -> Motion | None:
+    def motion(self) -> MotionKind | None:
         """Whether the hand moves along a line or about an axis; None if no unit tells."""
         return self.frame.motion or self.perceived.motion or self._motion
 

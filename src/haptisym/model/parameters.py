@@ -14,8 +14,8 @@ from sympy import Expr, Symbol
 from haptisym.kernel.errors import SceneError, meant, quoted
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.shown import Shown
-from haptisym.model.quantities import Dimension, Exponents, Motion, Number, expected, fits, implied_motion
-from haptisym.model.ranges import Interval, ranged
+from haptisym.model.quantities import Dimension, Exponents, MotionKind, Number, expected, fits, implied_motion
+from haptisym.model.ranges import ExactRange, ranged
 
 
 class Rule(Enum):
@@ -87,13 +87,13 @@ class Parameter(Shown):
     symbol: Symbol
     value: Expr
     dimension: Dimension
-    motion: Motion | None = None
+    motion: MotionKind | None = None
     key: str = ""
     """Its name in the model, as a scene file writes it."""
     exponents: Exponents | None = None
     """Of the base dimensions, as far as the unit that was given tells."""
     rule: Rule = Rule.ANY
-    interval: Interval | None = None
+    interval: ExactRange | None = None
     """Where the value may lie, if the scene gives a range; ``value`` is then the nominal one."""
     tie: str = ""
     """The environment's parameter that it is ("environment.k"), with its symbol, value and range; empty for one of its own."""
@@ -104,7 +104,7 @@ class Parameter(Shown):
     def stated(self) -> str:
         """``m = 9/5 kg``, and between which values it may lie."""
         plain = self.dimension in (Dimension.ANY, Dimension.RATIO) or self.value == self.symbol
-        unit = "" if plain else f" {self.dimension.unit(self.motion or Motion.TRANSLATION)}"
+        unit = "" if plain else f" {self.dimension.unit(self.motion or MotionKind.TRANSLATION)}"
         spread = f", from {self.interval[0]} to {self.interval[1]}{unit}" if self.interval else ""
         return f"{self.symbol} = {self.value}{unit}{spread}" if self.value != self.symbol else str(self.symbol)
 

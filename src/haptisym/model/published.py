@@ -14,7 +14,7 @@ from sympy import Expr
 from haptisym.kernel.errors import SceneError, meant
 from haptisym.kernel.shown import Shown
 from haptisym.model.quantities import decimal
-from haptisym.model.ranges import Interval
+from haptisym.model.ranges import ExactRange
 
 
 @dataclass(frozen=True, repr=False)
@@ -46,7 +46,7 @@ class Published(Shown):
         return f"{low} %" if low == high else f"{low} to {high} %"
 
     @property
-    def given(self) -> Expr | Interval:
+    def given(self) -> Expr | ExactRange:
         """As a threshold is given: a number, or the pair of its ends."""
         return self.low if self.low == self.high else (self.low, self.high)
 

@@ -24,7 +24,7 @@ _LONGEST = 200  # characters of a number; 200 digits are more than any measureme
 _LARGEST_EXPONENT = 300  # of ten; beyond it a float could not show the result
 
 
-class Motion(Enum):
+class MotionKind(Enum):
     """Whether the hand moves along a line (m, N) or about an axis (rad, N m)."""
 
     TRANSLATION = "translational"
@@ -44,7 +44,7 @@ class Dimension(Enum):
     RATIO = ("1", "1")
     ANY = ("", "")
 
-    def unit(self, motion: Motion | None) -> str:
+    def unit(self, motion: MotionKind | None) -> str:
         """The unit's name, for a known kind of motion; both names where the motion is not known.
 
         >>> Dimension.MASS.unit(Motion.ROTATION), Dimension.MASS.unit(None), Dimension.TIME.unit(None)
@@ -53,7 +53,7 @@ class Dimension(Enum):
         translation, rotation = self.value
         if motion is None and translation != rotation:
             return f"{translation} or {rotation}"
-        return rotation if motion is Motion.ROTATION else translation
+        return rotation if motion is MotionKind.ROTATION else translation
 
 
 def unit_text(unit: str) -> str:
@@ -70,7 +70,7 @@ class Quantity:
     """An exact SI value (rational times a power of pi, or a symbolic expression) and the motion its unit implies."""
 
     value: Expr
-    motion: Motion | None = None
+    motion: MotionKind | None = None
     exponents: Exponents | None = None
     """Of the base dimensions, as far as the unit tells: ``(("mass", 1), ("time", -2))`` for N/m."""
 
@@ -162,18 +162,18 @@ def _from_text(text: str, dimension: Dimension) -> Quantity:
     return Quantity(_sized(value * factor, text), motion, tuple(sorted(exponents.items())))
 
 
-def _motion(exponents: dict[str, Fraction], text: str, dimension: Dimension) -> Motion | None:
+def _motion(exponents: dict[str, Fraction], text: str, dimension: Dimension) -> MotionKind | None:
     translation, rotation = _dimension_exponents(dimension)
     if dimension is Dimension.ANY:
         return None
     if exponents == translation:
-        return None if translation == rotation else Motion.TRANSLATION
+        return None if translation == rotation else MotionKind.TRANSLATION
     if exponents == rotation:
-        return Motion.ROTATION
+        return MotionKind.ROTATION
     raise SceneError(f"{quoted(text)} is not a {dimension.name.lower()}{expected(dimension)}")
 
 
-def dimension_exponents(dimension: Dimension, motion: Motion | None) -> Exponents | None:
+def dimension_exponents(dimension: Dimension, motion: MotionKind | None) -> Exponents | None:
     """The base dimensions of what a parameter measures; None for one of any dimension.
 
     >>> dimension_exponents(Dimension.DAMPING, Motion.ROTATION)
@@ -181,7 +181,7 @@ def dimension_exponents(dimension: Dimension, motion: Motion | None) -> Exponent
     """
     if dimension is Dimension.ANY:
         return None
-    return tuple(sorted(_dimension_exponents(dimension)[motion is Motion.ROTATION].items()))
+    return tuple(sorted(_dimension_exponents(dimension)[motion is MotionKind.ROTATION].items()))
 
 
 def fits(dimension: Dimension, exponents: Exponents | None, wanted: Dimension) -> bool:
@@ -192,16 +192,19 @@ def fits(dimension: Dimension, exponents: Exponents | None, wanted: Dimension) -
     """
     if Dimension.ANY not in (dimension, wanted):
         return dimension is wanted
-    return wanted is Dimension.ANY or exponents in (None, *(dimension_exponents(wanted, motion) for motion in Motion))
+    return wanted is Dimension.ANY or exponents in (
+        None,
+        *(dimension_exponents(wanted, motion) for motion in MotionKind),
+    )
 
 
-def implied_motion(dimension: Dimension, exponents: Exponents | None) -> Motion | None:
+def implied_motion(dimension: Dimension, exponents: Exponents | None) -> MotionKind | None:
     """The motion for which a dimension has these exponents; None where neither or both have.
 
     >>> implied_motion(Dimension.MASS, (("length", Fraction(2)), ("mass", Fraction(1))))
     <Motion.ROTATION: 'rotational'>
     """
-    found = [motion for motion in Motion if dimension_exponents(dimension, motion) == exponents]
+    found = [motion for motion in MotionKind if dimension_exponents(dimension, motion) == exponents]
     return found[0] if len(found) == 1 else None
 
 

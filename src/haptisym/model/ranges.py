@@ -16,7 +16,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.quantities import Dimension, Quantity, decimal, quantity
 
-Interval: TypeAlias = tuple[Expr, Expr]
+ExactRange: TypeAlias = tuple[Expr, Expr]
 """The lowest and the highest value, exact, in SI."""
 
 _PLUS_MINUS = re.compile(r"\+/?-|±")
@@ -27,7 +27,7 @@ class Ranged:
     """A quantity at its nominal value, and the interval in which it may lie; None if it has just that value."""
 
     nominal: Quantity
-    interval: Interval | None = None
+    interval: ExactRange | None = None
 
 
 def ranged(given: Any, dimension: Dimension) -> Ranged:
@@ -93,7 +93,7 @@ def _between(given: Sequence[Any], dimension: Dimension) -> Ranged:
     return Ranged(middle, None if low.value == high.value else (low.value, high.value))
 
 
-def spread(nominal: Expr, interval: Interval) -> str:
+def spread(nominal: Expr, interval: ExactRange) -> str:
     """How far a range goes, in words.
 
     >>> from sympy import Rational

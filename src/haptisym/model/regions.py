@@ -15,7 +15,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.kernel.symbols import omega
-from haptisym.model.quantities import Motion
+from haptisym.model.quantities import MotionKind
 
 Corner: TypeAlias = tuple[Expr, Expr]
 MOST_CORNERS = 24
@@ -44,7 +44,7 @@ class Region:
     corners: tuple[Corner, ...] = ()
     lower: tuple[Expr | None, Expr | None] = (None, None)
     floor: Expr | None = None
-    motion: Motion | None = None
+    motion: MotionKind | None = None
 
     @property
     def numbers(self) -> dict[str, Expr]:

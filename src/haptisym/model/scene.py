@@ -22,7 +22,7 @@ from haptisym.model.jndtables import read_threshold
 from haptisym.model.knobs import THRESHOLD, Knob, Knobs, threshold_knobs
 from haptisym.model.naming import symbol_names, with_names
 from haptisym.model.parameters import Rule, refuse_references
-from haptisym.model.quantities import Dimension, Motion, Number, number
+from haptisym.model.quantities import Dimension, MotionKind, Number, number
 from haptisym.model.ranges import spread
 from haptisym.model.sampled import in_place
 
@@ -197,7 +197,7 @@ class Scene(Shown):
         return ({"nominal": ranges} if ranges else {}) | ({"untied": untied} if untied else {})
 
     @property
-    def motion(self) -> Motion | None:
+    def motion(self) -> MotionKind | None:
         """Whether the hand moves along a line or about an axis; None if no unit in the scene tells."""
         return next((p.motion for _, x in self.elements() for p in x.parameters if p.motion is not None), None)
 
@@ -273,7 +273,7 @@ def _different(hands: Iterable[Hand]) -> None:
 
 
 def _one_motion(elements: Iterable[tuple[str, Environment | Effect | Hand]]) -> None:
-    seen: dict[Motion, str] = {}
+    seen: dict[MotionKind, str] = {}
     for place, element in elements:
         for parameter in element.parameters:
             if parameter.motion is not None:

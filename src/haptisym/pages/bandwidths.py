@@ -11,7 +11,7 @@ from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.published import like
-from haptisym.model.ranges import Interval
+from haptisym.model.ranges import ExactRange
 from haptisym.pages.words import PART_NAMES, both, percent, short
 from haptisym.writing.document import Block, Code, Figure, Number, Paragraph, Phrase, Strong, listed
 
@@ -43,7 +43,7 @@ def _range(threshold: Threshold) -> Phrase:
     return listed((_ends(x), f" ({PART_NAMES[part]})") for part, x in each.items() if x)
 
 
-def _ends(interval: Interval) -> str:
+def _ends(interval: ExactRange) -> str:
     low, high = interval
     return f"from {percent(low)} to {percent(high)}"
 

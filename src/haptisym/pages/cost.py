@@ -8,7 +8,7 @@ from math import isinf
 from haptisym.model.jnd import Part
 from haptisym.pages.words import RATIOS, lead, title
 from haptisym.verbs.cost.entry import Cost
-from haptisym.verbs.cost.measurement import Row
+from haptisym.verbs.cost.measurement import Measurement
 from haptisym.verbs.cost.summary import duration, wrong
 from haptisym.writing.document import Block, Column, Document, Figure, Notes, Number, Paragraph, Phrase, Section, Table
 from haptisym.writing.names import named
@@ -50,6 +50,6 @@ def _table(found: Cost, task: str) -> Block:
     return Section((TASKS[task], condition), (Table(columns, tuple(map(_row, found.task(task))), (TASKS[task], ".")),))
 
 
-def _row(row: Row) -> tuple[Phrase, ...]:
+def _row(row: Measurement) -> tuple[Phrase, ...]:
     digits = Number(f"{row.digits:.{int(row.digits < 20)}f}", row.digits)
     return row.method, digits, duration(row.seconds), "yes" if row.proven else "no", wrong(row)

@@ -14,8 +14,8 @@ from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import omega, s
 from haptisym.model.catalogue import Effect
 from haptisym.model.jnd import Part
-from haptisym.pages.sceneforms import DIFFERENCE, DYNAMICS, FELT, RELATIVE, Group, SceneForms
-from haptisym.pages.sceneforms import RATIOS as RATIO_FORMS
+from haptisym.pages.sceneforms import DIFFERENCE, DYNAMICS, FELT, RELATIVE, FormulaGroup, SceneForms
+from haptisym.pages.sceneforms import RATIO_FORMS as RATIO_FORMS
 from haptisym.pages.sections import beyond
 from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OMEGA, OPERATORS, RATIOS
 from haptisym.verbs.derive.entry import derive
@@ -140,7 +140,7 @@ class _Steps:
             yield Paragraph("The lowest frequencies of changeover, while they are real and positive, are")
             yield self._equations([Line(quantity(f"omega_{name}"), x) for name, x in shown.items()])
 
-    def _formulas(self, lead: Phrase, group: Group) -> Iterator[Block]:
+    def _formulas(self, lead: Phrase, group: FormulaGroup) -> Iterator[Block]:
         """Closed forms in symbols; in numbers if they would be too long to read."""
         has_parameters = bool(self.evaluation.scene.parameters)
         in_symbols = self.forms.in_symbols(group) if has_parameters else None

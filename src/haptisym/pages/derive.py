@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from haptisym.model.parameters import Parameter
-from haptisym.model.quantities import Dimension, Motion
+from haptisym.model.quantities import Dimension, MotionKind
 from haptisym.pages.sections import sections
 from haptisym.pages.words import lead, title
 from haptisym.verbs.derive.derivation import QUANTITIES, Derivation
@@ -38,7 +38,7 @@ def _asides(d: Derivation) -> list[str]:
     return [note + " Formulas in their symbols hold for all values." * kept for note in d.scene.asides()]
 
 
-def _meaning(p: Parameter, motion: Motion | None) -> str:
+def _meaning(p: Parameter, motion: MotionKind | None) -> str:
     if p.dimension in (Dimension.ANY, Dimension.RATIO):
         return "number"
     unit = p.dimension.unit(motion)

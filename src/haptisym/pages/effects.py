@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from haptisym.model.jnd import Part
 from haptisym.pages.words import H_ENV, OMEGA, RATIOS, bounds, compared, lead, rounded_up, title
-from haptisym.verbs.effects.relevance import Enclosure, Relevance
+from haptisym.verbs.effects.relevance import CrossingEnclosure, Relevance
 from haptisym.writing.document import (
     Block,
     Column,
@@ -89,7 +89,7 @@ def _crossings(r: Relevance) -> Block:
     return Section("Where the full scene's crossings are", (table,))
 
 
-def _interval(x: Enclosure) -> Phrase:
+def _interval(x: CrossingEnclosure) -> Phrase:
     low, high = x.bounds
     return Number(f"{low:.6g}", low) if high - low < 1e-6 * high else _span(low, high, 6)
 

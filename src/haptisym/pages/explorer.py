@@ -13,7 +13,7 @@ from sympy import Symbol
 from haptisym.judge.evaluation import Evaluation
 from haptisym.model.jnd import Part
 from haptisym.model.parameters import Parameter, Rule
-from haptisym.model.quantities import Dimension, Motion
+from haptisym.model.quantities import Dimension, MotionKind
 from haptisym.pages.checked import has_certificate
 from haptisym.pages.sceneforms import SceneForms
 from haptisym.pages.words import H_ENV, H_PERC, OMEGA, RATIOS
@@ -75,7 +75,7 @@ def explorer(e: Evaluation, forms: SceneForms) -> Html:
     names = [a.symbol for a in program.arguments[1:]]
     record = {
         "band": [probe[0].low, probe[0].high],
-        "unit": Dimension.STIFFNESS.unit(e.scene.motion or Motion.TRANSLATION).replace("*", "·"),
+        "unit": Dimension.STIFFNESS.unit(e.scene.motion or MotionKind.TRANSLATION).replace("*", "·"),
         "arguments": [sliders[x][0].identity for x in names],
         "thresholds": {part.value: slider.identity for part, (slider, _) in limits.items()},
         "sliders": [slider.record() for slider in controls],
@@ -141,7 +141,7 @@ def _parameters(e: Evaluation, forms: SceneForms) -> dict[Symbol, tuple[Slider, 
     found: dict[Symbol, tuple[Slider, str]] = {}
     for p in e.scene.parameters:
         label = inline(named(forms.short_names.get(p.symbol, p.symbol).name))
-        slider = _parameter(p, f"explorer-{len(found)}", label, e.scene.motion or Motion.TRANSLATION)
+        slider = _parameter(p, f"explorer-{len(found)}", label, e.scene.motion or MotionKind.TRANSLATION)
         found[p.symbol] = slider, f"{p.key} of {p.place.removeprefix('effects.')}"
     return found
 
@@ -149,7 +149,7 @@ def _parameters(e: Evaluation, forms: SceneForms) -> dict[Symbol, tuple[Slider, 
 _MOST_AT_ZERO = {Dimension.TIME: 0.1, Dimension.FORCE: 1.0}  # of a slider whose parameter is zero in the scene
 
 
-def _parameter(p: Parameter, identity: str, label: str, motion: Motion) -> Slider:
+def _parameter(p: Parameter, identity: str, label: str, motion: MotionKind) -> Slider:
     """A decade to each side of a positive value; else a range around it, or from zero."""
     unit = (
         {Dimension.ANY: "", Dimension.RATIO: ""}.get(p.dimension, p.dimension.unit(motion))

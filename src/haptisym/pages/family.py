@@ -10,7 +10,7 @@ from haptisym.kernel.reals import RealNumber
 from haptisym.model.caveats import caveats as cautions
 from haptisym.model.jnd import Part
 from haptisym.pages.words import both, caveats, lead, limits, short, spans, title
-from haptisym.verbs.family.entry import Binding, FamilyEvaluation
+from haptisym.verbs.family.entry import FamilyBinding, FamilyEvaluation
 from haptisym.writing.document import (
     Block,
     Column,
@@ -89,14 +89,14 @@ def _transparency(w: FamilyEvaluation) -> Phrase:
     return "Up to ", both(w.bandwidth), ", the common bandwidth.", rest
 
 
-def _grouped(binding: Iterable[Binding]) -> list[tuple[RealNumber, list[Binding]]]:
-    found: dict[RealNumber, list[Binding]] = {}
+def _grouped(binding: Iterable[FamilyBinding]) -> list[tuple[RealNumber, list[FamilyBinding]]]:
+    found: dict[RealNumber, list[FamilyBinding]] = {}
     for x in binding:
         found.setdefault(x.omega, []).append(x)
     return list(found.items())
 
 
-def _bound(place: tuple[RealNumber, list[Binding]]) -> Phrase:
+def _bound(place: tuple[RealNumber, list[FamilyBinding]]) -> Phrase:
     omega, rows = place
     who = listed((f"{x.environment} ({x.criterion.name} part, ", named(x.criterion.symbol), ")") for x in rows)
     return "At ", short(omega), " rad/s ", who, f" {'binds' if len(rows) == 1 else 'bind'}."

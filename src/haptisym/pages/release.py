@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from haptisym.kernel.rootcount import Chain
+from haptisym.kernel.rootcount import RootChain
 from haptisym.model.caveats import clocks
-from haptisym.model.quantities import Motion
+from haptisym.model.quantities import MotionKind
 from haptisym.pages.words import H_PERC, lead, title
 from haptisym.verbs.simulate.released import Closed, Release
 from haptisym.writing.document import (
@@ -34,7 +34,7 @@ def page(r: Release) -> Document:
 
 
 def _run(r: Release) -> Iterator[tuple[str, Phrase]]:
-    units = ("kg m^2", "N m s/rad", "N m/rad") if r.scene.motion is Motion.ROTATION else ("kg", "N s/m", "N/m")
+    units = ("kg m^2", "N m s/rad", "N m/rad") if r.scene.motion is MotionKind.ROTATION else ("kg", "N s/m", "N/m")
     numbers = ", ".join(
         f"{p.key} = {float(p.value):.6g} {unit}" for p, unit in zip(r.hand.parameters, units, strict=True)
     )
@@ -85,7 +85,7 @@ def _held(r: Release) -> Phrase:
         return f"not decided ({r.held.reason})"
     if r.held.stable:
         return "stable, no root has |z| ≥ 1" if clocks(r.scene) else "stable, no root has Re\xa0s\xa0≥\xa00"
-    if roots.chain is Chain.NEAR:
+    if roots.chain is RootChain.NEAR:
         return Strong(
             "NOT"
         ), " stable, infinitely many roots come as near to the axis as one likes, far above what a release moves"

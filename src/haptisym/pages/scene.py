@@ -11,12 +11,12 @@ from haptisym.kernel.reals import ExactNumber
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment
 from haptisym.model.jnd import Threshold, is_irrational_algebraic
 from haptisym.model.knobs import Knob
-from haptisym.model.quantities import Dimension, Motion, unit_text
+from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.model.regions import Shape
 from haptisym.model.scene import Scene
 from haptisym.pages.words import H_ENV, H_PERC, both, lead, region, title
 from haptisym.writing.boxes import Absolute, Equation
-from haptisym.writing.document import Block, Chain, Column, Document, Paragraph, Phrase, Strong, Table
+from haptisym.writing.document import Block, Column, Document, Flow, Paragraph, Phrase, Strong, Table
 from haptisym.writing.layout import layout
 from haptisym.writing.mathtext import plain
 from haptisym.writing.names import named
@@ -33,7 +33,7 @@ def page(scene: Scene) -> Document:
 def scene_blocks(scene: Scene, short_names: Mapping[Symbol, Symbol] = _AS_THEY_ARE) -> Iterator[Block]:
     """The chain, the table of parameters, and what is judged; ``short_names`` : other symbols for parameters."""
     hand = (Strong("hand"), " feels ", H_PERC)
-    yield Chain((*(_link(place, part) for place, part in scene.elements()), hand))
+    yield Flow((*(_link(place, part) for place, part in scene.elements()), hand))
     rows = tuple(_parameter(scene, short_names, x) for x in scene.parameters)
     if rows:
         columns = ("symbol", "of", "parameter", "quantity", "value", "unit")
@@ -78,7 +78,7 @@ def _link(place: str, part: Environment | Effect) -> Phrase:
 
 def _parameter(scene: Scene, short_names: Mapping[Symbol, Symbol], p: Knob) -> tuple[Phrase, ...]:
     quantity = "" if p.dimension is Dimension.ANY else p.dimension.name.lower()
-    unit = unit_text(p.dimension.unit(scene.motion or Motion.TRANSLATION))
+    unit = unit_text(p.dimension.unit(scene.motion or MotionKind.TRANSLATION))
     symbol = named(short_names.get(p.symbol, p.symbol).name)
     places = ", ".join(x.removeprefix("effects.").rpartition(".")[0] for x in p.paths)
     return symbol, places, p.key, quantity, _value(p.value), unit or "SI"

@@ -29,18 +29,18 @@ from haptisym.writing.texlines import is_long
 from haptisym.writing.texprinter import formula
 
 
-class Group(NamedTuple):
+class FormulaGroup(NamedTuple):
     """Closed forms that belong together, and the function whose length decides whether they can be read."""
 
     function: Callable[[Distortion], RationalFunction]
     rows: Callable[[ClosedForms], list[Line]]
 
 
-DYNAMICS = Group(lambda d: d.perc, ClosedForms.dynamics)
-DIFFERENCE = Group(lambda d: d.difference, ClosedForms.difference)
-RATIOS = Group(lambda d: d.difference, ClosedForms.ratios)
-RELATIVE = Group(lambda d: (d.difference / d.env).reduced(), ClosedForms.relative)
-FELT = Group(lambda d: d.perc, lambda forms: forms.properties("perc"))
+DYNAMICS = FormulaGroup(lambda d: d.perc, ClosedForms.dynamics)
+DIFFERENCE = FormulaGroup(lambda d: d.difference, ClosedForms.difference)
+RATIO_FORMS = FormulaGroup(lambda d: d.difference, ClosedForms.ratios)
+RELATIVE = FormulaGroup(lambda d: (d.difference / d.env).reduced(), ClosedForms.relative)
+FELT = FormulaGroup(lambda d: d.perc, lambda forms: forms.properties("perc"))
 
 _LARGEST = 50_000  # products of terms in an expansion in symbols: some tenths of a second
 _MOST_TERMS = 50  # of a numerator in symbols: a third of a page
@@ -51,20 +51,20 @@ class SceneForms:
     """The closed forms of an evaluated scene; what was found in symbols is kept, as it is asked for again."""
 
     evaluation: Evaluation
-    found: dict[Group, list[Line] | None] = field(default_factory=dict, repr=False)
+    found: dict[FormulaGroup, list[Line] | None] = field(default_factory=dict, repr=False)
 
     @cached_property
     def symbolic(self) -> Distortion | None:
         """The distortion in symbols, unless that would be far too long."""
         return self.evaluation.scene.symbolic_distortion() if _size(self.evaluation) <= _LARGEST else None
 
-    def in_symbols(self, group: Group) -> list[Line] | None:
+    def in_symbols(self, group: FormulaGroup) -> list[Line] | None:
         """Closed forms in symbols; None if they would be too long to read."""
         if group not in self.found:
             self.found[group] = self._in_symbols(group)
         return self.found[group]
 
-    def _in_symbols(self, group: Group) -> list[Line] | None:
+    def _in_symbols(self, group: FormulaGroup) -> list[Line] | None:
         if self.symbolic is None:
             return None
         response = on_axis(group.function(self.symbolic))
@@ -73,7 +73,7 @@ class SceneForms:
         rows = group.rows(ClosedForms(self.symbolic))
         return None if any(is_long(row.value) for row in rows if not row.optional) else rows
 
-    def in_numbers(self, group: Group) -> list[Line]:
+    def in_numbers(self, group: FormulaGroup) -> list[Line]:
         """Closed forms in numbers: exact, in the places of the symbols, if they are short; else rounded."""
         known = values(self.evaluation.scene.parameters)
         rows = self.in_symbols(group) or group.rows(ClosedForms(self.evaluation.distortion))

@@ -7,7 +7,7 @@ from functools import partial
 from math import pi
 from typing import TYPE_CHECKING
 
-from haptisym.model.quantities import Motion as Kind
+from haptisym.model.quantities import MotionKind as Kind
 from haptisym.pages.words import H_PERC, lead, stiffness_unit, title
 from haptisym.verbs.simulate.results import Estimate, Simulation, Simulations
 from haptisym.writing.document import (

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 from haptisym.judge.passivity import Beyond, Passivity
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.rootcount import Chain
+from haptisym.kernel.rootcount import RootChain
 from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand, hands
 from haptisym.model.jnd import Part
-from haptisym.model.quantities import Dimension, Motion, unit_text
+from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.pages.clock import looked_at, sampled_condition
 from haptisym.pages.words import H_PERC, OMEGA, OPERATORS, both, compared, exactly, lead, short, span, title
 from haptisym.verbs.stability.answer import Stability
@@ -42,8 +42,8 @@ _LEFT, _RIGHT = compared(_REAL, "<"), compared(_REAL, "≥")
 _PLANE = "Hands of one mass: where the display is stable in them, and the number of roots on the right where it is not."
 _MOST = 6  # active intervals that are told
 _CHAINS = {
-    Chain.RIGHT: "infinitely many roots lie to the right of the imaginary axis: the system is neutral",
-    Chain.NEAR: "infinitely many roots come as near to the imaginary axis as one likes: the system is neutral",
+    RootChain.RIGHT: "infinitely many roots lie to the right of the imaginary axis: the system is neutral",
+    RootChain.NEAR: "infinitely many roots come as near to the imaginary axis as one likes: the system is neutral",
 }
 
 
@@ -132,7 +132,7 @@ def _critical(found: Stability, x: Critical) -> tuple[Phrase, ...]:
 
 def _units(found: Stability) -> list[str]:
     """Of mass, damping and stiffness."""
-    motion = found.scene.motion or Motion.TRANSLATION
+    motion = found.scene.motion or MotionKind.TRANSLATION
     return [unit_text(x.unit(motion)) for x in (Dimension.MASS, Dimension.DAMPING, Dimension.STIFFNESS)]
 
 

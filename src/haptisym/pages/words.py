@@ -20,7 +20,7 @@ from haptisym.kernel.symbols import omega
 from haptisym.model.family import SceneFamily
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.proportions import DIGITS
-from haptisym.model.quantities import Motion
+from haptisym.model.quantities import MotionKind
 from haptisym.model.regions import Shape
 from haptisym.model.scene import Scene
 from haptisym.writing.boxes import Absolute, Box, Equation, Numeral, Operator, Prefixed, Sum, Titled
@@ -141,7 +141,7 @@ def region(c: Threshold) -> Phrase:
     floor = (
         ()
         if own.floor is None
-        else (", and at least ", layout(own.floor), " N m/rad" if own.motion is Motion.ROTATION else " N/m")
+        else (", and at least ", layout(own.floor), " N m/rad" if own.motion is MotionKind.ROTATION else " N/m")
     )
     return kind, widths, *of, *tilt, *floor
 
@@ -170,7 +170,7 @@ def compared(left: Box, relation: str) -> Box:
 
 def stiffness_unit(scene: Scene) -> str:
     """The unit of all dynamics of a scene."""
-    return "N m/rad" if scene.motion is Motion.ROTATION else "N/m"
+    return "N m/rad" if scene.motion is MotionKind.ROTATION else "N/m"
 
 
 def caveats(found: Iterable[str]) -> tuple[Notes, ...]:

@@ -57,7 +57,7 @@ def _constants(program: Program, bits: int) -> dict[int, Ball]:
 
 
 @dataclass(frozen=True, eq=False)
-class Point:
+class BallPoint:
     """The results of a program for inputs that are doubles, exactly what they are."""
 
     program: Program

@@ -14,13 +14,13 @@ from sympy import Rational
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import Ball, RealNumber
 from haptisym.kernel.response import RealFunction
-from haptisym.programs.balls import Point, nearest_double
+from haptisym.programs.balls import BallPoint, nearest_double
 from haptisym.programs.doubled import Doubled, Doubles
 from haptisym.programs.floats import nearest
 from haptisym.programs.pointvalues import PointValue
 from haptisym.programs.program import Program
 
-Forms: TypeAlias = Callable[[Mapping[str, Rational]], Mapping[str, RealFunction]]
+FormsAt: TypeAlias = Callable[[Mapping[str, Rational]], Mapping[str, RealFunction]]
 """The closed forms in lowest terms for exact numbers of the parameters; of the ratios their squares."""
 SQUARED = ("ratio_real", "ratio_imag")
 """The fields whose closed form is given by its square."""
@@ -32,7 +32,7 @@ class Certified:
     """The results of a program to within one unit in the last place, each of them proven."""
 
     program: Program
-    forms: Forms
+    forms: FormsAt
 
     def run(self, inputs: Sequence[Any], size: int) -> tuple[dict[str, Any], int]:
         """The doubles by name, and how many points needed balls; inputs are floats or arrays of that size."""
@@ -71,7 +71,7 @@ class Certified:
             return {
                 name: value if name in SQUARED or name.endswith("real") else -value for name, value in mirrored.items()
             }
-        point, found = Point(self.program, inputs), {}
+        point, found = BallPoint(self.program, inputs), {}
         for bits in _BITS:
             left = [name for name in names if name not in found]
             if left:
@@ -92,7 +92,7 @@ class Certified:
             raise SceneError(f"digits: omega = {inputs[0]} rad/s must be >= 0")
         if not np.isfinite(inputs).all():
             return float("nan")
-        value = ProgramValue(Point(self.program, inputs), name)
+        value = ProgramValue(BallPoint(self.program, inputs), name)
         ball = value.ball(_BITS[1])
         if ball.is_finite() and not ball.contains(0):
             return value
@@ -104,7 +104,7 @@ class Certified:
 class ProgramValue(RealNumber):
     """One result of a program at one point."""
 
-    point: Point
+    point: BallPoint
     name: str
 
     def ball(self, bits: int) -> Ball:

@@ -15,7 +15,7 @@ from haptisym.programs.program import Program
 _SINE = 70.0  # no sine or cosine of a double that is not 0 is smaller than 2^-70
 
 
-class Range(NamedTuple):
+class MagnitudeRange(NamedTuple):
     """What is known of a step at all frequencies: 2^low <= abs(x) <= 2^high where it is not 0; if it is >= 0; if never 0."""
 
     low: float
@@ -44,7 +44,7 @@ def judge(program: Program, inputs: Sequence[Any], digits: int, limit: int) -> J
     >>> judge(program, [np.array([0.0, 1.0])], 53, 1020), judge(program, [1e-110], 53, 1020).safe
     (Judgement(safe=True, finite=False), False)
     """
-    known: list[Range] = []
+    known: list[MagnitudeRange] = []
     finite = True
     for step in program.operations:
         if step.name == "input":
@@ -60,39 +60,41 @@ def judge(program: Program, inputs: Sequence[Any], digits: int, limit: int) -> J
 
 
 @lru_cache(maxsize=1024)
-def _of_number(x: float) -> Range:
+def _of_number(x: float) -> MagnitudeRange:
     return _of_array(np.asarray(x))
 
 
-def _of_array(x: Any) -> Range:
+def _of_array(x: Any) -> MagnitudeRange:
     """The range of given numbers; where all are 0, that of 1."""
     least, most = float(np.min(x, initial=inf)), float(np.max(x, initial=-inf))
     low, high = least if least > 0 else float(np.min(np.abs(x), where=x != 0, initial=inf)), max(most, -least)
     if not isfinite(high) and x.size:
-        return Range(-inf, inf)
+        return MagnitudeRange(-inf, inf)
     if low == inf:
-        return Range(0.0, 0.0, positive=True)
-    return Range(frexp(low)[1] - 1.0, float(frexp(high)[1]), least >= 0, least > 0 or most < 0)
+        return MagnitudeRange(0.0, 0.0, positive=True)
+    return MagnitudeRange(frexp(low)[1] - 1.0, float(frexp(high)[1]), least >= 0, least > 0 or most < 0)
 
 
-def _step(name: str, arguments: Sequence[int], of: Sequence[Range], digits: int) -> Range:
+def _step(name: str, arguments: Sequence[int], of: Sequence[MagnitudeRange], digits: int) -> MagnitudeRange:
     x = of[0]
     if name in ("neg", "abs"):
         return x._replace(positive=name == "abs")
     if name == "sqrt":
-        return Range(x.low / 2 - 1, x.high / 2 + 1, positive=True, nonzero=x.nonzero)
+        return MagnitudeRange(x.low / 2 - 1, x.high / 2 + 1, positive=True, nonzero=x.nonzero)
     if name in ("sin", "cos", "sinc"):
-        return Range(-_SINE - (max(x.high, 0.0) if name == "sinc" else 0.0), 0.0)
+        return MagnitudeRange(-_SINE - (max(x.high, 0.0) if name == "sinc" else 0.0), 0.0)
     if name == "sincm1":  # between -x^2/6 and -x^2/8 for abs(x) <= 2, between -5/4 and -1/2 beyond
-        return Range(min(2 * x.low - 3, -1.0), min(2 * x.high - 2, 1.0), nonzero=x.nonzero)
+        return MagnitudeRange(min(2 * x.low - 3, -1.0), min(2 * x.high - 2, 1.0), nonzero=x.nonzero)
     y = of[1]
     both = x.nonzero and y.nonzero
     if name == "mul":
-        return Range(x.low + y.low, x.high + y.high, (x.positive and y.positive) or arguments[0] == arguments[1], both)
+        return MagnitudeRange(
+            x.low + y.low, x.high + y.high, (x.positive and y.positive) or arguments[0] == arguments[1], both
+        )
     if name == "div":
-        return Range(x.low - y.high - 1, x.high - y.low + 1, x.positive and y.positive, x.nonzero)
+        return MagnitudeRange(x.low - y.high - 1, x.high - y.low + 1, x.positive and y.positive, x.nonzero)
     if name == "power":  # of an exponent between 0 and 1
-        return Range(min(x.low, 0.0), max(x.high, 0.0), positive=True, nonzero=x.nonzero)
+        return MagnitudeRange(min(x.low, 0.0), max(x.high, 0.0), positive=True, nonzero=x.nonzero)
     if name == "add" and x.positive and y.positive:
-        return Range(min(x.low, y.low), max(x.high, y.high) + 1, positive=True, nonzero=x.nonzero or y.nonzero)
-    return Range(min(x.low, y.low) - digits - 1, max(x.high, y.high) + 1)
+        return MagnitudeRange(min(x.low, y.low), max(x.high, y.high) + 1, positive=True, nonzero=x.nonzero or y.nonzero)
+    return MagnitudeRange(min(x.low, y.low) - digits - 1, max(x.high, y.high) + 1)

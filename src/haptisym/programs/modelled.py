@@ -14,32 +14,32 @@ from haptisym.programs.balls import FUNCTIONS, constant_ball
 from haptisym.programs.program import Program
 from haptisym.programs.taylormodels import Model
 
-Value: TypeAlias = Model | float
+ModelOrFloat: TypeAlias = Model | float
 """Numbers that are the same everywhere stay floats, to within some roundings."""
 
 
-def _sum(x: Value, y: Value) -> Value:
+def _sum(x: ModelOrFloat, y: ModelOrFloat) -> ModelOrFloat:
     if isinstance(x, Model):
         return x + y if isinstance(y, Model) else x.plus(y)
     assert isinstance(y, Model)
     return y.plus(x)
 
 
-def _product(x: Value, y: Value) -> Value:
+def _product(x: ModelOrFloat, y: ModelOrFloat) -> ModelOrFloat:
     if isinstance(x, Model):
         return x * y if isinstance(y, Model) else x.times(y)
     assert isinstance(y, Model)
     return y.times(x)
 
 
-def _quotient(x: Value, y: Value) -> Value:
+def _quotient(x: ModelOrFloat, y: ModelOrFloat) -> ModelOrFloat:
     one = x if isinstance(x, Model) else y
     assert isinstance(one, Model)
     upper, lower = (v if isinstance(v, Model) else one.number(v) for v in (x, y))
     return upper / lower
 
 
-OPERATIONS: dict[str, Callable[..., Value]] = {
+OPERATIONS: dict[str, Callable[..., ModelOrFloat]] = {
     "add": _sum,
     "sub": lambda x, y: _sum(x, -y),
     "mul": _product,
@@ -59,9 +59,9 @@ class Modelled:
 
     program: Program
 
-    def run(self, inputs: Sequence[Model]) -> dict[str, Value]:
+    def run(self, inputs: Sequence[Model]) -> dict[str, ModelOrFloat]:
         """The results by name: for inputs in the order of the program's."""
-        known: dict[int, Value] = dict(self._constants)
+        known: dict[int, ModelOrFloat] = dict(self._constants)
         for i, step in enumerate(self.program.operations):
             if step.name == "input":
                 known[i] = inputs[step.arguments[0]]

@@ -24,7 +24,7 @@ from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, 
 from haptisym.kernel.symbols import omega
 from haptisym.programs.program import Program, Writer, sincm1
 
-Pair: TypeAlias = tuple[int, int]
+ComplexStep: TypeAlias = tuple[int, int]
 """Steps for real and imaginary part."""
 
 
@@ -46,7 +46,7 @@ class Author:
     """Writes dynamics on s = j omega as steps for their real and imaginary parts."""
 
     write: Writer
-    factors: dict[Pair, int] = field(default_factory=dict)
+    factors: dict[ComplexStep, int] = field(default_factory=dict)
 
     def fields(self, environment: Expr, rendered: Expr, matrices: Sequence[Sequence[Expr]]) -> dict[str, int]:
         H = self.named("RX", self.sum_of_fractions(environment, "_e"))
@@ -73,15 +73,17 @@ class Author:
         return self.results(H, felt, fraction or (self.named("EF", dH), self.write.constant(1)), relative)
 
     def after(
-        self, run: Sequence[Sequence[RationalFunction]], felt: Pair, dH: Pair, labels: Sequence[str]
-    ) -> tuple[Pair, Pair]:
+        self, run: Sequence[Sequence[RationalFunction]], felt: ComplexStep, dH: ComplexStep, labels: Sequence[str]
+    ) -> tuple[ComplexStep, ComplexStep]:
         """What is felt, and by how much it differs, behind some more effects."""
         if not _is_series(run[0]):
             return self.port(run[0], felt, dH, labels[0])
         gain, change = self.series([row[0] for row in run], labels)
         return self.times(felt, gain), self.plus(dH, self.times(felt, change))
 
-    def results(self, H: Pair, felt: Pair, fraction: tuple[Pair, int], relative: Pair | None) -> dict[str, int]:
+    def results(
+        self, H: ComplexStep, felt: ComplexStep, fraction: tuple[ComplexStep, int], relative: ComplexStep | None
+    ) -> dict[str, int]:
         w, (R, X), dH = self.write, H, self.over(*fraction)
         if w.number(X) == 0 or w.number(R) == 0:  # H on an axis: no squares, and no 0/0 where it has a zero
             found = relative or ((self.over(dH, R)) if w.number(X) == 0 else self.over((dH[1], w.neg(dH[0])), X))
@@ -107,7 +109,7 @@ class Author:
             f"{kind}{part}": x for kind, pair in pairs.items() for part, x in zip(("real", "imag"), pair, strict=True)
         }
 
-    def sum_of_fractions(self, H: Expr, label: str) -> Pair:
+    def sum_of_fractions(self, H: Expr, label: str) -> ComplexStep:
         """The polynomial of a dynamics and each of its fractions for itself, as they are written in the model."""
         ring = Ring.of([H])
         terms = [ring.convert(term).reduced() for term in Add.make_args(H)]
@@ -120,7 +122,7 @@ class Author:
                 total = self.plus(total, self.closed(term, f"{label}{n}" if len(fractions) > 1 else label))
         return self.plus(self.closed(whole.reduced(), label), total)
 
-    def series(self, gains: Sequence[RationalFunction], labels: Sequence[str]) -> tuple[Pair, Pair]:
+    def series(self, gains: Sequence[RationalFunction], labels: Sequence[str]) -> tuple[ComplexStep, ComplexStep]:
         """G and G - 1 of effects in a row."""
         G, (P, Q) = self.pair(1, 0), self.pair(0, 0)
         for gain, label in zip(gains, labels, strict=True):
@@ -132,7 +134,9 @@ class Author:
             self.write.label(G[0], f"G{labels[0]}{label}")
         return G, (P, Q)
 
-    def port(self, matrix: Sequence[RationalFunction], felt: Pair, dH: Pair, label: str) -> tuple[Pair, Pair]:
+    def port(
+        self, matrix: Sequence[RationalFunction], felt: ComplexStep, dH: ComplexStep, label: str
+    ) -> tuple[ComplexStep, ComplexStep]:
         """(A H + B)/(C H + D), and what it adds, ((A - D) H + B - C H^2)/(C H + D)."""
         A, B, C, D = map(matrix[0].ring.function, cleared(matrix))
         if C.is_zero:  # beside the environment
@@ -149,7 +153,7 @@ class Author:
         added = self.named("KL", self.plus(self.times(self.minus(difference, c_H), felt), b), label)
         return over(above), self.plus(dH, over(added))
 
-    def entry(self, entry: RationalFunction, zeros: int) -> Pair:
+    def entry(self, entry: RationalFunction, zeros: int) -> ComplexStep:
         """An entry of a chain matrix, a polynomial, over s^zeros: the product of its factors."""
         ring = _ring(entry)
         unit, factors = ring.factors(entry.numerator, in_square=False)
@@ -160,18 +164,18 @@ class Author:
             total, zeros = self.times(total, self.factor(over)), zeros - own
         return total
 
-    def factor(self, f: RationalFunction) -> Pair:
+    def factor(self, f: RationalFunction) -> ComplexStep:
         """Re and Im of a factor, numbered unless it is a mere parameter."""
         pair = self.closed(f, "")
         if all(self.write.operations[x].name in ("input", "constant") for x in pair):
             return pair
         return self.named("YZ", pair, f"_{self.factors.setdefault(pair, len(self.factors) + 1)}")
 
-    def closed(self, f: RationalFunction, label: str) -> Pair:
+    def closed(self, f: RationalFunction, label: str) -> ComplexStep:
         """Re and Im of a dynamics on s = j omega; ``label`` : what its U, V and M are marked with."""
         return self.over(*self.fraction(f, label))
 
-    def fraction(self, f: RationalFunction, label: str) -> tuple[Pair, int]:
+    def fraction(self, f: RationalFunction, label: str) -> tuple[ComplexStep, int]:
         """The same, over the squared modulus U^2 + V^2 of its denominator, or over 1 where that is no common one."""
         axis, f, one = _ring(f).axis, f.cleared(), self.write.constant(1)
         if f.is_zero:
@@ -207,35 +211,35 @@ class Author:
         """A polynomial as the product of its factors."""
         return self.write.product(ring, polynomial)
 
-    def named(self, letters: str, pair: Pair, label: str = "") -> Pair:
+    def named(self, letters: str, pair: ComplexStep, label: str = "") -> ComplexStep:
         return self.write.label(pair[0], f"{letters[0]}{label}"), self.write.label(pair[1], f"{letters[1]}{label}")
 
-    def division(self, below: Pair, label: str) -> Callable[[Pair], Pair]:
+    def division(self, below: ComplexStep, label: str) -> Callable[[ComplexStep], ComplexStep]:
         """What divides by a number."""
         below = self.named("UV", below, label)
         modulus = self.write.label(self.square(below), f"M{label}")
         turned = (below[0], self.write.neg(below[1]))
         return lambda above: self.over(self.times(above, turned), modulus)
 
-    def square(self, x: Pair) -> int:
+    def square(self, x: ComplexStep) -> int:
         """|x|^2"""
         return self.write.add(self.write.mul(x[0], x[0]), self.write.mul(x[1], x[1]))
 
-    def pair(self, real: int | Rational, imag: int) -> Pair:
+    def pair(self, real: int | Rational, imag: int) -> ComplexStep:
         return self.write.expression(Rational(real)), self.write.constant(imag)
 
-    def plus(self, x: Pair, y: Pair) -> Pair:
+    def plus(self, x: ComplexStep, y: ComplexStep) -> ComplexStep:
         return self.write.add(x[0], y[0]), self.write.add(x[1], y[1])
 
-    def minus(self, x: Pair, y: Pair) -> Pair:
+    def minus(self, x: ComplexStep, y: ComplexStep) -> ComplexStep:
         return self.write.sub(x[0], y[0]), self.write.sub(x[1], y[1])
 
-    def times(self, x: Pair, y: Pair) -> Pair:
+    def times(self, x: ComplexStep, y: ComplexStep) -> ComplexStep:
         mul = self.write.mul
         real = self.write.sub(mul(x[0], y[0]), mul(x[1], y[1]))
         return real, self.write.add(mul(x[0], y[1]), mul(x[1], y[0]))
 
-    def over(self, x: Pair, y: int) -> Pair:
+    def over(self, x: ComplexStep, y: int) -> ComplexStep:
         return self.write.div(x[0], y), self.write.div(x[1], y)
 
 

@@ -17,7 +17,7 @@ from haptisym.kernel.decimals import rounded
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.shown import Shown
 from haptisym.programs.accuracy import Accuracy, Engine
-from haptisym.programs.certified import Certified, Forms
+from haptisym.programs.certified import Certified, FormsAt
 from haptisym.programs.doubled import Doubles
 from haptisym.programs.floats import Floats
 from haptisym.programs.machine import Machine
@@ -79,7 +79,7 @@ class Compiled(Shown):
     parameters: tuple[str, ...]
     accuracy: Accuracy
     program: Program
-    forms: Forms
+    forms: FormsAt
     floats: Floats | Machine
 
     def _line(self) -> str:
@@ -232,7 +232,7 @@ def _decimal(row: Sequence[float], count: int) -> str | None:
 
 
 def compiled(
-    program: Program, forms: Forms, accuracy: Accuracy | str = Accuracy.FAST, engine: Engine | str = Engine.NUMPY
+    program: Program, forms: FormsAt, accuracy: Accuracy | str = Accuracy.FAST, engine: Engine | str = Engine.NUMPY
 ) -> Compiled:
     """The function of a program whose results are fields of ``Values``; SceneError for a wrong level or engine."""
     level = Accuracy.of(accuracy)

@@ -68,7 +68,7 @@ class Facts:
 
 
 @dataclass(frozen=True)
-class Chain:
+class Flow:
     """What passes on to what, in order."""
 
     links: tuple[Phrase, ...]
@@ -168,7 +168,7 @@ class Section:
     """Whether it stands behind the text in a document of LaTeX."""
 
 
-Block: TypeAlias = Paragraph | Notes | Facts | Chain | Table | Equations | Figure | Live | Versions | Section
+Block: TypeAlias = Paragraph | Notes | Facts | Flow | Table | Equations | Figure | Live | Versions | Section
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,13 @@ from itertools import groupby
 
 from haptisym.writing.document import (
     Block,
-    Chain,
     Code,
     Column,
     Document,
     Equations,
     Facts,
     Figure,
+    Flow,
     Live,
     Notes,
     Number,
@@ -130,7 +130,7 @@ class _Writer:
         return element("dl", *rows, given={"class": block.role or "facts"})
 
     @block.register
-    def _(self, block: Chain) -> Html:
+    def _(self, block: Flow) -> Html:
         return element("ol", *(element("li", phrase(x)) for x in block.links), given={"class": "chain"})
 
     @block.register

@@ -11,12 +11,12 @@ from types import MappingProxyType
 
 from haptisym.writing.document import (
     Block,
-    Chain,
     Code,
     Document,
     Equations,
     Facts,
     Figure,
+    Flow,
     Notes,
     Number,
     Paragraph,
@@ -180,7 +180,7 @@ class _Writer:
         )
 
     @_written.register
-    def _(self, block: Chain) -> str:
+    def _(self, block: Flow) -> str:
         return " $\\to$ ".join(map(phrase, block.links)) + "."
 
     @_written.register

@@ -11,11 +11,11 @@ from textwrap import wrap
 from haptisym.writing.boxes import Box
 from haptisym.writing.document import (
     Block,
-    Chain,
     Code,
     Document,
     Equations,
     Facts,
+    Flow,
     Notes,
     Number,
     Paragraph,
@@ -148,7 +148,7 @@ class _Writer:
         return [*laid[0], rule, *(line for row in laid[1:] for line in row)]
 
     @block.register
-    def _(self, block: Chain, indent: str) -> Iterable[str]:
+    def _(self, block: Flow, indent: str) -> Iterable[str]:
         return self.filled(tuple(x for link in block.links for x in (" → ", link))[1:], indent)
 
     def _cell(self, phrase: Phrase) -> str:

@@ -14,13 +14,13 @@ from haptisym.kernel.errors import HaptisymError
 from haptisym.kernel.shown import counted, titled
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.verbs.cost.measurement import Omission, Row
+from haptisym.verbs.cost.measurement import Measurement, Omission
 from haptisym.verbs.cost.methods import Method
 from haptisym.verbs.cost.stopwatch import Timed, interleaved, machine
 from haptisym.verbs.cost.summary import summary
 from haptisym.verbs.cost.tasks import Task, crossings_task, delay_tasks, effects_tasks, evaluate_task, prepared
 
-Told = Callable[[str, float], None]
+Progressed = Callable[[str, float], None]
 """Called with what is measured next and the share that is done, from 0 to 1."""
 _ROUNDS = 25
 _BUDGETS = {"evaluate": 4.0, "crossings": 4.0, "delay": 2.0, "effects": 2.0, "simulation": 3.0}
@@ -39,7 +39,7 @@ class Cost(Answer):
     _figure: ClassVar[str] = "haptisym.figures.cost:cost_figure"
 
     scene: Scene
-    rows: tuple[Row, ...]
+    rows: tuple[Measurement, ...]
     left_out: tuple[Omission, ...]
     condition: Mapping[str, float]
     machine: Mapping[str, str] = field(default_factory=machine)
@@ -57,7 +57,7 @@ class Cost(Answer):
         """What a digit costs here, in a sentence."""
         return summary(self.rows)
 
-    def task(self, name: str) -> tuple[Row, ...]:
+    def task(self, name: str) -> tuple[Measurement, ...]:
         """The rows of one task."""
         return tuple(row for row in self.rows if row.task == name)
 
@@ -72,7 +72,7 @@ class Cost(Answer):
         }
 
 
-def cost(scene: Scene | str | Path, *, quick: bool = False, told: Told = lambda what, share: None) -> Cost:
+def cost(scene: Scene | str | Path, *, quick: bool = False, told: Progressed = lambda what, share: None) -> Cost:
     """Measure what accuracy costs for a scene with numbers: the ratios, the crossings, delays, and each effect left out.
 
     ``quick`` : fewer methods and fewer repeats, for a first look. ``told`` : called as it goes on. The equations are given to
@@ -97,7 +97,9 @@ def cost(scene: Scene | str | Path, *, quick: bool = False, told: Told = lambda 
     return _measured(scene, tasks, 0.1 if quick else 1.0, told)
 
 
-def simulation_cost(scene: Scene | str | Path, *, quick: bool = False, told: Told = lambda what, share: None) -> Cost:
+def simulation_cost(
+    scene: Scene | str | Path, *, quick: bool = False, told: Progressed = lambda what, share: None
+) -> Cost:
     """Measure what accuracy costs a simulation in time: H_perc recovered along the band, against its closed form.
 
     Steps, what is left of the transient, and the periods of the lock-in are varied one at a time; then each effect is left out.
@@ -121,10 +123,10 @@ def simulation_cost(scene: Scene | str | Path, *, quick: bool = False, told: Tol
     return _measured(scene, [task], 0.3 if quick else 3.0, told)
 
 
-def _measured(scene: Scene, tasks: list[Task], patience: float, told: Told) -> Cost:
+def _measured(scene: Scene, tasks: list[Task], patience: float, told: Progressed) -> Cost:
     """All attempts of all tasks, timed and scored; ``patience`` stretches the time that repeats may take."""
     count, done = sum(len(task.attempts) for task in tasks), 0
-    rows: list[Row] = []
+    rows: list[Measurement] = []
     left_out = [x for task in tasks for x in task.left_out]
     for task in tasks:
         said = partial(_tell, told, task.name, done, count)
@@ -136,7 +138,7 @@ def _measured(scene: Scene, tasks: list[Task], patience: float, told: Told) -> C
     return Cost(scene, tuple(rows), tuple(left_out), {x.name: x.condition for x in tasks if x.condition is not None})
 
 
-def _tell(told: Told, task: str, before: int, count: int, method: Method, at: int) -> None:
+def _tell(told: Progressed, task: str, before: int, count: int, method: Method, at: int) -> None:
     told(f"{task}: {method.name}", (before + at) / count)
 
 
@@ -144,9 +146,9 @@ def _refused(timed: Timed) -> bool:
     return isinstance(timed.answer, HaptisymError)
 
 
-def _row(task: Task, method: Method, timed: Timed) -> Row:
+def _row(task: Task, method: Method, timed: Timed) -> Measurement:
     score = task.score(method, timed.answer)
     proven = method.proves and not getattr(timed.answer, "undecided", 0)
-    return Row(
+    return Measurement(
         task.name, method.name, score.digits, timed.seconds / task.per(method), proven, score.missed, score.invented
     )

@@ -16,7 +16,7 @@ from haptisym.model.catalogue import Effect
 from haptisym.model.distortion import Distortion, distort
 from haptisym.model.jnd import Threshold
 from haptisym.model.quantities import Number
-from haptisym.verbs.cost.questions import Crossings, Question, Ratios
+from haptisym.verbs.cost.questions import Crossings, Question, RatioQuestion
 
 PAPER = (Rational(9, 5), 15, 100)
 """m, b, k of the paper's example."""
@@ -87,7 +87,7 @@ def _c(real: Number, imag: Number | None = None) -> Threshold:
 @_family("low frequencies", "dH vanishes as omega does: H_perc - H_env cancels digit by digit")
 def _low() -> _Made:
     for k in (2, 5, 7, 8, 10, 20, 50, 100, 150):
-        yield f"at 10^-{k} rad/s", Ratios(_filtered(), (10.0**-k,))
+        yield f"at 10^-{k} rad/s", RatioQuestion(_filtered(), (10.0**-k,))
 
 
 @_family("wide ranges", "parameters from 1e-9 to 1e9, frequencies up to 1e150: powers overflow")
@@ -99,27 +99,27 @@ def _wide() -> _Made:
         ("light damping", (0, -9, 0), 0, -9),
     ):
         felt = environments.mass_spring_damper(_power(m), _power(b), _power(k))
-        yield name, Ratios(distort(felt, _lowpass(_power(omega_n), _power(zeta))), omegas)
+        yield name, RatioQuestion(distort(felt, _lowpass(_power(omega_n), _power(zeta))), omegas)
 
 
 @_family("light damping", "k - m omega^2 cancels at resonance, where |H_env| collapses to b omega")
 def _light() -> _Made:
     omegas = (_RESONANCE, _RESONANCE * (1 + 1e-12), _RESONANCE * (1 - 1e-9), _RESONANCE * (1 + 1e-3))
     for k in range(13):
-        yield f"b = 10^-{k} N s/m", Ratios(_filtered(_power(-k)), omegas)
+        yield f"b = 10^-{k} N s/m", RatioQuestion(_filtered(_power(-k)), omegas)
 
 
 @_family("zeta = 1/2", "the leading terms of the distortion cancel")
 def _half() -> _Made:
     omegas = tuple(10.0**-k for k in range(9))
     for name, zeta in (("exactly", _HALF), ("nearly", _HALF + _power(-12))):
-        yield name, Ratios(_filtered(_power(-6), zeta), omegas)
+        yield name, RatioQuestion(_filtered(_power(-6), zeta), omegas)
 
 
 @_family("cascades, values", "expanded coefficients of many low-passes span hundreds of decades")
 def _cascades() -> _Made:
     for n in (10, 20, 40):
-        yield f"{n} low-passes", Ratios(_cascade(n), (1e-6, 1e-2, 1.0, 15.0, 80.0, 300.0, 1e4))
+        yield f"{n} low-passes", RatioQuestion(_cascade(n), (1e-6, 1e-2, 1.0, 15.0, 80.0, 300.0, 1e4))
 
 
 @cache
@@ -132,31 +132,37 @@ def _cascade(n: int) -> Distortion:
 def _delays() -> _Made:
     for k in (-9, -6, -3, 0, 3):
         d = distort(environments.mass_spring_damper(*PAPER), effects.delay(_power(k)))
-        yield f"10^{k} s", Ratios(d, (1e-6, 1e-3, 1.0, 15.0, 1e3))
+        yield f"10^{k} s", RatioQuestion(d, (1e-6, 1e-3, 1.0, 15.0, 1e3))
 
 
 @_family("identities", "dH is zero: what floats leave of it is noise")
 def _identity() -> _Made:
     omegas = (1e-3, 1.0, 7.0, 1e3)
-    yield "a gain of 1", Ratios(_spring(effects.series("1")), omegas)
+    yield "a gain of 1", RatioQuestion(_spring(effects.series("1")), omegas)
     device = effects.four_channel_teleoperator(0.3, 5.1, 307, 0.7, 7.3, 511)
-    yield "four channels without delay", Ratios(distort(environments.mass_spring_damper(*PAPER), device), omegas)
-    yield "a lag and its inverse", Ratios(_spring(effects.first_order_lag(20), effects.series("1 + s/20")), omegas)
+    yield "four channels without delay", RatioQuestion(distort(environments.mass_spring_damper(*PAPER), device), omegas)
+    yield (
+        "a lag and its inverse",
+        RatioQuestion(_spring(effects.first_order_lag(20), effects.series("1 + s/20")), omegas),
+    )
 
 
 @_family("poles on the axis", "an undamped filter answers without bound at its frequency")
 def _poles() -> _Made:
     d = distort(environments.mass_spring_damper(*PAPER), _lowpass(80, 0))
-    yield "at the pole", Ratios(d, (80.0,))
-    yield "beside the pole", Ratios(d, (80 * (1 + 1e-12), 80 * (1 - 1e-9), 79.0))
+    yield "at the pole", RatioQuestion(d, (80.0,))
+    yield "beside the pole", RatioQuestion(d, (80 * (1 + 1e-12), 80 * (1 - 1e-9), 79.0))
 
 
 @_family("H_env(0) = 0", "both dH and H_env vanish at omega = 0: the ratio is a limit")
 def _nothing_at_rest() -> _Made:
     damped = environments.mass_spring_damper(m=2, b=5)
-    yield "a shunt damper", Ratios(distort(damped, effects.shunt(b=1)), (0.0, 1e-150, 1.0))
-    yield "a lag", Ratios(distort(damped, effects.first_order_lag(20)), (0.0, 1e-150, 1e-8, 1.0))
-    yield "a mass alone", Ratios(distort(environments.mass_spring_damper(m=2), _lowpass()), (0.0, 1e-100, 1e-8, 1.0))
+    yield "a shunt damper", RatioQuestion(distort(damped, effects.shunt(b=1)), (0.0, 1e-150, 1.0))
+    yield "a lag", RatioQuestion(distort(damped, effects.first_order_lag(20)), (0.0, 1e-150, 1e-8, 1.0))
+    yield (
+        "a mass alone",
+        RatioQuestion(distort(environments.mass_spring_damper(m=2), _lowpass()), (0.0, 1e-100, 1e-8, 1.0)),
+    )
 
 
 # Crossings

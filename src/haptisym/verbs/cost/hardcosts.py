@@ -12,8 +12,8 @@ from haptisym.kernel.errors import HaptisymError
 from haptisym.kernel.shown import counted
 from haptisym.verbs.cost.hardcases import FAMILIES, HardCase, hard_cases
 from haptisym.verbs.cost.measurement import HardRow
-from haptisym.verbs.cost.methods import CROSSINGS, RATIOS, Method
-from haptisym.verbs.cost.questions import Crossings, Ratios
+from haptisym.verbs.cost.methods import CROSSINGS, RATIO_METHODS, Method
+from haptisym.verbs.cost.questions import Crossings, RatioQuestion
 from haptisym.verbs.cost.stopwatch import interleaved, machine
 from haptisym.verbs.cost.summary import hard_summary
 
@@ -112,7 +112,7 @@ def put(case: HardCase, methods: Sequence[Method] | None = None) -> list[HardRow
             refused[method] = str(error)
     timed = interleaved(attempts, _BUDGET, rounds=3)
     digits = int(max(method.held for method in chosen)) + _SPARE
-    truth: Any = question.truth(digits) if isinstance(question, Ratios) else question.certified(digits)
+    truth: Any = question.truth(digits) if isinstance(question, RatioQuestion) else question.certified(digits)
     rows = []
     for method in chosen:
         if method in refused or isinstance(timed[method].answer, HaptisymError):
@@ -137,12 +137,12 @@ def put(case: HardCase, methods: Sequence[Method] | None = None) -> list[HardRow
     return rows
 
 
-def _methods(question: Ratios | Crossings) -> list[Method]:
-    return [RATIOS[x] for x in VALUES] if isinstance(question, Ratios) else [CROSSINGS[x] for x in COUNTS]
+def _methods(question: RatioQuestion | Crossings) -> list[Method]:
+    return [RATIO_METHODS[x] for x in VALUES] if isinstance(question, RatioQuestion) else [CROSSINGS[x] for x in COUNTS]
 
 
 def _row(case: HardCase, method: Method, **found: Any) -> HardRow:
-    task = "evaluate" if isinstance(case.question, Ratios) else "crossings"
+    task = "evaluate" if isinstance(case.question, RatioQuestion) else "crossings"
     return HardRow(
         **{"task": task, "method": method.name, "digits": 0.0, "seconds": 0.0, "proven": False, **found},
         family=case.family,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Row:
+class Measurement:
     """One measurement.
 
     ``task`` : evaluate, crossings, delay, effects or simulation. ``digits`` : right decimal digits of the worst number.
@@ -38,14 +38,14 @@ class Omission:
     reason: str
 
 
-def front(rows: Iterable[Row]) -> tuple[Row, ...]:
+def front(rows: Iterable[Measurement]) -> tuple[Measurement, ...]:
     """The rows that no other one beats in both digits and time, fastest first; those with wrong counts are left out.
 
     >>> slow, fast, worse = (Row("evaluate", "", n, t, False) for n, t in ((30, 2.0), (15, 1.0), (14, 1.5)))
     >>> front([slow, fast, worse]) == (fast, slow)
     True
     """
-    found: list[Row] = []
+    found: list[Measurement] = []
     for row in sorted((x for x in rows if x.complete), key=lambda x: (x.seconds, -x.digits)):
         if not found or row.digits > found[-1].digits:
             found.append(row)
@@ -53,7 +53,7 @@ def front(rows: Iterable[Row]) -> tuple[Row, ...]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class HardRow(Row):
+class HardRow(Measurement):
     """One method's answer to one hard case; ``verdict``: right, how many digits are lost, what is wrong, or why there is none."""
 
     family: str

@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from haptisym.verbs.cost.questions import DOUBLE, Attempt, Crossings, Ratios
+from haptisym.verbs.cost.questions import DOUBLE, Attempt, Crossings, RatioQuestion
 from haptisym.verbs.cost.usual import RefusedError, companion_way, control_way, grid_way, naive_way, scipy_way
 
 _BOTH = ("ratio_real", "ratio_imag")
@@ -53,12 +53,12 @@ class Method:
             raise RefusedError("a coefficient is beyond the range of floats") from None
 
 
-def _level(question: Ratios, accuracy: str) -> Attempt:
+def _level(question: RatioQuestion, accuracy: str) -> Attempt:
     function, omega = question.distortion.compile(accuracy, of=_BOTH), np.array(question.omegas)
     return lambda: np.stack([(v := function(omega)).ratio_real, v.ratio_imag], axis=-1)
 
 
-def _digits(question: Ratios, count: int) -> Attempt:
+def _digits(question: RatioQuestion, count: int) -> Attempt:
     function, omega = question.distortion.compile(of=_BOTH), np.array(question.omegas)
 
     def attempt() -> list[tuple[str, str]]:
@@ -73,7 +73,7 @@ def _certified(question: Crossings, digits: int) -> Attempt:
 
 
 NAIVE = Method("H_perc - H_env in floats", naive_way)
-RATIOS: Mapping[str, Method] = {
+RATIO_METHODS: Mapping[str, Method] = {
     x.name: x
     for x in (
         NAIVE,

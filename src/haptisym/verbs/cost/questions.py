@@ -33,7 +33,7 @@ DOUBLE = 53 * log10(2)
 _LEAST = arb(2) ** -1075  # half the smallest double
 _LIKE_IT = Rational(1, 100)  # an answer with fewer than two right digits is no answer to that crossing
 
-Number: TypeAlias = Any  # a float, a flint.arb, or decimal digits as text
+AnswerNumber: TypeAlias = Any  # a float, a flint.arb, or decimal digits as text
 
 
 @dataclass(frozen=True)
@@ -52,12 +52,12 @@ class Score:
 class Found:
     """Crossings that somebody found, rad/s; ``undecided``: places that are said to be left open."""
 
-    omegas: Mapping[Part, Sequence[Number]]
+    omegas: Mapping[Part, Sequence[AnswerNumber]]
     undecided: int = 0
 
 
 @dataclass(frozen=True)
-class Ratios:
+class RatioQuestion:
     """r_r and r_i at frequencies, rad/s, each a double taken at its exact value."""
 
     distortion: Distortion = field(repr=False)
@@ -81,7 +81,7 @@ class Ratios:
             return 0.0
         return abs(omega * float(_tight(_Growth(self.distortion.squared_ratios[part], _exact(omega)), 15).mid()) / 2)
 
-    def score(self, answer: Iterable[Sequence[Number]], truth: Sequence[Sequence[Ball]], held: float) -> Score:
+    def score(self, answer: Iterable[Sequence[AnswerNumber]], truth: Sequence[Sequence[Ball]], held: float) -> Score:
         """The right digits of the worst of the values; no more than the ``held`` ones that their numbers can hold."""
         pairs = [p for given, true in zip(answer, truth, strict=True) for p in zip(given, true, strict=True)]
         return Score(min((right_digits(x, y, held) for x, y in pairs), default=held))
@@ -146,7 +146,7 @@ class Crossings:
         )  # fmt: skip
 
 
-Question: TypeAlias = Ratios | Crossings
+Question: TypeAlias = RatioQuestion | Crossings
 
 
 @dataclass(frozen=True, repr=False)
@@ -168,7 +168,7 @@ def _growth(function: RealFunction, polynomial: Polynomial, at: Ball) -> Ball:
     return RealFunction(axis.derivative(polynomial)).ball(at) / RealFunction(axis.function(polynomial)).ball(at)
 
 
-def right_digits(given: Number, true: Ball, held: float) -> float:
+def right_digits(given: AnswerNumber, true: Ball, held: float) -> float:
     """Correct decimal digits of a number, from its relative error; ``held`` at most.
 
     >>> right_digits(3.14, arb.pi(), DOUBLE)
@@ -195,7 +195,7 @@ def _between(least: float, x: float, most: float) -> float:
     return min(max(least, x), most)
 
 
-def _matched(given: Sequence[Number], true: Sequence[Ball], held: float, high: float) -> Score:
+def _matched(given: Sequence[AnswerNumber], true: Sequence[Ball], held: float, high: float) -> Score:
     """Each true crossing takes the nearest number that is still free; what is left over is missed or invented."""
     with flint.ctx.workprec(max(128, int(4 * held) + 64)):
         near = sorted(

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from haptisym.verbs.cost.measurement import HardRow, Row
+from haptisym.verbs.cost.measurement import HardRow, Measurement
 
 
-def summary(rows: Sequence[Row]) -> str:
+def summary(rows: Sequence[Measurement]) -> str:
     """What a digit costs, in a sentence."""
     proven = sorted((x for x in rows if x.task == "crossings" and x.proven), key=lambda x: x.digits)
     if len(proven) < 2:
@@ -23,13 +23,13 @@ def summary(rows: Sequence[Row]) -> str:
     )
 
 
-def _grid(row: Row) -> str:
+def _grid(row: Measurement) -> str:
     if not row.complete:
         return f"a {row.method} points takes {duration(row.seconds)} and {wrong(row)}"
     return f"a {row.method} points takes {duration(row.seconds)} for {row.digits:.1f} digits, and proves nothing"
 
 
-def _best(rows: Sequence[Row]) -> str:
+def _best(rows: Sequence[Measurement]) -> str:
     best = max((x for x in rows if x.complete), key=lambda x: x.digits, default=None)
     if best is None:
         return "Here no method found all crossings and no others."
@@ -40,7 +40,7 @@ def _best(rows: Sequence[Row]) -> str:
     )
 
 
-def wrong(row: Row) -> str:
+def wrong(row: Measurement) -> str:
     """What is wrong with a count of crossings; "" where nothing is."""
     parts = [f"{word} {n}" for word, n in (("misses", row.missed), ("invents", row.invented)) if n]
     return " and ".join(parts)

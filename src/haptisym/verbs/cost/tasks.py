@@ -17,8 +17,8 @@ from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
 from haptisym.model.scene import Scene
 from haptisym.verbs.cost.measurement import Omission
-from haptisym.verbs.cost.methods import CROSSINGS, RATIOS, Method
-from haptisym.verbs.cost.questions import Attempt, Crossings, Found, Ratios, Score
+from haptisym.verbs.cost.methods import CROSSINGS, RATIO_METHODS, Method
+from haptisym.verbs.cost.questions import Attempt, Crossings, Found, RatioQuestion, Score
 from haptisym.verbs.cost.usual import RefusedError
 
 _DIGITS = 15
@@ -53,10 +53,10 @@ def prepared(methods: Iterable[Method], question: Any, task: str) -> tuple[dict[
 
 def evaluate_task(scene: Scene, *, quick: bool) -> Task:
     """The ratios along the band, by floats of several kinds and to many digits."""
-    few = Ratios(scene.distortion(), _frequencies(scene, 10 if quick else 40))
+    few = RatioQuestion(scene.distortion(), _frequencies(scene, 10 if quick else 40))
     count = len(few.omegas)
-    many = Ratios(few.distortion, few.omegas * ((_MANY // 10 if quick else _MANY) // count))
-    methods = [x for x in RATIOS.values() if not x.packages and not (quick and x.held > 100)]
+    many = RatioQuestion(few.distortion, few.omegas * ((_MANY // 10 if quick else _MANY) // count))
+    methods = [x for x in RATIO_METHODS.values() if not x.packages and not (quick and x.held > 100)]
     groups = [
         prepared([x for x in methods if x.at_once is at_once], question, "evaluate")
         for at_once, question in ((True, many), (False, few))

@@ -21,7 +21,7 @@ from haptisym.kernel.symbols import s
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part, is_irrational_algebraic
 from haptisym.programs.values import Array
-from haptisym.verbs.cost.questions import Attempt, Crossings, Found, Ratios
+from haptisym.verbs.cost.questions import Attempt, Crossings, Found, RatioQuestion
 
 _BLOCK = 1 << 14  # points that stay in the processor's cache
 
@@ -75,20 +75,20 @@ def _silently(function: Callable[[], Any]) -> Any:
         return function()
 
 
-def naive_way(question: Ratios) -> Attempt:
+def naive_way(question: RatioQuestion) -> Attempt:
     """H_perc - H_env in floats, as SymPy's ``lambdify`` writes it."""
     function, omega = naive(question.distortion), np.array(question.omegas)
     return lambda: _quietly(lambda: _ratios(*function(omega), omega))
 
 
-def control_way(question: Ratios) -> Attempt:
+def control_way(question: RatioQuestion) -> Attempt:
     """The difference of two transfer functions of python-control."""
     H, G = _silently(lambda: [to_control(x.expression()) for x in _rational(question.distortion)])
     difference, omega = G - H, np.array(question.omegas)
     return lambda: _silently(lambda: _ratios(H(1j * omega), difference(1j * omega), omega))
 
 
-def scipy_way(question: Ratios) -> Attempt:
+def scipy_way(question: RatioQuestion) -> Attempt:
     """The difference of two frequency responses of ``scipy.signal``."""
     from scipy import signal
 

@@ -22,7 +22,7 @@ from haptisym.kernel.symbols import omega, s
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
 from haptisym.model.parameters import Parameter
-from haptisym.model.quantities import Dimension, Motion, dimension_exponents
+from haptisym.model.quantities import Dimension, MotionKind, dimension_exponents
 from haptisym.model.scene import Scene
 
 _BASE = (Dimension.STIFFNESS, Dimension.MASS, Dimension.DAMPING, Dimension.FREQUENCY, Dimension.TIME)
@@ -33,7 +33,7 @@ _LETTERS = {
 
 
 @dataclass(frozen=True)
-class Group:
+class DimensionlessGroup:
     """A dimensionless group: its symbol, and what it is in the scene's parameters."""
 
     symbol: Symbol
@@ -48,8 +48,8 @@ class Groups:
     ``units`` : the parameters that became 1. ``stiffness`` : the unit of H.
     """
 
-    frequency: Group
-    groups: tuple[Group, ...]
+    frequency: DimensionlessGroup
+    groups: tuple[DimensionlessGroup, ...]
     units: tuple[Symbol, ...]
     stiffness: Expr
     values: Mapping[Symbol, Expr]
@@ -91,7 +91,7 @@ def groups(scene: Scene) -> Groups:
     named = dict(zip([p.symbol for p in others], _named(others, base, sizes, scene), strict=True))
     units = {x: Integer(1) for x in base}
     return Groups(
-        Group(Symbol("x", positive=True), omega / _unit({"time": Rational(-1)}, base, sizes)),
+        DimensionlessGroup(Symbol("x", positive=True), omega / _unit({"time": Rational(-1)}, base, sizes)),
         tuple(group for group, _ in named.values()),
         tuple(base),
         _unit(_exponents(Dimension.STIFFNESS, scene.motion), base, sizes),
@@ -104,18 +104,18 @@ _Size: TypeAlias = Mapping[str, Rational]
 """The exponents of the base dimensions, as far as they are not 0."""
 
 
-def _size(p: Parameter, motion: Motion | None) -> _Size:
+def _size(p: Parameter, motion: MotionKind | None) -> _Size:
     """Of a parameter; a bare number in a formula counts as a pure number."""
     if p.dimension is Dimension.ANY:
         return {name: Rational(n.numerator, n.denominator) for name, n in p.exponents or ()}
     return _exponents(p.dimension, motion)
 
 
-def _exponents(dimension: Dimension, motion: Motion | None) -> _Size:
+def _exponents(dimension: Dimension, motion: MotionKind | None) -> _Size:
     return {name: Rational(n.numerator, n.denominator) for name, n in dimension_exponents(dimension, motion) or ()}
 
 
-def _check(chain: Chain, sizes: Mapping[Symbol, _Size], motion: Motion | None) -> None:
+def _check(chain: Chain, sizes: Mapping[Symbol, _Size], motion: MotionKind | None) -> None:
     """SceneError unless other units of mass, length and time change the dynamics as they should: exact."""
     roots = {n.q for size in sizes.values() for n in size.values()} | {order.q for order in chain.ring.orders}
     units = {name: Dummy(name, positive=True) ** prod(map(int, roots)) for name in ("mass", "length", "time")}
@@ -168,11 +168,11 @@ def _unit(size: _Size, base: Sequence[Symbol], sizes: Mapping[Symbol, _Size]) ->
 
 def _named(
     others: Sequence[Parameter], base: Sequence[Symbol], sizes: Mapping[Symbol, _Size], scene: Scene
-) -> list[tuple[Group, int]]:
+) -> list[tuple[DimensionlessGroup, int]]:
     """The group of each parameter, and how many times it is the parameter in the units of the base."""
     letters = [_letter(p, base, sizes, scene) for p in others]
     taken, environment = {p.symbol.name for p in scene.parameters}, {p.symbol for p in scene.environment.parameters}
-    found: list[tuple[Group, int]] = []
+    found: list[tuple[DimensionlessGroup, int]] = []
     for p, letter in zip(others, letters, strict=True):
         own = p.symbol.name
         if not letter:
@@ -184,7 +184,7 @@ def _named(
         name = name if all(name != group.symbol.name for group, _ in found) else f"{name}_{own}"
         factor = 2 if letter == "zeta" else 1
         symbol = Symbol(name, positive=True) if p.symbol.is_positive else Symbol(name, real=True)
-        found.append((Group(symbol, p.symbol / (factor * _unit(sizes[p.symbol], base, sizes))), factor))
+        found.append((DimensionlessGroup(symbol, p.symbol / (factor * _unit(sizes[p.symbol], base, sizes))), factor))
     return found
 
 
@@ -206,7 +206,7 @@ def _letter(p: Parameter, base: Sequence[Symbol], sizes: Mapping[Symbol, _Size],
     return _LETTERS[kind]
 
 
-def _kind(size: _Size, motion: Motion | None) -> Dimension:
+def _kind(size: _Size, motion: MotionKind | None) -> Dimension:
     """The dimension with these exponents."""
     plain = {name: n for name, n in size.items() if n}
     return next((d for d in _LETTERS if d is not Dimension.ANY and _exponents(d, motion) == plain), Dimension.ANY)

@@ -32,14 +32,14 @@ _REMEMBERED = 1 << 13
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class BandPiece:
     """One of the 2^depth equal pieces of a band, counted from its low end."""
 
     depth: int = 0
     index: int = 0
 
-    def halves(self) -> tuple[Piece, Piece]:
-        return Piece(self.depth + 1, 2 * self.index), Piece(self.depth + 1, 2 * self.index + 1)
+    def halves(self) -> tuple[BandPiece, BandPiece]:
+        return BandPiece(self.depth + 1, 2 * self.index), BandPiece(self.depth + 1, 2 * self.index + 1)
 
 
 class BallChain(Shown):
@@ -68,43 +68,43 @@ class BallChain(Shown):
         self._behind = lru_cache(_REMEMBERED)(self._through)
         self._start = lru_cache(_REMEMBERED)(self._beginning)
 
-    def ends(self, piece: Piece) -> tuple[Expr, Expr]:
+    def ends(self, piece: BandPiece) -> tuple[Expr, Expr]:
         """The exact ends of a piece, rad/s."""
         low, high = (self.low + self.width * Rational(piece.index + i, 2**piece.depth) for i in (0, 1))
         return low, high
 
-    def middle(self, piece: Piece) -> Ball:
+    def middle(self, piece: BandPiece) -> Ball:
         low, width = self.band
         return low + width * arb(2 * piece.index + 1) * arb(2) ** (-piece.depth - 1)
 
-    def radius(self, piece: Piece) -> Ball:
+    def radius(self, piece: BandPiece) -> Ball:
         """Half the width of a piece, rounded up."""
         return (self.band[1] * arb(2) ** (-piece.depth - 1)).upper()
 
-    def _first_steps(self, piece: Piece, whole: bool, link: int) -> list[Any]:  # noqa: FBT001 - remembered by piece
+    def _first_steps(self, piece: BandPiece, whole: bool, link: int) -> list[Any]:  # noqa: FBT001 - remembered by piece
         x = self.middle(piece)
         s = along_axis(x + arb(0, self.radius(piece)), TERMS + 1) if whole else along_axis(x, TERMS)
         return self._series[link].known(s)
 
-    def _beginning(self, piece: Piece, whole: bool) -> tuple[Series, Series, Series]:  # noqa: FBT001
+    def _beginning(self, piece: BandPiece, whole: bool) -> tuple[Series, Series, Series]:  # noqa: FBT001
         """What is rendered, by how much it differs from H_env, and what to multiply with instead of dividing by ``|H_env|``."""
         H, felt, change = self._results(piece, whole, 0)
         re, im = (self.part_of(H, part) for part in Part)
         return felt, change, (re * re + im * im).rsqrt()
 
-    def _through(self, piece: Piece, whole: bool, kept: tuple[int, ...]) -> tuple[Series, Series]:  # noqa: FBT001
+    def _through(self, piece: BandPiece, whole: bool, kept: tuple[int, ...]) -> tuple[Series, Series]:  # noqa: FBT001
         """What is felt behind some effects, and dH."""
         if not kept:
             return self._start(piece, whole)[:2]
         felt, change = self._results(piece, whole, 1 + kept[-1], self._behind(piece, whole, kept[:-1]))
         return felt, change
 
-    def _results(self, piece: Piece, whole: bool, link: int, before: Sequence[Series] = ()) -> list[Series]:  # noqa: FBT001
+    def _results(self, piece: BandPiece, whole: bool, link: int, before: Sequence[Series] = ()) -> list[Series]:  # noqa: FBT001
         known = self._known(piece, whole, link)
         found = self._series[link].results(known, before)
         return [x if isinstance(x, acb_series) else acb_series([x], prec=TERMS + whole) for x in found]
 
-    def changes(self, piece: Piece, kept: Kept, part: Part, *, whole: bool) -> tuple[Series, Series]:
+    def changes(self, piece: BandPiece, kept: Kept, part: Part, *, whole: bool) -> tuple[Series, Series]:
         """(a - b)/``|H_env|`` and (a + b)/``|H_env|``, where a and b are a part of dH with all effects and with some."""
         full, some = (self._behind(piece, whole, tuple(sorted(which)))[1] for which in (self.everything, kept))
         scale = self._start(piece, whole)[2]

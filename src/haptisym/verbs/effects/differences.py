@@ -24,7 +24,7 @@ from haptisym.model.distortion import part_of
 from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
 from haptisym.programs.series import Series, series_arithmetic
-from haptisym.verbs.effects.ballchain import TERMS, BallChain, Kept, Piece
+from haptisym.verbs.effects.ballchain import TERMS, BallChain, BandPiece, Kept
 from haptisym.verbs.effects.suprema import Supremum, supremum
 
 _NOTHING = 1e-20  # in the middle of some pieces: then it is asked whether the functions are zero
@@ -33,7 +33,7 @@ _DEEPEST = 24  # halvings until that must tell
 
 
 @dataclass(frozen=True)
-class Range:
+class SupremumBounds:
     """Of a function >= 0 on a piece: a value that it is nowhere below, one that it reaches, one that it nowhere exceeds."""
 
     least: float
@@ -55,13 +55,13 @@ class Difference:
         with series_arithmetic():
             if self._looks_zero() and any(f.is_zero for f in self._functions):
                 return Supremum(0.0, 0.0)
-            return supremum(Piece(), self._bounds, limit)
+            return supremum(BandPiece(), self._bounds, limit)
 
     def _looks_zero(self) -> bool:
-        pieces = (Piece(3, i) for i in range(8))
+        pieces = (BandPiece(3, i) for i in range(8))
         return all(_up(min(self._middle(piece), key=_up)) < _NOTHING for piece in pieces)
 
-    def _middle(self, piece: Piece) -> list[Ball]:
+    def _middle(self, piece: BandPiece) -> list[Ball]:
         """a - b and a + b over |H_env| in the middle of a piece."""
         return [series[0] for series in self.balls.changes(piece, self.kept, self.part, whole=False)]
 
@@ -72,25 +72,25 @@ class Difference:
         exceeds = bool(table.where(lambda signs: signs[0] > 0 and signs[1] > 0))
         return None if table.undecided and not exceeds else not exceeds
 
-    def at_middle(self, piece: Piece) -> float:
+    def at_middle(self, piece: BandPiece) -> float:
         """A lower bound of its value in the middle of a piece."""
         return min(map(_down, self._middle(piece)))
 
-    def range(self, piece: Piece) -> Range:
+    def range(self, piece: BandPiece) -> SupremumBounds:
         """Its range on a piece; unbounded above where ball arithmetic tells no bound."""
         middle, whole = (self.balls.changes(piece, self.kept, self.part, whole=x) for x in (False, True))
         h = self.balls.radius(piece)
         minus, plus = (_Expansion(*pair, h) for pair in zip(middle, whole, strict=True))
         reached = max(min(a, b) for a, b in zip(minus.values, plus.values, strict=True))
-        return Range(min(minus.least, plus.least), reached, min(minus.most, plus.most))
+        return SupremumBounds(min(minus.least, plus.least), reached, min(minus.most, plus.most))
 
-    def _bounds(self, piece: Piece) -> tuple[float, float]:
+    def _bounds(self, piece: BandPiece) -> tuple[float, float]:
         found = self.range(piece)
         if found.most == inf and piece.depth >= _DEEP:
             return self._exact_bounds(piece)
         return found.reached, found.most
 
-    def _exact_bounds(self, piece: Piece) -> tuple[float, float]:
+    def _exact_bounds(self, piece: BandPiece) -> tuple[float, float]:
         """Bounds by the exact functions; both infinite where both functions have the same pole."""
         low, high = self.balls.ends(piece)
         tops = [largest(f, low, high) for f in self.squares]

@@ -14,7 +14,7 @@ from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.effects.ballchain import BallChain
 from haptisym.verbs.effects.relevance import Relevance
-from haptisym.verbs.effects.subsets import Search
+from haptisym.verbs.effects.subsets import SubsetSearch
 
 TOLERANCE = Rational(1, 100)
 """Unless told otherwise: a tenth of the usual JND."""
@@ -39,7 +39,7 @@ def relevance(scene: Scene | str | Path, tolerance: Number = TOLERANCE) -> Relev
     scene.knobs.need_numbers()
     scene.threshold.need_square("which effects matter")
     balls = BallChain(scene)
-    choice = Search(scene, balls, limit).choose()
+    choice = SubsetSearch(scene, balls, limit).choose()
     kept = tuple(effect for i, effect in enumerate(scene.effects) if i in choice.kept)
     return Relevance(scene, limit, replace(scene, effects=kept), choice.bound, choice.smallest, balls)
 

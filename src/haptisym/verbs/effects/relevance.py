@@ -27,8 +27,8 @@ from haptisym.model.jnd import Part
 from haptisym.model.regions import positive
 from haptisym.model.scene import Scene
 from haptisym.programs.series import series_arithmetic
-from haptisym.verbs.effects.ballchain import BallChain, Piece
-from haptisym.verbs.effects.differences import Difference, Range
+from haptisym.verbs.effects.ballchain import BallChain, BandPiece
+from haptisym.verbs.effects.differences import Difference, SupremumBounds
 from haptisym.verbs.effects.suprema import Supremum
 
 _FINEST = 10  # halvings of the band until two effects count as alike
@@ -44,7 +44,7 @@ class Influence:
 
 
 @dataclass(frozen=True)
-class Enclosure(Judged):
+class CrossingEnclosure(Judged):
     """An interval of the band, rad/s, that the full scene's ratio of that part may have crossings in: outside all there are none.
 
     ``certain`` : whether it holds at least one, as the ratio is on different sides of its threshold below and above;
@@ -118,12 +118,12 @@ class Relevance(Answer):
         return Difference(self.scene, self.balls, self.balls.everything - {index}, part)
 
     @cached_property
-    def crossings(self) -> tuple[Enclosure, ...]:
+    def crossings(self) -> tuple[CrossingEnclosure, ...]:
         """Where the full scene's crossings lie: in these intervals, in ascending order, and nowhere else on the band."""
         found = [enclosure for x in noticed(self.pruned.threshold) for enclosure in self._enclosures(x)]
         return tuple(sorted(found, key=lambda x: (float(x.low), x.criterion.name)))
 
-    def _enclosures(self, criterion: Criterion) -> Iterator[Enclosure]:
+    def _enclosures(self, criterion: Criterion) -> Iterator[CrossingEnclosure]:
         part, c = criterion.part, criterion.threshold
         if part is None:
             raise SceneError(f"{criterion.words}: which effects matter is told of criteria of one part alone")
@@ -134,9 +134,9 @@ class Relevance(Answer):
             levels["low"] = replace(criterion, threshold=c - bound).exceeded(square)
         table = chart(levels, *self.pruned.band)
         for x in table.where(lambda signs: signs.get("low", 1) >= 0 >= signs["high"]):
-            yield Enclosure(criterion, x.low.omega, x.high.omega, _passes(table, x))
+            yield CrossingEnclosure(criterion, x.low.omega, x.high.omega, _passes(table, x))
         for point in table.undecided:
-            yield Enclosure(criterion, point.omega, point.omega, certain=False)
+            yield CrossingEnclosure(criterion, point.omega, point.omega, certain=False)
 
     @cached_property
     def operations(self) -> tuple[int, int]:
@@ -148,7 +148,7 @@ class Relevance(Answer):
     def dominance(self) -> tuple[Dominance, ...]:
         """Which effect changes the ratios most, along the band; in the gaps two are alike, or nothing is told to 1/1000 of it."""
         with series_arithmetic():
-            pieces = list(self._dominated(Piece()))
+            pieces = list(self._dominated(BandPiece()))
         found = []
         for index, run in groupby(pieces, key=lambda pair: pair[0]):
             if index is not None:
@@ -156,7 +156,7 @@ class Relevance(Answer):
                 found.append(Dominance(self.scene.effects[index], ends[0][0], ends[-1][1]))
         return tuple(found)
 
-    def _dominated(self, piece: Piece) -> Iterator[tuple[int | None, Piece]]:
+    def _dominated(self, piece: BandPiece) -> Iterator[tuple[int | None, BandPiece]]:
         """The band in pieces, each with the effect that dominates on it, if one does."""
         ranges = [self._range(i, piece) for i in range(len(self.scene.effects))]
         first = max(range(len(ranges)), key=lambda i: ranges[i].least, default=None)
@@ -168,10 +168,10 @@ class Relevance(Answer):
             for half in piece.halves():
                 yield from self._dominated(half)
 
-    def _range(self, index: int, piece: Piece) -> Range:
+    def _range(self, index: int, piece: BandPiece) -> SupremumBounds:
         """Of the larger one of an effect's changes of r_r and r_i."""
         real, imag = (self.without(index, part).range(piece) for part in Part)
-        return Range(max(real.least, imag.least), max(real.reached, imag.reached), max(real.most, imag.most))
+        return SupremumBounds(max(real.least, imag.least), max(real.reached, imag.reached), max(real.most, imag.most))
 
     def _body(self) -> dict[str, Any]:
         return {

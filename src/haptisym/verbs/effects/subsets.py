@@ -15,7 +15,7 @@ from sympy import Expr, Rational
 from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
 from haptisym.programs.series import FLOATS, InSteps, series_arithmetic
-from haptisym.verbs.effects.ballchain import BallChain, Kept, Piece
+from haptisym.verbs.effects.ballchain import BallChain, BandPiece, Kept
 from haptisym.verbs.effects.differences import Difference
 from haptisym.verbs.effects.suprema import Supremum
 
@@ -24,7 +24,7 @@ _MOST_SUBSETS = 1 << 12  # that are gone through: all of 12 effects
 
 
 @dataclass(frozen=True)
-class Choice:
+class Selection:
     """Effects that are kept, with the largest change that the others make together.
 
     ``smallest`` : whether every smaller set, and every one as small with a lower bound, is proven not to do.
@@ -40,7 +40,7 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Search:
+class SubsetSearch:
     """The search in one scene for one tolerance, an exact number >= 0.
 
     Effects may make up for each other, so a set that does is not known from a larger or a smaller one: all sets are
@@ -52,7 +52,7 @@ class Search:
     balls: BallChain
     tolerance: Expr
 
-    def choose(self) -> Choice:
+    def choose(self) -> Selection:
         """The fewest effects; of several sets that size, the one with the lowest bound."""
         everything, gone_through, smallest = self.balls.everything, 0, True
         for size in range(len(everything)):
@@ -67,7 +67,7 @@ class Search:
                 return min(found, key=lambda choice: choice.worst)
         return self._choice(everything, smallest=smallest)
 
-    def _one_by_one(self) -> Choice:
+    def _one_by_one(self) -> Selection:
         """A small set, if not surely the smallest: effects are left out in turn while the bound allows it."""
         kept = self.balls.everything
         while True:
@@ -77,11 +77,11 @@ class Search:
                 return self._choice(kept, smallest=False)
             kept = found
 
-    def _choice(self, kept: Kept, *, smallest: bool) -> Choice:
+    def _choice(self, kept: Kept, *, smallest: bool) -> Selection:
         found = {part: self._difference(kept, part).supremum() for part in Part}
         above = nextafter(self._limit, inf)
         bound = {part: Supremum(x.least, min(x.most, above)) for part, x in found.items()}
-        return Choice(kept, bound, smallest)
+        return Selection(kept, bound, smallest)
 
     def _verdict(self, kept: Kept) -> bool | None:
         """Whether a set does; None where that stayed undecided."""
@@ -100,7 +100,7 @@ class Search:
     def _difference(self, kept: Kept, part: Part) -> Difference:
         return Difference(self.scene, self.balls, kept, part)
 
-    def _at(self, kept: Kept, part: Part, piece: Piece) -> float:
+    def _at(self, kept: Kept, part: Part, piece: BandPiece) -> float:
         with series_arithmetic():
             return self._difference(kept, part).at_middle(piece)
 
@@ -110,13 +110,13 @@ class Search:
         near = float(self.tolerance)
         return near if Rational(*near.as_integer_ratio()) <= self.tolerance else nextafter(near, -inf)
 
-    def _sampled(self, kept: Kept) -> tuple[float, Part, Piece]:
+    def _sampled(self, kept: Kept) -> tuple[float, Part, BandPiece]:
         """The largest change among samples, not proven, and where it is."""
         both = self._samples.ratios(kept)
         with np.errstate(invalid="ignore"):
             change = np.nan_to_num(np.abs(both - self._all), nan=0.0)
         part, index = np.unravel_index(int(change.argmax()), change.shape)
-        return float(change[part, index]), tuple(Part)[int(part)], Piece(_DEPTH, int(index))
+        return float(change[part, index]), tuple(Part)[int(part)], BandPiece(_DEPTH, int(index))
 
     @cached_property
     def _samples(self) -> _Samples:
@@ -133,7 +133,7 @@ class _Samples:
     def __init__(self, balls: BallChain) -> None:
         self.balls = balls
         with series_arithmetic(), np.errstate(all="ignore"):
-            self.omega = np.array([float(balls.middle(Piece(_DEPTH, i))) for i in range(1 << _DEPTH)])
+            self.omega = np.array([float(balls.middle(BandPiece(_DEPTH, i))) for i in range(1 << _DEPTH)])
             self.links = [InSteps(program, FLOATS) for program in balls.programs]
             self.known = [link.known(1j * self.omega) for link in self.links]
 

@@ -17,13 +17,13 @@ _NOTHING = 1e-12  # a supremum below it is known well enough
 _MOST_CELLS = 1 << 15
 
 
-class Cell(Protocol):
+class Divisible(Protocol):
     """A part of the domain that can be halved."""
 
     def halves(self) -> tuple[Self, Self]: ...
 
 
-C = TypeVar("C", bound=Cell)
+C = TypeVar("C", bound=Divisible)
 
 
 @dataclass(frozen=True, slots=True)

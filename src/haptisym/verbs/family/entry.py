@@ -22,7 +22,7 @@ from haptisym.model.scenefile import as_family
 
 
 @dataclass(frozen=True)
-class Binding(Judged):
+class FamilyBinding(Judged):
     """At this end of the common transparent set this environment breaks this criterion beyond."""
 
     omega: RealNumber
@@ -69,7 +69,7 @@ class FamilyEvaluation(Answer):
         return first.high.omega if first and first.low is self.chart.points[0] else None
 
     @cached_property
-    def binding(self) -> tuple[Binding, ...]:
+    def binding(self) -> tuple[FamilyBinding, ...]:
         """Who binds at each end of the common transparent set inside the band, in ascending order.
 
         Several where their ratios meet their thresholds at the same frequency. Where not even the band's low end is in
@@ -83,9 +83,9 @@ class FamilyEvaluation(Answer):
             found += [] if x.high is highest else self._exceeding(x.high.omega, x.high.after)
         return tuple(dict.fromkeys(found))
 
-    def _exceeding(self, omega: RealNumber, signs: Signs) -> list[Binding]:
+    def _exceeding(self, omega: RealNumber, signs: Signs) -> list[FamilyBinding]:
         keys = [(name, x) for name in self.family for x in noticed(self.family.threshold)]
-        return [Binding(omega, name, x) for name, x in keys if signs[name, x] > 0]
+        return [FamilyBinding(omega, name, x) for name, x in keys if signs[name, x] > 0]
 
     @property
     def certified(self) -> bool:
@@ -103,7 +103,7 @@ class FamilyEvaluation(Answer):
             "certified": self.certified,
         }
 
-    def _binding(self, x: Binding) -> dict[str, Any]:
+    def _binding(self, x: FamilyBinding) -> dict[str, Any]:
         return {
             "at": float(x.omega),
             "digits": x.omega.digits(self.digits),

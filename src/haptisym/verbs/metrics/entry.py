@@ -19,7 +19,7 @@ from haptisym.kernel.roots import Point, chart
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.metrics.disagreements import disagreements
-from haptisym.verbs.metrics.forms import Forms
+from haptisym.verbs.metrics.forms import MeasureForms
 from haptisym.verbs.metrics.judging import TOO_LARGE, WITHIN_3_DB, relative_square
 from haptisym.verbs.metrics.measured import FAR, Measured, value_at
 from haptisym.verbs.metrics.metric import Metric, Metrics, Value
@@ -40,7 +40,7 @@ def metrics(scene: Scene | str | Path) -> Metrics:
     """
     scene = as_scene(scene)
     m = Measured(evaluate(scene))
-    forms = Forms(scene)
+    forms = MeasureForms(scene)
     rows = (_ratio, _relative, _range, _sensitivity, passivity_measure, absolute_stability, _effective, _free)
     return Metrics(m.evaluation, tuple(row(m, forms) for row in rows), tuple(disagreements(m)), m)
 
@@ -71,7 +71,7 @@ def _largest(square: RealFunction, m: Measured) -> RealNumber | None:
 # The measures
 
 
-def _ratio(m: Measured, forms: Forms) -> Metric:
+def _ratio(m: Measured, forms: MeasureForms) -> Metric:
     edges = [p for p in m.edges.points if any(_passes(p, x) for x in WITHIN_3_DB)]
     values = [Value(_edge(p), p.omega, "rad/s") for p in edges]
     inside = kept(m.edges)
@@ -105,7 +105,7 @@ def _edge(p: Point) -> str:
     return f"{x.name} edge, {'rising' if (p.after[x] > 0) == (x is TOO_LARGE) else 'falling'}"
 
 
-def _relative(m: Measured, forms: Forms) -> Metric:
+def _relative(m: Measured, forms: MeasureForms) -> Metric:
     square = relative_square(m.d)
     circle = (
         f"at most {float(100 * m.relative.threshold):.6g} %"
@@ -131,7 +131,7 @@ _RELATIVE = (
 _IN_CIRCLE = "where it is in that circle no change leaves the region; the JND test asks less, as the region is larger"
 
 
-def _range(m: Measured, forms: Forms) -> Metric:
+def _range(m: Measured, forms: MeasureForms) -> Metric:
     least, most, width = m.port.least, m.port.most, m.port.width
     values = [Value("|Z_min| everywhere", None, m.unit)] if least is None else _modulus_at_ends(least, m, "|Z_min|")
     for name, function in (("|Z_max|", most), ("|Z_width|", width)):
@@ -149,7 +149,7 @@ def _range(m: Measured, forms: Forms) -> Metric:
     )
 
 
-def _sensitivity(m: Measured, forms: Forms) -> Metric:
+def _sensitivity(m: Measured, forms: MeasureForms) -> Metric:
     square = m.sensitivity_square
     value = None if square is None else _largest(square, m)
     return Metric(
@@ -162,7 +162,7 @@ def _sensitivity(m: Measured, forms: Forms) -> Metric:
     )
 
 
-def _effective(m: Measured, forms: Forms) -> Metric:
+def _effective(m: Measured, forms: MeasureForms) -> Metric:
     names = {"k": "stiffness", "m": "mass", "b": "damping"}
     values = [
         Value(f"{names[key]} at {short(w)} rad/s", x, m.units[key]) for w, row in m.effective for key, x in row.items()
@@ -177,7 +177,7 @@ def _effective(m: Measured, forms: Forms) -> Metric:
     )
 
 
-def _free(m: Measured, _: Forms) -> Metric:
+def _free(m: Measured, _: MeasureForms) -> Metric:
     found = m.free
     values = [
         Value(x.name, x.perceived, x.unit, reference=x.environment, tolerance=x.tolerance, kept=x.passes)

@@ -23,7 +23,7 @@ MOST_SYMBOLS = 8
 
 
 @dataclass(frozen=True)
-class System:
+class ChainSystem:
     """The dynamics of a chain: distortion and two-port in one ring."""
 
     chain: Chain
@@ -49,9 +49,9 @@ class Form(Shown):
     """A closed form by its name, of s or of omega."""
 
     name: str
-    of: Callable[[System], Function | None]
-    numbers: System
-    symbols: System | None
+    of: Callable[[ChainSystem], Function | None]
+    numbers: ChainSystem
+    symbols: ChainSystem | None
 
     def _line(self) -> str:
         return f"{self.name} = {self.value}"
@@ -73,33 +73,33 @@ class Form(Shown):
         return None if found is None else found.factored()
 
 
-class Forms:
+class MeasureForms:
     """The closed forms of one scene, by their names."""
 
     def __init__(self, scene: Scene) -> None:
-        self.numeric = System(scene.distortion().chain)
-        self.symbolic = System(scene.chain) if len(scene.parameters) <= MOST_SYMBOLS else None
+        self.numeric = ChainSystem(scene.distortion().chain)
+        self.symbolic = ChainSystem(scene.chain) if len(scene.parameters) <= MOST_SYMBOLS else None
 
     def __call__(self, *names: str) -> tuple[Form, ...]:
         """Some of them."""
         return tuple(Form(name, _FORMS[name], self.numeric, self.symbolic) for name in names)
 
 
-def _stiffness(x: System) -> RealFunction:
+def _stiffness(x: ChainSystem) -> RealFunction:
     return on_axis(x.d.perc).real
 
 
-def _mass(x: System) -> RealFunction:
+def _mass(x: ChainSystem) -> RealFunction:
     real = _stiffness(x)
     return RealFunction((-real.function / real.axis.convert(omega**2)).reduced())
 
 
-def _damping(x: System) -> RealFunction:
+def _damping(x: ChainSystem) -> RealFunction:
     imag = on_axis(x.d.perc).imag
     return RealFunction((imag.function / imag.axis.convert(omega)).reduced())
 
 
-_FORMS: dict[str, Callable[[System], Function | None]] = {
+_FORMS: dict[str, Callable[[ChainSystem], Function | None]] = {
     "Gamma": lambda x: (x.d.perc / x.d.env).reduced(),
     "Theta": lambda x: (x.d.difference / x.d.env).reduced(),
     "Z_min": lambda x: x.port.least,

@@ -37,7 +37,7 @@ _MOST_OVERSHOOTS = 1000  # with less damping than that the count says no more
 class Swing(RealNumber):
     """A number that follows from sigma and omega_d of a dominant pair."""
 
-    pair: Pair
+    pair: ComplexPair
     function: Callable[[Ball, Ball], Ball] = field(repr=False)
 
     def ball(self, bits: int) -> Ball:
@@ -47,7 +47,7 @@ class Swing(RealNumber):
 
 
 @dataclass(frozen=True)
-class Pair:
+class ComplexPair:
     """The dominant pair of complex zeros -sigma +- j omega_d of a polynomial, its coefficients ascending. Certified."""
 
     coefficients: tuple[Any, ...] = field(repr=False)
@@ -159,7 +159,7 @@ def _own(dynamics: RationalFunction) -> Polynomial:
     return dynamics.ring.without_common_functions(dynamics.reduced().numerator)[1]
 
 
-def _dominant(dynamics: RationalFunction) -> Pair | str:
+def _dominant(dynamics: RationalFunction) -> ComplexPair | str:
     """The dominant pair, or why there is none."""
     ring, numerator = dynamics.ring, _own(dynamics)
     if any(degree_in([numerator], i) for i in range(ring.size, len(ring.meanings))):
@@ -174,13 +174,13 @@ def _dominant(dynamics: RationalFunction) -> Pair | str:
         above = [x for x in zeros if x.imag > 0]
         others = [x for x in zeros if x not in above[:1] and not (above and x.conjugate().overlaps(above[0]))]
         if above and above[0].real < 0 and all(x.real < OUTLASTS * above[0].real for x in others):
-            return Pair(coefficients)
+            return ComplexPair(coefficients)
     if not above:
         return "not offered: no zero is complex, so that nothing swings"
     return f"not offered: no complex pair of zeros decays {OUTLASTS} times as slowly as every other zero"
 
 
-def _checks(env: Pair, perc: Pair) -> list[Check]:
+def _checks(env: ComplexPair, perc: ComplexPair) -> list[Check]:
     count, own = env.significant, perc.significant
     return [
         _ratio_check("P_0, first zero crossing", env.first_crossing, perc.first_crossing, 10),
@@ -196,17 +196,17 @@ def _ratio_check(name: str, env: RealNumber, perc: RealNumber, percent: int) -> 
     return Check(name, env, perc, "s", f"{percent} %", passes)
 
 
-def _overshoot_check(n: int, env: Pair, perc: Pair) -> Check:
+def _overshoot_check(n: int, env: ComplexPair, perc: ComplexPair) -> Check:
     return Check(f"A_{n}/A_d", env.overshoot(n), perc.overshoot(n), "", "10 % of A_1", _close(n, env, perc))
 
 
-def _rest(env: Pair, perc: Pair, count: int) -> Check:
+def _rest(env: ComplexPair, perc: ComplexPair, count: int) -> Check:
     """All further significant overshoots in one row, with the numbers of the first of them."""
     passes = all(_close(n, env, perc) for n in range(4, count + 1))
     return Check(f"A_4/A_d to A_{count}/A_d", env.overshoot(4), perc.overshoot(4), "", "10 % of A_1", passes)
 
 
-def _close(n: int, env: Pair, perc: Pair) -> bool:
+def _close(n: int, env: ComplexPair, perc: ComplexPair) -> bool:
     def off(bits: int) -> Ball:
         return abs(perc.overshoot(n).ball(bits) - env.overshoot(n).ball(bits)) / env.overshoot(1).ball(bits)
 

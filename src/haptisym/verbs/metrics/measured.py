@@ -20,7 +20,7 @@ from haptisym.kernel.roots import Chart, Interval, Point, chart
 from haptisym.kernel.symbols import omega
 from haptisym.model.caveats import clocks
 from haptisym.model.distortion import Distortion
-from haptisym.model.quantities import Motion
+from haptisym.model.quantities import MotionKind
 from haptisym.verbs.metrics.freeresponse import FreeResponse, free_response
 from haptisym.verbs.metrics.judging import LLEWELLYN, WITHIN_3_DB, relative, relative_square
 from haptisym.verbs.metrics.twoport import TwoPort
@@ -149,12 +149,12 @@ class Measured:
     @property
     def unit(self) -> str:
         """Of a dynamic stiffness."""
-        return "N m/rad" if self.evaluation.scene.motion is Motion.ROTATION else "N/m"
+        return "N m/rad" if self.evaluation.scene.motion is MotionKind.ROTATION else "N/m"
 
     @property
     def units(self) -> dict[str, str]:
         """Of stiffness, mass and damping."""
-        if self.evaluation.scene.motion is Motion.ROTATION:
+        if self.evaluation.scene.motion is MotionKind.ROTATION:
             return {"k": "N m/rad", "m": "kg m^2", "b": "N m s/rad"}
         return {"k": "N/m", "m": "kg", "b": "N s/m"}
 

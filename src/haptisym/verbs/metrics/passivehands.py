@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from haptisym.judge.passivity import Beyond, Passivity
 from haptisym.kernel.reals import ExactNumber, short
-from haptisym.verbs.metrics.forms import Forms
+from haptisym.verbs.metrics.forms import MeasureForms
 from haptisym.verbs.metrics.measured import Measured, covers
 from haptisym.verbs.metrics.metric import Metric, Value
 
 _ANSWERS = {True: "holds", False: "does not hold", None: "not decided"}
 
 
-def passivity_measure(m: Measured, _: Forms) -> Metric:
+def passivity_measure(m: Measured, _: MeasureForms) -> Metric:
     """Im H_perc >= 0 on the band and beside it; the damping of a hand that makes up for what is given away."""
     found = m.evaluation.passivity
     return Metric(
@@ -71,7 +71,7 @@ def _verdict(m: Measured, found: Passivity | None) -> str:
     return f"{band}; every passive hand: not decided"
 
 
-def absolute_stability(m: Measured, forms: Forms) -> Metric:
+def absolute_stability(m: Measured, forms: MeasureForms) -> Metric:
     """Llewellyn's criterion: the band where its conditions on the axis hold, and all of it at all frequencies."""
     bands, whole = m.llewellyn, m.unconditional
     rows: tuple[Value, ...] = ()

@@ -27,7 +27,7 @@ from haptisym.kernel.roots import Interval, chart
 from haptisym.kernel.subdivision import Waiting
 from haptisym.verbs.require.feasible import Binding, Kind
 from haptisym.verbs.require.freeparameter import Conditions
-from haptisym.verbs.require.places import Edge, MaximumAt, Place, Strip, Summit, Verdict, places
+from haptisym.verbs.require.places import CellVerdict, CriticalPlace, Edge, MaximumAt, Strip, Summit, places
 from haptisym.verbs.require.strips import Shape
 
 BITS = 128
@@ -48,14 +48,14 @@ class Leaf:
 
     low: Fraction | None
     high: Fraction | None
-    verdict: Verdict
-    above: Verdict | None = None
+    verdict: CellVerdict
+    above: CellVerdict | None = None
     value: RealNumber | None = None
     binding: Binding | None = None
 
 
 @dataclass(frozen=True)
-class Search:
+class ValueSearch:
     """Conditions in omega and one parameter, on a band; ``scale``: a usual size of the parameter."""
 
     conditions: Conditions
@@ -86,11 +86,11 @@ class Search:
         with suppress(LimitError):  # what waits stays open
             for a, b in waiting:
                 leaf = self._judged(a, b)
-                if leaf.verdict is not Verdict.OPEN or self._width(a, b) < _NARROW:
+                if leaf.verdict is not CellVerdict.OPEN or self._width(a, b) < _NARROW:
                     found.append(leaf)
                 else:
                     waiting.add((a, _middle(a, b)), (_middle(a, b), b))
-        found += [Leaf(a, b, Verdict.OPEN) for a, b in waiting.rest]
+        found += [Leaf(a, b, CellVerdict.OPEN) for a, b in waiting.rest]
         return sorted(found, key=lambda leaf: leaf.low or 0)
 
     def _rank(self, cell: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
@@ -112,58 +112,60 @@ class Search:
         return {x: Shape.of(condition, self.free) for x, condition in self.conditions.items()}
 
     def _leaf(self, low: Fraction, high: Fraction, strips: dict[Criterion, Strip]) -> Leaf:
-        crossing: list[tuple[Criterion, Place, int]] = []
+        crossing: list[tuple[Criterion, CriticalPlace, int]] = []
         is_open = False  # of one criterion; another may be broken for all values
         for criterion, strip in strips.items():
             found = places(strip, self.band)
-            if found is Verdict.BROKEN:
-                return Leaf(low, high, Verdict.BROKEN)
-            is_open |= isinstance(found, Verdict)
-            for place in () if isinstance(found, Verdict) else found:
+            if found is CellVerdict.BROKEN:
+                return Leaf(low, high, CellVerdict.BROKEN)
+            is_open |= isinstance(found, CellVerdict)
+            for place in () if isinstance(found, CellVerdict) else found:
                 signs = strip.signs(place)
                 if signs == (1, 1):
-                    return Leaf(low, high, Verdict.BROKEN)
+                    return Leaf(low, high, CellVerdict.BROKEN)
                 if signs is None:
                     is_open = True
                 elif signs != (-1, -1):
                     crossing.append((criterion, place, signs[0]))
         if is_open or len(crossing) > 1:
-            return Leaf(low, high, Verdict.OPEN)
+            return Leaf(low, high, CellVerdict.OPEN)
         if not crossing:
-            return Leaf(low, high, Verdict.KEPT)
+            return Leaf(low, high, CellVerdict.KEPT)
         [(criterion, place, before)] = crossing
         value = strips[criterion].crossing(place)
-        verdicts = (Verdict.BROKEN, Verdict.KEPT) if before > 0 else (Verdict.KEPT, Verdict.BROKEN)
+        verdicts = (CellVerdict.BROKEN, CellVerdict.KEPT) if before > 0 else (CellVerdict.KEPT, CellVerdict.BROKEN)
         return Leaf(low, high, *verdicts, value, _binding(criterion, place, value))
 
     # Values without bound
 
     def _tail(self, sign: int, start: Fraction) -> Leaf:
         """The values beyond a number, the first of its doubles for which they show to be alike."""
-        bound, verdict = start, Verdict.OPEN
+        bound, verdict = start, CellVerdict.OPEN
         try:
             turned = self._tail_by_phase(sign)
             if turned is not None:
                 return turned
             for _ in range(_DOUBLINGS):
                 verdict = self._beyond(sign, bound)
-                if verdict is not Verdict.OPEN:
+                if verdict is not CellVerdict.OPEN:
                     break
                 bound *= 2
         except LimitError:
-            verdict = Verdict.OPEN
+            verdict = CellVerdict.OPEN
         return Leaf(bound, None, verdict) if sign > 0 else Leaf(None, bound, verdict)
 
-    def _beyond(self, sign: int, bound: Fraction) -> Verdict:
+    def _beyond(self, sign: int, bound: Fraction) -> CellVerdict:
         with flint.ctx.workprec(BITS):
             inverse = arb(0).union(sign / abs(dyadic(bound)))
             verdicts = set()
             for shape in self._shapes.values():
                 found = places(Strip.beyond(shape, inverse), self.band)
-                if found is Verdict.BROKEN:
-                    return Verdict.BROKEN
-                verdicts.add(found if isinstance(found, Verdict) else Verdict.OPEN if found else Verdict.KEPT)
-            return Verdict.OPEN if Verdict.OPEN in verdicts else Verdict.KEPT
+                if found is CellVerdict.BROKEN:
+                    return CellVerdict.BROKEN
+                verdicts.add(
+                    found if isinstance(found, CellVerdict) else CellVerdict.OPEN if found else CellVerdict.KEPT
+                )
+            return CellVerdict.OPEN if CellVerdict.OPEN in verdicts else CellVerdict.KEPT
 
     def _tail_by_phase(self, sign: int) -> Leaf | None:
         """Of a parameter that only turns a phase: a long delay has any phase somewhere in any piece of the band."""
@@ -172,7 +174,7 @@ class Search:
         for condition in self.conditions.values():
             bound = _bound_by_phase(condition, self.free, self.band)
             if bound is not None:
-                return Leaf(bound, None, Verdict.BROKEN)
+                return Leaf(bound, None, CellVerdict.BROKEN)
         return None
 
 
@@ -197,7 +199,7 @@ def _bound_by_phase(condition: RealFunction, free: Symbol, band: tuple[Expr, Exp
     return Fraction(2 * float(pi) / (float(rate) * max(lengths) * 0.99))
 
 
-def _binding(criterion: Criterion, place: Place, value: RealNumber) -> Binding:
+def _binding(criterion: Criterion, place: CriticalPlace, value: RealNumber) -> Binding:
     if place.kind is Kind.TOUCH:
         assert isinstance(value, Summit)
         return Binding(criterion, MaximumAt(value), place.kind)

@@ -47,7 +47,7 @@ that move to the same side meet outside."""
 
 
 @dataclass(frozen=True)
-class Excess:
+class BrokenInterval:
     """Frequencies at which a condition is broken, for a value of the parameter."""
 
     criterion: Criterion
@@ -59,7 +59,7 @@ class Cell:
     """An open interval of values with one answer, told at a sample: where conditions are broken there; nowhere if feasible."""
 
     sample: Rational
-    broken: tuple[Excess, ...]
+    broken: tuple[BrokenInterval, ...]
 
     @property
     def feasible(self) -> bool:
@@ -185,16 +185,16 @@ class Problem:
         high = self.domain.high is not None and value == ExactNumber(self.domain.high)
         return not (low and not self.domain.holds_low) and not (high and not self.domain.holds_high)
 
-    def _broken(self, value: Expr) -> tuple[Excess, ...]:
+    def _broken(self, value: Expr) -> tuple[BrokenInterval, ...]:
         """Where the first of the broken conditions is, at a number that is rational, or rational in pi; () if none is."""
         return next((found for criterion in self.conditions if (found := self._excess(criterion, value))), ())
 
-    def _excess(self, criterion: Criterion, value: Expr) -> tuple[Excess, ...]:
+    def _excess(self, criterion: Criterion, value: Expr) -> tuple[BrokenInterval, ...]:
         condition = self.conditions[criterion].function
         at, below = self._at(condition.numerator, value), self._at(condition.denominator, value)
         sign = RealFunction(self._ring.function(at)) if not below.is_zero() else self._one
         table = chart({criterion: sign}, *self.band)
-        return tuple(Excess(criterion, x) for x in table.where(lambda signs: signs[criterion] > 0))
+        return tuple(BrokenInterval(criterion, x) for x in table.where(lambda signs: signs[criterion] > 0))
 
     @property
     def _one(self) -> RealFunction:
@@ -215,7 +215,7 @@ class Problem:
             return True
         return any(self._exceeds_exactly(criterion, value) for criterion in self.conditions)
 
-    def _positive_at(self, excess: Excess, value: RealNumber) -> bool:
+    def _positive_at(self, excess: BrokenInterval, value: RealNumber) -> bool:
         """Whether a condition that is broken at a near value shows to be so, at the same frequency, at this one."""
         place = rational_between(excess.band.low.omega, excess.band.high.omega)
         with flint.ctx.workprec(512):
@@ -282,7 +282,7 @@ class Problem:
                     yield from (Binding(criterion, x, Kind.TOUCH) for x in isolated)
                     return
 
-    def _inside(self, excess: Excess) -> bool:
+    def _inside(self, excess: BrokenInterval) -> bool:
         ends = [ExactNumber(x) for x in self.band]
         return excess.band.low.omega not in ends and excess.band.high.omega not in ends
 

@@ -13,7 +13,7 @@ from sympy import Expr
 
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
 from haptisym.kernel.subdivision import Waiting
-from haptisym.kernel.wavesums import Compiled
+from haptisym.kernel.wavesums import CompiledWaves
 from haptisym.kernel.zeros import rounded_up, tightened
 from haptisym.verbs.require.feasible import Kind
 from haptisym.verbs.require.strips import Shape, value_from_zero
@@ -23,7 +23,7 @@ _SAMPLES = 24
 _NOTHING = arb(0, "inf")
 
 
-class Verdict(Enum):
+class CellVerdict(Enum):
     """What is known of a cell of values: the condition is kept all over the band, or broken somewhere, for all of them."""
 
     KEPT = "kept"
@@ -32,7 +32,7 @@ class Verdict(Enum):
 
 
 @dataclass(frozen=True)
-class Place:
+class CriticalPlace:
     """Where alone a condition can bind: at an end of the band, or at the one maximum between two frequencies."""
 
     kind: Kind
@@ -46,7 +46,7 @@ class Strip:
     """A condition for all values of the parameter in a cell, in balls; ``ends``: None for values without bound."""
 
     shape: Shape
-    whole: Compiled
+    whole: CompiledWaves
     ends: tuple[Ball, Ball] | None = None
 
     @classmethod
@@ -60,12 +60,12 @@ class Strip:
         return cls(shape, shape.beyond(inverse))
 
     @cached_property
-    def middle(self) -> Compiled | None:
+    def middle(self) -> CompiledWaves | None:
         """The condition for the middle of the cell; None for values without bound."""
         return self.shape.over(((self.ends[0] + self.ends[1]) / 2).mid()) if self.ends else None
 
     @cached_property
-    def change(self) -> Compiled | None:
+    def change(self) -> CompiledWaves | None:
         """The derivative in the parameter, for the whole cell; None where there is none."""
         return self.shape.change.over(self.ends[0].union(self.ends[1])) if self.ends and self.shape.change else None
 
@@ -105,7 +105,7 @@ class Strip:
         """Whether the condition is broken at a frequency for the middle of the cell; without bound, for all of it."""
         return bool((self.middle or self.whole).value(x) > 0)
 
-    def signs(self, place: Place) -> tuple[int, int] | None:
+    def signs(self, place: CriticalPlace) -> tuple[int, int] | None:
         """The signs at a place for both ends of the cell, if it changes one way only in between; None if that is not sure."""
         if self.ends is None or self.change is None:
             return None
@@ -116,7 +116,7 @@ class Strip:
         found = [self._sign(place, end) for end in self.ends]
         return None if 0 in found else (found[0], found[1])
 
-    def _sign(self, place: Place, value: Ball) -> int:
+    def _sign(self, place: CriticalPlace, value: Ball) -> int:
         if place.omega is not None:
             ball = self.shape.over(value).value(expression_ball(place.omega))
         else:
@@ -124,7 +124,7 @@ class Strip:
             ball = self.shape.over(value).over(x)[0]
         return 1 if ball > 0 else -1 if ball < 0 else 0
 
-    def crossing(self, place: Place) -> Edge | Summit:
+    def crossing(self, place: CriticalPlace) -> Edge | Summit:
         """The value of the parameter at which the condition binds at a place."""
         assert self.ends is not None
         if place.omega is not None:
@@ -212,7 +212,7 @@ class _Box:
     bend: int
 
 
-_Found: TypeAlias = "Verdict | list[Place]"
+_Found: TypeAlias = "CellVerdict | list[CriticalPlace]"
 
 
 def places(strip: Strip, band: tuple[Expr, Expr]) -> _Found:
@@ -221,21 +221,21 @@ def places(strip: Strip, band: tuple[Expr, Expr]) -> _Found:
     samples = [(low + (high - low) * i / _SAMPLES).mid() for i in range(1, _SAMPLES)]
     suspects = [x for x in samples if strip.broken_in_the_middle(x)]
     if suspects:  # the cell is broken there, or it must be cut
-        return Verdict.BROKEN if any(strip.value(x) > 0 for x in suspects) else Verdict.OPEN
+        return CellVerdict.BROKEN if any(strip.value(x) > 0 for x in suspects) else CellVerdict.OPEN
     boxes = _unclear(strip, low, high)
-    if isinstance(boxes, Verdict):
+    if isinstance(boxes, CellVerdict):
         return boxes
-    found: list[Place] = []
+    found: list[CriticalPlace] = []
     for cluster in _clusters(boxes):
         place = _place(strip, cluster, low, high, band)
-        if place is Verdict.OPEN:
-            return Verdict.OPEN
-        if isinstance(place, Place):
+        if place is CellVerdict.OPEN:
+            return CellVerdict.OPEN
+        if isinstance(place, CriticalPlace):
             found.append(place)
     return found
 
 
-def _unclear(strip: Strip, low: Ball, high: Ball) -> Verdict | list[_Box]:
+def _unclear(strip: Strip, low: Ball, high: Ball) -> CellVerdict | list[_Box]:
     """The pieces of the band on which the condition does not show to be kept, in order."""
     found: list[_Box] = []
     waiting = Waiting([(low, high)])
@@ -246,9 +246,9 @@ def _unclear(strip: Strip, low: Ball, high: Ball) -> Verdict | list[_Box]:
             continue
         middle = ((a + b) / 2).mid()
         if strip.value(middle) > 0:
-            return Verdict.BROKEN
+            return CellVerdict.BROKEN
         if strip.broken_in_the_middle(middle) or waiting.examined > _MOST_BOXES:
-            return Verdict.OPEN
+            return CellVerdict.OPEN
         if (b - a) * _FINEST < high - low and (_sign(slope) or _sign(bend) < 0):
             found.append(_Box(a, b, _sign(slope), _sign(bend)))
         else:
@@ -271,7 +271,9 @@ def _clusters(boxes: list[_Box]) -> list[list[_Box]]:
     return found
 
 
-def _place(strip: Strip, cluster: list[_Box], low: Ball, high: Ball, band: tuple[Expr, Expr]) -> Place | Verdict:
+def _place(
+    strip: Strip, cluster: list[_Box], low: Ball, high: Ball, band: tuple[Expr, Expr]
+) -> CriticalPlace | CellVerdict:
     """Where alone in a piece the condition can bind; KEPT if it is largest where it is known to be kept."""
     a, b = cluster[0].low, cluster[-1].high
     bent = all(box.bend < 0 for box in cluster)
@@ -281,12 +283,12 @@ def _place(strip: Strip, cluster: list[_Box], low: Ball, high: Ball, band: tuple
     rises = all(box.slope > 0 for box in cluster) or (bent and _slope(strip, b) > 0)
     falls = all(box.slope < 0 for box in cluster) or (bent and (even or _slope(strip, a) < 0))
     if rises:
-        return Place(Kind.EDGE, a, b, band[1]) if b == high else Verdict.KEPT
+        return CriticalPlace(Kind.EDGE, a, b, band[1]) if b == high else CellVerdict.KEPT
     if falls:
-        return Place(Kind.START, a, b, band[0]) if a == low else Verdict.KEPT
+        return CriticalPlace(Kind.START, a, b, band[0]) if a == low else CellVerdict.KEPT
     if bent and _slope(strip, a) > 0 and _slope(strip, b) < 0:
-        return Place(Kind.TOUCH, a, b)
-    return Verdict.OPEN
+        return CriticalPlace(Kind.TOUCH, a, b)
+    return CellVerdict.OPEN
 
 
 def _slope(strip: Strip, x: Ball) -> int:

@@ -19,11 +19,11 @@ from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.model.scene import Scene
-from haptisym.verbs.require.cells import Leaf, Search
+from haptisym.verbs.require.cells import Leaf, ValueSearch
 from haptisym.verbs.require.criticalvalues import Problem
 from haptisym.verbs.require.feasible import End, Solved, Span, bound_ends, runs
 from haptisym.verbs.require.freeparameter import Conditions, Domain, conditions, each
-from haptisym.verbs.require.places import Verdict
+from haptisym.verbs.require.places import CellVerdict
 from haptisym.verbs.require.thresholds import ThresholdProblem
 
 _SLIVER = Fraction(1, 10**9)
@@ -98,9 +98,9 @@ def allowed(scene: Scene, free: Knob, value: Expr) -> bool:
 
 def _by_balls(scene: Scene, free: Knob, asked: Domain, found: Conditions) -> Solved:
     exists = {x: allowed(scene, free, x) for x in (asked.low, asked.high) if x is not None}
-    search = Search(found, free.symbol, scene.band, Fraction(abs(float(free.value)) or 1.0))
+    search = ValueSearch(found, free.symbol, scene.band, Fraction(abs(float(free.value)) or 1.0))
     low, high = _outward(asked)
-    line = Line(search.leaves(low, high), asked, exists.__getitem__)
+    line = ValueLine(search.leaves(low, high), asked, exists.__getitem__)
     return Solved(line.spans(), line.undecided)
 
 
@@ -115,7 +115,7 @@ def _outward(asked: Domain) -> tuple[Fraction | None, Fraction | None]:
 
 
 @dataclass(frozen=True)
-class Line:
+class ValueLine:
     """The leaves of a search as points and gaps between them."""
 
     leaves: list[Leaf]
@@ -136,7 +136,7 @@ class Line:
 
     def _as_end(self, i: int, leaves: list[Leaf]) -> Leaf:
         leaf = leaves[i]
-        if leaf.verdict is not Verdict.OPEN or not 0 < i < len(leaves) - 1:
+        if leaf.verdict is not CellVerdict.OPEN or not 0 < i < len(leaves) - 1:
             return leaf
         before, after = leaves[i - 1].above or leaves[i - 1].verdict, leaves[i + 1].verdict
         assert leaf.low is not None
@@ -149,7 +149,7 @@ class Line:
         """The values for which the conditions are kept."""
         low, high = self.domain.low, self.domain.high
         points: list[End] = [End(_exact(low))]
-        gaps: list[Verdict] = []
+        gaps: list[CellVerdict] = []
         for leaf in self._merged:
             if leaf.above is not None:
                 gaps.append(leaf.verdict)
@@ -157,7 +157,7 @@ class Line:
             gaps.append(leaf.above or leaf.verdict)
             points.append(End(None if leaf.high is None else ExactNumber(_rational(leaf.high))))
         points[-1] = End(_exact(high))
-        kept = [gap is Verdict.KEPT for gap in gaps]
+        kept = [gap is CellVerdict.KEPT for gap in gaps]
         at = [bool(near) for near in (any(kept[max(i - 1, 0) : i + 1]) for i in range(len(points)))]
         at[0] = at[0] and low is not None and self.domain.holds_low and self.allowed(low)
         at[-1] = at[-1] and high is not None and self.domain.holds_high and self.allowed(high)
@@ -166,7 +166,9 @@ class Line:
     @property
     def undecided(self) -> tuple[tuple[RealNumber | None, RealNumber | None], ...]:
         """The values about which nothing is proven."""
-        return tuple((_number(leaf.low), _number(leaf.high)) for leaf in self._merged if leaf.verdict is Verdict.OPEN)
+        return tuple(
+            (_number(leaf.low), _number(leaf.high)) for leaf in self._merged if leaf.verdict is CellVerdict.OPEN
+        )
 
 
 def _number(x: Fraction | None) -> RealNumber | None:

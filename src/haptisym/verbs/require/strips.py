@@ -21,7 +21,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial
-from haptisym.kernel.wavesums import Compiled
+from haptisym.kernel.wavesums import CompiledWaves
 
 _Waves: TypeAlias = tuple[int, ...]
 _Rows: TypeAlias = Mapping[tuple[_Waves, _Waves], list[arb_poly]]
@@ -69,14 +69,14 @@ class Shape:
         turning = [i for i, angle in enumerate(axis.angles, axis.size) if not angle.constant]
         return min(int(e[0]) + sum(int(e[i]) for i in turning) for e in self.polynomial.monoms())
 
-    def over(self, value: Ball) -> Compiled:
+    def over(self, value: Ball) -> CompiledWaves:
         """The function of omega for a ball of values of the parameter, at the current working precision."""
         known = {self.free: value}
         rates = [expression_ball(a.rate, known) / 2 for a in self.axis.angles]
         exponents = [expression_ball(x, known) for x in self.axis.orders]
         return self._compiled(_coefficients(self, flint.ctx.prec), value, rates, exponents)
 
-    def beyond(self, inverse: Ball) -> Compiled:
+    def beyond(self, inverse: Ball) -> CompiledWaves:
         """The function, over an even power of the parameter, for a ball of values of 1/parameter, which may hold 0.
 
         Delays that the parameter is part of have waves of any phase: balls from -1 to 1.
@@ -92,7 +92,9 @@ class Shape:
         rates = [None if a.rate.has(self.free) else expression_ball(a.rate) / 2 for a in self.axis.angles]
         return self._compiled(mirrored, inverse, rates, [expression_ball(x) for x in self.axis.orders])
 
-    def _compiled(self, coefficients: _Rows, value: Ball, rates: list[Ball | None], exponents: list[Ball]) -> Compiled:
+    def _compiled(
+        self, coefficients: _Rows, value: Ball, rates: list[Ball | None], exponents: list[Ball]
+    ) -> CompiledWaves:
         constant = [a.constant for a in self.axis.angles]
         turning = [i for i, rate in enumerate(rates) if rate is not None and not constant[i]]
         terms: dict[tuple[_Waves, _Waves], arb_poly] = {}
@@ -103,7 +105,7 @@ class Shape:
                     polynomial = polynomial * _wave(rates[i], k, self.degrees[i])
             key = tuple(turns[i] for i in turning), powers
             terms[key] = terms[key] + polynomial if key in terms else polynomial
-        return Compiled(
+        return CompiledWaves(
             tuple(rates[i] for i in turning),
             tuple(self.degrees[i] for i in turning),
             tuple(exponents),
@@ -135,7 +137,7 @@ def _wave(half: Ball | None, k: int, degree: int) -> Ball:
     return sine**k * cosine ** (degree - k)
 
 
-def value_from_zero(compiled: Compiled, end: Ball) -> Ball:
+def value_from_zero(compiled: CompiledWaves, end: Ball) -> Ball:
     """A ball around the values from omega = 0 to a dyadic number, also with powers omega^alpha, which have no slope at 0."""
     box = arb(0).union(end)
     powers = [arb(0).union((end.log() * a).exp()) for a in compiled.exponents]

@@ -27,7 +27,7 @@ from haptisym.kernel.zeros import is_clear, sign_of
 _USUAL_BITS = 128
 Factors: TypeAlias = tuple[tuple[Equation, int], ...]
 """Irreducible factors as equations, each with its order."""
-Values: TypeAlias = tuple[tuple[Symbol, RealNumber], ...]
+SymbolValues: TypeAlias = tuple[tuple[Symbol, RealNumber], ...]
 Branch: TypeAlias = RealNumber | None
 """The slope of a branch; None where it is infinite."""
 Sides: TypeAlias = tuple[list[Branch], list[Branch]]
@@ -40,7 +40,7 @@ class Meeting:
 
     factors: Factors
     parameter: Symbol
-    values: Values
+    values: SymbolValues
 
     def sides(self) -> Sides | None:
         """The branches that change the sign, below and above the parameter's value; None where that stays open.
@@ -135,7 +135,7 @@ class Meeting:
         return at_rising_precision(lambda bits: sign_of(ring.ball(polynomial, balls(self.values, bits))) or None, 64)
 
 
-def not_clear(factors: Factors, values: Values) -> Factors:
+def not_clear(factors: Factors, values: SymbolValues) -> Factors:
     """The factors, of which at least one vanishes here, that are not proven to differ from 0."""
 
     def alone(bits: int) -> Factors | None:
@@ -149,7 +149,7 @@ def not_clear(factors: Factors, values: Values) -> Factors:
     return factors
 
 
-def balls(values: Values, bits: int) -> dict[Expr, Ball]:
+def balls(values: SymbolValues, bits: int) -> dict[Expr, Ball]:
     return {symbol: number.ball(bits) for symbol, number in values}
 
 
@@ -172,7 +172,7 @@ class Slope(RealNumber):
     """An implicit derivative where its symbols have these values."""
 
     slope: ImplicitSlope
-    values: Values
+    values: SymbolValues
 
     def ball(self, bits: int) -> Ball:
         above, below = self._parts(bits)
@@ -203,7 +203,7 @@ class _Line(RealNumber):
     ring: PolynomialRing
     coefficients: tuple[Polynomial, Polynomial, Polynomial]
     root: int
-    values: Values
+    values: SymbolValues
 
     def ball(self, bits: int) -> Ball:
         with flint.ctx.workprec(bits):

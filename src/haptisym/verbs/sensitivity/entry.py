@@ -26,9 +26,9 @@ from haptisym.verbs.derive.entry import derive
 from haptisym.verbs.sensitivity.slopes import (
     FLAT,
     TOUCH,
-    Place,
     Sensitive,
     Sensitivity,
+    VariedParameter,
     at,
     none,
     still,
@@ -95,15 +95,19 @@ class Sensitivities(Answer):
         return self.evaluation.certified and decided
 
     @cached_property
-    def _parameters(self) -> tuple[Place, ...]:
-        return tuple(Place(x, ExactNumber(x.value), derive(self.scene, [x.path])) for x in self.scene.parameters)
+    def _parameters(self) -> tuple[VariedParameter, ...]:
+        return tuple(
+            VariedParameter(x, ExactNumber(x.value), derive(self.scene, [x.path])) for x in self.scene.parameters
+        )
 
     @cached_property
-    def _thresholds(self) -> dict[Criterion, Place]:
+    def _thresholds(self) -> dict[Criterion, VariedParameter]:
         if not self.scene.threshold.is_plain:  # no one number that it could be moved by
             return {}
         one, knobs = derive(self.scene, [THRESHOLD]), self.scene.knobs.limits.values()
-        return {x: Place(knob, _limit(x), one) for x, knob in zip(self.evaluation.criteria, knobs, strict=True)}
+        return {
+            x: VariedParameter(knob, _limit(x), one) for x, knob in zip(self.evaluation.criteria, knobs, strict=True)
+        }
 
     def _crossing(self, x: Crossing) -> Sensitive:
         own = self._thresholds.get(x.criterion)

@@ -94,7 +94,7 @@ class Sensitive(Shown):
 
 
 @dataclass(frozen=True)
-class Place:
+class VariedParameter:
     """A parameter, its value, and the equations with its symbol left in."""
 
     knob: Knob
@@ -117,18 +117,24 @@ class Place:
         return {}
 
 
-def still(p: Place) -> Sensitivity:
+def still(p: VariedParameter) -> Sensitivity:
     """Of a frequency that does not depend on the parameter."""
     return Sensitivity(p.knob, _ZERO, _ZERO)
 
 
-def none(places: tuple[Place, ...], reason: str) -> tuple[Sensitivity, ...]:
+def none(places: tuple[VariedParameter, ...], reason: str) -> tuple[Sensitivity, ...]:
     """Of a frequency that has no derivative by any of them."""
     return tuple(Sensitivity(p.knob, None, None, reason) for p in places)
 
 
 def at(
-    p: Place, factors: Factors, where: RealNumber, known: dict[Symbol, RealNumber], flat: str = "", *, simple: bool
+    p: VariedParameter,
+    factors: Factors,
+    where: RealNumber,
+    known: dict[Symbol, RealNumber],
+    flat: str = "",
+    *,
+    simple: bool,
 ) -> Sensitivity:
     """The sensitivity of a frequency at which one or more of these factors vanish.
 
@@ -156,7 +162,7 @@ def _depends(equation: Equation, x: Symbol) -> bool:
     return bool(equation.partial(x))
 
 
-def _one_sided(p: Place, derivative: RealNumber, where: RealNumber) -> Sensitivity:
+def _one_sided(p: VariedParameter, derivative: RealNumber, where: RealNumber) -> Sensitivity:
     """A derivative that holds on both sides, as far as there are two."""
     elasticity = _ZERO if p.knob.value == 0 or derivative is _ZERO else _Elasticity(derivative, p.value, where)
     least = p.least and derivative is not _ZERO
@@ -164,7 +170,7 @@ def _one_sided(p: Place, derivative: RealNumber, where: RealNumber) -> Sensitivi
     return Sensitivity(p.knob, derivative, elasticity, reason, side)
 
 
-def _met(p: Place, meeting: Meeting, where: RealNumber) -> Sensitivity:
+def _met(p: VariedParameter, meeting: Meeting, where: RealNumber) -> Sensitivity:
     """The sensitivity where several zeros and poles meet."""
     sides = meeting.sides()
     if sides is None:

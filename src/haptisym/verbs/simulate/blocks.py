@@ -18,17 +18,17 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import Polynomial
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
 from haptisym.model.sampled import controller
-from haptisym.verbs.simulate.network import Exact, Hold, Network, Sum, Switch, exact, name_of
+from haptisym.verbs.simulate.network import Exact, Hold, Network, SignalSum, Switch, exact, name_of
 from haptisym.verbs.simulate.operators import combined, fractional, quotient
 
-Values: TypeAlias = Mapping[str, Exact]
+ExactValues: TypeAlias = Mapping[str, Exact]
 
 
 class Port(NamedTuple):
     """A place between two elements."""
 
-    F: Sum
-    X: Sum
+    F: SignalSum
+    X: SignalSum
 
 
 def build_environment(net: Network, environment: Environment, port: Port) -> None:
@@ -66,7 +66,7 @@ def _values(element: Environment | Effect) -> dict[str, Exact]:
     return {parameter.key: exact(parameter.value) for parameter in element.parameters}
 
 
-def _msd(p: Values, x: Sum) -> Sum:
+def _msd(p: ExactValues, x: SignalSum) -> SignalSum:
     return x.through(p.get("k", fmpq(0)), p.get("b", fmpq(0)), p.get("m", fmpq(0)))
 
 
@@ -77,7 +77,7 @@ def _mass_spring_damper(net: Network, element: Environment, port: Port) -> None:
     net.equal(port.F, _msd(_values(element), port.X))
 
 
-def _branch(net: Network, k: Exact, b: Exact, x: Sum) -> Sum:
+def _branch(net: Network, k: Exact, b: Exact, x: SignalSum) -> SignalSum:
     """The force of a spring and a damper in a row: their velocities add up to that of x."""
     force = net.signal("branch")
     net.equal(force.through(1 / b, 1 / k), x.d())
@@ -162,9 +162,9 @@ def build_controller(net: Network, effect: Effect, port: Port) -> None:
     net.equal(port.F, force)
 
 
-def _samples_ago(polynomial: Polynomial, x: Sum, T: Exact) -> Sum:
+def _samples_ago(polynomial: Polynomial, x: SignalSum, T: Exact) -> SignalSum:
     """A polynomial in 1/z, applied to a signal that changes with the clock alone."""
-    total = Sum({})
+    total = SignalSum({})
     for (n, power_of_pi, *_), coefficient in polynomial.to_dict().items():
         total = total + coefficient * exact(pi) ** int(power_of_pi) * x.late(int(n) * T)
     return total

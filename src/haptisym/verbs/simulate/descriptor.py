@@ -21,9 +21,9 @@ from typing import Any, NamedTuple, TypeAlias
 from flint import fmpq, fmpq_mat
 
 from haptisym.kernel.errors import SceneError
-from haptisym.verbs.simulate.network import MOTION, Exact, Sum
+from haptisym.verbs.simulate.network import MOTION, Exact, SignalSum
 
-Matrix: TypeAlias = Any  # flint.fmpq_mat, which ships no types
+RationalMatrix: TypeAlias = Any  # flint.fmpq_mat, which ships no types
 
 HIGHEST_ORDER = 12
 """Of derivatives of an input: beyond it equations lead around a loop of pure derivatives."""
@@ -36,11 +36,11 @@ class Input(NamedTuple):
     lag: Exact
 
 
-class Row(NamedTuple):
+class SignalRow(NamedTuple):
     """A signal in terms of the state and of the inputs' derivatives, order by order."""
 
-    state: Matrix
-    inputs: tuple[Matrix, ...]
+    state: RationalMatrix
+    inputs: tuple[RationalMatrix, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,25 +52,25 @@ class StateSpace:
 
     inputs: tuple[Input, ...]
     columns: dict[tuple[str, int], int]
-    M: Matrix
-    N: tuple[Matrix, ...]
-    K: Matrix
-    C: tuple[Matrix, ...]
+    M: RationalMatrix
+    N: tuple[RationalMatrix, ...]
+    K: RationalMatrix
+    C: tuple[RationalMatrix, ...]
     chosen: tuple[int, ...]
-    shifts: tuple[Matrix, ...]
+    shifts: tuple[RationalMatrix, ...]
 
-    def signal(self, name: str, order: int = 0) -> Row:
+    def signal(self, name: str, order: int = 0) -> SignalRow:
         """A signal, differentiated that many times."""
         known = max((k for n, k in self.columns if n == name), default=-1)
         column = self.columns[name, min(order, known)]
-        row = Row(_row(self.K, column), tuple(_row(c, column) for c in self.C))
+        row = SignalRow(_row(self.K, column), tuple(_row(c, column) for c in self.C))
         for _ in range(order - known):
             row = self._differentiated(row)
         return row
 
-    def _differentiated(self, row: Row) -> Row:
+    def _differentiated(self, row: SignalRow) -> SignalRow:
         moved = [row.state * n for n in self.N]
-        return Row(row.state * self.M, tuple(_added(moved, [0 * moved[0], *row.inputs])))
+        return SignalRow(row.state * self.M, tuple(_added(moved, [0 * moved[0], *row.inputs])))
 
     def reach(self, name: str, order: int, channel: Input) -> int | None:
         """The highest derivative of an input in a signal; -1 if it acts through the state alone, None if not at all."""
@@ -96,7 +96,7 @@ class StateSpace:
         return int(self.M.nrows())
 
 
-def state_space(equations: Sequence[Sum], known: Iterable[str] = ()) -> StateSpace:
+def state_space(equations: Sequence[SignalSum], known: Iterable[str] = ()) -> StateSpace:
     """The state equation of as many equations of motion as there are unknown signals.
 
     ``known``: signals that are inputs beside the motion and everything late. Raises SceneError where the equations contradict
@@ -127,12 +127,12 @@ class _Descriptor:
 
     inputs: tuple[Input, ...]
     columns: dict[tuple[str, int], int]
-    E: Matrix
-    A: Matrix
-    B: tuple[Matrix, ...]
+    E: RationalMatrix
+    A: RationalMatrix
+    B: tuple[RationalMatrix, ...]
 
     @classmethod
-    def of(cls, equations: Sequence[Sum], inputs: tuple[Input, ...], orders: dict[str, int]) -> _Descriptor:
+    def of(cls, equations: Sequence[SignalSum], inputs: tuple[Input, ...], orders: dict[str, int]) -> _Descriptor:
         # algebraic variables first: they are the ones that algebraic equations are solved for
         ordered = sorted(orders, key=lambda name: orders[name] > 0)
         listed = [(name, k) for name in ordered for k in range(max(orders[name], 1))]
@@ -183,7 +183,9 @@ def _reduced(system: _Descriptor) -> StateSpace:
     return _without_derivatives(system, M, N, K, C, tuple(chosen))
 
 
-def _row_reduced(E: Matrix, A: Matrix, B: Sequence[Matrix]) -> tuple[list[list[Any]], list[list[Any]]]:
+def _row_reduced(
+    E: RationalMatrix, A: RationalMatrix, B: Sequence[RationalMatrix]
+) -> tuple[list[list[Any]], list[list[Any]]]:
     """The rows of [E | -A | -B] in echelon form: those with a derivative, and those without."""
     table = _beside([E, -1 * A, *(-1 * b for b in B)])
     form, _ = table.rref()
@@ -195,7 +197,9 @@ def _row_reduced(E: Matrix, A: Matrix, B: Sequence[Matrix]) -> tuple[list[list[A
     return rows[: len(rows) - len(lower)], lower
 
 
-def _solved(lower: list[list[Any]], size: int, depth: int, width: int) -> tuple[list[int], Matrix, list[Matrix]]:
+def _solved(
+    lower: list[list[Any]], size: int, depth: int, width: int
+) -> tuple[list[int], RationalMatrix, list[RationalMatrix]]:
     """The pivot variables of algebraic equations, and all variables in terms of the others and of the inputs."""
     rows = [row[size:] for row in lower]
     pivots = [next(i for i, x in enumerate(row) if x != 0) for row in rows]
@@ -214,8 +218,8 @@ def _solved(lower: list[list[Any]], size: int, depth: int, width: int) -> tuple[
 
 
 def _substituted(
-    upper: list[list[Any]], size: int, width: int, back: Matrix, forward: list[Matrix]
-) -> tuple[Matrix, Matrix, list[Matrix]]:
+    upper: list[list[Any]], size: int, width: int, back: RationalMatrix, forward: list[RationalMatrix]
+) -> tuple[RationalMatrix, RationalMatrix, list[RationalMatrix]]:
     """The remaining equations in the remaining variables; a derivative of a replaced one raises the inputs' order."""
     table = _stack(upper, 2 * size + width * len(forward))
     E, A = _columns(table, 0, size), _negative(_columns(table, size, 2 * size))
@@ -228,7 +232,12 @@ def _substituted(
 
 
 def _without_derivatives(
-    system: _Descriptor, M: Matrix, N: list[Matrix], K: Matrix, C: list[Matrix], chosen: tuple[int, ...]
+    system: _Descriptor,
+    M: RationalMatrix,
+    N: list[RationalMatrix],
+    K: RationalMatrix,
+    C: list[RationalMatrix],
+    chosen: tuple[int, ...],
 ) -> StateSpace:
     """The same with z moved, so that of all inputs but the motion no derivative drives it.
 
@@ -251,32 +260,32 @@ def _without_derivatives(
 # Matrices of exact numbers
 
 
-def _identity(size: int) -> Matrix:
+def _identity(size: int) -> RationalMatrix:
     return fmpq_mat(size, size, [fmpq(int(i == k)) for i in range(size) for k in range(size)])
 
 
-def _negative(matrix: Matrix) -> Matrix:
+def _negative(matrix: RationalMatrix) -> RationalMatrix:
     return -1 * matrix
 
 
-def _stack(rows: list[list[Any]], width: int) -> Matrix:
+def _stack(rows: list[list[Any]], width: int) -> RationalMatrix:
     return fmpq_mat(len(rows), width, [x for row in rows for x in row])
 
 
-def _beside(parts: Sequence[Matrix]) -> Matrix:
+def _beside(parts: Sequence[RationalMatrix]) -> RationalMatrix:
     rows = zip(*(part.tolist() for part in parts), strict=True)
     return _stack([[x for piece in row for x in piece] for row in rows], sum(part.ncols() for part in parts))
 
 
-def _columns(matrix: Matrix, first: int, last: int) -> Matrix:
+def _columns(matrix: RationalMatrix, first: int, last: int) -> RationalMatrix:
     return _stack([row[first:last] for row in matrix.tolist()], last - first)
 
 
-def _row(matrix: Matrix, index: int) -> Matrix:
+def _row(matrix: RationalMatrix, index: int) -> RationalMatrix:
     return fmpq_mat(1, matrix.ncols(), matrix.tolist()[index] if matrix.ncols() else [])
 
 
-def _added(one: Sequence[Matrix], other: Sequence[Matrix]) -> list[Matrix]:
+def _added(one: Sequence[RationalMatrix], other: Sequence[RationalMatrix]) -> list[RationalMatrix]:
     """Sums order by order; the shorter list counts as zero beyond its end."""
     longer, shorter = (one, other) if len(one) >= len(other) else (other, one)
     return [a + shorter[i] if i < len(shorter) else a for i, a in enumerate(longer)]

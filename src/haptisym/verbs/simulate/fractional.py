@@ -14,7 +14,7 @@ import numpy as np
 from flint import fmpq
 
 from haptisym.programs.values import Array
-from haptisym.verbs.simulate.network import Exact, Network, Sum
+from haptisym.verbs.simulate.network import Exact, Network, SignalSum
 
 _STEP = 0.4  # in ln(lambda): exp(-pi^2/0.4) is 2e-11
 _ACCURACY = 1e-9  # of the two ends
@@ -41,7 +41,7 @@ def rates_and_weights(alpha: float, span: tuple[float, float]) -> tuple[list[flo
     return rates, weights, spring, damper
 
 
-def derivative(net: Network, x: Sum, alpha: Exact) -> Sum:
+def derivative(net: Network, x: SignalSum, alpha: Exact) -> SignalSum:
     """A signal that is the derivative of order alpha, 0 < alpha < 1, of a sum."""
     order = int(alpha.p) / int(alpha.q)
     net.fractional.append((order, *net.span))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from flint import fmpq
 
 from haptisym.verbs.simulate.descriptor import state_space
-from haptisym.verbs.simulate.network import Network, Sum, Switch
+from haptisym.verbs.simulate.network import Network, SignalSum, Switch
 
 
 def join_frictions(net: Network) -> None:
@@ -17,11 +17,11 @@ def join_frictions(net: Network) -> None:
     first: dict[str, tuple[Switch, int]] = {}
     for friction, (velocity, sign) in zip(net.frictions, _velocities(net), strict=True):
         if not friction.limit:
-            net.zero(Sum.of(friction.target))
+            net.zero(SignalSum.of(friction.target))
         elif velocity in first:
             leading, way = first[velocity]
             share = fmpq(*friction.limit.as_integer_ratio()) / fmpq(*leading.limit.as_integer_ratio())
-            net.equal(Sum.of(friction.target), sign * way * share * Sum.of(leading.target))
+            net.equal(SignalSum.of(friction.target), sign * way * share * SignalSum.of(leading.target))
         else:
             first[velocity] = friction, sign
             net.switches.append(friction)

@@ -14,7 +14,7 @@ import numpy as np
 
 from haptisym.kernel.errors import SceneError
 from haptisym.programs.values import Array
-from haptisym.verbs.simulate.descriptor import HIGHEST_ORDER, Input, Row, StateSpace, state_space
+from haptisym.verbs.simulate.descriptor import HIGHEST_ORDER, Input, SignalRow, StateSpace, state_space
 from haptisym.verbs.simulate.network import MOTION, Network
 from haptisym.verbs.simulate.propagate import Propagator
 
@@ -133,7 +133,7 @@ def _row(system: StateSpace, reading: Reading, drives: tuple[Drive, ...], net: N
     if reading[0] in net.jumps and not any(name == reading[0] for name, _ in system.columns):
         own = (next(x for x in system.inputs if x.name == reading[0] and x.lag == 0), reading[1])
         return [0.0] * system.size + [float(drive == own) for drive in drives]
-    row: Row = system.signal(*reading)
+    row: SignalRow = system.signal(*reading)
     state = [_float(row.state[0, i]) for i in range(system.size)]
     direct = [_float(row.inputs[k][0, system.inputs.index(x)]) if k < len(row.inputs) else 0.0 for x, k in drives]
     return state + direct

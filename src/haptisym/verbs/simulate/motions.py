@@ -14,7 +14,7 @@ import numpy as np
 
 from haptisym.kernel.errors import SceneError
 from haptisym.model.quantities import Dimension, Number, number, quantity
-from haptisym.model.quantities import Motion as Kind
+from haptisym.model.quantities import MotionKind as Kind
 from haptisym.programs.values import Array
 
 _SMOOTH = 7  # derivatives of a fade-in that vanish at its ends

@@ -15,7 +15,7 @@ from flint import fmpq
 from sympy import Expr, Rational, pi
 
 Exact: TypeAlias = fmpq
-Key: TypeAlias = tuple[str, int, fmpq]
+SignalKey: TypeAlias = tuple[str, int, fmpq]
 """A signal's name, how often it is differentiated, and by how many seconds it is late."""
 
 MOTION = "motion"
@@ -32,7 +32,7 @@ def exact(value: Expr | int) -> Exact:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sum:
+class SignalSum:
     """A linear combination of signals, of their derivatives and of what they were some time ago.
 
     >>> x = Sum.of("x")
@@ -40,38 +40,38 @@ class Sum:
     True
     """
 
-    terms: Mapping[Key, Exact]
+    terms: Mapping[SignalKey, Exact]
 
     @classmethod
-    def of(cls, name: str) -> Sum:
+    def of(cls, name: str) -> SignalSum:
         return cls({(name, 0, _ZERO): fmpq(1)})
 
-    def __add__(self, other: Sum) -> Sum:
+    def __add__(self, other: SignalSum) -> SignalSum:
         merged = dict(self.terms)
         for key, value in other.terms.items():
             merged[key] = merged.get(key, _ZERO) + value
-        return Sum({key: value for key, value in merged.items() if value != 0})
+        return SignalSum({key: value for key, value in merged.items() if value != 0})
 
-    def __rmul__(self, factor: Exact | int) -> Sum:
-        return Sum({key: factor * value for key, value in self.terms.items() if factor != 0})
+    def __rmul__(self, factor: Exact | int) -> SignalSum:
+        return SignalSum({key: factor * value for key, value in self.terms.items() if factor != 0})
 
-    def __neg__(self) -> Sum:
+    def __neg__(self) -> SignalSum:
         return -1 * self
 
-    def __sub__(self, other: Sum) -> Sum:
+    def __sub__(self, other: SignalSum) -> SignalSum:
         return self + -other
 
-    def d(self, times: int = 1) -> Sum:
+    def d(self, times: int = 1) -> SignalSum:
         """The derivative with respect to time, that many times."""
-        return Sum({(name, order + times, lag): value for (name, order, lag), value in self.terms.items()})
+        return SignalSum({(name, order + times, lag): value for (name, order, lag), value in self.terms.items()})
 
-    def late(self, tau: Exact) -> Sum:
+    def late(self, tau: Exact) -> SignalSum:
         """What it was ``tau`` seconds ago."""
-        return Sum({(name, order, lag + tau): value for (name, order, lag), value in self.terms.items()})
+        return SignalSum({(name, order, lag + tau): value for (name, order, lag), value in self.terms.items()})
 
-    def through(self, *coefficients: Exact | int) -> Sum:
+    def through(self, *coefficients: Exact | int) -> SignalSum:
         """c0 x + c1 dx/dt + c2 d2x/dt2 + ..."""
-        total = Sum({})
+        total = SignalSum({})
         for order, coefficient in enumerate(coefficients):
             total = total + coefficient * self.d(order)
         return total
@@ -97,7 +97,7 @@ class Switch:
     """
 
     target: str
-    closed: Sum
+    closed: SignalSum
     driver: str
     limit: float
     offset: float
@@ -124,7 +124,7 @@ class Network:
 
     span: tuple[float, float]
     """The frequencies, rad/s, that the motion holds: a fractional derivative is built for them."""
-    equations: list[Sum] = field(default_factory=list)
+    equations: list[SignalSum] = field(default_factory=list)
     holds: list[Hold] = field(default_factory=list)
     switches: list[Switch] = field(default_factory=list)
     steps: list[Step] = field(default_factory=list)
@@ -137,19 +137,19 @@ class Network:
     """The elements of which only a formula is known: users' own models."""
     _count: int = 0
 
-    def signal(self, label: str) -> Sum:
+    def signal(self, label: str) -> SignalSum:
         """A new signal."""
         self._count += 1
-        return Sum.of(f"{label}.{self._count}")
+        return SignalSum.of(f"{label}.{self._count}")
 
-    def zero(self, equation: Sum) -> None:
+    def zero(self, equation: SignalSum) -> None:
         """One more equation of motion: this sum is zero."""
         self.equations.append(equation)
 
-    def equal(self, one: Sum, other: Sum) -> None:
+    def equal(self, one: SignalSum, other: SignalSum) -> None:
         self.zero(one - other)
 
-    def named(self, value: Sum, label: str) -> str:
+    def named(self, value: SignalSum, label: str) -> str:
         """The name of a signal that equals a sum."""
         own = self.signal(label)
         self.equal(own, value)
@@ -166,7 +166,7 @@ class Network:
         return tuple(element.target for element in self.elements)
 
 
-def name_of(signal: Sum) -> str:
+def name_of(signal: SignalSum) -> str:
     """The name of a plain signal."""
     [(name, _, _)] = signal.terms
     return name

@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 
-from haptisym.model.quantities import Motion as Kind
+from haptisym.model.quantities import MotionKind as Kind
 from haptisym.model.scene import Scene
 from haptisym.verbs.simulate.motions import Motion
 

@@ -11,20 +11,20 @@ from sympy import Expr, I, exp
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import Polynomial
-from haptisym.verbs.simulate.network import Exact, Network, Sum, exact
+from haptisym.verbs.simulate.network import Exact, Network, SignalSum, exact
 
 
-def quotient(net: Network, formula: Expr, x: Sum, y: Sum) -> None:
+def quotient(net: Network, formula: Expr, x: SignalSum, y: SignalSum) -> None:
     """y = (numerator/denominator) x as a differential equation: denominator(d/dt) y = numerator(d/dt) x."""
     combined(net, [formula], [x], y)
 
 
-def combined(net: Network, formulas: Sequence[Expr], signals: Sequence[Sum], y: Sum) -> None:
+def combined(net: Network, formulas: Sequence[Expr], signals: Sequence[SignalSum], y: SignalSum) -> None:
     """y = G_1 x_1 + G_2 x_2 + ... over one denominator: what the formulas share is one motion in time, not several."""
     ring = Ring.of(formulas)
     quotients = [ring.convert(formula).reduced() for formula in formulas]
     common = reduce(_least_multiple, (q.denominator for q in quotients))
-    total = Sum({})
+    total = SignalSum({})
     for q, x in zip(quotients, signals, strict=True):
         total = total + operator(net, q.numerator * (common // q.denominator), ring, x)
     net.equal(operator(net, common, ring, y), total)
@@ -34,10 +34,10 @@ def _least_multiple(one: Polynomial, other: Polynomial) -> Polynomial:
     return one * (other // one.gcd(other))
 
 
-def operator(net: Network, polynomial: Polynomial, ring: Ring, x: Sum) -> Sum:
+def operator(net: Network, polynomial: Polynomial, ring: Ring, x: SignalSum) -> SignalSum:
     """A polynomial in s, delays and powers s^alpha, applied to a signal."""
-    total = Sum({})
-    powers: dict[tuple[Any, int], Sum] = {}
+    total = SignalSum({})
+    powers: dict[tuple[Any, int], SignalSum] = {}
     for exponents, coefficient in polynomial.to_dict().items():
         term = x
         factor = coefficient
@@ -54,7 +54,7 @@ def operator(net: Network, polynomial: Polynomial, ring: Ring, x: Sum) -> Sum:
     return total
 
 
-def _powers(net: Network, made: dict[tuple[Any, int], Sum], x: Sum, alpha: Exact, times: int) -> Sum:
+def _powers(net: Network, made: dict[tuple[Any, int], SignalSum], x: SignalSum, alpha: Exact, times: int) -> SignalSum:
     """The derivative of order alpha, taken that many times; each is built once."""
     for n in range(1, times + 1):
         key = ((tuple(x.terms), alpha), n)
@@ -64,7 +64,7 @@ def _powers(net: Network, made: dict[tuple[Any, int], Sum], x: Sum, alpha: Exact
     return x
 
 
-def fractional(net: Network, x: Sum, alpha: Exact) -> Sum:
+def fractional(net: Network, x: SignalSum, alpha: Exact) -> SignalSum:
     from haptisym.verbs.simulate.fractional import derivative  # only scenes with a power of s that is not whole need it
 
     return derivative(net, x, alpha)

@@ -13,7 +13,7 @@ import numpy as np
 
 from haptisym.kernel.errors import SceneError
 from haptisym.model.quantities import Dimension, Number, quantity
-from haptisym.model.quantities import Motion as Kind
+from haptisym.model.quantities import MotionKind as Kind
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.motions import positive
 

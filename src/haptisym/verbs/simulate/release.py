@@ -20,7 +20,7 @@ from haptisym.kernel.terms import at_least, order_at_0
 from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand, hands
 from haptisym.model.quantities import Dimension, Number, quantity
-from haptisym.model.quantities import Motion as Kind
+from haptisym.model.quantities import MotionKind as Kind
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.values import Array
@@ -29,7 +29,7 @@ from haptisym.verbs.simulate.clockroot import clocked_root
 from haptisym.verbs.simulate.engine import Engine
 from haptisym.verbs.simulate.frictions import join_frictions
 from haptisym.verbs.simulate.motions import _fade, positive
-from haptisym.verbs.simulate.network import MOTION, Network, Sum, exact, name_of
+from haptisym.verbs.simulate.network import MOTION, Network, SignalSum, exact, name_of
 from haptisym.verbs.simulate.pencil import Mode, envelope, slowest
 from haptisym.verbs.simulate.released import Closed, Release
 from haptisym.verbs.simulate.rest import at_rest
@@ -177,7 +177,7 @@ class _Run:
         """Every signal while the display is held displaced, and the force that holds it."""
         net = Network(span)
         port = build(net, self.scene)[-1]
-        net.equal(port.X, Sum.of(MOTION))
+        net.equal(port.X, SignalSum.of(MOTION))
         join_frictions(net)
         found = at_rest(net, self.size)
         force = found[name_of(port.F)] + float(self.hand.k.value) * self.size
@@ -246,6 +246,6 @@ def _held(net: Network, scene: Scene, hand: Hand) -> Port:
     """The display with the hand on it, and a force that holds both: F + m x'' + b x' + k x = the force."""
     port = build(net, scene)[-1]
     own = port.X.through(*(exact(p.value) for p in (hand.k, hand.b, hand.m)))
-    net.equal(port.F + own, Sum.of(MOTION))
+    net.equal(port.F + own, SignalSum.of(MOTION))
     join_frictions(net)
     return port

@@ -7,10 +7,10 @@ from math import inf
 from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
-from haptisym.kernel.rootcount import Chain
+from haptisym.kernel.rootcount import RootChain
 from haptisym.kernel.shown import titled
 from haptisym.model.hand import Hand
-from haptisym.model.quantities import Motion as Kind
+from haptisym.model.quantities import MotionKind as Kind
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.pencil import Mode
@@ -97,7 +97,9 @@ class Release(Answer):
     @property
     def sign_agrees(self) -> bool | None:
         """Whether the motion grows exactly if the display is not stable in this hand; None where either is open."""
-        near = self.held.roots is not None and self.held.roots.chain is Chain.NEAR  # far beyond what a release moves
+        near = (
+            self.held.roots is not None and self.held.roots.chain is RootChain.NEAR
+        )  # far beyond what a release moves
         return None if self.grows is None or self.held.stable is None or near else self.grows is not self.held.stable
 
     @property

@@ -10,7 +10,7 @@ from __future__ import annotations
 from flint import fmpq, fmpq_mat
 
 from haptisym.kernel.errors import SceneError
-from haptisym.verbs.simulate.network import MOTION, Exact, Key, Network, Sum
+from haptisym.verbs.simulate.network import MOTION, Exact, Network, SignalKey, SignalSum
 
 _S = fmpq(1, 10**40)
 """1/s. Numbers of the answer are wrong by about as little, relative to the time constants of the scene in s."""
@@ -37,9 +37,11 @@ def at_rest(net: Network, position: float) -> dict[str, float]:
 
 def _ratios(net: Network) -> dict[str, Exact]:
     """Each signal as a fraction of the hand's position."""
-    held = [Sum.of(x.target) - Sum.of(x.source).late(fmpq(*x.period.as_integer_ratio()) / 2) for x in net.holds]
-    passed = [*held, *(Sum.of(x.target) - Sum.of(x.source) for x in net.steps)]
-    switched = [switch.closed if switch.offset else Sum.of(switch.target) for switch in net.switches]
+    held = [
+        SignalSum.of(x.target) - SignalSum.of(x.source).late(fmpq(*x.period.as_integer_ratio()) / 2) for x in net.holds
+    ]
+    passed = [*held, *(SignalSum.of(x.target) - SignalSum.of(x.source) for x in net.steps)]
+    switched = [switch.closed if switch.offset else SignalSum.of(switch.target) for switch in net.switches]
     equations = [*net.equations, *passed, *switched]
     names = list(dict.fromkeys(name for equation in equations for name, _, _ in equation.terms if name != MOTION))
     if len(equations) != len(names):
@@ -59,7 +61,7 @@ def _ratios(net: Network) -> dict[str, Exact]:
     return {MOTION: fmpq(1), **{name: found[i, 0] for name, i in place.items()}}
 
 
-def _factor(key: Key) -> Exact:
+def _factor(key: SignalKey) -> Exact:
     """s^n exp(-s lag) at the tiny s; three terms of the series are exact enough, as s^2 is 1e-80."""
     _, order, lag = key
     turned = _S * lag

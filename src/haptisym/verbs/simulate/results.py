@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
 from haptisym.kernel.shown import counted, titled
-from haptisym.model.quantities import Motion as Kind
+from haptisym.model.quantities import MotionKind as Kind
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array

@@ -11,7 +11,7 @@ import numpy as np
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.stability import is_stable
 from haptisym.model.quantities import Dimension, Number, quantity
-from haptisym.model.quantities import Motion as Kind
+from haptisym.model.quantities import MotionKind as Kind
 from haptisym.model.scene import Scene
 from haptisym.verbs.simulate.blocks import Port, build_controller, build_effect, build_environment
 from haptisym.verbs.simulate.engine import Engine
@@ -19,7 +19,7 @@ from haptisym.verbs.simulate.frictions import join_frictions
 from haptisym.verbs.simulate.linear import Reading
 from haptisym.verbs.simulate.lockin import Lock, lock
 from haptisym.verbs.simulate.motions import Motion, Sines, positive
-from haptisym.verbs.simulate.network import MOTION, Network, Step, Sum, Switch, name_of
+from haptisym.verbs.simulate.network import MOTION, Network, SignalSum, Step, Switch, name_of
 from haptisym.verbs.simulate.results import EncoderQuantisation, Extra
 
 _MOST_STEPS = 400_000
@@ -50,7 +50,7 @@ class Run:
         self.until = 0.0  # where the simulation is known to go on to, s
         self.net = Network(motion.span)
         self.ports = build(self.net, scene, self.extras)
-        self.net.equal(self.ports[-1].X, Sum.of(MOTION))
+        self.net.equal(self.ports[-1].X, SignalSum.of(MOTION))
         join_frictions(self.net)
         outputs = [(name_of(signal), 0) for port in (self.ports[0], self.ports[-1]) for signal in port]
         longest = step / motion.span[1] if motion.omegas or motion.name == "chirp" else step * pi / motion.span[1]

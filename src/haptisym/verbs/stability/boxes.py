@@ -19,7 +19,7 @@ from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.rings import RationalFunction
-from haptisym.kernel.rootcount import Chain, Roots
+from haptisym.kernel.rootcount import RootChain, Roots
 from haptisym.kernel.roots import chart
 from haptisym.kernel.symbols import omega
 from haptisym.kernel.terms import terms_of
@@ -64,7 +64,7 @@ def whole_box(scene: Scene, hand: Hand) -> Box | None:
 
 def _decided(perceived: RationalFunction, hand: Hand) -> Box:
     counts = [roots_in_hand(perceived, x) for x in _corners(hand)]
-    if all(x.chain is Chain.RIGHT for x in counts) and _is_single(perceived):
+    if all(x.chain is RootChain.RIGHT for x in counts) and _is_single(perceived):
         return Box(Share.NONE)  # of the masses that one delayed term outweighs, none between two is without its chain
     meeting = _meeting(perceived, hand)
     stable = [x.number == 0 for x in counts]

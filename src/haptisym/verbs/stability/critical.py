@@ -13,7 +13,7 @@ from sympy import Expr, Integer, Rational
 
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
-from haptisym.kernel.rootcount import Chain
+from haptisym.kernel.rootcount import RootChain
 from haptisym.kernel.shown import Shown
 from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand
@@ -26,7 +26,7 @@ from haptisym.verbs.stability.loops import Loop
 
 _BITS = 600  # at which values that are still alike count as one
 
-Count: TypeAlias = tuple[int | None, Chain | None]
+Count: TypeAlias = tuple[int | None, RootChain | None]
 
 
 @dataclass(frozen=True, repr=False)

@@ -8,7 +8,7 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction
-from haptisym.kernel.rootcount import Chain, Roots, count_roots
+from haptisym.kernel.rootcount import RootChain, Roots, count_roots
 from haptisym.kernel.shown import Shown
 from haptisym.kernel.stability import is_stable
 from haptisym.kernel.terms import at_least, order_at_0
@@ -103,7 +103,7 @@ class Imposed:
 
     stable: bool | None
     unstable: int | None
-    chain: Chain | None = None
+    chain: RootChain | None = None
 
 
 def imposed(scene: Scene) -> Imposed:

@@ -15,11 +15,11 @@ from haptisym.kernel.reals import ExactNumber
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 
-Values: TypeAlias = "Sequence[Any] | ArrayLike"
+AxisValues: TypeAlias = "Sequence[Any] | ArrayLike"
 
 
 @dataclass(frozen=True)
-class Axis:
+class SweepAxis:
     """One dimension of a sweep: a path such as ``effects.filter.omega_n``, its values (SI, rad/s) and their unit."""
 
     knob: Knob
@@ -36,7 +36,7 @@ class Axis:
         return self.knob.dimension.unit(self.knob.motion)
 
 
-def axes(scene: Scene, vary: Mapping[str, Values]) -> tuple[Axis, ...]:
+def axes(scene: Scene, vary: Mapping[str, AxisValues]) -> tuple[SweepAxis, ...]:
     """The dimensions of a sweep. SceneError for an unknown path, no values, or a value that the model does not allow.
 
     Values are floats, taken as exactly these binary numbers, or strings with units, taken as the nearest double in SI units.
@@ -48,7 +48,7 @@ def axes(scene: Scene, vary: Mapping[str, Values]) -> tuple[Axis, ...]:
     return tuple(map(_axis, chosen, vary.values()))
 
 
-def _axis(knob: Knob, values: Values) -> Axis:
+def _axis(knob: Knob, values: AxisValues) -> SweepAxis:
     each = [values] if isinstance(values, str) else np.asarray(values, dtype=object).ravel().tolist()
     floats = np.array([_float(knob, x) for x in each], dtype=np.float64)
     if not len(floats):
@@ -59,7 +59,7 @@ def _axis(knob: Knob, values: Values) -> Axis:
         raise SceneError(f"{knob.path}: each value may be given only once")
     for extreme in (floats.min(), floats.max()):  # every rule is one about an interval
         knob.check(Decimal(repr(float(extreme))))
-    return Axis(knob, floats)
+    return SweepAxis(knob, floats)
 
 
 def _float(knob: Knob, given: Any) -> float:

@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from haptisym.model.scene import Scene
-from haptisym.verbs.sweep.axes import Axis
+from haptisym.verbs.sweep.axes import SweepAxis
 from haptisym.verbs.sweep.batch import Array
 from haptisym.verbs.sweep.exactly import COUNTS, EXACT, FLOAT, FLOATS, OPEN
 from haptisym.verbs.sweep.kernel import TOLERANCE, Kernel
@@ -77,16 +77,16 @@ def _cut(region: Region, most: int) -> tuple[Region, Region]:
 
 
 @dataclass(frozen=True)
-class Grid:
+class SweepGrid:
     """All sets of a sweep: every combination of the values of its axes."""
 
     scene: Scene
-    axes: tuple[Axis, ...]
+    axes: tuple[SweepAxis, ...]
     block: tuple[int, ...]
     """How many values of each axis a block holds at most."""
 
     @classmethod
-    def of(cls, scene: Scene, axes: Sequence[Axis], sets: int = SETS_IN_A_BLOCK) -> Grid:
+    def of(cls, scene: Scene, axes: Sequence[SweepAxis], sets: int = SETS_IN_A_BLOCK) -> SweepGrid:
         """With blocks of about that many sets, as long as possible along the last axes."""
         shape, left = [], sets
         for axis in reversed(axes):

@@ -16,18 +16,18 @@ from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
-from haptisym.verbs.sweep.families import Family, Term, family
+from haptisym.verbs.sweep.families import Family, Monomial, family
 
-Product: TypeAlias = tuple[Family, ...]
+FamilyProduct: TypeAlias = tuple[Family, ...]
 _Factors: TypeAlias = list[tuple[Polynomial, int]]
 
 
 @dataclass(frozen=True)
-class Excess:
+class ThresholdPolynomial:
     """r^2 - c^2 times its denominator: ``above`` - ``below``, each a product. None of it where r is 0 everywhere."""
 
-    above: Product
-    below: Product
+    above: FamilyProduct
+    below: FamilyProduct
 
 
 @dataclass(frozen=True)
@@ -40,12 +40,12 @@ class Curves:
     """
 
     step: int
-    excess: Mapping[str, Excess | None]
-    changeovers: tuple[Product | None, Product | None]
+    excess: Mapping[str, ThresholdPolynomial | None]
+    changeovers: tuple[FamilyProduct | None, FamilyProduct | None]
     definite: tuple[Family, ...]
 
     @property
-    def products(self) -> Iterator[Product]:
+    def products(self) -> Iterator[FamilyProduct]:
         for e in self.excess.values():
             if e is not None:
                 yield from (e.above, e.below)
@@ -96,7 +96,7 @@ class _Reader:
             return None  # a function that is odd in omega changes its sign at 0 itself
         return Curves(self.step, excess, (environment, perceived), tuple(dict.fromkeys(self.definite)))
 
-    def _excess(self, f: RealFunction, criterion: Criterion) -> Excess | None:
+    def _excess(self, f: RealFunction, criterion: Criterion) -> ThresholdPolynomial | None:
         if f.is_zero:
             return None
         ring = f.axis
@@ -104,11 +104,13 @@ class _Reader:
         self.definite += self._all_but_zero(ring, (g for g, _ in below))
         column = next((i for i, x in enumerate(self.swept) if criterion.depends_on(x.parts)), None)
         if column is None:
-            return Excess(self._product(ring, above, unit), self._product(ring, below, lower * criterion.limit))
-        square = Family((Term(0, 1.0, 0.0, tuple(2 * (i == column) for i in range(len(self.swept)))),))
-        return Excess(self._product(ring, above, unit), (square, *self._product(ring, below, lower)))
+            return ThresholdPolynomial(
+                self._product(ring, above, unit), self._product(ring, below, lower * criterion.limit)
+            )
+        square = Family((Monomial(0, 1.0, 0.0, tuple(2 * (i == column) for i in range(len(self.swept)))),))
+        return ThresholdPolynomial(self._product(ring, above, unit), (square, *self._product(ring, below, lower)))
 
-    def _changeover(self, f: RealFunction) -> Product | None:
+    def _changeover(self, f: RealFunction) -> FamilyProduct | None:
         """Zeros of odd order; a zero at omega = 0 of an even function is no change of sign."""
         if f.is_zero:
             return None
@@ -120,7 +122,7 @@ class _Reader:
         odd = [(g, 1) for g, n in above if n % 2 and g != ring.variable]
         return self._product(ring, odd, Integer(1))
 
-    def _product(self, ring: PolynomialRing, factors: _Factors, unit: Expr) -> Product:
+    def _product(self, ring: PolynomialRing, factors: _Factors, unit: Expr) -> FamilyProduct:
         """The families of a product, the unit in the first."""
         powers = [(g**n, 1) if g == ring.variable else (g, n) for g, n in factors] or [(ring.constant(1), 1)]
         numbers = [unit] + [Integer(1)] * sum(n for _, n in powers)

@@ -12,9 +12,9 @@ import numpy as np
 from haptisym.kernel.errors import SceneError
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.verbs.sweep.axes import Values, axes
+from haptisym.verbs.sweep.axes import AxisValues, axes
 from haptisym.verbs.sweep.batch import Array
-from haptisym.verbs.sweep.blocks import SETS_IN_A_BLOCK, VARIABLES, Grid, Pace, compute
+from haptisym.verbs.sweep.blocks import SETS_IN_A_BLOCK, VARIABLES, Pace, SweepGrid, compute
 from haptisym.verbs.sweep.kernel import Kernel
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ Progress = Callable[[int, int], None]
 
 def sweep(
     scene: Scene | str | Path,
-    vary: Mapping[str, Values],
+    vary: Mapping[str, AxisValues],
     *,
     out: str | Path | None = None,
     lazy: bool = False,
@@ -66,7 +66,7 @@ def sweep(
     scene = as_scene(scene)
     scene.threshold.need_plain("a sweep")
     xarray = _needed("xarray")
-    grid = Grid.of(scene, axes(scene, vary), _whole(block))
+    grid = SweepGrid.of(scene, axes(scene, vary), _whole(block))
     if out is not None:
         from haptisym.verbs.sweep.store import stored
 
@@ -89,11 +89,11 @@ def _needed(package: str) -> Any:
         raise SceneError(f'{package} is missing: a sweep needs "pip install haptisym[sweep]"') from None
 
 
-def _coordinates(grid: Grid, xarray: Any) -> dict[str, Any]:
+def _coordinates(grid: SweepGrid, xarray: Any) -> dict[str, Any]:
     return {axis.path: xarray.Variable(axis.path, axis.values, {"units": axis.unit}) for axis in grid.axes}
 
 
-def _now(grid: Grid, xarray: Any, progress: Progress | None) -> xr.Dataset:
+def _now(grid: SweepGrid, xarray: Any, progress: Progress | None) -> xr.Dataset:
     needed = grid.sets * sum(dtype.itemsize for dtype, _ in VARIABLES.values())
     if needed > MOST_BYTES:
         raise SceneError(
@@ -112,7 +112,7 @@ def _now(grid: Grid, xarray: Any, progress: Progress | None) -> xr.Dataset:
     return _dataset(grid, xarray, columns)
 
 
-def _dataset(grid: Grid, xarray: Any, columns: list[Any]) -> xr.Dataset:
+def _dataset(grid: SweepGrid, xarray: Any, columns: list[Any]) -> xr.Dataset:
     names = [axis.path for axis in grid.axes]
     variables = {
         name: (names, column, about) for column, (name, (_, about)) in zip(columns, VARIABLES.items(), strict=True)
@@ -121,7 +121,7 @@ def _dataset(grid: Grid, xarray: Any, columns: list[Any]) -> xr.Dataset:
     return found
 
 
-def _lazy(grid: Grid, xarray: Any) -> xr.Dataset:
+def _lazy(grid: SweepGrid, xarray: Any) -> xr.Dataset:
     _needed("dask")
     chunks = dict(zip((axis.path for axis in grid.axes), grid.block, strict=True))
     values = [

@@ -25,10 +25,10 @@ COUNTS = ("crossings_real", "crossings_imag", "changeovers_environment", "change
 ABSENT, UNKNOWN = float("nan"), -1
 FLOAT, EXACT, OPEN = 0, 1, 2
 """By which method a set was answered: floats with a bound; exactly; not at all, as it stayed undecided or has no dynamics."""
-Row: TypeAlias = dict[str, float]
+AnswerRow: TypeAlias = dict[str, float]
 
 
-def exact_answers(scene: Scene, swept: Sequence[Knob], values: Sequence[float]) -> Row:
+def exact_answers(scene: Scene, swept: Sequence[Knob], values: Sequence[float]) -> AnswerRow:
     """All variables of a sweep for one set of values, which are taken as exactly the binary numbers that the floats are."""
     exact = [Rational(*Fraction(float(x)).as_integer_ratio()) for x in values]
     try:
@@ -37,7 +37,7 @@ def exact_answers(scene: Scene, swept: Sequence[Knob], values: Sequence[float]) 
         return no_answer()
 
 
-def no_answer() -> Row:
+def no_answer() -> AnswerRow:
     """The row of a set without answers."""
     return {**dict.fromkeys(FLOATS, ABSENT), **dict.fromkeys(COUNTS, UNKNOWN), "method": OPEN}
 
@@ -54,10 +54,10 @@ def _chart(scene: Scene, swept: Sequence[Knob], values: Sequence[Expr]) -> Chart
     return chart(asked, *scene.band)
 
 
-def _row(found: Chart) -> Row:
+def _row(found: Chart) -> AnswerRow:
     if found.undecided:
         return no_answer()
-    row: Row = {"method": EXACT, **_step(found)}
+    row: AnswerRow = {"method": EXACT, **_step(found)}
     places: Mapping[str, Sequence[Point]] = {
         "environment": changeovers(found, Curve.ENVIRONMENT),
         "perceived": changeovers(found, Curve.PERCEIVED),
@@ -68,9 +68,9 @@ def _row(found: Chart) -> Row:
     return row
 
 
-def _step(found: Chart) -> Row:
+def _step(found: Chart) -> AnswerRow:
     """When: crossings and what is transparent."""
-    row: Row = {}
+    row: AnswerRow = {}
     for x in judged(found):
         points = [p for p in found.points if p.orders.get(x, 0) > 0]
         row[f"crossings_{x.name}"] = len(points)

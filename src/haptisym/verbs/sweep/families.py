@@ -26,7 +26,7 @@ _MOST_EXPONENT = 1000  # of two: products within it neither underflow nor overfl
 
 
 @dataclass(frozen=True)
-class Term:
+class Monomial:
     """A monomial of a coefficient: the power of the variable it belongs to, a constant, and the exponents of the parameters.
 
     ``rest``: what the constant's nearest double leaves of it, for wider floats.
@@ -42,7 +42,7 @@ class Term:
 class Family:
     """A polynomial in one variable whose coefficients are polynomials in parameters."""
 
-    terms: tuple[Term, ...]
+    terms: tuple[Monomial, ...]
 
     @property
     def degree(self) -> int:
@@ -110,12 +110,12 @@ def family(
         return Family(tuple(_term(*key, ball) for key, ball in sorted(found.items())))
 
 
-def _term(power: int, exponents: tuple[int, ...], ball: arb) -> Term:
+def _term(power: int, exponents: tuple[int, ...], ball: arb) -> Monomial:
     if not ball.is_exact() and ball.rel_accuracy_bits() < 128:
         raise UndecidedError(f"a coefficient near {float(ball.mid())} has fewer than 128 correct bits")
     middle, _ = bounds(ball.mid())
     constant = float(middle)
-    return Term(power, constant, float(middle - type(middle)(constant)), exponents)
+    return Monomial(power, constant, float(middle - type(middle)(constant)), exponents)
 
 
 def within_reach(values: Array, products: Iterable[Sequence[Family]]) -> Array:

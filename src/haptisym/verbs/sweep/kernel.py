@@ -15,7 +15,7 @@ from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.sweep.batch import Array, Batch, product
 from haptisym.verbs.sweep.bernstein import MOST_DEGREE, Zeros, isolate, refine
-from haptisym.verbs.sweep.curves import Curves, Product, sweep_curves
+from haptisym.verbs.sweep.curves import Curves, FamilyProduct, sweep_curves
 from haptisym.verbs.sweep.exactly import ABSENT, COUNTS, EXACT, FLOAT, FLOATS, UNKNOWN, exact_answers
 from haptisym.verbs.sweep.families import Family, Powers, within_reach
 
@@ -146,7 +146,7 @@ class _Pass:
         self.curves, self.band, self.sets = curves, band, values.shape[1]
         self.powers = Powers(values)
         self.decided = within_reach(values, curves.products)
-        self._products: dict[Product, Batch] = {}
+        self._products: dict[FamilyProduct, Batch] = {}
 
     def answers(self) -> tuple[Columns, Array]:
         """All variables, and for which sets they are proven."""
@@ -164,7 +164,7 @@ class _Pass:
             columns[f"changeovers_{name}"], columns[f"changeover_{name}"] = self._told(found)
         return columns | self._transparency(parts, columns), self.decided
 
-    def _at(self, families: Product) -> Batch:
+    def _at(self, families: FamilyProduct) -> Batch:
         if families not in self._products:
             single = len(families) == 1
             self._products[families] = (

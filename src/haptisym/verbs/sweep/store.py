@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from haptisym.kernel.errors import SceneError
-from haptisym.verbs.sweep.blocks import PATIENCE, VARIABLES, Grid, Pace, Region, size
+from haptisym.verbs.sweep.blocks import PATIENCE, VARIABLES, Pace, Region, SweepGrid, size
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,7 +28,7 @@ _NOT_YET = -1
 _NETCDF = (".nc", ".nc4", ".h5")
 
 
-def stored(grid: Grid, out: Path, progress: Callable[[int, int], None] | None = None) -> xr.Dataset:
+def stored(grid: SweepGrid, out: Path, progress: Callable[[int, int], None] | None = None) -> xr.Dataset:
     """The sweep in a file: begun, continued, or found done; opened from there with one dask chunk for each block."""
     if out.suffix == ".zarr":
         _fill(grid, out, progress)
@@ -47,7 +47,7 @@ def stored(grid: Grid, out: Path, progress: Callable[[int, int], None] | None = 
     return found
 
 
-def _as_netcdf(grid: Grid, out: Path, progress: Callable[[int, int], None] | None) -> None:
+def _as_netcdf(grid: SweepGrid, out: Path, progress: Callable[[int, int], None] | None) -> None:
     store, copy = (out.with_name(out.name + ending) for ending in (".part.zarr", ".part"))
     _fill(grid, store, progress)
     found = _opened(store)
@@ -72,7 +72,7 @@ def _import(package: str) -> Any:
         raise SceneError(f'{package} is missing: a sweep in a file needs "pip install haptisym[sweep]"') from None
 
 
-def _fill(grid: Grid, store: Path, progress: Callable[[int, int], None] | None) -> None:
+def _fill(grid: SweepGrid, store: Path, progress: Callable[[int, int], None] | None) -> None:
     zarr = _import("zarr")
     is_new = not store.exists()
     if not is_new:
@@ -98,12 +98,12 @@ def _fill(grid: Grid, store: Path, progress: Callable[[int, int], None] | None) 
             progress(done, grid.sets)
 
 
-def _same(grid: Grid, attributes: Any, where: Path) -> None:
+def _same(grid: SweepGrid, attributes: Any, where: Path) -> None:
     if attributes.get("fingerprint") != grid.fingerprint:
         raise SceneError(f"{where}: is there, but holds another sweep: remove it, or choose another name")
 
 
-def _begin(grid: Grid, store: Path) -> None:
+def _begin(grid: SweepGrid, store: Path) -> None:
     """An empty store under another name, then renamed: it is there with all of its arrays or not at all."""
     zarr = _import("zarr")
     fresh = store.with_name(store.name + ".new")
@@ -128,7 +128,7 @@ def _begin(grid: Grid, store: Path) -> None:
     fresh.rename(store)
 
 
-def _run(grid: Grid, store: Path, left: list[Region]) -> Iterator[int]:
+def _run(grid: SweepGrid, store: Path, left: list[Region]) -> Iterator[int]:
     """Compute and write blocks on the active dask client, or else with the local scheduler; numbers of sets, as they are done.
 
     A worker hands a block back after about a second, and gets it again until it is done.
@@ -149,7 +149,7 @@ def _run(grid: Grid, store: Path, left: list[Region]) -> Iterator[int]:
         waiting += [region for region, part in zip(now, parts, strict=True) if part.is_open][::-1]
 
 
-def _on_cluster(client: Any, grid: Grid, store: Path, left: list[Region]) -> Iterator[int]:
+def _on_cluster(client: Any, grid: SweepGrid, store: Path, left: list[Region]) -> Iterator[int]:
     as_completed = _import("distributed").as_completed
     shared = client.scatter(grid, broadcast=True, hash=False)
 
@@ -184,7 +184,7 @@ class _Part(NamedTuple):
     pace: int
 
 
-def _write(grid: Grid, store: str, region: Region, sets: int) -> _Part:
+def _write(grid: SweepGrid, store: str, region: Region, sets: int) -> _Part:
     """Compute and write what is missing of a block, for about a second: ``method`` last, as the sign that a set is done."""
     group = _import("zarr").open_group(store, mode="r+")
     missing = group["method"][region] == _NOT_YET

@@ -12,7 +12,7 @@ from sympy import Expr, Rational
 from haptisym.kernel.errors import SceneError
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import Knob
-from haptisym.model.quantities import Motion
+from haptisym.model.quantities import MotionKind
 from haptisym.model.scene import Scene
 
 
@@ -52,7 +52,7 @@ class Box:
 
 def _side(x: Knob) -> Side:
     assert x.interval
-    return Side(x.name, *x.interval, x.dimension.unit(x.motion or Motion.TRANSLATION))
+    return Side(x.name, *x.interval, x.dimension.unit(x.motion or MotionKind.TRANSLATION))
 
 
 def box_of(scene: Scene) -> Box:

@@ -6,7 +6,7 @@ from haptisym.kernel.response import on_axis
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part
-from haptisym.programs.balls import Point
+from haptisym.programs.balls import BallPoint
 from haptisym.programs.closed import closed_program
 from haptisym.programs.program import Program
 from haptisym.programs.values import Values
@@ -31,5 +31,5 @@ def _has_no_limits(chain: Chain, program: Program) -> bool:
     environment = on_axis(chain.ring.convert(chain.environment).reduced())
     R, X = (part_of(environment, part).function.numerator for part in Part)
     apart = R.is_zero() or X.is_zero() or R.gcd(X).is_constant()
-    at_zero = Point(program, (0.0, *(1.25 + n / 8 for n in range(len(program.inputs) - 1))))
+    at_zero = BallPoint(program, (0.0, *(1.25 + n / 8 for n in range(len(program.inputs) - 1))))
     return apart and all(x.is_finite() for x in at_zero.balls(128).values())

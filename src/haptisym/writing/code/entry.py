@@ -12,7 +12,7 @@ from haptisym.kernel.symbols import omega
 from haptisym.model.distortion import Distortion
 from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.model.parameters import Rule, values
-from haptisym.model.quantities import Dimension, Motion
+from haptisym.model.quantities import Dimension, MotionKind
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.writing.code.code import About, Argument, Source
@@ -99,7 +99,7 @@ def distortion_code(distortion: Distortion, language: Language, *, name: str = "
     return Source(computed(distortion.needed_chain), tuple(arguments), about).code(language, name=name)
 
 
-def _results(motion: Motion | None) -> dict[str, tuple[str, str]]:
+def _results(motion: MotionKind | None) -> dict[str, tuple[str, str]]:
     force = Dimension.STIFFNESS.unit(motion)
     return {name: (words, "" if name.startswith(("ratio", "relative")) else force) for name, words in _MEANINGS.items()}
 
@@ -131,7 +131,7 @@ _LABELS = {"environment": "the environment", "rendered": "what is rendered"}
 _RANGES = {Rule.POSITIVE: "> 0", Rule.NONNEGATIVE: ">= 0", Rule.FRACTION: "between 0 and 1", Rule.ANY: "any sign"}
 
 
-def _argument(p: Knob, motion: Motion | None) -> Argument:
+def _argument(p: Knob, motion: MotionKind | None) -> Argument:
     label = _LABELS.get(p.place) or f"the effect {p.place.partition('.')[2]}"
     kind = "number" if p.dimension in (Dimension.ANY, Dimension.RATIO) else p.dimension.name.lower()
     unit = {Dimension.ANY: "SI units", Dimension.RATIO: ""}.get(p.dimension, p.dimension.unit(motion))

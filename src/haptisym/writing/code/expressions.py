@@ -38,7 +38,7 @@ DIALECTS: Mapping[Language, Dialect] = {
 }
 
 
-class Kind(IntEnum):
+class Precedence(IntEnum):
     """What an expression is; only a greater kind needs no brackets as a factor."""
 
     SUM = 0
@@ -48,31 +48,31 @@ class Kind(IntEnum):
 
 
 @dataclass(frozen=True)
-class Piece:
+class CodePiece:
     """An expression of some kind as text; a negative product or quotient begins with its minus."""
 
     text: str
-    kind: Kind = Kind.ATOM
+    kind: Precedence = Precedence.ATOM
 
     @property
     def is_negative(self) -> bool:
-        return self.text.startswith("-") and self.kind is not Kind.SUM
+        return self.text.startswith("-") and self.kind is not Precedence.SUM
 
     @property
     def unsigned(self) -> str:
         return self.text[1:]
 
-    def at_least(self, kind: Kind) -> str:
+    def at_least(self, kind: Precedence) -> str:
         """In brackets unless it is of this kind or a greater one, and has no minus."""
         return self.text if self.kind >= kind and not self.is_negative else f"({self.text})"
 
     @property
     def as_first(self) -> str:
-        return f"({self.text})" if self.kind is Kind.SUM else self.text
+        return f"({self.text})" if self.kind is Precedence.SUM else self.text
 
 
 @dataclass(kw_only=True)
-class CodeReader(Reader[Piece]):
+class CodeReader(Reader[CodePiece]):
     """``names`` : what the arguments are called; ``helpers`` : what computes ``sinc`` and ``sincm1``.
 
     >>> from haptisym.programs.program import Writer
@@ -94,61 +94,63 @@ class CodeReader(Reader[Piece]):
     names: Mapping[Symbol, str]
     helpers: Mapping[str, str] = field(default_factory=dict)
 
-    def input(self, symbol: Symbol) -> Piece:
-        return Piece(self.names[symbol])
+    def input(self, symbol: Symbol) -> CodePiece:
+        return CodePiece(self.names[symbol])
 
-    def constant(self, value: Any) -> Piece:
+    def constant(self, value: Any) -> CodePiece:
         if value == pi:
-            return Piece(self.dialect.pi)
+            return CodePiece(self.dialect.pi)
         number = nearest_double(Rational(int(value.p), int(value.q)) if isinstance(value, fmpq) else value)
         is_whole = self.dialect.whole and number.is_integer() and abs(number) < 1e15
-        return Piece(str(int(number)) if is_whole else repr(number), Kind.PRODUCT if number < 0 else Kind.ATOM)
+        return CodePiece(
+            str(int(number)) if is_whole else repr(number), Precedence.PRODUCT if number < 0 else Precedence.ATOM
+        )
 
-    def name(self, name: str) -> Piece:
-        return Piece(name)
+    def name(self, name: str) -> CodePiece:
+        return CodePiece(name)
 
-    def is_name(self, value: Piece) -> bool:
+    def is_name(self, value: CodePiece) -> bool:
         return value.text.removeprefix("-").isidentifier()
 
-    def made(self, operation: str, *arguments: Piece) -> Piece:
+    def made(self, operation: str, *arguments: CodePiece) -> CodePiece:
         if operation in ("add", "sub", "mul", "div", "neg", "power"):
-            piece: Piece = getattr(self, f"_{operation}")(*arguments)
+            piece: CodePiece = getattr(self, f"_{operation}")(*arguments)
             return piece
         known = {**self.helpers, "abs": f"{self.dialect.library}{self.dialect.absolute}"}
-        return Piece(f"{known.get(operation, self.dialect.library + operation)}({arguments[0].text})")
+        return CodePiece(f"{known.get(operation, self.dialect.library + operation)}({arguments[0].text})")
 
-    def _add(self, x: Piece, y: Piece) -> Piece:
-        if (x.is_negative, y.kind is Kind.SUM) > (y.is_negative, x.kind is Kind.SUM):
+    def _add(self, x: CodePiece, y: CodePiece) -> CodePiece:
+        if (x.is_negative, y.kind is Precedence.SUM) > (y.is_negative, x.kind is Precedence.SUM):
             x, y = y, x
-        return self._sub(x, self._neg(y)) if y.is_negative else Piece(f"{x.text} + {y.as_first}", Kind.SUM)
+        return self._sub(x, self._neg(y)) if y.is_negative else CodePiece(f"{x.text} + {y.as_first}", Precedence.SUM)
 
-    def _sub(self, x: Piece, y: Piece) -> Piece:
-        return Piece(f"{x.text} + {y.unsigned}" if y.is_negative else f"{x.text} - {y.as_first}", Kind.SUM)
+    def _sub(self, x: CodePiece, y: CodePiece) -> CodePiece:
+        return CodePiece(f"{x.text} + {y.unsigned}" if y.is_negative else f"{x.text} - {y.as_first}", Precedence.SUM)
 
-    def _neg(self, x: Piece) -> Piece:
+    def _neg(self, x: CodePiece) -> CodePiece:
         if x.is_negative:
-            return Piece(x.unsigned, x.kind)
-        return Piece(f"-{x.as_first}", min(Kind.PRODUCT, max(x.kind, Kind.QUOTIENT)))
+            return CodePiece(x.unsigned, x.kind)
+        return CodePiece(f"-{x.as_first}", min(Precedence.PRODUCT, max(x.kind, Precedence.QUOTIENT)))
 
-    def _mul(self, x: Piece, y: Piece) -> Piece:
+    def _mul(self, x: CodePiece, y: CodePiece) -> CodePiece:
         if _leads(y) > _leads(x):
             x, y = y, x
-        kind = Kind.QUOTIENT if x.kind is Kind.QUOTIENT else Kind.PRODUCT
-        return Piece(f"{x.as_first}{self.dialect.times}{y.at_least(Kind.PRODUCT)}", kind)
+        kind = Precedence.QUOTIENT if x.kind is Precedence.QUOTIENT else Precedence.PRODUCT
+        return CodePiece(f"{x.as_first}{self.dialect.times}{y.at_least(Precedence.PRODUCT)}", kind)
 
-    def _div(self, x: Piece, y: Piece) -> Piece:
-        return Piece(f"{x.as_first}{self.dialect.over}{y.at_least(Kind.ATOM)}", Kind.QUOTIENT)
+    def _div(self, x: CodePiece, y: CodePiece) -> CodePiece:
+        return CodePiece(f"{x.as_first}{self.dialect.over}{y.at_least(Precedence.ATOM)}", Precedence.QUOTIENT)
 
-    def _power(self, x: Piece, y: Piece) -> Piece:
+    def _power(self, x: CodePiece, y: CodePiece) -> CodePiece:
         if y.text == "0.5":
             return self.made("sqrt", x)
-        within = Kind.SUM if self.dialect.power.endswith(")") else Kind.ATOM
-        return Piece(self.dialect.power.format(x.at_least(within), y.at_least(within)))
+        within = Precedence.SUM if self.dialect.power.endswith(")") else Precedence.ATOM
+        return CodePiece(self.dialect.power.format(x.at_least(within), y.at_least(within)))
 
 
-def _leads(x: Piece) -> int:
+def _leads(x: CodePiece) -> int:
     """Which factor stands first: what begins with a minus, then numbers, then a quotient."""
-    return 3 if x.is_negative else 2 if x.text[0].isdigit() else 1 if x.kind is Kind.QUOTIENT else 0
+    return 3 if x.is_negative else 2 if x.text[0].isdigit() else 1 if x.kind is Precedence.QUOTIENT else 0
 
 
 def nearest_double(number: Expr) -> float:
