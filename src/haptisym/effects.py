@@ -15,14 +15,14 @@ from sympy import Add, Expr, I, Rational, cosh, exp, pi, sinh
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.symbols import s
-from haptisym.model.catalogue import (
+from haptisym.model.catalogue import Matrix, effect
+from haptisym.model.slots import (
     Amplitude,
     Damping,
     DampingRatio,
     Force,
     Formula,
     Frequency,
-    Matrix,
     Method,
     Order,
     PositiveDamping,
@@ -35,7 +35,6 @@ from haptisym.model.catalogue import (
     SignedStiffness,
     Stiffness,
     Time,
-    effect,
 )
 
 

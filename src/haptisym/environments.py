@@ -11,7 +11,8 @@ from sympy import Expr
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.symbols import s
-from haptisym.model.catalogue import (
+from haptisym.model.catalogue import environment
+from haptisym.model.slots import (
     Damping,
     DampingList,
     Formula,
@@ -23,7 +24,6 @@ from haptisym.model.catalogue import (
     PositiveStiffness,
     Stiffness,
     StiffnessList,
-    environment,
 )
 
 

@@ -25,9 +25,10 @@ import haptisym as hs
 from haptisym import effects, environments
 from haptisym.cli import main
 from haptisym.kernel.symbols import s
-from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Stiffness, effect, environment
+from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, effect, environment
 from haptisym.model.parameters import Slot
 from haptisym.model.quantities import Dimension
+from haptisym.model.slots import Stiffness
 from haptisym.verbs.simulate.descriptor import StateSpace, state_space
 from haptisym.verbs.simulate.fractional import bank_error, rates_and_weights
 from haptisym.verbs.simulate.network import SignalSum

@@ -10,7 +10,7 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import wraps
-from typing import Annotated, Any, TypeAlias, get_args, get_type_hints
+from typing import Any, TypeAlias, get_args, get_type_hints
 
 from sympy import Expr, Float, Integer, Symbol
 
@@ -21,7 +21,6 @@ from haptisym.model import expressions
 from haptisym.model.parameters import (
     NAMED,
     Parameter,
-    Rule,
     Slot,
     chosen,
     enter_list,
@@ -34,7 +33,7 @@ from haptisym.model.parameters import (
     values,
     with_values,
 )
-from haptisym.model.quantities import Dimension, Number, decimal
+from haptisym.model.quantities import Number, decimal
 
 Matrix: TypeAlias = tuple[Expr, Expr, Expr, Expr]
 
@@ -282,28 +281,3 @@ def _known(name: str, names: Mapping[str, Expr]) -> Expr:
 
 
 # What model signatures are made of. Environments are passive: their parameters cannot be negative.
-Mass: TypeAlias = Annotated[Any, Slot(Dimension.MASS, Rule.NONNEGATIVE)]
-Damping: TypeAlias = Annotated[Any, Slot(Dimension.DAMPING, Rule.NONNEGATIVE)]
-Stiffness: TypeAlias = Annotated[Any, Slot(Dimension.STIFFNESS, Rule.NONNEGATIVE)]
-PositiveMass: TypeAlias = Annotated[Any, Slot(Dimension.MASS)]
-PositiveDamping: TypeAlias = Annotated[Any, Slot(Dimension.DAMPING)]
-PositiveStiffness: TypeAlias = Annotated[Any, Slot(Dimension.STIFFNESS)]
-StiffnessList: TypeAlias = Annotated[Any, Slot(Dimension.STIFFNESS, several=True)]
-DampingList: TypeAlias = Annotated[Any, Slot(Dimension.DAMPING, several=True)]
-SignedMass: TypeAlias = Annotated[Any, Slot(Dimension.MASS, Rule.ANY)]
-SignedDamping: TypeAlias = Annotated[Any, Slot(Dimension.DAMPING, Rule.ANY)]
-SignedStiffness: TypeAlias = Annotated[Any, Slot(Dimension.STIFFNESS, Rule.ANY)]
-Frequency: TypeAlias = Annotated[Any, Slot(Dimension.FREQUENCY)]
-Time: TypeAlias = Annotated[Any, Slot(Dimension.TIME, Rule.NONNEGATIVE)]
-PositiveTime: TypeAlias = Annotated[Any, Slot(Dimension.TIME)]
-DampingRatio: TypeAlias = Annotated[Any, Slot(Dimension.RATIO, Rule.NONNEGATIVE)]
-Order: TypeAlias = Annotated[Any, Slot(Dimension.RATIO, Rule.ORDER)]
-Samples: TypeAlias = Annotated[Any, Slot(Dimension.RATIO, Rule.WHOLE)]
-Method: TypeAlias = Annotated[
-    Any, Slot(Dimension.ANY, Rule.ANY, choices=("backward-difference", "tustin", "forward-difference"))
-]
-FractionalOrder: TypeAlias = Annotated[Any, Slot(Dimension.RATIO, Rule.FRACTION)]
-FractionalStiffness: TypeAlias = Annotated[Any, Slot(Dimension.ANY)]
-Force: TypeAlias = Annotated[Any, Slot(Dimension.FORCE, Rule.NONNEGATIVE)]
-Amplitude: TypeAlias = Annotated[Any, Slot(Dimension.DISPLACEMENT)]
-Formula: TypeAlias = Annotated[Any, Slot(Dimension.ANY, Rule.ANY, formula=True)]
