@@ -262,7 +262,7 @@ def test_a_report_without_a_certificate_says_so_and_claims_no_check(name: str, s
     text = page(hs.evaluate(scene))
     assert "This page carries no certificate: " in text
     assert 'id="checked"' not in text
-    assert "haptisymCheck" not in text
+    assert 'id="certificate"' not in text
     assert shown(text) == "nothing"
 
 

@@ -86,7 +86,7 @@ def test_a_range_of_no_width_is_a_number() -> None:
     [
         ('["1.9 kg", "1.7 kg"]', ["m", "lower end", "above"]),
         ('["1.9 kg"]', ["m", "pair"]),
-        ('["1.9 kg", "2 kg", "3 kg"]', ["m", "pair"]),
+        ('["1.9 kg", "2 kg", "3 kg", "4 kg"]', ["m", "pair"]),
         ('["1.9 kg", "2 N"]', ["m", "not a mass"]),
         ('["1.9 kg", 2]', ["m", "units of the same kind"]),
         ('"0 kg +- 5 %"', ["m", "percentage of zero"]),

@@ -30,7 +30,8 @@ def draw_map(ax: Axes, found: DesignMap, *, color: str | None = None, label: str
     or between slices that differ in kind. Ticks on the lower axis: where the slices are.
     ``color``, ``label`` : of the scene; of a further one on the same axes no ground is drawn. Returns the strokes and the marks.
 
-    >>>     >>> from haptisym import design_map, load_scene
+    >>> from matplotlib.figure import Figure
+    >>> from haptisym import design_map, load_scene
     >>> found = design_map(load_scene("fu2019"), ["omega_n", "zeta"], [(60, 200), (0.1, 1)], slices=5)
     >>> strokes, *marks = draw_map(Figure().add_subplot(), found)
     >>> [mark.get_label() for mark in marks]

@@ -47,6 +47,7 @@ class SampledLoop:
 
     A root w in the closed unit disc is a root z = 1/w that does not fade. ``coefficients`` are those of w, ascending.
 
+    >>> from sympy import Integer, Rational
     >>> half = Rational(1, 2)
     >>> plant = Plant((Integer(0), Integer(1)), ((Integer(0), (Integer(1),)),))            # 1/s, T = 1
     >>> loop = SampledLoop(plant, Integer(1), (half,), (Integer(1),))

@@ -25,7 +25,7 @@ class Quotient(RealNumber):
     """z(q)/z(p): the threshold at the proportion q, for one of 1 at p.
 
     >>> Quotient(Rational(3, 4), Rational(21, 25)).digits(17)
-    '1.4743854638571647'
+    '1.4743854638571648'
     """
 
     start: Expr
