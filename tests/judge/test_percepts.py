@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from answers import floats, intervals
+from marks import often
 from matplotlib.figure import Figure
 from oracles import MP
 from pdflatex import set_document
@@ -404,7 +405,11 @@ def test_the_words_for_a_percept(given: Property, change: Change, words: str) ->
 EXCHANGED = hs.Scene(mass_spring_damper(m=1, k=100), (hs.effects.series("-1"),), (0, 15))
 
 
-@pytest.mark.parametrize("scene", ["fu2019", SPRING_BEHIND_DELAY, EXCHANGED, "undamped-resonance"], ids=range(4))
+@pytest.mark.parametrize(
+    "scene",
+    often(["fu2019", SPRING_BEHIND_DELAY, EXCHANGED, "undamped-resonance"], lambda x: x == "fu2019"),
+    ids=range(4),
+)
 def test_a_percept_has_the_same_words_in_text_page_notebook_latex_and_figure(scene: hs.Scene | str) -> None:
     result = hs.evaluate(scene)
     assert result.felt

@@ -7,6 +7,7 @@ import re
 
 import mpmath
 import pytest
+from marks import often
 from pdflatex import set_document
 
 import haptisym as hs
@@ -129,7 +130,11 @@ def outputs(found: hs.Evaluation) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    "name", ["fu2019", "sampled-wall", "wave-variable-link", "delayed-spring", "admittance-display"]
+    "name",
+    often(
+        ["fu2019", "sampled-wall", "wave-variable-link", "delayed-spring", "admittance-display"],
+        {"fu2019", "delayed-spring"}.__contains__,
+    ),
 )
 def test_no_output_calls_perceived_dynamics_stable_or_a_display_passive(name: str) -> None:
     """What was decided is the force under imposed motion, every passive hand, and absolute stability: each by its name."""

@@ -151,6 +151,7 @@ def test_it_stays_a_clock_in_a_family_and_in_a_copy() -> None:
     assert pickle.loads(pickle.dumps(scene)).distortion().perceived == scene.distortion().perceived
 
 
+@pytest.mark.slow
 def test_answers_of_other_verbs_hold_the_clock() -> None:
     scene = hs.Scene(
         WALL, (hs.effects.sampled_loop("4 ms", "backward-difference", 1, name="loop"),), (Integer(0), Integer(60))

@@ -120,6 +120,7 @@ def test_what_refers_to_another_is_that_other(key: str) -> None:
         wall().with_values({path: 7, other: 7})
 
 
+@pytest.mark.slow
 def test_code_report_and_latex_list_it_once() -> None:
     e = hs.evaluate(wall())
     assert [x.symbol.name for x in hs.derive(wall()).scene.parameters] == ["k", "b", "w"]

@@ -261,12 +261,14 @@ def test_what_is_undecided_is_said() -> None:
     assert "undecided" not in " ".join(Page(written("tangency")).texts)
 
 
+@pytest.mark.slow
 def test_stability_is_said_as_it_is() -> None:
     assert "not decided" in " ".join(Page(written("wave-variable-link")).texts)
     assert "NOT stable" in " ".join(Page(written("unstable")).texts)
     assert "all poles of" in " ".join(Page(written("fu2019")).texts)
 
 
+@pytest.mark.slow
 def test_a_scene_with_too_many_parameters_keeps_the_threshold_slider() -> None:
     assert len(Page(written("many branches")).labels) == 2
     assert "too many" in written("many branches")
@@ -288,6 +290,7 @@ def test_the_command_writes_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert target.read_text(encoding="utf-8") == written("fu2019")
 
 
+@pytest.mark.slow
 def test_the_command_writes_a_pdf(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     required("pdflatex", shutil.which("pdflatex"))
     target = tmp_path / "x.PDF"
@@ -337,6 +340,7 @@ def test_other_names_and_a_missing_program_are_errors_that_say_so(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_a_document_that_latex_refuses_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     required("pdflatex", shutil.which("pdflatex"))
     monkeypatch.setattr(
@@ -409,7 +413,7 @@ MOVED = {
 }
 
 
-@pytest.mark.parametrize("name", often(MOVED, lambda name: name != "four-channel-teleoperation"))
+@pytest.mark.parametrize("name", often(MOVED, "fu2019".__eq__))
 def test_a_moved_slider_draws_what_python_computes(name: str, shown: Any) -> None:
     opened, scene = shown(name), evaluated(name).scene
     before = {kind: drawn(opened, kind) for kind in ("ratio.real", "system.perceived")}

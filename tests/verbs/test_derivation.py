@@ -19,7 +19,7 @@ from haptisym.verbs.derive.entry import derive
 SHORT = ["fu2019", "delayed-spring", "undamped-resonance", "zener-tissue", "stick-with-friction"]
 
 
-@pytest.mark.parametrize("name", SHORT)
+@pytest.mark.parametrize("name", often(SHORT, {"fu2019", "delayed-spring"}.__contains__))
 def test_every_quantity_in_symbols_has_the_numeric_scenes_value(name: str) -> None:
     scene = hs.load_scene(name)
     symbolic, numeric = derive(scene), derive(scene, keep=())
@@ -105,7 +105,9 @@ def test_the_json_of_a_page_says_the_same_as_its_text(call) -> None:  # type: ig
     assert all(row["text"] in flat for section in document["sections"] for row in section["equations"])
 
 
-@pytest.mark.parametrize("name", ["fu2019", "steering-wheel", "four-channel-teleoperation", "organ-tissue"])
+@pytest.mark.parametrize(
+    "name", often(["fu2019", "steering-wheel", "four-channel-teleoperation", "organ-tissue"], "fu2019".__eq__)
+)
 def test_the_latex_of_a_page_compiles(name: str, call, tmp_path) -> None:  # type: ignore[no-untyped-def]
     body = call("derive", name, "--to", "latex")[1]
     head = r"\documentclass[a4paper,11pt]{article}\usepackage{amsmath}\usepackage[margin=2.5cm]{geometry}"

@@ -245,6 +245,7 @@ def test_psignifit_itself_finds_what_it_is_known_to_find(file: Callable[..., Pat
     assert found.to_dict()["method"] == "psignifit 4"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(find_spec("psignifit") is None, reason="psignifit is not installed")
 def test_psignifit_and_the_likelihood_agree_on_a_forced_choice() -> None:
     curve = Curve(0.12, 0.05, 0.5)

@@ -349,6 +349,7 @@ def test_a_pruned_scene_builds_only_what_is_kept_when_it_is_simulated(many: Rele
     assert run.built == ("mass-spring-damper", "first-order-lag", "shunt")
 
 
+@pytest.mark.slow
 def test_the_figure_names_every_effect_and_is_the_same_every_time(tmp_path: Path, many: Relevance) -> None:
     first, second = (many.save_figure(tmp_path / name).read_bytes() for name in ("a.pdf", "b.pdf"))
     assert first == second

@@ -110,6 +110,7 @@ def test_the_papers_filter_suits_every_passive_hand_from_a_frequency_on() -> Non
     assert together.that == ("transparent", "stable", "passive")
 
 
+@pytest.mark.slow
 @examples(12)
 @given(
     k=st.integers(10, 400),

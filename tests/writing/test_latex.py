@@ -246,7 +246,7 @@ def test_every_printed_closed_form_has_the_value_that_it_stands_for(name):
     assert all(read[left] for left in must)
 
 
-@pytest.mark.parametrize("name", scene_names())
+@pytest.mark.parametrize("name", often(scene_names(), QUICK_SCENES.__contains__))
 def test_the_printed_threshold_polynomials_change_sign_at_the_crossings(name):
     e, text = shipped(name)
     sides = equations(_between(text, "up to a positive factor:\n", r"\end{align*}"))
