@@ -129,10 +129,10 @@ def test_every_number_of_the_page_is_one_of_the_document(name: str) -> None:
     assert json.loads(held) == document
     told = [*document["transparent"], *[p["band"] for p in document["percepts"]], *document["outside_model"]]
     told += [document["changeovers"], document["unbounded"], [c["omega"] for c in document["crossings"]]]
-    active = hs.stability(result.scene).every_passive_hand.row(
-        15
-    )  # a question of its own, whose answer the page repeats
-    assert set(flat(told)) <= set(read.numbers) <= {*flat(document), *flat(active)}
+    passivity = result.passivity  # a question of its own, whose answer the page repeats
+    most = [x for x in (passivity.damping, passivity.most_given) if x] if passivity.is_active else []
+    active = {*flat(passivity.row()), *(float(x) for one in most for x in (one.value, one.omega) if x is not None)}
+    assert set(flat(told)) <= set(read.numbers) <= {*flat(document), *active, *(-x for x in active)}
     shown = "".join(read.texts)
     for c in document["crossings"]:
         assert c["digits"] in shown
