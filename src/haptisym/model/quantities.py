@@ -47,7 +47,7 @@ class Dimension(Enum):
     def unit(self, motion: MotionKind | None) -> str:
         """The unit's name, for a known kind of motion; both names where the motion is not known.
 
-        >>> Dimension.MASS.unit(Motion.ROTATION), Dimension.MASS.unit(None), Dimension.TIME.unit(None)
+        >>> Dimension.MASS.unit(MotionKind.ROTATION), Dimension.MASS.unit(None), Dimension.TIME.unit(None)
         ('kg*m^2', 'kg or kg*m^2', 's')
         """
         translation, rotation = self.value
@@ -83,7 +83,7 @@ def quantity(given: Number, dimension: Dimension) -> Quantity:
     and the unit expected, for anything else: NaN, infinities, unknown units, wrong dimensions.
 
     >>> quantity("1.8 kg", Dimension.MASS)
-    Quantity(value=9/5, motion=<Motion.TRANSLATION: 'translational'>, exponents=(('mass', Fraction(1, 1)),))
+    Quantity(value=9/5, motion=<MotionKind.TRANSLATION: 'translational'>, exponents=(('mass', Fraction(1, 1)),))
     >>> quantity("15 Hz", Dimension.FREQUENCY).value, quantity(0.1, Dimension.RATIO).value
     (30*pi, 1/10)
     >>> quantity("15 N", Dimension.STIFFNESS)
@@ -176,7 +176,7 @@ def _motion(exponents: dict[str, Fraction], text: str, dimension: Dimension) -> 
 def dimension_exponents(dimension: Dimension, motion: MotionKind | None) -> Exponents | None:
     """The base dimensions of what a parameter measures; None for one of any dimension.
 
-    >>> dimension_exponents(Dimension.DAMPING, Motion.ROTATION)
+    >>> dimension_exponents(Dimension.DAMPING, MotionKind.ROTATION)
     (('length', Fraction(2, 1)), ('mass', Fraction(1, 1)), ('time', Fraction(-1, 1)))
     """
     if dimension is Dimension.ANY:
@@ -202,7 +202,7 @@ def implied_motion(dimension: Dimension, exponents: Exponents | None) -> MotionK
     """The motion for which a dimension has these exponents; None where neither or both have.
 
     >>> implied_motion(Dimension.MASS, (("length", Fraction(2)), ("mass", Fraction(1))))
-    <Motion.ROTATION: 'rotational'>
+    <MotionKind.ROTATION: 'rotational'>
     """
     found = [motion for motion in MotionKind if dimension_exponents(dimension, motion) == exponents]
     return found[0] if len(found) == 1 else None

@@ -41,7 +41,7 @@ class Omission:
 def front(rows: Iterable[Measurement]) -> tuple[Measurement, ...]:
     """The rows that no other one beats in both digits and time, fastest first; those with wrong counts are left out.
 
-    >>> slow, fast, worse = (Row("evaluate", "", n, t, False) for n, t in ((30, 2.0), (15, 1.0), (14, 1.5)))
+    >>> slow, fast, worse = (Measurement("evaluate", "", n, t, False) for n, t in ((30, 2.0), (15, 1.0), (14, 1.5)))
     >>> front([slow, fast, worse]) == (fast, slow)
     True
     """

@@ -102,7 +102,7 @@ def state_space(equations: Sequence[SignalSum], known: Iterable[str] = ()) -> St
     ``known``: signals that are inputs beside the motion and everything late. Raises SceneError where the equations contradict
     each other or leave a signal open.
 
-    >>> x, f, u = Sum.of("x"), Sum.of("f"), Sum.of("motion")
+    >>> x, f, u = SignalSum.of("x"), SignalSum.of("f"), SignalSum.of("motion")
     >>> system = state_space([f - 2 * x.d(2) - 3 * x, x - u])       # a mass and a spring, moved by hand: no state at all
     >>> system.size, [str(c[0, 0]) for c in system.signal("f").inputs]
     (0, ['3', '0', '2'])

@@ -35,7 +35,7 @@ def exact(value: Expr | int) -> Exact:
 class SignalSum:
     """A linear combination of signals, of their derivatives and of what they were some time ago.
 
-    >>> x = Sum.of("x")
+    >>> x = SignalSum.of("x")
     >>> (2 * x.d(2) - x.late(fmpq(1, 2))).terms == {("x", 2, fmpq(0)): 2, ("x", 0, fmpq(1, 2)): -1}
     True
     """

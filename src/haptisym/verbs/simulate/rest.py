@@ -22,8 +22,8 @@ def at_rest(net: Network, position: float) -> dict[str, float]:
     Clocks let through what they sample, friction gives no force, a limited force is what it is without the limit or the limit,
     and a quantiser counts as exact. Raises SceneError where something moves on though the hand rests.
 
-    >>> net, f, x = Network((1.0, 1.0)), Sum.of("f"), Sum.of("x")
-    >>> net.equal(f, x.through(100, 15)), net.equal(x, Sum.of("motion"))
+    >>> net, f, x = Network((1.0, 1.0)), SignalSum.of("f"), SignalSum.of("x")
+    >>> net.equal(f, x.through(100, 15)), net.equal(x, SignalSum.of("motion"))
     (None, None)
     >>> at_rest(net, 0.5)["f"]
     50.0
