@@ -1,7 +1,7 @@
 """One Hypothesis profile for the whole suite, the same examples on every machine and every run; and the command line, called.
 
 With HAPTISYM_EXAMPLES=N there are N examples (where a test wants more, as many as it wants), drawn with the seed that
-``pytest --hypothesis-seed`` gives: CI does that with a new one every time, and says which.
+``pytest --hypothesis-seed`` gives: CI does that with one of each commit's own, and says which.
 """
 
 from __future__ import annotations

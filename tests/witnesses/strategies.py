@@ -228,9 +228,12 @@ def coincident_case(pick: Picker) -> Case:
         undamped = old.kind in ("mass-spring-damper", "two-mass", "second-order-lowpass")
         return Element(old.kind, {n: whole(n if undamped else "", x) for n, x in old.values.items()})
 
+    felt = coarse(drawn.felt)
+    if not any(felt.values.values()):  # a damper alone that lost its damping: an environment that is zero is no scene
+        felt = drawn.felt
     low = Fraction(pick.whole(0, 3))
     thresholds = [Fraction(1, n) for n in (1, 2, 4, 5, 10)]
-    return Case(coarse(drawn.felt), tuple(map(coarse, drawn.between)), (low, low + pick.choice(small)),
+    return Case(felt, tuple(map(coarse, drawn.between)), (low, low + pick.choice(small)),
                 {"real": pick.choice(thresholds), "imag": pick.choice(thresholds)})  # fmt: skip
 
 
