@@ -31,7 +31,8 @@ from haptisym.verbs.sweep import blocks, kernel
 from haptisym.verbs.sweep.axes import axes, spaced
 from haptisym.verbs.sweep.blocks import Pace, SweepGrid
 from haptisym.verbs.sweep.exactly import COUNTS, FLOATS, exact_answers
-from haptisym.verbs.sweep.kernel import TOLERANCE, Kernel
+from haptisym.verbs.sweep.kernel import Kernel
+from haptisym.verbs.sweep.passes import TOLERANCE
 from haptisym.verbs.sweep.swept import Swept
 
 PAPER = hs.load_scene("fu2019")

@@ -18,7 +18,8 @@ from haptisym.model.scene import Scene
 from haptisym.verbs.sweep.axes import SweepAxis
 from haptisym.verbs.sweep.batch import Array
 from haptisym.verbs.sweep.exactly import COUNTS, EXACT, FLOAT, FLOATS, OPEN
-from haptisym.verbs.sweep.kernel import TOLERANCE, Kernel
+from haptisym.verbs.sweep.kernel import Kernel
+from haptisym.verbs.sweep.passes import TOLERANCE
 
 SETS_IN_A_BLOCK = 65_536
 PATIENCE = 1.0
