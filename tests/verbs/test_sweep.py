@@ -27,7 +27,7 @@ from sympy import Expr, Integer, Rational, pi
 
 import haptisym as hs
 from haptisym.cli import main
-from haptisym.verbs.sweep import blocks, kernel
+from haptisym.verbs.sweep import blocks, kernel, passes
 from haptisym.verbs.sweep.axes import axes, spaced
 from haptisym.verbs.sweep.blocks import Pace, SweepGrid
 from haptisym.verbs.sweep.exactly import COUNTS, FLOATS, exact_answers
@@ -237,11 +237,11 @@ def test_the_transparent_part_of_random_crossings_is_where_both_parts_are_below(
         first = rng.choice([-1, 1], count)
         for i, x in enumerate(omega):
             clear[i] &= first[i] * (-1) ** np.searchsorted(x, middle) < 0
-        parts.append(kernel._Found(np.repeat(np.arange(count), counts), np.concatenate(omega), first))
+        parts.append(passes.Found(np.repeat(np.arange(count), counts), np.concatenate(omega), first))
         columns[f"crossings_{name}"] = counts
         columns[f"first_crossing_{name}"] = np.array([x[0] * 7 if len(x) else np.nan for x in omega])
-    a_pass = kernel._Pass.__new__(kernel._Pass)
-    a_pass.band, a_pass.sets = kernel.Band(7.0, low, (low**2,), doubtful=False), count
+    a_pass = passes.Pass.__new__(passes.Pass)
+    a_pass.band, a_pass.sets = passes.Band(7.0, low, (low**2,), doubtful=False), count
     found = a_pass._transparency(dict(zip(("real", "imag"), parts, strict=True)), columns)
     assert found["transparent"] == pytest.approx(clear.mean(axis=1), abs=1e-9)
     for i in range(count):
@@ -260,7 +260,7 @@ def test_the_band_s_low_end_lies_between_neighbouring_doubles(
     share: Fraction, high: Fraction, step: int, unit: Expr
 ) -> None:
     low, high = (Rational(x.numerator, x.denominator) * unit for x in (share * high, high))
-    band = kernel.Band.of(low, high, step)
+    band = passes.Band.of(low, high, step)
     exact = share**step
     first, last = map(Fraction, (band.ends[0], band.ends[-1]))
     assert first <= exact <= last
@@ -282,7 +282,7 @@ def test_the_band_s_low_end_lies_between_neighbouring_doubles(
 
 
 def test_the_low_end_of_a_band_in_pi_beside_rational_numbers_is_enclosed() -> None:
-    band = kernel.Band.of(pi / 7, Integer(1), 1)
+    band = passes.Band.of(pi / 7, Integer(1), 1)
     low, high = band.ends
     with mpmath.workdps(50):
         assert mpmath.mpf(low) < mpmath.pi / 7 < mpmath.mpf(high)
