@@ -9,6 +9,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import HealthCheck, settings
 from marks import EXAMPLES
+from schemas import IS_THERE, faults, parsed
 
 from haptisym.cli import main
 
@@ -33,13 +34,18 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
 
 @pytest.fixture
 def call(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):  # type: ignore[no-untyped-def]
-    """The command line with these words: exit status, standard output and standard error."""
+    """The command line with these words: exit status, standard output and standard error.
+
+    A document of JSON on standard output must be what its schema says.
+    """
 
     def called(*words: str) -> tuple[int, str, str]:
         monkeypatch.setattr("sys.argv", ["haptisym", *words])
         with pytest.raises(SystemExit) as stop:
             main()
         out, err = capsys.readouterr()
+        if IS_THERE and "--json" in words and out:
+            assert faults(parsed(out)) == []
         return int(stop.value.code or 0), out, err
 
     return called

@@ -50,6 +50,7 @@ from haptisym.verbs.tolerances.entry import tolerances
 from haptisym.verbs.tolerances.proofs import Tolerances
 from haptisym.writing.code.entry import Language, distortion_code, scene_code
 from haptisym.writing.mathml import mathml
+from haptisym.writing.schemas import json_schema
 
 __version__: str
 
@@ -116,6 +117,7 @@ __all__ = [
     "hard_costs",
     "interop",
     "jnd",
+    "json_schema",
     "latex",
     "load_scene",
     "load_scenes",

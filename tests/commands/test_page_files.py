@@ -50,7 +50,7 @@ def test_every_verb_that_answers_has_both_options() -> None:
     for name in VERBS:
         command = resolve_name(f"haptisym.commands.{name}:{name}")
         options = {x for p in command.params for x in p.opts}
-        assert ({"--latex", "--report"} <= options) == (name != "scenes"), name
+        assert ({"--latex", "--report"} <= options) == (name not in ("scenes", "schemas")), name
 
 
 def test_a_wrong_name_is_told_before_the_work_begins(call: Call, tmp_path: Path) -> None:

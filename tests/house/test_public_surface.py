@@ -238,7 +238,7 @@ def test_a_users_mistakes_are_found_by_a_type_checker(tmp_path: Path) -> None:
 
 def test_a_users_script_uses_every_function_and_type() -> None:
     used = set(re.findall(r"\bhs\.(\w+)", USER))
-    spared = "Effect Environment ExpressionError HaptisymError Peaks Percept UndecidedError family_names interop parse_scenes recording"
+    spared = "Effect Environment ExpressionError HaptisymError Peaks Percept UndecidedError family_names interop json_schema parse_scenes recording"
     assert used <= set(hs.__all__)
     assert set(hs.__all__) - used == {*spared.split(), "scene_names"}
 
