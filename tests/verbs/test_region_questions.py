@@ -121,7 +121,6 @@ REFUSED: dict[str, tuple[Asked, list[Any]]] = {
         [ELLIPSE, DIAMOND, POLYGON, FLOOR, SIDED, FORMULA],
     ),
     "effects": (hs.relevance, [ELLIPSE, DIAMOND, POLYGON, FLOOR, SIDED]),
-    "sweep": (lambda s: hs.sweep(s, {"omega_n": [80.0]}), [ELLIPSE, DIAMOND, POLYGON, FLOOR, SIDED, FORMULA]),
     "sensitivity": (hs.sensitivity, [DIAMOND, POLYGON, FLOOR, SIDED]),
     "require": (lambda s: hs.require(s, "omega_n"), [POLYGON, FLOOR, SIDED]),
     "one limit of a joint region": (lambda s: hs.require(s, "jnd.real"), [ELLIPSE, DIAMOND, POLYGON]),

@@ -27,16 +27,18 @@ from sympy import Expr, Integer, Rational, pi
 
 import haptisym as hs
 from haptisym.cli import main
-from haptisym.verbs.sweep import blocks, kernel, passes
+from haptisym.verbs.sweep import blocks, combined, kernel, passes
 from haptisym.verbs.sweep.axes import axes, spaced
 from haptisym.verbs.sweep.blocks import Pace, SweepGrid
-from haptisym.verbs.sweep.exactly import COUNTS, FLOATS, exact_answers
+from haptisym.verbs.sweep.exactly import exact_answers
 from haptisym.verbs.sweep.kernel import Kernel
 from haptisym.verbs.sweep.passes import TOLERANCE
 from haptisym.verbs.sweep.swept import Swept
+from haptisym.verbs.sweep.told import Told
 
 PAPER = hs.load_scene("fu2019")
 NATURAL, MASS = "effects.filter.omega_n", "environment.m"
+TOLD = Told.of(PAPER)
 SMALL = {NATURAL: np.linspace(25.0, 200.0, 30).tolist(), MASS: np.linspace(0.3, 5.0, 21).tolist()}
 
 
@@ -67,9 +69,9 @@ def evaluated(swept: hs.Scene) -> dict[str, float]:
 
 
 def agrees(found: Any, truth: dict[str, float]) -> None:
-    for name in COUNTS:
+    for name in TOLD.counts:
         assert int(found[name]) == truth[name], name
-    for name in FLOATS:
+    for name in TOLD.floats:
         # a fraction is a sum over crossings that are each that accurate
         limit = 1e-10 if name == "transparent" else 1.0001 * TOLERANCE * abs(truth[name])
         assert np.isnan(truth[name]) == np.isnan(found[name]), name
@@ -98,7 +100,7 @@ def test_thresholds_are_swept_together_or_apart() -> None:
     for i, c in enumerate((0.05, 0.125)):
         agrees(together[{"evaluation.jnd": i}], evaluated(PAPER.with_values({"c": exactly(c)})))
         diagonal = apart[{"evaluation.jnd.real": i, "evaluation.jnd.imag": i}]
-        assert all(float(diagonal[name]) == float(together[name][i]) for name in COUNTS)
+        assert all(float(diagonal[name]) == float(together[name][i]) for name in TOLD.counts)
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -237,7 +239,7 @@ def test_the_transparent_part_of_random_crossings_is_where_both_parts_are_below(
         first = rng.choice([-1, 1], count)
         for i, x in enumerate(omega):
             clear[i] &= first[i] * (-1) ** np.searchsorted(x, middle) < 0
-        parts.append(passes.Found(np.repeat(np.arange(count), counts), np.concatenate(omega), first))
+        parts.append(combined.Found(np.repeat(np.arange(count), counts), np.concatenate(omega), first))
         columns[f"crossings_{name}"] = counts
         columns[f"first_crossing_{name}"] = np.array([x[0] * 7 if len(x) else np.nan for x in omega])
     a_pass = passes.Pass.__new__(passes.Pass)

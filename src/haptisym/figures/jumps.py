@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from haptisym.model.jnd import Part
 from haptisym.programs.values import Array
 
 if TYPE_CHECKING:
@@ -27,9 +26,18 @@ def jumps_of(y: Array, counts: Any, band: float) -> Any:
     return (steps[1:-1] > smooth).nonzero()[0] + 1
 
 
+JUDGED = ("real", "imag", "joint")
+"""The names of the criteria of which a sweep may tell, in the order of its charts."""
+
+
+def judged_in(data: xr.Dataset) -> list[str]:
+    """The names of the criteria of which a sweep tells."""
+    return [name for name in JUDGED if f"crossings_{name}" in data]
+
+
 def crossing_counts(data: xr.Dataset) -> Any:
-    """How many crossings there are, of the real part and of the imaginary part."""
-    return np.stack([data[f"crossings_{part.value}"].values for part in Part]).astype(np.int64)
+    """How many crossings there are, of each criterion."""
+    return np.stack([data[f"crossings_{name}"].values for name in judged_in(data)]).astype(np.int64)
 
 
 def jump_edges(data: xr.Dataset, x: Array, y: Array, z: Array, band: float) -> list[list[tuple[float, float]]]:

@@ -18,7 +18,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
 from haptisym.figures.designmap import draw_boundary
-from haptisym.figures.jumps import crossing_counts, jump_edges, jumps_of
+from haptisym.figures.jumps import crossing_counts, judged_in, jump_edges, jumps_of
 from haptisym.figures.scales import HERTZ, RADIANS, Scale, floats_scale
 from haptisym.figures.sheet import one_column
 from haptisym.figures.style import (
@@ -52,14 +52,18 @@ if TYPE_CHECKING:
 _MOST_PIXELS = 1200  # along an axis; a chart in print shows no more
 _LEVELS, _SLICES = 7, 31
 _MAP = LinearSegmentedColormap.from_list("bandwidth", ["#5b7fa6", "#a9c0d6", "#f4f7fa"])  # monotone in grey, too
-_CURVES = (("real", BLUE, SOLID, "real part crosses"), ("imag", RED, DASHED, "imaginary part crosses"))
+_CURVES = {
+    "real": (BLUE, SOLID, "real part crosses"),
+    "imag": (RED, DASHED, "imaginary part crosses"),
+    "joint": (BLUE, SOLID, "leaves the JND region"),
+}
 
 
 def draw_curves(ax: Axes, data: xr.Dataset, *, color: str | None = None, label: str = "") -> list[Line2D]:
-    """First crossings of both parts and the bandwidth over the one parameter of a sweep.
+    """First crossings of what is judged and the bandwidth over the one parameter of a sweep.
 
     A curve is broken, with a dot at each end, where it jumps because crossings come or go: nothing was computed in between.
-    ``color``, ``label`` : of the sweep, in the drawing and in the legend. Returns the lines: bandwidth, real, imaginary part.
+    ``color``, ``label`` : of the sweep, in the drawing and in the legend. Returns the lines: bandwidth, then each criterion.
 
     >>> from haptisym import load_scene, sweep
     >>> from matplotlib.figure import Figure
@@ -76,13 +80,14 @@ def draw_curves(ax: Axes, data: xr.Dataset, *, color: str | None = None, label: 
     counts = crossing_counts(data)
     style: dict[str, Any] = {"color": GREY if look.plain else look.color, "linewidth": 3.2, "alpha": 0.5}
     rows = [("bandwidth", "bandwidth", {**style, "solid_capstyle": "butt"})]
-    for part, own, stroke, name in _CURVES:
+    for criterion in judged_in(data):
+        own, stroke, name = _CURVES[criterion]
         shown = own if look.plain else look.color
-        rows.append((f"first_crossing_{part}", name, {"color": shown, "linestyle": stroke, "linewidth": 1.1}))
+        rows.append((f"first_crossing_{criterion}", name, {"color": shown, "linestyle": stroke, "linewidth": 1.1}))
     lines, dots = list[Line2D](), list[Line2D]()
     for variable, name, style in rows:
         y = upwards.of(data[variable].values)
-        parts = [i for i, (part, *_) in enumerate(_CURVES) if variable in ("bandwidth", f"first_crossing_{part}")]
+        parts = [i for i, x in enumerate(judged_in(data)) if variable in ("bandwidth", f"first_crossing_{x}")]
         jumps = jumps_of(y, counts[parts], high - low)
         broken = np.insert(x, jumps, np.nan), np.insert(y, jumps, np.nan)
         lines += ax.plot(*broken, label=f"{name}{look.suffix}", **style)
@@ -200,7 +205,7 @@ def _dimensions(data: xr.Dataset, count: int) -> list[str]:
 
 def _thinned(data: xr.Dataset, names: tuple[str, str]) -> xr.Dataset:
     steps = {name: slice(None, None, -(-data.sizes[name] // _MOST_PIXELS)) for name in names}
-    wanted = ["bandwidth", *(f"crossings_{part}" for part, *_ in _CURVES)]
+    wanted = ["bandwidth", *(f"crossings_{name}" for name in judged_in(data))]
     return data[wanted].isel(steps).load()
 
 

@@ -27,8 +27,14 @@ _FREQUENCIES: dict[str, Phrase] = {
     "bandwidth": "bandwidth",
     "first_crossing_real": "first crossing, real part",
     "first_crossing_imag": "first crossing, imaginary part",
+    "first_crossing_joint": "first crossing, both parts at once",
     "changeover_environment": "changeover of the environment",
     "changeover_perceived": "changeover as felt",
+}
+_CROSSINGS = {
+    "crossings_real": "crossings, real part",
+    "crossings_imag": "crossings, imaginary part",
+    "crossings_joint": "crossings, both parts at once",
 }
 _MOST_DRAWN = 2  # parameters that one chart shows
 
@@ -51,7 +57,7 @@ def _varied(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
 
 
 def _frequencies(told: Mapping[str, Any]) -> Block:
-    spans = {name: told["ranges"][key] for key, name in _FREQUENCIES.items()}
+    spans = {name: told["ranges"][key] for key, name in _FREQUENCIES.items() if key in told["ranges"]}
     rows = tuple((name, _span(span), _span(span, 2 * pi) if span else "") for name, span in spans.items())
     return Table((Column(""), Column("rad/s"), Column("Hz")), rows, "Least and largest of all sets, proven.")
 
@@ -59,9 +65,10 @@ def _frequencies(told: Mapping[str, Any]) -> Block:
 def _counts(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
     clear = told["ranges"]["transparent"]
     yield "transparent part of the band", (_span(clear, 0.01), "\xa0%" if clear else "")
-    for part, name in (("real", "real"), ("imag", "imaginary")):
-        counts = ", ".join(f"{n}: {sets:,}" for n, sets in told["counts"][f"crossings_{part}"].items())
-        yield f"crossings, {name} part", f"{counts or 'none'} sets"
+    for key, name in _CROSSINGS.items():
+        if key in told["counts"]:
+            counts = ", ".join(f"{n}: {sets:,}" for n, sets in told["counts"][key].items())
+            yield name, f"{counts or 'none'} sets"
 
 
 def _span(span: list[float] | None, unit: float = 1.0, digits: int = 5) -> Phrase:

@@ -17,37 +17,14 @@ import numpy as np
 from haptisym.model.scene import Scene
 from haptisym.verbs.sweep.axes import SweepAxis
 from haptisym.verbs.sweep.batch import Array
-from haptisym.verbs.sweep.exactly import COUNTS, EXACT, FLOAT, FLOATS, OPEN
 from haptisym.verbs.sweep.kernel import Kernel
 from haptisym.verbs.sweep.passes import TOLERANCE
+from haptisym.verbs.sweep.told import Told
 
 SETS_IN_A_BLOCK = 65_536
 PATIENCE = 1.0
 """Seconds after which, as nearly as one can tell, what is computed is written down and told."""
 Region: TypeAlias = tuple[slice, ...]
-
-VARIABLES: dict[str, tuple[np.dtype[Any], dict[str, str]]] = {
-    **{name: (np.dtype(np.float64), {"units": "rad/s"}) for name in FLOATS},
-    **{name: (np.dtype(np.int16), {"units": "1"}) for name in COUNTS},
-    "method": (np.dtype(np.int8), {"units": "1"}),
-}
-"""Name, kind and unit of what a sweep computes for each set."""
-_MEANINGS = {
-    "first_crossing_real": "lowest frequency of the band at which r_r meets its threshold; NaN if none",
-    "first_crossing_imag": "lowest frequency of the band at which r_i meets its threshold; NaN if none",
-    "bandwidth": "end of the transparent interval that starts at the band's low end; NaN if none does",
-    "transparent": "fraction of the band on which neither ratio exceeds its threshold",
-    "changeover_environment": "lowest frequency of the band at which Re H_env changes sign; NaN if none",
-    "changeover_perceived": "lowest frequency of the band at which Re H_perc changes sign; NaN if none",
-    "crossings_real": "number of frequencies of the band at which r_r meets its threshold",
-    "crossings_imag": "number of frequencies of the band at which r_i meets its threshold",
-    "changeovers_environment": "number of sign changes of Re H_env on the band",
-    "changeovers_perceived": "number of sign changes of Re H_perc on the band",
-    "method": f"{FLOAT}: certified by floats with an error bound; {EXACT}: exact; {OPEN}: not answered",
-}
-for _name, (_, _about) in VARIABLES.items():
-    _about["long_name"] = _MEANINGS[_name]
-VARIABLES["transparent"][1]["units"] = "1"
 
 
 @dataclass
@@ -103,6 +80,11 @@ class SweepGrid:
     def sets(self) -> int:
         return prod(self.shape)
 
+    @property
+    def variables(self) -> dict[str, tuple[np.dtype[Any], dict[str, str]]]:
+        """Name and kind of what is told of each set, with what it says of itself."""
+        return Told.of(self.scene).variables
+
     @cached_property
     def kernel(self) -> Kernel:
         return Kernel.of(self.scene, [axis.knob for axis in self.axes])
@@ -134,13 +116,12 @@ class SweepGrid:
 
     def attributes(self) -> dict[str, Any]:
         """What a data set says about itself."""
-        c = self.scene.threshold
         return {
             "schema": "haptisym.sweep/1",
             "title": self.scene.title,
             "source": self.scene.source,
             "band": [self.kernel.band.high * self.kernel.band.low_fraction, self.kernel.band.high],
-            "threshold": [str(c.real), str(c.imag)],
+            **_threshold(self.scene),
             "relative_accuracy": TOLERANCE,
             "certified": (
                 "All counts are proven. Values of the swept parameters are taken as exactly the binary numbers stored here."
@@ -170,7 +151,8 @@ class SweepGrid:
             ]
             for place, x in scene.elements()
         ]
-        limits = [str(scene.threshold.real), str(scene.threshold.imag)]
+        c = scene.threshold
+        limits = [str(c.real), str(c.imag)] if c.is_plain else [json.dumps(c.row(), sort_keys=True)]
         parts = [told, [str(x) for x in scene.band], limits, [axis.path for axis in self.axes], TOLERANCE]
         digest = sha256(json.dumps(parts).encode())
         for axis in self.axes:
@@ -181,13 +163,23 @@ class SweepGrid:
         return any(axis.knob.symbol == symbol for axis in self.axes)
 
 
+def _threshold(scene: Scene) -> dict[str, Any]:
+    """Both limits; of what is more than two numbers the whole region, as text."""
+    c = scene.threshold
+    if c.is_plain:
+        return {"threshold": [str(c.real), str(c.imag)]}
+    return {"threshold": json.dumps(c.row())}
+
+
 _IN_FLOATS = "method 0 where floats with an error bound prove the counts, exact arithmetic elsewhere"
 _ALL_EXACT = "this scene is not rational in omega (delays, powers of s, sampling): every set is answered exactly"
 
 
 def compute(kernel: Kernel, values: Sequence[Array]) -> tuple[Array, ...]:
-    """All variables, in the order of ``VARIABLES``, of every combination of values in arrays that broadcast together."""
+    """All variables, in their order, of every combination of values in arrays that broadcast together."""
     together = np.broadcast_arrays(*values)
     columns = kernel.answers(np.stack([np.ravel(x) for x in together]))
     shape = together[0].shape
-    return tuple(columns[name].reshape(shape).astype(dtype, copy=False) for name, (dtype, _) in VARIABLES.items())
+    return tuple(
+        columns[name].reshape(shape).astype(dtype, copy=False) for name, (dtype, _) in kernel.told.variables.items()
+    )

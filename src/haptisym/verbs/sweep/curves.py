@@ -1,17 +1,25 @@
-"""The polynomials whose zeros answer a sweep, with the swept parameters left symbolic and all other numbers in place."""
+"""The polynomials whose zeros answer a sweep, with the swept parameters left symbolic and all other numbers in place.
+
+A criterion is one polynomial, or, for a JND region, the largest of the smallest of functions (``kernel.lattices``), each a
+product of polynomials that keep their signs between their zeros.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from sympy import Expr, Integer, Symbol
 
 from haptisym.judge.criteria import Criterion, noticed
+from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import HaptisymError
+from haptisym.kernel.lattices import Lattice, Signed
+from haptisym.kernel.levels import Level
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, PolynomialRing
+from haptisym.kernel.symbols import omega
 from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import Knob
@@ -31,6 +39,35 @@ class ThresholdPolynomial:
 
 
 @dataclass(frozen=True)
+class SignedProduct:
+    """A function as the signs that make its own: ``sign`` times those of polynomials. ``begins_at_0``: it is 0 at omega = 0."""
+
+    sign: int
+    factors: tuple[Family, ...]
+    begins_at_0: bool
+
+
+@dataclass(frozen=True)
+class FamilyLattice:
+    """Positive where for some of the ``terms`` all of its functions are."""
+
+    terms: tuple[tuple[SignedProduct, ...], ...]
+
+    @property
+    def factors(self) -> tuple[Family, ...]:
+        """Each polynomial once."""
+        return tuple(dict.fromkeys(f for term in self.terms for x in term for f in x.factors))
+
+    @property
+    def sign(self) -> int:
+        """Its sign where there are no polynomials in it."""
+        return 1 if any(all(x.sign > 0 for x in term) for term in self.terms) else -1
+
+
+Excess: TypeAlias = ThresholdPolynomial | FamilyLattice
+
+
+@dataclass(frozen=True)
 class Curves:
     """What is asked of a scene, as polynomials in (omega/scale)^step.
 
@@ -40,14 +77,16 @@ class Curves:
     """
 
     step: int
-    excess: Mapping[str, ThresholdPolynomial | None]
+    excess: Mapping[str, Excess | None]
     changeovers: tuple[FamilyProduct | None, FamilyProduct | None]
     definite: tuple[Family, ...]
 
     @property
     def products(self) -> Iterator[FamilyProduct]:
         for e in self.excess.values():
-            if e is not None:
+            if isinstance(e, FamilyLattice):
+                yield from ((f,) for f in e.factors)
+            elif e is not None:
                 yield from (e.above, e.below)
         yield from (x for x in self.changeovers if x is not None)
         yield from ((x,) for x in self.definite)
@@ -56,14 +95,37 @@ class Curves:
 def sweep_curves(scene: Scene, swept: Sequence[Knob]) -> Curves | None:
     """The curves of a scene; None where they are no polynomials (delays, powers s^alpha), or not for all of the sweep."""
     given = {x.symbol for x in swept}
+    chain = scene.chain.at({p.symbol: p.value for p in scene.parameters if p.symbol not in given})
     try:
-        d = Distortion.of(scene.chain.at({p.symbol: p.value for p in scene.parameters if p.symbol not in given}))
+        d = Distortion.of(chain, Ring.of([*chain.entries(), *LIMITS.values()]))
+        measures = {x: _measure(x, d) for x in (_opened(x, swept) for x in noticed(scene.threshold))}
     except HaptisymError:
-        return None  # no dynamics at all, or a delay that needs a number
-    measures = {x: x.measure(d) for x in noticed(scene.threshold)}
-    if d.env.ring.functions or any(f.axis.functions for f in (*measures.values(), *_turning(d))):
+        return None  # no dynamics at all, a delay that needs a number, or a limit that is not rational
+    functions = [*_turning(d), *(f for x in measures.values() for f in _functions(x))]
+    if d.env.ring.functions or any(isinstance(f, Level) or f.axis.functions for f in functions):
         return None
     return _Reader(scene, swept, measures, _turning(d)).curves()
+
+
+LIMITS = {part: Symbol(f"c_{part.value}", positive=True) for part in Part}
+"""The symbols of swept limits of regions; a variable that does not occur costs nothing."""
+
+
+def _opened(x: Criterion, swept: Sequence[Knob]) -> Criterion:
+    """With symbols for the limits of a region that are swept; of a part alone they come in as numbers."""
+    limits = {part: LIMITS[knob.parts[0]] for knob in swept for part in knob.parts}
+    if x.region:
+        return replace(x, region=x.region.opened(limits)) if limits else x
+    return replace(x, threshold=Integer(1)) if x.part in limits else x
+
+
+def _measure(x: Criterion, d: Distortion) -> Signed:
+    """What is held against one number; of a region, and of a limit that depends on the frequency, what must not be positive."""
+    return x.function(d) if x.region or x.threshold.has(omega) else x.measure(d)
+
+
+def _functions(x: Signed) -> Iterator[RealFunction | Level]:
+    yield from ((f for term in x.terms for f in term) if isinstance(x, Lattice) else (x,))
 
 
 def _turning(d: Distortion) -> list[RealFunction]:
@@ -78,23 +140,40 @@ class _Reader:
         self,
         scene: Scene,
         swept: Sequence[Knob],
-        measures: Mapping[Criterion, RealFunction],
+        measures: Mapping[Criterion, Signed],
         turning: Sequence[RealFunction],
     ) -> None:
         self.scene, self.swept, self.measures, self.turning = scene, swept, measures, turning
-        self.symbols = [Symbol("") if x.parts else x.symbol for x in swept]
-        polynomials = [
-            p for f in (*measures.values(), *turning) for p in (f.function.numerator, f.function.denominator)
-        ]
+        self.symbols = [LIMITS[x.parts[0]] if x.parts else x.symbol for x in swept]
+        functions = [*turning, *(f for x in measures.values() for f in _functions(x) if isinstance(f, RealFunction))]
+        polynomials = [p for f in functions for p in (f.function.numerator, f.function.denominator)]
         self.step = 2 if all(int(e[0]) % 2 == 0 for p in polynomials for e in p.monoms()) else 1
         self.definite: list[Family] = []
 
     def curves(self) -> Curves | None:
-        excess = {x.name: self._excess(f, x) for x, f in self.measures.items()}
+        excess = {x.name: self._judged(f, x) for x, f in self.measures.items()}
         environment, perceived = map(self._changeover, self.turning)
         if self.step == 1 and self.scene.band[0] == 0 and any(map(_odd_at_zero, self.turning)):
             return None  # a function that is odd in omega changes its sign at 0 itself
         return Curves(self.step, excess, (environment, perceived), tuple(dict.fromkeys(self.definite)))
+
+    def _judged(self, measure: Signed, criterion: Criterion) -> Excess | None:
+        if isinstance(measure, RealFunction) and not criterion.region and not criterion.threshold.has(omega):
+            return self._excess(measure, criterion)
+        terms = measure.terms if isinstance(measure, Lattice) else ((measure,),)
+        listed = [[f for f in term if isinstance(f, RealFunction)] for term in terms]  # no other are there
+        found = tuple(tuple(map(self._signs, term)) for term in listed if not any(f.is_zero for f in term))
+        return FamilyLattice(found) if found else None  # where a function is 0 everywhere its term is nowhere positive
+
+    def _signs(self, f: RealFunction) -> SignedProduct:
+        ring = f.axis
+        (unit, above), (lower, below) = (ring.factors(p) for p in (f.function.numerator, f.function.denominator))
+        even = [g for g, n in above if n % 2 == 0]
+        self.definite += self._all_but_zero(ring, [*(g for g, _ in below), *even])
+        odd = [g for g, n in (*above, *below) if n % 2 and g != ring.variable and not g.is_constant()]
+        factors = tuple(self._family(ring, g, Integer(1)) for g in odd)
+        is_0 = self.scene.band[0] == 0 and any(g == ring.variable for g, _ in above)
+        return SignedProduct(1 if unit * lower > 0 else -1, factors, is_0)
 
     def _excess(self, f: RealFunction, criterion: Criterion) -> ThresholdPolynomial | None:
         if f.is_zero:

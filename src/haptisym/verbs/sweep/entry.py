@@ -14,7 +14,7 @@ from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.sweep.axes import AxisValues, axes
 from haptisym.verbs.sweep.batch import Array
-from haptisym.verbs.sweep.blocks import SETS_IN_A_BLOCK, VARIABLES, Pace, SweepGrid, compute
+from haptisym.verbs.sweep.blocks import SETS_IN_A_BLOCK, Pace, SweepGrid, compute
 from haptisym.verbs.sweep.kernel import Kernel
 
 if TYPE_CHECKING:
@@ -49,10 +49,11 @@ def sweep(
     ``progress`` : called with the number of sets done and of all sets.
 
     Variables (frequencies in rad/s; NaN for one that does not exist): ``first_crossing_real``, ``first_crossing_imag``,
-    ``bandwidth``, ``transparent`` (fraction of the band), ``crossings_real``, ``crossings_imag``,
-    ``changeover_environment``, ``changeover_perceived`` (the lowest), ``changeovers_environment``, ``changeovers_perceived``
-    (how many) and ``method``: 0 certified in floats, 1 exact, 2 not answered (undecided at the precision limit, or without
-    dynamics; counts are then -1).
+    ``bandwidth``, ``transparent`` (fraction of the band), ``crossings_real``, ``crossings_imag`` (with a JND region that judges
+    both parts at once ``first_crossing_joint`` and ``crossings_joint`` in their place), ``changeover_environment``,
+    ``changeover_perceived`` (the lowest), ``changeovers_environment``, ``changeovers_perceived`` (how many) and
+    ``method``: 0 certified in floats, 1 exact, 2 not answered (undecided at the precision limit, or without dynamics; counts are
+    then -1).
 
     Raises SceneError for an unknown path, a value that the model does not allow, more sets than memory should hold without
     ``out``, and a package that is missing.
@@ -64,7 +65,6 @@ def sweep(
            [ 7.9789, 15.    ]])
     """
     scene = as_scene(scene)
-    scene.threshold.need_plain("a sweep")
     xarray = _needed("xarray")
     grid = SweepGrid.of(scene, axes(scene, vary), _whole(block))
     if out is not None:
@@ -94,13 +94,13 @@ def _coordinates(grid: SweepGrid, xarray: Any) -> dict[str, Any]:
 
 
 def _now(grid: SweepGrid, xarray: Any, progress: Progress | None) -> xr.Dataset:
-    needed = grid.sets * sum(dtype.itemsize for dtype, _ in VARIABLES.values())
+    needed = grid.sets * sum(dtype.itemsize for dtype, _ in grid.variables.values())
     if needed > MOST_BYTES:
         raise SceneError(
             f'{grid.sets:,} sets take {needed / 1e9:,.0f} GB of memory: let them be streamed to a file, out="FILE.zarr" '
             "(--out FILE.zarr on the command line), or vary fewer values"
         )
-    columns = [np.empty(grid.shape, dtype) for dtype, _ in VARIABLES.values()]
+    columns = [np.empty(grid.shape, dtype) for dtype, _ in grid.variables.values()]
     done, pace = 0, Pace()
     for region in grid.regions():
         for piece, answers in grid.pieces(region, pace):
@@ -115,7 +115,7 @@ def _now(grid: SweepGrid, xarray: Any, progress: Progress | None) -> xr.Dataset:
 def _dataset(grid: SweepGrid, xarray: Any, columns: list[Any]) -> xr.Dataset:
     names = [axis.path for axis in grid.axes]
     variables = {
-        name: (names, column, about) for column, (name, (_, about)) in zip(columns, VARIABLES.items(), strict=True)
+        name: (names, column, about) for column, (name, (_, about)) in zip(columns, grid.variables.items(), strict=True)
     }
     found: xr.Dataset = xarray.Dataset(variables, _coordinates(grid, xarray), grid.attributes())
     return found
@@ -131,8 +131,8 @@ def _lazy(grid: SweepGrid, xarray: Any) -> xr.Dataset:
         partial(_block, grid.kernel),
         *values,
         dask="parallelized",
-        output_core_dims=[()] * len(VARIABLES),
-        output_dtypes=[dtype for dtype, _ in VARIABLES.values()],
+        output_core_dims=[()] * len(grid.variables),
+        output_dtypes=[dtype for dtype, _ in grid.variables.values()],
     )
     return _dataset(grid, xarray, [column.data for column in columns])
 

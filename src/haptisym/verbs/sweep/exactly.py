@@ -18,13 +18,8 @@ from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
+from haptisym.verbs.sweep.told import ABSENT, EXACT, Told
 
-FLOATS = ("first_crossing_real", "first_crossing_imag", "bandwidth", "transparent", "changeover_environment",
-          "changeover_perceived")  # fmt: skip
-COUNTS = ("crossings_real", "crossings_imag", "changeovers_environment", "changeovers_perceived")
-ABSENT, UNKNOWN = float("nan"), -1
-FLOAT, EXACT, OPEN = 0, 1, 2
-"""By which method a set was answered: floats with a bound; exactly; not at all, as it stayed undecided or has no dynamics."""
 AnswerRow: TypeAlias = dict[str, float]
 
 
@@ -32,14 +27,10 @@ def exact_answers(scene: Scene, swept: Sequence[Knob], values: Sequence[float]) 
     """All variables of a sweep for one set of values, which are taken as exactly the binary numbers that the floats are."""
     exact = [Rational(*Fraction(float(x)).as_integer_ratio()) for x in values]
     try:
-        return _row(_chart(scene, swept, exact))
+        found = _chart(scene, swept, exact)
     except (SceneError, UndecidedError):  # no dynamics at all here (H_env = 0 everywhere, C H + D = 0), or a doubt
-        return no_answer()
-
-
-def no_answer() -> AnswerRow:
-    """The row of a set without answers."""
-    return {**dict.fromkeys(FLOATS, ABSENT), **dict.fromkeys(COUNTS, UNKNOWN), "method": OPEN}
+        return Told.of(scene).no_answer()
+    return Told.of(scene).no_answer() if found.undecided else _row(found)
 
 
 def _chart(scene: Scene, swept: Sequence[Knob], values: Sequence[Expr]) -> Chart:
@@ -55,8 +46,6 @@ def _chart(scene: Scene, swept: Sequence[Knob], values: Sequence[Expr]) -> Chart
 
 
 def _row(found: Chart) -> AnswerRow:
-    if found.undecided:
-        return no_answer()
     row: AnswerRow = {"method": EXACT, **_step(found)}
     places: Mapping[str, Sequence[Point]] = {
         "environment": changeovers(found, Curve.ENVIRONMENT),

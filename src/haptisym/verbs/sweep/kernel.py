@@ -12,8 +12,9 @@ from haptisym.model.scene import Scene
 from haptisym.verbs.sweep.batch import Array
 from haptisym.verbs.sweep.bernstein import MOST_DEGREE
 from haptisym.verbs.sweep.curves import Curves, sweep_curves
-from haptisym.verbs.sweep.exactly import ABSENT, COUNTS, EXACT, FLOATS, UNKNOWN, exact_answers
+from haptisym.verbs.sweep.exactly import exact_answers
 from haptisym.verbs.sweep.passes import Band, Columns, Pass
+from haptisym.verbs.sweep.told import ABSENT, EXACT, UNKNOWN, Told
 
 _AT_ONCE = 8192
 """Sets: so many that the work arrays stay in the processor's cache."""
@@ -38,6 +39,11 @@ class Kernel:
         return cls(replace(scene), tuple(swept), curves, Band.of(*scene.band, curves.step if curves else 1))
 
     @property
+    def told(self) -> Told:
+        """The variables."""
+        return Told.of(self.scene)
+
+    @property
     def is_polynomial(self) -> bool:
         """Whether sets may be answered in floats; if not, each is answered exactly."""
         return self.curves is not None
@@ -52,7 +58,7 @@ class Kernel:
 
     def in_floats(self, values: Array) -> tuple[Columns, Array]:
         """The same as far as floats prove it, and the numbers of the sets that they leave open."""
-        columns, left = _blank(values.shape[1]), np.arange(values.shape[1])
+        columns, left = _blank(self.told, values.shape[1]), np.arange(values.shape[1])
         if self.curves is not None:
             left = self._in_floats(values, columns, left)
             if _IS_WIDER:
@@ -76,7 +82,7 @@ def _degree(curves: Curves) -> int:
     return max(sum(f.degree for f in families) for families in curves.products)
 
 
-def _blank(sets: int) -> Columns:
-    floats = {name: np.full(sets, ABSENT) for name in FLOATS}
-    counts = {name: np.full(sets, UNKNOWN, dtype=np.int16) for name in COUNTS}
+def _blank(told: Told, sets: int) -> Columns:
+    floats = {name: np.full(sets, ABSENT) for name in told.floats}
+    counts = {name: np.full(sets, UNKNOWN, dtype=np.int16) for name in told.counts}
     return {**floats, **counts, "method": np.full(sets, EXACT, dtype=np.int8)}

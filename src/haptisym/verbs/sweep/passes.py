@@ -13,9 +13,10 @@ from sympy import Expr
 from haptisym.kernel.reals import ExactNumber, bounds
 from haptisym.verbs.sweep.batch import Array, Batch, product
 from haptisym.verbs.sweep.bernstein import Zeros, isolate, refine
-from haptisym.verbs.sweep.curves import Curves, FamilyProduct
-from haptisym.verbs.sweep.exactly import ABSENT, FLOAT
+from haptisym.verbs.sweep.combined import Found, Ordered, changes
+from haptisym.verbs.sweep.curves import Curves, Excess, FamilyLattice, FamilyProduct
 from haptisym.verbs.sweep.families import Family, Powers, within_reach
+from haptisym.verbs.sweep.told import ABSENT, FLOAT, SYSTEMS
 
 TOLERANCE = 1e-10
 """Relative: every frequency that is answered is proven to lie this close to the true one."""
@@ -55,23 +56,6 @@ def _float_below(x: Fraction) -> float:
     return nearest if Fraction(nearest) <= x else float(np.nextafter(nearest, -np.inf))
 
 
-@dataclass(frozen=True)
-class Found:
-    """Frequencies, as fractions of the band's high end, in ascending order for each set."""
-
-    sets: Array
-    omega: Array
-    first: Array
-    """The sign at the band's low end, for each set."""
-
-    def of(self, some: Array, count: int) -> Found:
-        """Of some of the sets, numbered anew."""
-        number = np.full(count, -1)
-        number[some] = np.arange(len(some))
-        kept = number[self.sets] >= 0
-        return Found(number[self.sets[kept]], self.omega[kept], self.first[some])
-
-
 class Pass:
     """One batch in floats of one kind."""
 
@@ -85,15 +69,12 @@ class Pass:
         """All variables, and for which sets they are proven."""
         with np.errstate(all="ignore"):
             self._no_zero_in(self.curves.definite)
-            parts = {
-                name: self._zeros(None if e is None else self._at(e.above) - self._at(e.below))
-                for name, e in self.curves.excess.items()
-            }
+            parts = {name: self._crossings(e) for name, e in self.curves.excess.items()}
             turns = [self._zeros(None if x is None else self._at(x)) for x in self.curves.changeovers]
         columns: Columns = {"method": np.full(self.sets, FLOAT, dtype=np.int8)}
         for name, found in parts.items():
             columns[f"crossings_{name}"], columns[f"first_crossing_{name}"] = self._told(found)
-        for name, found in zip(_SYSTEMS, turns, strict=True):
+        for name, found in zip(SYSTEMS, turns, strict=True):
             columns[f"changeovers_{name}"], columns[f"changeover_{name}"] = self._told(found)
         return columns | self._transparency(parts, columns), self.decided
 
@@ -109,6 +90,17 @@ class Pass:
         for f in families:
             found = self._isolated(self._at((f,)))
             self.decided[found.sets] = False
+
+    def _crossings(self, e: Excess | None) -> Found:
+        """Where a criterion's sign changes."""
+        if not isinstance(e, FamilyLattice):
+            return self._zeros(None if e is None else self._at(e.above) - self._at(e.below))
+        zeros = {f: self._zeros(self._at((f,))) for f in e.factors}
+        if not zeros:
+            return Found(np.zeros(0, dtype=int), np.zeros(0), np.full(self.sets, e.sign))
+        found, certain = changes(e, zeros, self.band.low_fraction, 4 * TOLERANCE)
+        self.decided &= certain
+        return found
 
     def _isolated(self, p: Batch) -> Zeros:
         edges = self.band.edges(_segments(p.degree), self.curves.step)
@@ -157,24 +149,11 @@ class Pass:
 def _alternating(parts: Sequence[Found], low: float) -> Array:
     """The total length on which all are negative, from all crossings in order."""
     count = len(parts[0].first)
-    every = np.arange(count)
-    sets = np.concatenate([every, *(found.sets for found in parts)])
-    omega = np.concatenate([np.full(count, low), *(found.omega for found in parts)])
-    kinds = np.repeat(np.arange(-1, len(parts)), [count, *(len(found.sets) for found in parts)])
-    order = np.lexsort((kinds, omega, sets))
-    sets, omega, kinds = sets[order], omega[order], kinds[order]
-    start = np.searchsorted(sets, every)  # each set begins with its low end
-    following = np.append(omega[1:], 1.0)
-    following[np.append(start[1:], len(sets)) - 1] = 1.0
-    both = np.ones(len(sets), dtype=bool)
-    for kind, found in enumerate(parts):
-        passed = np.cumsum(kinds == kind)
-        odd = (passed - passed[start][sets]) % 2 == 1
-        both &= (found.first < 0)[sets] != odd
-    return np.bincount(sets, weights=(following - omega) * both, minlength=count)
-
-
-_SYSTEMS = ("environment", "perceived")
+    rows = Ordered.of(list(parts), low, count)
+    following = np.append(rows.omega[1:], 1.0)
+    following[:-1][rows.begins[1:]] = 1.0
+    clear = (rows.signs < 0).all(axis=0)
+    return np.bincount(rows.sets, weights=(following - rows.omega) * clear, minlength=count)
 
 
 def _segments(degree: int) -> int:

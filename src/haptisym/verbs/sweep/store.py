@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from haptisym.kernel.errors import SceneError
-from haptisym.verbs.sweep.blocks import PATIENCE, VARIABLES, Pace, Region, SweepGrid, size
+from haptisym.verbs.sweep.blocks import PATIENCE, Pace, Region, SweepGrid, size
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,7 +52,9 @@ def _as_netcdf(grid: SweepGrid, out: Path, progress: Callable[[int, int], None] 
     _fill(grid, store, progress)
     found = _opened(store)
     found.to_netcdf(
-        copy, engine="h5netcdf", encoding={name: {"chunksizes": grid.block, "zlib": True} for name in VARIABLES}
+        copy,
+        engine="h5netcdf",
+        encoding={name: {"chunksizes": grid.block, "zlib": True} for name in grid.variables},
     )
     copy.replace(out)
     shutil.rmtree(store)
@@ -116,7 +118,7 @@ def _begin(grid: SweepGrid, store: Path) -> None:
         )
         made.attrs.update({"units": axis.unit})
         made[:] = axis.values
-    for name, (dtype, about) in VARIABLES.items():
+    for name, (dtype, about) in grid.variables.items():
         fill = np.nan if dtype.kind == "f" else _NOT_YET
         made = group.create_array(
             name, shape=grid.shape, chunks=grid.block, dtype=dtype, dimension_names=names, fill_value=fill
@@ -191,7 +193,7 @@ def _write(grid: SweepGrid, store: str, region: Region, sets: int) -> _Part:
     pace, done, began = Pace(sets), 0, monotonic()
     for piece in _missing(missing, region):
         for part, answers in grid.pieces(piece, pace):
-            for name, answer in zip(VARIABLES, answers, strict=True):
+            for name, answer in zip(grid.variables, answers, strict=True):
                 group[name][part] = answer
             done += size(part)
             if monotonic() - began >= PATIENCE:

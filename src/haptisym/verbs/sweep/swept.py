@@ -12,7 +12,7 @@ import numpy as np
 from haptisym.judge.answers import Answer
 from haptisym.kernel.shown import counted, titled
 from haptisym.model.scene import Scene
-from haptisym.verbs.sweep.exactly import COUNTS, EXACT, FLOAT, FLOATS, OPEN
+from haptisym.verbs.sweep.told import EXACT, FLOAT, OPEN, Told
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,15 +44,15 @@ class Swept(Answer):
         return paths, paths
 
     def _body(self) -> dict[str, Any]:
-        data = self.data
+        data, told = self.data, Told.of(self.scene)
         methods = [int((data.method == kind).sum()) for kind in (FLOAT, EXACT, OPEN)]
         return {
             "band": [float(x) for x in data.attrs["band"]],
             "vary": [_axis(data, str(name)) for name in data.method.dims],
             "sets": int(data.method.size),
             **dict(zip(("certified_in_floats", "exact", "open"), methods, strict=True)),
-            "ranges": {name: _range(data[name]) for name in FLOATS},
-            "counts": {name: _counts(data[name]) for name in COUNTS},
+            "ranges": {name: _range(data[name]) for name in told.floats},
+            "counts": {name: _counts(data[name]) for name in told.counts},
             "out": None if self.out is None else str(self.out),
         }
 
