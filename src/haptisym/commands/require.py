@@ -15,7 +15,13 @@ from haptisym.kernel.errors import SceneError
 from haptisym.model.scene import Scene
 
 
-@verb(needs=[("--hand", "--that", "the hand of --that stable")])
+@verb(
+    needs=[
+        ("--hand", "--that", "the hand of --that stable"),
+        ("--friction", "--resolution", "Abbott and Okamura's bound 2 f_c/Delta"),
+        ("--resolution", "--friction", "Abbott and Okamura's bound 2 f_c/Delta"),
+    ]
+)
 @scene_argument
 @click.option(
     "--free",
@@ -43,6 +49,16 @@ from haptisym.model.scene import Scene
     help="What is asked of the display; may be repeated: all of them together.",
 )
 @click.option("--hand", metavar="NAME", help="The hand of --that stable: of the scene, or one that the package ships.")
+@click.option(
+    "--jnd",
+    multiple=True,
+    metavar="C",
+    help="Of a map: a further threshold, with the set that is not noticed with it; may be repeated.",
+)
+@click.option(
+    "--friction", metavar="F", help="Of a map: the device's Coulomb friction f_c, for Abbott and Okamura's 2 f_c/Delta."
+)
+@click.option("--resolution", metavar="DELTA", help="The step of the device's encoder that belongs to it.")
 @click.option("--any-environment", is_flag=True, help="Ask for |G - 1| <= c, for every environment at once.")
 @json_option
 @click.option(
@@ -68,6 +84,9 @@ def require(
     digits: int,
     figure: Path | None,
     slices: int,
+    jnd: tuple[str, ...],
+    friction: str | None,
+    resolution: str | None,
     **asked: Any,
 ) -> None:
     """Find all values of a parameter for which a display is transparent on its whole band.
@@ -81,6 +100,8 @@ def require(
       haptisym require fu2019 --free zeta --range 0 1 --json --digits 50
       haptisym require delayed-spring --free tau --any-environment
       haptisym require delayed-spring --free environment.k --range 1 1000 --that stable --hand postural-arm
+      haptisym require virtual-wall --free environment.b --free environment.k --range 0 40 --range 10 4000 \
+        --that transparent --that stable --hand postural-arm --jnd 0.05 --jnd 0.2 --figure z-width.svg
       haptisym require fu2019 --free omega_n --free zeta --range 60 200 --range 0.1 1 --figure map.svg
     """
     from haptisym.model.jnd import Part
@@ -91,7 +112,8 @@ def require(
     with progress() as told:
         asked |= {"part": Part(name) if name else None, "told": told}
         if len(paths) == 2:
-            found: Any = design_map(scene, paths, ranges, slices=slices, **asked)
+            drawn_beside: dict[str, Any] = {"jnd": jnd, "friction": friction, "resolution": resolution}
+            found: Any = design_map(scene, paths, ranges, slices=slices, **drawn_beside, **asked)
         else:
             found = ask(scene, paths[0], *ranges, digits=digits, **asked)
     drawn(found, figure)
@@ -104,6 +126,8 @@ def _refuse_contradictions(context: click.Context, free: int, ranges: int) -> No
         raise SceneError("--free may be given once or twice, and --range not at all or as often, in the same order")
     if given(context, "--slices") and free == 1:
         raise SceneError("--slices is about a map of two parameters: give --free twice, or leave it out")
+    for option in (x for x in ("--jnd", "--friction") if given(context, x) and free == 1):
+        raise SceneError(f"{option} is about a map of two parameters: give --free twice, or leave it out")
     if given(context, "--digits") and free == 2:
         raise SceneError("--digits is about the ends of one parameter's values: give --free once, or leave it out")
     if free == 2 and not ranges:

@@ -11,7 +11,7 @@ from haptisym.verbs.require.designmap import DesignMap
 
 
 def map_figure(found: DesignMap) -> Figure:
-    """A map of two parameters; of several things asked, each set for itself and what they have in common."""
-    if found.that != ("transparent",):
+    """A map of two parameters; of several things or thresholds asked, each set for itself and what they have in common."""
+    if found.that != ("transparent",) or found.thresholds:
         return one_column(2.8, lambda ax: draw_wishes(ax, found))
     return one_column(2.6, lambda ax: draw_map(ax, found))

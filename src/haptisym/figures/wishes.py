@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
@@ -24,7 +25,7 @@ from haptisym.verbs.require.required import Requirement
 
 _COLORS = {"transparent": BLUE, "stable": RED, "passive": "#d0701f"}
 _NAMES = {"transparent": "transparent", "stable": "stable", "passive": "every passive hand"}
-_STROKES: Sequence[Any] = (DASHED, DOTTED)
+_STROKES: Sequence[Any] = (DASHED, DOTTED, (0, (6, 1.5, 1, 1.5)))
 _GRID = 160
 
 
@@ -37,7 +38,10 @@ def draw_wishes(ax: Axes, found: DesignMap) -> list[Artist]:
     shown: list[Artist] = [_ground(ax, found, scales)]
     for i, name in enumerate(found.that):
         rows = [(float(x.at), (x.apart or (x.requirement,))[i]) for x in found.slices]
-        shown += _outlined(ax, rows, scales, (low, high), name)
+        shown += _outlined(ax, rows, scales, (low, high), (_COLORS[name], _NAMES[name]))
+    for i, jnd in enumerate(found.thresholds):
+        look = _paler(i, len(found.thresholds)), f"{_NAMES['transparent']}, c = {float(100 * jnd):.6g} %"
+        shown += _outlined(ax, [(float(x.at), x.contours[i]) for x in found.slices], scales, (low, high), look)
     shown += [_strokes(ax, found, scales, (low, high)), *_hatched(ax, found, scales)]
     for line, stroke in zip(found.lines, _STROKES, strict=False):
         shown += _classical(ax, found, line, stroke, scales)
@@ -85,10 +89,10 @@ def _outlined(
     rows: Sequence[tuple[float, Requirement]],
     scales: tuple[Scale, Scale],
     window: tuple[float, float],
-    name: str,
+    look: tuple[str, str],
 ) -> list[Artist]:
-    """The ends of one set: lines that interpolate, and a dot where each slice has proven one."""
-    color, dots = _COLORS[name], list[tuple[Any, Any]]()
+    """The ends of one set, in its colour and by its name: lines that interpolate, and a dot where each slice has proven one."""
+    (color, name), dots = look, list[tuple[Any, Any]]()
     for at, *pairs in _neighbours(rows, window):
         for pair in pairs:
             if not all(y in window for y in pair):
@@ -101,7 +105,13 @@ def _outlined(
         for span in one.feasible + other.feasible if len(one.feasible) != len(other.feasible) else ():
             at = scales[0].of((x + y) / 2)
             ax.plot([at, at], scales[1].of(np.array(limits_of(span, *window))), color=color, linewidth=0.9, zorder=2)
-    return [Line2D([], [], color=color, linewidth=0.9, marker="o", markersize=2.2, label=_NAMES[name])]
+    return [Line2D([], [], color=color, linewidth=0.9, marker="o", markersize=2.2, label=name)]
+
+
+def _paler(i: int, count: int) -> str:
+    """The colour of what is transparent, paler for each further threshold."""
+    r, g, b = (x + (1 - x) * (0.25 + 0.4 * (i + 1) / count) for x in to_rgb(_COLORS["transparent"]))
+    return to_hex((r, g, b))
 
 
 def _hatched(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale]) -> list[Artist]:
@@ -115,6 +125,8 @@ def _hatched(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale]) -> list[Ar
 
 def _classical(ax: Axes, found: DesignMap, line: Line, stroke: Any, scales: tuple[Scale, Scale]) -> list[Artist]:
     """Where a classical bound is met, by its sign on a grid: drawn, not proven."""
+    if line.where:
+        return _at_an_edge(ax, found, line, scales)
     (a, b), (low, high) = window_of(found)
     x, y = np.linspace(a, b, _GRID), np.linspace(low, high, _GRID)
     one, other = (free.path for free in found.free)
@@ -126,6 +138,23 @@ def _classical(ax: Axes, found: DesignMap, line: Line, stroke: Any, scales: tupl
         scales[0].of(x), scales[1].of(y), excess, [0.0], colors=INK, linestyles=[stroke], linewidths=0.9, zorder=2
     )
     return [Line2D([], [], color=INK, linestyle=stroke, linewidth=0.9, label=line.name)]
+
+
+def _at_an_edge(ax: Axes, found: DesignMap, line: Line, scales: tuple[Scale, Scale]) -> list[Artist]:
+    """A bound that is defined at one value of one parameter alone: a mark where it is met there, if the map reaches there."""
+    [(path, value)] = line.where
+    paths, windows = [free.path for free in found.free], window_of(found)
+    i = paths.index(path)
+    (low, high), (start, end) = windows[i], windows[1 - i]
+    excess = [line.excess({path: value, paths[1 - i]: y}) for y in (start, end)]
+    if not (low <= value <= high and excess[0] < 0 < excess[1]):
+        return []
+    met = start - excess[0]  # the excess is the stiffness less a number
+    point = (value, met) if i == 0 else (met, value)
+    look: dict[str, Any] = {"color": INK, "linestyle": "none", "marker": "D", "markersize": 4, "fillstyle": "none"}
+    label = f"{line.name} (b = {value:g})"
+    ax.plot(*(scale.of(np.array([x])) for scale, x in zip(scales, point, strict=True)), clip_on=False, zorder=4, **look)
+    return [Line2D([], [], label=label, **look)]
 
 
 def _finite(line: Line, at: dict[str, float]) -> float:

@@ -10,6 +10,7 @@ from typing import Any
 
 from sympy import Expr, Integer
 
+from haptisym.kernel.budget import spared
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.shown import Shown, titled
@@ -62,6 +63,7 @@ class Scene(Shown):
         """Its fields: what was computed from them holds what cannot be pickled, and is found again."""
         return {x.name: getattr(self, x.name) for x in fields(self)}
 
+    @spared()
     def __post_init__(self) -> None:
         if len(self.band) != 2:
             raise SceneError(f"band: {self.band} must be a low and a high end")

@@ -201,7 +201,8 @@ def map_page(m: DesignMap) -> Document:
     last = certain if m.certified else (Strong("UNDECIDED"), " in some slices: see --json.")
     shown = "Values that will do, along exact slices, with what binds at their ends."
     figure = Figure("map", shown, m.figure)
-    blocks = Facts(tuple(_wished(m))), Paragraph(said), _slices(m), *_classical(m), figure, Paragraph(last)
+    beside = *_stiffest(m), *_contours(m), *_classical(m)
+    blocks = Facts(tuple(_wished(m))), Paragraph(said), _slices(m), *beside, figure, Paragraph(last)
     return Document(title(m.scene), lead(m.scene, m.asides()), blocks, "Which values will do")
 
 
@@ -212,19 +213,45 @@ def _wished(m: DesignMap) -> Iterator[tuple[str, Phrase]]:
     yield "condition", (first, "; " if judged and others else "", "; ".join(others))
 
 
+def _stiffest(m: DesignMap) -> Iterator[Block]:
+    """Of a map along a wall's damping, the stiffest wall."""
+    if m.stiffest is None:
+        return
+    at, top = m.stiffest
+    (b, k), damping = m.free, float(at.at)
+    yield Paragraph((
+        "The stiffest wall of these slices that is ", listed(x.kept for x in m.criteria if x.name == "stable"), " stays below ",
+        named(k.symbol.name), " = ", short(top), _unit(k), ", at ", named(b.symbol.name), " = ",
+        Number(f"{damping:.6g}", damping), _unit(b), ".",
+    ))  # fmt: skip
+
+
+def _contours(m: DesignMap) -> Iterator[Block]:
+    """On how many slices something is transparent with each of the other thresholds."""
+    for i, jnd in enumerate(m.thresholds):
+        own = [x.contours[i] for x in m.slices]
+        held = sum(1 for r in own if r.feasible)
+        left = "" if all(r.certified for r in own) else ", others being undecided"
+        words = f" of {float(100 * jnd):.6g}\xa0% {held} of them hold values that are not noticed{left}."
+        yield Paragraph(("With a threshold", words))
+
+
 def _classical(m: DesignMap) -> Iterator[Block]:
-    """The classical bounds that the figure has beside what is exact."""
+    """The classical bounds that the figure has beside what is exact, and what each takes for granted."""
     if m.lines:
-        told = listed(f"{x.rule} ({x.name})" for x in m.lines)
-        yield Paragraph(
-            ("Beside the exact sets the figure has the classical bounds ", told, ", which are drawn and not proven.")
-        )
+        yield Paragraph("Beside the exact sets the figure has classical bounds, which are drawn and not proven:")
+        yield Facts(tuple((x.name, f"{x.rule} ({x.assumes})") for x in m.lines))
+
+
+def _of_slice(r: Requirement) -> Phrase:
+    return Strong("UNDECIDED") if r.undecided and not r.feasible else sets(r)
 
 
 def _slices(m: DesignMap) -> Table:
     """Some of the slices, the first and the last one among them."""
     step = ceil((len(m.slices) - 1) / _MOST_ROWS)
-    rows = [(float(x.at), sets(x.requirement)) for x in [*m.slices[:-1:step], m.slices[-1]]]
+    some = [*m.slices[:-1:step], m.slices[-1]]
+    rows = [(float(x.at), _of_slice(x.requirement)) for x in some]
     columns = (
         Column(_heading(m.free[0]), number=True),
         Column("will do" if len(m.that) > 1 else f"{_WORDS[m.that[0]]} for"),

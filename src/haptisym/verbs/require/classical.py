@@ -1,9 +1,9 @@
 """The classical bounds on the stiffness of a virtual wall, for scenes that have what they need: drawn beside what is exact.
 
 Colgate and Schenkel (1997): K < 2 (b - |B|)/T, for every passive hand. Gil and Hulin (2009): K < (b + B)/(T/2 + t_d), to first
-order in K T^2/m and B T/m, in a hand. b is the damping of the device (in a hand, the hand's with it), B that which is rendered,
-T the period of the clock, t_d what the force comes late besides. Abbott and Okamura's 2 f_c/Delta needs the resolution of an
-encoder, which no scene has.
+order in K T^2/m and B T/m, in a hand. Abbott and Okamura (2005): K < 2 f_c/Delta beside Colgate's, for every passive hand and
+a spring alone. b is the damping of the device (in a hand, the hand's with it), B that which is rendered, T the period of the
+clock, t_d what the force comes late besides, f_c the device's Coulomb friction, Delta the step of its encoder.
 """
 
 from __future__ import annotations
@@ -11,9 +11,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from haptisym.kernel.errors import SceneError
 from haptisym.model.knobs import Knob
+from haptisym.model.parameters import Slot, read_parameter
+from haptisym.model.quantities import Dimension, Number
 from haptisym.model.sampled import CLOCKS, SAMPLED_LOOP, samples
 from haptisym.model.scene import Scene
+
+STIFFNESS, DAMPING = "environment.k", "environment.b"
+"""The paths of a wall's K and B."""
 
 
 @dataclass(frozen=True)
@@ -30,22 +36,50 @@ class _Wall:
 
 @dataclass(frozen=True)
 class Line:
-    """A bound on the stiffness. ``excess`` : K minus the bound, for values of both free parameters, by path."""
+    """A bound on the stiffness. ``excess`` : K minus the bound, for values of both free parameters, by path.
+
+    ``assumes`` : what it takes for granted. ``where`` : values of free parameters, by path, at which alone it is defined.
+    """
 
     name: str
     rule: str
+    assumes: str
     excess: Callable[[Mapping[str, float]], float] = field(repr=False)
+    where: tuple[tuple[str, float], ...] = ()
 
 
-def lines(scene: Scene, free: Sequence[Knob]) -> tuple[Line, ...]:
+@dataclass(frozen=True)
+class Encoder:
+    """What a device does that no linear model has: Coulomb friction, N or N m, and the step of its encoder, m or rad."""
+
+    friction: float
+    resolution: float
+
+    @classmethod
+    def of(cls, scene: Scene, friction: Number | None, resolution: Number | None) -> Encoder | None:
+        """As they are given; None without them. SceneError for one alone, for what is not > 0, for a wrong unit."""
+        if friction is None and resolution is None:
+            return None
+        if friction is None or resolution is None:
+            missing = "friction" if friction is None else "resolution"
+            raise SceneError(
+                f"{missing} is missing: Abbott and Okamura's bound 2 f_c/Delta needs friction and resolution"
+            )
+        known = {"friction": (friction, Dimension.FORCE), "resolution": (resolution, Dimension.DISPLACEMENT)}
+        read = [read_parameter(key, x, Slot(of), key) for key, (x, of) in known.items()]
+        for x in read:
+            if scene.motion and x.motion and x.motion is not scene.motion:
+                raise SceneError(
+                    f"{x.key}: {known[x.key][0]} is {x.motion.value}, but the scene is {scene.motion.value}"
+                )
+        return cls(*(float(x.value) for x in read))
+
+
+def lines(scene: Scene, free: Sequence[Knob], encoder: Encoder | None = None) -> tuple[Line, ...]:
     """Those that hold of a scene's kind and depend on what is free: a wall, a clock or a delay, a damped device."""
-    if scene.environment.model not in ("mass-spring-damper", "kelvin-voigt") or scene.rendered is not None:
-        return ()
-    if any(x.model not in (*CLOCKS, "delay", "shunt") for x in scene.effects):
+    if not _is_wall(scene):
         return ()
     nominal = {x.path: float(x.value) for x in free}
-    if not _depends(scene, nominal):
-        return ()
 
     def of(bound: Callable[[_Wall], float]) -> Callable[[Mapping[str, float]], float]:
         def excess(given: Mapping[str, float]) -> float:
@@ -54,10 +88,39 @@ def lines(scene: Scene, free: Sequence[Knob]) -> tuple[Line, ...]:
 
         return excess
 
-    found = [Line("Gil and Hulin", "K < (b + B)/(T/2 + t_d)", of(lambda w: (w.b + w.hand + w.B) / (w.T / 2 + w.late)))]
-    if _wall(scene, nominal).T and not _wall(scene, nominal).late:
-        found.append(Line("Colgate and Schenkel", "K < 2 (b - |B|)/T", of(lambda w: 2 * (w.b - abs(w.B)) / w.T)))
+    found, at = list[Line](), _wall(scene, nominal)
+    if _depends(scene, nominal):
+        small = "K T^2/m and B T/m small, in a hand"
+        linear = of(lambda w: (w.b + w.hand + w.B) / (w.T / 2 + w.late))
+        found.append(Line("Gil and Hulin", "K < (b + B)/(T/2 + t_d)", small, linear))
+        if at.T and not at.late:
+            bound = of(lambda w: 2 * (w.b - abs(w.B)) / w.T)
+            found.append(Line("Colgate and Schenkel", "K < 2 (b - |B|)/T", "every passive hand, no delay", bound))
+    if encoder and STIFFNESS in nominal and at.T and not at.late and (not at.B or DAMPING in nominal):
+        step = 2 * encoder.friction / encoder.resolution
+        words = f"every passive hand, a spring alone (B = 0), no delay, f_c = {encoder.friction:.6g}, "
+        words += f"Delta = {encoder.resolution:.6g}; beside Colgate and Schenkel's bound, not in place of it"
+        where = ((DAMPING, 0.0),) if DAMPING in nominal else ()
+        found.append(Line("Abbott and Okamura", "K < 2 f_c/Delta", words, of(lambda _: step), where))
     return tuple(found)
+
+
+def need_encoder(scene: Scene, free: Sequence[Knob], encoder: Encoder | None) -> None:
+    """SceneError where friction and resolution are given and the bound that they make is not defined."""
+    if encoder and not any(x.name == "Abbott and Okamura" for x in lines(scene, free, encoder)):
+        raise SceneError(
+            "friction and resolution make Abbott and Okamura's bound 2 f_c/Delta, which is not defined here: it is about the "
+            f"stiffness ({STIFFNESS}, free) of a spring alone that a clock renders without delay, on a device of mass and damping"
+        )
+
+
+def _is_wall(scene: Scene) -> bool:
+    """Whether a scene is a spring and damper behind clocks, delays and a device."""
+    if scene.environment.model not in ("mass-spring-damper", "kelvin-voigt") or scene.rendered is not None:
+        return False
+    if any(x.path == "environment.m" and x.value != 0 for x in scene.knobs):
+        return False
+    return all(x.model in (*CLOCKS, "delay", "shunt") for x in scene.effects)
 
 
 def _depends(scene: Scene, nominal: Mapping[str, float]) -> bool:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
 
 from sympy import Abs, Expr, Float, Symbol
 
@@ -10,7 +12,7 @@ from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial
-from haptisym.kernel.solutions import solve
+from haptisym.kernel.solutions import Solution, solve
 from haptisym.kernel.symbols import omega
 
 _DIGITS = 60
@@ -28,11 +30,30 @@ def closed_form(
     turned = _turned(condition, free, place)
     if turned is None:
         return None
-    for solution in solve(turned):
+    for solution in _solved(_Posed.of(turned)):
         form = solution.omega
         if form is not None and form.count_ops() <= _MOST_OPERATIONS and _is(form.xreplace(dict(known)), value):
             return form
     return None
+
+
+@dataclass(frozen=True)
+class _Posed:
+    """A function whose zeros are asked for, with what tells it from others: the slices of a map all pose the same one."""
+
+    told: tuple[object, ...]
+    function: RealFunction = field(compare=False)
+
+    @classmethod
+    def of(cls, function: RealFunction) -> _Posed:
+        axis, parts = function.axis, (function.function.numerator, function.function.denominator)
+        terms = (frozenset((tuple(map(int, e)), x) for e, x in p.to_dict().items()) for p in parts)
+        return cls((axis.meanings, tuple(axis.angles), tuple(axis.orders), *terms), function)
+
+
+@lru_cache(maxsize=32)
+def _solved(posed: _Posed) -> tuple[Solution, ...]:
+    return solve(posed.function)
 
 
 def _is(number: Expr, value: str) -> bool:

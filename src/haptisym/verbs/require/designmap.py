@@ -13,16 +13,18 @@ from sympy import Expr
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.criteria import Criterion
-from haptisym.kernel.budget import Told, limited
+from haptisym.kernel.budget import Told, limited, share
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.shown import counted, titled
 from haptisym.model.hand import Hand
 from haptisym.model.jnd import Part
-from haptisym.model.knobs import Knob
+from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.require.boundary import edge_polynomial, touch_polynomial
-from haptisym.verbs.require.classical import Line, lines
+from haptisym.verbs.require.classical import DAMPING, STIFFNESS, Encoder, Line, lines, need_encoder
 from haptisym.verbs.require.entry import require
 from haptisym.verbs.require.feasible import Kind, Solved
 from haptisym.verbs.require.freeparameter import asked_of, conditions, domain
@@ -37,11 +39,15 @@ _CLOSER = 6
 
 @dataclass(frozen=True)
 class Slice:
-    """The exact requirement on the second parameter where the first one has a value; ``apart`` : on each thing asked, alone."""
+    """The exact requirement on the second parameter where the first one has a value; ``apart`` : on each thing asked, alone.
+
+    ``contours`` : the values for which nothing is noticed with each of the other thresholds that were asked about.
+    """
 
     at: Expr
     requirement: Requirement
     apart: tuple[Requirement, ...] = ()
+    contours: tuple[Requirement, ...] = ()
 
 
 @dataclass(frozen=True, repr=False)
@@ -61,6 +67,8 @@ class DesignMap(Answer):
     slices: tuple[Slice, ...]
     criteria: tuple[Criterion, ...] = ()
     that: tuple[str, ...] = (TRANSPARENT,)
+    thresholds: tuple[Expr, ...] = ()
+    encoder: Encoder | None = None
 
     def _line(self) -> str:
         first, second = (x.path for x in self.free)
@@ -69,7 +77,7 @@ class DesignMap(Answer):
     @property
     def certified(self) -> bool:
         """Whether all slices are."""
-        return all(x.requirement.certified for x in self.slices)
+        return all(r.certified for x in self.slices for r in (x.requirement, *x.contours))
 
     def curves(self) -> dict[tuple[Criterion, Kind], Expr]:
         """Polynomials in both parameters (and pi) that vanish on the boundary: at the band's ends, and the discriminants.
@@ -88,7 +96,19 @@ class DesignMap(Answer):
     @cached_property
     def lines(self) -> tuple[Line, ...]:
         """The classical bounds on a stiffness for which the scene has what they need, where stability is asked."""
-        return lines(self.scene, self.free) if STABLE in self.that else ()
+        return lines(self.scene, self.free, self.encoder) if STABLE in self.that else ()
+
+    @property
+    def stiffest(self) -> tuple[Slice, RealNumber] | None:
+        """Of slices along a wall's damping the one that is stable furthest up, and how far; None if beyond the range."""
+        if STABLE not in self.that or [x.path for x in self.free] != [DAMPING, STIFFNESS]:
+            return None
+        i = self.that.index(STABLE)
+        held = [(x, (x.apart or (x.requirement,))[i]) for x in self.slices]
+        tops = [(x, r.feasible[-1].high) for x, r in held if r.feasible]
+        if any(r.undecided for _, r in held) or not all(end.bindings for _, end in tops):
+            return None
+        return max(((x, end.value) for x, end in tops if end.value), key=lambda row: float(row[1]), default=None)
 
     @property
     def _varied(self) -> tuple[list[str], list[str]]:
@@ -102,17 +122,31 @@ class DesignMap(Answer):
             "range": [[float(x) for x in pair] for pair in self.ranges],
             "band": [float(x) for x in self.scene.band],
             "criteria": list(self.that),
-            "slices": [{"at": float(x.at), **x.requirement.rows(), **_apart(x)} for x in self.slices],
-            **({"lines": [{"name": x.name, "rule": x.rule} for x in self.lines]} if self.lines else {}),
+            "slices": [
+                {"at": float(x.at), **x.requirement.rows(), **_apart(x), **self._contours(x)} for x in self.slices
+            ],
+            **(
+                {"lines": [{"name": x.name, "rule": x.rule, "assumes": x.assumes} for x in self.lines]}
+                if self.lines
+                else {}
+            ),
             "certified": self.certified,
         }
+
+    def _contours(self, x: Slice) -> dict[str, Any]:
+        """The values for which nothing is noticed with other thresholds."""
+        rows = [
+            {"jnd": float(jnd), "feasible": r.spans(), "certified": r.certified}
+            for jnd, r in zip(self.thresholds, x.contours, strict=True)
+        ]
+        return {"contours": rows} if rows else {}
 
 
 def _apart(x: Slice) -> dict[str, Any]:
     """Of several things asked, the values for each alone."""
     if not x.apart:
         return {}
-    return {"apart": {name: r.rows()["feasible"] for r in x.apart for name in r.that}}
+    return {"apart": {name: r.spans() for r in x.apart for name in r.that}}
 
 
 def design_map(
@@ -124,6 +158,9 @@ def design_map(
     any_environment: bool = False,
     that: Sequence[str] = (TRANSPARENT,),
     hand: str | Hand | None = None,
+    jnd: Sequence[Number] = (),
+    friction: Number | None = None,
+    resolution: Number | None = None,
     slices: int = 41,
     limit: float | None = None,
     told: Told | None = None,
@@ -132,6 +169,8 @@ def design_map(
 
     ``paths``: of both parameters; ``ranges``: of each, SI or with a unit. Every slice is a ``Requirement`` on the second one.
     ``that``, ``hand``, ``limit``, ``told``: as in ``require``; of slices that were not reached in time every value is undecided.
+    ``jnd``: further thresholds, each with the region that is transparent with it. ``friction``, ``resolution``: of a device and
+    its encoder, for Abbott and Okamura's bound beside the other classical ones.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> found = design_map(load_scene("fu2019"), ["zeta", "omega_n"], [("0.4", "0.6"), (50, 500)], slices=3)
@@ -141,6 +180,7 @@ def design_map(
     scene = as_scene(scene)
     wanted = wishes(that)
     scene = with_hands(scene, hand) if STABLE in wanted else scene
+    encoder = Encoder.of(scene, friction, resolution)
     first, second = scene.knobs.chosen(paths)
     judged = asked_of(scene, (first, second), part, any_environment=any_environment) if TRANSPARENT in wanted else ()
     criteria = (*judged, *further(scene, wanted))
@@ -149,14 +189,18 @@ def design_map(
     )
     for free, pair in zip((first, second), ((low, high), other), strict=True):
         domain(free, pair)
+    need_encoder(scene, (first, second), encoder)
+    thresholds = _thresholds(scene, (first, second), jnd, wanted)
+
+    asked: dict[str, Any] = {"part": part, "any_environment": any_environment}
 
     def cut(at: Expr, n: int, count: int) -> Slice:
         budget.say(n, count, "slices")
         here = first.put(scene, at)
-        apart = [
-            require(here, second.path, other, part=part, any_environment=any_environment, that=[x]) for x in wanted
-        ]
-        return Slice(at, apart[0]) if len(apart) == 1 else _of_several(at, apart)
+        with share(1 / (count - n)):
+            apart = [require(here, second.path, other, that=[x], **asked) for x in wanted]
+            contours = [require(here.with_values({THRESHOLD: x}), second.path, other, **asked) for x in thresholds]
+        return _slice(at, apart, contours)
 
     def cut_all(places: Sequence[Expr]) -> list[Slice]:
         return [cut(at, n, len(places)) for n, at in enumerate(places)]
@@ -170,18 +214,35 @@ def design_map(
             if budget.reached:  # what could be told apart is
                 break
             found = sorted([*found, *cut_all(between)], key=lambda x: float(x.at))
-    return DesignMap(scene, (first, second), ((low, high), other), tuple(found), criteria, wanted)
+    return DesignMap(scene, (first, second), ((low, high), other), tuple(found), criteria, wanted, thresholds, encoder)
 
 
-def _of_several(at: Expr, apart: Sequence[Requirement]) -> Slice:
-    """A slice of several things that were asked, from the values for each alone."""
+def _slice(at: Expr, apart: Sequence[Requirement], contours: Sequence[Requirement]) -> Slice:
+    """A slice of one or several things that were asked, from the values for each alone."""
     one = apart[0]
+    if len(apart) == 1:
+        return Slice(at, one, (), tuple(contours))
     both = together(one.domain, [Solved(x.feasible, x.undecided) for x in apart])
     names = tuple(name for x in apart for name in x.that)
     criteria = tuple(y for x in apart for y in x.criteria)
-    return Slice(
-        at, replace(one, feasible=both.feasible, undecided=both.undecided, criteria=criteria, that=names), tuple(apart)
-    )
+    found = replace(one, feasible=both.feasible, undecided=both.undecided, criteria=criteria, that=names)
+    return Slice(at, found, tuple(apart), tuple(contours))
+
+
+def _thresholds(scene: Scene, free: Sequence[Knob], jnd: Sequence[Number], wanted: Sequence[str]) -> tuple[Expr, ...]:
+    """The further thresholds, each once. SceneError where nothing is asked of what is noticed, or the threshold is free."""
+    if not jnd:
+        return ()
+    if TRANSPARENT not in wanted:
+        raise SceneError("jnd: further thresholds are of what is noticed: ask for transparent too, or leave them out")
+    for x in (x for x in free if x.parts):
+        raise SceneError(f"jnd: further thresholds and {x.path}, which is free, say the same: leave out one of them")
+    if scene.threshold.region.corners:
+        raise SceneError("jnd: the scene's threshold is a polygon, which is given by its corners and not by one number")
+    knob = scene.knobs[THRESHOLD]
+    for c in jnd:
+        knob.check(c)
+    return tuple(dict.fromkeys(knob.number(c) for c in jnd))
 
 
 def _differ(a: Slice, b: Slice) -> bool:

@@ -137,11 +137,15 @@ class Requirement(Answer):
         found = {} if self.nearest is None else {"nearest": _nearest(self.nearest)}
         return found | ({"limit": self.limit} if self.undecided and self.limit is not None else {})
 
+    def spans(self) -> list[list[float | None]]:
+        """The values as a document has them, None where there is no end."""
+        return [[_float(x.low), _float(x.high)] for x in self.feasible]
+
     def rows(self) -> dict[str, Any]:
         """What a document says about the values alone."""
         forms = dict(zip(self.ends, self.forms, strict=True))
         return {
-            "feasible": [[_float(x.low), _float(x.high)] for x in self.feasible],
+            "feasible": self.spans(),
             "binding": [
                 {"at": _float(end), **_binding(b), "closed_form": None if forms[end] is None else str(forms[end])}
                 for end in self.ends

@@ -1,0 +1,128 @@
+"""The stiffest wall for each virtual damping: the exact boundary, classical lines beside it, contours of the JND."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from sympy import Rational
+
+import haptisym as hs
+from haptisym.cli import app
+from haptisym.kernel.errors import SceneError
+from haptisym.verbs.require.classical import Encoder, Line, lines
+
+NOTHING = hs.Hand("nothing")
+PLANE = ["environment.b", "environment.k"]
+
+
+def wall(b: object = "0.8 N*s/m", B: object = 0, delay: int = 0, k: object = 1000) -> hs.Scene:
+    """A wall behind a clock of 1 ms on a device of 0.04 kg."""
+    loop = hs.effects.sampled_loop(T="1 ms", method="backward-difference", delay=delay)
+    device = hs.effects.shunt(m="0.04 kg", b=b, name="device") if b else hs.effects.shunt(m="0.04 kg", name="device")
+    return hs.Scene(hs.environments.kelvin_voigt(k, B), (loop, device), ("0 Hz", "10 Hz"))
+
+
+def abbott(scene: hs.Scene, free: list[str]) -> list[Line]:
+    encoder = Encoder.of(scene, "0.05 N", "61.4 um")
+    return [x for x in lines(scene, [scene.knobs[y] for y in free], encoder) if x.name == "Abbott and Okamura"]
+
+
+def test_the_boundary_of_an_undamped_device_is_the_closed_form() -> None:
+    """alpha = 2 beta (2 - beta)/(2 + beta) with alpha = K T^2/m and beta = B T/m; the largest is 12 - 8 sqrt 2, at 2 sqrt 2 - 2."""
+    scene = wall(b=0, B=1)
+    found = hs.design_map(scene, PLANE, [(1, 79), (1, 40_000)], that=["stable"], hand=NOTHING, slices=4)
+    for x in found.slices:
+        beta = x.at / 40
+        [span] = x.requirement.feasible
+        assert float(span.high.value) == pytest.approx(float(40_000 * 2 * beta * (2 - beta) / (2 + beta)), rel=1e-13)
+    assert found.stiffest is not None
+    at, top = found.stiffest
+    assert at.at == 27
+    assert float(top) < 40_000 * 0.686291501015240
+    assert "27451" not in str(found)
+    assert f"below k = {float(top):.5g} N/m, at b = 27 N·s/m" in " ".join(str(found).split())
+
+
+def test_the_stiffest_wall_is_not_named_where_the_range_ends_before_it() -> None:
+    found = hs.design_map(wall(b=0, B=1), PLANE, [(1, 79), (1, 500)], that=["stable"], hand=NOTHING, slices=3)
+    assert found.stiffest is None
+    assert "stiffest" not in str(found)
+
+
+def test_abbott_and_okamura_is_the_bound_of_the_field() -> None:
+    """f_c = 0.05 N, Delta = 61.4 um: 1628.66 N/m, whatever the damping of the device."""
+    [line] = abbott(wall(), ["effects.device.b", "environment.k"])
+    assert line.where == ()
+    for b in (0.1, 3):
+        assert -line.excess({"environment.k": 0.0, "effects.device.b": b}) == pytest.approx(1628.664495, rel=1e-9)
+    assert "B = 0" in line.assumes
+    assert "0.05" in line.assumes
+
+
+def test_abbott_and_okamura_is_there_only_where_it_is_defined() -> None:
+    device = ["effects.device.b", "environment.k"]
+    assert abbott(wall(B=1), device) == []
+    assert abbott(wall(delay=1), device) == []
+    assert abbott(hs.load_scene("delayed-spring"), ["tau", "environment.k"]) == []
+    assert abbott(wall(), ["effects.device.b", "effects.device.m"]) == []
+    [line] = abbott(wall(B=1), PLANE)
+    assert line.where == (("environment.b", 0.0),)
+
+
+def test_a_rendered_mass_is_in_no_classical_bound() -> None:
+    scene = hs.Scene(hs.environments.mass_spring_damper(m=1, k=1000), wall().effects)
+    assert lines(scene, [scene.knobs["environment.k"]]) == ()
+
+
+def test_contours_are_the_requirements_with_other_thresholds(tmp_path: Path) -> None:
+    scene = hs.Scene(
+        hs.environments.kelvin_voigt(300, 1),
+        (hs.effects.first_order_lag(300), hs.effects.shunt(m="0.04 kg", b="0.8 N*s/m")),
+        (0, 10),
+        hands=(hs.Hand("own", m="0.1 kg", b="0.2 N*s/m"),),
+    )
+    asked = {"that": ["transparent", "stable"], "jnd": ["5 %", 0.2, "0.05"], "slices": 3}
+    found = hs.design_map(scene, PLANE, [(0, 2), (1, 1000)], **asked)  # type: ignore[arg-type]
+    assert found.thresholds == (Rational(1, 20), Rational(1, 5))
+    for x in found.slices:
+        for c, own in zip(found.thresholds, x.contours, strict=True):
+            here = scene.with_values({"environment.b": x.at, "evaluation.jnd": c})
+            assert own.feasible[0].low.value.digits(15) == hs.require(here, "environment.k", (1, 1000)).feasible[
+                0
+            ].low.value.digits(15)
+    row = json.loads(found.to_json())
+    assert [y["jnd"] for y in row["slices"][0]["contours"]] == [0.05, 0.2]
+    found.save_figure(tmp_path / "z.png")
+    count = len(found.slices)
+    assert f"With a threshold of 5 % {count} of them" in " ".join(str(found).replace("\xa0", " ").split())
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({"friction": "0.05 N"}, "resolution is missing"),
+        ({"friction": "0.05 N", "resolution": 0}, "must be > 0"),
+        ({"friction": "0.05 N*m", "resolution": "1 um"}, "friction: 0.05 N*m is rotational"),
+        ({"friction": "0.05 N", "resolution": "1 um"}, "which is not defined here"),
+        ({"jnd": ["0.05"]}, "jnd: further thresholds are of what is noticed"),
+    ],
+)
+def test_what_makes_no_sense_is_said(asked: dict[str, object], said: str) -> None:
+    with pytest.raises(SceneError, match=said.replace("*", r"\*")):
+        hs.design_map(wall(delay=1), PLANE, [(1, 9), (1, 99)], that=["stable"], hand=NOTHING, slices=3, **asked)  # type: ignore[arg-type]
+
+
+def test_a_map_of_a_sampled_loop_says_what_time_did_not_last_for() -> None:
+    found = hs.design_map(wall(), PLANE, [(1, 9), (1, 99)], slices=3, limit=1e-9)
+    assert not found.certified
+    assert str(found).count("UNDECIDED") == 4
+
+
+def test_the_command_line_takes_what_belongs_to_a_map_with_a_map_alone() -> None:
+    said = CliRunner().invoke(app, ["require", "virtual-wall", "--free", "environment.k", "--jnd", "0.05"])
+    assert "--jnd is about a map of two parameters" in str(said.exception)
+    said = CliRunner().invoke(app, ["require", "virtual-wall", "--free", "environment.k", "--friction", "1"])
+    assert "it needs --resolution" in str(said.exception)
