@@ -1,6 +1,6 @@
-"""Rule 1: the functions of the proof are those of the scene."""
+"""Rule 1: the functions of a proof are those of the scene."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from math import prod
 from typing import Any
 
@@ -8,6 +8,7 @@ from haptisym_check.polynomials import Polynomial, keyed, listed, number, whole
 from haptisym_check.scene import Ratio, Scene, Value, need
 
 PARTS = "real", "imag"
+Factors = list[tuple[int, Polynomial]]  # each a polynomial in x^step
 
 
 class Product:
@@ -20,16 +21,18 @@ class Product:
         self.powers = {whole(i, 0, factors - 1): whole(n, -100, 100) for i, n in rows}
         need(len(self.powers) == len(rows), "a factor stands twice in a product")
 
-    def sides(self, x: int, factors: list[int]) -> tuple[int, int]:
+    def at(self, x: Value, factors: list[Value]) -> Ratio:
         """Numerator and denominator, with values of x and the factors."""
         powers = [(x, self.omega), *((factors[i], n) for i, n in self.powers.items())]
-        above, below = (prod(base ** max(sign * n, 0) for base, n in powers) for sign in (1, -1))
-        return self.number.numerator * above, self.number.denominator * below
-
-    def degrees(self, own: int, factors: list[int]) -> list[int]:
-        """Those of numerator and denominator, with degrees of x and the factors."""
-        powers = [(own, self.omega), *((factors[i], n) for i, n in self.powers.items())]
-        return [sum(degree * max(sign * n, 0) for degree, n in powers) for sign in (1, -1)]
+        both = [
+            Value(
+                prod((v.re ** (sign * n) for v, n in powers if sign * n > 0), start=first),
+                s=sum(v.s * sign * n for v, n in powers if sign * n > 0),
+                pi=sum(v.pi * sign * n for v, n in powers if sign * n > 0),
+            )
+            for sign, first in ((1, self.number.numerator), (-1, self.number.denominator))
+        ]
+        return both[0], both[1]
 
 
 def functions(scene: Scene, omega: int, pi: int) -> dict[str, Ratio]:
@@ -51,28 +54,31 @@ def functions(scene: Scene, omega: int, pi: int) -> dict[str, Ratio]:
     return found
 
 
-def link(
-    told: dict[str, Product], factors: list[tuple[int, Polynomial]], scene: Callable[[int, int], dict[str, Ratio]]
-) -> None:
+def link(told: dict[str, Product], factors: Factors, scene: Callable[[int, int], dict[str, Ratio]]) -> None:
     """RefusedError unless the products are the functions of a scene at (x, pi): on a grid that decides it."""
-    by_x, by_pi = [step * (len(p) - 1) for step, p in factors], [max(map(len, p)) - 1 for _, p in factors]
-    size: dict[str, list[int]] = {}
-    for name, (top, bottom) in scene(0, 1).items():
-        (up, down), (over, under) = told[name].degrees(1, by_x), told[name].degrees(0, by_pi)
-        size[name] = [max(top.s + down, bottom.s + up, 0) + 1, max(top.pi + under, bottom.pi + over, 0) + 1]
-    n, m = (max(x) for x in zip(*size.values(), strict=True))
-    need(n <= 3000 and n * m <= 100_000, "the degrees are too high")
-    vanishing = set(told)
+
+    def gaps(x: int, pi: int, names: Iterable[str]) -> dict[str, tuple[Value, bool]]:
+        """left * bottom - right * top of functions, and whether right and bottom are none of them zero."""
+        rows = [[sum(c * pi**i for i, c in enumerate(row)) for row in p] for _, p in factors]
+        degrees = [(step, step * (len(p) - 1), max(map(len, p)) - 1) for step, p in factors]
+        values = [
+            Value(sum(c * x ** (step * i) for i, c in enumerate(row)), 0, s, own)
+            for row, (step, s, own) in zip(rows, degrees, strict=True)
+        ]
+        found, functions = {}, scene(x, pi)
+        for name in names:
+            (top, bottom), (left, right) = functions[name], told[name].at(Value(x, s=1), values)
+            found[name] = left.times(bottom).plus(right.times(top), -1), right.re != 0 and bottom[:2] != (0, 0)
+        return found
+
+    most = {name: (max(gap.s, 0), max(gap.pi, 0) + 1) for name, (gap, _) in gaps(0, 1, told).items()}
+    n, m = (max(x) for x in zip(*most.values(), strict=True))
+    need(n < 3000 and (n + 1) * m <= 100_000, "the degrees are too high")
+    defined = set[str]()
     for pi in range(1, m + 1):
-        rows = [(step, [sum(c * pi**i for i, c in enumerate(row)) for row in p]) for step, p in factors]
-        for x in range(max(k for k, most in size.values() if most >= pi)):
-            values = [sum(c * x ** (step * i) for i, c in enumerate(row)) for step, row in rows]
-            for name, (top, bottom) in scene(x, pi).items():
-                if x < size[name][0] and pi <= size[name][1]:
-                    left, right = told[name].sides(x, values)
-                    need(
-                        left * bottom.re == right * top.re and left * bottom.im == right * top.im,
-                        f"{name} is not that of the scene",
-                    )
-                    vanishing -= {name} if bottom[:2] != (0, 0) and right else set()
-    need(not vanishing, f"{', '.join(vanishing)} is nowhere defined")
+        for x in range(max(s for s, own in most.values() if own >= pi) + 1):
+            names = [name for name, (s, own) in most.items() if x <= s and pi <= own]
+            for name, (gap, there) in gaps(x, pi, names).items():
+                need(gap[:2] == (0, 0), f"{name} is not that of the scene")
+                defined |= {name} if there else set()
+    need(defined == set(told), "a function is nowhere defined")

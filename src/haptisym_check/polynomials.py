@@ -2,11 +2,13 @@
 
 import re
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 from haptisym_check.scene import need
 
 Polynomial = list[list[int]]  # coefficients, ascending, each ascending powers of pi
+Point = tuple[int, int]  # numerator and denominator; (1, 0) is infinity
 
 
 def arctangent(n: int, terms: int) -> list[Fraction]:
@@ -42,21 +44,18 @@ def number(x: Any) -> Fraction:
     return Fraction(x)
 
 
+def numbers(x: Any, most: int, least: int = 0) -> list[Fraction]:
+    """A list of them that ascends."""
+    found = [number(y) for y in listed(x, most, least)]
+    need(all(a < b for a, b in pairwise(found)), "numbers do not ascend")
+    return found
+
+
 def polynomial(x: Any) -> Polynomial:
     rows = [listed(row, 100, 1) for row in listed(x, 300, 1)]
     good = all(isinstance(n, str) and re.fullmatch("-?[0-9]{1,2000}", n) for row in rows for n in row)
     need(good and any(n.strip("-0") for n in rows[-1]), "a polynomial is not one, or its leading coefficient is 0")
     return [[int(n) for n in row] for row in rows]
-
-
-def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    need(len(dict(pairs)) == len(pairs), "a key stands twice")
-    return dict(pairs)
-
-
-def small(text: str) -> int:
-    need(re.fullmatch("-?[0-9]{1,6}", text), f"{text[:40]} is no small whole number")
-    return int(text)
 
 
 def bounds(p: Polynomial) -> list[list[int]]:
@@ -68,25 +67,32 @@ def bounds(p: Polynomial) -> list[list[int]]:
     return ends if n else ends[:1]
 
 
-def agreed(rows: list[list[int]]) -> list[int]:
-    """The signs of numbers that are known between bounds."""
-    signs = [[(x > 0) - (x < 0) for x in row] for row in rows]
-    need(signs[0] == signs[-1], "a sign stays open")
-    return signs[0]
+def times(p: list[int], a: int, b: int) -> list[int]:
+    """p (a + b u)."""
+    return [a * x + b * y for x, y in zip([*p, 0], [0, *p], strict=True)]
 
 
-def moved(p: list[int], a: Fraction, b: Fraction) -> list[int]:
-    """The coefficients of (1 + u)^n p((a + b u)/(1 + u)), times a positive number."""
-    e = a.denominator * b.denominator
-    low, high, found, binomial, scale = int(a * e), int(b * e), [p[-1]], [1], 1
+def moved(p: list[int], low: Point, high: Point) -> list[int]:
+    """The coefficients of p((a + b u)/(c + d u)) (c + d u)^n: from low = a/c at u = 0 to high = b/d at infinity."""
+    found, power = [p[-1]], [1]
     for c in p[-2::-1]:
-        scale *= e
-        binomial = [x + y for x, y in zip([*binomial, 0], [0, *binomial], strict=True)]
-        found = [low * x + high * y for x, y in zip([*found, 0], [0, *found], strict=True)]
-        found = [x + c * scale * y for x, y in zip(found, binomial, strict=True)]
+        power = times(power, low[1], high[1])
+        found = [x + c * y for x, y in zip(times(found, low[0], high[0]), power, strict=True)]
     return found
 
 
-def sign(p: list[list[int]], x: Fraction) -> int:
+def signs(rows: list[list[int]], low: Point, high: Point) -> list[int]:
+    """Those of the coefficients of a polynomial known between bounds."""
+    found = [[(x > 0) - (x < 0) for x in moved(row, low, high)] for row in rows]
+    need(found[0] == found[-1], "a sign stays open")
+    return found[0]
+
+
+def sign(rows: list[list[int]], x: Fraction) -> int:
     """The sign at a number >= 0 of a polynomial known between bounds."""
-    return agreed([[moved(row, x, x + 1)[0]] for row in p])[0]
+    return signs(rows, x.as_integer_ratio(), (1, 0))[0]
+
+
+def turns(found: list[int]) -> int:
+    """How often signs change, zeros left out."""
+    return sum(x != y for x, y in pairwise([x for x in found if x]))

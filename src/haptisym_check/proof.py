@@ -2,13 +2,25 @@
 
 import hashlib
 import json
+import re
+from functools import partial
 from typing import Any
 
 from haptisym_check.chart import CURVES, Chart, Curve, claimed
 from haptisym_check.link import PARTS, Product, functions, link
-from haptisym_check.poles import poles
-from haptisym_check.polynomials import keyed, listed, number, polynomial, small, unique, whole
-from haptisym_check.scene import RefusedError, Scene, need
+from haptisym_check.polynomials import keyed, listed, number, numbers, polynomial, whole
+from haptisym_check.scene import Element, Ratio, RefusedError, Scene, Value, combined, need
+from haptisym_check.zeros import zeros
+
+
+def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    need(len(dict(pairs)) == len(pairs), "a key stands twice")
+    return dict(pairs)
+
+
+def small(text: str) -> int:
+    need(re.fullmatch("-?[0-9]{1,6}", text), f"{text[:40]} is no small whole number")
+    return int(text)
 
 
 def check(text: bytes, scene_file: bytes) -> str:
@@ -21,45 +33,72 @@ def check(text: bytes, scene_file: bytes) -> str:
     kind, digest, name, claim, proof = keyed(told, "format", "scene_sha256", "environment", "claim", "proof")
     need(kind == "haptisym.certificate/1", "the format is not haptisym.certificate/1")
     need(digest == hashlib.sha256(scene_file).hexdigest(), "the certificate is that of another scene file")
-    scene = Scene(scene_file, name)
-    points, polynomials, products, about_poles = keyed(proof, "breakpoints", "factors", "functions", "poles")
-    factors = [
-        (whole(step, 1, 2), polynomial(p))
-        for step, p in (keyed(x, "step", "polynomial") for x in listed(polynomials, 500))
-    ]
-    names = [f"{x}.{part}" for x in CURVES for part in PARTS]
-    curves = {key: Product(x, len(factors)) for key, x in zip(names, keyed(products, *names), strict=True)}
-    link(curves, factors, lambda omega, pi: functions(scene, omega, pi))
-    need(isinstance(claim, dict) and "frequencies" in claim, "the claim has no frequencies")
-    enclosures = [[number(x) for x in listed(pair, 2, 2)] for pair in listed(claim["frequencies"], 2000)]
-    chart = Chart(scene, [number(x) for x in listed(points, 2000, 2)], factors, enclosures)
-    follows = claimed({key: Curve(x, chart) for key, x in curves.items()}, from_0=chart.from_0) | {
-        "stable": poles(about_poles, scene)
-    }
-    keyed(claim, "frequencies", *follows)
+    need(isinstance(claim, dict) and claim.get("question") in QUESTIONS, "the claim answers no question that is known")
+    follows, words = QUESTIONS[claim["question"]](claim, proof, Scene(scene_file, name))
+    keyed(claim, "question", *follows)
     for key, x in follows.items():
-        need(
-            json.dumps(claim[key], sort_keys=True) == json.dumps(x, sort_keys=True),
-            f"{key}: proven is {x}, and that is not claimed",
-        )
-    return said(claim)
+        same = json.dumps(claim[key], sort_keys=True) == json.dumps(x, sort_keys=True)
+        need(same, f"{key}: proven is {x}, and that is not claimed")
+    return "\n  ".join(words)
 
 
-def said(claim: dict[str, Any]) -> str:
-    """The claim in words."""
-    at = [f"{float(number(x)):.10g}" for x, _ in claim["frequencies"]]
-    meets = {"exceeds": "exceeds", "returns": "returns below", "touches": "touches"}
-    lines = [f"Proven on the band from {at[0]} to {at[-1]} rad/s: {len(claim['crossings'])} crossings, none missed."]
-    for x in claim["crossings"]:
-        lines += [
-            f"{x['part']} part {meets[x['kind']]} its threshold between {' and '.join(claim['frequencies'][x['at']])} rad/s"
-        ]
-    lines += [f"transparent from {at[x]} to {at[y]} rad/s" for x, y in claim["transparent"]]
-    for x in claim["percepts"]:
+Answer = tuple[dict[str, Any], list[str]]  # what follows from a proof, and the same in words
+COUNTS = {None: "nothing is said of poles", 0: "all poles of H_perc lie in Re s < 0"}
+
+
+def evaluation(claim: dict[str, Any], proof: Any, scene: Scene) -> Answer:
+    """All that happens on the band."""
+    points, polynomials, products, poles = keyed(proof, "breakpoints", "factors", "functions", "poles")
+    pairs = [keyed(x, "step", "polynomial") for x in listed(polynomials, 500)]
+    factors = [(whole(step, 1, 2), polynomial(p)) for step, p in pairs]
+    names = [f"{x}.{part}" for x in CURVES for part in PARTS]
+    told = {key: Product(x, len(factors)) for key, x in zip(names, keyed(products, *names), strict=True)}
+    link(told, factors, lambda omega, pi: functions(scene, omega, pi))
+    enclosures = [[number(x) for x in listed(pair, 2, 2)] for pair in listed(claim.get("frequencies"), 2000, 2)]
+    chart = Chart(scene, numbers(points, 2000, 2), factors, enclosures)
+    found = claimed({key: Curve(x, chart) for key, x in told.items()}, from_0=chart.from_0)
+    count = None if poles is None else zeros(poles, lambda s, pi: scene.at(s, pi)[1][::-1])
+    at = [f"{float(x):.10g}" for x, _ in enclosures]
+    lines = [f"Proven on the band from {at[0]} to {at[-1]} rad/s: {len(found['crossings'])} crossings, none missed."]
+    for x in found["crossings"]:
+        place = " and ".join(claim["frequencies"][x["at"]])
+        lines += [f"{x['part']} part {MEETS[x['kind']]} its threshold between {place} rad/s"]
+    lines += [f"transparent from {at[x]} to {at[y]} rad/s" for x, y in found["transparent"]]
+    for x in found["percepts"]:
         lines += [f"{x['change']} {x['property']} ({x['part']} part) from {at[x['from']]} to {at[x['to']]} rad/s"]
-    stable = {
-        True: "all poles of H_perc lie in Re s < 0",
-        False: "H_perc has a pole in Re s >= 0",
-        None: "nothing is said of poles",
-    }
-    return "\n  ".join([*lines, f"imposed motion: {stable[claim['stable']]}"])
+    lines += [f"imposed motion: {COUNTS.get(count, 'H_perc has a pole in Re s >= 0')}"]
+    return {"frequencies": claim["frequencies"], **found, "stable": None if count is None else count == 0}, lines
+
+
+def stability(claim: dict[str, Any], proof: Any, scene: Scene) -> Answer:
+    """Poles under imposed motion, and roots in hands, in Re s >= 0."""
+    poles, held = keyed(proof, "imposed", "held")
+    count = zeros(poles, lambda s, pi: scene.at(s, pi)[1][::-1])
+    found, lines = [], [f"Proven: {count} poles of H_perc in Re s >= 0 (imposed motion)."]
+    rows, proofs = listed(claim.get("held"), 100), listed(held, 100)
+    need(len(rows) == len(proofs), "there are not as many proofs as hands")
+    for told, own in zip(rows, proofs, strict=True):
+        hand, _ = keyed(told, "hand", "unstable")
+        z = Element({"model": "mass-spring-damper", **in_hand(hand, scene)}, 1)
+        roots = zeros(own, partial(loop, scene, z))
+        found.append({"hand": hand, "unstable": roots})
+        words = hand if isinstance(hand, str) else ", ".join(f"{key} = {hand[key]}" for key in "mbk")
+        lines += [f"held in the hand {words}: {roots} roots in Re s >= 0"]
+    return {"imposed": count, "held": found}, lines
+
+
+def in_hand(hand: Any, scene: Scene) -> dict[str, Any]:
+    """Mass, damping and stiffness: of a hand of the scene file by its name, or as they are claimed."""
+    if isinstance(hand, str):
+        need(hand in scene.hands, f"the scene has no hand {hand!r}")
+        return scene.hands[hand]
+    return dict(zip("mbk", map(number, keyed(hand, "m", "b", "k")), strict=True))
+
+
+def loop(scene: Scene, hand: Element, s: Value, pi: int) -> Ratio:
+    """H_perc + m s^2 + b s + k."""
+    return combined("+", scene.at(s, pi)[1], hand.at(s, pi)[0])
+
+
+MEETS = {"exceeds": "exceeds", "returns": "returns below", "touches": "touches"}
+QUESTIONS = {"evaluation": evaluation, "stability": stability}

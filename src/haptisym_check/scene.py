@@ -1,6 +1,5 @@
 """What a scene file says: exact numbers, and the chain of its dynamics in Gaussian integers wherever it is asked for."""
 
-import ast
 import re
 import tomllib
 from collections.abc import Callable
@@ -56,51 +55,53 @@ def combined(sign: str, x: Ratio, y: Ratio) -> Ratio:
 
 
 T = TypeVar("T")
-WORD = re.compile(r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?|[^\W\d]\w*|[°%]")
-SIGNS: dict[type, str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.UAdd: "+", ast.USub: "-"}
+NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3}(?![0-9]))?"
+POWER = r"(?:\^|\*\*)\s*(?:\(\s*[+-]?[0-9]{1,2}\s*\)|[+-]?[0-9]{1,2}(?![\w.]))"
+WORD = re.compile(rf"{NUMBER}|[^\W\d]\w*|[°%]|{POWER}|[-+*/()]")
+BINDS = {"+": 1, "-": 1, "*": 2, "/": 2}
 
 
 @cache
-def parsed(text: str) -> tuple[ast.expr, list[str]]:
-    """A formula as Python's grammar reads it with placeholders x0, x1, ... for its numbers and names; nothing is executed."""
-    words = WORD.findall(text)
-    count = iter(range(len(words)))
-    plain = WORD.sub(lambda _: f" x{next(count)} ", " ".join(text.split())).replace("^", "**").strip()
-    try:
-        need(len(text) <= 4000 and re.fullmatch(r"[-+*/() x0-9]*", plain), f"{text[:60]!r} is not understood")
-        return ast.parse(plain, mode="eval").body, words
-    except (SyntaxError, RecursionError, MemoryError):
-        raise RefusedError(f"{text[:60]!r} is not understood") from None
+def words_of(text: str) -> list[str]:
+    """Numbers, names, signs and whole powers, in reverse."""
+    found = WORD.findall(text) if len(text) <= 4000 else []
+    whole = "".join("".join(found).split()) == "".join(text.split())
+    need(found and len(found) <= 400 and whole, f"{text[:60]!r} is not understood")
+    return found[::-1]
 
 
-def evaluated(text: str, leaf: Callable[[str], T], combine: Callable[[str, T, T], T]) -> T:
-    """A formula's value, from what numbers and names are and how two values are combined by + - * /."""
-    tree, words = parsed(text)
+def evaluated(text: str, leaf: Callable[[str], T], combine: Callable[[str, T, T], T], *, spaced: bool = False) -> T:
+    """A formula's value, from what numbers and names are and how two are combined; ``spaced``: N m is N*m."""
+    words = [*words_of(text)]
 
-    def of(x: ast.expr) -> T:
-        if isinstance(x, ast.Name):
-            return leaf(words[int(x.id[1:])])
-        if isinstance(x, ast.UnaryOp):
-            return combine(SIGNS[type(x.op)], leaf("0"), of(x.operand))
-        need(isinstance(x, ast.BinOp), f"{text[:60]!r} is not understood")
-        assert isinstance(x, ast.BinOp)
-        if type(x.op) in SIGNS:
-            return combine(SIGNS[type(x.op)], of(x.left), of(x.right))
-        sign, n = (
-            SIGNS[type(x.right.op)] if isinstance(x.right, ast.UnaryOp) else "+",
-            getattr(x.right, "operand", x.right),
-        )
-        power = words[int(n.id[1:])] if isinstance(n, ast.Name) else ""
-        need(
-            isinstance(x.op, ast.Pow) and re.fullmatch("[0-9]{1,2}", power),
-            f"{text[:60]!r}: a power must be a whole number",
-        )
-        base, result = of(x.left), leaf("1")
-        for _ in range(int(power)):
-            result = combine("*" if sign == "+" else "/", result, base)
-        return result
+    def value(least: int) -> T:
+        """Of what signs hold together that bind more than that."""
+        word = words.pop() if words else ")"
+        if word in BINDS:
+            need(BINDS[word] == 1, f"{text[:60]!r} is not understood")
+            found = combine(word, leaf("0"), value(2))
+        elif word == "(":
+            found = value(0)
+            need(words and words.pop() == ")", f"{text[:60]!r} is not understood")
+        else:
+            need(word[0] not in ")^*", f"{text[:60]!r} is not understood")
+            found = leaf(word)
+        if words and re.match(r"\^|\*\*", words[-1]):
+            base, n, found = found, int(re.sub("[^-0-9]", "", words.pop())), leaf("1")
+            for _ in range(abs(n)):
+                found = combine("*" if n > 0 else "/", found, base)
+        while words and words[-1] != ")":
+            sign = words[-1] if words[-1] in BINDS else "*"
+            if BINDS[sign] <= least:
+                break
+            unsaid = words[-1] != sign and (not spaced or (words[-1] != "1" and words[-1][0] in ".0123456789"))
+            need(not unsaid, f"{text[:60]!r} is not understood")
+            found = combine(sign, found, value(BINDS[words.pop() if words[-1] == sign else sign]))
+        return found
 
-    return of(tree)
+    result = value(0)
+    need(not words, f"{text[:60]!r} is not understood")
+    return result
 
 
 class Number(NamedTuple):
@@ -117,29 +118,33 @@ class Number(NamedTuple):
         return top, Value(self.value.denominator * pi**down, pi=down)
 
 
+FREE = Number(Fraction(1), 1)  # a parameter that is left free takes the place of pi
 CATALOGUE = tomllib.loads((Path(__file__).parent / "catalogue.toml").read_text(encoding="utf-8"))
-NUMBER = r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)"
 SPELLED: dict[int, str] = {ord(x): y for x, y in zip("·×⋅²³", ("*", "*", "*", "^2", "^3"), strict=True)}
-QUANTITY = re.compile(rf"\s*{NUMBER}(?:\s*/\s*([0-9]+)(?![\w.]))?\s*(.*?)\s*")
 
 
-def unit(name: str) -> Number:
-    """A unit by its name, perhaps with a prefix."""
-    prefix, base = ("", name) if name in CATALOGUE["units"] else (name[:1], name[1:])
+def unit(word: str) -> Number:
+    """A number, or a unit by its name, perhaps with a prefix."""
+    if word[0] in ".0123456789":
+        return Number(Fraction(word))
+    prefix, base = ("", word) if word in CATALOGUE["units"] else (word[:1], word[1:])
     factor, pi, dimension, prefixed = CATALOGUE["units"].get(base, ["1", 0, [], ""])
-    need(
-        dimension and (not prefix or (prefix in CATALOGUE["prefixes"] and prefixed)),
-        f"the unit {name!r} is not understood",
-    )
+    fits = dimension and (not prefix or (prefix in CATALOGUE["prefixes"] and prefixed))
+    need(fits, f"the unit {word!r} is not understood")
     return Number(Fraction(factor) * Fraction(10) ** CATALOGUE["prefixes"].get(prefix, 0), pi, dimension)
 
 
 def units(sign: str, x: Number, y: Number) -> Number:
-    """The product or the quotient of two units."""
-    need(sign in "*/", "a unit is a product of powers")
-    n = 1 if sign == "*" else -1
-    both = zip(x.dimension or [], y.dimension or [], strict=True)
-    return Number(x.value * y.value**n, x.pi + n * y.pi, [a + n * b for a, b in both])
+    """The product or the quotient of two; 0 + y or 0 - y."""
+    n = 1 if sign in "*+" else -1
+    if sign in "+-":
+        need(not x.value, "a quantity is a product of powers")
+        return y._replace(value=n * y.value)
+    need(n > 0 or y.value, "a division by zero")
+    value = x.value * y.value**n
+    need(value.numerator.bit_length() + value.denominator.bit_length() < 10**5, "a number is too large")
+    both = [a + n * b for a, b in zip(x.dimension or [0, 0, 0], y.dimension or [0, 0, 0], strict=True)]
+    return Number(value, x.pi + n * y.pi, None if x.dimension is y.dimension is None else both)
 
 
 def quantity(given: Any, kind: str = "") -> Number:
@@ -149,20 +154,16 @@ def quantity(given: Any, kind: str = "") -> Number:
         low, *between, high = (quantity(x, kind) for x in given)
         need(low[1:] == high[1:], "the ends of a range have different units")
         return between[0] if between else low._replace(value=(low.value + high.value) / 2)
+    if isinstance(given, Number):
+        return given
     if isinstance(given, int | Fraction) and not isinstance(given, bool):
         return Number(Fraction(given))
     need(isinstance(given, str) and len(given) < 500, "a value is neither a number nor a text")
     text, *deviation = re.split(r"\+/?-|±", given)
-    found = QUANTITY.fullmatch(text)
-    need(found and int(found[2] or 1) and len(deviation) < 2, f"the quantity {given[:60]!r} is not understood")
-    assert found
-    number = Fraction(found[1]) / int(found[2] or 1)
-    if not found[3]:
-        return Number(number)
-    plain = found[3].translate(SPELLED)
-    own = evaluated(re.sub(r"(?<=[\w)°%])\s+(?=[^\W\d]|[(°%])", "*", plain), unit, units)
-    need(not kind or own.dimension in CATALOGUE["dimensions"][kind], f"{given[:60]!r} has the wrong dimension")
-    return own._replace(value=own.value * number)
+    found = evaluated(text.translate(SPELLED), unit, units, spaced=True)
+    fits = not kind or found.dimension is None or found.dimension in CATALOGUE["dimensions"][kind]
+    need(fits and len(deviation) < 2, f"{given[:60]!r} has the wrong dimension")
+    return found
 
 
 def row(model: str, given: dict[str, Any]) -> list[str]:
@@ -191,19 +192,18 @@ class Element:
         need(isinstance(table, dict) and isinstance(table.get("model"), str), "an environment or effect has no model")
         model, given = table["model"], {key: x for key, x in table.items() if key not in ("model", "name")}
         own = given.pop("parameters", {})
-        signature, *texts = row(model, given)
+        signature, *self.texts = row(model, given)
         names = {x.rstrip("=?"): x for x in signature.split()}
         needed = {key for key, x in names.items() if "?" not in x}
-        fits = len(texts) == formulas and needed <= given.keys() <= names.keys() and isinstance(own, dict)
+        fits = len(self.texts) == formulas and needed <= given.keys() <= names.keys() and isinstance(own, dict)
         need(fits and (not own or "=" in signature), f"the parameters of {model} are not understood")
         if "=" in signature:
-            self.texts = [re.sub(r"\b[A-Z]\b", lambda x: str(given[x[0]]), text) for text in texts]
+            self.texts = [re.sub(r"\b[A-Z]\b", lambda x: str(given[x[0]]), text) for text in self.texts]
             self.numbers = {key: self.number(x, "", felt) for key, x in own.items()}
         else:
-            self.texts = texts
             self.numbers = {key: self.number(given.get(key, 0), key[0].lower(), felt) for key in names}
-            delay = self.numbers["tau"].value if "tau" in names and model != "pade-delay" else 0
-            need(not delay, f"{model} with a delay: this format is for rational scenes")
+            still = model == "pade-delay" or "tau" not in names or not self.numbers["tau"].value
+            need(still, f"{model} with a delay: this format is for rational scenes")
 
     @staticmethod
     def number(given: Any, kind: str, felt: "Element | None") -> Number:
@@ -226,8 +226,11 @@ class Element:
         return [evaluated(x, leaf, combined) for x in self.texts]
 
 
+KEYS = {"title", "source", "environment", "environments", "rendered", "effects", "evaluation", "hand", "hands"}
+
+
 class Scene:
-    """Band and thresholds of a scene file, and its chain."""
+    """Band, thresholds and hands of a scene file, and its chain."""
 
     def __init__(self, data: bytes, name: str | None) -> None:
         """``name``: which of several environments."""
@@ -235,14 +238,10 @@ class Scene:
             table = tomllib.loads(data.decode("utf-8-sig"), parse_float=lambda text: quantity(text).value)
         except (ValueError, RecursionError) as error:
             raise RefusedError(f"the scene is not understood: {error}") from None
-        known = {"title", "source", "environment", "environments", "rendered", "effects", "evaluation", "hand", "hands"}
-        need(table.keys() <= known, f"keys of the scene are not understood: {', '.join(table.keys() - known)}")
+        need(table.keys() <= KEYS, f"keys of the scene are not understood: {', '.join(table.keys() - KEYS)}")
         if "environments" in table or name is not None:
-            every = [
-                x
-                for x in table.get("environments", [])
-                if isinstance(x, dict) and x.get("name", x.get("model")) == name
-            ]
+            listed = [x for x in table.get("environments", []) if isinstance(x, dict)]
+            every = [x for x in listed if x.get("name", x.get("model")) == name]
             need(len(every) == 1 and "environment" not in table, f"there is not one environment {name!r}")
             table["environment"] = {key: x for key, x in every[0].items() if key != "rendered"}
             table |= {key: x for key, x in every[0].items() if key == "rendered"}
@@ -258,6 +257,8 @@ class Scene:
         both = jnd if isinstance(jnd, dict) else {"real": jnd, "imag": jnd}
         need(both.keys() == {"real", "imag"}, "the threshold is not a number, nor one for each part")
         self.threshold = {part: quantity(x, "z") for part, x in both.items()}
+        hands = [{"name": "hand", **table["hand"]}] if "hand" in table else table.get("hands", [])
+        self.hands = {x.get("name"): {key: y for key, y in x.items() if key != "source"} for x in hands}
 
     def at(self, s: Value, pi: int) -> tuple[Ratio, Ratio]:
         """H_env and H_perc, each numerator and denominator."""

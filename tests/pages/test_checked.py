@@ -17,7 +17,20 @@ from typing import Any
 import browser
 import pytest
 from browser import Browser
-from certificates import OWN, RATIONAL, SCENES, certificate, evaluated, hostile, mutants, random_scene, text_of
+from certificates import (
+    HELD,
+    OWN,
+    RATIONAL,
+    SCENES,
+    certificate,
+    evaluated,
+    hostile,
+    mutants,
+    of_stability,
+    random_scene,
+    stability_mutants,
+    text_of,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from marks import often, required
@@ -54,6 +67,21 @@ def test_a_scene_of_several_environments_is_checked_by_name() -> None:
 def test_every_mutant_is_refused(name: str) -> None:
     listed = [(what, json.dumps(x)) for what, x in mutants(json.loads(certificate(name)))]
     said = verdicts([(x, text_of(name)) for _, x in listed])
+    assert [what for (what, _), (claim, _) in zip(listed, said, strict=True) if claim] == []
+
+
+def test_certificates_about_stability_are_accepted() -> None:
+    for (proof, _), (claim, why) in zip(
+        map(of_stability, HELD), verdicts([of_stability(name) for name in HELD]), strict=True
+    ):
+        assert claim == json.loads(proof)["claim"], why
+
+
+@pytest.mark.parametrize("name", often(HELD, {"a hand"}.__contains__))
+def test_every_mutant_about_stability_is_refused(name: str) -> None:
+    proof, text = of_stability(name)
+    listed = list(stability_mutants(json.loads(proof)))
+    said = verdicts([(json.dumps(x), text) for _, x in listed])
     assert [what for (what, _), (claim, _) in zip(listed, said, strict=True) if claim] == []
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import random
@@ -14,7 +15,21 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from certificates import OWN, RATIONAL, SCENES, certificate, evaluated, hostile, mutants, random_scene, text_of
+from certificates import (
+    HELD,
+    OWN,
+    RATIONAL,
+    SCENES,
+    certificate,
+    evaluated,
+    hostile,
+    known_roots,
+    mutants,
+    of_stability,
+    random_scene,
+    stability_mutants,
+    text_of,
+)
 from marks import often
 from sympy import pi
 
@@ -70,6 +85,55 @@ def test_certificates_of_random_scenes_are_accepted(first: int) -> None:
         assert verdict(hs.evaluate(hs.parse_scene(text)).certificate(), text).startswith("Proven"), seed
 
 
+@pytest.mark.parametrize("name", HELD)
+def test_certificates_about_stability_are_accepted(name: str) -> None:
+    proof, text = of_stability(name)
+    scene, hands = HELD[name]
+    found, claim = hs.stability(hs.parse_scene(text_of(scene)), hands), json.loads(proof)["claim"]
+    assert verdict(proof, text).startswith(f"Proven: {found.imposed.unstable} poles of H_perc in Re s >= 0")
+    assert [x["unstable"] for x in claim["held"]] == [x.unstable for x in found.held]
+
+
+def in_known_hand(polynomial: str) -> str:
+    """A scene whose H_perc has these poles, in a hand with which 1 and these poles are all roots."""
+    hand = "[hand]\nm = 3\nb = 2\nk = 5\n"
+    return expression(f"({polynomial}) - 3*s^2 - 2*s - 5") + hand
+
+
+def expression(formula: str) -> str:
+    """A scene of this environment, in which w is 10 pi."""
+    parameters = 'parameters = { w = "5 Hz" }\n' if "w" in formula else ""
+    return f'[environment]\nmodel = "expression"\nH = "{formula}"\n{parameters}'
+
+
+@pytest.mark.parametrize("first", often(range(0, 300, 3), (0,).__contains__))
+def test_roots_are_counted_where_it_is_known_how_many_there_are(first: int) -> None:
+    for seed in range(first, first + 3):
+        polynomial, count = known_roots(seed)
+        text = in_known_hand(polynomial)
+        proof = hs.stability(hs.parse_scene(text)).certificate()
+        assert json.loads(proof)["claim"]["held"] == [{"hand": "hand", "unstable": count}], polynomial
+        assert verdict(proof, text).startswith("Proven"), polynomial
+        text = expression(f"(s^2 + s + 400)/({polynomial})")
+        proof = hs.stability(hs.parse_scene(text)).certificate()
+        assert verdict(proof, text).startswith(f"Proven: {count} poles"), polynomial
+
+
+def test_a_hand_of_the_scene_is_that_of_the_scene() -> None:
+    text = in_known_hand("s^3 + 2*s^2 + 3*s + 4")
+    proof = hs.stability(hs.parse_scene(text)).certificate()
+    other = text.replace("k = 5", "k = 6")
+    forged = json.loads(proof) | {"scene_sha256": hashlib.sha256(other.encode()).hexdigest()}
+    assert "not that of the scene" in verdict(forged, other)
+    named = text.replace("[hand]", '[[hands]]\nname = "left"\nsource = "a book"')
+    proof = hs.stability(hs.parse_scene(named)).certificate()
+    assert json.loads(proof)["claim"]["held"] == [{"hand": "left", "unstable": 0}]
+    assert verdict(proof, named).startswith("Proven")
+    changed = hs.stability(hs.parse_scene(text), hs.Hand("hand", m="3 kg", b=2, k="4 N/m")).certificate()
+    assert json.loads(changed)["claim"]["held"][0]["hand"] == {"m": "3", "b": "2", "k": "4"}
+    assert verdict(changed, text).startswith("Proven")
+
+
 def test_a_scene_of_several_environments_is_checked_by_name() -> None:
     text = (SCENES.parent / "families" / "palpation-device.toml").read_text(encoding="utf-8")
     proof = json.loads(hs.evaluate(hs.load_scene("palpation-device", "liver")).certificate())
@@ -104,6 +168,16 @@ def test_the_commands_write_and_check(tmp_path: Path, monkeypatch: pytest.Monkey
     assert (missing.returncode, missing.stderr, "NOT proven: " in missing.stdout) == (1, "", True)
 
 
+def test_the_command_about_stability_writes_one_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    target = tmp_path / "proof.json"
+    asked = ("stability", "fu2019", "--hand", "firm-grip", "--certificate", str(target))
+    assert command(monkeypatch, capsys, *asked) == (0, f"certificate written to {target}\n")
+    said = "Proven: 0 poles of H_perc in Re s >= 0 (imposed motion).\n  held in the hand m = 0, b = 8, k = 400: 0 roots in Re s >= 0"
+    assert verdict(target.read_text(encoding="utf-8"), text_of("fu2019")) == said
+
+
 def test_a_reader_that_has_gone_does_not_matter(tmp_path: Path) -> None:
     target = tmp_path / "proof.json"
     target.write_text(certificate("fu2019"), encoding="utf-8")
@@ -136,6 +210,10 @@ def test_what_the_format_has_no_room_for_is_a_sentence(monkeypatch: pytest.Monke
         lambda: judged('"0.08 + 0.004*omega"'): "depends on omega",
         lambda: judged('{ like = "weight" }'): "as a number in the scene file",
         lambda: hs.evaluate("fu2019", digits=1001): "room for 1000 digits",
+        lambda: hs.stability("delayed-spring", "firm-grip"): "needs a rational scene",
+        lambda: hs.stability("sampled-wall"): "needs a rational scene",
+        lambda: hs.stability("stick-with-friction"): "needs real coefficients",
+        lambda: hs.stability("sidestick", hs.Hand("odd", k="2 N*m/deg")): "needs the hand odd in the scene file",
     }.items():
         with pytest.raises(hs.SceneError, match=words):
             question().certificate()  # type: ignore[attr-defined]
@@ -156,6 +234,13 @@ def test_every_mutant_is_refused(name: str) -> None:
         if not verdict(x, text_of(name)).startswith("refused")
     ]
     assert passed == []
+
+
+@pytest.mark.parametrize("name", often(HELD, {"a hand", "on the axis"}.__contains__))
+def test_every_mutant_about_stability_is_refused(name: str) -> None:
+    proof, text = of_stability(name)
+    listed = stability_mutants(json.loads(proof))
+    assert [what for what, x in listed if not verdict(x, text).startswith("refused")] == []
 
 
 @pytest.mark.parametrize("seed", often(range(40), (0, 1).__contains__))
@@ -205,9 +290,14 @@ def test_a_wrong_answer_gets_no_certificate_that_passes(field: str, wrong: Calla
 
 def test_a_wrong_stability_gets_no_certificate_that_passes() -> None:
     for name, stable in (("fu2019", False), ("unstable", True)):
-        claim = json.loads(replace(evaluated(name), stable=stable).certificate())
-        said = verdict(claim, text_of(name))
-        assert said.startswith("refused") or claim["claim"]["stable"] is None
+        assert verdict(replace(evaluated(name), stable=stable).certificate(), text_of(name)).startswith("refused")
+    found = hs.stability("fu2019", "firm-grip")
+    roots = replace(found.held[0].roots, number=1)
+    wrong = replace(found, held=(replace(found.held[0], roots=roots),))
+    assert verdict(wrong.certificate(), text_of("fu2019")).startswith("refused")
+    assert verdict(
+        replace(found, imposed=replace(found.imposed, unstable=2)).certificate(), text_of("fu2019")
+    ).startswith("refused")
 
 
 # What the checker reads.

@@ -138,22 +138,114 @@ def mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
     yield changed(
         "no poles", lambda x: x["proof"].update(poles=None) if x["claim"]["stable"] is not None else x.pop("proof")
     )
-    poles = proof["proof"]["poles"] or {"turns": None, "factors": []}
-    for i, turns in enumerate(poles["turns"] or []):
-        for k in range(len(turns)):
-            yield changed(
-                f"turn {k} of factor {i} left out", lambda x, i=i, k=k: x["proof"]["poles"]["turns"][i].pop(k)
-            )
-            yield changed(
-                f"turn {k} of factor {i} at 0", lambda x, i=i, k=k: x["proof"]["poles"]["turns"][i].__setitem__(k, "0")
-            )
-    for i in range(len(poles["factors"])):
-        yield changed(f"pole {i} left out", lambda x, i=i: x["proof"]["poles"]["factors"].pop(i))
+    poles = proof["proof"]["poles"]
+    for what, change in zeros_mutants(poles, stable=proof["claim"]["stable"]) if poles else ():
+        yield changed(what, lambda x, change=change: change(x["proof"]["poles"]))
+    yield from frame_mutants(proof)
+
+
+def frame_mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Those of any question."""
+
+    def changed(name: str, change: Callable[[dict[str, Any]], object]) -> tuple[str, dict[str, Any]]:
+        other = copy.deepcopy(proof)
+        change(other)
+        return name, other
+
     for key in ("format", "scene_sha256", "environment", "claim", "proof"):
         yield changed(f"{key} left out", lambda x, key=key: x.pop(key))
         yield changed(f"{key} of another kind", lambda x, key=key: x.update({key: 7}))
     yield changed("another scene's hash", lambda x: x.update(scene_sha256="0" * 64))
     yield changed("a further key", lambda x: x.update(note=""))
+    for question in ("stability", "evaluation", "requirement"):
+        if question != proof["claim"]["question"]:
+            yield changed(f"as {question}", lambda x, n=question: x["claim"].update(question=n))
+    for key in proof["proof"]:
+        yield changed(f"{key} not proven", lambda x, key=key: x["proof"].pop(key))
+
+
+def zeros_mutants(zeros: dict[str, Any], *, stable: bool) -> Iterator[tuple[str, Callable[[dict[str, Any]], object]]]:
+    """Changes of what shows how many zeros a function has in Re s >= 0."""
+    for i, rows in enumerate(zeros["factors"]):
+        yield f"factor {i} left out", lambda x, i=i: x["factors"].pop(i)
+        yield f"factor {i} of lower degree", lambda x, i=i: x["factors"][i].pop()
+        for k, row in enumerate(rows):
+            other = str(int(row[0]) + 1)
+            yield f"coefficient {k} of factor {i}", lambda x, i=i, k=k, n=other: x["factors"][i][k].__setitem__(0, n)
+    for i, (_, n) in enumerate(zeros["function"]["powers"]):
+        yield f"power {i} left out", lambda x, i=i: x["function"]["powers"].pop(i)
+        yield f"power {i} of another exponent", lambda x, i=i, n=n: x["function"]["powers"][i].__setitem__(1, n + 1)
+    yield "another power of s", lambda x: x["function"].update(omega=x["function"]["omega"] + 1)
+    yield "another number", lambda x: x["function"].update(number=str(2 * Fraction(x["function"]["number"])))
+    for i, cells in enumerate(zeros["cells"]):
+        yield f"cells of factor {i} left out", lambda x, i=i: x["cells"].pop(i)
+        yield f"a cell of factor {i} from 0", lambda x, i=i: x["cells"][i].insert(0, "0")
+        if cells:
+            yield f"cells of factor {i} that descend", lambda x, i=i: x["cells"][i].append(x["cells"][i][0])
+        if cells and stable:  # E and O have as many zeros as they can
+            yield f"no cells of factor {i}", lambda x, i=i: x["cells"][i].clear()
+
+
+HELD = {
+    "imposed": ("fu2019", ()), "a hand": ("fu2019", ("firm-grip", "postural-arm")), "unstable, held": ("unstable", ("postural-arm",)),
+    "on the axis": ("pole on the axis", ("firm-grip",)), "with pi": ("admittance-display", ("postural-arm",)),
+    "at 0": ("integrator", ("firm-grip",)),
+}  # fmt: skip
+"""Scene and hands of questions about stability."""
+
+
+@cache
+def of_stability(name: str) -> tuple[str, str]:
+    """A certificate, and the scene that it is about."""
+    scene, hands = HELD[name]
+    return hs.stability(hs.parse_scene(text_of(scene)), hands).certificate(), text_of(scene)
+
+
+def stability_mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Changes each of which makes a claim about stability false, or its proof incomplete."""
+
+    def changed(name: str, change: Callable[[dict[str, Any]], object]) -> tuple[str, dict[str, Any]]:
+        other = copy.deepcopy(proof)
+        change(other)
+        return name, other
+
+    claim, own = proof["claim"], proof["proof"]
+    for n in (-1, 1):
+        yield changed(f"imposed {n:+d}", lambda x, n=n: x["claim"].update(imposed=claim["imposed"] + n))
+        for i, row in enumerate(claim["held"]):
+            yield changed(
+                f"held {i} {n:+d}",
+                lambda x, i=i, n=n, row=row: x["claim"]["held"][i].update(unstable=row["unstable"] + n),
+            )
+    for i, row in enumerate(claim["held"]):
+        for key in ("m", "b", "k"):
+            number = str(Fraction(row["hand"][key]) + 1)
+            yield changed(
+                f"{key} of hand {i}", lambda x, i=i, key=key, n=number: x["claim"]["held"][i]["hand"].update({key: n})
+            )
+        yield changed(f"hand {i} of another name", lambda x, i=i: x["claim"]["held"][i].update(hand="nobody"))
+        yield changed(f"hand {i} without a proof", lambda x, i=i: x["proof"]["held"].pop(i))
+        yield changed(f"hand {i} not claimed", lambda x, i=i: x["claim"]["held"].pop(i))
+    rows = [("imposed", None, own["imposed"], claim["imposed"])]
+    rows += [("held", i, x, claim["held"][i]["unstable"]) for i, x in enumerate(own["held"])]
+    for key, i, x, count in rows:
+        for what, change in zeros_mutants(x, stable=count == 0):
+            place = (lambda y, i=i: y["proof"]["held"][i]) if key == "held" else (lambda y: y["proof"]["imposed"])
+            yield changed(f"{key} {i}: {what}", lambda y, change=change, place=place: change(place(y)))
+    yield from frame_mutants(proof)
+
+
+def known_roots(seed: int) -> tuple[str, int]:
+    """A polynomial in s, and how many of its zeros lie in Re s >= 0: it is a product of factors of which that is known."""
+    source, count, text = Seeded(seed), 0, "1"
+    for _ in range(source.whole(1, 5)):
+        a, b = source.whole(1, 9), source.whole(1, 9)
+        factor, own = source.choice([
+            (f"(s + {a})", 0), (f"(s - {a})", 1), (f"((s + {a})^2 + {b})", 0), (f"((s - {a})^2 + {b})", 2),
+            (f"(s^2 + {a})", 2), (f"(s^2 - {a})", 1), ("s", 1), (f"(s^4 + {a})", 2), (f"(s^2 + {a}*w*s + {b})", 0),
+        ])  # fmt: skip
+        text, count = f"{text}*{factor}", count + own
+    return text, count
 
 
 HOSTILE = {

@@ -9,6 +9,7 @@ import click
 
 from haptisym.commands.limit import limit_option
 from haptisym.commands.options import (
+    certificate_option,
     environment_option,
     figures_option,
     file_option,
@@ -55,7 +56,7 @@ from haptisym.verbs.evaluate.entry import evaluate as evaluate_scene
 @click.option(
     "--points", type=click.IntRange(2, 1_000_000), default=200, show_default=True, help="Lines of --response."
 )
-@file_option("certificate", "Write the answer with a proof that `python -m haptisym_check FILE SCENE.toml` checks.")
+@certificate_option
 @limit_option
 def evaluate(
     scene: str,

@@ -72,6 +72,13 @@ def figures_option(command: Command) -> Command:
     return click.option("--figures", type=kind, metavar="DIR", help="Write the figures there.")(command)
 
 
+def certificate_option(command: Command) -> Command:
+    """The option ``--certificate FILE``."""
+    return file_option(
+        "certificate", "Write the answer with a proof that `python -m haptisym_check FILE SCENE.toml` checks."
+    )(command)
+
+
 def written(what: str, path: Path) -> None:
     """Tell on standard error that a file is there."""
     quiet()
@@ -101,6 +108,13 @@ def drawn(found: Answer, path: Path | None) -> None:
     except NothingToDrawError as error:
         quiet()
         note(f"no figure: {error}")
+
+
+def proven(found: Answer, path: Path | None) -> None:
+    """Write the certificate of an answer where one was asked for, and tell so on standard error."""
+    if path is not None:
+        proof = found.certificate()
+        keep("certificate", path, lambda: path.write_text(proof, encoding="utf-8"))
 
 
 def keep_pages(document: Callable[[], Any], record: Callable[[], str]) -> None:

@@ -7,7 +7,15 @@ from pathlib import Path
 import click
 
 from haptisym.commands.limit import within_limit
-from haptisym.commands.options import drawn, figure_option, hand_over, json_option, scene_argument
+from haptisym.commands.options import (
+    certificate_option,
+    drawn,
+    figure_option,
+    hand_over,
+    json_option,
+    proven,
+    scene_argument,
+)
 from haptisym.commands.verb import verb
 from haptisym.model.scene import Scene
 
@@ -33,9 +41,17 @@ from haptisym.model.scene import Scene
 @click.option(
     "--digits", type=click.IntRange(1, 1000), default=15, show_default=True, help="Correct decimal digits in --json."
 )
+@certificate_option
 @within_limit
 def stability(
-    scene: Scene, names: tuple[str, ...], paths: tuple[str, ...], figure: Path | None, as_json: bool, digits: int
+    scene: Scene,
+    names: tuple[str, ...],
+    paths: tuple[str, ...],
+    *,
+    figure: Path | None,
+    as_json: bool,
+    digits: int,
+    certificate: Path | None,
 ) -> None:
     """Tell whether a display shakes: imposed, held, in every passive hand.
 
@@ -52,9 +68,11 @@ def stability(
       haptisym stability delayed-spring --hand postural-arm --free environment.k --free tau
       haptisym stability delayed-spring --hand postural-arm --figure plane.svg
       haptisym stability my-device.toml --json --digits 50
+      haptisym stability fu2019 --hand firm-grip --certificate proof.json
     """
     from haptisym.verbs.stability.entry import stability as of
 
     found = of(scene, names or None, paths, digits=digits)
     drawn(found, figure)
+    proven(found, certificate)
     hand_over(found, as_json=as_json)

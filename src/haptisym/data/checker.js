@@ -431,6 +431,15 @@ const haptisymCheck = (function () {
         band: band.map((x) => quantity(x, "o")),
         threshold: { real: quantity(both.get("real"), "z"), imag: quantity(both.get("imag"), "z") },
         elements: { environment: own, rendered: source, effects: between },
+        /** The dynamics of a hand: one of the file by its name, or of mass, damping and stiffness. */
+        hand(which, numbers) {
+          const single = table.has("hand") ? [new Map([["name", "hand"], ...table.get("hand")])] : [];
+          const every = [...single, ...(table.get("hands") || [])].filter((x) => x.get("name") === which);
+          need(numbers || every.length === 1, "the scene has no hand of that name");
+          const given = numbers ? numbers.map((x, i) => ["mbk"[i], x]) : [...every[0]].filter(([key]) => key !== "source");
+          const own = element(new Map([["model", "mass-spring-damper"], ...given]), 1);
+          return (s, pi) => evaluatedElement(own, s, pi)[0];
+        },
         /** H_env and H_perc, each numerator and denominator. */
         at(s, pi) {
           const [env] = evaluatedElement(own, s, pi);
@@ -469,6 +478,13 @@ const haptisymCheck = (function () {
     const found = typeof x === "string" && /^(-?[0-9]{1,2000})(?:\/([1-9][0-9]{0,1999})|((?:\.[0-9]{1,2000})?(?:E[+-]?[0-9]{1,3})?))$/.exec(x);
     need(found, `${String(x).slice(0, 40)} is not a number`);
     return found[2] ? new Fraction(BigInt(found[1]), BigInt(found[2])) : decimal(x);
+  }
+
+  /** A list of numbers that ascends. */
+  function ascending(x, most, least = 0) {
+    const found = listed(x, most, least).map(number);
+    need(found.every((y, i) => !i || found[i - 1].compare(y) < 0), "numbers do not ascend");
+    return found;
   }
 
   function polynomial(x) {
@@ -604,22 +620,22 @@ const haptisymCheck = (function () {
     return signs[0];
   }
 
-  /** The coefficients of (1 + u)^n p((a + b u)/(1 + u)), times a positive number. */
-  function moved(p, a, b) {
-    const e = a.d * b.d;
-    const [low, high] = [a.n * b.d, b.n * a.d];
-    let [found, binomial, scale] = [[p[p.length - 1]], [1n], 1n];
+  const INFINITY = { n: 1n, d: 0n };
+
+  /** p (a + b u). */
+  const stretched = (p, a, b) => [...p, 0n].map((x, i) => a * x + (i ? b * p[i - 1] : 0n));
+
+  /** The coefficients of p((a + b u)/(c + d u)) (c + d u)^n: from low = a/c at u = 0 to high = b/d at infinity. */
+  function moved(p, low, high) {
+    let [found, power] = [[p[p.length - 1]], [1n]];
     for (let k = p.length - 2; k >= 0; k -= 1) {
-      scale *= e;
-      const c = p[k] * scale;
-      binomial = [...binomial, 0n].map((x, i) => x + (i ? binomial[i - 1] : 0n));
-      const last = found;
-      found = binomial.map((y, i) => low * (i < last.length ? last[i] : 0n) + high * (i ? last[i - 1] : 0n) + c * y);
+      power = stretched(power, low.d, high.d);
+      found = stretched(found, low.n, high.n).map((x, i) => x + p[k] * power[i]);
     }
     return found;
   }
 
-  const sign = (p, x) => agreed(p.map((row) => [moved(row, x, x.plus(ONE))[0]]))[0];
+  const sign = (p, x) => agreed(p.map((row) => [moved(row, x, INFINITY)[0]]))[0];
   const changes = (signs) => signs.slice(1).filter((x, i) => x !== signs[i]).length;
 
   /** The places of the band in order, with the orders of all factors there, and their signs in between. */
@@ -736,67 +752,109 @@ const haptisymCheck = (function () {
     };
   }
 
-  // Rules 5 and 6: poles.
+  // Rule 5: zeros in Re s >= 0.
 
-  /** E and O of p(j omega) = E + j omega O, in omega^2, between bounds. */
-  function evenOdd(p) {
-    return [0, 1].map((i) => {
+  const PRIME = 2n ** 61n - 1n;
+  const residue = (n) => ((n % PRIME) + PRIME) % PRIME;
+
+  /** 1/x modulo the prime (Fermat). */
+  function inverse(x) {
+    let [found, power, left] = [1n, x, PRIME - 2n];
+    for (; left; left >>= 1n) {
+      if (left & 1n) found = residue(found * power);
+      power = residue(power * power);
+    }
+    return found;
+  }
+
+  /** Whether p and q have no zero in common, not even with 3 in place of pi and modulo a prime. */
+  function coprime(p, q) {
+    let [a, b] = [p, q].map((rows) => rows.map((row) => residue(sum(row.map((c, i) => c * 3n ** BigInt(i))))));
+    if (!a[a.length - 1] || !b[b.length - 1]) return false;
+    while (b.length) {
+      while (a.length >= b.length) {
+        const by = residue(a[a.length - 1] * inverse(b[b.length - 1]));
+        const shift = a.length - b.length;
+        a = a.map((x, i) => (i < shift ? x : residue(x - by * b[i - shift])));
+        while (a.length && !a[a.length - 1]) a.pop();
+      }
+      [a, b] = [b, a];
+    }
+    return a.length === 1;
+  }
+
+  /** The zeros of p in Re s >= 0, from the turns of p(j omega) = E + j omega O between points of omega^2. */
+  function toTheRight(p, points) {
+    const [even, odd] = [0, 1].map((i) => {
       const half = p.filter((_, k) => k % 2 === i).map((row, k) => row.map((c) => (k % 2 ? -c : c)));
       return bounds(half.length ? half : [[0n]]);
     });
-  }
-
-  const QUADRANTS = [[1, 1], [-1, 1], [-1, -1], [1, -1]];
-
-  function turnsRound(p, points) {
-    const [even, odd] = evenOdd(p);
-    need(points.length === p.length - 1, "there are not as many turns as the degree");
-    const signs = points.map((x) => [sign(even, x.power(2)), sign(odd, x.power(2))]);
-    const first = signs.length ? signs[0][0] : 1;
-    const ascend = points.every((x, i) => x.compare(i ? points[i - 1] : ZERO) > 0);
-    return ascend && signs.every(([a, b], k) => a * first === QUADRANTS[k % 4][0] && b * first === QUADRANTS[k % 4][1]);
-  }
-
-  /** Whether p has k zeros (0 or 1) within r of x + j y: by Rouche, as one Taylor coefficient is larger than all others. */
-  function around(p, x, y, r, k) {
-    const rows = bounds(p);
-    const reach = x.size.plus(y.size).plus(r);
-    let others = rows[0].reduce((total, low, i) => total.plus(new Fraction(rows[rows.length - 1][i] - low).times(reach.power(i))), ZERO);
-    let found = [];
-    [...rows[0]].reverse().forEach((c) => { // p(z + u) by Horner: times z + u, plus the next coefficient
-      const longer = [...found, [ZERO, ZERO]];
-      const last = [[new Fraction(c), ZERO], ...found];
-      found = longer.map(([a, b], i) => [a.times(x).minus(b.times(y)).plus(last[i][0]), a.times(y).plus(b.times(x)).plus(last[i][1])]);
+    const ends = [ZERO, ...points, INFINITY];
+    let [left, last] = [0, 0];
+    ends.slice(1).forEach((high, k) => {
+      const [e, o] = [even, odd].map((rows) => agreed(rows.map((row) => moved(row, ends[k], high))));
+      need(e[0] && (e[e.length - 1] || high === INFINITY), "E is zero between two cells");
+      const [inner, side] = [e.filter((x) => x), o.filter((x) => x)];
+      const turns = changes(inner);
+      need(turns + changes(side) < 2 || !turns, "a cell may hold two zeros");
+      left += 2 * turns * (side.length ? e[0] * side[0] : -1);
+      last = inner[inner.length - 1] * (side.length ? side[side.length - 1] : 0);
     });
-    if (found.length <= k) return false;
-    found.forEach(([a, b], i) => { if (i !== k) others = others.plus(a.size.plus(b.size).times(r.power(i))); });
-    return found[k].some((a) => a.size.times(r.power(k)).compare(others) > 0);
+    const n = p.length - 1;
+    return (n - left - (n % 2) * last) / 2;
   }
 
-  function poles(x, scene) {
-    if (x === null) return null;
-    const [told, top, rows, turns, disc] = keyed(x, "number", "numerator", "factors", "turns", "disc");
-    const pairs = listed(rows, 100).map((row) => listed(row, 2, 2));
-    const factors = pairs.map(([p]) => polynomial(p));
-    const every = [polynomial(top), ...factors].map((p) => ({ step: 1, rows: p }));
-    const powers = [[0, 1], ...pairs.map(([, n], i) => [i + 1, -whole(n, 1, 100)])];
-    link({ H_perc: product({ number: told, omega: 0, powers }, every.length) }, every, (s, pi) => ({ H_perc: scene.at(value(s, 0n, 1), pi)[1] }));
-    if (disc === null) {
-      const points = listed(turns, factors.length, factors.length).map((row) => listed(row, 300).map(number));
-      need(factors.every((p, i) => turnsRound(p, points[i])), "a factor of the denominator does not turn through the quadrants");
-      return true;
-    }
-    const [index, ...rest] = listed(disc, 4, 4);
-    const p = factors[whole(index, 0, factors.length - 1)];
-    const [a, b, r] = rest.map(number);
-    const even = evenOdd(p)[0];
-    const onlyEven = p.every((row, k) => k % 2 === 0 || row.every((c) => !c));
-    const onAxis = a.n === 0n && onlyEven && b.compare(r) >= 0 && r.n >= 0n && sign(even, b.minus(r).power(2)) * sign(even, b.plus(r).power(2)) <= 0;
-    const at0 = a.n === 0n && b.n === 0n && p[0].every((c) => !c);
-    need(onAxis || at0 || (a.compare(r) >= 0 && r.n > 0n && around(p, a, b, r, 1)), "the disc may hold no pole with Re s >= 0");
-    need(around(every[0].rows, a, b, r, 0), "the numerator may vanish with the denominator");
-    return false;
+  /** The zeros in Re s >= 0 of a function of s and pi, counted with multiplicity. */
+  function zeros(x, ratio) {
+    const [told, own, cells] = keyed(x, "factors", "function", "cells");
+    const factors = listed(told, 100).map(polynomial);
+    const p = product(own, factors.length);
+    link({ it: p }, factors.map((rows) => ({ step: 1, rows })), (s, pi) => ({ it: ratio(value(s, 0n, 1), pi) }));
+    need(p.number.n, "a function is zero everywhere");
+    const points = listed(cells, factors.length, factors.length).map((row) => ascending(row, 300));
+    need(points.every((row) => !row.length || row[0].n > 0n), "a cell is empty");
+    const below = [...p.powers].filter(([, n]) => n < 0).map(([i]) => factors[i]);
+    need(p.omega <= 0 || below.every((q) => q[0].some((c) => c)), "a zero at s = 0 may be none");
+    return [...p.powers].filter(([, n]) => n > 0).reduce((count, [i, n]) => {
+      const found = toTheRight(factors[i], points[i]);
+      need(!found || below.every((q) => coprime(factors[i], q)), "a zero may be none: the denominator may share it");
+      return count + n * found;
+    }, Math.max(p.omega, 0));
   }
+
+  // The questions that a certificate may answer, each with what follows from its proof.
+
+  function evaluation(claim, proof, scene) {
+    const [points, told, products, poles] = keyed(proof, "breakpoints", "factors", "functions", "poles");
+    const factors = listed(told, 500).map((x) => {
+      const [step, p] = keyed(x, "step", "polynomial");
+      return { step: whole(step, 1, 2), rows: polynomial(p) };
+    });
+    const names = CURVES.flatMap((x) => PARTS.map((part) => `${x}.${part}`));
+    const written = keyed(products, ...names).map((x) => product(x, factors.length));
+    link(Object.fromEntries(names.map((x, i) => [x, written[i]])), factors, (omega, pi) => functions(scene, omega, pi));
+    const enclosures = listed(claim.frequencies, 2000, 2).map((pair) => listed(pair, 2, 2).map(number));
+    const chart = charted(scene, ascending(points, 2000, 2), factors, enclosures);
+    const curves = Object.fromEntries(names.map((x, i) => [x, curve(written[i], chart)]));
+    const count = poles === null ? null : zeros(poles, (s, pi) => [...scene.at(s, pi)[1]].reverse());
+    return { frequencies: claim.frequencies, ...claimed(curves, chart.from0), stable: count === null ? null : count === 0 };
+  }
+
+  function stability(claim, proof, scene) {
+    const [poles, held] = keyed(proof, "imposed", "held");
+    const told = listed(claim.held, 100);
+    const proofs = listed(held, told.length, told.length);
+    const count = zeros(poles, (s, pi) => [...scene.at(s, pi)[1]].reverse());
+    const found = told.map((row, i) => {
+      const [hand] = keyed(row, "hand", "unstable");
+      const numbers = typeof hand === "string" ? null : keyed(hand, "m", "b", "k").map(number);
+      const z = scene.hand(hand, numbers);
+      return { hand, unstable: zeros(proofs[i], (s, pi) => combined("+", scene.at(s, pi)[1], z(s, pi))) };
+    });
+    return { imposed: count, held: found };
+  }
+
+  const QUESTIONS = { evaluation, stability };
 
   const sorted = (x) => JSON.stringify(x, (_, y) => (y && typeof y === "object" && !Array.isArray(y) ? Object.fromEntries(Object.entries(y).sort()) : y));
 
@@ -807,21 +865,10 @@ const haptisymCheck = (function () {
     need(sceneText.length <= 1e6, "the scene is too large");
     need(digest === sha256(sceneText), "the certificate is that of another scene file");
     need(name === null || typeof name === "string", "the environment has no name");
-    const scene = reader(catalogue)(sceneText, name);
-    const [points, told, products, aboutPoles] = keyed(proof, "breakpoints", "factors", "functions", "poles");
-    const factors = listed(told, 500).map((x) => {
-      const [step, p] = keyed(x, "step", "polynomial");
-      return { step: whole(step, 1, 2), rows: polynomial(p) };
-    });
-    const names = CURVES.flatMap((x) => PARTS.map((part) => `${x}.${part}`));
-    const written = keyed(products, ...names).map((x) => product(x, factors.length));
-    link(Object.fromEntries(names.map((x, i) => [x, written[i]])), factors, (omega, pi) => functions(scene, omega, pi));
-    need(claim && typeof claim === "object" && "frequencies" in claim, "the claim has no frequencies");
-    const enclosures = listed(claim.frequencies, 2000).map((pair) => listed(pair, 2, 2).map(number));
-    const chart = charted(scene, listed(points, 2000, 2).map(number), factors, enclosures);
-    const curves = Object.fromEntries(names.map((x, i) => [x, curve(written[i], chart)]));
-    const follows = { ...claimed(curves, chart.from0), stable: poles(aboutPoles, scene) };
-    keyed(claim, "frequencies", ...Object.keys(follows));
+    const asked = claim && typeof claim === "object" && Object.keys(QUESTIONS).includes(claim.question);
+    need(asked, "the claim answers no question that is known");
+    const follows = QUESTIONS[claim.question](claim, proof, reader(catalogue)(sceneText, name));
+    keyed(claim, "question", ...Object.keys(follows));
     Object.entries(follows).forEach(([key, x]) => need(sorted(claim[key]) === sorted(x), `${key}: something else is proven than what is claimed`));
     return claim;
   }

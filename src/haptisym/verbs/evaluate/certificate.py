@@ -12,15 +12,16 @@ from typing import Any
 
 from haptisym.judge.crossings import Curve, curves
 from haptisym.judge.evaluation import Evaluation
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import Sliver
 from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import Interval, Point
 from haptisym.model.scene import Scene
 from haptisym.model.scenetables import read_scenes
 from haptisym.verbs.evaluate.breakpoints import breakpoints
-from haptisym.verbs.evaluate.poles import poles
-from haptisym.verbs.evaluate.products import products
+from haptisym.verbs.evaluate.products import products, told_rows
+from haptisym.verbs.evaluate.zeros import zeros
 
 FORMAT = "haptisym.certificate/1"
 _MOST_DIGITS = 1000  # of an enclosure: a checker need not read many more
@@ -47,29 +48,49 @@ def certificate(e: Evaluation) -> str:
     if scene.threshold.source:
         name = scene.threshold.source
         raise SceneError(f'a certificate needs the threshold as a number in the scene file, not by the name "{name}"')
-    environment = _named(scene)
+    environment = named(scene)
     functions = _functions(e)
     factors, told = products(functions)
     frequencies = _enclosures(e)
     inner = [Sliver(Fraction(x), Fraction(y)) for x, y in frequencies[1:-1]]
     points = breakpoints([e.chart.points[0].omega, *inner, e.chart.points[-1].omega], factors)
-    about_poles = poles(e.distortion.perc, stable=e.stable)
-    document = {
+    about_poles = _poles(e)
+    claim = {"frequencies": frequencies} | _claim(e) | {"stable": None if about_poles is None else e.stable}
+    proof = {
+        "breakpoints": [str(x) for x in points],
+        "factors": [{"step": f.step, "polynomial": told_rows(f.rows)} for f in factors],
+        "functions": told,
+        "poles": about_poles,
+    }
+    return document(scene, environment, {"question": "evaluation"} | claim, proof)
+
+
+def _poles(e: Evaluation) -> dict[str, Any] | None:
+    """Those of H_perc in Re s >= 0; None where they are not decided, or no certificate has room for them."""
+    try:
+        return None if e.stable is None else zeros(inverse(e.distortion.perc))
+    except (SceneError, UndecidedError):
+        return None
+
+
+def inverse(x: RationalFunction) -> RationalFunction:
+    """1/x, whose zeros are the poles of x."""
+    return RationalFunction(x.ring, x.denominator, x.numerator)
+
+
+def document(scene: Scene, environment: str | None, claim: dict[str, Any], proof: dict[str, Any]) -> str:
+    """A certificate of any question, as JSON."""
+    told = {
         "format": FORMAT,
         "scene_sha256": hashlib.sha256(scene.text.encode()).hexdigest(),
         "environment": environment,
-        "claim": {"frequencies": frequencies} | _claim(e) | {"stable": None if about_poles is None else e.stable},
-        "proof": {
-            "breakpoints": [str(x) for x in points],
-            "factors": [{"step": f.step, "polynomial": [[str(n) for n in row] for row in f.rows]} for f in factors],
-            "functions": told,
-            "poles": about_poles,
-        },
+        "claim": claim,
+        "proof": proof,
     }
-    return json.dumps(document, ensure_ascii=False)
+    return json.dumps(told, ensure_ascii=False)
 
 
-def _named(scene: Scene) -> str | None:
+def named(scene: Scene) -> str | None:
     """Which of several environments it is of the file that it was read from."""
     if not scene.text:
         raise SceneError("a certificate is about a scene file: write the scene to one, and evaluate that")

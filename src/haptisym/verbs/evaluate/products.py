@@ -41,14 +41,19 @@ class Factor:
                 fmpq_poly([x.fmpq() for x in ends]) for ends in ([b.lower() for b in balls], [b.upper() for b in balls])
             )
 
-    def moved(self, low: Fraction, high: Fraction) -> tuple[int, ...] | None:
-        """The signs of the coefficients of (1 + u)^n p((low + high u)/(1 + u)); None where one stays open."""
-        found = [_signs(p, len(self.rows) - 1, low**self.step, high**self.step) for p in self.bounds]
+    def moved(self, low: Fraction, high: Fraction | None) -> tuple[int, ...] | None:
+        """The signs of the coefficients of (1 + u)^n p((low + high u)/(1 + u)), (None: p(low + u)); None where one is open."""
+        ends = low**self.step, None if high is None else high**self.step
+        found = [_signs(p, len(self.rows) - 1, *ends) for p in self.bounds]
         return found[0] if found[0] == found[-1] else None
 
 
-def _signs(p: fmpq_poly, degree: int, low: Fraction, high: Fraction) -> tuple[int, ...]:
-    start, end = (flint.fmpq(x.numerator, x.denominator) for x in (low, high))
+def _signs(p: fmpq_poly, degree: int, low: Fraction, high: Fraction | None) -> tuple[int, ...]:
+    start = flint.fmpq(low.numerator, low.denominator)
+    if high is None:
+        there = p(fmpq_poly([start, 1]))
+        return tuple((there[n] > 0) - (there[n] < 0) for n in range(degree + 1))
+    end = flint.fmpq(high.numerator, high.denominator)
     there = p(fmpq_poly([start, end - start]))
     turned = fmpq_poly([there[n] for n in range(degree, -1, -1)])(fmpq_poly([1, 1]))
     return tuple((turned[n] > 0) - (turned[n] < 0) for n in range(degree, -1, -1))[::-1]
@@ -104,6 +109,11 @@ def rows_of(polynomial: Polynomial) -> Rows:
         tuple(row.get(i, 0) for i in range(max(row, default=0) + 1))
         for row in (rows.get(n, {}) for n in range(max(rows) + 1))
     )
+
+
+def told_rows(rows: Rows) -> list[list[str]]:
+    """As a certificate tells them."""
+    return [[str(n) for n in row] for row in rows]
 
 
 NOT_RATIONAL = (
