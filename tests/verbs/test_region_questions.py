@@ -116,10 +116,6 @@ def test_several_environments_take_a_region() -> None:
 
 Asked = Callable[[hs.Scene], object]
 REFUSED: dict[str, tuple[Asked, list[Any]]] = {
-    "tolerances": (
-        lambda s: hs.tolerances(s.with_values({"k": "100 +- 5 %"})),
-        [ELLIPSE, DIAMOND, POLYGON, FLOOR, SIDED, FORMULA],
-    ),
     "effects": (hs.relevance, [ELLIPSE, DIAMOND, POLYGON, FLOOR, SIDED]),
     "sensitivity": (hs.sensitivity, [DIAMOND, POLYGON, FLOOR, SIDED]),
     "require": (lambda s: hs.require(s, "omega_n"), [POLYGON, FLOOR, SIDED]),

@@ -26,6 +26,7 @@ from haptisym.figures.style import (
     threshold_symbol,
     written,
 )
+from haptisym.judge.criteria import Criterion
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.verbs.tolerances.proofs import Tolerances
 
@@ -62,8 +63,7 @@ def draw_tolerances(
         _draw_row(ax, a, row, criterion.name, look, scale)
     limit(ax, (low, high), (-0.5, len(a.criteria) - 0.5), number=look.number)
     ax.set_ylim(len(a.criteria) - 0.5, -0.5)
-    names = [f"{written(x)[:-1]} = {threshold_symbol(x)[1:]}" for x in a.criteria]
-    ax.set_yticks(range(len(names)), names, fontsize=TEXT)
+    ax.set_yticks(range(len(a.criteria)), [_name(x) for x in a.criteria], fontsize=TEXT)
     ax.tick_params(labelsize=SMALL, length=2, width=0.5, color=INK)
     ax.tick_params(axis="y", length=0, labelsize=TEXT)
     ax.spines[["top", "right", "left"]].set_visible(False)
@@ -84,6 +84,11 @@ def draw_tolerances(
     return bars
 
 
+def _name(x: Criterion) -> str:
+    """Of a row: what is met in it."""
+    return x.joint.kind if x.joint else f"{written(x)[:-1]} = {threshold_symbol(x)[1:]}"
+
+
 def _draw_row(ax: Axes, a: Tolerances, row: int, name: str, look: Look, scale: Scale) -> None:
     drawn = [(scale.of(float(x)), n) for n, one in enumerate(a.samples) for x in one.crossings[name]]
     heights = [row + 0.5 * ((n * 0.618) % 1 - 0.5) for _, n in drawn]  # spread evenly, to tell dots apart
@@ -96,5 +101,5 @@ def _draw_row(ax: Axes, a: Tolerances, row: int, name: str, look: Look, scale: S
 def tolerances_figure(a: Tolerances) -> Figure:
     """The rows of both parts; NothingToDrawError where no values bring a crossing."""
     if not a.enclosures and not any(any(x.crossings.values()) for x in (a.nominal, *a.samples)):
-        raise NothingToDrawError("no ratio meets its threshold on the band, for any values within the ranges")
-    return one_column(1.5, lambda ax: draw_tolerances(ax, a))
+        raise NothingToDrawError("nothing is met on the band, for any values within the ranges")
+    return one_column(1.5 if len(a.criteria) > 1 else 1.3, lambda ax: draw_tolerances(ax, a))

@@ -9,7 +9,7 @@ from sympy import Expr
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.quantities import unit_text
 from haptisym.model.ranges import spread
-from haptisym.pages.words import both, lead, symbol, title
+from haptisym.pages.words import CHANGE, both, lead, symbol, title
 from haptisym.verbs.tolerances.proofs import Tolerances
 from haptisym.verbs.tolerances.quantiles import LEVELS, quantiles
 from haptisym.verbs.tolerances.verdicts import Enclosure, Verdict
@@ -90,13 +90,24 @@ def values(found: Mapping[str, Expr]) -> Phrase:
 
 
 def _enclosures(a: Tolerances) -> Block:
+    region = next((x.joint for x in a.criteria if x.joint), None)
     if not a.enclosures:
-        return Paragraph("No ratio meets its threshold on the band, for no values within the ranges: proven.")
+        none = (
+            f"The distortion does not meet the border of the {region.kind}"
+            if region
+            else "No ratio meets its threshold"
+        )
+        return Paragraph(f"{none} on the band, for no values within the ranges: proven.")
     columns = (
-        Column("ratio"), Column("from (rad/s)", number=True), Column("to (rad/s)", number=True), Column("crossings"),
-        Column("it grows with"), Column("it falls with"),
+        Column("distortion" if region else "ratio"), Column("from (rad/s)", number=True),
+        Column("to (rad/s)", number=True), Column("crossings"), Column("it grows with"), Column("it falls with"),
     )  # fmt: skip
-    title = "Guaranteed: where the ratios meet their thresholds, whatever the values"
+    what = (
+        f"where the distortion meets the border of the {region.kind}"
+        if region
+        else "where the ratios meet their thresholds"
+    )
+    title = f"Guaranteed: {what}, whatever the values"
     said = "An end marked = is reached, at a corner of the ranges; any other is a bound, which crossings may come near or not."
     shown = (
         "Grey: where crossings may lie, proven for all values. Dots: crossings of the sets that were drawn at random."
@@ -116,7 +127,7 @@ def _row(x: Enclosure) -> tuple[Phrase, ...]:
     count = "any number" if x.count is None else f"{x.count} always"
     moves = [[named(name) for name, n in x.monotonic.items() if n == sign] for sign in (1, -1)]
     return (
-        symbol(x.criterion.symbol),
+        CHANGE if x.criterion.joint else symbol(x.criterion.symbol),
         _end(x.low, x.at_low),
         _end(x.high, x.at_high),
         count,

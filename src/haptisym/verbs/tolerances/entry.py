@@ -44,7 +44,6 @@ def tolerances(
     if not isinstance(samples, int) or samples < 0:
         raise SceneError(f"samples: {samples} must be a whole number, at least 0")
     box = box_of(scene)
-    scene.threshold.need_plain("tolerances")
     with limited(limit, told) as budget:
         with share(_FOR_SAMPLES):
             found = Tolerances(box, drawn(box, samples, seed), seed, budget)

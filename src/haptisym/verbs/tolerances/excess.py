@@ -12,6 +12,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import expression_ball
 from haptisym.model.jnd import Part, is_irrational_algebraic
 from haptisym.programs.modelled import Modelled
+from haptisym.programs.program import Program
 from haptisym.programs.taylormodels import Array, Model, variable
 from haptisym.verbs.tolerances.box import Box
 
@@ -27,19 +28,27 @@ class Excess:
         part = criterion.part
         if part is None:
             raise SceneError(f"{criterion.words}: tolerances are told of criteria of one part alone")
-        scene, names = box.scene, [side.name for side in box.sides]
-        fixed = {p.symbol: p.value for p in scene.parameters if p.symbol.name not in names}
-        chain, exchanged = scene.chain.at(fixed).without_axis_zeros()
+        self._over(box)
+        chain, exchanged = box.scene.chain.at(self._fixed).without_axis_zeros()
         seen = part if not exchanged else Part.IMAG if part is Part.REAL else Part.REAL
         self._name = f"squared_{seen.value}"
         self._program = chain.program([self._name])
-        ends = [scene.band, *((side.low, side.high) for side in box.sides)]
-        self._intervals = [(_float(low), _float(high - low)) for low, high in ends]
-        self.sides = len(ends)
-        self._inputs = [0, *(1 + names.index(x.name) for x in self._program.inputs[1:])]
+        self._inputs = self._places(self._program)
         c = box.part_name(part)
-        self._limit = 1 + names.index(c) if c in names else None
-        self._c = _float(criterion.threshold)
+        self._limit = 1 + self._names.index(c) if c in self._names else None
+        self._c = floated(criterion.threshold)
+
+    def _over(self, box: Box) -> None:
+        """What varies, and within which ends."""
+        self._names = [side.name for side in box.sides]
+        self._fixed = {p.symbol: p.value for p in box.scene.parameters if p.symbol.name not in self._names}
+        ends = [box.scene.band, *((side.low, side.high) for side in box.sides)]
+        self._intervals = [(floated(low), floated(high - low)) for low, high in ends]
+        self.sides = len(ends)
+
+    def _places(self, program: Program) -> list[int]:
+        """Of each input of a program the number of its side, omega being that of 0."""
+        return [0, *(1 + self._names.index(x.name) for x in program.inputs[1:])]
 
     @cached_property
     def is_zero(self) -> bool:
@@ -58,9 +67,15 @@ class Excess:
     @cached_property
     def matters(self) -> Array:
         """For omega and each side, whether the excess depends on it."""
-        steps = [self._program.operations[i] for i in self._program.needed(self._program.results.values())]
+        limit = np.array([i == self._limit for i in range(self.sides)])
+        return limit | self._used(self._program)
+
+    def _used(self, program: Program) -> Array:
+        """For omega and each side, whether the results of a program depend on it; of omega it is said anyway."""
+        steps = [program.operations[i] for i in program.needed(program.results.values())]
         used = {step.arguments[0] for step in steps if step.name == "input"}
-        places = {0, self._limit, *(self._inputs[i] for i in used)}
+        inputs = self._places(program)
+        places = {0, *(inputs[i] for i in used)}
         return np.array([i in places for i in range(self.sides)])
 
     def _variable(self, i: int, cells: Array, *, slopes: bool) -> Model:
@@ -69,7 +84,7 @@ class Excess:
         return variable(middle, radius, abs(low) + width, i, self.sides, slopes=slopes)
 
 
-def _float(value: Expr) -> float:
+def floated(value: Expr) -> float:
     """The number to within a rounding or two."""
     if isinstance(value, Rational):
         return int(value.p) / int(value.q)

@@ -1,6 +1,6 @@
 """What can be said about a scene whose parameters are known as ranges: proven for all values in the box, or for none.
 
-Two things are kept apart. Proven: the verdict, by branch and bound over band and box in Taylor models (``boxsearch``) and by
+Two things are kept apart. Proven: the verdict, by branch and bound over band and box in Taylor models (``search``) and by
 certified charts of single sets of values; the enclosures of the crossings. Estimated: quantiles over sets drawn at random.
 """
 
@@ -26,6 +26,7 @@ from haptisym.model.scene import Scene
 from haptisym.verbs.tolerances.box import Box
 from haptisym.verbs.tolerances.excess import Excess
 from haptisym.verbs.tolerances.quantiles import quantiles
+from haptisym.verbs.tolerances.regional import excess_of
 from haptisym.verbs.tolerances.search import OVERLAP, Cluster, beyond, clusters
 from haptisym.verbs.tolerances.single import One, in_time, one
 from haptisym.verbs.tolerances.verdicts import Enclosure, Verdict
@@ -91,7 +92,7 @@ class Tolerances(Answer):
 
     @cached_property
     def _search(self) -> dict[Criterion, tuple[Excess, tuple[Cluster, ...]]]:
-        forms = {x: Excess(self.box, x) for x in self.criteria}
+        forms = {x: excess_of(self.box, x) for x in self.criteria}
         found: dict[Excess, tuple[Cluster, ...]] = {}
         for form in forms.values():
             with share(_SHARE if len(found) < len(forms) - 1 else 1 - _SHARE):
