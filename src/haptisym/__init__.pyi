@@ -28,6 +28,7 @@ from haptisym.verbs.effects.entry import relevance
 from haptisym.verbs.effects.relevance import Relevance
 from haptisym.verbs.evaluate.entry import evaluate
 from haptisym.verbs.family.entry import FamilyEvaluation, evaluate_all
+from haptisym.verbs.identify.entry import Identification, identify
 from haptisym.verbs.jnd.entry import Psychometric, jnd
 from haptisym.verbs.jnd.published import PublishedThresholds, published
 from haptisym.verbs.measured.entry import MeasuredEvaluation
@@ -73,6 +74,7 @@ __all__ = [
     "Hand",
     "HaptisymError",
     "HardCosts",
+    "Identification",
     "Interval",
     "Language",
     "MeasuredEvaluation",
@@ -115,6 +117,7 @@ __all__ = [
     "family_names",
     "hands",
     "hard_costs",
+    "identify",
     "interop",
     "jnd",
     "json_schema",

@@ -19,7 +19,7 @@ from haptisym.kernel.errors import HaptisymError, UndecidedError
 
 VERBS = (
     "evaluate", "derive", "effects", "require", "stability", "sensitivity", "tolerances", "sweep", "metrics", "cost", "simulate",
-    "jnd", "scenes", "schemas",
+    "identify", "jnd", "scenes", "schemas",
 )  # fmt: skip
 """The main job first. Each is the function of its name in its module of ``commands``, loaded when it is called for."""
 

@@ -37,6 +37,7 @@ ANSWERS: dict[str, Callable[[], Any]] = {
     "stability, a neutral system": lambda: hs.stability("satellite-contact", "light-touch"),
     "stability, no hand": lambda: hs.stability("fu2019"),
     "sweep": lambda: Swept(TINY, hs.sweep(TINY, {"environment.m": [1.0, 2.0, 3.0]})),
+    "identify": lambda: hs.identify(hs.sampled("fu2019", [1, 4, 7, 10]), "mass-spring-damper"),
     "simulate": lambda: hs.simulate("fu2019", hs.sine("5 cm", 10)),
     "release": lambda: hs.release("delayed-spring", "1 cm", hs.Hand("own", m="0.5 kg", b="3.6 N*s/m")),
     "release, a neutral system": lambda: hs.release("satellite-contact", "1 cm", "postural-arm"),

@@ -47,6 +47,7 @@ OTHERS: dict[str, tuple[str, ...]] = {
     "published": ("jnd", "--published"),
     "jnd": ("jnd", "{answers}", "--reference", "10"),
     "measured": ("evaluate", "{bench}"),
+    "identification": ("identify", "{bench}", "--effect", "first-order-lag"),
     "scenes": ("scenes",),
     "schemas": ("schemas",),
 }
@@ -65,6 +66,7 @@ SLOW = {
     "tolerances",
     "jnd",
     "measured",
+    "identification",
 }
 """What has its documents validated in the quick suite anyway, by the calls of other tests."""
 BENCH = """

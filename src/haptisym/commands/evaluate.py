@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 
 import click
@@ -20,10 +19,9 @@ from haptisym.commands.options import (
     show,
 )
 from haptisym.commands.progress import progress
-from haptisym.commands.verb import PAGES, given, verb
+from haptisym.commands.verb import PAGES, given, not_over, verb
 from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError
-from haptisym.model.catalogue import Environment
 from haptisym.model.family import SceneFamily
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.scenefile import chosen, felt_through, open_scenes
@@ -151,23 +149,13 @@ def _evaluate_measured(scene: MeasuredScene, figures: Path | None, as_json: bool
     for option in _ABOUT_FORMULAS:
         if given(context, option):
             raise SceneError(f"{option} is about scenes of formulas, and this one is measured: leave it out")
-    _kept(scene, context.meta[PAGES])
+    not_over(scene.files, context.meta[PAGES])
     result = judge(scene)
     if figures is not None:
         from haptisym.figures.measured import save_measured_figures
 
         keep_figures(figures, lambda: save_measured_figures(result, figures))
     show(result, as_json=as_json)
-
-
-def _kept(scene: MeasuredScene, outputs: Mapping[str, Path | None]) -> None:
-    """Refuse to write a page over the measurement."""
-    for m in (scene.perceived, scene.environment):
-        for option, path in outputs.items():
-            if path and path.exists() and not isinstance(m, Environment) and m.path and m.path.samefile(path):
-                raise SceneError(
-                    f"--{option}: {path} is read by this very call, and would be overwritten: choose another name"
-                )
 
 
 def _evaluate_all(family: SceneFamily, digits: int, figures: Path | None, as_json: bool, limit: float) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -132,6 +132,16 @@ def _nothing_lost(ctx: click.Context) -> None:
             if path == taken or _is_same(path, taken):
                 raise SceneError(
                     f"{other} and {option} would both be written to {path}: choose another name for one of them"
+                )
+
+
+def not_over(read: Iterable[Path | None], outputs: Mapping[str, Path | None]) -> None:
+    """SceneError where an output would be written over a file that a scene names."""
+    for path in filter(None, read):
+        for option, target in outputs.items():
+            if target is not None and _is_same(target, path):
+                raise SceneError(
+                    f"--{option}: {target} is read by this very call, and would be overwritten: choose another name"
                 )
 
 

@@ -15,7 +15,7 @@ from haptisym.figures.judged import columns, limit_of, name_of
 from haptisym.figures.labels import label_above
 from haptisym.figures.sampling import broken, sampled
 from haptisym.figures.scales import RADIANS, Scale, band_scale
-from haptisym.figures.sheet import _legend_height, save
+from haptisym.figures.sheet import legend_height, save
 from haptisym.figures.style import (
     BLUE,
     DASHED,
@@ -126,7 +126,7 @@ def family_figure(evaluation: FamilyEvaluation) -> Figure:
     label_above(panels[0], [(scale.of(float(x)), scale.digits(x, 4)) for x in ends])
     legend(panels[0], _handles(evaluation), lines=1)
     figure.draw_without_rendering()
-    figure.set_figheight(height + _legend_height(panels[0]))
+    figure.set_figheight(height + legend_height(panels[0]))
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     return figure

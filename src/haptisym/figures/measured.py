@@ -189,8 +189,8 @@ def draw_measured_nyquist(ax: Axes, e: MeasuredEvaluation) -> list[Line2D]:
             )
     _frame(ax, np.concatenate([e.lines.environment[drawn], felt]), radius)
     dress(ax)
-    name_dynamics(ax.xaxis, r"\mathrm{Re}\,H", e)
-    name_dynamics(ax.yaxis, r"\mathrm{Im}\,H", e)
+    name_dynamics(ax.xaxis, r"\mathrm{Re}\,H", e.scene)
+    name_dynamics(ax.yaxis, r"\mathrm{Im}\,H", e.scene)
     legend(ax, [*lines, *_thinned(e, len(drawn))])
     return lines
 

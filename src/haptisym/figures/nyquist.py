@@ -73,8 +73,8 @@ def draw_nyquist(
     width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
     ax.set_aspect("equal" if 0.25 < width / height < 4 else "auto", adjustable="box")
     dress(ax)
-    name_dynamics(ax.xaxis, r"\mathrm{Re}\,H", evaluation)
-    name_dynamics(ax.yaxis, r"\mathrm{Im}\,H", evaluation)
+    name_dynamics(ax.xaxis, r"\mathrm{Re}\,H", evaluation.scene)
+    name_dynamics(ax.yaxis, r"\mathrm{Im}\,H", evaluation.scene)
     handles = curve_handles(look)
     for line, one in zip(lines, handles, strict=True):
         line.set_label(str(one.get_label()))

@@ -98,7 +98,7 @@ def draw_projections(
     limit(ax, (scale.of(low), scale.of(high)), (0, top), number=look.number)
     dress(ax)
     name_frequency(ax, scale)
-    name_dynamics(ax.yaxis, rf"|{name}\,H|", evaluation)
+    name_dynamics(ax.yaxis, rf"|{name}\,H|", evaluation.scene)
     numbered = _write_all(ax, _percept_labels(evaluation, part, scale)) if not look.number else []
     legend(ax, [*handles, *spans[:1], *numbered])
     return lines

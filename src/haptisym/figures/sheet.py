@@ -34,12 +34,12 @@ def one_column(height: float, draw: Callable[[Axes], object], width: float = WID
     figure.draw_without_rendering()
     if ax.get_aspect() == 1:
         height = min(0.7 + 2.8 * ax.get_data_ratio(), 3.6)
-    figure.set_figheight(height + _legend_height(ax))
+    figure.set_figheight(height + legend_height(ax))
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # laid out once, so that all files look the same
     return figure
 
 
-def _legend_height(ax: Axes) -> float:
+def legend_height(ax: Axes) -> float:
     legend = ax.get_legend()
     return legend.get_window_extent().height / ax.figure.dpi if legend else 0.0

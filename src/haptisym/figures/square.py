@@ -68,8 +68,8 @@ def draw_jnd_square(
     ax.set_aspect("equal", adjustable="box")
     arrows = [_draw_vector(ax, tip, colour, style) for tip, (colour, style, _) in zip(tips, curves(look), strict=True)]
     dress(ax)
-    name_dynamics(ax.xaxis, r"\mathrm{Re}\,H", evaluation)
-    name_dynamics(ax.yaxis, r"\mathrm{Im}\,H", evaluation)
+    name_dynamics(ax.xaxis, r"\mathrm{Re}\,H", evaluation.scene)
+    name_dynamics(ax.yaxis, r"\mathrm{Im}\,H", evaluation.scene)
     handles = curve_handles(look)
     scale = band_scale(evaluation.scene.band)
     at = rf"$\omega$ = {number(omega, 4)} rad/s" if scale.factor == 1 else f"{number(scale.of(omega), 4)} Hz"

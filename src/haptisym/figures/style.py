@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -20,10 +20,8 @@ from sympy import Symbol
 from haptisym.figures.sampling import ends_of
 from haptisym.figures.scales import RADIANS, Scale
 from haptisym.judge.criteria import Criterion
-from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.roots import Interval
 from haptisym.model.quantities import MotionKind, unit_text
-from haptisym.verbs.measured.entry import MeasuredEvaluation
 from haptisym.writing.texprinter import formula
 
 WIDTH = 3.4
@@ -131,11 +129,16 @@ def raised(text: str) -> str:
     return re.sub(r"\^(-?\d+)", lambda found: found[1].translate(_RAISED), text)
 
 
-def name_dynamics(axis: Axis, name: str, evaluation: Evaluation | MeasuredEvaluation) -> None:
+class _Moving(Protocol):
+    @property
+    def motion(self) -> MotionKind | None: ...
+
+
+def name_dynamics(axis: Axis, name: str, scene: _Moving) -> None:
     """The label of an axis of force per position, in thousands or millions of its unit where numbers are large."""
     most = np.abs(axis.get_view_interval()).max()
     factor, prefix = next(((f, p) for f, p in ((1e6, "M"), (1e3, "k")) if most >= 100 * f), (1.0, ""))
-    unit = "N·m/rad" if evaluation.scene.motion is MotionKind.ROTATION else "N/m"
+    unit = "N·m/rad" if scene.motion is MotionKind.ROTATION else "N/m"
     axis.set_label_text(f"${name}$ ({prefix}{unit})", fontsize=TEXT)
     if prefix:
         axis.set_major_formatter(FuncFormatter(lambda value, _: number(value / factor)))

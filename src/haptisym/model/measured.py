@@ -115,6 +115,11 @@ class Measurement(Shown):
     def __len__(self) -> int:
         return len(self.omega)
 
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """That which it was read from."""
+        return (self.path,) if self.path else ()
+
     @cached_property
     def discs(self) -> Reals | None:
         """The radius of each line's disc, in the unit of H; None where nothing tells it."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from sympy import Integer
@@ -80,6 +81,11 @@ class MeasuredScene(Shown):
     def motion(self) -> MotionKind | None:
         """Whether the hand moves along a line or about an axis; None if no unit tells."""
         return self.frame.motion or self.perceived.motion or self._motion
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """Those that its responses were read from."""
+        return tuple(x.path for x in (self.environment, self.perceived) if not isinstance(x, Environment) and x.path)
 
     def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
         """As ``Scene.asides``."""

@@ -67,13 +67,13 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
     """Environment, measurement, discs, band and threshold."""
     own, felt = e.scene.environment, e.scene.perceived
     if isinstance(own, Measurement):
-        yield "environment", _measured(own)
+        yield "environment", measured_words(own)
     else:
         function = e.scene.frame.distortion().env
         form, is_rounded = readable(function, s)
         unit = f"  {stiffness_unit(e.scene.frame)}"
         yield "environment", (equation("H_env", form, relation="≈" if is_rounded else "="), unit)
-    yield "perceived", _measured(felt)
+    yield "perceived", measured_words(felt)
     if e.left_out:
         yield "left out", f"{counted(e.left_out, 'line')}, off the band or without a line of the environment"
     if e.scene.band is not None:
@@ -89,7 +89,8 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
         yield "discs", _discs(e)
 
 
-def _measured(m: Measurement) -> Phrase:
+def measured_words(m: Measurement) -> Phrase:
+    """``bench.csv: 60 lines from 1 to 15 rad/s``, and what its discs come from."""
     low, high = float(m.omega[0]), float(m.omega[-1])
     where: Phrase = ("at ", _number(low)) if len(m) == 1 else ("from ", _number(low), " to ", _number(high))
     lines: Phrase = (m.name, ": ", counted(len(m), "line"), " ", where, " rad/s")

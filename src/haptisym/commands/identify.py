@@ -1,0 +1,66 @@
+"""The verb ``haptisym identify``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from haptisym.commands.options import drawn, figure_option, file_option, json_option, keep, show
+from haptisym.commands.verb import PAGES, not_over, verb
+from haptisym.verbs.identify import entry as identification
+
+
+@verb()
+@click.argument("file")
+@click.option("--environment", metavar="MODEL", help="A model of what is felt, as mass-spring-damper or kelvin-voigt.")
+@click.option(
+    "--effect", "effects", multiple=True, metavar="MODEL", help="An effect after it, nearest the environment first."
+)
+@click.option("--degrees", nargs=2, type=int, metavar="N D", help="Of numerator and denominator, in place of a model.")
+@click.option("--band", nargs=2, metavar="LOW HIGH", help='Only lines on it, rad/s or with a unit: "1 Hz" "20 Hz".')
+@click.option("--averages", type=float, metavar="N", help="Of FILE's column coherence.")
+@click.option("--confidence", type=float, metavar="P", help="Of FILE's discs, and of all intervals; 0.95 if not given.")
+@click.option("--title", default="", help="Of the scene.")
+@json_option
+@file_option("scene", "Write the scene that was found, each parameter with its range.")
+@figure_option("the model over what was measured, and the residuals")
+def identify(
+    file: str,
+    environment: str | None,
+    effects: tuple[str, ...],
+    degrees: tuple[int, int] | None,
+    band: tuple[str, str] | None,
+    averages: float | None,
+    confidence: float | None,
+    title: str,
+    as_json: bool,
+    scene: Path | None,
+    figure: Path | None,
+) -> None:
+    """Fit a model to a measured response: parameters with confidence intervals, and whether the model holds.
+
+    FILE is a file of measured lines (CSV), or a scene with [perceived] (TOML), of which what should be felt is known and
+    effects are fitted.
+
+    MODEL is one of the catalogue; all its parameters are found. After a colon stand those of its parameters that it is to have,
+    where it can do without some, and values that are given: shunt:m,b or second-order-lowpass:zeta=0.5.
+
+    Least squares weighted with the discs of the lines. Estimated, not proven: a model that does not fit is said not to fit. The
+    scene's ranges hold the true values with the confidence, if the model is right: haptisym tolerances tells what holds for all.
+
+    \b
+    Examples:
+      haptisym identify device.csv --averages 20 --environment mass-spring-damper --effect delay
+      haptisym identify device.csv --degrees 2 2 --effect delay --figure fit.svg
+      haptisym identify bench.toml --effect second-order-lowpass --scene device.toml
+      haptisym identify device.csv --environment kelvin-voigt --effect shunt:m --band "1 Hz" "20 Hz"
+    """
+    given = identification.opened(file, averages, confidence)
+    outputs = {"scene": scene, "figure": figure, **click.get_current_context().meta[PAGES]}
+    not_over(given.files, outputs)
+    found = identification.identify(given, environment, effects, degrees=degrees, band=band, title=title)
+    if scene is not None:
+        keep("scene", scene, lambda: scene.write_text(found.text, encoding="utf-8"))
+    drawn(found, figure)
+    show(found, as_json=as_json)

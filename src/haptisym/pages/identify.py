@@ -1,0 +1,175 @@
+"""The page of an identification: whether the model holds, what the lines tell of each parameter, and what that residuals on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from haptisym.kernel.shown import counted
+from haptisym.kernel.symbols import s
+from haptisym.model.distortion import distort
+from haptisym.model.quantities import unit_text
+from haptisym.pages.measured import measured_words
+from haptisym.verbs.identify.entry import Identification, correlation
+from haptisym.verbs.identify.judging import Estimate
+from haptisym.writing.document import (
+    Block,
+    Code,
+    Column,
+    Document,
+    Facts,
+    Figure,
+    Notes,
+    Number,
+    Paragraph,
+    Phrase,
+    Section,
+    Strong,
+    Table,
+)
+from haptisym.writing.equations import equation
+from haptisym.writing.formula import readable
+from haptisym.writing.names import named
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Canvas
+
+_ALIKE = 0.95
+"""A correlation from which on two parameters are told together rather than apart."""
+
+
+def page(a: Identification) -> Document:
+    """The whole page."""
+    blocks: tuple[Block, ...] = (
+        Facts(tuple(_about(a))),
+        Section("Does the model hold?", (Paragraph(_verdict(a)), Notes(tuple(_tests(a))), _figure(a)), "verdict"),
+        Section("Parameters", (_table(a), Notes(tuple(_told(a)))), "parameters"),
+        Paragraph(_certain(a)),
+    )
+    return Document(a.title, (), blocks, "A model fitted to a measured response")
+
+
+def _about(a: Identification) -> Iterator[tuple[str, Phrase]]:
+    yield "measured", measured_words(a.measurement)
+    if left := len(a.measurement) - len(a.fit.lines):
+        yield "left out", f"{counted(left, 'line')}, off the band, at 0 rad/s or with no coherence at all"
+    yield "model", a.wanted.words
+    yield "fitted", _response(a)
+    same = f"{a.fit.agreeing} of {counted(a.fit.starts, 'start')} ended in the same least sum"
+    yield "search", f"least squares weighted by the discs; {same}; another may be lower"
+
+
+def _response(a: Identification) -> Phrase:
+    """H_perc with the numbers that were found, rounded."""
+    values = {x.parameter: f"{x.value:.6g}" for x in a.estimates}
+    own, effects = a.wanted.elements(values.__getitem__)
+    return equation("H_perc", readable(distort(own, *effects).perc, s)[0], relation="≈")
+
+
+def _verdict(a: Identification) -> Phrase:
+    if a.verdict.fits is None:
+        return Strong(
+            "UNTESTED"
+        ), ": no discs of the lines are known, so that nothing tells how large the residuals may be."
+    if a.verdict.fits:
+        return "The model fits: neither the size of the residuals nor their order speaks against it. That does not prove it."
+    return (
+        "The model does ",
+        Strong("NOT"),
+        " fit what was measured. Its parameters are those nearest to it, and no more.",
+    )
+
+
+def _tests(a: Identification) -> Iterator[Phrase]:
+    v = a.verdict
+    if v.square is not None and v.chance is not None:
+        yield (
+            "Size of the residuals: chi^2 = ", _number(v.square), f" of {v.freedom} degrees of freedom; one as large or larger ",
+            "has a chance of ", _number(v.chance, 3), " if the model holds.",
+        )  # fmt: skip
+    if v.neighbours is not None and v.neighbours_chance is not None:
+        yield (
+            "Order: residuals of neighbouring lines correlate by ", _number(v.neighbours, 2), "; so much or more has a chance ",
+            "of ", _number(v.neighbours_chance, 3), " if they are independent.",
+        )  # fmt: skip
+        if v.fits is False and (v.chance is None or v.chance > (1 - a.fit.lines.confidence) / 2):
+            yield "Lines of a Hann window overlap: if these do, keep every second one; that loses next to nothing."
+
+
+def _number(x: float, digits: int = 5) -> Number:
+    return Number(f"{x:.{digits}g}", x)
+
+
+def _table(a: Identification) -> Block:
+    share = f"{100 * a.fit.lines.confidence:g}\xa0%"
+    columns = (
+        Column("parameter"), Column("value", number=True), Column("± error", number=True), Column(f"{share} interval"),
+        Column("box"), Column(""),
+    )  # fmt: skip
+    caption = (
+        "Each parameter: its standard error, its confidence interval by itself, and its side of the box that holds all "
+        "parameters together."
+    )
+    return Table(columns, tuple(_row(a, x) for x in a.estimates), caption)
+
+
+def _row(a: Identification, x: Estimate) -> tuple[Phrase, ...]:
+    unit = a.unit(x)
+    sides = (_ends(x.low, x.high), _ends(x.least, x.most))
+    return _name(a, x), _number(x.value, 6), _number(x.error, 2), *sides, "" if unit == "1" else unit_text(unit)
+
+
+def _ends(low: float, high: float) -> Phrase:
+    return _number(low, 6), " to ", _number(high, 6)
+
+
+def _name(a: Identification, x: Estimate) -> Phrase:
+    """Its name, where no other parameter has that, else its path."""
+    names = [other.parameter.name for other in a.estimates]
+    return named(x.parameter.name) if names.count(x.parameter.name) == 1 else Code(x.parameter.path)
+
+
+def _told(a: Identification) -> Iterator[Phrase]:
+    for x in a.estimates:
+        if not x.told:
+            yield "The lines do not tell ", _name(a, x), ": leave it out, or give it a value."
+    shares = np.triu(np.abs(correlation(a.fit)), 1)
+    for i, j in np.argwhere(shares > _ALIKE).tolist():
+        one, other = (_name(a, a.estimates[k]) for k in (i, j))
+        yield one, " and ", other, f" are told together more than apart: correlation {correlation(a.fit)[i, j]:.3g}."
+    if a.has_ranges:
+        yield (
+            "The scene file (",
+            Code("--scene FILE"),
+            ") has the box as its ranges, which ",
+            Code("haptisym tolerances"),
+            " takes.",
+        )
+    else:
+        yield "The scene file (", Code("--scene FILE"), ") has values and no ranges: here a range would mean nothing."
+
+
+def _certain(a: Identification) -> Phrase:
+    share = f"{100 * a.fit.lines.confidence:g}\xa0%"
+    start = "Estimated, not proven. Errors are those of the curvature at the least sum of squares, and hold if the model is right"
+    if a.verdict.fits is None:
+        return start, "; their size is that of the residuals themselves. Nothing is said of other frequencies."
+    return (
+        start, ", if the discs are, and if neighbouring lines are independent; then the box holds the true values with a ",
+        f"confidence of at least {share}. Nothing is said of frequencies beyond the lines.",
+    )  # fmt: skip
+
+
+def _figure(a: Identification) -> Figure:
+    def draw() -> Canvas:
+        from haptisym.figures.identify import identification_figure  # matplotlib is loaded where something is drawn
+
+        return identification_figure(a)
+
+    return Figure(
+        "model",
+        "The model over what was measured, with discs, and the residuals in units of their standard error.",
+        draw,
+    )

@@ -1,0 +1,254 @@
+"""A model fitted to a measured response, with what the lines tell of it, and the scene that it makes."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from haptisym.judge.answers import Answer
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.shown import counted, titled
+from haptisym.model.catalogue import Environment
+from haptisym.model.jnd import Threshold
+from haptisym.model.measured import Measurement
+from haptisym.model.measuredscene import MeasuredScene
+from haptisym.model.measuring import measured
+from haptisym.model.quantities import Dimension, MotionKind, Number
+from haptisym.model.scene import Scene, frequency
+from haptisym.model.scenefile import open_scenes, parse_scene
+from haptisym.verbs.identify.fitting import Fit, fit
+from haptisym.verbs.identify.judging import Estimate, Verdict, estimates, verdict
+from haptisym.verbs.identify.scenetext import band_value, environment_table, scene_text, threshold_value
+from haptisym.verbs.identify.wanted import Degrees, Free, Wanted, filled, wanted
+
+
+@dataclass(frozen=True)
+class About:
+    """What was asked about: lines, which have no parameters to vary."""
+
+    title: str
+
+    def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
+        """Nothing."""
+        return []
+
+    def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
+        """Nothing."""
+        return {}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Identification(Answer):
+    """A model that was fitted to measured lines; estimated, never certified.
+
+    ``measurement`` : what was fitted. ``estimates`` : each free parameter with its confidence interval and its side of the box.
+    ``verdict`` : whether the model holds, as far as its residuals tell. ``text`` : the scene file that it makes.
+    """
+
+    _schema: ClassVar[str] = "haptisym.identification/1"
+    _page: ClassVar[str] = "haptisym.pages.identify:page"
+    _figure: ClassVar[str] = "haptisym.figures.identify:identification_figure"
+
+    measurement: Measurement
+    threshold: Threshold
+    title: str
+    fit: Fit
+    estimates: tuple[Estimate, ...]
+    verdict: Verdict
+
+    @property
+    def _about(self) -> About:
+        return About(self.title)
+
+    def _line(self) -> str:
+        told = {True: "fits", False: "does NOT fit", None: "untested"}[self.verdict.fits]
+        return f"{titled(self.title)}: {counted(len(self.estimates), 'parameter')}, {told}"
+
+    @property
+    def certified(self) -> bool:
+        """False: what is estimated is not proven."""
+        return False
+
+    @property
+    def wanted(self) -> Wanted:
+        return self.fit.wanted
+
+    @property
+    def motion(self) -> MotionKind | None:
+        """Whether the hand moves along a line or about an axis; None if no unit tells."""
+        return self.measurement.motion
+
+    @cached_property
+    def text(self) -> str:
+        """The scene file: a range for each parameter, or its value alone where a range would mean nothing."""
+        by_path = {x.parameter.path: x for x in self.estimates}
+
+        def value(x: Free) -> Any:
+            return self._written(by_path[x.path])
+
+        lines, own = self.fit.lines, self.wanted
+        evaluation = {
+            "band": band_value(float(lines.omega[0]), float(lines.omega[-1])),
+            "jnd": threshold_value(self.threshold),
+        }
+        tables = [
+            ("[environment]", filled(own.environment, value)),
+            *(("[[effects]]", filled(x, value)) for x in own.effects),
+        ]
+        source = f"fitted to {self.measurement.name} by haptisym identify"
+        return scene_text(self.title, source, self._remarks(), [*tables, ("[evaluation]", evaluation)])
+
+    @property
+    def has_ranges(self) -> bool:
+        """Whether parameters are written as ranges: the model was not refuted, and the lines tell every parameter."""
+        return self.verdict.fits is not False and all(x.told for x in self.estimates)
+
+    def _written(self, x: Estimate) -> Any:
+        motion, dimension = self.motion, x.parameter.dimension
+        plain = dimension in (Dimension.ANY, Dimension.RATIO) or (motion is None and len(set(dimension.value)) > 1)
+        unit = "" if plain else f" {dimension.unit(motion)}"
+        return [f"{end!r}{unit}" for end in (x.least, x.value, x.most)] if self.has_ranges else f"{x.value!r}{unit}"
+
+    def _remarks(self) -> list[str]:
+        share = f"{100 * self.fit.lines.confidence:g} %"
+        if self.verdict.fits is False:
+            return [
+                "This model does NOT fit what was measured: its parameters are those nearest to it, and have no ranges."
+            ]
+        if not self.has_ranges:
+            paths = ", ".join(x.parameter.path for x in self.estimates if not x.told)
+            return [f"The lines do not tell {paths}: no parameter has a range. Leave that out, or give a value."]
+        start = (
+            f"Ranges: together they hold the true values with a confidence of at least {share}, if the model is right"
+        )
+        if self.verdict.fits is None:
+            return [f"{start},", "which was not tested: no discs of the lines are known."]
+        return [f"{start}", "and the errors are as the discs say. No test of the residuals spoke against it."]
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The scene that the file makes."""
+        return parse_scene(self.text, "the scene that was identified")
+
+    def _body(self) -> dict[str, Any]:
+        lines, found = self.fit.lines, self.verdict
+        return {
+            "measurement": self.measurement.name,
+            "lines": len(lines),
+            "left_out": len(self.measurement) - len(lines),
+            "model": self.wanted.words,
+            "confidence": lines.confidence,
+            "fits": found.fits,
+            "chi_square": found.square,
+            "degrees_of_freedom": found.freedom,
+            "probability": found.chance,
+            "neighbours": found.neighbours,
+            "neighbours_probability": found.neighbours_chance,
+            "starts": self.fit.starts,
+            "agreeing": self.fit.agreeing,
+            "parameters": [self._row(x) for x in self.estimates],
+            "correlation": correlation(self.fit).tolist(),
+            "rows": [
+                {"omega": w, "model": [h.real, h.imag], "residual": [r.real, r.imag]}
+                for w, h, r in zip(
+                    lines.omega.tolist(), self.fit.model.tolist(), self.fit.residuals.tolist(), strict=True
+                )
+            ],
+            "scene": self.text,
+            "certified": self.certified,
+        }
+
+    def _row(self, x: Estimate) -> dict[str, Any]:
+        numbers = {"value": x.value, "error": x.error, "interval": [x.low, x.high], "box": [x.least, x.most]}
+        return {"path": x.parameter.path, **numbers, "unit": self.unit(x), "told": x.told}
+
+    def unit(self, x: Estimate) -> str:
+        """The unit of a parameter; empty where its dimension is not known."""
+        return x.parameter.dimension.unit(self.motion or MotionKind.TRANSLATION)
+
+
+def correlation(found: Fit) -> Any:
+    """Of the estimates."""
+    errors = np.sqrt(np.diag(found.covariance))
+    return found.covariance / np.outer(errors, errors)
+
+
+def identify(
+    response: Measurement | MeasuredScene | str | Path,
+    environment: str | None = None,
+    effects: Sequence[str] = (),
+    *,
+    degrees: Degrees | None = None,
+    band: tuple[Number, Number] | None = None,
+    averages: float | None = None,
+    confidence: float | None = None,
+    title: str = "",
+) -> Identification:
+    """Fit a model to a measured response, by least squares weighted with its discs. Estimated, not proven.
+
+    ``response`` : what was measured, or the file of it; or a scene with ``[perceived]``, of which what should be felt is known
+    and the effects are fitted. ``environment``, ``effects`` : models of the catalogue, ``"shunt:m"`` with some parameters alone,
+    ``"second-order-lowpass:zeta=0.5"`` with a given value. ``degrees`` : of a numerator and denominator, in place of a model.
+    ``band`` : only lines on it. ``averages``, ``confidence`` : of a file's. SceneError for what cannot be fitted.
+
+    >>> import haptisym as hs
+    >>> felt = hs.sampled("fu2019", [2, 4, 6, 8, 10, 12])
+    >>> found = identify(felt, "mass-spring-damper", ["second-order-lowpass"])
+    >>> [(x.parameter.name, round(x.value, 6)) for x in found.estimates]
+    [('m', 1.8), ('b', 15.0), ('k', 100.0), ('omega_n', 80.0), ('zeta', 0.5)]
+    """
+    given = opened(response, averages, confidence)
+    felt, known, threshold, name = given, None, Threshold(), title
+    if isinstance(given, MeasuredScene):
+        felt, threshold, name = given.perceived, given.threshold, title or given.title
+        if not isinstance(given.environment, Environment):
+            raise SceneError(
+                "[environment] is measured, too: give its file, or that of [perceived], to fit a model to it"
+            )
+        known = (given.environment, environment_table(given.environment))
+        band = band or given.band
+    assert isinstance(felt, Measurement)
+    asked = wanted(environment, [effects] if isinstance(effects, str) else list(effects), degrees, known)
+    found = fit(asked, felt if band is None else _on(felt, band))
+    name = name or f"{asked.words}, as measured"
+    motion = felt.motion or (given.motion if isinstance(given, MeasuredScene) else None)
+    return Identification(replace(felt, motion=motion), threshold, name, found, estimates(found), verdict(found))
+
+
+def opened(
+    given: Measurement | MeasuredScene | str | Path, averages: float | None = None, confidence: float | None = None
+) -> Measurement | MeasuredScene:
+    """What was measured, from wherever it is."""
+    certainty: dict[str, Any] = {
+        key: x for key, x in (("averages", averages), ("confidence", confidence)) if x is not None
+    }
+    if isinstance(given, str | Path) and Path(given).suffix != ".toml":
+        return measured(given, **certainty)
+    if certainty:
+        raise SceneError(
+            f"{next(iter(certainty))}: goes with a file of lines alone; a scene and a response have their own"
+        )
+    if isinstance(given, str | Path):
+        opened, name = open_scenes(given)
+        if not isinstance(opened, MeasuredScene):
+            raise SceneError(f"{name}: a scene of formulas: nothing in it was measured")
+        return opened
+    if not isinstance(given, Measurement | MeasuredScene):
+        raise SceneError(
+            f"{type(given).__name__} is no measured response: give a file, measured(omega, H) or a MeasuredScene"
+        )
+    return given
+
+
+def _on(m: Measurement, band: tuple[Number, Number]) -> Measurement:
+    """The lines on a band."""
+    low, high = (float(frequency("band", x)) for x in band)
+    inside = (m.omega >= low * (1 - 1e-9)) & (m.omega <= high * (1 + 1e-9))
+    if not inside.any():
+        raise SceneError(f"band: no line of {m.name} lies from {low:.6g} to {high:.6g} rad/s")
+    return m.at(inside)

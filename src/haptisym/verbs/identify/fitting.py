@@ -1,0 +1,188 @@
+"""Weighted least squares: the values with which a model lies nearest to measured lines, and how well the lines tell them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.shown import counted
+from haptisym.model.measured import Complexes, Measurement, Reals
+from haptisym.model.parameters import Rule
+from haptisym.verbs.identify.curve import Curve
+from haptisym.verbs.identify.starts import scales, starts
+from haptisym.verbs.identify.wanted import Free, Wanted
+
+LEAST_AVERAGES = 4
+_TOLD_APART = 1e-7
+"""Of the directions in which parameters move, the least told against the best told: below it they cannot be told apart."""
+_SAME = 1e-6
+"""Sums of squares that differ by no more than this share are one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    """``sigma`` : of the real and of the imaginary part of each line, as estimated from its disc. ``freedom`` : degrees of
+    freedom of that estimate, infinite where the disc is given; None where no disc is known and sigma is a share of ``|H|``."""
+
+    sigma: Reals
+    freedom: float | None
+
+    def squares(self, residuals: Complexes) -> Reals:
+        """Of each line a number that has the distribution chi^2 of 2 degrees of freedom where the model holds.
+
+        ``|r|^2/2`` has F(2, n); n ln(1 + |r|^2/n) is its quantile, carried over.
+        """
+        size = np.square(np.abs(residuals))
+        n = self.freedom
+        found: Reals = size if n is None or np.isinf(n) else n * np.log1p(size / n)
+        return found
+
+    @property
+    def widening(self) -> float:
+        """Of variances: weights that are estimated themselves tell less than known ones, by n/(n - 4)."""
+        n = self.freedom
+        return 1.0 if n is None or np.isinf(n) else n / (n - 4)
+
+
+def noise_of(m: Measurement) -> Noise:
+    """The noise that the discs of a response speak of. SceneError where they cannot be weights."""
+    if m.coherence is not None and m.averages is not None:
+        if m.averages < LEAST_AVERAGES:
+            raise SceneError(
+                f"averages: {m.averages:g} are too few to weigh lines by: it takes at least {LEAST_AVERAGES}"
+            )
+        n = 2 * m.averages - 2
+        sigma = np.abs(m.H) * np.sqrt((1 - m.coherence) / (n * m.coherence))
+    elif m.radius is not None:
+        n, sigma = np.inf, m.radius / np.sqrt(-2 * np.log1p(-m.confidence))
+    else:
+        size = np.abs(m.H)
+        return Noise(np.where(size > 0, size, np.median(size) or 1.0), None)
+    if (sigma <= 0).any():
+        i = int(np.argmax(sigma <= 0))
+        raise SceneError(
+            f"the disc at {m.omega[i]:.6g} rad/s has no radius: a line without error cannot be weighed beside others; "
+            "leave out coherence and radius if there is no noise"
+        )
+    return Noise(sigma, n)
+
+
+def usable(m: Measurement) -> Measurement:
+    """The lines that can be fitted: not that at frequency 0, which has no phase, and none whose disc is the whole plane."""
+    kept = m.omega > 0
+    if m.coherence is not None:
+        kept &= m.coherence > 0
+    if not kept.any():
+        raise SceneError(f"{m.name}: no line above 0 rad/s has a disc that tells anything")
+    return m.at(kept)
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """What least squares found.
+
+    ``lines`` : those that were fitted. ``model`` : the response there; ``residuals`` : measured less model, in units of sigma.
+    ``covariance`` : of the values, linearised. ``starts`` : from how many; ``agreeing`` : how many ended here.
+    """
+
+    wanted: Wanted
+    lines: Measurement
+    noise: Noise
+    values: Reals
+    covariance: Reals
+    model: Complexes
+    residuals: Complexes
+    starts: int
+    agreeing: int
+
+    @property
+    def freedom(self) -> int:
+        """Numbers that were measured, less those that were found."""
+        return 2 * len(self.lines) - len(self.values)
+
+
+def fit(wanted: Wanted, m: Measurement) -> Fit:
+    """The values with which the sum of squares, weighted by the discs, is the least that was found from many starts."""
+    lines = usable(m)
+    free, noise, curve = wanted.free, noise_of(lines), Curve(wanted, lines.omega)
+    if 2 * len(lines) <= len(free):
+        numbers = counted(len(free), "parameter")
+        raise SceneError(
+            f"{counted(len(lines), 'line')} cannot tell {numbers}: at least {len(free) // 2 + 1} lines are needed"
+        )
+    found = [x for begin in starts(wanted, lines) if (x := _least(curve, lines, noise, begin)) is not None]
+    if not found:
+        raise SceneError("the model has no finite response at these lines with any values that were tried")
+    cost, values = min(found, key=lambda x: x[0])
+    agreeing = sum(x <= cost * (1 + _SAME) + 1e-12 for x, _ in found)
+    model = curve.at(values)
+    residuals = (lines.H - model) / noise.sigma
+    covariance = _covariance(curve, lines, noise, values) * noise.widening
+    if noise.freedom is None:
+        covariance = covariance * 2 * cost / (2 * len(lines) - len(free))
+    return Fit(wanted, lines, noise, values, covariance, model, residuals, len(found), agreeing)
+
+
+def _least(curve: Curve, m: Measurement, noise: Noise, begin: Reals) -> tuple[float, Reals] | None:
+    """The least half sum of squares near a start, and its values."""
+    free = curve.wanted.free
+    size = np.where(begin != 0, np.abs(begin), scales(free, m) * 1e-3)
+
+    def rest(u: Reals) -> Reals:
+        return _stacked((curve.at(u * size) - m.H) / noise.sigma)
+
+    def slope(u: Reals) -> Reals:
+        return _stacked(_slopes(curve, u * size, size) * (size / noise.sigma[:, None]))
+
+    low, high = _ends(free, size)
+    u = np.clip(begin / size, low + 1e-9, np.where(np.isinf(high), np.inf, high - 1e-9))
+    if not np.isfinite(rest(u)).all():
+        return None
+    ways: dict[str, Any] = {"x_scale": "jac", "max_nfev": 100, "xtol": 1e-12, "ftol": 1e-12}
+    found = least_squares(_finite(rest), u, _finite(slope), (low, high), **ways)
+    return float(found.cost), found.x * size
+
+
+def _finite(f: Callable[[Reals], Reals]) -> Callable[[Reals], Reals]:
+    return lambda u: np.nan_to_num(f(u), nan=1e9, posinf=1e9, neginf=-1e9)
+
+
+def _stacked(z: Complexes) -> Reals:
+    return np.concatenate([z.real, z.imag])
+
+
+def _slopes(curve: Curve, values: Reals, size: Reals) -> Complexes:
+    return curve.slopes(values, 1e-5 * np.maximum(np.abs(values), 1e-3 * size))
+
+
+def _ends(free: tuple[Free, ...], size: Reals) -> tuple[Reals, Reals]:
+    """Between which numbers each parameter may lie, in its own size."""
+    least = {Rule.ANY: -np.inf, Rule.POSITIVE: 1e-9, Rule.FRACTION: 1e-4}
+    low = np.array([least.get(x.rule, 0.0) for x in free])
+    fraction = np.array([x.rule is Rule.FRACTION for x in free])
+    return np.where(fraction, low / size, low), np.where(fraction, (1 - 1e-4) / size, np.inf)
+
+
+def _covariance(curve: Curve, m: Measurement, noise: Noise, values: Reals) -> Reals:
+    """Of the values, by the slopes of the response; SceneError where the lines do not tell parameters apart."""
+    free = curve.wanted.free
+    size = np.maximum(np.abs(values), 1e-2 * scales(free, m))
+    J = _stacked(_slopes(curve, values, size) / noise.sigma[:, None])
+    norms = np.linalg.norm(J, axis=0)
+    blind = [x.path for x, norm in zip(free, norms, strict=True) if not norm > 0]
+    if blind:
+        raise SceneError(f"the lines tell nothing of {' and '.join(blind)}: give a value, as in model:key=value")
+    _, singular, directions = np.linalg.svd(J / norms, full_matrices=False)
+    if singular[-1] < _TOLD_APART * singular[0]:
+        mixed = [x.path for x, share in zip(free, directions[-1], strict=True) if abs(share) > 0.1]
+        raise SceneError(
+            f"the lines do not tell {' and '.join(mixed)} apart: give one of them a value, as in model:key=value"
+        )
+    root = directions.T / singular / norms[:, None]
+    found: Reals = root @ root.T
+    return found
