@@ -18,6 +18,7 @@
 # | a design space | how it looks | [`sweep`](#what-does-the-whole-design-space-look-like) |
 # | a paper with another measure | what that says | [`metrics`](#what-do-other-measures-say) |
 # | a device on the bench | what was measured, judged | [`evaluate`, with `[perceived]`](#what-does-the-device-on-the-bench-do) |
+# | lines of a measurement | a model of them | [`identify`](#which-model-fits-what-was-measured) |
 # | answers of people | their threshold | [`jnd`](#what-is-the-threshold-of-these-people) |
 # | a doubt | a proof, or a witness | [`evaluate --certificate`, `simulate`](#must-i-believe-it) |
 # | numbers in floats | what they are worth | [`cost`](#what-does-accuracy-cost) |
@@ -193,6 +194,18 @@ bench = hs.MeasuredScene(
 judged = hs.evaluate(bench)
 assert not judged.certified
 judged
+
+# %% [markdown]
+# ## Which model fits what was measured?
+#
+# `haptisym identify device.csv --environment kelvin-voigt --effect shunt --scene found.toml`: least squares weighted by the
+# discs, what each line tells of each parameter, whether the model holds at all, and a scene for all other verbs. It is
+# estimated, never certified: [identify.md](identify.md).
+
+# %%
+fitted = hs.identify(bench.perceived, "kelvin-voigt", ["shunt:m"])
+assert not fitted.certified
+[(x.parameter.name, f"{x.value:.3g}", f"{x.error:.1g}") for x in fitted.estimates]
 
 # %% [markdown]
 # ## What is the threshold of these people?

@@ -20,7 +20,7 @@ TOPICS: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
         "One function for each verb of the command line; each returns an answer.",
         (
             "evaluate", "evaluate_all", "derive", "relevance", "require", "design_map", "stability", "sensitivity", "tolerances",
-            "sweep", "metrics", "peaks", "cost", "hard_costs", "simulation_cost", "jnd", "published", "simulate", "check", "release",
+            "sweep", "metrics", "peaks", "cost", "hard_costs", "simulation_cost", "jnd", "published", "simulate", "check", "release", "identify",
         ),
     ),
     "api-answers": (
@@ -30,7 +30,7 @@ TOPICS: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
             "Evaluation", "Crossing", "CrossingKind", "Percept", "Property", "Change", "Interval", "Point", "RealNumber",
             "FamilyEvaluation", "MeasuredEvaluation", "Derivation", "Relevance", "Requirement", "DesignMap", "Stability", "Sensitivities",
             "Tolerances", "Metrics", "Peaks", "Peak", "Cost", "HardCosts", "Psychometric", "Published", "PublishedThresholds", "Simulation",
-            "Release", "json_schema",
+            "Release", "Identification", "json_schema",
         ),
     ),
     "api-formulas": (
@@ -56,6 +56,16 @@ MODULES = {
     "api-interop": ("Other packages", "interop"),
 }
 """Modules that are documented whole."""
+
+
+def listed(page: str) -> tuple[str, ...]:
+    """The names of a page; what no page names goes to the questions if it is a function, to the answers if it is a class."""
+    told = {name for _, _, names in TOPICS.values() for name in names} | {name for _, name in MODULES.values()}
+    kinds = {"api-answers": True, "api-questions": False}
+    others = [
+        name for name in hs.__all__ if name not in told and isinstance(getattr(hs, name), type) is kinds.get(page)
+    ]
+    return (*TOPICS[page][2], *others)
 
 
 def _topic(title: str, lead: str, names: tuple[str, ...]) -> str:
@@ -84,6 +94,6 @@ def _page(make: Callable[..., str], *given: object) -> Callable[[], str]:
 
 
 PAGES: dict[str, Callable[[], str]] = {
-    **{name: _page(_topic, *given) for name, given in TOPICS.items()},
+    **{name: _page(_topic, *given[:2], listed(name)) for name, given in TOPICS.items()},
     **{name: _page(_module, *given) for name, given in MODULES.items()},
 }

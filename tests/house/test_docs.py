@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 import pytest
 
 import haptisym as hs
+from haptisym.cli import VERBS
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Model
 
 ROOT = Path(__file__).parents[2]
@@ -80,3 +81,22 @@ def test_the_picture_of_the_house_is_that_of_the_source() -> None:
         assert "".join(house.sentence(folder).split()) in drawn, folder
     inside = {path.name for path in house.SOURCE.iterdir() if list(path.glob("*.py"))}
     assert inside == set(house.folders())
+
+
+def test_every_page_is_in_the_contents() -> None:
+    contents = "".join(
+        (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8") for name in ("index", "reference", "explanation")
+    )
+    for path in (ROOT / "docs").glob("*.md"):
+        assert path.stem == "index" or re.search(rf"^(\w+ <)?{path.stem}>?$", contents, re.MULTILINE), path.name
+
+
+def test_the_how_to_names_every_verb() -> None:
+    script = (ROOT / "docs" / "how-to.py").read_text(encoding="utf-8")
+    assert [name for name in VERBS if f"`{name}" not in script] == ["scenes", "schemas"]
+    for anchor in re.findall(r"\]\(#([\w-]+)\)", script):
+        titles = {
+            re.sub(r"[^\w -]", "", x.lower()).replace(" ", "-")
+            for x in re.findall(r"^# ## (.+)$", script, re.MULTILINE)
+        }
+        assert anchor in titles
