@@ -33,6 +33,13 @@ from haptisym.model.scene import Scene
     "May be repeated.",
 )
 @click.option(
+    "--hand",
+    "names",
+    multiple=True,
+    metavar="NAME",
+    help="Count unstable roots in this hand, of the scene or a published one; may be repeated. Those of the scene if not given.",
+)
+@click.option(
     "--out",
     type=click.Path(path_type=Path),
     metavar="FILE",
@@ -45,6 +52,7 @@ from haptisym.model.scene import Scene
 def sweep(
     scene: Scene,
     vary: tuple[str, ...],
+    names: tuple[str, ...],
     out: Path | None,
     as_json: bool,
     figure: Path | None,
@@ -54,24 +62,27 @@ def sweep(
     """Evaluate a scene for every combination of parameter values, with proof.
 
     SCENE is a scene file (TOML) or the name of a shipped scene. PATH is effects.NAME.KEY, environment.KEY,
-    evaluation.jnd, or a symbol.
+    evaluation.jnd, hand.KEY, or a symbol.
 
     For each set: the first crossing and the number of crossings of each part, the bandwidth, the transparent fraction of the
-    band, and the changeovers. Counts are proven, frequencies are proven to a relative 1e-10. A sweep that was interrupted is
-    continued by the same command.
+    band, and the changeovers; in each hand the number of unstable roots. Counts are proven, frequencies are proven to a
+    relative 1e-10. A sweep that was interrupted is continued by the same command.
 
     \b
     Examples:
       haptisym sweep fu2019 --vary effects.filter.omega_n=20:200:100 --figure bandwidth.svg
       haptisym sweep fu2019 --vary "effects.filter.omega_n=5 Hz:50 Hz:1000:log" \\
           --vary environment.m=0.5:5:1000 --out design.zarr --workers 2
+      haptisym sweep fu2019 --hand light-touch --vary effects.filter.omega_n=5:200:100
     """
     if (workers or cluster) and out is None:
         raise SceneError("--workers and --cluster need --out FILE, to which the workers write")
+    from haptisym.verbs.stability.entry import in_hands
     from haptisym.verbs.sweep.axes import spaced
     from haptisym.verbs.sweep.entry import sweep as sweep_scene
     from haptisym.verbs.sweep.swept import Swept
 
+    scene = in_hands(scene, names or None)
     asked = [spaced(text, scene) for text in vary]
     if len({path for path, _ in asked}) < len(asked):
         raise SceneError("--vary: each path may be given only once")

@@ -18,6 +18,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
 from haptisym.figures.designmap import draw_boundary
+from haptisym.figures.heldsets import draw_held_curves, draw_held_map, held_in
 from haptisym.figures.jumps import crossing_counts, judged_in, jump_edges, jumps_of
 from haptisym.figures.scales import HERTZ, RADIANS, Scale, floats_scale
 from haptisym.figures.sheet import one_column
@@ -63,6 +64,7 @@ def draw_curves(ax: Axes, data: xr.Dataset, *, color: str | None = None, label: 
     """First crossings of what is judged and the bandwidth over the one parameter of a sweep.
 
     A curve is broken, with a dot at each end, where it jumps because crossings come or go: nothing was computed in between.
+    Hatched: the sets that are not stable in a hand.
     ``color``, ``label`` : of the sweep, in the drawing and in the legend. Returns the lines: bandwidth, then each criterion.
 
     >>> from haptisym import load_scene, sweep
@@ -100,7 +102,7 @@ def draw_curves(ax: Axes, data: xr.Dataset, *, color: str | None = None, label: 
     ax.set_xlabel(_name(data, path, along), fontsize=TEXT)
     ax.set_ylabel(upwards.label, fontsize=TEXT)
     jump = [handle(INK, "none", "crossings come or go", marker="o", markersize=2.4)] if dots else []
-    legend(ax, [*lines[1:], lines[0], *end, *jump])
+    legend(ax, [*lines[1:], lines[0], *end, *jump, *draw_held_curves(ax, data, x)])
     return lines
 
 
@@ -114,8 +116,8 @@ def _draw_ends(ax: Axes, x: Array, y: Array, jumps: Any, color: str) -> list[Lin
 def draw_map(ax: Axes, data: xr.Dataset, exact: DesignMap | None = None) -> list[Artist]:
     """The bandwidth over the two parameters of a sweep, the first upwards: contour lines on a quiet map.
 
-    Hatched where the display is not transparent at the band's low end; no shade is darker than the ink of the lines. A thick
-    grey line, which contour lines do not cross, is where the bandwidth jumps from one set to the next.
+    Hatched where the display is not transparent at the band's low end, or not stable in a hand; no shade is darker than the ink
+    of the lines. A thick grey line, which contour lines do not cross, is where the bandwidth jumps from one set to the next.
     ``exact`` : the same plane by exact slices, whose boundary of the transparent region is drawn: points that are proven, and
     straight lines between them. Returns the map and its contour lines.
 
@@ -144,7 +146,8 @@ def draw_map(ax: Axes, data: xr.Dataset, exact: DesignMap | None = None) -> list
     boundary = [x for _, x in draw_boundary(ax, exact, width=1.1)] if exact else []
     jump = [handle(GREY, SOLID, "bandwidth jumps", 1.8, alpha=0.8)] if jumps else []
     lines = [handle(INK, SOLID, f"bandwidth ({unit.unit})", 0.7)]
-    legend(ax, [*lines, *jump, *_plateaus(ax, (x, y, z), high, unit), *boundary])
+    held = draw_held_map(ax, data, x, y)
+    legend(ax, [*lines, *jump, *_plateaus(ax, (x, y, z), high, unit), *held, *boundary])
     return shown
 
 
@@ -205,7 +208,7 @@ def _dimensions(data: xr.Dataset, count: int) -> list[str]:
 
 def _thinned(data: xr.Dataset, names: tuple[str, str]) -> xr.Dataset:
     steps = {name: slice(None, None, -(-data.sizes[name] // _MOST_PIXELS)) for name in names}
-    wanted = ["bandwidth", *(f"crossings_{name}" for name in judged_in(data))]
+    wanted = ["bandwidth", *(f"crossings_{name}" for name in judged_in(data)), *held_in(data)]
     return data[wanted].isel(steps).load()
 
 

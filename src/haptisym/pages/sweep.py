@@ -45,7 +45,8 @@ def page(found: Swept) -> Document:
     shown = "Bandwidth and first crossings over the parameter, or the bandwidth over both; see the legend."
     is_drawn = len(told["vary"]) <= _MOST_DRAWN and all(x["values"] > 1 for x in told["vary"])
     figure = (Figure("sweep", shown, found.figure),) if is_drawn else ()
-    blocks = Facts(tuple(_varied(told))), _frequencies(told), Facts(tuple(_counts(told))), *figure, *_certain(told)
+    counts = Facts((*_counts(told), *_held(told)))
+    blocks = Facts(tuple(_varied(told))), _frequencies(told), counts, *figure, *_certain(told)
     return Document(title(found.scene), lead(found.scene, found.asides()), blocks, "Sweep of parameters")
 
 
@@ -71,6 +72,17 @@ def _counts(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
             yield name, f"{counts or 'none'} sets"
 
 
+def _held(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
+    for x in told.get("held", ()):
+        yield f"stable in {x['hand']}", f"{x['stable']:,} of {told['sets']:,} sets"
+        counts = [f"{n}: {sets:,}" for n, sets in x["unstable"].items()]
+        counts += [f"{name}: {x[key]:,}" for key, name in _ENDLESS.items() if x[key]]
+        yield f"roots that do not decay in {x['hand']}", f"{', '.join(counts)} sets"
+
+
+_ENDLESS = {"infinite": "infinitely many", "undecided": "not decided"}
+
+
 def _span(span: list[float] | None, unit: float = 1.0, digits: int = 5) -> Phrase:
     if span is None:
         return "none"
@@ -85,9 +97,15 @@ def _certain(told: Mapping[str, Any]) -> Iterator[Block]:
         "with the results."
     )
     if told["open"]:
+        part = ", or not in all" if "held" in told else ""
         first = ", ".join(f"{name} = {x:.17g}" for name, x in told["open_at"][0].items())
         yield Notes(
-            ((Strong("NOT ANSWERED"), f": {told['open']:,} sets (undecided, or no dynamics), the first at {first}."),)
+            (
+                (
+                    Strong("NOT ANSWERED"),
+                    f": {told['open']:,} sets (undecided, or no dynamics){part}, the first at {first}.",
+                ),
+            )
         )
     if told["out"]:
         yield Paragraph(f"Written to {told['out']}.")

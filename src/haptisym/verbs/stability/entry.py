@@ -40,11 +40,7 @@ def stability(
     scene = as_scene(scene)
     if not isinstance(digits, int) or digits < 1:
         raise SceneError(f"digits: {digits} must be a whole number, at least 1")
-    if hand is not None:
-        asked = [chosen(scene, x) for x in ([hand] if isinstance(hand, str | Hand) else hand)]
-        for name in (x.name for i, x in enumerate(asked) if x.name in [y.name for y in asked[:i]]):
-            raise SceneError(f'the hand "{name}" is asked about twice')
-        scene = scene.with_hands(*asked)
+    scene = in_hands(scene, hand)
     scene.knobs.need_numbers()
     paths = [free] if isinstance(free, str) else [*free]
     asked_of = [_number(scene, x) for x in scene.knobs.chosen(paths)]
@@ -52,6 +48,16 @@ def stability(
     near = tuple(_critical(scene, x, asked_of) for x in rows)
     boxes = tuple(whole_box(scene, x) for x in scene.hands)
     return Stability(scene, imposed(scene), rows, near, boxes, every_passive_hand(scene), digits)
+
+
+def in_hands(scene: Scene, hand: str | Hand | Iterable[str | Hand] | None) -> Scene:
+    """The scene in the hands that are asked about; as it is where none is. SceneError for one that is unknown, or there twice."""
+    if hand is None:
+        return scene
+    asked = [chosen(scene, x) for x in ([hand] if isinstance(hand, str | Hand) else hand)]
+    for name in (x.name for i, x in enumerate(asked) if x.name in [y.name for y in asked[:i]]):
+        raise SceneError(f'the hand "{name}" is asked about twice')
+    return scene.with_hands(*asked)
 
 
 def _number(scene: Scene, x: Knob) -> Knob:

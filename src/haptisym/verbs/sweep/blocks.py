@@ -153,7 +153,15 @@ class SweepGrid:
         ]
         c = scene.threshold
         limits = [str(c.real), str(c.imag)] if c.is_plain else [json.dumps(c.row(), sort_keys=True)]
-        parts = [told, [str(x) for x in scene.band], limits, [axis.path for axis in self.axes], TOLERANCE]
+        hands = [[x.name, [str(p.value) for p in x.parameters if not self._is_swept(p.symbol)]] for x in scene.hands]
+        parts = [
+            told,
+            *([hands] if hands else []),
+            [str(x) for x in scene.band],
+            limits,
+            [axis.path for axis in self.axes],
+            TOLERANCE,
+        ]
         digest = sha256(json.dumps(parts).encode())
         for axis in self.axes:
             digest.update(np.ascontiguousarray(axis.values).tobytes())

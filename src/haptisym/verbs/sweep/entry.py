@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from haptisym.kernel.errors import SceneError
+from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
+from haptisym.verbs.stability.entry import in_hands
 from haptisym.verbs.sweep.axes import AxisValues, axes
 from haptisym.verbs.sweep.batch import Array
 from haptisym.verbs.sweep.blocks import SETS_IN_A_BLOCK, Pace, SweepGrid, compute
@@ -30,6 +32,7 @@ def sweep(
     scene: Scene | str | Path,
     vary: Mapping[str, AxisValues],
     *,
+    hand: str | Hand | Iterable[str | Hand] | None = None,
     out: str | Path | None = None,
     lazy: bool = False,
     block: int = SETS_IN_A_BLOCK,
@@ -40,6 +43,7 @@ def sweep(
     ``vary`` : from paths (``effects.NAME.KEY``, ``environment.KEY``, ``rendered.KEY``, ``evaluation.jnd``) to values: floats in
     SI units and rad/s, taken as exactly the binary numbers that they are, or strings with a unit ("40 Hz"), taken as the
     nearest double. Each path is a dimension of the result, in the order given.
+    ``hand`` : the hands in which the display is held, as of ``stability``; those of the scene if not given.
     ``out`` : a Zarr store (FILE.zarr) or NetCDF file (FILE.nc) to which blocks are streamed as they are done. If it is there
     already and holds a part of this very sweep, the rest is computed; it is computed on the dask client that is active, or
     with dask's threads. The result is then opened from the file, lazily.
@@ -55,6 +59,9 @@ def sweep(
     ``method``: 0 certified in floats, 1 exact, 2 not answered (undecided at the precision limit, or without dynamics; counts are
     then -1).
 
+    For each hand ``unstable_NAME``, the proven number of roots that do not decay (Re s >= 0, with a clock abs(z) >= 1): 0 where
+    the display is stable in it, 32767 for infinitely many, -1 where that was not decided; ``method`` is then 2.
+
     Raises SceneError for an unknown path, a value that the model does not allow, more sets than memory should hold without
     ``out``, and a package that is missing.
 
@@ -64,7 +71,7 @@ def sweep(
     array([[ 4.944 ,  7.725 ],
            [ 7.9789, 15.    ]])
     """
-    scene = as_scene(scene)
+    scene = in_hands(as_scene(scene), hand)
     xarray = _needed("xarray")
     grid = SweepGrid.of(scene, axes(scene, vary), _whole(block))
     if out is not None:

@@ -13,6 +13,7 @@ from haptisym.verbs.sweep.batch import Array
 from haptisym.verbs.sweep.bernstein import MOST_DEGREE
 from haptisym.verbs.sweep.curves import Curves, sweep_curves
 from haptisym.verbs.sweep.exactly import exact_answers
+from haptisym.verbs.sweep.hands import HandCurve, hand_curves, held
 from haptisym.verbs.sweep.passes import Band, Columns, Pass
 from haptisym.verbs.sweep.told import ABSENT, EXACT, UNKNOWN, Told
 
@@ -30,13 +31,15 @@ class Kernel:
     swept: tuple[Knob, ...]
     curves: Curves | None
     band: Band
+    hands: tuple[HandCurve | None, ...] = ()
 
     @classmethod
     def of(cls, scene: Scene, swept: Sequence[Knob]) -> Kernel:
         curves = sweep_curves(scene, swept)
         if curves is not None and _degree(curves) > MOST_DEGREE:
             curves = None
-        return cls(replace(scene), tuple(swept), curves, Band.of(*scene.band, curves.step if curves else 1))
+        band = Band.of(*scene.band, curves.step if curves else 1)
+        return cls(replace(scene), tuple(swept), curves, band, hand_curves(scene, swept))
 
     @property
     def told(self) -> Told:
@@ -54,6 +57,13 @@ class Kernel:
         for i in left:
             for name, value in exact_answers(self.scene, self.swept, values[:, i].tolist()).items():
                 columns[name][i] = value
+        return self._in_hands(values, columns)
+
+    def _in_hands(self, values: Array, columns: Columns) -> Columns:
+        """With what is told of each hand; the method is that of what took most."""
+        for name, counts, method in held(self.scene, self.swept, self.hands, values):
+            columns[name] = counts
+            columns["method"] = np.maximum(columns["method"], method)
         return columns
 
     def in_floats(self, values: Array) -> tuple[Columns, Array]:

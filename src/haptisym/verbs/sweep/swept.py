@@ -12,7 +12,7 @@ import numpy as np
 from haptisym.judge.answers import Answer
 from haptisym.kernel.shown import counted, titled
 from haptisym.model.scene import Scene
-from haptisym.verbs.sweep.told import EXACT, FLOAT, OPEN, Told
+from haptisym.verbs.sweep.told import EXACT, FLOAT, HELD, INFINITE, OPEN, UNKNOWN, Told
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,6 +45,7 @@ class Swept(Answer):
 
     def _body(self) -> dict[str, Any]:
         data, told = self.data, Told.of(self.scene)
+        held = [_held(data[name]) for name in data.data_vars if str(name).startswith(HELD)]
         methods = [int((data.method == kind).sum()) for kind in (FLOAT, EXACT, OPEN)]
         return {
             "band": [float(x) for x in data.attrs["band"]],
@@ -53,6 +54,7 @@ class Swept(Answer):
             **dict(zip(("certified_in_floats", "exact", "open"), methods, strict=True)),
             "ranges": {name: _range(data[name]) for name in told.floats},
             "counts": {name: _counts(data[name]) for name in told.counts},
+            **({"held": held} if held else {}),
             "out": None if self.out is None else str(self.out),
         }
 
@@ -76,6 +78,15 @@ def _counts(column: xr.DataArray) -> dict[str, int]:
     """How many sets have that many."""
     low, high = int(column.min()), int(column.max())
     return {str(n): found for n in range(max(low, 0), high + 1) if (found := int((column == n).sum()))}
+
+
+def _held(column: xr.DataArray) -> dict[str, Any]:
+    """How many sets are stable in a hand, and how many have that many roots in Re s >= 0."""
+    numbers = [int(n) for n in np.unique(column)]
+    sets = {n: int((column == n).sum()) for n in numbers}
+    infinite, undecided = sets.pop(INFINITE, 0), sets.pop(UNKNOWN, 0)
+    own = {"hand": column.attrs["hand"], "variable": str(column.name), "stable": sets.get(0, 0)}
+    return {**own, "unstable": {str(n): x for n, x in sets.items()}, "infinite": infinite, "undecided": undecided}
 
 
 def _places(data: xr.Dataset, most: int = 5) -> list[dict[str, float]]:
