@@ -394,9 +394,8 @@ def test_the_three_statements_are_in_the_document_each_by_its_name() -> None:
     assert (found["sampled"], found["certified"]) == (None, True)
 
 
-def test_what_has_a_clock_or_a_friction_is_not_decided() -> None:
-    for name in ("stick-with-friction", "wave-variable-link"):
-        assert not hs.stability(name, "postural-arm").certified
+def test_what_has_a_friction_is_not_decided() -> None:
+    assert not hs.stability("stick-with-friction", "postural-arm").certified
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ Source: Colgate and Schenkel (1997). Derivation: 18_sampled_passivity.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -24,9 +25,11 @@ from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.kernel.stability import is_stable
 from haptisym.kernel.symbols import s
+from haptisym.model.catalogue import Effect
 from haptisym.model.sampled import BACK, CLOCKS, SAMPLED_LOOP, controller
 from haptisym.model.scene import Scene
 
+_FORCE = "the clock samples a force that was made in continuous time from more than the position at that instant"
 _TEN = "something other than mass, spring and damper lies between clock and hand"
 
 
@@ -123,16 +126,22 @@ def sampled_passivity(scene: Scene) -> SampledPassivity | None:
     >>> found.needed.value.digits(5), found.passive
     ('0.79000', True)
     """
-    clocks = [x for x in scene.effects if x.model in CLOCKS]
-    if not clocks:
+    if not any(x.model in CLOCKS for x in scene.effects):
         return None
-    T = clocks[0].parameters[0].value
-    if clocks[0].model != SAMPLED_LOOP:
-        return SampledPassivity(T, reason="the clock samples a force that was made in continuous time, no position")
-    device = _device(scene)
+    place = next(i for i, x in enumerate(scene.effects) if x.model in CLOCKS)
+    clock = scene.effects[place]
+    behind: Sequence[Effect] = scene.effects[place + 1 :]
+    T = clock.parameters[0].value
+    if clock.model == SAMPLED_LOOP:
+        C = controller(clock).expression()
+    elif place or (scene.rendered or scene.environment).H.has(s):
+        return SampledPassivity(T, reason=_FORCE)
+    else:
+        C, behind = _held(scene, T, behind)
+    device = _device(behind)
     if device is None:
         return SampledPassivity(T, reason=_TEN)
-    C = controller(clocks[0]).expression().xreplace({BACK: (1 - s) / (1 + s)})
+    C = C.xreplace({BACK: (1 - s) / (1 + s)})
     ring = Ring()
     inner = ring.convert(C).reduced()
     settled = is_stable(inner) is True and inner.numerator.degrees()[0] <= inner.denominator.degrees()[0]
@@ -142,10 +151,18 @@ def sampled_passivity(scene: Scene) -> SampledPassivity | None:
     return SampledPassivity(T, device, (near, far), settled, reason)
 
 
-def _device(scene: Scene) -> Expr | None:
+def _held(scene: Scene, T: Expr, behind: Sequence[Effect]) -> tuple[Expr, Sequence[Effect]]:
+    """A spring whose force is sampled as the controller of its position, with the whole samples that come late behind it."""
+    C, left = (scene.rendered or scene.environment).H, list(behind)
+    while left and left[0].model == "delay" and (count := left[0].parameters[0].value / T).is_Integer:
+        C, left = C * BACK**count, left[1:]
+    return C, left
+
+
+def _device(effects: Sequence[Effect]) -> Expr | None:
     """The damping between clock and hand; None where there is something other than mass, spring and damper, none negative."""
     total = dict.fromkeys("mbk", Integer(0))
-    for effect in scene.effects[1:]:
+    for effect in effects:
         if effect.model != "shunt" or any(p.key not in total for p in effect.parameters):
             return None
         for p in effect.parameters:

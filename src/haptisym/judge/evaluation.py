@@ -18,6 +18,7 @@ from haptisym.judge.climb import Bandwidths
 from haptisym.judge.criteria import JOINT, Criterion, judged, kept, noticed
 from haptisym.judge.crossings import Crossing, Curve, curves, find_crossings, unbounded_points
 from haptisym.judge.effort import Effort, effort
+from haptisym.judge.imposed import force_is_stable
 from haptisym.judge.passivity import Passivity, passivity
 from haptisym.judge.percepts import Felt, Percept, changeovers, find_felt, find_percepts, outside_model, unnamed
 from haptisym.judge.spread import Compared, compared
@@ -25,9 +26,8 @@ from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Chart, Interval, Point, chart
 from haptisym.kernel.shown import counted, titled
-from haptisym.kernel.stability import is_stable
 from haptisym.model.catalogue import Effect
-from haptisym.model.caveats import caveats, sampled_loop
+from haptisym.model.caveats import caveats
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
@@ -267,7 +267,7 @@ def evaluate(scene: Scene | str | Path, digits: int = 15, *, left_out: LeftOut |
     started = time.perf_counter()
     table = chart(curves(distortion, noticed(scene.threshold)), *scene.band)
     isolation = time.perf_counter() - started
-    stable = None if sampled_loop(scene) else is_stable(distortion.perc)
+    stable = force_is_stable(scene, distortion)
     return Evaluation(scene, distortion, table, stable, digits, left_out, isolation)
 
 

@@ -12,16 +12,20 @@ import flint
 from flint import arb
 from sympy import Expr, Integer, Rational, pi
 
+from haptisym.judge.colgate import SampledPassivity, sampled_passivity
 from haptisym.judge.criteria import PASSIVE
+from haptisym.judge.passiveparts import environment_alone
 from haptisym.judge.peaks import Greatest, greatest
 from haptisym.judge.positivereal import poles_allow, power
+from haptisym.kernel.budget import limited
 from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.far import Far, Sense, far
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import Chart, Interval, chart, sign_of_number
 from haptisym.kernel.symbols import omega
-from haptisym.model.caveats import clocks
+from haptisym.model.caveats import clocks, sampled_loop
 from haptisym.model.distortion import Distortion
 from haptisym.model.scene import Scene
 
@@ -29,6 +33,7 @@ _TURNS = 2  # of the longest delay: as far as is listed what goes on for ever
 _GRID = 200
 _BELOW = 1e-3
 _BITS = 128
+_PATIENCE = 10.0  # s, as where delays meet in a chain of roots thousands of peaks may have to be compared
 
 
 class Beyond(Enum):
@@ -71,28 +76,64 @@ class Passivity:
 
     @cached_property
     def holds(self) -> bool | None:
-        """Whether every passive hand may hold the display; None where not decided, or a clock makes it another question."""
-        if self.is_active:
+        """Whether every passive hand may hold the display, with a clock by ``sampled``; None where not decided."""
+        if self.is_active and not sampled_loop(self.scene):  # where the closed form is no approximation
             return False
+        if self.sampled is not None:
+            return self._sampled_holds()
+        if self.has_passive_parts:
+            return True
         if self.beyond is not Beyond.NEVER or self.chart.undecided:
             return None
         return self.poles_allow
 
+    def _sampled_holds(self) -> bool | None:
+        try:
+            return self.sampled.passive if self.sampled else None
+        except UndecidedError:
+            return None
+
+    @cached_property
+    def sampled(self) -> SampledPassivity | None:
+        """With a clock, Colgate and Schenkel's condition."""
+        return sampled_passivity(self.scene)
+
+    @cached_property
+    def has_passive_parts(self) -> bool:
+        """Whether it is made of parts that only take energy."""
+        alone = environment_alone(self.scene)
+        return alone is not None and passivity(alone).holds is True
+
+    @property
+    def takes_energy(self) -> bool:
+        """Whether every passive hand may hold the display, and Im H_perc > 0 at every frequency: for rational dynamics."""
+        if self.distortion.perc_response.raw_imag.is_zero or not self.holds or _ring(self.distortion).lags:
+            return False
+        points = [x for x in self.chart.points if float(x.omega) > 0]
+        signs = [x for p in self.chart.points for x in p.after.values()] + [x for p in points for x in p.at.values()]
+        return not _ring(self.distortion).orders and set(signs) == {-1}
+
     @cached_property
     def poles_allow(self) -> bool | None:
         """Whether H_perc/s has no poles in Re s > 0, and on the axis simple ones with positive residues alone."""
-        return poles_allow(self.distortion.perc)
+        return True if self.has_passive_parts else poles_allow(self.distortion.perc)
 
     @cached_property
     def damping(self) -> Greatest | None:
         """b* = sup(-Im H_perc/omega), at least 0: with it a hand is held whatever its mass and stiffness.
 
         That, where the force under imposed motion is stable. Its frequency is None where it is only approached, far out.
-        None where nothing bounds it, and where that is not decided: ``is_unbounded`` tells.
+        None where nothing bounds it, and where that is not decided: ``is_unbounded`` tells. Found in ten seconds or not at all.
         """
         if not self.is_active:
             return Greatest(ExactNumber(Integer(0)), None)
-        return None if self.beyond is Beyond.CLOCK else _damping(self.distortion, self.high)
+        if self.beyond is Beyond.CLOCK:
+            return None
+        try:
+            with limited(_PATIENCE):
+                return _damping(self.distortion, self.high)
+        except UndecidedError:
+            return None
 
     @cached_property
     def is_unbounded(self) -> bool:

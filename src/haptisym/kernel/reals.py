@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 import flint
 from flint import arb, fmpq
-from sympy import Add, Expr, Integer, Mul, Pow, Rational, cos, log, pi, sin, sinc
+from sympy import Add, Expr, Integer, Mul, Pow, Rational, cos, log, pi, sin, sinc, tan
 
 from haptisym.kernel.decimals import bits_for, outward, rounded
 from haptisym.kernel.errors import UndecidedError
@@ -125,11 +125,11 @@ class SquareRoot(RealNumber):
             return self.square.ball(bits).max(arb(0)).sqrt()
 
 
-_FUNCTIONS: dict[Any, Callable[[Ball], Ball]] = {cos: arb.cos, sin: arb.sin, sinc: arb.sinc, log: arb.log}
+_FUNCTIONS: dict[Any, Callable[[Ball], Ball]] = {cos: arb.cos, sin: arb.sin, tan: arb.tan, sinc: arb.sinc, log: arb.log}
 
 
 def expression_ball(value: Expr, known: Mapping[Expr, Ball] = MappingProxyType({})) -> Ball:
-    """A ball around a number made of rational numbers, pi, roots, logarithms and sines, at the current working precision.
+    """A ball around a number made of rationals, pi, roots, logarithms, sines and tangents, at the current working precision.
 
     ``known``: balls that symbols stand for.
     """
@@ -150,7 +150,9 @@ def expression_ball(value: Expr, known: Mapping[Expr, Ball] = MappingProxyType({
         return (base.log() * expression_ball(value.exp, known)).exp()
     if value.func in _FUNCTIONS:
         return _FUNCTIONS[value.func](expression_ball(value.args[0], known))
-    raise TypeError(f"{value} is not a real number made of rational numbers, pi, roots, logarithms, sines and cosines")
+    raise TypeError(
+        f"{value} is not a real number made of rational numbers, pi, roots, logarithms, sines, cosines and tangents"
+    )
 
 
 def short(x: RealNumber, digits: int = 5) -> str:

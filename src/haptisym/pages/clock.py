@@ -11,6 +11,7 @@ from haptisym.judge.colgate import SampledPassivity
 from haptisym.kernel.reals import ExactNumber
 from haptisym.pages.words import short
 from haptisym.verbs.stability.critical import Nearest
+from haptisym.verbs.stability.passive import EveryPassiveHand
 from haptisym.writing.document import Block, Notes, Paragraph, Phrase, Strong
 from haptisym.writing.names import named
 
@@ -31,10 +32,15 @@ def _rational(x: Fraction) -> Rational:
     return Rational(x.numerator, x.denominator)
 
 
-def sampled_condition(x: SampledPassivity, unit: str) -> Iterator[Block]:
+def sampled_condition(found: EveryPassiveHand, unit: str) -> Iterator[Block]:
     """Whether every passive hand holds a sampled loop, and the damping that the device needs for it."""
-    if x.passive is None:
+    x = found.sampled
+    assert x is not None
+    if found.holds is None:
         yield Paragraph((Strong("UNDECIDED"), f": {_CONDITION} does not apply, as {x.reason}."))
+    elif found.holds is False and x.passive is not False:
+        words = ": there is a passive hand in which a motion grows, as the display gives energy to imposed motion."
+        yield Paragraph((Strong("Does NOT hold"), words))
     elif x.passive:
         yield Paragraph((f"Holds: {_CONDITION} is met on all of 0 < ", named("theta"), " = ", *_ANGLE, " ≤ π."))
     else:

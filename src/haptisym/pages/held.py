@@ -41,22 +41,33 @@ def _imposed(e: Evaluation) -> Phrase:
 
 
 def _of_hands(e: Evaluation, found: Passivity | None) -> Phrase:
-    if found is not None and found.is_active:
-        return "Not with every passive hand: ", _where(found), _energy(e, found), _damping(e, found)
+    if found is not None and found.is_active and found.holds is False:
+        return "Not with every passive hand: ", _where(found), ". ", _energy(e, found), _damping(e, found)
     if found is None or found.holds is None:
         return "Every passive hand: not decided", _as_far(found), "."
+    if found.holds and (found.sampled or found.has_passive_parts):
+        why = (
+            "all parts only take energy"
+            if found.has_passive_parts
+            else "Colgate and Schenkel's condition is met up to θ = π"
+        )
+        return f"Every passive hand may hold it: {why}."
     if found.holds:
         return (
             "Every passive hand may hold it: ",
             _KEPT,
             " at all frequencies, not on this band alone, and no pole forbids it.",
         )
+    if found.sampled:
+        return "Not with every passive hand: Colgate and Schenkel's condition is not met."
     return "Not with every passive hand: ", _KEPT, " at all frequencies, but poles forbid it."
 
 
 def _as_far(found: Passivity | None) -> Phrase:
     if found is None or found.beyond is Beyond.UNKNOWN:
         return ""
+    if found.is_active:
+        return "; ", _where(found), " in a closed form that leaves out what a clock folds back"
     if found.beyond is Beyond.CLOCK:
         upto = short(ExactNumber(found.high))
         return "; ", _KEPT, " up to ", upto, " rad/s, half the clock's rate, which alone does not tell"
@@ -71,7 +82,7 @@ def _where(found: Passivity) -> Phrase:
     again = " and again and again beyond" if found.beyond is Beyond.AGAIN else ""
     more = " and further on" if len(found.active) > _MOST_BANDS and not again else ""
     joined = (before, " and ", last) if before and last else before or last
-    return _BROKEN, " ", joined, again, more, ". "
+    return _BROKEN, " ", joined, again, more
 
 
 def _energy(e: Evaluation, found: Passivity) -> Phrase:

@@ -64,7 +64,8 @@ def _imposed(found: Stability) -> Phrase:
     if x.stable is None:
         return Strong("UNDECIDED"), ": whether all poles of ", H_PERC, " lie in ", _LEFT, "."
     if x.stable:
-        return "Stable: all poles of ", H_PERC, " lie in ", _LEFT, "."
+        near = "; infinitely many come as near to the imaginary axis as one likes" if x.chain else ""
+        return "Stable: all poles of ", H_PERC, " lie in ", _LEFT, near, "."
     count = "" if x.unstable is None else f" {x.unstable}"
     if x.chain:
         return Strong("NOT"), " stable: of the poles of ", H_PERC, f", {_CHAINS[x.chain]}."
@@ -164,10 +165,14 @@ def _reason(x: Held) -> Phrase:
 def _every(x: EveryPassiveHand, unit: str) -> Iterator[Block]:
     p = x.passivity
     if x.sampled is not None:
-        yield from sampled_condition(x.sampled, unit)
+        yield from sampled_condition(x, unit)
+        if x.holds is False and p is not None and p.active:
+            yield Notes((_active(p),))
         return
     if p is None or p.holds is None:
         yield Paragraph((Strong("UNDECIDED"), (": ", x.reason) if p is None else _open(p), "."))
+    elif p.has_passive_parts:
+        yield Paragraph("Holds: all parts only take energy, the environment and each two-port between it and the hand.")
     elif p.holds:
         yield Paragraph(("Holds: ", _IM, " ≥ 0 on all of [0, ∞), and no pole of ", H_PERC, "/s forbids it."))
     else:
@@ -184,15 +189,7 @@ def _open(p: Passivity) -> Phrase:
 
 def _notes(p: Passivity, unit: str) -> Iterator[Phrase]:
     if p.active:
-        yield (
-            "Active (",
-            _IM,
-            " < 0) ",
-            _bands(p),
-            ": there a motion of amplitude A draws the energy −π A² ",
-            _IM,
-            " per cycle.",
-        )
+        yield _active(p)
     if p.holds is False and p.poles_allow is False:
         yield "Whatever a hand damps: a pole of ", H_PERC, "/s to the right, on the axis, at 0 or at ∞ forbids it."
     if p.is_unbounded:
@@ -210,6 +207,11 @@ def _notes(p: Passivity, unit: str) -> Iterator[Phrase]:
         yield (*value, enough, ".")
     elif p.is_active and p.beyond is not Beyond.CLOCK:
         yield Strong("UNDECIDED"), ": how large −", _IM, "/", OMEGA, " becomes."
+
+
+def _active(p: Passivity) -> Phrase:
+    energy = ": there a motion of amplitude A draws the energy −π A² "
+    return "Active (", _IM, " < 0) ", _bands(p), energy, _IM, " per cycle."
 
 
 def _bands(p: Passivity) -> Phrase:

@@ -57,13 +57,17 @@ def _verdict(m: Measured, found: Passivity | None) -> str:
     band = "Im H_perc >= 0 on the whole band" if kept else "Im H_perc < 0 somewhere on the band: active there"
     if found is None:
         return f"{band}; whether that is so at all frequencies was not decided"
+    if found.holds and found.sampled:
+        return f"{band}; every passive hand: holds, by Colgate and Schenkel's condition"
     if found.holds:
         return "every passive hand: holds, as Im H_perc >= 0 at all frequencies and no pole forbids it"
-    if found.is_active:
+    if found.is_active and found.holds is False:
         above = (
             f", but < 0 above it, first from {short(found.active[0].low.omega)} rad/s" if kept and found.active else ""
         )
         return f"{band}{above}; every passive hand: does not hold"
+    if found.beyond is Beyond.CLOCK and found.holds is False:
+        return f"{band}; every passive hand: does not hold, by Colgate and Schenkel's condition"
     if found.beyond is Beyond.CLOCK:
         return f"{band} and up to half the clock's rate; with a clock that does not tell of every passive hand"
     if found.beyond is Beyond.NEVER and found.poles_allow is False:

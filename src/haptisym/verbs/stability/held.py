@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from haptisym.judge.imposed import force_is_stable
+from haptisym.judge.passiveparts import environment_alone
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction
 from haptisym.kernel.rootcount import RootChain, Roots, count_roots
 from haptisym.kernel.shown import Shown
-from haptisym.kernel.stability import is_stable
 from haptisym.kernel.terms import at_least, order_at_0
-from haptisym.model.caveats import clocks, sampled_loop
+from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
 from haptisym.verbs.stability.clocked import clocked_roots
@@ -99,7 +100,10 @@ def held(scene: Scene, hand: Hand) -> Held:
 
 @dataclass(frozen=True)
 class Imposed:
-    """Whether the force under imposed motion is stable, and the number of poles of H_perc in Re s >= 0; None: not decided."""
+    """Whether the force under imposed motion is stable, and the number of poles of H_perc in Re s >= 0; None: not decided.
+
+    ``chain`` : of infinitely many poles; of a stable force it may come as near to the axis as one likes.
+    """
 
     stable: bool | None
     unstable: int | None
@@ -109,13 +113,13 @@ class Imposed:
 def imposed(scene: Scene) -> Imposed:
     """The poles of H_perc."""
     perceived = scene.distortion().perc
-    stable = None if sampled_loop(scene) else is_stable(perceived)
+    stable = force_is_stable(scene, scene.distortion())
     if stable is None:
         return Imposed(stable=None, unstable=None)
-    if stable:
+    if stable and not (ring_of(perceived).lags and environment_alone(scene)):
         return Imposed(stable=True, unstable=0)
     try:
         found = zeros_of(perceived.denominator, perceived.numerator, ring_of(perceived))
     except UndecidedError:
-        return Imposed(stable=stable, unstable=None)
-    return Imposed(stable, found.number, found.chain)
+        return Imposed(stable=stable, unstable=0 if stable else None)
+    return Imposed(stable, 0 if stable else found.number, found.chain)

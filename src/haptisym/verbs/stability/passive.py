@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from haptisym.judge.colgate import SampledPassivity, sampled_passivity
+from haptisym.judge.colgate import SampledPassivity
 from haptisym.judge.passivity import Beyond, Passivity, passivity
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import RealNumber
@@ -16,7 +16,7 @@ from haptisym.model.scene import Scene
 class EveryPassiveHand:
     """Whether every passive hand holds the display, by its ``passivity``; None where that stayed open, for the ``reason``.
 
-    ``sampled`` : with a clock Colgate and Schenkel's condition, which then decides.
+    ``sampled`` : with a clock Colgate and Schenkel's condition, which then decides, but where Im H_perc < 0 tells already.
     """
 
     passivity: Passivity | None
@@ -26,8 +26,6 @@ class EveryPassiveHand:
     @property
     def holds(self) -> bool | None:
         """Of H_perc/s: positive real; with a clock, Colgate and Schenkel's condition."""
-        if self.sampled is not None:
-            return self.sampled.passive
         return None if self.passivity is None else self.passivity.holds
 
     @property
@@ -35,7 +33,7 @@ class EveryPassiveHand:
         """Whether both that and b* were decided."""
         p = self.passivity
         if self.sampled is not None:
-            return self.sampled.passive is not None
+            return self.holds is not None
         return p is not None and p.holds is not None and (p.damping is not None or p.is_unbounded)
 
     def row(self, digits: int) -> dict[str, Any]:
@@ -57,7 +55,7 @@ class EveryPassiveHand:
     def _sampled(self, x: SampledPassivity, digits: int) -> dict[str, Any]:
         """With a clock: ``active`` below its Nyquist frequency, for imposed motion."""
         theta = x.needed.omega if x.needed else None
-        omega = None if theta is None or x.hand_needed is None or x.passive else float(theta) / float(x.T)
+        omega = None if theta is None or x.hand_needed is None or self.holds else float(theta) / float(x.T)
         active = self.passivity.row()["active"] if self.passivity else []
         return {"holds": self.holds, "active": active, **_number(x.hand_needed, digits), "omega": omega}
 
@@ -69,10 +67,10 @@ def _number(x: RealNumber | None, digits: int) -> dict[str, Any]:
 def every_passive_hand(scene: Scene) -> EveryPassiveHand:
     """Whether a display is stable in every passive hand: the one place where that is decided."""
     try:
-        sampled = sampled_passivity(scene)
         found = passivity(scene)
+        sampled = found.sampled
         # what either asks may stay open
-        _ = (found.holds, found.damping) if sampled is None else (sampled.passive, sampled.hand_needed)
+        _ = (found.holds, found.damping) if sampled is None else (found.holds, sampled.hand_needed)
     except UndecidedError as error:
         return EveryPassiveHand(None, str(error))
     return EveryPassiveHand(found, sampled.reason if sampled else "", sampled)
