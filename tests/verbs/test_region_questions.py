@@ -8,10 +8,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from regions import outside
+from hypothesis import given
+from hypothesis import strategies as st
+from jnds import jnds
+from marks import often
+from matplotlib.figure import Figure
+from regions import enlarged, margin, outside
 from sympy import Rational
 
 import haptisym as hs
+from haptisym.figures.require import draw_requirement
 
 PAPER = hs.load_scene("fu2019")
 ELLIPSE = {"shape": "ellipse", "real": 0.1, "imag": 0.12, "tilt": 0.5}
@@ -34,17 +40,114 @@ def change(omega_n: float, omega: float) -> tuple[float, float]:
     return d.real, d.imag
 
 
-@pytest.mark.parametrize("jnd", [ELLIPSE, DIAMOND, {**ELLIPSE, "imag": FORMULA}], ids=["ellipse", "diamond", "formula"])
-def test_a_requirement_is_where_a_scan_of_the_band_leaves_the_region(jnd: dict[str, Any]) -> None:
-    [span] = hs.require(with_jnd(jnd), "omega_n").feasible
+PENTAGON = {
+    "shape": "polygon",
+    "corners": [[0.12, 0], [0.05, 0.1], [-0.1, "0.07 + omega/500"], [-0.09, -0.08], [0.06, -0.1]],
+}
+NARROW = {"real": {"higher": 0.01, "lower": 0.02}, "imag": {"higher": "0.05 + omega/200", "lower": 0.2}, "floor": 3}
+REQUIRED = {
+    "ellipse": ELLIPSE, "diamond": DIAMOND, "formula": {**ELLIPSE, "imag": FORMULA}, "polygon": POLYGON,
+    "moving polygon": PENTAGON, "floor": FLOOR, "limits for each way": SIDED, "both": NARROW,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", often(REQUIRED, lambda name: name in ("ellipse", "polygon", "limits for each way")))
+def test_a_requirement_is_where_a_scan_of_the_band_leaves_the_region(name: str) -> None:
+    jnd = REQUIRED[name]
+    found = hs.require(with_jnd(jnd), "omega_n")
+    [span] = found.feasible
     end = float(span.low.value)  # type: ignore[arg-type]
-    band = np.linspace(1e-3, 15, 3001)
+    [bound] = [x.omega for x in span.low.bindings]
+    band = [*np.linspace(1e-3, 15, 1001), float(bound)]  # type: ignore[arg-type]
 
     def worst(omega_n: float) -> float:
-        return max(outside(jnd, *change(omega_n, w), w) for w in band)
+        return max(noticed(jnd, omega_n, w) for w in band)
 
     assert worst(end * (1 + 1e-7)) < 0 < worst(end * (1 - 1e-7))
     assert span.high.value is None
+
+
+def test_where_two_limits_meet_a_requirement_binds_at_a_corner_that_no_slope_tells() -> None:
+    """A mass too much: the change omega^2 dm reaches the limit for lower just where the magnitude stops to shrink."""
+    jnd = {"real": {"higher": 0.3, "lower": "1/20"}, "imag": 0.5}
+    scene = hs.Scene(hs.environments.mass_spring_damper(1, 15, 100), (hs.effects.shunt(m=0.1),), (0, 25), jnd)
+    found = hs.require(scene, "shunt.m", ("0.001", "0.9"))
+    [span] = found.feasible
+    [binding] = span.high.bindings
+    assert binding.kind.value == "tangency"
+    m, w = float(span.high.value), float(binding.omega)  # type: ignore[arg-type]
+    env, perc = 100 - w**2, 100 - (1 + m) * w**2
+    assert perc == pytest.approx(-env, rel=1e-12)  # as large as it was
+    assert m * w**2 / abs(100 - w**2 + 15j * w) == pytest.approx(1 / 20, rel=1e-12)
+
+
+def test_with_a_delay_a_corner_is_known_to_any_digits() -> None:
+    jnd = {"real": {"higher": 0.3, "lower": "1/20"}, "imag": 5}
+    late = hs.Scene(
+        hs.environments.mass_spring_damper(1, 15, 100), (hs.effects.shunt(m="1/25"), hs.effects.delay("1 ns")), (0, 25), jnd
+    )  # fmt: skip
+    found = hs.require(late, "shunt.m", ("0.0755", "0.0775"), digits=30)
+    [span] = found.feasible
+    [binding] = span.high.bindings
+    m, w = (complex(x.digits(30)) for x in (span.high.value, binding.omega))  # type: ignore[union-attr]
+    H = 100 - w**2 + 15j * w
+    G = (H - m * w**2) * np.exp(-1e-9j * w)
+    assert abs(G.real) == pytest.approx(abs(H.real), rel=1e-9)
+    assert abs((G - H).real) == pytest.approx(abs(H) / 20, rel=1e-9)
+
+
+def test_a_free_limit_leaves_a_floor_as_it_is() -> None:
+    """With 15 N/m the change of the real part, 14.1 N/m at most below 8.2 rad/s, is felt whatever c is only beyond."""
+    scene = with_jnd(FLOOR)
+    [span] = hs.require(scene, "jnd.real", part=hs.Part.REAL).feasible
+    c = float(span.low.value)  # type: ignore[arg-type]
+    band = np.linspace(1e-3, 15, 20001)
+    s = 1j * band
+    H = 1.8 * s**2 + 15 * s + 100
+    x = abs((H * (6400 / (s**2 + 80 * s + 6400) - 1)).real)
+    assert c == pytest.approx(max((x / abs(H))[x > 15]), rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["ellipse", "floor", "limits for each way", "formula"])
+def test_the_curve_over_a_free_limit_meets_1_where_the_set_ends(name: str) -> None:
+    jnd = {**REQUIRED, "formula": FORMULA, "ellipse": {**ELLIPSE, "imag": 0.1}}[name]
+    found = hs.require(with_jnd(jnd), "jnd")
+    [end] = [float(x.value) for x in found.ends]  # type: ignore[arg-type]
+    lines = draw_requirement(Figure().add_subplot(), found)
+    at = [np.interp(end, line.get_xdata(), line.get_ydata()) for line in lines]
+    assert max(at) == pytest.approx(1, abs=2e-3)
+
+
+@pytest.mark.slow
+@given(jnds(), st.integers(0, 10**6))
+def test_any_region_binds_a_requirement_where_plain_arithmetic_says_so(jnd: dict[str, Any], n: int) -> None:
+    m, b, k, lag = 0.5 + n % 3, 1 + n % 7, 20 + n % 101, 15 + n % 53
+    path = ["omega_c", "environment.k", "shunt.m"][n % 3]
+    display = (hs.effects.shunt(m="3/50"), hs.effects.first_order_lag(lag))
+    scene = hs.Scene(hs.environments.mass_spring_damper(m, b, k), display, (0, 12), jnd)
+    own = scene.knobs[path].value
+    found = hs.require(scene, path, (own / 4, own * 4))
+    marks = [float(x.omega) for end in found.ends for x in end.bindings if x.omega is not None]
+    band = [x for w in [0.0, *marks] for x in w + np.linspace(-1e-2, 1e-2, 201) if 0 < x <= 12] + [
+        *np.linspace(0.01, 12, 400)
+    ]
+
+    def worst(value: float) -> float:
+        dm, rate, stiff = (
+            {path: value}.get(x, y) for x, y in (("shunt.m", 0.06), ("omega_c", lag), ("environment.k", k))
+        )
+        margins = []
+        for w in band:
+            H = m * (1j * w) ** 2 + b * 1j * w + stiff
+            margins.append(margin(jnd, H, (H - dm * w**2) * rate / (1j * w + rate), w))
+        return max(margins)
+
+    ends = [float(end.value) for end in found.ends]  # type: ignore[arg-type]
+    for value in [float(own) / 3.3, float(own) * 1.07, *(x * share for x in ends for share in (1 - 1e-4, 1 + 1e-4))]:
+        if not float(own) / 4 < value < float(own) * 4 or abs(by := worst(value)) < 1e-5:
+            continue
+        inside = any(float(x.low.value) <= value <= float(x.high.value) for x in found.feasible)  # type: ignore[arg-type]
+        assert inside == (by < 0) or (inside is False and by < 0 and by > -2e-3 and not marks), (value, by)
 
 
 @pytest.mark.parametrize("shape", ["ellipse", "diamond"])
@@ -59,6 +162,13 @@ def test_a_free_threshold_of_a_region_is_how_many_times_that_of_one_must_be_enla
     scaled = {**unit, "real": end, "imag": end}
     found = max(outside(scaled, *change(80, w), w) for w in np.linspace(1e-3, 15, 3001))
     assert found == pytest.approx(0, abs=1e-9)
+
+
+def noticed(jnd: dict[str, Any], omega_n: float, omega: float) -> float:
+    """By how much a change of the paper's example is noticed."""
+    s = 1j * omega
+    H = 1.8 * s**2 + 15 * s + 100
+    return margin(jnd, H, H * omega_n**2 / (s**2 + omega_n * s + omega_n**2), omega)
 
 
 @pytest.mark.parametrize("jnd", [ELLIPSE, FORMULA], ids=["ellipse", "formula"])
@@ -106,6 +216,45 @@ def test_peaks_of_a_diamond_are_those_of_a_dense_scan() -> None:
     assert [float(x.ratio) for x in found] == pytest.approx(times[tops], rel=1e-8)
 
 
+PEAKED = {
+    "polygon": PENTAGON, "floor": {"real": 0.1, "imag": 0.1, "floor": "1 + omega/5"}, "limits for each way": SIDED, "both": NARROW,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", PEAKED)
+def test_peaks_are_where_the_region_must_be_enlarged_most_by_a_dense_scan(name: str) -> None:
+    jnd = PEAKED[name]
+    filters = (hs.effects.series("1 + 0.4*s/(s^2 + 2*s + 9) - 0.2*s/(s^2 + 3*s + 60)"),)
+    scene = hs.Scene(hs.environments.mass_spring_damper(1, 3, 20), filters, (0, 15), jnd)
+    band = np.linspace(0.01, 14.99, 6001)
+    s = 1j * band
+    H = s**2 + 3 * s + 20
+    G = H * (1 + 0.4 * s / (s**2 + 2 * s + 9) - 0.2 * s / (s**2 + 3 * s + 60))
+    found = hs.peaks(scene)
+    scanned = [enlarged(jnd, *row) for row in zip(H, G, band, strict=True)]
+    for part in scanned[0]:
+        times = np.array([x[part] for x in scanned])
+        tops = np.flatnonzero((times[1:-1] > times[:-2]) & (times[1:-1] > times[2:])) + 1
+        own = [x for x in found if x.criterion.name == part and x.in_limits]
+        if not own and part in jnd and not isinstance(jnd[part], dict):
+            continue  # the ratio itself, as of the square
+        assert [float(x.omega) for x in own] == pytest.approx(band[tops], abs=4e-3)
+        assert [float(x.ratio) for x in own] == pytest.approx(times[tops], rel=4e-3)
+
+
+def test_a_peak_where_the_limit_changes_is_said_to_be_one() -> None:
+    scene = hs.Scene(hs.environments.mass_spring_damper(1, 15, 100), (hs.effects.shunt(m=0.1),), (0, 25), {
+        "real": {"higher": 0.3, "lower": "1/20"}, "imag": 0.5})  # fmt: skip
+    [peak] = [x for x in hs.peaks(scene) if x.jump]
+    w = float(peak.omega)
+    assert 100 - w**2 == pytest.approx(-(100 - 1.1 * w**2), rel=1e-12)
+    assert float(peak.ratio) == pytest.approx(0.1 * w**2 / abs(100 - w**2 + 15j * w) * 20, rel=1e-12)
+    [row] = [x for x in hs.peaks(scene).to_dict()["peaks"] if "limit" in x]
+    assert row["limit"] == "changes"
+    assert "r_r over its limit" in str(hs.peaks(scene))
+    assert "the limit changes" in str(hs.peaks(scene))
+
+
 def test_several_environments_take_a_region() -> None:
     family = hs.SceneFamily({"paper": with_jnd(ELLIPSE), "heavy": with_jnd(ELLIPSE, m="3 kg")})
     found = hs.evaluate_all(family)
@@ -118,10 +267,8 @@ Asked = Callable[[hs.Scene], object]
 REFUSED: dict[str, tuple[Asked, list[Any]]] = {
     "effects": (hs.relevance, [ELLIPSE, DIAMOND, POLYGON, FLOOR, SIDED]),
     "sensitivity": (hs.sensitivity, [DIAMOND, POLYGON, FLOOR, SIDED]),
-    "require": (lambda s: hs.require(s, "omega_n"), [POLYGON, FLOOR, SIDED]),
     "one limit of a joint region": (lambda s: hs.require(s, "jnd.real"), [ELLIPSE, DIAMOND, POLYGON]),
     "any environment": (lambda s: hs.require(s, "omega_n", any_environment=True), [ELLIPSE, POLYGON, FORMULA]),
-    "peaks": (hs.peaks, [POLYGON, FLOOR, SIDED]),
     "a formula of the crossings": (lambda s: hs.derive(s)["p_r"], [ELLIPSE, POLYGON, FORMULA]),
     "a certificate": (lambda s: hs.evaluate(s).certificate(), [ELLIPSE, FORMULA]),
     "a range": (lambda s: s.with_values({"jnd": "0.1 +- 10 %"}), [ELLIPSE, DIAMOND, FLOOR]),

@@ -37,11 +37,12 @@ from haptisym.model.distortion import Distortion
 from haptisym.model.knobs import THRESHOLD
 from haptisym.model.parameters import values
 from haptisym.verbs.require.cells import BITS, Leaf, ValueSearch, _bound_by_phase, _middle
+from haptisym.verbs.require.clusters import Strips, _Box, _clusters, _place, places
 from haptisym.verbs.require.criticalvalues import Problem
 from haptisym.verbs.require.entry import is_quick
 from haptisym.verbs.require.feasible import End, Kind, Span, spanned
 from haptisym.verbs.require.freeparameter import Domain, conditions, domain
-from haptisym.verbs.require.places import CellVerdict, CriticalPlace, MaximumAt, Strip, _Box, _clusters, _place, places
+from haptisym.verbs.require.places import CellVerdict, CriticalPlace, MaximumAt, Strip
 from haptisym.verbs.require.required import Requirement
 from haptisym.verbs.require.solving import ValueLine
 from haptisym.verbs.require.strips import Shape, _wave
@@ -753,9 +754,13 @@ def strip_of(formula: Expr, low: float, high: float) -> Strip:
     return Strip.of(Shape.of(condition(formula), T), arb(low), arb(high))
 
 
+def alone(formula: Expr, low: float, high: float) -> Strips:
+    return Strips((strip_of(formula, low, high),))
+
+
 def kinds(formula: Expr, low: float, high: float, band: tuple[Expr, Expr] = BAND) -> object:
     with flint.ctx.workprec(BITS):
-        found = places(strip_of(formula, low, high), band)
+        found = places(alone(formula, low, high), band)
         return found if isinstance(found, CellVerdict) else [x.kind.value for x in found]
 
 
@@ -788,10 +793,10 @@ def test_a_condition_binds_at_an_edge_or_a_maximum_or_nowhere(
 def test_a_band_that_starts_above_zero_has_its_start_there() -> None:
     with flint.ctx.workprec(BITS):
         strip = strip_of(5 - OMEGA**2 / 45 - T, 4.85, 5.0)
-        [place] = places(strip, (Integer(2), Integer(15)))
+        [place] = places(Strips((strip,)), (Integer(2), Integer(15)))
         assert (place.kind, place.omega) == (Kind.START, 2)
         assert float(strip.crossing(place)) == pytest.approx(5 - 4 / 45, rel=1e-15)
-        [edge] = places(strip_of(OMEGA**2 / 45 - T, 4.9, 5.1), (Integer(2), Integer(15)))
+        [edge] = places(alone(OMEGA**2 / 45 - T, 4.9, 5.1), (Integer(2), Integer(15)))
         assert (edge.kind, edge.omega) == (Kind.EDGE, 15)
 
 
@@ -799,7 +804,7 @@ def test_a_maximum_is_known_to_many_digits_with_the_value_at_which_it_touches() 
     formula = OMEGA**2 * (225 - OMEGA**2) ** 2 / 338000 - T
     with flint.ctx.workprec(BITS):
         strip = strip_of(formula, 4.95, 5.05)
-        [place] = places(strip, BAND)
+        [place] = places(Strips((strip,)), BAND)
         assert strip.signs(place) == (1, -1)
         value = strip.crossing(place)
     exact = Rational(75 * 150**2, 338000)
@@ -967,21 +972,21 @@ def test_the_middle_of_a_cell_lies_inside_and_of_a_long_one_near_its_geometric_m
 def test_a_long_delay_breaks_a_condition_as_soon_as_a_piece_of_the_band_holds_all_its_phases() -> None:
     """r_i = |sin(omega tau)| at a quarter turn is 1 all over the band of 15 rad/s: it holds all phases from 2 pi/15 s on."""
     form = Form(LATE, "tau")
-    bound = _bound_by_phase(form.conditions[IMAG], form.free.symbol, LATE.band)
+    bound = _bound_by_phase([form.conditions[IMAG]], form.free.symbol, LATE.band)
     assert float(bound) == pytest.approx(2 * np.pi / 15 / 0.99, rel=1e-12)
     wide_band = LATE.with_band(5, 45)
-    bound = _bound_by_phase(Form(wide_band, "tau").conditions[IMAG], form.free.symbol, wide_band.band)
+    bound = _bound_by_phase([Form(wide_band, "tau").conditions[IMAG]], form.free.symbol, wide_band.band)
     assert float(bound) == pytest.approx(2 * np.pi / 40 / 0.99, rel=1e-12)
-    assert _bound_by_phase(Form(*TOLD["a hold beside a filter"][:2]).conditions[IMAG], symbols("zeta"), BAND) is None
+    assert _bound_by_phase([Form(*TOLD["a hold beside a filter"][:2]).conditions[IMAG]], symbols("zeta"), BAND) is None
     loose = Form(hs.Scene(SPRING, (effects.delay("5 ms"),), (0, 15), hs.Threshold.of(3, 3)), "tau")
-    assert _bound_by_phase(loose.conditions[IMAG], form.free.symbol, BAND) is None
+    assert _bound_by_phase([loose.conditions[IMAG]], form.free.symbol, BAND) is None
 
 
 def test_a_delay_is_tried_at_several_phases() -> None:
     """r_r = 1 - cos(omega tau) is above 1.5 about half a turn, not at a quarter of one."""
     late = hs.Scene(SPRING, (effects.delay("5 ms"),), (0, 15), hs.Threshold.of("1.5", 3))
     form = Form(late, "tau")
-    bound = _bound_by_phase(form.conditions[REAL], form.free.symbol, late.band)
+    bound = _bound_by_phase([form.conditions[REAL]], form.free.symbol, late.band)
     assert float(bound) == pytest.approx(2 * np.pi / 15 / 0.99, rel=1e-12)
 
 

@@ -82,6 +82,22 @@ def _part(jnd: Jnd, part: str, h: float, g: float, size: float, omega: float) ->
     return abs(g - h) / size - max(limit, floor)
 
 
+def enlarged(jnd: Jnd, H: complex, G: complex, omega: float) -> dict[str, float]:
+    """How many times a polygon, or the limit of a part, must be enlarged to hold a change."""
+    size = abs(H)
+    if "shape" in jnd:
+        corners = [(number(p, omega), number(q, omega)) for p, q in jnd["corners"]]
+        x, y = (G - H).real / size, (G - H).imag / size
+        return {"joint": 1 + max(_beyond(p, q, x, y) for p, q in _edges(corners))}
+    found = {}
+    for part, h, g in (("real", H.real, G.real), ("imag", H.imag, G.imag)):
+        given = jnd[part]
+        own = given["higher" if abs(g) > abs(h) else "lower"] if isinstance(given, Mapping) else given
+        floor = number(jnd["floor"], omega) / size if "floor" in jnd else 0.0
+        found[part] = abs(g - h) / size / max(number(own, omega), floor)
+    return found
+
+
 def middle(ends: tuple[float, float], share: float) -> float:
     """A frequency of a band."""
     return math.fsum([ends[0] * (1 - share), ends[1] * share])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from sympy import Expr
+from sympy import Expr, Float, S
 
 from haptisym.figures.judged import judged, limit_of
 from haptisym.figures.scales import RADIANS, Scale, band_scale
@@ -37,7 +38,7 @@ from haptisym.model.distortion import Distortion
 from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
 from haptisym.model.quantities import Dimension
-from haptisym.programs.values import Array
+from haptisym.programs.values import Array, Values
 from haptisym.verbs.require.feasible import Span
 from haptisym.verbs.require.required import Requirement
 
@@ -157,9 +158,13 @@ def _draw_set(ax: Axes, found: Requirement, look: Look, scale: Scale, window: tu
 
 def _window(found: Requirement) -> tuple[float, float]:
     """The values drawn: the range, cut where it is unbounded to about the ends of the set and the scene's own value."""
-    known = [float(found.free.value), *(float(end.value) for end in found.ends if end.value is not None)]
+    own = found.free.value
+    known = [
+        *([] if own.free_symbols else [float(own)]),
+        *(float(end.value) for end in found.ends if end.value is not None),
+    ]
     low, high = found.domain.low, found.domain.high
-    reach = 2 * max(abs(x) for x in known) or 1.0
+    reach = 2 * max((abs(x) for x in known), default=0.0) or 1.0
     return (float(low) if low is not None else -reach), (float(high) if high is not None else reach)
 
 
@@ -179,9 +184,18 @@ def _worst(found: Requirement, t: Array) -> dict[Criterion, Array]:
     omega = np.linspace(start, end, _GRID)[:, None]
     with np.errstate(all="ignore"):
         at = f(omega, **({} if free.parts else {free.symbol.name: t[None, :]}))
-        ratios = {x: own for x in found.criteria if (own := judged(x, at, omega)) is not None}
-    return {x: np.nanmax(ratio / _threshold(found, x, t), axis=0) for x, ratio in ratios.items()}
+        curves = {x: _against(x, free, at, omega, t) for x in found.criteria}
+    return {x: curve for x, curve in curves.items() if curve is not None}
 
 
-def _threshold(found: Requirement, x: Criterion, t: Array) -> Array:
-    return t[None, :] if x.depends_on(found.free.parts) else np.asarray(limit_of(x))
+def _against(x: Criterion, free: Knob, at: Values, omega: Array, t: Array) -> Array | None:
+    """The largest ratio to its limit over the frequencies; where the parameter is that limit, at each of its values."""
+    if not x.depends_on(free.parts):
+        own = judged(x, at, omega)
+        return None if own is None else np.nanmax(own / limit_of(x), axis=0)
+    if x.region is None:
+        own = judged(replace(x, threshold=S.One), at, omega)
+        return None if own is None else np.nanmax(own / t[None, :], axis=0)
+    opened = (replace(x, region=x.region.opened(dict.fromkeys(free.parts, Float(c)))) for c in t)
+    values = (judged(one, at, omega) for one in opened)
+    return np.array([np.nan if own is None else np.nanmax(own) for own in values])

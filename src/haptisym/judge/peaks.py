@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property, reduce
 from pathlib import Path
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar
 
 import flint
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
@@ -14,15 +14,15 @@ from sympy import CRootOf, Expr, Integer, Poly, Symbol, sqrt
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.criteria import Criterion, Judged, noticed
+from haptisym.judge.envelopes import Envelope
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.levels import the_one
 from haptisym.kernel.polynomials import PolynomialFactor, Root
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot
 from haptisym.kernel.response import RealFunction
-from haptisym.kernel.roots import Key, Point, chart
+from haptisym.kernel.roots import Key, chart
 from haptisym.kernel.shown import Shown, counted, titled
 from haptisym.kernel.zeros import Zero
-from haptisym.model.distortion import Distortion
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 
@@ -41,19 +41,32 @@ class ValueAt(RealNumber):
 
 @dataclass(frozen=True, repr=False)
 class Peak(Judged, Shown):
-    """A frequency inside the band, rad/s, at which a ratio has a local maximum; ``ratio``: how large it is. Certified."""
+    """A frequency inside the band, rad/s, at which a ratio has a local maximum; ``ratio``: how large it is. Certified.
+
+    ``jump`` : whether the limit changes there: the ratio then comes as near to this as one likes on one side, and drops.
+    """
 
     criterion: Criterion
     omega: RealNumber
     square: RealFunction = field(repr=False)
+    jump: bool = False
 
     def _line(self) -> str:
-        return f"{self.criterion.symbol} = {self.ratio.digits(6)} at {self.omega.digits(6)} rad/s"
+        what = f"{self.criterion.symbol} over its limit" if self.in_limits and self.part else self.criterion.symbol
+        return f"{what} = {self.ratio.digits(6)} at {self.omega.digits(6)} rad/s"
 
     def row(self) -> dict[str, Any]:
         """As a row of a document."""
         shown = {"omega": float(self.omega), "digits": self.omega.digits(), "enclosure": list(self.omega.enclosure())}
-        return {"part": self.criterion.name, **shown, "ratio": float(self.ratio), "ratio_digits": self.ratio.digits()}
+        jump = {"limit": "changes"} if self.jump else {}
+        return {
+            "part": self.criterion.name, **shown, "ratio": float(self.ratio), "ratio_digits": self.ratio.digits(), **jump,
+        }  # fmt: skip
+
+    @property
+    def in_limits(self) -> bool:
+        """Whether the ratio is how many times a limit, or a region, must be enlarged."""
+        return self.criterion.region is not None
 
     @property
     def ratio(self) -> RealNumber:
@@ -63,9 +76,9 @@ class Peak(Judged, Shown):
     def threshold(self) -> Expr | None:
         """The ratio as an exact algebraic number, fit for a ``Threshold``: the display then touches it here.
 
-        None where the numbers of the scene are not all rational, and of a region that judges both parts at once.
+        None where the numbers of the scene are not all rational, and where the ratio is how many times a limit is met.
         """
-        if self.criterion.joint:
+        if self.in_limits:
             return None
         f, axis = self.square.function, self.square.axis
         top, bottom = (axis.univariate(p) for p in (f.numerator, f.denominator))
@@ -117,6 +130,8 @@ class Peaks(Answer, tuple[Peak, ...]):
 def peaks(scene: Scene | str | Path) -> Peaks:
     """All local maxima of r_r and r_i inside the band, in ascending order: proven, none missed, none invented.
 
+    Of a JND region, or of a part with a floor or limits for each way, how many times it must be enlarged is the ratio.
+
     >>> from haptisym import effects, environments
     >>> spring = Scene(environments.mass_spring_damper(k=100), (effects.series("1 + 0.4*s/(s^2 + 2*s + 9)"),))
     >>> [(p.criterion.name, p.omega.digits(3), p.ratio.digits(3), p.threshold) for p in peaks(spring)]
@@ -125,36 +140,18 @@ def peaks(scene: Scene | str | Path) -> Peaks:
     scene = as_scene(scene)
     scene.knobs.need_numbers()
     d = scene.distortion()
-    squares = {(x, i): f for x in noticed(scene.threshold) for i, f in enumerate(_squares(x, d))}
-    functions: dict[Key, RealFunction] = {key: square.derivative() for key, square in squares.items()}
-    functions |= {(one, other): squares[one] - squares[other] for one in squares for other in _rivals(one, squares)}
+    envelopes = [Envelope.of(x, d) for x in noticed(scene.threshold)]
+    functions: dict[Key, RealFunction] = {}
+    for envelope in envelopes:
+        functions |= envelope.functions()
     table = chart(functions, *scene.band)
     found = (
-        Peak(key[0], point.omega, square)
+        Peak(envelope.criterion, point.omega, top.square, top.jump)
         for point in table.points[1:-1]
-        for key, square in squares.items()
-        if (point.before[key], point.after[key]) == (1, -1) and point.orders[key] > 0  # no pole
-        if all(_is_larger(point, key, other) for other in _rivals(key, squares))
+        for envelope in envelopes
+        if (top := envelope.top(point))
     )
     return Peaks(scene, found, (point.omega for point in table.undecided))
-
-
-_Key: TypeAlias = tuple[Criterion, int]
-"""One of the squares of which a criterion judges the largest."""
-
-
-def _squares(x: Criterion, d: Distortion) -> tuple[RealFunction, ...]:
-    return x.region.squares(d) if x.region else (x.measure(d),)
-
-
-def _rivals(key: _Key, squares: Iterable[_Key]) -> list[_Key]:
-    return [other for other in squares if other[0] == key[0] and other != key]
-
-
-def _is_larger(point: Point, one: _Key, other: _Key) -> bool:
-    """Whether a square is the largest at a point and to both sides; of two that are the same the first."""
-    signs = [side[one, other] for side in (point.before, point.at, point.after)]
-    return min(signs) >= 0 and (any(signs) or one[1] < other[1])
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 from sympy import Expr, Integer, S
 
@@ -20,11 +20,21 @@ from haptisym.model.jnd import Part
 from haptisym.model.regions import Corner
 
 
+class Term(NamedTuple):
+    """One way to be outside: at frequencies at which all of ``where`` are positive, as soon as all squares are above 1."""
+
+    where: tuple[RealFunction, ...]
+    squares: tuple[RealFunction, ...]
+
+
 class Region(Protocol):
     """What is judged of a change at each frequency, and what is drawn of it."""
 
     def __call__(self, d: Distortion) -> RealFunction:
         """The square of what must not exceed 1; SceneError where that is not one smooth function."""
+
+    def terms(self, d: Distortion) -> tuple[Term, ...]:
+        """All ways to be outside; the square of how many times the region must be enlarged is the largest of their least ones."""
 
     def squares(self, d: Distortion) -> tuple[RealFunction, ...]:
         """The squares of which the largest must not exceed 1; SceneError where it is not made of such."""
@@ -76,8 +86,40 @@ class Change:
         return RealFunction((x / self.square - self.number(limit) ** 2).reduced())
 
 
+class InTerms:
+    """A region of which all is told by its terms."""
+
+    def terms(self, d: Distortion) -> tuple[Term, ...]:
+        raise NotImplementedError
+
+    @property
+    def words(self) -> str:
+        raise NotImplementedError
+
+    def __call__(self, d: Distortion) -> RealFunction:
+        found = self.squares(d)
+        if len(found) > 1:
+            raise _not_smooth(self.words)
+        return found[0]
+
+    def squares(self, d: Distortion) -> tuple[RealFunction, ...]:
+        found = self.terms(d)
+        if any(x.where or len(x.squares) > 1 for x in found):
+            raise _not_smooth(self.words)
+        return tuple(x.squares[0] for x in found)
+
+    def exceeded(self, d: Distortion) -> Signed:
+        found = tuple((*x.where, *map(_above_one, x.squares)) for x in self.terms(d))
+        return found[0][0] if len(found) == len(found[0]) == 1 else Lattice(found)
+
+
+def _above_one(square: RealFunction) -> RealFunction:
+    f = square.function
+    return RealFunction(f.ring.function(f.numerator - f.denominator, f.denominator))
+
+
 @dataclass(frozen=True)
-class Ellipse:
+class Ellipse(InTerms):
     """(x/a)^2 - 2 t (x/a)(y/b) + (y/b)^2 <= 1 - t^2."""
 
     real: Expr
@@ -85,17 +127,15 @@ class Ellipse:
     tilt: Expr = Integer(0)
     kind: ClassVar[str] = "ellipse"
 
-    def __call__(self, d: Distortion) -> RealFunction:
+    @property
+    def words(self) -> str:
+        return "an ellipse"
+
+    def terms(self, d: Distortion) -> tuple[Term, ...]:
         w = Change(d)
         u, v, t = w.part(Part.REAL) / w.number(self.real), w.part(Part.IMAG) / w.number(self.imag), w.number(self.tilt)
-        return w.over((u * u + v * v - w.number(Integer(2)) * t * u * v) / w.number(1 - self.tilt**2))
-
-    def squares(self, d: Distortion) -> tuple[RealFunction, ...]:
-        return (self(d),)
-
-    def exceeded(self, d: Distortion) -> Signed:
-        f = self(d).function
-        return RealFunction(f.ring.function(f.numerator - f.denominator, f.denominator))
+        square = w.over((u * u + v * v - w.number(Integer(2)) * t * u * v) / w.number(1 - self.tilt**2))
+        return (Term((), (square,)),)
 
     def projected(self, d: Distortion, part: Part) -> Signed:
         w = Change(d)
@@ -114,24 +154,21 @@ class Ellipse:
 
 
 @dataclass(frozen=True)
-class Diamond:
+class Diamond(InTerms):
     """|x|/a + |y|/b <= 1: both sums x/a + y/b and x/a - y/b are at most 1 large."""
 
     real: Expr
     imag: Expr
     kind: ClassVar[str] = "diamond"
 
-    def __call__(self, d: Distortion) -> RealFunction:
-        raise _not_smooth(self.kind)
+    @property
+    def words(self) -> str:
+        return "a diamond"
 
-    def squares(self, d: Distortion) -> tuple[RealFunction, ...]:
+    def terms(self, d: Distortion) -> tuple[Term, ...]:
         w = Change(d)
         u, v = w.part(Part.REAL) / w.number(self.real), w.part(Part.IMAG) / w.number(self.imag)
-        return tuple(w.over(x * x) for x in (u + v, u - v))
-
-    def exceeded(self, d: Distortion) -> Signed:
-        one = Change(d).number(S.One)
-        return Lattice.largest(RealFunction((x.function - one).reduced()) for x in self.squares(d))
+        return tuple(Term((), (w.over(x * x),)) for x in (u + v, u - v))
 
     def projected(self, d: Distortion, part: Part) -> Signed:
         w = Change(d)
@@ -149,17 +186,15 @@ class Diamond:
 
 
 @dataclass(frozen=True)
-class Polygon:
+class Polygon(InTerms):
     """p x + q y <= 1 for each edge: outside where p Re dH + q Im dH is positive and larger than |H_env|."""
 
     corners: tuple[Corner, ...]
     kind: ClassVar[str] = "polygon"
 
-    def __call__(self, d: Distortion) -> RealFunction:
-        raise _not_smooth(self.kind)
-
-    def squares(self, d: Distortion) -> tuple[RealFunction, ...]:
-        raise _not_smooth(self.kind)
+    @property
+    def words(self) -> str:
+        return "a polygon"
 
     @property
     def edges(self) -> tuple[Corner, ...]:
@@ -170,20 +205,20 @@ class Polygon:
             found.append(((up - y) / area, (x - right) / area))
         return tuple(found)
 
-    def exceeded(self, d: Distortion) -> Signed:
+    def terms(self, d: Distortion) -> tuple[Term, ...]:
         return self._outside(d, tuple(Part))
 
     def projected(self, d: Distortion, part: Part) -> Signed:
-        return self._outside(d, (part,))
+        return Lattice(tuple((*x.where, *map(_above_one, x.squares)) for x in self._outside(d, (part,))))
 
-    def _outside(self, d: Distortion, parts: tuple[Part, ...]) -> Signed:
+    def _outside(self, d: Distortion, parts: tuple[Part, ...]) -> tuple[Term, ...]:
         w = Change(d)
         found = []
         for edge in self.edges:
             own = [w.number(edge[0 if part is Part.REAL else 1]) * w.part(part) for part in parts]
             along = (own[0] + own[1] if len(own) == 2 else own[0]).reduced()
-            found.append((RealFunction(along), w.beyond(along * along)))
-        return Lattice(tuple(found))
+            found.append(Term((RealFunction(along),), (w.over(along * along),)))
+        return tuple(found)
 
     def nearer(self, d: Distortion) -> Signed:
         w = Change(d)
@@ -205,7 +240,7 @@ class Polygon:
 
 
 @dataclass(frozen=True)
-class Sided:
+class Sided(InTerms):
     """One part, with a limit for a magnitude that grows and one for a magnitude that shrinks, or with a floor, or both.
 
     Where the part is as large as it was, the larger limit holds, so that what is not noticed is a closed set.
@@ -221,28 +256,21 @@ class Sided:
         """Whether it matters in which way the part changes."""
         return bool(self.higher != self.lower)
 
-    def __call__(self, d: Distortion) -> RealFunction:
-        return self.squares(d)[0]
+    @property
+    def words(self) -> str:
+        return f"a JND with {'limits for higher and lower' if self.has_sides else 'a floor'}"
 
-    def squares(self, d: Distortion) -> tuple[RealFunction, ...]:
-        if self.has_sides or self.floor is not None:
-            what = "limits for higher and lower" if self.has_sides else "a floor"
-            raise SceneError(f"a JND with {what} makes no smooth ratio, which this question needs")
+    def terms(self, d: Distortion) -> tuple[Term, ...]:
         w = Change(d)
-        own = w.part(self.part) / w.number(self.higher)
-        return (w.over(own * own),)
-
-    def exceeded(self, d: Distortion) -> Signed:
-        w = Change(d)
-        own = w.part(self.part)
-        larger, smaller = (w.beyond(own * own, x) for x in (self.higher, self.lower))
-        least = () if self.floor is None else (RealFunction((own * own - w.number(self.floor) ** 2).reduced()),)
+        square = w.part(self.part) * w.part(self.part)
+        higher, lower = (w.over(square / w.number(x) ** 2) for x in (self.higher, self.lower))
+        least = () if self.floor is None else (RealFunction((square / w.number(self.floor) ** 2).reduced()),)
         if not self.has_sides:
-            return Lattice(((larger, *least),))
+            return (Term((), (higher, *least)),)
         env, perc = (part_of(x, self.part).function for x in (d.env_response, d.perc_response))
         growth = (perc * perc - env * env).reduced()
         up, down = RealFunction(growth), RealFunction(-growth)
-        return Lattice(((up, larger, *least), (down, smaller, *least), (larger, smaller, *least)))
+        return Term((up,), (higher, *least)), Term((down,), (lower, *least)), Term((), (higher, lower, *least))
 
     def opened(self, limits: Mapping[Part, Expr]) -> Sided:
         x = limits.get(self.part)
@@ -266,5 +294,5 @@ def _nearer(d: Distortion, real: Expr, imag: Expr) -> RealFunction:
     return RealFunction((u * u - v * v).reduced())
 
 
-def _not_smooth(kind: str) -> SceneError:
-    return SceneError(f"a {kind} makes no smooth ratio, which this question needs: a square and an ellipse do")
+def _not_smooth(words: str) -> SceneError:
+    return SceneError(f"{words} makes no smooth ratio, which this question needs: a square and an ellipse do")

@@ -2,9 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from haptisym.judge.peaks import Peak, Peaks
 from haptisym.pages.words import OMEGA, exactly, hertz, lead, symbol, title
-from haptisym.writing.document import Block, Column, Document, Number, Paragraph, Phrase, Section, Strong, Table, listed
+from haptisym.writing.document import (
+    Block,
+    Column,
+    Document,
+    Notes,
+    Number,
+    Paragraph,
+    Phrase,
+    Section,
+    Strong,
+    Table,
+    listed,
+)
 
 _DIGITS = 15
 
@@ -25,11 +39,26 @@ def _listed(found: Peaks) -> Block:
         Column("value", number=True),
     )
     table = Table(columns, tuple(map(_row, found)), "All local maxima of the ratios inside the band.")
-    return Section("Where a ratio is larger than on either side", (table,))
+    remarks = Notes(tuple(_remarks(found)))
+    return Section("Where a ratio is larger than on either side", (table, remarks) if remarks.entries else (table,))
 
 
 def _row(x: Peak) -> tuple[Phrase, ...]:
-    return symbol(x.criterion.symbol), exactly(x.omega, _DIGITS), hertz(x.omega), exactly(x.ratio, 6)
+    what = (symbol(x.criterion.symbol), " over its limit" if x.in_limits and x.part else "")
+    return what, exactly(x.omega, _DIGITS), hertz(x.omega), exactly(x.ratio, 6)
+
+
+def _remarks(found: Peaks) -> Iterator[Phrase]:
+    joint = next((x.criterion.joint for x in found if x.criterion.joint), None)
+    if joint:
+        yield "The value is how many times the ", joint.kind, " must be enlarged to hold the distortion."
+    for x in found:
+        if x.jump:
+            yield (
+                "At ",
+                exactly(x.omega, 6),
+                " rad/s the limit changes: the ratio comes as near to the value as one likes, and drops.",
+            )
 
 
 def _certain(found: Peaks) -> Phrase:

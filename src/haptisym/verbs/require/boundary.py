@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import combinations
+from itertools import combinations, product
+from math import prod
 from typing import TypeAlias
 
 from flint import fmpq
@@ -24,15 +25,21 @@ Reason: TypeAlias = tuple[Criterion, Kind] | None
 
 
 def critical(
-    criterion: Criterion, condition: RealFunction, band: tuple[Expr, Expr]
+    criterion: Criterion, pieces: Sequence[RealFunction], band: tuple[Expr, Expr]
 ) -> Iterator[tuple[Reason, Polynomial]]:
-    """The polynomials in pi and the parameter whose roots are critical for a condition on a band, and why each is."""
-    ring = condition.axis
-    yield None, condition.function.denominator.term_content()
-    for factor, _ in irreducible(condition.function.denominator):
-        if not factor.degrees()[0]:
-            yield None, factor
-    factors = [f for f, n in irreducible(condition.function.numerator) if n % 2 or not f.degrees()[0]]
+    """The polynomials in pi and the parameter whose roots are critical for a condition on a band, and why each is.
+
+    ``pieces`` : the functions of the condition, which must not all be positive.
+    """
+    ring = pieces[0].axis
+    factors: list[Polynomial] = []
+    for piece in pieces:
+        yield None, piece.function.denominator.term_content()
+        for factor, _ in irreducible(piece.function.denominator):
+            if not factor.degrees()[0]:
+                yield None, factor
+        own = [f for f, n in irreducible(piece.function.numerator) if n % 2 or not f.degrees()[0]]
+        factors += [f for f in own if f not in factors]
     for f in factors:
         for kind, end in zip((Kind.START, Kind.EDGE), band, strict=True):
             yield (criterion, kind), substituted(f, 0, ring.convert(end))
@@ -130,22 +137,26 @@ def of_factor(ring: PolynomialRing, index: int, factor: PolynomialFactor, *, mir
     return ring.context.from_dict(terms)
 
 
-def edge_polynomial(condition: RealFunction, end: Expr) -> Expr:
+def edge_polynomial(pieces: Sequence[RealFunction], end: Expr) -> Expr:
     """The polynomial in the parameters that vanishes where a rational condition binds at a frequency."""
-    axis = _without_functions(condition)
-    return axis.factored_expression(substituted(condition.function.numerator, 0, axis.convert(end)))
+    axis = _without_functions(pieces)
+    tops = [substituted(piece.function.numerator, 0, axis.convert(end)) for piece in pieces]
+    return axis.factored_expression(prod(tops[1:], start=tops[0]))
 
 
-def touch_polynomial(condition: RealFunction) -> Expr:
-    """The discriminant in omega^2 of a rational condition: it vanishes where the condition binds inside the band."""
-    axis = _without_functions(condition)
+def touch_polynomial(pieces: Sequence[RealFunction]) -> Expr:
+    """What vanishes where a rational condition binds inside the band: discriminants in omega^2, and of several resultants."""
+    axis = _without_functions(pieces)
+    own = [[f for f, n in irreducible(piece.function.numerator) if n % 2 and f.degrees()[0]] for piece in pieces]
     found = axis.constant(1)
-    for f in (f for f, n in irreducible(condition.function.numerator) if n % 2 and f.degrees()[0]):
+    for f in (f for factors in own for f in factors):
         found *= discriminant(in_square(f), 0) if f.degrees()[0] > (2 if is_even(f) else 1) else 1
+    for f, g in (pair for one, other in combinations(own, 2) for pair in product(one, other) if pair[0] != pair[1]):
+        found *= resultant(in_square(f), in_square(g), 0) if is_even(f) and is_even(g) else resultant(f, g, 0)
     return axis.factored_expression(found)
 
 
-def _without_functions(condition: RealFunction) -> Axis:
-    if condition.axis.functions:
+def _without_functions(pieces: Sequence[RealFunction]) -> Axis:
+    if pieces[0].axis.functions:
         raise SceneError("with delays or powers of s the boundary is no polynomial's zero")
-    return condition.axis
+    return pieces[0].axis

@@ -9,6 +9,7 @@ neither way is cut in two, down to cells that are 1e-13 of their values wide.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
@@ -25,9 +26,11 @@ from haptisym.kernel.reals import ExactNumber, RealNumber, dyadic
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import Interval, chart
 from haptisym.kernel.subdivision import Waiting
+from haptisym.verbs.require.clusters import Strips, places
+from haptisym.verbs.require.corners import Corner, ZeroAt
 from haptisym.verbs.require.feasible import Binding, Kind
-from haptisym.verbs.require.freeparameter import Conditions
-from haptisym.verbs.require.places import CellVerdict, CriticalPlace, Edge, MaximumAt, Strip, Summit, places
+from haptisym.verbs.require.freeparameter import Conditions, pieces
+from haptisym.verbs.require.places import CellVerdict, CriticalPlace, Edge, MaximumAt, Summit
 from haptisym.verbs.require.strips import Shape
 
 BITS = 128
@@ -104,14 +107,14 @@ class ValueSearch:
         """What balls tell of the values between two numbers."""
         with flint.ctx.workprec(BITS):
             a, b = dyadic(low), dyadic(high)
-            strips = {x: Strip.of(shape, a, b) for x, shape in self._shapes.items()}
+            strips = {x: Strips.of(shapes, a, b) for x, shapes in self._shapes.items()}
             return self._leaf(low, high, strips)
 
     @cached_property
-    def _shapes(self) -> dict[Criterion, Shape]:
-        return {x: Shape.of(condition, self.free) for x, condition in self.conditions.items()}
+    def _shapes(self) -> dict[Criterion, tuple[Shape, ...]]:
+        return {x: tuple(Shape.of(f, self.free) for f in pieces(own)) for x, own in self.conditions.items()}
 
-    def _leaf(self, low: Fraction, high: Fraction, strips: dict[Criterion, Strip]) -> Leaf:
+    def _leaf(self, low: Fraction, high: Fraction, strips: dict[Criterion, Strips]) -> Leaf:
         crossing: list[tuple[Criterion, CriticalPlace, int]] = []
         is_open = False  # of one criterion; another may be broken for all values
         for criterion, strip in strips.items():
@@ -158,8 +161,8 @@ class ValueSearch:
         with flint.ctx.workprec(BITS):
             inverse = arb(0).union(sign / abs(dyadic(bound)))
             verdicts = set()
-            for shape in self._shapes.values():
-                found = places(Strip.beyond(shape, inverse), self.band)
+            for shapes in self._shapes.values():
+                found = places(Strips.beyond(shapes, inverse), self.band)
                 if found is CellVerdict.BROKEN:
                     return CellVerdict.BROKEN
                 verdicts.add(
@@ -172,26 +175,27 @@ class ValueSearch:
         if sign < 0:
             return None
         for condition in self.conditions.values():
-            bound = _bound_by_phase(condition, self.free, self.band)
+            bound = _bound_by_phase(pieces(condition), self.free, self.band)
             if bound is not None:
                 return Leaf(bound, None, CellVerdict.BROKEN)
         return None
 
 
-def _bound_by_phase(condition: RealFunction, free: Symbol, band: tuple[Expr, Expr]) -> Fraction | None:
+def _bound_by_phase(own: Sequence[RealFunction], free: Symbol, band: tuple[Expr, Expr]) -> Fraction | None:
     """From where on a delay breaks a condition: at one phase it is broken on a piece of the band, which holds all phases."""
-    axis, numerator = condition.axis, condition.function.numerator
+    axis, tops = own[0].axis, [piece.function.numerator for piece in own]
     turning = [i for i, angle in enumerate(axis.angles) if angle.rate.has(free)]
-    if len(turning) != 1 or numerator.degrees()[axis.meanings.index(free)]:
+    if len(turning) != 1 or any(top.degrees()[axis.meanings.index(free)] for top in tops):
         return None
     index, rate = axis.size + turning[0], axis.angles[turning[0]].rate.diff(free)
     if axis.angles[turning[0]].constant:
         return None
     found: list[Interval] = []
     for tangent in (1, -1, 3, -3):
-        at = numerator.subs({f"x{index}": tangent})
-        table = chart({"excess": RealFunction(axis.function(at))}, *band)
-        found += table.where(lambda signs: signs["excess"] > 0)
+        table = chart(
+            {i: RealFunction(axis.function(top.subs({f"x{index}": tangent}))) for i, top in enumerate(tops)}, *band
+        )
+        found += table.where(lambda signs: min(signs.values()) > 0)
     lengths = [float(x.high.omega) - float(x.low.omega) for x in found]
     if not lengths or not max(lengths) > 0:
         return None
@@ -199,10 +203,10 @@ def _bound_by_phase(condition: RealFunction, free: Symbol, band: tuple[Expr, Exp
     return Fraction(2 * float(pi) / (float(rate) * max(lengths) * 0.99))
 
 
-def _binding(criterion: Criterion, place: CriticalPlace, value: RealNumber) -> Binding:
+def _binding(criterion: Criterion, place: CriticalPlace, value: Edge | Summit | Corner) -> Binding:
     if place.kind is Kind.TOUCH:
-        assert isinstance(value, Summit)
-        return Binding(criterion, MaximumAt(value), place.kind)
+        assert not isinstance(value, Edge)
+        return Binding(criterion, ZeroAt(value) if isinstance(value, Corner) else MaximumAt(value), place.kind)
     assert isinstance(value, Edge)
     return Binding(criterion, ExactNumber(value.place), place.kind)
 

@@ -27,7 +27,7 @@ from haptisym.verbs.require.boundary import edge_polynomial, touch_polynomial
 from haptisym.verbs.require.classical import DAMPING, STIFFNESS, Encoder, Line, lines, need_encoder
 from haptisym.verbs.require.entry import require
 from haptisym.verbs.require.feasible import Kind, Solved
-from haptisym.verbs.require.freeparameter import asked_of, conditions, domain
+from haptisym.verbs.require.freeparameter import asked_of, conditions, domain, pieces
 from haptisym.verbs.require.held import with_hands
 from haptisym.verbs.require.required import Requirement
 from haptisym.verbs.require.verdicts import together
@@ -86,12 +86,12 @@ class DesignMap(Answer):
         touches are large for devices of order 4 and more.
         """
         judged = [x for x in self.criteria if x.name not in (STABLE, SUITS_ALL)]
-        found = conditions(self.scene, self.free, judged)
+        found = {x: pieces(own) for x, own in conditions(self.scene, self.free, judged).items()}
         return {
-            (x, kind): edge_polynomial(condition, end)
-            for x, condition in found.items()
+            (x, kind): edge_polynomial(own, end)
+            for x, own in found.items()
             for kind, end in zip((Kind.START, Kind.EDGE), self.scene.band, strict=True)
-        } | {(x, Kind.TOUCH): touch_polynomial(condition) for x, condition in found.items()}
+        } | {(x, Kind.TOUCH): touch_polynomial(own) for x, own in found.items()}
 
     @cached_property
     def lines(self) -> tuple[Line, ...]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import prod
+from typing import TypeAlias
 
 from sympy import Expr, Integer
 
@@ -12,6 +14,7 @@ from haptisym.judge.criteria import Criterion, noticed, opened
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.lattices import Lattice
 from haptisym.kernel.response import RealFunction
+from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
@@ -72,21 +75,30 @@ def asked_of(scene: Scene, free: Sequence[Knob], part: Part | None, *, any_envir
     return (for_any_environment(scene.threshold),)
 
 
-Conditions = Mapping[Criterion, RealFunction]
-"""Functions of omega and the free parameters that must not be positive."""
+Condition: TypeAlias = RealFunction | Lattice
+"""A function of omega and the free parameters that must not be positive; of a lattice of one term one of several."""
+Conditions: TypeAlias = Mapping[Criterion, Condition]
 
 
-def conditions(scene: Scene, free: Iterable[Knob], criteria: Iterable[Criterion]) -> dict[Criterion, RealFunction]:
-    """What criteria ask, with the free parameters left as symbols; of what asks for several functions each of them."""
+def pieces(condition: Condition) -> tuple[RealFunction, ...]:
+    """The functions that must not all be positive: one, or those of a term."""
+    if isinstance(condition, RealFunction):
+        return (condition,)
+    [term] = condition.terms
+    return tuple(map(_rational, term))
+
+
+def conditions(scene: Scene, free: Iterable[Knob], criteria: Iterable[Criterion]) -> dict[Criterion, Condition]:
+    """What criteria ask, with the free parameters left as symbols; of a region with several terms each of them."""
     listed = [x.felt() for x in free]
     d, parts = _distortion(scene, listed), {part for x in listed for part in x.parts}
-    found: dict[Criterion, RealFunction] = {}
+    found: dict[Criterion, Condition] = {}
     for x in opened(criteria, parts):
         own = x.function(d)
-        if isinstance(own, Lattice) and all(len(term) == 1 for term in own.terms):
-            found |= {each(x, i): _real(f) for i, (f,) in enumerate(own.terms, 1)}
-        else:
-            found[x] = _real(own)
+        terms = own.terms if isinstance(own, Lattice) else ((own,),)
+        for i, term in enumerate(terms, 1):
+            name = each(x, i) if len(terms) > 1 else x
+            found[name] = Lattice((tuple(map(_upright, term)),)) if len(term) > 1 else _rational(term[0])
     return found
 
 
@@ -100,12 +112,33 @@ def _distortion(scene: Scene, free: list[Knob]) -> Distortion:
     return Distortion.of(scene.chain.at(values(x for x in scene.parameters if x not in free)))
 
 
-def _real(found: object) -> RealFunction:
-    if isinstance(found, Lattice):
-        raise SceneError(
-            "a requirement is answered where the JND is a square, a rectangle, an ellipse or a diamond: not for a polygon, nor "
-            "with a floor or limits for higher and lower"
-        )
+def _rational(found: object) -> RealFunction:
     if not isinstance(found, RealFunction):
         raise SceneError("a requirement needs thresholds that are rational numbers")
     return found
+
+
+def _upright(found: object) -> RealFunction:
+    """With what changes the sign below the line brought above it."""
+    f = _rational(found).function
+    constant, factors = f.denominator.factor()
+    turning = [factor for factor, n in factors if n % 2 and not _is_positive(factor)]
+    if not turning and constant > 0:
+        return RealFunction(f)
+    top = prod(turning, start=f.numerator * constant)
+    return RealFunction(f.ring.function(top, f.denominator * prod(turning, start=f.ring.constant(constant))))
+
+
+def _is_positive(polynomial: Polynomial) -> bool:
+    """Whether a factor shows to be positive: by even powers with positive coefficients, or as |f(j omega)|^2."""
+    even = not any(n % 2 for row in polynomial.monoms() for n in row)
+    return (even and all(x > 0 for x in polynomial.coeffs())) or _is_modulus(polynomial)
+
+
+def _is_modulus(polynomial: Polynomial) -> bool:
+    """Whether an irreducible polynomial is that of omega which f(s) f(-s) becomes, and not one in s^2 that is its own f."""
+    rows = polynomial.to_dict()
+    if any(row[0] % 2 for row in rows) or polynomial.leading_coefficient() < 0:
+        return False
+    in_s = polynomial.context().from_dict({row: -x if row[0] % 4 else x for row, x in rows.items()})
+    return len(in_s.factor()[1]) > 1

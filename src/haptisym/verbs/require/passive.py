@@ -20,13 +20,13 @@ from haptisym.model.parameters import values
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.boundary import critical, irreducible, real_roots
 from haptisym.verbs.require.feasible import Binding, Kind, Solved
-from haptisym.verbs.require.freeparameter import Domain, conditions
+from haptisym.verbs.require.freeparameter import Domain, conditions, pieces
 from haptisym.verbs.require.verdicts import Question, Turn
 
 
 def solve_passive(scene: Scene, free: Knob, asked: Domain) -> Solved:
     """All values with which every passive hand may hold the display. UndecidedError with delays or a clock."""
-    condition = conditions(scene, [free], [PASSIVE])[PASSIVE]
+    [condition] = pieces(conditions(scene, [free], [PASSIVE])[PASSIVE])
     if condition.axis.functions or clocks(scene):
         raise UndecidedError("every passive hand, with delays, powers of s or a clock, along a parameter")
     turns = [*_of_signs(condition, free), *_of_poles(scene, free)]
@@ -43,7 +43,7 @@ def _of_signs(condition: RealFunction, free: Knob) -> Iterator[Turn]:
         return
     index = condition.axis.meanings.index(free.symbol)
     found = [
-        (x[1], p) for x, p in critical(PASSIVE, condition, (Integer(0), Integer(1))) if x and x[1] is not Kind.EDGE
+        (x[1], p) for x, p in critical(PASSIVE, [condition], (Integer(0), Integer(1))) if x and x[1] is not Kind.EDGE
     ]
     found += [(Kind.FAR, _leading(f)) for f, _ in irreducible(condition.function.numerator)]
     for kind, polynomial in found:

@@ -1,26 +1,22 @@
-"""Where on a band a condition can bind, for all values of a parameter in a cell: the edges and single maxima."""
+"""A real function of frequency for all values of a parameter in a cell, and the values at which it binds there."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
-from typing import TypeAlias
 
 import flint
 from flint import arb
 from sympy import Expr
 
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
-from haptisym.kernel.subdivision import Waiting
 from haptisym.kernel.wavesums import CompiledWaves
 from haptisym.kernel.zeros import rounded_up, tightened
 from haptisym.verbs.require.feasible import Kind
 from haptisym.verbs.require.strips import Shape, value_from_zero
 
-_MOST_BOXES, _FINEST = 200, 20
-_SAMPLES = 24
-_NOTHING = arb(0, "inf")
+NOTHING = arb(0, "inf")
 
 
 class CellVerdict(Enum):
@@ -33,12 +29,15 @@ class CellVerdict(Enum):
 
 @dataclass(frozen=True)
 class CriticalPlace:
-    """Where alone a condition can bind: at an end of the band, or at the one maximum between two frequencies."""
+    """Where alone a condition can bind: at an end of the band, or at the one maximum or corner between two frequencies."""
 
     kind: Kind
     low: Ball
     high: Ball
     omega: Expr | None = None
+    piece: int = 0
+    other: int | None = None
+    """Of the functions of a condition the one that is decisive; for a corner the rising one, and the falling one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,9 +84,9 @@ class Strip:
     def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
         """Value, slope and half curvature over a ball of frequencies."""
         if self.whole.exponents and not box > 0:
-            return value_from_zero(self.whole, box.upper()), _NOTHING, _NOTHING
+            return value_from_zero(self.whole, box.upper()), NOTHING, NOTHING
         if self.shape.order_at_zero and not box > 0:
-            return self._over_zero(box), _NOTHING, _NOTHING
+            return self._over_zero(box), NOTHING, NOTHING
         value, slope, bend = self.whole.over(box)
         if not value < 0 and self.middle is not None and self.change is not None:
             value = _both(value, self.middle.over(box)[0] + self.change.over(box)[0] * self._reach)
@@ -197,99 +196,3 @@ def maximum(shape: Shape, t: Ball, between: tuple[Ball, Ball], bits: int) -> Bal
     """Where the slope in omega vanishes between two frequencies, for a ball of values of the parameter."""
     strip = shape.over(t)
     return tightened(*between, bits, lambda x, count: [n * c for n, c in enumerate(strip.series(x, 1, count + 1), 1)])
-
-
-# Where a condition can bind
-
-
-@dataclass(frozen=True)
-class _Box:
-    """A piece of the band on which a condition did not show to be kept, with the signs of slope and curvature there."""
-
-    low: Ball
-    high: Ball
-    slope: int
-    bend: int
-
-
-_Found: TypeAlias = "CellVerdict | list[CriticalPlace]"
-
-
-def places(strip: Strip, band: tuple[Expr, Expr]) -> _Found:
-    """All places where a condition can bind, for all values of a cell; or BROKEN; or OPEN where that is not clear."""
-    low, high = expression_ball(band[0]).lower(), expression_ball(band[1]).upper()
-    samples = [(low + (high - low) * i / _SAMPLES).mid() for i in range(1, _SAMPLES)]
-    suspects = [x for x in samples if strip.broken_in_the_middle(x)]
-    if suspects:  # the cell is broken there, or it must be cut
-        return CellVerdict.BROKEN if any(strip.value(x) > 0 for x in suspects) else CellVerdict.OPEN
-    boxes = _unclear(strip, low, high)
-    if isinstance(boxes, CellVerdict):
-        return boxes
-    found: list[CriticalPlace] = []
-    for cluster in _clusters(boxes):
-        place = _place(strip, cluster, low, high, band)
-        if place is CellVerdict.OPEN:
-            return CellVerdict.OPEN
-        if isinstance(place, CriticalPlace):
-            found.append(place)
-    return found
-
-
-def _unclear(strip: Strip, low: Ball, high: Ball) -> CellVerdict | list[_Box]:
-    """The pieces of the band on which the condition does not show to be kept, in order."""
-    found: list[_Box] = []
-    waiting = Waiting([(low, high)])
-    for a, b in waiting:
-        box = a.union(b)
-        value, slope, bend = strip.over(box)
-        if value < 0:
-            continue
-        middle = ((a + b) / 2).mid()
-        if strip.value(middle) > 0:
-            return CellVerdict.BROKEN
-        if strip.broken_in_the_middle(middle) or waiting.examined > _MOST_BOXES:
-            return CellVerdict.OPEN
-        if (b - a) * _FINEST < high - low and (_sign(slope) or _sign(bend) < 0):
-            found.append(_Box(a, b, _sign(slope), _sign(bend)))
-        else:
-            waiting.add((a, middle), (middle, b))
-    return found
-
-
-def _sign(ball: Ball) -> int:
-    return 1 if ball > 0 else -1 if ball < 0 else 0
-
-
-def _clusters(boxes: list[_Box]) -> list[list[_Box]]:
-    """Pieces that follow each other without a gap."""
-    found: list[list[_Box]] = []
-    for box in boxes:
-        if found and found[-1][-1].high == box.low:
-            found[-1].append(box)
-        else:
-            found.append([box])
-    return found
-
-
-def _place(
-    strip: Strip, cluster: list[_Box], low: Ball, high: Ball, band: tuple[Expr, Expr]
-) -> CriticalPlace | CellVerdict:
-    """Where alone in a piece the condition can bind; KEPT if it is largest where it is known to be kept."""
-    a, b = cluster[0].low, cluster[-1].high
-    bent = all(box.bend < 0 for box in cluster)
-    even = (
-        bool(a == 0) and not strip.whole.exponents and not strip.shape.order_at_zero
-    )  # a function of omega^2: its slope is 0 at 0
-    rises = all(box.slope > 0 for box in cluster) or (bent and _slope(strip, b) > 0)
-    falls = all(box.slope < 0 for box in cluster) or (bent and (even or _slope(strip, a) < 0))
-    if rises:
-        return CriticalPlace(Kind.EDGE, a, b, band[1]) if b == high else CellVerdict.KEPT
-    if falls:
-        return CriticalPlace(Kind.START, a, b, band[0]) if a == low else CellVerdict.KEPT
-    if bent and _slope(strip, a) > 0 and _slope(strip, b) < 0:
-        return CriticalPlace(Kind.TOUCH, a, b)
-    return CellVerdict.OPEN
-
-
-def _slope(strip: Strip, x: Ball) -> int:
-    return _sign(strip.whole.taylor(x, 1))

@@ -11,6 +11,7 @@ import flint
 from sympy import Expr, Rational, S
 
 from haptisym.judge.criteria import Criterion
+from haptisym.judge.regions import Sided
 from haptisym.kernel.budget import share
 from haptisym.kernel.errors import LimitError, SceneError
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, expression_ball
@@ -22,7 +23,7 @@ from haptisym.model.scene import Scene
 from haptisym.verbs.require.cells import Leaf, ValueSearch
 from haptisym.verbs.require.criticalvalues import Problem
 from haptisym.verbs.require.feasible import End, Solved, Span, bound_ends, runs
-from haptisym.verbs.require.freeparameter import Conditions, Domain, conditions, each
+from haptisym.verbs.require.freeparameter import Conditions, Domain, conditions, each, pieces
 from haptisym.verbs.require.places import CellVerdict
 from haptisym.verbs.require.thresholds import ThresholdProblem
 
@@ -33,7 +34,7 @@ _SLIVER = Fraction(1, 10**9)
 def solve(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]) -> Solved:
     """All values of the domain that keep the conditions; those about which the time did not last are undecided."""
     try:
-        if free.parts:
+        if free.parts and not any(_has_floor(x) for x in criteria if x.depends_on(free.parts)):
             return Solved(_threshold_problem(scene, free, asked, criteria).solve())
         found = conditions(scene, [free], criteria)
         return _by_balls(scene, free, asked, found) if _has_functions(found) else _exactly(scene, free, asked, found)
@@ -41,8 +42,12 @@ def solve(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]
         return Solved((), ((_exact(asked.low), _exact(asked.high)),))
 
 
+def _has_floor(x: Criterion) -> bool:
+    return isinstance(x.region, Sided) and x.region.floor is not None
+
+
 def _has_functions(found: Conditions) -> bool:
-    return any(f.axis.functions for f in found.values())
+    return any(f.axis.functions for own in found.values() for f in pieces(own))
 
 
 def _exactly(scene: Scene, free: Knob, asked: Domain, found: Conditions) -> Solved:
@@ -98,7 +103,8 @@ def allowed(scene: Scene, free: Knob, value: Expr) -> bool:
 
 def _by_balls(scene: Scene, free: Knob, asked: Domain, found: Conditions) -> Solved:
     exists = {x: allowed(scene, free, x) for x in (asked.low, asked.high) if x is not None}
-    search = ValueSearch(found, free.symbol, scene.band, Fraction(abs(float(free.value)) or 1.0))
+    usual = 0.0 if free.value.free_symbols else abs(float(free.value))  # a limit may be a formula
+    search = ValueSearch(found, free.symbol, scene.band, Fraction(usual or 1.0))
     low, high = _outward(asked)
     line = ValueLine(search.leaves(low, high), asked, exists.__getitem__)
     return Solved(line.spans(), line.undecided)

@@ -1,7 +1,8 @@
-"""Where a function of frequency and of one parameter has an extremum, for a value of the parameter known to any precision."""
+"""Where a function of frequency and of one parameter has an extremum or a zero, for a value known to any precision."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +13,7 @@ from sympy import Expr, Symbol
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import PolynomialRing, RationalFunction
+from haptisym.kernel.roots import Interval
 from haptisym.kernel.symbols import omega
 from haptisym.kernel.zeros import rounded_up, tightened
 
@@ -70,3 +72,36 @@ def touch(surface: Surface, value: RealNumber, low: RealNumber, high: RealNumber
         left, right = (surface.ball(surface.slope, x, at) for x in (start, end))
         certain = (bend < 0 and left > 0 and right < 0) or (bend > 0 and left < 0 and right > 0)
     return Touch(surface, value, start, end) if certain else None
+
+
+@dataclass(frozen=True)
+class Surfaces:
+    """One of the functions of a condition: where it has an extremum, and where a zero."""
+
+    extremum: Surface
+    zero: Surface
+
+    @classmethod
+    def of(cls, piece: RealFunction, free: Symbol) -> Surfaces:
+        """Of what stands above the line."""
+        ring = piece.axis
+        top = RealFunction(ring.function(piece.function.numerator))
+        return cls(Surface.of(top, free), Surface(top.function, top.derivative().function, free))
+
+
+def isolated_touch(surfaces: Sequence[Surfaces], value: RealNumber, near: Interval, beyond: int) -> Touch | None:
+    """What an interval shrinks to on which a condition is broken at a value nearby: proven, or None where that does not show.
+
+    Where one function vanishes at both ends that is its extremum; where two do, the zero of one at which the other has its.
+    """
+    places = range(len(surfaces))
+    low, high = ({i for i in places if point.orders.get(i, 0) > 0} for point in (near.low, near.high))
+    ends = near.low.omega, near.high.omega
+    for i in sorted(low & high):
+        return touch(surfaces[i].extremum, value, *ends, beyond)
+    found = (touch(surfaces[i].zero, value, *ends, beyond or _AROUND) for i in sorted(low | high))
+    return next((x for x in found if x), None)
+
+
+_AROUND = 12
+"""Bits of what is looked at outside of an interval for the zero that two functions share, which may lie beyond its ends."""
