@@ -9,6 +9,7 @@ from haptisym.kernel.roots import Interval, Point
 from haptisym.kernel.symbols import omega, s, symbols
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.distortion import Distortion, distort
+from haptisym.model.estimating import estimated
 from haptisym.model.family import SceneFamily
 from haptisym.model.hand import Hand, hands
 from haptisym.model.jnd import Part, Threshold
@@ -112,6 +113,7 @@ __all__ = [
     "distortion_code",
     "effects",
     "environments",
+    "estimated",
     "evaluate",
     "evaluate_all",
     "family_names",

@@ -96,6 +96,7 @@ def evaluate(
       haptisym evaluate fu2019 --response fu2019.csv --points 60
       haptisym evaluate my-device.toml --json --digits 50
       haptisym evaluate control-stick-in-detail --tolerance 0.01
+      haptisym evaluate fu2019-bench            a simulated bench run that the package ships
       haptisym evaluate bench.toml              a scene with [perceived] from a file: measured lines alone
     """
     if more and not environments:

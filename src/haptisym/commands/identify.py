@@ -21,6 +21,8 @@ from haptisym.verbs.identify import entry as identification
 @click.option("--band", nargs=2, metavar="LOW HIGH", help='Only lines on it, rad/s or with a unit: "1 Hz" "20 Hz".')
 @click.option("--averages", type=float, metavar="N", help="Of FILE's column coherence.")
 @click.option("--confidence", type=float, metavar="P", help="Of FILE's discs, and of all intervals; 0.95 if not given.")
+@click.option("--estimator", metavar="NAME", help="Of a FILE of records in time: H1, H2 or joint.")
+@click.option("--segment", metavar="TIME", help='Of records: the length of Welch\'s segments, as "4 s".')
 @click.option("--title", default="", help="Of the scene.")
 @json_option
 @file_option("scene", "Write the scene that was found, each parameter with its range.")
@@ -33,6 +35,8 @@ def identify(
     band: tuple[str, str] | None,
     averages: float | None,
     confidence: float | None,
+    estimator: str | None,
+    segment: str | None,
     title: str,
     as_json: bool,
     scene: Path | None,
@@ -40,8 +44,8 @@ def identify(
 ) -> None:
     """Fit a model to a measured response: parameters with confidence intervals, and whether the model holds.
 
-    FILE is a file of measured lines (CSV), or a scene with [perceived] (TOML), of which what should be felt is known and
-    effects are fitted.
+    FILE is a file of measured lines, or with --estimator of records in time (CSV), or a scene with [perceived] (TOML), of which
+    what should be felt is known and effects are fitted.
 
     MODEL is one of the catalogue; all its parameters are found. After a colon stand those of its parameters that it is to have,
     where it can do without some, and values that are given: shunt:m,b or second-order-lowpass:zeta=0.5.
@@ -54,9 +58,11 @@ def identify(
       haptisym identify device.csv --averages 20 --environment mass-spring-damper --effect delay
       haptisym identify device.csv --degrees 2 2 --effect delay --figure fit.svg
       haptisym identify bench.toml --effect second-order-lowpass --scene device.toml
+      haptisym identify records.csv --estimator H1 --segment "4 s" --environment mass-spring-damper
       haptisym identify device.csv --environment kelvin-voigt --effect shunt:m --band "1 Hz" "20 Hz"
     """
-    given = identification.opened(file, averages, confidence)
+    records = {key: x for key, x in (("estimator", estimator), ("segment", segment)) if x is not None}
+    given = identification.opened(file, averages, confidence, **records)
     outputs = {"scene": scene, "figure": figure, **click.get_current_context().meta[PAGES]}
     not_over(given.files, outputs)
     found = identification.identify(given, environment, effects, degrees=degrees, band=band, title=title)

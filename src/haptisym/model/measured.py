@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.shown import Shown, counted
 from haptisym.model.quantities import Dimension, MotionKind
+from haptisym.model.welch import Welch
 
 Reals: TypeAlias = NDArray[np.float64]
 Complexes: TypeAlias = NDArray[np.complex128]
@@ -88,6 +89,8 @@ class Measurement(Shown):
     motion: MotionKind | None = None
     name: str = "measured"
     path: Path | None = None
+    welch: Welch | None = None
+    """How it was estimated, where it comes from records in time."""
 
     def __post_init__(self) -> None:
         try:
@@ -178,7 +181,7 @@ def check_lines(m: Measurement, place: Named) -> None:
         ("omega", m.omega, lambda x: np.isfinite(x) & (x >= 0), "must be a finite frequency, 0 or above"),
         ("H", m.H, np.isfinite, "must be finite"),
         ("coherence", m.coherence, lambda x: (x >= 0) & (x <= 1), "must lie from 0 to 1"),
-        ("radius", m.radius, lambda x: np.isfinite(x) & (x >= 0), "must be finite, 0 or above"),
+        ("radius", m.radius, lambda x: x >= 0, "must be 0 or above"),
     ]
     for key, row, rule, words in rules:
         if row is not None and not (right := rule(row)).all():

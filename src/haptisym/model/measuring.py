@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from haptisym.kernel.errors import SceneError
 from haptisym.model.measured import CONFIDENCE, Measurement, one_row
-from haptisym.model.measuredfile import read_measurement
+from haptisym.model.responsefile import read_file
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 
@@ -25,13 +25,15 @@ def measured(
     confidence: float = CONFIDENCE,
     radius: ArrayLike | None = None,
     name: str = "",
+    **records: Any,
 ) -> Measurement:
     """A measured frequency response: of arrays, of python-control's data (FRD), or of a CSV file.
 
     ``omega`` : rad/s, with ``H``, force per position (N/m or N m/rad), complex; or an FRD object of one input and one output; or
     the path of a file, which has its own coherence or radius. ``coherence`` : with ``averages``, of the estimate H1, as
     ``scipy.signal.coherence`` gives it; ``radius`` : of discs that hold the truth with that ``confidence``, instead.
-    Raises SceneError for what cannot be.
+    ``records`` : of a file of records in time the ``estimator``, and ``segment``, ``overlap``, ``window``, ``every`` as of
+    ``estimated``, which takes arrays. Raises SceneError for what cannot be.
 
     >>> measured([1, 2, 3], [100 + 15j, 95 + 30j, 80 + 45j], coherence=[0.99, 0.98, 0.99], averages=20)
     <Measurement measured: 3 lines from 1 to 3 rad/s>
@@ -39,7 +41,9 @@ def measured(
     if isinstance(omega, str | Path):
         if H is not None or coherence is not None or radius is not None:
             raise SceneError("a file has its own columns: leave out H, coherence and radius")
-        return read_measurement(Path(omega), averages, confidence)
+        return read_file(Path(omega), averages, confidence, records)
+    if records:
+        raise SceneError(f"{next(iter(records))}: goes with a file of records in time; for arrays there is estimated")
     if H is None:
         omega, H = _frd(omega)
     return Measurement(omega, H, coherence, averages, confidence, radius, name=name or "measured")

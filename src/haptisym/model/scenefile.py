@@ -39,6 +39,15 @@ def family_names() -> tuple[str, ...]:
     return _shipped("families")
 
 
+def bench_names() -> tuple[str, ...]:
+    """The names of the measured scenes that the package ships: simulated bench runs, which ``evaluate`` and ``identify`` take.
+
+    >>> bench_names()
+    ('delayed-spring-bench', 'fu2019-bench')
+    """
+    return _shipped("benches")
+
+
 def _shipped(folder: str) -> tuple[str, ...]:
     entries = (_SHIPPED / folder).iterdir()
     return tuple(sorted(entry.name.removesuffix(".toml") for entry in entries if entry.name.endswith(".toml")))
@@ -84,7 +93,8 @@ def felt_through(own: SceneFamily, name: str, environments: Iterable[str | Path]
 def open_scenes(scene: str | Path) -> tuple[SceneFamily | MeasuredScene, str]:
     """What is in that file, or has that name: scenes of formulas, or one that is measured; and what error messages call it."""
     text, name = scene_text(scene)
-    return _parsed(name, lambda: read_any(text, Path(str(scene)).parent)), name
+    folder = _SHIPPED / "benches" if str(scene) in bench_names() else Path(str(scene)).parent
+    return _parsed(name, lambda: read_any(text, folder)), name
 
 
 def as_scene(given: Scene | str | Path) -> Scene:
@@ -170,7 +180,7 @@ def scene_text(scene: str | Path) -> tuple[str, str]:
     if not isinstance(scene, str | Path) or "\n" in str(scene):
         raise SceneError(_instead(scene))
     name = str(scene)
-    for folder, known in (("scenes", scene_names), ("families", family_names)):
+    for folder, known in (("scenes", scene_names), ("families", family_names), ("benches", bench_names)):
         if name in known():
             return (_SHIPPED / folder / f"{name}.toml").read_text(encoding="utf-8"), name
     path = Path(name)

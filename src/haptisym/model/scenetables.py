@@ -216,15 +216,18 @@ def _measured_scene(table: Table, folder: Path) -> MeasuredScene:
 
 def _measurement(table: Table, place: str, folder: Path) -> Measurement:
     from haptisym.model.measured import CONFIDENCE
-    from haptisym.model.measuredfile import read_measurement
+    from haptisym.model.responsefile import RECORDS, read_file
 
     try:
-        _only(table, ("file", "averages", "confidence"), "")
+        _only(table, ("file", "averages", "confidence", *RECORDS), "")
         name = table.get("file")
         if not isinstance(name, str) or not name or "\0" in name:
             raise SceneError("file: give the name of a CSV file beside the scene")
-        averages, confidence = (_float(table, key) for key in ("averages", "confidence"))
-        return read_measurement(folder / name, averages, CONFIDENCE if confidence is None else confidence)
+        averages, confidence, overlap = (_float(table, key) for key in ("averages", "confidence", "overlap"))
+        settings = {key: table[key] for key in RECORDS if key in table}
+        if overlap is not None:
+            settings["overlap"] = overlap
+        return read_file(folder / name, averages, CONFIDENCE if confidence is None else confidence, settings)
     except SceneError as error:
         raise error.within(place) from None
 

@@ -93,6 +93,8 @@ def measured_words(m: Measurement) -> Phrase:
     """``bench.csv: 60 lines from 1 to 15 rad/s``, and what its discs come from."""
     low, high = float(m.omega[0]), float(m.omega[-1])
     where: Phrase = ("at ", _number(low)) if len(m) == 1 else ("from ", _number(low), " to ", _number(high))
+    if m.welch is not None:
+        return (m.name, ": ", counted(len(m), "line"), " ", where, " rad/s; ", m.welch.words)
     lines: Phrase = (m.name, ": ", counted(len(m), "line"), " ", where, " rad/s")
     if m.coherence is None:
         return lines, "; ", certainty(m)

@@ -20,7 +20,7 @@ from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.measuring import measured
 from haptisym.model.quantities import Dimension, MotionKind, Number
 from haptisym.model.scene import Scene, frequency
-from haptisym.model.scenefile import open_scenes, parse_scene
+from haptisym.model.scenefile import bench_names, open_scenes, parse_scene
 from haptisym.verbs.identify.fitting import Fit, fit
 from haptisym.verbs.identify.judging import Estimate, Verdict, estimates, verdict
 from haptisym.verbs.identify.scenetext import band_value, environment_table, scene_text, threshold_value
@@ -139,6 +139,7 @@ class Identification(Answer):
         lines, found = self.fit.lines, self.verdict
         return {
             "measurement": self.measurement.name,
+            **({} if lines.welch is None else {"estimate": lines.welch.row()}),
             "lines": len(lines),
             "left_out": len(self.measurement) - len(lines),
             "model": self.wanted.words,
@@ -221,13 +222,16 @@ def identify(
 
 
 def opened(
-    given: Measurement | MeasuredScene | str | Path, averages: float | None = None, confidence: float | None = None
+    given: Measurement | MeasuredScene | str | Path,
+    averages: float | None = None,
+    confidence: float | None = None,
+    **records: Any,
 ) -> Measurement | MeasuredScene:
     """What was measured, from wherever it is."""
-    certainty: dict[str, Any] = {
+    certainty: dict[str, Any] = records | {
         key: x for key, x in (("averages", averages), ("confidence", confidence)) if x is not None
     }
-    if isinstance(given, str | Path) and Path(given).suffix != ".toml":
+    if isinstance(given, str | Path) and Path(given).suffix != ".toml" and str(given) not in bench_names():
         return measured(given, **certainty)
     if certainty:
         raise SceneError(

@@ -77,6 +77,8 @@ def usable(m: Measurement) -> Measurement:
     kept = m.omega > 0
     if m.coherence is not None:
         kept &= m.coherence > 0
+    if m.radius is not None:
+        kept &= np.isfinite(m.radius)
     if not kept.any():
         raise SceneError(f"{m.name}: no line above 0 rad/s has a disc that tells anything")
     return m.at(kept)

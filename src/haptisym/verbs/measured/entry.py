@@ -120,6 +120,7 @@ class MeasuredEvaluation(Answer):
             "left_out": self.left_out,
             "threshold": self.scene.threshold.row(),
             "averages": felt.averages,
+            **({} if felt.welch is None else {"estimate": felt.welch.row()}),
             "confidence": None if self.lines.radius is None else felt.confidence,
             "rows": rows,
             "percepts": percepts,
