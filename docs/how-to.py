@@ -76,6 +76,9 @@ felt = hs.evaluate(trainer)
 assert felt.bandwidth.digits(6) == "40.4447"
 felt
 
+# %%
+ax = felt.plot()
+
 # %% [markdown]
 # ## What is the formula?
 #
@@ -121,7 +124,7 @@ hs.require(trainer, "handle.m", that=("transparent", "passive"))
 
 # %%
 both = hs.design_map(trainer, ["handle.m", "omega_c"], [("0 g", "80 g"), ("10 Hz", "80 Hz")], slices=9)
-both.figure()
+ax = both.plot()
 
 # %% [markdown]
 # ## Does it shake in a hand?
@@ -194,6 +197,9 @@ bench = hs.MeasuredScene(
 judged = hs.evaluate(bench)
 assert not judged.certified
 judged
+
+# %%
+ax = judged.plot()
 
 # %% [markdown]
 # ## Which model fits what was measured?

@@ -38,6 +38,13 @@ first
 [(p.property.value, p.change.value, p.band) for p in result.percepts]
 
 # %% [markdown]
+# As a figure, on axes of matplotlib that are yours from then on. A second scene goes onto the same ones.
+
+# %%
+ax = result.plot(label="80 rad/s")
+ax = hs.evaluate(paper.with_values({"omega_n": 50})).plot(ax, label="50 rad/s")
+
+# %% [markdown]
 # The ratio of the imaginary part has a local maximum below its threshold. `peaks` finds it, exactly as well: a
 # threshold of just that size would be touched, and not exceeded.
 

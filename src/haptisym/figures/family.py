@@ -37,7 +37,7 @@ from haptisym.judge.criteria import noticed
 from haptisym.programs.values import Array
 from haptisym.verbs.family.entry import FamilyEvaluation
 
-_BINDING: tuple[tuple[str, Any], ...] = ((BLUE, SOLID), (RED, DASHED), ("#6fb0b8", SOLID), ("#d0701f", DASHED))
+_BINDING: tuple[tuple[str, Any], ...] = ((BLUE, SOLID), (RED, DASHED), ("#7cc0c8", SOLID), ("#d0701f", DASHED))
 """Colours and strokes of the environments that bind, in the order in which they do."""
 
 
@@ -82,6 +82,12 @@ def _height(envelope: Array, c: float) -> float:
     return min(max(1.08 * highest, 1.6 * c), 4 * c)
 
 
+def sampled_family(evaluation: FamilyEvaluation) -> tuple[Array, SampledCriteria]:
+    """Frequencies, rad/s, and what is judged there of each environment."""
+    omega = _common_grid(evaluation)
+    return omega, _sampled(evaluation, omega)
+
+
 def _common_grid(evaluation: FamilyEvaluation) -> Array:
     grids = [sampled(x) for x in evaluation.answers.values()]
     ends = [float(point.omega) for point in evaluation.chart.points]
@@ -115,8 +121,7 @@ def family_figure(evaluation: FamilyEvaluation) -> Figure:
     height = 0.7 + 1.3 * count
     figure = Figure(figsize=(WIDTH, height), layout="compressed")
     panels = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
-    omega, scale = _common_grid(evaluation), band_scale(evaluation.family.first.band)
-    sampled = _sampled(evaluation, omega)
+    scale, (omega, sampled) = band_scale(evaluation.family.first.band), sampled_family(evaluation)
     for which, ax in enumerate(panels):
         draw_envelope(ax, evaluation, which, omega, sampled, scale)
     for ax in panels[:-1]:
@@ -124,7 +129,7 @@ def family_figure(evaluation: FamilyEvaluation) -> Figure:
     name_frequency(panels[-1], scale)
     ends = dict.fromkeys(x.omega for x in evaluation.binding)
     label_above(panels[0], [(scale.of(float(x)), scale.digits(x, 4)) for x in ends])
-    legend(panels[0], _handles(evaluation), lines=1)
+    legend(panels[0], envelope_handles(evaluation), lines=1)
     figure.draw_without_rendering()
     figure.set_figheight(height + legend_height(panels[0]))
     figure.draw_without_rendering()
@@ -132,7 +137,8 @@ def family_figure(evaluation: FamilyEvaluation) -> Figure:
     return figure
 
 
-def _handles(evaluation: FamilyEvaluation) -> list[Any]:
+def envelope_handles(evaluation: FamilyEvaluation) -> list[Any]:
+    """What the legend of an envelope says."""
     looks = binding_looks(evaluation)
     bound = [
         handle(color, style, f"{name} binds", 1.1, marker="o", markersize=3.8) for name, (color, style) in looks.items()

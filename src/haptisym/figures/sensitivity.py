@@ -73,20 +73,18 @@ def _write_values(ax: Axes, values: Sequence[float]) -> None:
 
 def elasticities_figure(found: Sensitivities) -> Figure:
     """The bars of all crossings and changeovers, a panel each; NothingToDrawError where there are none."""
-    panels = _panels(found)
-    if not panels:
+    shown = panels(found)
+    if not shown:
         raise NothingToDrawError("there is no crossing nor changeover on the band that parameters could move")
-    rows = [
-        max(1, min(sum(bool(p.elasticity and float(p.elasticity)) for p in x.parameters), _MOST)) for _, x in panels
-    ]
+    rows = [max(1, min(sum(bool(p.elasticity and float(p.elasticity)) for p in x.parameters), _MOST)) for _, x in shown]
     figure = Figure(figsize=(WIDTH, sum(_ROW * n + _HEAD for n in rows) + _FOOT))
     scale, axes = band_scale(found.evaluation.scene.band), list[Axes]()
-    for title, x in panels:
+    for title, x in shown:
         axes.append(figure.add_axes((0.1, 0.1, 0.8, 0.8), sharex=axes[0] if axes else None, label=str(len(axes))))
         draw_elasticities(axes[-1], x, title, scale)
         axes[-1].tick_params(labelbottom=False)
     _place(figure, axes, rows)
-    more = len(found.crossings) + len(found.changeovers_environment) + len(found.changeovers_perceived) - len(panels)
+    more = len(found.crossings) + len(found.changeovers_environment) + len(found.changeovers_perceived) - len(shown)
     rest = f"\n({more} more frequencies in the text)" if more > 0 else ""
     axes[-1].tick_params(labelbottom=True)
     axes[-1].set_xlabel(rf"elasticity, $(p/\omega)\,\mathrm{{d}}\omega/\mathrm{{d}}p${rest}", fontsize=TEXT)
@@ -103,7 +101,8 @@ def _place(figure: Figure, axes: Sequence[Axes], rows: Sequence[int]) -> None:
         ax.set_position((side / width, 1 - top / height, 1 - (side + 0.12) / width, _ROW * n / height))
 
 
-def _panels(found: Sensitivities) -> Sequence[tuple[str, Sensitive]]:
+def panels(found: Sensitivities) -> Sequence[tuple[str, Sensitive]]:
+    """What is drawn, each with its title."""
     crossings = [(f"{written(x.criterion)} meets its threshold", x) for x in found.crossings if x.criterion]
     env, perc = found.changeovers_environment, found.changeovers_perceived
     systems = ((r"H_\mathrm{env}", env), (r"H_\mathrm{perc}", perc))

@@ -36,7 +36,7 @@ LEADER = {"arrowstyle": "-", "linewidth": 0.5, "color": GREY, "shrinkA": 0, "shr
 CURVES = ((BLUE, SOLID, r"H_\mathrm{env}"), (RED, DASHED, r"H_\mathrm{perc}"))
 STROKES = (SOLID, DASHED, DOTTED)
 """Of the criteria of a scene, in their order."""
-SCENES = (INK, "#d0701f", BLUE, "#6fb0b8", "#7d4a8c")
+SCENES = (INK, "#d0701f", BLUE, "#7cc0c8", "#8f5a9e")
 """Colours of the first, second, ... scene that is drawn on the same axes."""
 MOST_LABELS, MOST_NUMBERS = 4, 8
 

@@ -88,6 +88,20 @@ class Answer(Shown):
         target: Path = resolve_name("haptisym.figures.sheet:save_as")(self.figure(), path)
         return target
 
+    def plot(self, ax: Any = None, *, kind: str = "", color: str | None = None, label: str = "", **style: Any) -> Any:
+        """Draw it on axes of matplotlib, which are returned; a further scene on the same axes has the next colour.
+
+        ``ax`` : None for new ones, of pyplot, which a notebook shows. ``kind`` : what is drawn, where there are several kinds; an
+        error lists them. ``color``, ``label`` : of the scene. ``style`` : of the curves, as matplotlib's ``Line2D`` takes it.
+
+        >>> from haptisym import evaluate
+        >>> from matplotlib.figure import Figure
+        >>> ax = evaluate("fu2019").plot(Figure().add_subplot(), label="filter", linewidth=2)
+        >>> evaluate("undamped-resonance").plot(ax, label="no damper").get_xlabel()
+        '$\\\\omega$ (rad/s)'
+        """
+        return resolve_name("haptisym.figures.plots:plot")(self, ax, kind, color, label, style)
+
     def certificate(self) -> str:
         """The answer with a proof that ``python -m haptisym_check`` checks, as JSON. SceneError where there is none."""
         if not self._certificate:

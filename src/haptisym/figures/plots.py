@@ -1,0 +1,161 @@
+"""What ``plot`` of every answer draws: on axes of the caller, several scenes on the same ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from inspect import signature
+from pkgutil import resolve_name
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from haptisym.figures.style import SCENES, WIDTH, entries
+from haptisym.kernel.errors import NothingToDrawError, meant
+from haptisym.model.jnd import Part
+
+if TYPE_CHECKING:
+    from haptisym.judge.answers import Answer
+
+Drawing = tuple[Any, ...]
+"""The name of what draws, below ``haptisym.figures``, and what it is given besides the answer."""
+_PARTS = (("real", Part.REAL), ("imag", Part.IMAG))
+_RUNS = {f"recovered-{name}": ("simulate:draw_recovered", part) for name, part in _PARTS}
+
+KINDS: Mapping[str, Mapping[str, Drawing]] = MappingProxyType({
+    "evaluation": {
+        "ratios": ("ratios:draw_ratios",),
+        "nyquist": ("nyquist:draw_nyquist",),
+        **{f"projections-{name}": ("projections:draw_projections", part) for name, part in _PARTS},
+        "bandwidths": ("bandwidths:draw_bandwidths",),
+        "regions": ("regions:draw_regions",),
+    },
+    "evaluations": {"real": ("single:draw_worst", 0), "imag": ("single:draw_worst", 1)},
+    "measured": {"ratios": ("measured:draw_measured_ratios",), "nyquist": ("measured:draw_measured_nyquist",)},
+    "derivation": {"ratios": ("single:draw_formulas",)},
+    "effects": {
+        **{name: ("effects:draw_influences", part) for name, part in _PARTS},
+        "dominance": ("effects:draw_dominance",),
+    },
+    "requirement": {"worst": ("require:draw_requirement",)},
+    "designmap": {"map": ("designmap:draw_map",), "wishes": ("wishes:draw_wishes",)},
+    "stability": {"hands": ("stability:draw_plane",)},
+    "sensitivity": {"elasticities": ("single:draw_first",)},
+    "tolerances": {"enclosures": ("tolerances:draw_tolerances",)},
+    "metrics": {"measures": ("metrics:draw_measures",), "verdicts": ("metrics:draw_verdicts",)},
+    "cost": {"time": ("single:draw_task",)},
+    "hardcosts": {"cases": ("single:draw_cases",)},
+    "simulation": {"time": ("simulate:draw_time",), "loop": ("simulate:draw_loop",), **_RUNS},
+    "release": {"motion": ("release:draw_release",)},
+    "identification": {
+        "magnitude": ("identify:draw_magnitude",),
+        "phase": ("identify:draw_phase",),
+        "residuals": ("identify:draw_residuals",),
+    },
+    "jnd": {"answers": ("jnd:draw_jnd",)},
+    "published": {"fractions": ("single:draw_published",)},
+    "peaks": {"ratios": ("single:draw_peaks",)},
+    "sweep": {"chart": ("single:draw_swept",)},
+})  # fmt: skip
+"""Of each kind of document what can be drawn of it; the first is drawn unasked."""
+_GROUP = "haptisym plot "
+
+
+def plot(found: Answer, ax: Axes | None, kind: str, color: str | None, label: str, style: Mapping[str, Any]) -> Axes:
+    """Draw an answer; the axes. ``kind`` : a key of ``KINDS``; the first if empty. Raises NothingToDrawError for any other."""
+    name, *given = _drawing(found, kind)
+    axes = _axes() if ax is None else ax
+    drawn, told, limits = set(axes.get_children()), set(entries(axes)), (axes.get_xlim(), axes.get_ylim())
+    number = len({x.get_gid() for x in drawn if str(x.get_gid()).startswith(_GROUP)})
+    draw: Callable[..., Any] = resolve_name(f"haptisym.figures.{name}")
+    takes = {"color": color, "label": label} if "label" in signature(draw).parameters else {}
+    made = _curves(axes, draw(axes, _subject(found, name), *given, **takes), drawn)
+    for artist in set(axes.get_children()) - drawn:
+        artist.set_gid(f"{_GROUP}{number + 1}")
+    if number:
+        _widen(axes, limits)
+    if not takes and (label or number):
+        _named(axes, told, f", {label}" if label else f" ({number + 1})")
+    own = None if takes else color or (SCENES[number % len(SCENES)] if number else None)
+    for artist in _with_entries(axes, made, told):
+        _coloured(artist, own)
+        artist.set(**style)
+    return axes
+
+
+def _drawing(found: Answer, kind: str) -> Drawing:
+    kinds = KINDS[_key(found)]
+    if kind and kind not in kinds:
+        raise NothingToDrawError(
+            f'kind: "{kind}" is none of this answer: {meant(kind, kinds)}these are {", ".join(kinds)}'
+        )
+    if not kind and _key(found) == "designmap" and getattr(found, "that", ()) != ("transparent",):
+        kind = "wishes"
+    if kind == "regions" and not getattr(found, "regions", ()):
+        raise NothingToDrawError("kind: no regions were compared: ask for them with evaluate(scene, regions=True)")
+    return kinds[kind or next(iter(kinds))]
+
+
+def _key(found: Answer) -> str:
+    name = found._schema.removeprefix("haptisym.").partition("/")[0]
+    return "hardcosts" if type(found).__name__ == "HardCosts" else name
+
+
+def _subject(found: Any, name: str) -> Any:
+    """Of simulations one run, or all of them."""
+    if not name.startswith("simulate:"):
+        return found
+    runs = found.runs
+    return runs if name.endswith("recovered") else runs[len(runs) // 2]
+
+
+def _axes() -> Axes:
+    """New ones, of pyplot: notebooks show them by themselves, and ``plt.show()`` does in a script."""
+    from matplotlib import pyplot
+
+    figure = pyplot.figure(figsize=(1.5 * WIDTH, WIDTH), layout="constrained")
+    return figure.add_subplot()
+
+
+def _curves(axes: Axes, returned: Any, before: set[Artist]) -> list[Artist]:
+    """What style is for: the curves that a drawing returns, else all its lines."""
+    new = set(axes.get_children()) - before
+    listed = returned if isinstance(returned, list | tuple) else []
+    curves: list[Artist] = [x for x in listed if isinstance(x, Line2D | Patch) and x in new]
+    return curves or [x for x in new if isinstance(x, Line2D)]
+
+
+def _widen(axes: Axes, limits: tuple[tuple[float, float], tuple[float, float]]) -> None:
+    """What was drawn before stays in sight."""
+    (left, right), (bottom, top) = limits
+    x, y = axes.get_xlim(), axes.get_ylim()
+    if x[0] < x[1]:
+        axes.set_xlim(min(left, x[0]), max(right, x[1]))
+    if y[0] < y[1]:
+        axes.set_ylim(min(bottom, y[0]), max(top, y[1]))
+
+
+def _named(axes: Axes, told: set[str], suffix: str) -> None:
+    """The new entries of the legend with the label behind them."""
+    legend = axes.get_legend()
+    for text in legend.get_texts() if legend else []:
+        if text.get_text() not in told:
+            text.set_text(f"{text.get_text()}{suffix}")
+
+
+def _with_entries(axes: Axes, made: list[Artist], told: set[str]) -> list[Artist]:
+    """Curves, and their new entries in the legend."""
+    labels = {str(x.get_label()) for x in made}
+    return [*made, *(x for name, x in entries(axes).items() if name in labels and name not in told)]
+
+
+def _coloured(artist: Artist, color: str | None) -> None:
+    """A line and its marks, but for what is hollow; a ground stays as it is."""
+    if color is not None and isinstance(artist, Line2D):
+        hollow = str(artist.get_markerfacecolor()) in ("none", "white")
+        artist.set(color=color, markeredgecolor=color)
+        if not hollow:
+            artist.set_markerfacecolor(color)
