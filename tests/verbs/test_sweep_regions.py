@@ -108,11 +108,13 @@ def test_a_change_that_is_the_same_at_all_frequencies_is_noticed_on_all_or_on_no
     )
 
 
-def test_a_delayed_scene_is_answered_exactly_in_its_region() -> None:
-    asked = with_jnd(CORNERS, hs.load_scene("delayed-spring"))
-    found = hs.sweep(asked, {"effects.delay.tau": [0.0078125]})
-    assert found.method.item() == 1
-    agrees(found[{"effects.delay.tau": 0}], hs.evaluate(asked.with_values({"tau": "1/128"})))
+@pytest.mark.parametrize("name", JNDS)
+def test_a_delayed_scene_is_answered_in_floats_in_its_region_too(name: str) -> None:
+    asked = with_jnd(JNDS[name], hs.load_scene("delayed-spring"))
+    found = hs.sweep(asked, {"effects.delay.tau": [0.0078125, 0.25]})
+    assert found.method.values[0] == 0  # at the longer delay parts change together for one region
+    for i, tau in enumerate(("1/128", "1/4")):
+        agrees(found[{"effects.delay.tau": i}], hs.evaluate(asked.with_values({"tau": tau})))
 
 
 @pytest.mark.slow

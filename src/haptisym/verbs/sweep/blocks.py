@@ -126,10 +126,16 @@ class SweepGrid:
             "certified": (
                 "All counts are proven. Values of the swept parameters are taken as exactly the binary numbers stored here."
             ),
-            "floats": _IN_FLOATS if self.kernel.is_polynomial else _ALL_EXACT,
+            "floats": self._how,
             "fingerprint": self.fingerprint,
             **self._asides(),
         }
+
+    @property
+    def _how(self) -> str:
+        if not self.kernel.is_polynomial:
+            return _ALL_EXACT
+        return f"{_IN_FLOATS}{_WITH_SINES}" if self.kernel.has_waves else _IN_FLOATS
 
     def _asides(self) -> dict[str, Any]:
         """What is nominal or has a double, as text, which every kind of file holds."""
@@ -180,7 +186,10 @@ def _threshold(scene: Scene) -> dict[str, Any]:
 
 
 _IN_FLOATS = "method 0 where floats with an error bound prove the counts, exact arithmetic elsewhere"
-_ALL_EXACT = "this scene is not rational in omega (delays, powers of s, sampling): every set is answered exactly"
+_WITH_SINES = (
+    "; the bound rests on sines, cosines, exponentials and logarithms within 4 units in the last place, as tested here"
+)
+_ALL_EXACT = "floats do not answer this scene with these parameters: every set is answered exactly"
 
 
 def compute(kernel: Kernel, values: Sequence[Array]) -> tuple[Array, ...]:

@@ -18,7 +18,7 @@ from haptisym.kernel.errors import HaptisymError
 from haptisym.kernel.lattices import Lattice, Signed
 from haptisym.kernel.levels import Level
 from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial, PolynomialRing
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
 from haptisym.kernel.symbols import omega
 from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part
@@ -69,7 +69,7 @@ Excess: TypeAlias = ThresholdPolynomial | FamilyLattice
 
 @dataclass(frozen=True)
 class Curves:
-    """What is asked of a scene, as polynomials in (omega/scale)^step.
+    """What is asked of a scene, as polynomials in (omega/scale)^step, or in that and waves (``waves``) with step 1.
 
     ``excess`` : by the name of the criterion. ``changeovers``: of the environment and as perceived, a product whose zeros are the
     changeovers, None if there can be none.
@@ -94,17 +94,38 @@ class Curves:
 
 def sweep_curves(scene: Scene, swept: Sequence[Knob]) -> Curves | None:
     """The curves of a scene; None where they are no polynomials (delays, powers s^alpha), or not for all of the sweep."""
+    asked = closed_forms(scene, swept)
+    if asked is None or any(f.axis.functions for f in asked.functions):
+        return None
+    return Reader(scene, swept, asked).curves()
+
+
+@dataclass(frozen=True)
+class ClosedForms:
+    """What is judged, and whose zeros are the changeovers."""
+
+    measures: Mapping[Criterion, Signed]
+    turning: tuple[RealFunction, ...]
+
+    @property
+    def functions(self) -> list[RealFunction]:
+        """All of them."""
+        own = [f for x in self.measures.values() for f in _functions(x) if isinstance(f, RealFunction)]
+        return [*self.turning, *own]
+
+
+def closed_forms(scene: Scene, swept: Sequence[Knob]) -> ClosedForms | None:
+    """Those of a scene; None where there are no dynamics, a delay needs a number, or a limit is not rational."""
     given = {x.symbol for x in swept}
     chain = scene.chain.at({p.symbol: p.value for p in scene.parameters if p.symbol not in given})
     try:
         d = Distortion.of(chain, Ring.of([*chain.entries(), *LIMITS.values()]))
         measures = {x: _measure(x, d) for x in (_opened(x, swept) for x in noticed(scene.threshold))}
     except HaptisymError:
-        return None  # no dynamics at all, a delay that needs a number, or a limit that is not rational
-    functions = [*_turning(d), *(f for x in measures.values() for f in _functions(x))]
-    if d.env.ring.functions or any(isinstance(f, Level) or f.axis.functions for f in functions):
         return None
-    return _Reader(scene, swept, measures, _turning(d)).curves()
+    if any(isinstance(f, Level) for x in measures.values() for f in _functions(x)):
+        return None
+    return ClosedForms(measures, tuple(part_of(r, Part.REAL) for r in (d.env_response, d.perc_response)))
 
 
 LIMITS = {part: Symbol(f"c_{part.value}", positive=True) for part in Part}
@@ -128,32 +149,30 @@ def _functions(x: Signed) -> Iterator[RealFunction | Level]:
     yield from ((f for term in x.terms for f in term) if isinstance(x, Lattice) else (x,))
 
 
-def _turning(d: Distortion) -> list[RealFunction]:
-    """Whose zeros are the changeovers."""
-    return [part_of(r, Part.REAL) for r in (d.env_response, d.perc_response)]
-
-
-class _Reader:
+class Reader:
     """Reads the families off the exact closed forms."""
 
-    def __init__(
-        self,
-        scene: Scene,
-        swept: Sequence[Knob],
-        measures: Mapping[Criterion, Signed],
-        turning: Sequence[RealFunction],
-    ) -> None:
-        self.scene, self.swept, self.measures, self.turning = scene, swept, measures, turning
+    needs_bounded_ratios = True
+    """Whether the denominators of r^2 must not vanish for the zeros found to be crossings."""
+
+    def __init__(self, scene: Scene, swept: Sequence[Knob], asked: ClosedForms) -> None:
+        self.scene, self.swept, self.measures, self.turning = scene, swept, asked.measures, asked.turning
         self.symbols = [LIMITS[x.parts[0]] if x.parts else x.symbol for x in swept]
-        functions = [*turning, *(f for x in measures.values() for f in _functions(x) if isinstance(f, RealFunction))]
-        polynomials = [p for f in functions for p in (f.function.numerator, f.function.denominator)]
-        self.step = 2 if all(int(e[0]) % 2 == 0 for p in polynomials for e in p.monoms()) else 1
+        self.step = self._step([self._form(f) for f in asked.functions])
         self.definite: list[Family] = []
+
+    def _step(self, forms: Sequence[RationalFunction]) -> int:
+        polynomials = [p for f in forms for p in (f.numerator, f.denominator)]
+        return 2 if all(int(e[0]) % 2 == 0 for p in polynomials for e in p.monoms()) else 1
+
+    def _form(self, f: RealFunction) -> RationalFunction:
+        """The quotient of polynomials that is read."""
+        return f.function
 
     def curves(self) -> Curves | None:
         excess = {x.name: self._judged(f, x) for x, f in self.measures.items()}
         environment, perceived = map(self._changeover, self.turning)
-        if self.step == 1 and self.scene.band[0] == 0 and any(map(_odd_at_zero, self.turning)):
+        if self.step == 1 and self.scene.band[0] == 0 and any(map(_odd_at_zero, map(self._form, self.turning))):
             return None  # a function that is odd in omega changes its sign at 0 itself
         return Curves(self.step, excess, (environment, perceived), tuple(dict.fromkeys(self.definite)))
 
@@ -166,39 +185,46 @@ class _Reader:
         return FamilyLattice(found) if found else None  # where a function is 0 everywhere its term is nowhere positive
 
     def _signs(self, f: RealFunction) -> SignedProduct:
-        ring = f.axis
-        (unit, above), (lower, below) = (ring.factors(p) for p in (f.function.numerator, f.function.denominator))
+        form = self._form(f)
+        ring = form.ring
+        (unit, above), (lower, below) = (ring.factors(p) for p in (form.numerator, form.denominator))
         even = [g for g, n in above if n % 2 == 0]
         self.definite += self._all_but_zero(ring, [*(g for g, _ in below), *even])
-        odd = [g for g, n in (*above, *below) if n % 2 and g != ring.variable and not g.is_constant()]
+        odd = [g for g, n in (*above, *below) if n % 2 and not self._is_trivial(ring, g)]
         factors = tuple(self._family(ring, g, Integer(1)) for g in odd)
-        is_0 = self.scene.band[0] == 0 and any(g == ring.variable for g, _ in above)
+        is_0 = self.scene.band[0] == 0 and any(self._is_0_at_0(ring, g) for g, _ in above)
         return SignedProduct(1 if unit * lower > 0 else -1, factors, is_0)
 
     def _excess(self, f: RealFunction, criterion: Criterion) -> ThresholdPolynomial | None:
         if f.is_zero:
             return None
-        ring = f.axis
-        (unit, above), (lower, below) = (ring.factors(p) for p in (f.function.numerator, f.function.denominator))
-        self.definite += self._all_but_zero(ring, (g for g, _ in below))
+        form = self._form(f)
+        ring = form.ring
+        (unit, above), (lower, below) = (ring.factors(p) for p in (form.numerator, form.denominator))
+        self.definite += self._all_but_zero(ring, (g for g, _ in below if self.needs_bounded_ratios))
         column = next((i for i, x in enumerate(self.swept) if criterion.depends_on(x.parts)), None)
         if column is None:
             return ThresholdPolynomial(
                 self._product(ring, above, unit), self._product(ring, below, lower * criterion.limit)
             )
-        square = Family((Monomial(0, 1.0, 0.0, tuple(2 * (i == column) for i in range(len(self.swept)))),))
+        square = self._constant(Monomial(0, 1.0, 0.0, tuple(2 * (i == column) for i in range(len(self.swept)))))
         return ThresholdPolynomial(self._product(ring, above, unit), (square, *self._product(ring, below, lower)))
+
+    def _constant(self, value: Monomial) -> Family:
+        """Of degree 0."""
+        return Family((value,))
 
     def _changeover(self, f: RealFunction) -> FamilyProduct | None:
         """Zeros of odd order; a zero at omega = 0 of an even function is no change of sign."""
         if f.is_zero:
             return None
-        ring = f.axis
-        _, above = ring.factors(f.function.numerator)
-        _, below = ring.factors(f.function.denominator)
+        form = self._form(f)
+        ring = form.ring
+        _, above = ring.factors(form.numerator)
+        _, below = ring.factors(form.denominator)
         even = [g for g, n in above if n % 2 == 0]
         self.definite += self._all_but_zero(ring, [*(g for g, _ in below), *even])
-        odd = [(g, 1) for g, n in above if n % 2 and g != ring.variable]
+        odd = [(g, 1) for g, n in above if n % 2 and not self._is_0_at_0(ring, g)]
         return self._product(ring, odd, Integer(1))
 
     def _product(self, ring: PolynomialRing, factors: _Factors, unit: Expr) -> FamilyProduct:
@@ -209,16 +235,20 @@ class _Reader:
         return tuple(self._family(ring, g, number) for g, number in zip(listed, numbers, strict=False))
 
     def _all_but_zero(self, ring: PolynomialRing, factors: Iterable[Polynomial]) -> list[Family]:
-        return [self._family(ring, g, Integer(1)) for g in factors if g != ring.variable and not g.is_constant()]
+        return [self._family(ring, g, Integer(1)) for g in factors if not self._is_trivial(ring, g)]
+
+    def _is_trivial(self, ring: PolynomialRing, factor: Polynomial) -> bool:
+        return bool(factor.is_constant()) or self._is_0_at_0(ring, factor)
+
+    def _is_0_at_0(self, ring: PolynomialRing, factor: Polynomial) -> bool:
+        """Whether a factor vanishes at omega = 0, and nowhere else."""
+        return bool(factor == ring.variable)
 
     def _family(self, ring: PolynomialRing, polynomial: Polynomial, number: Expr) -> Family:
         return family(ring, polynomial, self.symbols, self.scene.band[1], self.step, number)
 
 
-def _odd_at_zero(f: RealFunction) -> bool:
+def _odd_at_zero(f: RationalFunction) -> bool:
     """Whether the power of omega in a real function is odd."""
-    ring = f.axis
-    powers = [
-        n for p in (f.function.numerator, f.function.denominator) for g, n in ring.factors(p)[1] if g == ring.variable
-    ]
+    powers = [n for p in (f.numerator, f.denominator) for g, n in f.ring.factors(p)[1] if g == f.ring.variable]
     return sum(powers) % 2 == 1

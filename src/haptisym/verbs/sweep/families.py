@@ -21,7 +21,7 @@ from haptisym.kernel.reals import bounds, expression_ball
 from haptisym.kernel.rings import Polynomial, PolynomialRing
 from haptisym.verbs.sweep.batch import Array, Batch
 
-_BITS = 256
+BITS = 256
 _MOST_EXPONENT = 1000  # of two: products within it neither underflow nor overflow, with room for sums
 
 
@@ -97,7 +97,7 @@ def family(
     """
     columns = {x: i for i, x in enumerate(ring.meanings)}
     places = [columns.get(x) for x in parameters]
-    with flint.ctx.workprec(_BITS):
+    with flint.ctx.workprec(BITS):
         numbers = [expression_ball(x) for x in ring.meanings[1:2]]
         unit, scaled = expression_ball(factor), expression_ball(scale)
         found: dict[tuple[int, tuple[int, ...]], arb] = {}
@@ -107,10 +107,11 @@ def family(
             key = own[0] // step, tuple(own[i] if i is not None else 0 for i in places)
             term = arb(coefficient) * unit * numbers[0] ** own[1] * scaled ** own[0]
             found[key] = found.get(key, arb(0)) + term
-        return Family(tuple(_term(*key, ball) for key, ball in sorted(found.items())))
+        return Family(tuple(monomial(*key, ball) for key, ball in sorted(found.items())))
 
 
-def _term(power: int, exponents: tuple[int, ...], ball: arb) -> Monomial:
+def monomial(power: int, exponents: tuple[int, ...], ball: arb) -> Monomial:
+    """One with a constant in that ball; UndecidedError where too few of its bits are known."""
     if not ball.is_exact() and ball.rel_accuracy_bits() < 128:
         raise UndecidedError(f"a coefficient near {float(ball.mid())} has fewer than 128 correct bits")
     middle, _ = bounds(ball.mid())

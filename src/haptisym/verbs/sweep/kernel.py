@@ -16,8 +16,11 @@ from haptisym.verbs.sweep.exactly import exact_answers
 from haptisym.verbs.sweep.hands import HandCurve, hand_curves, held
 from haptisym.verbs.sweep.passes import Band, Columns, Pass
 from haptisym.verbs.sweep.told import ABSENT, EXACT, UNKNOWN, Told
+from haptisym.verbs.sweep.wavecurves import wave_curves
+from haptisym.verbs.sweep.wavepass import WavePass
+from haptisym.verbs.sweep.waves import WaveFamily
 
-_AT_ONCE = 8192
+_AT_ONCE, _WAVES_AT_ONCE = 8192, 4096
 """Sets: so many that the work arrays stay in the processor's cache."""
 _IS_WIDER = np.finfo(np.longdouble).nmant in (63, 112)
 """Whether NumPy's longdouble is a wider IEEE format, and neither a double by another name nor a pair of doubles."""
@@ -35,7 +38,7 @@ class Kernel:
 
     @classmethod
     def of(cls, scene: Scene, swept: Sequence[Knob]) -> Kernel:
-        curves = sweep_curves(scene, swept)
+        curves = sweep_curves(scene, swept) or wave_curves(scene, swept)
         if curves is not None and _degree(curves) > MOST_DEGREE:
             curves = None
         band = Band.of(*scene.band, curves.step if curves else 1)
@@ -50,6 +53,11 @@ class Kernel:
     def is_polynomial(self) -> bool:
         """Whether sets may be answered in floats; if not, each is answered exactly."""
         return self.curves is not None
+
+    @property
+    def has_waves(self) -> bool:
+        """Whether there are delays, holds or powers s^alpha: these need sines, which only doubles have with a bound."""
+        return self.curves is not None and any(isinstance(f, WaveFamily) for p in self.curves.products for f in p)
 
     def answers(self, values: Array) -> Columns:
         """All variables, for values of the swept parameters in rows and sets in columns."""
@@ -71,7 +79,7 @@ class Kernel:
         columns, left = _blank(self.told, values.shape[1]), np.arange(values.shape[1])
         if self.curves is not None:
             left = self._in_floats(values, columns, left)
-            if _IS_WIDER:
+            if _IS_WIDER and not self.has_waves:
                 left = self._in_floats(values.astype(np.longdouble), columns, left)
         return columns, left
 
@@ -79,9 +87,10 @@ class Kernel:
         """Answer those sets that floats of this kind can prove; the others are returned."""
         assert self.curves is not None
         rest = [sets[:0]]
-        for i in range(0, len(sets), _AT_ONCE):
-            some = sets[i : i + _AT_ONCE]
-            found, decided = Pass(self.curves, self.band, values[:, some]).answers()
+        at_once, kind = (_WAVES_AT_ONCE, WavePass) if self.has_waves else (_AT_ONCE, Pass)
+        for i in range(0, len(sets), at_once):
+            some = sets[i : i + at_once]
+            found, decided = kind(self.curves, self.band, values[:, some]).answers()
             for name, column in found.items():
                 columns[name][some[decided]] = column[decided]
             rest.append(some[~decided])

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from sympy import Expr
 
 from haptisym.kernel.reals import ExactNumber, bounds
-from haptisym.verbs.sweep.batch import Array, Batch, product
+from haptisym.verbs.sweep.batch import Array, product
 from haptisym.verbs.sweep.bernstein import Zeros, isolate, refine
 from haptisym.verbs.sweep.combined import Found, Ordered, changes
 from haptisym.verbs.sweep.curves import Curves, Excess, FamilyLattice, FamilyProduct
@@ -20,7 +20,7 @@ from haptisym.verbs.sweep.told import ABSENT, FLOAT, SYSTEMS
 
 TOLERANCE = 1e-10
 """Relative: every frequency that is answered is proven to lie this close to the true one."""
-_SQUARED_TOLERANCE = 0.95 * TOLERANCE
+NARROWER = 0.95 * TOLERANCE
 """Of (omega/scale)^step, step 1 or 2; the rest is for taking the root and scaling back."""
 Columns: TypeAlias = dict[str, Array]
 
@@ -63,7 +63,7 @@ class Pass:
         self.curves, self.band, self.sets = curves, band, values.shape[1]
         self.powers = Powers(values)
         self.decided = within_reach(values, curves.products)
-        self._products: dict[FamilyProduct, Batch] = {}
+        self._products: dict[FamilyProduct, Any] = {}
 
     def answers(self) -> tuple[Columns, Array]:
         """All variables, and for which sets they are proven."""
@@ -78,13 +78,15 @@ class Pass:
             columns[f"changeovers_{name}"], columns[f"changeover_{name}"] = self._told(found)
         return columns | self._transparency(parts, columns), self.decided
 
-    def _at(self, families: FamilyProduct) -> Batch:
+    def _at(self, families: FamilyProduct) -> Any:
+        """A product for each set, once: something that can be subtracted from another, and isolated."""
         if families not in self._products:
-            single = len(families) == 1
-            self._products[families] = (
-                families[0].at(self.powers) if single else product([self._at((f,)) for f in families])
-            )
+            self._products[families] = self._product(families)
         return self._products[families]
+
+    def _product(self, families: FamilyProduct) -> Any:
+        single = len(families) == 1
+        return families[0].at(self.powers) if single else product([self._at((f,)) for f in families])
 
     def _no_zero_in(self, families: Sequence[Family]) -> None:
         for f in families:
@@ -102,17 +104,23 @@ class Pass:
         self.decided &= certain
         return found
 
-    def _isolated(self, p: Batch) -> Zeros:
-        edges = self.band.edges(_segments(p.degree), self.curves.step)
-        found = isolate(p, edges, first_is_doubt=self.band.doubtful)
+    def _isolated(self, p: Any) -> Zeros:
+        found = self._all_zeros(p)
         self.decided &= found.decided
         return found
 
-    def _zeros(self, p: Batch | None) -> Found:
+    def _all_zeros(self, p: Any) -> Zeros:
+        edges = self.band.edges(_segments(p.degree), self.curves.step)
+        return isolate(p, edges, first_is_doubt=self.band.doubtful)
+
+    def _refined(self, p: Any, low: Array, high: Array) -> tuple[Array, Array]:
+        return refine(p, low, high, NARROWER)
+
+    def _zeros(self, p: Any) -> Found:
         if p is None:
             return Found(np.zeros(0, dtype=int), np.zeros(0), np.full(self.sets, -1))
         found = self._isolated(p)
-        x, proven = refine(p.of(found.sets), found.low, found.high, _SQUARED_TOLERANCE)
+        x, proven = self._refined(p.of(found.sets), found.low, found.high)
         self.decided[found.sets[~proven]] = False
         return Found(found.sets, (np.sqrt(x) if self.curves.step == 2 else x).astype(float), found.first)
 
