@@ -96,6 +96,7 @@ def test_no_threshold_below_the_ratio_at_the_low_end_gives_a_bandwidth() -> None
     assert "there is no bandwidth" in str(ranged(rising, ["0.02", "0.05"]))
 
 
+@pytest.mark.slow
 def test_ranges_of_their_own_leave_out_what_neither_part_reaches() -> None:
     """The smaller one of two bandwidths is below a jump of the one while the other is above."""
     alone = ranged(RESONANT, ["0.05", "0.29"], 1).bandwidths

@@ -16,6 +16,7 @@ from marks import often
 from matplotlib.figure import Figure
 from oracles import MP
 from pdflatex import set_document
+from reports import undrawn
 from sympy import Integer, Rational, sqrt
 
 import haptisym as hs
@@ -29,7 +30,6 @@ from haptisym.judge.percepts import NOT_NAMED, Percept, changeovers, find_felt, 
 from haptisym.judge.percepts import felt as percept_words
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.roots import Chart, Interval, Point, Signs
-from haptisym.pages.report import page
 
 PAPER = hs.Scene(
     mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m"),
@@ -420,7 +420,7 @@ def test_a_percept_has_the_same_words_in_text_page_notebook_latex_and_figure(sce
         assert legend is not None
         drawn = {x.get_text().replace("\n", " ") for x in [*ax.texts, *legend.get_texts()]}
         assert {x.words for x in result.felt if x.part is part} <= drawn
-    whole = str(result), page(result), result._repr_html_(), set_document(result)  # type: ignore[attr-defined]
+    whole = str(result), undrawn(result), result._repr_html_(), set_document(result)  # type: ignore[attr-defined]
     for text in (*whole, hs.latex(result)):
         assert all(row.words in text for row in result.felt)
     for text in whole:
@@ -435,7 +435,7 @@ def test_a_table_is_never_empty_without_a_word() -> None:
     assert result.percepts == ()
     assert NOT_NAMED in str(result)
     nothing = hs.evaluate(hs.Scene(mass_spring_damper(k=100), (), (0, 15)))
-    for text in (str(nothing), page(nothing), set_document(nothing)):
+    for text in (str(nothing), undrawn(nothing), set_document(nothing)):
         assert "Nothing is noticed on the band: neither ratio exceeds its threshold" in text
 
 

@@ -10,7 +10,7 @@ import pytest
 from flint import arb
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from marks import examples
+from marks import examples, often
 from oracles import DIGITS, MP, Case, digits_of
 from strategies import cases, exact, rationals, scene
 from sympy import Abs, Expr, I, Integer, Rational, Symbol, exp, expand, fraction, pi, sin, sqrt, together
@@ -291,7 +291,10 @@ def mp_value(expression: Expr, at: object) -> object:
     return getattr(MP, type(expression).__name__)(*arguments)
 
 
-@pytest.mark.parametrize("name", DYNAMICS)
+SLOW = {"two powers and two delays", "three delays", "two powers"}
+
+
+@pytest.mark.parametrize("name", often(DYNAMICS, lambda name: name not in SLOW))
 def test_on_the_axis_every_form_has_the_values_of_mpmath(name: str) -> None:
     f = DYNAMICS[name]
     dynamics = Ring.of([f]).convert(f).reduced()

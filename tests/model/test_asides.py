@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 from pdflatex import set_document
+from reports import undrawn
 
 import haptisym as hs
-from haptisym.pages.report import page
 
 Call = Callable[..., tuple[int, str, str]]
 
@@ -142,7 +142,7 @@ def test_a_sweep_says_what_is_nominal_but_for_its_axes(call: Call, scenes: tuple
 
 def test_pages_and_latex_of_an_evaluation_say_what_is_nominal() -> None:
     assert (
-        page(hs.evaluate(hs.parse_scene(RANGES))).count(
+        undrawn(hs.evaluate(hs.parse_scene(RANGES))).count(
             "this is the nominal scene; see <code>haptisym tolerances</code>."
         )
         == 1

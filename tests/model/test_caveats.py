@@ -9,12 +9,12 @@ import mpmath
 import pytest
 from marks import often
 from pdflatex import set_document
+from reports import undrawn
 
 import haptisym as hs
 from haptisym.kernel.stability import is_stable
 from haptisym.model.caveats import caveats, clocks, sampled_loop
 from haptisym.model.hand import Hand
-from haptisym.pages.report import page
 from haptisym.verbs.simulate.motions import sine
 
 WALL = hs.environments.mass_spring_damper(k=200, b=2)
@@ -70,7 +70,7 @@ def test_caveats_stand_in_every_output() -> None:
     assert json.loads(found.to_json())["caveats"] == list(found.caveats)
     assert "But: sampler holds a force that compliance brings back to a clock" in str(found)
     assert "compliance brings back to a clock" in set_document(found)
-    assert "compliance brings back to a clock" in page(found)
+    assert "compliance brings back to a clock" in undrawn(found)
     assert "caveats" not in json.loads(hs.evaluate(hs.load_scene("fu2019")).to_json())
 
 
@@ -122,7 +122,7 @@ def test_every_shipped_scene_with_a_clock_says_who_decides_the_loop_through_the_
 
 def outputs(found: hs.Evaluation) -> list[str]:
     """An evaluation in all writers, spaces and markup apart."""
-    pages = [str(found), set_document(found), page(found), found._repr_html_()]  # type: ignore[attr-defined]
+    pages = [str(found), set_document(found), undrawn(found), found._repr_html_()]  # type: ignore[attr-defined]
     return [
         " ".join(re.sub(r"<script.*?</script>|<style.*?</style>|<[^>]*>", "", x, flags=re.DOTALL).split())
         for x in pages

@@ -34,11 +34,11 @@ from certificates import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from marks import often, required
+from reports import undrawn
 from secondchecker import catalogue, run, verdicts
 
 import haptisym as hs
 from haptisym.judge.crossings import CrossingKind
-from haptisym.pages.report import page
 
 
 def test_the_certificate_of_every_rational_scene_is_accepted() -> None:
@@ -244,7 +244,7 @@ def _said(opened: Browser) -> str:
 
 @cache
 def written(name: str) -> str:
-    return page(evaluated(name))
+    return undrawn(evaluated(name))
 
 
 SAID = {
@@ -287,7 +287,7 @@ def test_a_report_without_a_certificate_says_so_and_claims_no_check(name: str, s
         scene = hs.Scene(hs.environments.kelvin_voigt(290, 2), (hs.effects.first_order_lag(20),))
     else:
         scene = hs.load_scene(name)
-    text = page(hs.evaluate(scene))
+    text = undrawn(hs.evaluate(scene))
     assert "This page carries no certificate: " in text
     assert 'id="checked"' not in text
     assert 'id="certificate"' not in text
@@ -301,7 +301,7 @@ def test_without_javascript_nothing_is_said_to_be_checked() -> None:
 def test_a_page_of_a_scene_with_hostile_words_is_checked(shown: Any, tmp_path: Path) -> None:
     file = tmp_path / "x.toml"
     file.write_text('title = "</script><!-- \\" \\u2028 ω"\n' + text_of("nothing between"), encoding="utf-8")
-    assert shown(page(hs.evaluate(file))).startswith("Checked here: no crossing")
+    assert shown(undrawn(hs.evaluate(file))).startswith("Checked here: no crossing")
 
 
 def typed(opened: Browser, identity: str, text: str) -> None:
@@ -345,6 +345,6 @@ def test_the_explorer_proves_a_scene_in_hertz_with_ties_between_its_parts(shown:
 
 
 def test_the_explorer_of_a_scene_without_a_certificate_proves_nothing(shown: Any) -> None:
-    opened = shown(page(hs.evaluate("delayed-spring")), page_of=True)
+    opened = shown(undrawn(hs.evaluate("delayed-spring")), page_of=True)
     assert proven(opened) == "none"
     assert "exact arithmetic" not in opened.value("document.querySelector('#explorer > p').textContent")

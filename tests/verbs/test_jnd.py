@@ -271,6 +271,7 @@ def test_a_table_may_come_through_a_pipe() -> None:
         os.close(read)
 
 
+@pytest.mark.slow
 def test_a_million_lines_are_read_as_their_counts(file: Callable[..., Path]) -> None:
     rows = hs.jnd(file("level,response\n" + TRIALS_OF * 4167)).answers.rows
     assert rows == tuple(Row(x, 4167 * k, 4167 * TRIALS) for x, k in zip(LEVELS, COUNTS, strict=True))

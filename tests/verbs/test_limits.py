@@ -24,6 +24,7 @@ from haptisym.verbs.tolerances.entry import tolerances
 # Long delays: one that is free, beside other things that turn
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["organ-tissue", "sampled-wall"])
 def test_a_free_delay_beside_other_angles_is_answered(name: str) -> None:
     """Both scenes are noticed without any delay, and no delay mends that."""
