@@ -25,22 +25,33 @@ from haptisym.model.scene import Scene
     help="Sets of values to draw for the estimates.",
 )
 @click.option("--seed", type=int, default=2019, show_default=True, help="Of the random numbers of the estimates.")
+@click.option(
+    "--hand",
+    "names",
+    multiple=True,
+    metavar="NAME",
+    help="Whether the display is stable in this hand, of the scene or a published one, for all values; may be repeated.",
+)
 @figure_option("enclosures and samples")
 @limit_option
-def tolerances(scene: Scene, as_json: bool, samples: int, seed: int, figure: Path | None, limit: float) -> None:
+def tolerances(
+    scene: Scene, as_json: bool, samples: int, seed: int, names: tuple[str, ...], figure: Path | None, limit: float
+) -> None:
     """Tell what holds for all values of parameters that are known as ranges.
 
     SCENE is a scene file (TOML) or the name of a shipped scene; a parameter in it may be written "1.8 kg +- 5 %",
     "1.8 kg +- 0.1 kg" or ["1.7 kg", "1.9 kg"], the threshold likewise.
 
     Proven by branch and bound: whether the display is transparent on the band for all values, for none or for some, and
-    between which frequencies (rad/s) each crossing stays. Estimated, and said so: quantiles over values drawn at random. Exit
-    status 3 if the verdict stayed undecided within the limit.
+    between which frequencies (rad/s) each crossing stays; with a hand, in which it is held, whether it is stable for all values,
+    for none or for some. Estimated, and said so: quantiles over values drawn at random. Exit status 3 if a verdict stayed
+    undecided within the limit.
 
     \b
     Examples:
       haptisym tolerances fu2019-tolerances
       haptisym tolerances my-device.toml --samples 1000 --figure tolerances.pdf
+      haptisym tolerances fu2019-tolerances --hand light-touch
       haptisym tolerances my-device.toml --json
     """
     from haptisym.verbs.tolerances.entry import tolerances as of
@@ -51,6 +62,6 @@ def tolerances(scene: Scene, as_json: bool, samples: int, seed: int, figure: Pat
         )
 
     with progress() as told:
-        found = of(scene, samples, seed, limit=limit, told=told)
+        found = of(scene, samples, seed, hand=names or None, limit=limit, told=told)
     drawn(found, figure)
     hand_over(found, as_json=as_json)

@@ -7,9 +7,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from sympy import Expr
 
 from haptisym.kernel.reals import RealNumber
+from haptisym.model.hand import Hand
+from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import unit_text
 from haptisym.model.ranges import spread
 from haptisym.pages.words import CHANGE, both, lead, symbol, title
+from haptisym.verbs.stability.boxes import Share
 from haptisym.verbs.tolerances.proofs import Tolerances
 from haptisym.verbs.tolerances.quantiles import LEVELS, quantiles
 from haptisym.verbs.tolerances.verdicts import Enclosure, Verdict
@@ -50,7 +53,7 @@ def page(a: Tolerances) -> Document:
     scene = a.box.scene
     low, high = scene.band
     asides = filter(None, [scene.untied_note(scene.ranges()), f"Band: {float(low):.6g} to {float(high):.6g} rad/s"])
-    blocks = [_varying(a), *_verdict(a), _enclosures(a), Paragraph(_bandwidth(a)), *_estimates(a)]
+    blocks = [_varying(a), *_verdict(a), *_held(a), _enclosures(a), Paragraph(_bandwidth(a)), *_estimates(a)]
     return Document(title(scene), lead(scene, asides), tuple(blocks), "What holds for all values")
 
 
@@ -82,6 +85,39 @@ def _verdict(a: Tolerances) -> Iterator[Block]:
         ))  # fmt: skip
     if told:
         yield Notes(tuple(told))
+
+
+_SHARES: dict[Share, Phrase] = {
+    Share.ALL: ("the display is stable for ", Strong("ALL"), " values within the ranges."),
+    Share.NONE: ("for ", Strong("NONE"), " of the values within the ranges is the display stable."),
+    Share.SOME: ("it ", Strong("DEPENDS"), " on the values within the ranges whether the display is stable."),
+}
+
+
+def _held(a: Tolerances) -> Iterator[Block]:
+    """Of each hand a sentence, with an example of either kind where it depends."""
+    for x in a.held:
+        ranges = [
+            (named(p.symbol.name), f" from {float(low):.6g} to {float(high):.6g}") for p, (low, high) in _ranges(x.hand)
+        ]
+        held: Phrase = (f"held in {x.hand.name}", (" (", listed(ranges), ")") if ranges else "", ", ")
+        if x.share is None:
+            yield Paragraph((Strong("UNDECIDED"), ": ", held, "whether the display is stable: ", x.reason, "."))
+        else:
+            yield Paragraph(("Proven: ", held, _SHARES[x.share]))
+        examples = (("Stable", x.stable), ("Not stable", x.unstable))
+        if x.share is not Share.ALL and x.share is not Share.NONE:
+            told = [(f"{how}, for example, with ", _at(a, found), ".") for how, found in examples if found]
+            yield from [Notes(tuple(told))] if told else []
+
+
+def _ranges(hand: Hand) -> list[tuple[Parameter, tuple[Expr, Expr]]]:
+    return [(p, p.interval) for p in hand.parameters if p.interval]
+
+
+def _at(a: Tolerances, found: Mapping[str, Expr]) -> Phrase:
+    knobs = a.box.scene.knobs
+    return values({knobs[path].name: x for path, x in found.items()})
 
 
 def values(found: Mapping[str, Expr]) -> Phrase:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from haptisym.kernel.budget import Told, limited, share
 from haptisym.kernel.errors import SceneError
+from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
+from haptisym.verbs.stability.entry import in_hands
 from haptisym.verbs.tolerances.box import box_of
+from haptisym.verbs.tolerances.heldbox import held_in_box
 from haptisym.verbs.tolerances.proofs import Tolerances
 from haptisym.verbs.tolerances.single import drawn
 
@@ -20,6 +24,7 @@ def tolerances(
     samples: int = 200,
     seed: int = SEED,
     *,
+    hand: str | Hand | Iterable[str | Hand] | None = None,
     limit: float | None = None,
     told: Told | None = None,
 ) -> Tolerances:
@@ -29,6 +34,8 @@ def tolerances(
     there are where a count is given; ends said to be reached at a corner are exact. Estimated: quantiles over ``samples`` sets
     of values, each answered with certainty, drawn uniformly with a seed. SceneError where no parameter has a range.
 
+    ``hand`` : those in which the display is held, as of ``stability``; those of the scene if not given. Of each it is told, in
+    ``held``, whether the display is stable in it for all values of display and hand, for some, or for none.
     ``limit`` : seconds after which the work is cut short: enclosures are then wider than they need be, the verdict may be
     undecided and fewer sets be drawn; None for no limit. ``told`` : is called now and then with how much is done, of how much,
     and what it is. LimitError if not even the nominal values were answered in time.
@@ -40,15 +47,18 @@ def tolerances(
     >>> found.verdict.value, [(x.part.value, x.low.digits(5), x.high.digits(5), x.count) for x in found.enclosures]
     ('none', [('imag', '3.6367', '4.4449', 1), ('real', '12.000', '14.667', 1)])
     """
-    scene = as_scene(scene)
+    scene = in_hands(as_scene(scene), hand)
     if not isinstance(samples, int) or samples < 0:
         raise SceneError(f"samples: {samples} must be a whole number, at least 0")
     box = box_of(scene)
     with limited(limit, told) as budget:
+        with share(_FOR_HANDS):
+            held = tuple(held_in_box(scene, x) for x in scene.hands)
         with share(_FOR_SAMPLES):
-            found = Tolerances(box, drawn(box, samples, seed), seed, budget)
+            found = Tolerances(box, drawn(box, samples, seed), seed, budget, held)
         found.settle()
     return found
 
 
-_FOR_SAMPLES = 0.3  # of the time
+_FOR_HANDS = 0.3  # of the time
+_FOR_SAMPLES = 0.3  # of what is left

@@ -25,6 +25,7 @@ from haptisym.kernel.shown import counted, titled
 from haptisym.model.scene import Scene
 from haptisym.verbs.tolerances.box import Box
 from haptisym.verbs.tolerances.excess import Excess
+from haptisym.verbs.tolerances.heldbox import HeldInBox
 from haptisym.verbs.tolerances.quantiles import quantiles
 from haptisym.verbs.tolerances.regional import excess_of
 from haptisym.verbs.tolerances.search import OVERLAP, Cluster, beyond, clusters
@@ -49,6 +50,8 @@ class Tolerances(Answer):
     samples: tuple[One, ...]
     seed: int = 0
     budget: Budget | None = None
+    held: tuple[HeldInBox, ...] = ()
+    """For which values the display is stable in each hand of the scene."""
 
     def _line(self) -> str:
         sides = ", ".join(x.name for x in self.box.sides)
@@ -186,8 +189,8 @@ class Tolerances(Answer):
 
     @property
     def certified(self) -> bool:
-        """Whether the verdict is proven."""
-        return self.verdict is not Verdict.UNDECIDED
+        """Whether the verdict is proven, and that on each hand."""
+        return self.verdict is not Verdict.UNDECIDED and all(x.share for x in self.held)
 
     def _enclosure(self, criterion: Criterion, form: Excess, cluster: Cluster) -> Enclosure:
         steady = self._steady(form, cluster)
@@ -250,6 +253,7 @@ class Tolerances(Answer):
             "witnesses": {"transparent": _witness(self.transparent), "noticed": _witness(self.noticed)},
             "crossings": [self._enclosure_row(x) for x in self.enclosures],
             "bandwidth": None if self.bandwidth is None else [float(x) for x in self.bandwidth],
+            **({"held": [x.row() for x in self.held]} if self.held else {}),
             "estimates": self._estimates(),
             "certified": self.certified,
         }

@@ -9,11 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from math import prod
 from typing import TypeAlias
 
 import numpy as np
-from sympy import Add, Expr, Integer, Mul, Pow, S
+from sympy import Expr, Integer, S
 
 from haptisym.judge.criteria import Criterion
 from haptisym.judge.regions import Diamond, Ellipse, Polygon, Sided
@@ -25,6 +24,7 @@ from haptisym.programs.taylormodels import Array, Model
 from haptisym.verbs.tolerances.box import Box
 from haptisym.verbs.tolerances.excess import Excess, floated
 from haptisym.verbs.tolerances.joined import joined
+from haptisym.verbs.tolerances.valued import valued
 
 Terms: TypeAlias = list[list[Model]]
 _FIELDS = ("real", "imag", "environment_real", "environment_imag")
@@ -153,22 +153,7 @@ class Changes:
         return x, y
 
     def _times(self, factor: Expr, x: Model) -> Model:
-        return x * valued(factor, self.at) if factor.has(omega) else x.times(floated(factor))
+        return x * valued(factor, {omega: self.at}, self.at) if factor.has(omega) else x.times(floated(factor))
 
     def _constant(self, x: Expr) -> Model:
-        return valued(x, self.at)
-
-
-def valued(formula: Expr, at: Model) -> Model:
-    """A rational formula in omega, over cells."""
-    if not formula.has(omega):
-        return at.number(floated(formula))
-    if isinstance(formula, Add):
-        terms = [valued(x, at) for x in formula.args]
-        return sum(terms[1:], terms[0])
-    if isinstance(formula, Mul):
-        return prod((valued(x, at) for x in formula.args), start=at.number(1.0))
-    if isinstance(formula, Pow):
-        power = prod([valued(formula.base, at)] * abs(int(formula.exp)), start=at.number(1.0))
-        return power if formula.exp > 0 else at.number(1.0) / power
-    return at
+        return valued(x, {omega: self.at}, self.at)

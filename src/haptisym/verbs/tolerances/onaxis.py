@@ -1,0 +1,159 @@
+"""Whether a characteristic function has zeros on the imaginary axis for some values of a box: excluded by branch and bound.
+
+D(s) is a polynomial in s and delays exp(-s tau), coefficients and delays being functions of the box. Beyond a reach R the highest
+power of s outweighs all others in Re s >= 0, whatever the values. Up to it cells of omega and box are left out where D(j omega)
+lies, proven in Taylor models, on one side of a line through 0. If none is left, no zero comes to the axis anywhere in the box,
+and the number of zeros in Re s >= 0 is one for all values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
+from math import prod
+
+import numpy as np
+from sympy import Expr, Rational, Symbol, pi
+
+from haptisym.kernel.budget import tick
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.rings import Polynomial
+from haptisym.programs.taylormodels import Array, Model, variable
+from haptisym.verbs.tolerances.excess import floated
+from haptisym.verbs.tolerances.search import halves
+from haptisym.verbs.tolerances.valued import valued
+
+_BATCH = 512  # cells that are bounded together
+_MOST_CELLS = 40_000
+_PIECES = 512  # of the box, over which coefficients are bounded
+_FARTHEST = 2.0**60
+
+
+class OnAxis:
+    """D(j omega) of a polynomial of a ring without powers of s, over the values that some of its symbols may have.
+
+    Cells are arrays (cells, 1 + symbols, 2) of shares, as those of ``search``; omega goes from 0 to the reach.
+    """
+
+    def __init__(self, ring: Ring, polynomial: Polynomial, ranges: Mapping[Symbol, tuple[Expr, Expr]]) -> None:
+        self._lags = ring.lags
+        self._ranges = [(floated(low), floated(high - low)) for low, high in ranges.values()]
+        self._symbols, self.sides = list(ranges), 1 + len(ranges)
+        self._groups: dict[tuple[int, ...], dict[int, list[tuple[Rational, tuple[int, ...]]]]] = {}
+        for exponents, value in polynomial.to_dict().items():
+            own = [int(n) for n in exponents]
+            powers = dict(zip(ring.symbols, own[2 : ring.size], strict=True))
+            term = Rational(int(value.p), int(value.q)) * pi ** own[1], tuple(powers.get(x, 0) for x in self._symbols)
+            group = self._groups.setdefault(tuple(own[ring.size : ring.size + len(ring.lags)]), {})
+            group.setdefault(own[0], []).append(term)
+
+    @cached_property
+    def reach(self) -> float | None:
+        """A frequency from which on the highest power prevails, for all values; None where that is not known."""
+        cells = np.broadcast_to([0.0, 1.0], (1, self.sides, 2)).copy()
+        for i in range(9 * (self.sides - 1)):
+            if len(cells) < _PIECES:
+                cells = halves(cells, np.full(len(cells), 1 + i % (self.sides - 1)))
+        with np.errstate(all="ignore"):
+            values = self._values(cells, 0.0)
+            found = {turns: self._coefficients(group, values) for turns, group in self._groups.items()}
+        highest = max(power for group in found.values() for power in group)
+        least, more = np.zeros(len(cells)), np.zeros((highest + 1, len(cells)))
+        for turns, group in found.items():
+            for power, model in group.items():
+                low, high = (x[:, 0] for x in model.bounds())
+                if power == highest and not any(turns):
+                    least += np.maximum(np.maximum(low, -high), 0)
+                else:
+                    more[power] += np.maximum(abs(low), abs(high))
+        least = (least - more[highest]) * (1 - 1e-9)
+        radius = 2.0**-20
+        while radius < _FARTHEST:
+            if (least > sum(more[k] * radius ** (k - highest) for k in range(highest)) * (1 + 1e-9)).all():
+                return radius
+            radius *= 2
+        return None
+
+    def left(self) -> Array:
+        """Cells outside which there are no zeros on the axis, and in which there may be: none where that is proven."""
+        cells, looked = np.zeros((64, self.sides, 2)), 0
+        cells[:, :, 1] = 1.0
+        edges = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, 64)])
+        cells[:, 0, 0], cells[:, 0, 1] = edges[:-1], edges[1:]
+        while len(cells):
+            if looked > _MOST_CELLS:
+                return cells
+            now, later = cells[:_BATCH], cells[_BATCH:]
+            looked += len(now)
+            tick(min(looked, _MOST_CELLS), _MOST_CELLS, "cells of frequency and ranges")
+            clear, split = self._bounded(now)
+            cells = np.concatenate([later, halves(now[~clear], split[~clear])])
+        return cells
+
+    def _bounded(self, cells: Array) -> tuple[Array, Array]:
+        """Whether D is nowhere 0 in a cell, proven, and along which side it varies most."""
+        with np.errstate(all="ignore"):
+            real, imag = self.parts(cells)
+            a, b = real.c0, imag.c0
+            size = np.hypot(a, b)
+            a, b = a / size, b / size
+            c1 = a[..., None] * real.c1 + b[..., None] * imag.c1
+            c2 = a[..., None, None] * real.c2 + b[..., None, None] * imag.c2
+            varies = np.abs(c1) + np.abs(c2).sum(-1)
+            radius = varies.sum(-1) + np.abs(a) * real.r + np.abs(b) * imag.r
+            radius = radius + 1e-13 * (np.abs(a) * real.deviation + np.abs(b) * imag.deviation)
+            clear = (size * (1 - 1e-12) > radius * (1 + 1e-12))[:, 0]
+        width = cells[:, :, 1] - cells[:, :, 0]
+        score = np.where(np.isfinite(varies[:, 0]).all(-1, keepdims=True), varies[:, 0], width)
+        return clear, np.argmax(score * (width > 0) + 1e-12 * width, -1)
+
+    def parts(self, cells: Array) -> tuple[Model, Model]:
+        """Real and imaginary part of D(j omega) over cells."""
+        assert self.reach
+        values = self._values(cells, self.reach)
+        omega = values[0]
+        real, imag = omega.number(0.0), omega.number(0.0)
+        for turns, group in self._groups.items():
+            x, y = self._polynomial(self._coefficients(group, values), omega)
+            if any(turns):
+                c, s = self._angle(turns, values).cosine_and_sine()
+                x, y = x * c + y * s, y * c - x * s
+            real, imag = real + x, imag + y
+        return real, imag
+
+    def _values(self, cells: Array, reach: float) -> list[Model]:
+        found = []
+        for i, (low, width) in enumerate([(0.0, reach), *self._ranges]):
+            start, end = cells[:, i].T
+            middle, radius = low + width * (start + end) / 2, width * (end - start) / 2
+            found.append(variable(middle, radius, abs(low) + width, i, self.sides, slopes=False))
+        return found
+
+    def _coefficients(
+        self, group: Mapping[int, Sequence[tuple[Rational, tuple[int, ...]]]], values: Sequence[Model]
+    ) -> dict[int, Model]:
+        one = values[0].number(1.0)
+
+        def monomial(exponents: tuple[int, ...]) -> Model:
+            return prod((x for x, n in zip(values[1:], exponents, strict=True) for _ in range(n)), start=one)
+
+        return {power: _total(monomial(e).times(floated(c)) for c, e in terms) for power, terms in group.items()}
+
+    @staticmethod
+    def _polynomial(coefficients: Mapping[int, Model], omega: Model) -> tuple[Model, Model]:
+        """Its value at j omega."""
+        found = [omega.number(0.0), omega.number(0.0)]
+        for power in range(max(coefficients), -1, -1):
+            found = [-found[1] * omega, found[0] * omega]
+            if power in coefficients:
+                found[0] = found[0] + coefficients[power]
+        return found[0], found[1]
+
+    def _angle(self, turns: tuple[int, ...], values: Sequence[Model]) -> Model:
+        lag = sum((n * x for n, x in zip(turns, self._lags, strict=True)), Rational(0))
+        return values[0] * valued(lag, dict(zip(self._symbols, values[1:], strict=True)), values[0])
+
+
+def _total(terms: Iterable[Model]) -> Model:
+    first, *others = terms
+    return sum(others, first)

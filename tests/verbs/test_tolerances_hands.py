@@ -1,0 +1,181 @@
+"""Stable in a hand for all values of a box, for some or for none: against conditions by hand, and sets counted one by one."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from strategies import Seeded, case, scene
+from sympy import Rational, Symbol, exp
+
+import haptisym as hs
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.symbols import s
+from haptisym.verbs.stability.held import held
+from haptisym.verbs.tolerances.heldbox import held_in_box
+from haptisym.verbs.tolerances.onaxis import OnAxis
+
+
+def shares(found: hs.Scene) -> list[str | None]:
+    rows = [held_in_box(found, x).row() for x in found.hands]
+    return [x["stable"] for x in rows]
+
+
+# --- by hand ---------------------------------------------------------------------------------------------------------
+
+
+def lagged(k: Any, hand: hs.Hand, omega_c: Any = 10) -> hs.Scene:
+    """m s^3 + (b + m omega_c) s^2 + b omega_c s + k omega_c: stable where k m < b (b + m omega_c)."""
+    return hs.Scene(hs.environments.mass_spring_damper(k=k), (hs.effects.first_order_lag(omega_c),), hands=(hand,))
+
+
+@pytest.mark.parametrize(
+    ("k", "b", "omega_c", "share"),
+    [
+        ([20, "23.99"], 2, 10, "all"), ([20, 25], 2, 10, "some"), ([20, 24], 2, 10, "some"), (["24.01", 30], 2, 10, "none"),
+        ([20, 25], ["2.2", 3], ["9.8", 10], "all"), ([30, 60], [1, 2], [1, 10], "none"), ([5, 60], [1, 2], [1, 10], "some"),
+        (20, [1, 2], 10, "some"), (20, ["1.9", 2], 10, "all"), (20, 1, 10, "none"), (20, 2, 10, "all"),
+    ],
+)  # fmt: skip
+def test_the_verdict_is_that_of_the_third_order_condition(k: Any, b: Any, omega_c: Any, share: str) -> None:
+    found = lagged(k, hs.Hand("mine", m=1, b=b), omega_c)
+    assert shares(found) == [share]
+
+
+def test_examples_of_either_kind_are_what_they_are_called() -> None:
+    [hand] = (found := lagged([5, 60], hs.Hand("mine", m=1, b=[1, 2]), [1, 10])).hands
+    told = held_in_box(found, hand)
+    for values, is_stable in ((told.stable, True), (told.unstable, False)):
+        assert values is not None
+        now = found.with_values(dict(values))
+        k, b, omega_c = (now.knobs[x].value for x in ("environment.k", "hand.b", "omega_c"))
+        assert (k < b * (b + omega_c)) == is_stable
+
+
+def test_what_touches_the_boundary_from_the_unstable_side_stays_open() -> None:
+    [hand] = (found := lagged([24, 30], hs.Hand("mine", m=1, b=2))).hands
+    told = held_in_box(found, hand)
+    assert told.share is None
+    assert told.reason
+
+
+def test_a_delayed_spring_is_held_by_more_damping_than_published() -> None:
+    """Critical for a mass of 0.5 kg: 3.4635997327677037 N s/m at 100 N/m and 36 ms."""
+    spring = hs.load_scene("delayed-spring").with_values({"tau": ["30 ms", "36 ms"], "k": ["90 N/m", "100 N/m"]})
+    hands = [hs.Hand(f"b{i}", m="0.5 kg", b=b) for i, b in enumerate([["3.4636", 5], ["3.4", 4], [1, 2]])]
+    assert shares(spring.with_hands(*hands)) == ["all", "some", "none"]
+
+
+def test_a_clock_is_decided_by_examples_alone() -> None:
+    """T = 1 ms, a device of 0.04 kg and 0.8 N s/m: unstable from 1605.35 N/m on."""
+    text = """
+    environment = { model = "mass-spring-damper", k = ["1500 N/m", "TOP N/m"] }
+    effects = [
+      { model = "sampled-loop", T = "1 ms", method = "backward-difference" },
+      { model = "shunt", m = "0.04 kg", b = "0.8 N*s/m" },
+    ]
+    hand = { m = "0 kg" }
+    """
+    assert shares(hs.parse_scene(text.replace("TOP", "1700"))) == ["some"]
+    [hand] = (found := hs.parse_scene(text.replace("TOP", "1600"))).hands
+    told = held_in_box(found, hand)
+    assert told.share is None
+    assert "sampled loop" in told.reason
+
+
+# --- soundness -------------------------------------------------------------------------------------------------------
+
+
+def test_a_characteristic_function_lies_in_its_models_and_prevails_beyond_its_reach() -> None:
+    a, t = Symbol("a", positive=True), Symbol("t", positive=True)
+    D = s**3 + a * s**2 + (3 + a * s) * exp(-s * t) + a**2 * exp(-2 * s * t) + 1
+    ring = Ring.of([D])
+    ranges = {a: (Rational(1, 2), Rational(2)), t: (Rational(1, 10), Rational(1, 5))}
+    form = OnAxis(ring, ring.convert(D).numerator, ranges)
+    assert form.reach is not None
+    rng = np.random.default_rng(4)
+    start = rng.uniform(0, 0.9, (60, 3))
+    cells = np.stack([start, start + 0.1], -1)
+    real, imag = (x.bounds() for x in form.parts(cells))
+    for i in range(60):
+        omega, x, y = start[i] + rng.uniform(0, 0.1, 3)
+        av, tv, w = 0.5 + 1.5 * x, 0.1 + 0.1 * y, form.reach * omega
+        z = mpmath.mpc(0, w)
+        exact = z**3 + av * z**2 + (3 + av * z) * mpmath.exp(-z * tv) + av**2 * mpmath.exp(-2 * z * tv) + 1
+        assert real[0][i, 0] - 1e-9 <= float(exact.real) <= real[1][i, 0] + 1e-9
+        assert imag[0][i, 0] - 1e-9 <= float(exact.imag) <= imag[1][i, 0] + 1e-9
+    for value in (0.5, 2.0):
+        z = form.reach
+        assert z**3 > value * z**2 + 3 + value * z + value**2 + 1
+
+
+@pytest.mark.parametrize("seed", [3, *(pytest.param(n, marks=pytest.mark.slow) for n in range(4, 50))])
+def test_no_set_of_values_in_a_random_box_is_against_the_verdict(seed: int) -> None:
+    pick, rng = Seeded(9000 + seed), np.random.default_rng(seed)
+    plain = scene(case(pick, order=4))
+    varied = [p for p in plain.parameters if p.value.is_Rational and p.value > 0][:3]
+    wide = Rational(int(rng.integers(1, 20)), 100)
+    boxed = plain.with_values({p.path: [p.value * (1 - wide), p.value * (1 + wide)] for p in varied})
+    m, b, k = (Rational(float(x)) for x in 10.0 ** rng.uniform([-2, -1, 0], [1, 2, 3]))
+    boxed = boxed.with_hands(hs.Hand("mine", m=m, b=[b, 2 * b], k=k))
+    told = held_in_box(boxed, boxed.hands[0])
+    assert told.share is not None or told.reason
+    sides = [boxed.knobs[x] for x in (*boxed.ranges(), "hand.b")]
+    for _ in range(8):
+        values = {}
+        for x in sides:
+            assert x.interval
+            low, high = x.interval
+            values[x.path] = low + (high - low) * Rational(Fraction(float(rng.uniform())))
+        now = boxed.with_values(values)
+        is_stable = held(now, now.hands[0]).stable
+        if told.share is not None and told.share.value != "some":
+            assert is_stable is (told.share.value == "all")
+
+
+# --- as a user has it ------------------------------------------------------------------------------------------------
+
+TEXT = """
+[environment]
+model = "mass-spring-damper"
+k = [{k}]
+[[effects]]
+model = "first-order-lag"
+omega_c = 10
+[[hands]]
+name = "loose"
+m = 1
+b = [2, 3]
+[[hands]]
+name = "firm"
+m = 1
+b = 9
+[evaluation]
+band = ["0 rad/s", "3 rad/s"]
+"""
+
+
+def test_the_command_says_so_beside_the_verdict(call: Any, tmp_path: Path) -> None:
+    file = tmp_path / "held.toml"
+    file.write_text(TEXT.format(k="20, 25"), encoding="utf-8")
+    status, out, _ = call("tolerances", str(file), "--samples", "0")
+    assert status == 0
+    assert "Proven: held in loose (b_h_loose from 2 to 3), it DEPENDS on the values" in " ".join(out.split())
+    assert "Not stable, for example, with k = 25" in out
+    assert "Proven: held in firm, the display is stable for ALL values within the ranges." in " ".join(out.split())
+    told = json.loads(call("tolerances", str(file), "--samples", "0", "--hand", "firm", "--json")[1])
+    assert [(x["hand"], x["stable"]) for x in told["held"]] == [("firm", "all")]
+    assert "held" not in json.loads(call("tolerances", "fu2019-tolerances", "--samples", "0", "--json")[1])
+
+
+def test_what_stays_open_has_status_3_and_a_reason(call: Any, tmp_path: Path) -> None:
+    file = tmp_path / "open.toml"
+    file.write_text(TEXT.format(k="24, 30").replace("b = [2, 3]", "b = 2"), encoding="utf-8")
+    status, out, _ = call("tolerances", str(file), "--samples", "0", "--hand", "loose")
+    assert status == 3
+    assert "UNDECIDED: held in loose, whether the display is stable: " in " ".join(out.split())
