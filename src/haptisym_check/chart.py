@@ -7,8 +7,13 @@ from math import prod
 from typing import Any
 
 from haptisym_check.link import PARTS, Factors, Product
-from haptisym_check.polynomials import PI, SCALE, bounds, sign, signs, turns
+from haptisym_check.polynomials import PI, sign, signs, sliced, turns
 from haptisym_check.scene import Scene, need
+
+
+def ends_of_band(scene: Scene) -> list[list[Fraction]]:
+    """Bounds of its low end, and of its high end."""
+    return [sorted(x.value * Fraction(*pi) ** x.pi for pi in PI) for x in scene.band]
 
 
 class Chart:
@@ -16,7 +21,7 @@ class Chart:
 
     def __init__(self, scene: Scene, points: list[Fraction], factors: Factors, told: list[Any]) -> None:
         """``told``: the enclosures of the places."""
-        low, high = (sorted(x.value * Fraction(pi, SCALE) ** x.pi for pi in PI) for x in scene.band)
+        low, high = ends_of_band(scene)
         need(0 <= points[0] <= low[0] and low[1] <= points[1], "the first cell does not hold the low end of the band")
         need(points[-2] <= high[0] and high[1] <= points[-1], "the last cell does not hold the high end of the band")
         need(low[1] < high[0] and holds(told[0], low), "the low end of the band is not in its enclosure")
@@ -28,7 +33,7 @@ class Chart:
             list[list[int]](),
             dict[int, int](),
         )
-        rows, enclosures = [(step, bounds(p)) for step, p in factors], iter(told[1:-1])
+        rows, enclosures = [(step, sliced(p)) for step, p in factors], iter(told[1:-1])
         for a, b in pairwise(points):
             starts, stops = low == [a, a], high == [b, b]
             found = [signs(ps, (a**step).as_integer_ratio(), (b**step).as_integer_ratio()) for step, ps in rows]

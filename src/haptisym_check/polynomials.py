@@ -18,8 +18,8 @@ def arctangent(n: int, terms: int) -> list[Fraction]:
 
 
 FIFTH, OTHER, SCALE = arctangent(5, 75), arctangent(239, 22), 10**100
-PI = int((16 * FIFTH[0] - 4 * OTHER[1]) * SCALE), int((16 * FIFTH[1] - 4 * OTHER[0]) * SCALE) + 1
-"""Whole numbers below and above pi 10^100 (Machin: pi/4 = 4 arctan 1/5 - arctan 1/239)."""
+PI = (int((16 * FIFTH[0] - 4 * OTHER[1]) * SCALE), SCALE), (int((16 * FIFTH[1] - 4 * OTHER[0]) * SCALE) + 1, SCALE)
+"""Numbers below and above pi (Machin: pi/4 = 4 arctan 1/5 - arctan 1/239)."""
 
 
 def keyed(x: Any, *keys: str) -> list[Any]:
@@ -58,15 +58,6 @@ def polynomial(x: Any) -> Polynomial:
     return [[int(n) for n in row] for row in rows]
 
 
-def bounds(p: Polynomial) -> list[list[int]]:
-    """Polynomials below and above p, coefficient by coefficient, times one positive number; only one without pi."""
-    n = max(map(len, p)) - 1
-    ends = [
-        [sum(c * PI[end ^ (c < 0)] ** i * SCALE ** (n - i) for i, c in enumerate(row)) for row in p] for end in (0, 1)
-    ]
-    return ends if n else ends[:1]
-
-
 def times(p: list[int], a: int, b: int) -> list[int]:
     """p (a + b u)."""
     return [a * x + b * y for x, y in zip([*p, 0], [0, *p], strict=True)]
@@ -81,15 +72,21 @@ def moved(p: list[int], low: Point, high: Point) -> list[int]:
     return found
 
 
-def signs(rows: list[list[int]], low: Point, high: Point) -> list[int]:
-    """Those of the coefficients of a polynomial known between bounds."""
-    found = [[(x > 0) - (x < 0) for x in moved(row, low, high)] for row in rows]
-    need(found[0] == found[-1], "a sign stays open")
+def sliced(p: Polynomial, low: Point = PI[0], high: Point = PI[1]) -> list[list[int]]:
+    """Polynomials whose sum, with positive weights, p is for every value between two of what stands beside its variable."""
+    width = max(map(len, p))
+    return [list(x) for x in zip(*(moved([*row, *[0] * (width - len(row))], low, high) for row in p), strict=True)]
+
+
+def signs(slices: list[list[int]], low: Point, high: Point) -> list[int]:
+    """Those of the coefficients of a polynomial: all slices have them."""
+    found = [[(x > 0) - (x < 0) for x in moved(row, low, high)] for row in slices]
+    need(all(row == found[0] for row in found), "a sign stays open")
     return found[0]
 
 
 def sign(rows: list[list[int]], x: Fraction) -> int:
-    """The sign at a number >= 0 of a polynomial known between bounds."""
+    """The sign at a number >= 0."""
     return signs(rows, x.as_integer_ratio(), (1, 0))[0]
 
 

@@ -7,8 +7,9 @@ from functools import partial
 from typing import Any
 
 from haptisym_check.chart import CURVES, Chart, Curve, claimed
-from haptisym_check.link import PARTS, Product, functions, link
+from haptisym_check.link import PARTS, Factors, Product, functions, link
 from haptisym_check.polynomials import keyed, listed, number, numbers, polynomial, whole
+from haptisym_check.requirement import values
 from haptisym_check.scene import Element, Ratio, RefusedError, Scene, Value, combined, need
 from haptisym_check.zeros import zeros
 
@@ -33,8 +34,9 @@ def check(text: bytes, scene_file: bytes) -> str:
     kind, digest, name, claim, proof = keyed(told, "format", "scene_sha256", "environment", "claim", "proof")
     need(kind == "haptisym.certificate/1", "the format is not haptisym.certificate/1")
     need(digest == hashlib.sha256(scene_file).hexdigest(), "the certificate is that of another scene file")
-    need(isinstance(claim, dict) and claim.get("question") in QUESTIONS, "the claim answers no question that is known")
-    follows, words = QUESTIONS[claim["question"]](claim, proof, Scene(scene_file, name))
+    question = claim.get("question") if isinstance(claim, dict) else None
+    need(str(question) in QUESTIONS, "the claim answers no question that is known")
+    follows, words = QUESTIONS[str(question)](claim, proof, Scene(scene_file, name, claim.get("free")))
     keyed(claim, "question", *follows)
     for key, x in follows.items():
         same = json.dumps(claim[key], sort_keys=True) == json.dumps(x, sort_keys=True)
@@ -46,14 +48,19 @@ Answer = tuple[dict[str, Any], list[str]]  # what follows from a proof, and the 
 COUNTS = {None: "nothing is said of poles", 0: "all poles of H_perc lie in Re s < 0"}
 
 
+def linked(polynomials: Any, products: Any, names: list[str], scene: Scene) -> tuple[Factors, dict[str, Product]]:
+    """Factors, and functions as products of them, which are those of the scene (rule 1)."""
+    pairs = [keyed(x, "step", "polynomial") for x in listed(polynomials, 500)]
+    factors = [(whole(step, 1, 2), polynomial(p)) for step, p in pairs]
+    told = {key: Product(x, len(factors)) for key, x in zip(names, keyed(products, *names), strict=True)}
+    link(told, factors, partial(functions, scene))
+    return factors, told
+
+
 def evaluation(claim: dict[str, Any], proof: Any, scene: Scene) -> Answer:
     """All that happens on the band."""
     points, polynomials, products, poles = keyed(proof, "breakpoints", "factors", "functions", "poles")
-    pairs = [keyed(x, "step", "polynomial") for x in listed(polynomials, 500)]
-    factors = [(whole(step, 1, 2), polynomial(p)) for step, p in pairs]
-    names = [f"{x}.{part}" for x in CURVES for part in PARTS]
-    told = {key: Product(x, len(factors)) for key, x in zip(names, keyed(products, *names), strict=True)}
-    link(told, factors, lambda omega, pi: functions(scene, omega, pi))
+    factors, told = linked(polynomials, products, [f"{x}.{part}" for x in CURVES for part in PARTS], scene)
     enclosures = [[number(x) for x in listed(pair, 2, 2)] for pair in listed(claim.get("frequencies"), 2000, 2)]
     chart = Chart(scene, numbers(points, 2000, 2), factors, enclosures)
     found = claimed({key: Curve(x, chart) for key, x in told.items()}, from_0=chart.from_0)
@@ -100,5 +107,18 @@ def loop(scene: Scene, hand: Element, s: Value, pi: int) -> Ratio:
     return combined("+", scene.at(s, pi)[1], hand.at(s, pi)[0])
 
 
+def requirement(claim: dict[str, Any], proof: Any, scene: Scene) -> Answer:
+    """For which values of a free parameter the display is transparent on the band."""
+    polynomials, products, slabs = keyed(proof, "factors", "functions", "slabs")
+    parts = [part for part in PARTS if part in listed(claim.get("parts"), 2, 1)]
+    factors, told = linked(polynomials, products, [f"excess.{part}" for part in parts], scene)
+    found = values(told, factors, slabs, scene)
+    free = listed(claim.get("free"), 9, 1)
+    lines = [f"Proven of {'.'.join(map(str, free))}, {' and '.join(parts)} part, on the whole band:"]
+    for low, high, holds in found:
+        lines += [f"{'transparent' if holds else 'not transparent'} between {low or '-oo'} and {high or 'oo'}"]
+    return {"free": free, "parts": parts, "values": found}, lines
+
+
 MEETS = {"exceeds": "exceeds", "returns": "returns below", "touches": "touches"}
-QUESTIONS = {"evaluation": evaluation, "stability": stability}
+QUESTIONS = {"evaluation": evaluation, "stability": stability, "requirement": requirement}

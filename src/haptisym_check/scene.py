@@ -4,8 +4,9 @@ import re
 import tomllib
 from collections.abc import Callable
 from fractions import Fraction
-from functools import cache
+from functools import cache, reduce
 from math import comb, factorial
+from operator import getitem
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -226,14 +227,24 @@ class Element:
         return [evaluated(x, leaf, combined) for x in self.texts]
 
 
+def leave_free(table: Any, path: list[str | int]) -> None:
+    """Put FREE for a number of a file."""
+    try:
+        place = reduce(getitem, path[:-1], table)
+        quantity(place[path[-1]])
+        place[path[-1]] = FREE
+    except (LookupError, TypeError):
+        raise RefusedError("the scene has no such number") from None
+
+
 KEYS = {"title", "source", "environment", "environments", "rendered", "effects", "evaluation", "hand", "hands"}
 
 
 class Scene:
     """Band, thresholds and hands of a scene file, and its chain."""
 
-    def __init__(self, data: bytes, name: str | None) -> None:
-        """``name``: which of several environments."""
+    def __init__(self, data: bytes, name: str | None, free: list[str | int] | None = None) -> None:
+        """``name``: which of several environments; ``free``: the keys, in the file, of a number that is left free."""
         try:
             table = tomllib.loads(data.decode("utf-8-sig"), parse_float=lambda text: quantity(text).value)
         except (ValueError, RecursionError) as error:
@@ -245,6 +256,8 @@ class Scene:
             need(len(every) == 1 and "environment" not in table, f"there is not one environment {name!r}")
             table["environment"] = {key: x for key, x in every[0].items() if key != "rendered"}
             table |= {key: x for key, x in every[0].items() if key == "rendered"}
+        if free is not None:
+            leave_free(table, free)
         self.felt = Element(table.get("environment"), 1)
         self.rendered = Element(table["rendered"], 1, self.felt) if "rendered" in table else self.felt
         effects, told = table.get("effects", []), table.get("evaluation", {})
@@ -257,6 +270,11 @@ class Scene:
         both = jnd if isinstance(jnd, dict) else {"real": jnd, "imag": jnd}
         need(both.keys() == {"real", "imag"}, "the threshold is not a number, nor one for each part")
         self.threshold = {part: quantity(x, "z") for part, x in both.items()}
+        if free is not None:
+            elements = [self.felt, self.rendered, *self.effects]
+            own = [*self.threshold.values(), *(x for element in elements for x in element.numbers.values())]
+            there = any("pi" in words_of(text) for element in elements for text in element.texts)
+            need(not there and all(x is FREE or not x.pi for x in own) and FREE in own, "a parameter is free beside pi")
         hands = [{"name": "hand", **table["hand"]}] if "hand" in table else table.get("hands", [])
         self.hands = {x.get("name"): {key: y for key, y in x.items() if key != "source"} for x in hands}
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 from typing import Any
 
 from haptisym_check.link import Product, link
-from haptisym_check.polynomials import Polynomial, bounds, keyed, listed, numbers, polynomial, signs, turns
+from haptisym_check.polynomials import Polynomial, keyed, listed, numbers, polynomial, signs, sliced, turns
 from haptisym_check.scene import Ratio, Value, need
 
 PRIME = 2**61 - 1
@@ -28,7 +28,7 @@ def coprime(p: Polynomial, q: Polynomial) -> bool:
 
 def to_the_right(p: Polynomial, points: list[Fraction]) -> int:
     """The zeros of p in Re s >= 0, from the turns of p(j omega) = E + j omega O between points of omega^2."""
-    even, odd = (bounds([[c * (-1) ** k for c in row] for k, row in enumerate(p[i::2])] or [[0]]) for i in (0, 1))
+    even, odd = (sliced([[c * (-1) ** k for c in row] for k, row in enumerate(p[i::2])] or [[0]]) for i in (0, 1))
     left, last = 0, 0  # zeros in Re s < 0, less those in Re s >= 0; the sign of E O at the end
     for low, high in pairwise([(0, 1), *(x.as_integer_ratio() for x in points), (1, 0)]):
         e, o = signs(even, low, high), signs(odd, low, high)

@@ -18,6 +18,7 @@ import browser
 import pytest
 from browser import Browser
 from certificates import (
+    ASKED,
     HELD,
     OWN,
     RATIONAL,
@@ -26,8 +27,10 @@ from certificates import (
     evaluated,
     hostile,
     mutants,
+    of_requirement,
     of_stability,
     random_scene,
+    requirement_mutants,
     stability_mutants,
     text_of,
 )
@@ -81,6 +84,20 @@ def test_certificates_about_stability_are_accepted() -> None:
 def test_every_mutant_about_stability_is_refused(name: str) -> None:
     proof, text = of_stability(name)
     listed = list(stability_mutants(json.loads(proof)))
+    said = verdicts([(json.dumps(x), text) for _, x in listed])
+    assert [what for (what, _), (claim, _) in zip(listed, said, strict=True) if claim] == []
+
+
+def test_certificates_of_requirements_are_accepted() -> None:
+    asked = [of_requirement(name) for name in ASKED]
+    for (proof, _), (claim, why) in zip(asked, verdicts(asked), strict=True):
+        assert claim == json.loads(proof)["claim"], why
+
+
+@pytest.mark.parametrize("name", often(ASKED, {"a threshold"}.__contains__))
+def test_every_mutant_about_values_is_refused(name: str) -> None:
+    proof, text = of_requirement(name)
+    listed = list(requirement_mutants(json.loads(proof)))
     said = verdicts([(json.dumps(x), text) for _, x in listed])
     assert [what for (what, _), (claim, _) in zip(listed, said, strict=True) if claim] == []
 

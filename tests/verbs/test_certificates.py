@@ -11,11 +11,13 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
 from certificates import (
+    ASKED,
     HELD,
     OWN,
     RATIONAL,
@@ -25,17 +27,20 @@ from certificates import (
     hostile,
     known_roots,
     mutants,
+    of_requirement,
     of_stability,
     random_scene,
+    requirement_mutants,
     stability_mutants,
     text_of,
 )
 from marks import often
-from sympy import pi
+from sympy import Rational, pi
 
 import haptisym as hs
 from haptisym import effects, environments
 from haptisym.cli import main
+from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.model.expressions import evaluate
 from haptisym.model.units import read_unit
 from haptisym_check import RefusedError, check
@@ -92,6 +97,60 @@ def test_certificates_about_stability_are_accepted(name: str) -> None:
     found, claim = hs.stability(hs.parse_scene(text_of(scene)), hands), json.loads(proof)["claim"]
     assert verdict(proof, text).startswith(f"Proven: {found.imposed.unstable} poles of H_perc in Re s >= 0")
     assert [x["unstable"] for x in claim["held"]] == [x.unstable for x in found.held]
+
+
+@pytest.mark.parametrize("name", ASKED)
+def test_certificates_of_requirements_are_accepted(name: str) -> None:
+    """Where the answer says that a set ends, the claim goes from what fails to what holds, and nothing is left out."""
+    proof, text = of_requirement(name)
+    found, claim = hs.require(hs.parse_scene(text), ASKED[name][1]), json.loads(proof)["claim"]
+    assert verdict(proof, text).startswith("Proven of ")
+    assert [row[:2] for row in claim["values"] if row[2]] == [
+        [None if x is None else str(inward(x, side)) for x, side in ((span.low.value, 1), (span.high.value, 0))]
+        for span in found.feasible
+    ]
+    assert (claim["values"][0][0], claim["values"][-1][1]) == (
+        None if name == "a parameter of a formula" else "0",
+        None,
+    )
+    for (_, high, a), (low, _, b) in pairwise(claim["values"]):
+        assert a is not b
+        assert 0 <= Fraction(low) - Fraction(high) <= Fraction(1, 10**13) * Fraction(low)
+
+
+def inward(x: RealNumber, side: int) -> Fraction:
+    """An end of the enclosure of a number."""
+    return Fraction(x.enclosure(15)[side])
+
+
+def test_a_requirement_of_one_of_several_environments_is_checked_by_name() -> None:
+    text = OWN["nothing between"].replace("[environment]", '[[environments]]\nname = "a"') + FELT
+    proof = hs.require(hs.parse_scene(text, environment="b"), "environment.k").certificate()
+    assert json.loads(proof)["claim"]["free"] == ["environment", "k"]
+    assert verdict(proof, text).startswith("Proven of environment.k")
+
+
+FELT = """[[environments]]
+name = "b"
+model = "kelvin-voigt"
+k = 10
+b = 1
+[environments.rendered]
+model = "kelvin-voigt"
+k = "environment.k"
+b = 2
+"""
+
+
+@pytest.mark.parametrize("seed", often(range(40), (8,).__contains__))
+def test_certificates_of_requirements_about_random_scenes_are_accepted(seed: int) -> None:
+    text = random_scene(seed)
+    for knob in [*hs.parse_scene(text).knobs][:3]:
+        try:
+            proof = hs.require(hs.parse_scene(text), knob.path, limit=20).certificate()
+        except (hs.SceneError, hs.UndecidedError):
+            continue  # a single value, pi beside it, an end that many slabs do not tell from a touch
+        assert verdict(proof, text).startswith("Proven"), knob.path
 
 
 def in_known_hand(polynomial: str) -> str:
@@ -168,6 +227,17 @@ def test_the_commands_write_and_check(tmp_path: Path, monkeypatch: pytest.Monkey
     assert (missing.returncode, missing.stderr, "NOT proven: " in missing.stdout) == (1, "", True)
 
 
+def test_the_command_about_values_writes_one_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
+    target = tmp_path / "proof.json"
+    asked = ("require", "fu2019", "--free", "zeta", "--certificate", str(target))
+    assert command(monkeypatch, capsys, *asked) == (0, f"certificate written to {target}\n")
+    said = verdict(target.read_text(encoding="utf-8"), text_of("fu2019")).splitlines()
+    assert said[0] == "Proven of effects.0.zeta, real and imag part, on the whole band:"
+    assert [line.split(" between ")[0].strip() for line in said[1:]] == ["transparent", "not transparent"]
+    twice = (*asked, "--free", "omega_n", "--range", "0.1", "1", "--range", "60", "90")
+    assert "--certificate is about one parameter" in command(monkeypatch, capsys, *twice)[1]
+
+
 def test_the_command_about_stability_writes_one_too(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
 ) -> None:
@@ -210,6 +280,10 @@ def test_what_the_format_has_no_room_for_is_a_sentence(monkeypatch: pytest.Monke
         lambda: judged('"0.08 + 0.004*omega"'): "depends on omega",
         lambda: judged('{ like = "weight" }'): "as a number in the scene file",
         lambda: hs.evaluate("fu2019", digits=1001): "room for 1000 digits",
+        lambda: hs.require("fu2019", "omega_n", that=("stable",), hand="firm-grip"): "about what is transparent",
+        lambda: hs.require("delayed-spring", "environment.k"): "needs a rational scene",
+        lambda: hs.require("zener-tissue", "environment.k0"): "needs a scene without pi",
+        lambda: hs.require("fu2019", "evaluation.jnd.real"): "as a number of its own in the scene file",
         lambda: hs.stability("delayed-spring", "firm-grip"): "needs a rational scene",
         lambda: hs.stability("sampled-wall"): "needs a rational scene",
         lambda: hs.stability("stick-with-friction"): "needs real coefficients",
@@ -241,6 +315,23 @@ def test_every_mutant_about_stability_is_refused(name: str) -> None:
     proof, text = of_stability(name)
     listed = stability_mutants(json.loads(proof))
     assert [what for what, x in listed if not verdict(x, text).startswith("refused")] == []
+
+
+@pytest.mark.parametrize("name", often(ASKED, {"a threshold"}.__contains__))
+def test_every_mutant_about_values_is_refused(name: str) -> None:
+    proof, text = of_requirement(name)
+    listed = requirement_mutants(json.loads(proof))
+    assert [what for what, x in listed if not verdict(x, text).startswith("refused")] == []
+
+
+@pytest.mark.parametrize("wrong", often((15, 16), {16}.__contains__))
+def test_wrong_values_get_no_certificate_that_passes(wrong: int) -> None:
+    """Of a threshold 15.54 per cent are needed."""
+    found = hs.require("fu2019", "evaluation.jnd")
+    [span] = found.feasible
+    low = replace(span.low, value=ExactNumber(Rational(wrong, 100)))
+    with pytest.raises(hs.UndecidedError):
+        replace(found, feasible=(replace(span, low=low),)).certificate()
 
 
 @pytest.mark.parametrize("seed", often(range(40), (0, 1).__contains__))

@@ -235,6 +235,88 @@ def stability_mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, An
     yield from frame_mutants(proof)
 
 
+_WIDE = text_of("fu2019").replace("0.10", "0.5").replace('["0 rad/s", "15 rad/s"]', "[1, 40]")
+ASKED = {
+    "from a value on": (text_of("fu2019"), "omega_n"), "up to a value": (text_of("fu2019"), "zeta"),
+    "none": (text_of("fu2019"), "environment.b"), "a threshold": (text_of("fu2019"), "evaluation.jnd"),
+    "two intervals": (_WIDE, "environment.k"),
+    "a parameter of a formula": (OWN["touches"].replace("3*s/(s^2 + 3*s + 9)", "20/(s + w)\"\nparameters = { w = 20 }\n#"), "w"),
+}  # fmt: skip
+"""Scenes and parameters of requirements."""
+
+
+@cache
+def of_requirement(name: str) -> tuple[str, str]:
+    """A certificate, and the scene that it is about."""
+    text, path = ASKED[name]
+    return hs.require(hs.parse_scene(text), path).certificate(), text
+
+
+def requirement_mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Changes each of which makes a claim about values false, or its proof incomplete."""
+
+    def changed(name: str, change: Callable[[dict[str, Any]], object]) -> tuple[str, dict[str, Any]]:
+        other = copy.deepcopy(proof)
+        change(other)
+        return name, other
+
+    def moved(x: dict[str, Any], old: str, new: str) -> None:
+        for row in x["claim"]["values"]:
+            row[:2] = [new if y == old else y for y in row[:2]]
+        for row in x["proof"]["slabs"]:
+            row.update({key: new if row[key] == old else row[key] for key in ("from", "to")})
+
+    values, slabs = proof["claim"]["values"], proof["proof"]["slabs"]
+    for i, (low, high, holds) in enumerate(values):
+        yield changed(f"interval {i} otherwise", lambda x, i=i, y=holds: x["claim"]["values"][i].__setitem__(2, not y))
+        yield changed(f"interval {i} left out", lambda x, i=i: x["claim"]["values"].pop(i))
+        if i:
+            beyond = str(Fraction(low) - (Fraction(low) - Fraction(values[i - 1][0])) / 1000)
+            yield changed(f"interval {i} from before its end", lambda x, a=low, b=beyond: moved(x, a, b))
+        if i + 1 < len(values):
+            beyond = str(Fraction(high) * Fraction(1001, 1000))
+            yield changed(f"interval {i} beyond its end", lambda x, a=high, b=beyond: moved(x, a, b))
+    for i, slab in enumerate(slabs):
+        last, part = slab["points"][-1], slab["part"]
+        yield changed(f"slab {i} left out", lambda x, i=i: x["proof"]["slabs"].pop(i))
+        yield changed(f"slab {i} twice", lambda x, i=i: x["proof"]["slabs"].insert(i, x["proof"]["slabs"][i]))
+        yield changed(f"slab {i} without a point", lambda x, i=i: x["proof"]["slabs"][i]["points"].pop())
+        yield changed(f"slab {i} with a point twice", lambda x, i=i, y=last: x["proof"]["slabs"][i]["points"].append(y))
+        other = "real" if part is None else None
+        yield changed(f"slab {i} otherwise", lambda x, i=i, y=other: x["proof"]["slabs"][i].update(part=y))
+        yield changed(f"slab {i} of no part", lambda x, i=i: x["proof"]["slabs"][i].update(part="number"))
+        if part is not None:
+            yield changed(f"slab {i} beyond the band", lambda x, i=i: x["proof"]["slabs"][i].update(points=["1000"]))
+    for key, wrong in {"free": ["evaluation", "band", 0], "parts": ["real", "real"]}.items():
+        yield changed(f"other {key}", lambda x, key=key, wrong=wrong: x["claim"].update({key: wrong}))
+    for wrong in (
+        [],
+        ["title"],
+        ["environment"],
+        ["environment", []],
+        ["effects", 7, "zeta"],
+        ["environment", "model"],
+        "title",
+        None,
+        {},
+    ):
+        yield changed(f"{wrong} free", lambda x, wrong=wrong: x["claim"].update(free=wrong))
+    for name, told in proof["proof"]["functions"].items():
+        own = lambda x, name=name: x["proof"]["functions"][name]  # noqa: E731
+        number = str(-Fraction(told["number"]))
+        yield changed(f"{name} with another sign", lambda x, own=own, n=number: own(x).update(number=n))
+        yield changed(f"{name} without a factor", lambda x, own=own: own(x)["powers"].pop())
+        yield changed(f"{name} not told", lambda x, name=name: x["proof"]["functions"].pop(name))
+    for i, factor in enumerate(proof["proof"]["factors"]):
+        for k, row in enumerate(factor["polynomial"]):
+            more = str(int(row[-1]) + 1)
+            yield changed(
+                f"coefficient {k} of factor {i}",
+                lambda x, i=i, k=k, n=more: x["proof"]["factors"][i]["polynomial"][k].__setitem__(-1, n),
+            )
+    yield from frame_mutants(proof)
+
+
 def known_roots(seed: int) -> tuple[str, int]:
     """A polynomial in s, and how many of its zeros lie in Re s >= 0: it is a product of factors of which that is known."""
     source, count, text = Seeded(seed), 0, "1"

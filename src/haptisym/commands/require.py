@@ -8,7 +8,15 @@ from typing import Any
 import click
 
 from haptisym.commands.limit import limit_option
-from haptisym.commands.options import drawn, figure_option, hand_over, json_option, scene_argument
+from haptisym.commands.options import (
+    certificate_option,
+    drawn,
+    figure_option,
+    hand_over,
+    json_option,
+    proven,
+    scene_argument,
+)
 from haptisym.commands.progress import progress
 from haptisym.commands.verb import given, verb
 from haptisym.kernel.errors import SceneError
@@ -69,6 +77,7 @@ from haptisym.model.scene import Scene
     help="Correct decimal digits of each end.",
 )
 @figure_option("the set, or the map")
+@certificate_option
 @click.option("--slices", type=click.IntRange(3, 2000), default=41, show_default=True, help="Exact slices of a map.")
 @limit_option
 @click.pass_context
@@ -83,6 +92,7 @@ def require(
     as_json: bool,
     digits: int,
     figure: Path | None,
+    certificate: Path | None,
     slices: int,
     jnd: tuple[str, ...],
     friction: str | None,
@@ -98,6 +108,7 @@ def require(
     Examples:
       haptisym require fu2019 --free effects.filter.omega_n
       haptisym require fu2019 --free zeta --range 0 1 --json --digits 50
+      haptisym require fu2019 --free omega_n --certificate proof.json
       haptisym require delayed-spring --free tau --any-environment
       haptisym require delayed-spring --free environment.k --range 1 1000 --that stable --hand postural-arm
       haptisym require virtual-wall --free environment.b --free environment.k --range 0 40 --range 10 4000 \
@@ -117,6 +128,7 @@ def require(
         else:
             found = ask(scene, paths[0], *ranges, digits=digits, **asked)
     drawn(found, figure)
+    proven(found, certificate)
     hand_over(found, as_json=as_json)
 
 
@@ -126,6 +138,8 @@ def _refuse_contradictions(context: click.Context, free: int, ranges: int) -> No
         raise SceneError("--free may be given once or twice, and --range not at all or as often, in the same order")
     if given(context, "--slices") and free == 1:
         raise SceneError("--slices is about a map of two parameters: give --free twice, or leave it out")
+    if given(context, "--certificate") and free == 2:
+        raise SceneError("--certificate is about one parameter's values: give --free once, or leave it out")
     for option in (x for x in ("--jnd", "--friction") if given(context, x) and free == 1):
         raise SceneError(f"{option} is about a map of two parameters: give --free twice, or leave it out")
     if given(context, "--digits") and free == 2:

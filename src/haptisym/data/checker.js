@@ -290,6 +290,9 @@ const haptisymCheck = (function () {
 
   const quantityOf = (x, pi = 0, dimension = null) => ({ value: x, pi, dimension });
 
+  /** A parameter that is left free takes the place of pi. */
+  const FREE = Object.freeze(quantityOf(ONE, 1));
+
   function at(x, pi) {
     const [up, down] = [Math.max(x.pi, 0), Math.max(-x.pi, 0)];
     const top = x.value.n ? value(x.value.n * pi ** BigInt(up), 0n, 0, up) : NOTHING;
@@ -325,6 +328,7 @@ const haptisymCheck = (function () {
         need(low.pi === high.pi && same(low.dimension, high.dimension), "the ends of a range have different units");
         return more.length === 2 ? more[0] : { ...low, value: low.value.plus(high.value).over(new Fraction(2n)) };
       }
+      if (given === FREE) return FREE;
       if (given instanceof Fraction) return quantityOf(given);
       if (given && given.whole) return quantityOf(given.whole);
       need(typeof given === "string" && given.length < 500, "a value is neither a number nor a text");
@@ -403,8 +407,22 @@ const haptisymCheck = (function () {
       return x.trees.map((tree) => evaluated(tree, leaf, combined));
     }
 
-    /** Band, thresholds and chain of a scene file; `name`: which of several environments. */
-    return function scene(text, name) {
+    /** Put FREE for a number of a file. */
+    function leaveFree(table, path) {
+      const inside = (place, key) => {
+        const there = place instanceof Map ? typeof key === "string" && place.has(key) : Array.isArray(place) && Number.isInteger(key) && key >= 0 && key < place.length;
+        need(there, "the scene has no such number");
+        return place instanceof Map ? place.get(key) : place[key];
+      };
+      const last = path[path.length - 1];
+      const place = path.slice(0, -1).reduce(inside, table);
+      quantity(inside(place, last), "");
+      if (place instanceof Map) place.set(last, FREE);
+      else place[last] = FREE;
+    }
+
+    /** Band, thresholds and chain of a scene file; `name`: which of several environments; `free`: keys of a number left free. */
+    return function scene(text, name, free = null) {
       const table = toml(text);
       const keys = ["title", "source", "environment", "environments", "rendered", "effects", "evaluation", "hand", "hands"];
       need([...table.keys()].every((key) => keys.includes(key)), "the scene has keys that are not understood");
@@ -415,6 +433,10 @@ const haptisymCheck = (function () {
         need(listed.length === 1 && !table.has("environment"), "there is not one environment of that name");
         felt = new Map([...listed[0]].filter(([key]) => key !== "rendered"));
         rendered = listed[0].get("rendered");
+      }
+      if (free) {
+        if (!table.has("environments")) leaveFree(table, free);
+        else leaveFree(new Map([...table, ["environment", felt], ["rendered", rendered]]), free);
       }
       const own = element(felt, 1);
       const source = rendered === undefined ? own : element(rendered, 1, own);
@@ -427,9 +449,17 @@ const haptisymCheck = (function () {
       need(Array.isArray(band) && band.length === 2, "the band is not a pair");
       const both = jnd instanceof Map ? jnd : new Map([["real", jnd], ["imag", jnd]]);
       need(both.size === 2 && both.has("real") && both.has("imag"), "the threshold is not a number, nor one for each part");
+      const threshold = { real: quantity(both.get("real"), "z"), imag: quantity(both.get("imag"), "z") };
+      if (free) {
+        const elements = [own, source, ...between];
+        const numbers = [...Object.values(threshold), ...elements.flatMap((x) => [...x.numbers.values()])];
+        const named = (tree) => (typeof tree === "string" ? tree === "pi" : Array.isArray(tree) && tree.slice(1).some(named));
+        const alone = numbers.every((x) => x === FREE || x.pi === 0) && !elements.some((x) => x.trees.some(named));
+        need(alone && numbers.includes(FREE), "a parameter is free beside pi");
+      }
       return {
         band: band.map((x) => quantity(x, "o")),
-        threshold: { real: quantity(both.get("real"), "z"), imag: quantity(both.get("imag"), "z") },
+        threshold,
         elements: { environment: own, rendered: source, effects: between },
         /** The dynamics of a hand: one of the file by its name, or of mass, damping and stiffness. */
         hand(which, numbers) {
@@ -638,9 +668,12 @@ const haptisymCheck = (function () {
   const sign = (p, x) => agreed(p.map((row) => [moved(row, x, INFINITY)[0]]))[0];
   const changes = (signs) => signs.slice(1).filter((x, i) => x !== signs[i]).length;
 
+  /** Bounds of the low end of the band, and of the high end. */
+  const endsOf = (scene) => scene.band.map((x) => PI.map((pi) => x.value.times(new Fraction(pi, SCALE).power(x.pi))).sort((x, y) => x.compare(y)));
+
   /** The places of the band in order, with the orders of all factors there, and their signs in between. */
   function charted(scene, points, factors, told) {
-    const ends = scene.band.map((x) => PI.map((pi) => x.value.times(new Fraction(pi, SCALE).power(x.pi))).sort((x, y) => x.compare(y)));
+    const ends = endsOf(scene);
     const [[low, lowTop], [high, highTop]] = ends;
     const last = points.length - 1;
     const up = (...list) => list.every((x, i) => !i || list[i - 1].compare(x) <= 0);
@@ -822,14 +855,78 @@ const haptisymCheck = (function () {
     }, Math.max(p.omega, 0));
   }
 
+  // Rule 6: for which values of a free parameter a display is transparent.
+
+  /** Polynomials whose sum, with positive weights, p is for every value between two. */
+  function sliced(p, low, high) {
+    const width = Math.max(...p.map((row) => row.length));
+    const rows = p.map((row) => moved([...row, ...Array(width - row.length).fill(0n)], low, high));
+    return rows[0].map((_, i) => rows.map((row) => row[i]));
+  }
+
+  /** The sign from a to b, for all values of a slab; zero nowhere if `closed` says which of its borders belong to it. */
+  function side(slices, a, b, closed) {
+    const rows = slices.map((q) => moved(q, a, b));
+    const found = new Set(rows.flat().map(signOf).filter((x) => x));
+    need(found.size === 1, "a sign is not proven");
+    const full = (row) => row.every((x) => x);
+    const firm = !closed || (rows[0].every((_, i) => rows.some((row) => row[i])) && (!closed[0] || full(rows[0])) && (!closed[1] || full(rows[rows.length - 1])));
+    need(firm, "a factor may be zero");
+    return [...found][0];
+  }
+
+  /** That no excess is positive anywhere on the band, or that the one of a part is at some point of it. */
+  function verify(told, slices, closed, points, part, band) {
+    const at = ascending(points, 500, 1);
+    const sign = (x, a, b, firm) => [...x.powers].reduce((found, [i, n]) => {
+      const [step, own] = slices[i];
+      const one = side(own, a.power(step), b.power(step), firm || n < 0 ? closed : null);
+      return n % 2 ? found * one : found;
+    }, signOf(x.number.n));
+    if (part === null) {
+      need(at[0].n >= 0n && at[0].compare(band[0][0]) <= 0 && at[at.length - 1].compare(band[1][1]) >= 0, "the cells do not hold the band");
+      Object.values(told).forEach((x) => {
+        need(x.omega >= 0 || at[0].n > 0n, "a ratio is infinite at 0");
+        need(at.slice(1).every((b, i) => sign(x, at[i], b, false) <= 0), "an excess may be positive");
+      });
+      return;
+    }
+    const x = Object.prototype.hasOwnProperty.call(told, `excess.${part}`) && told[`excess.${part}`];
+    need(x && at.length === 1 && at[0].compare(band[0][1]) >= 0 && at[0].compare(band[1][0]) <= 0, "a point is not on the band");
+    need((at[0].n > 0n || !x.omega) && sign(x, at[0], at[0], true) > 0, "an excess may not be positive");
+  }
+
+  const isLess = (x, y) => x.n * y.d < y.n * x.d;
+
+  /** Intervals of values, ascending, each with whether the display is transparent for them. */
+  function valuesOf(told, factors, slabs, scene) {
+    const rows = listed(slabs, 500, 1).map((x) => keyed(x, "from", "to", "points", "part"));
+    const length = rows.reduce((n, [low, high, points]) => n + listed(points, 500, 1).reduce((m, x) => m + `${x}${low}${high}`.length, 0), 0);
+    const cost = factors.reduce((n, { rows: p }) => n + (p.length * Math.max(...p.map((row) => row.length))) ** 2, 0);
+    need(length * cost < 2e9, "the slabs are too many");
+    const joined = (i) => i > 0 && i < rows.length && rows[i - 1][1] === rows[i][0] && (rows[i - 1][3] === null) === (rows[i][3] === null);
+    const point = (x, infinity) => (x === null ? { n: infinity, d: 0n } : number(x));
+    const band = endsOf(scene);
+    return rows.reduce((found, [low, high, points, part], i) => {
+      const [start, end, last] = [point(low, -1n), point(high, 1n), found[found.length - 1]];
+      need(isLess(start, end) && !(last && isLess(start, point(last[1], 1n))), "the slabs do not ascend");
+      need(joined(i) || !last || last[2] !== (part === null), "between two slabs there is more than an end");
+      const slices = factors.map(({ step, rows: p }) => [step, sliced(p, start, end)]);
+      verify(told, slices, [joined(i), joined(i + 1)], points, part, band);
+      return joined(i) ? [...found.slice(0, -1), [last[0], high, part === null]] : [...found, [low, high, part === null]];
+    }, []);
+  }
+
   // The questions that a certificate may answer, each with what follows from its proof.
+
+  const inSteps = (told) => listed(told, 500).map((x) => {
+    const [step, p] = keyed(x, "step", "polynomial");
+    return { step: whole(step, 1, 2), rows: polynomial(p) };
+  });
 
   function evaluation(claim, proof, scene) {
     const [points, told, products, poles] = keyed(proof, "breakpoints", "factors", "functions", "poles");
-    const factors = listed(told, 500).map((x) => {
-      const [step, p] = keyed(x, "step", "polynomial");
-      return { step: whole(step, 1, 2), rows: polynomial(p) };
-    });
+    const factors = inSteps(told);
     const names = CURVES.flatMap((x) => PARTS.map((part) => `${x}.${part}`));
     const written = keyed(products, ...names).map((x) => product(x, factors.length));
     link(Object.fromEntries(names.map((x, i) => [x, written[i]])), factors, (omega, pi) => functions(scene, omega, pi));
@@ -854,7 +951,21 @@ const haptisymCheck = (function () {
     return { imposed: count, held: found };
   }
 
-  const QUESTIONS = { evaluation, stability };
+  function requirement(claim, proof, scene) {
+    const [polynomials, products, slabs] = keyed(proof, "factors", "functions", "slabs");
+    const asked = listed(claim.parts, 2, 1);
+    const parts = PARTS.filter((part) => asked.includes(part));
+    const [free, factors, names] = [listed(claim.free, 9, 1), inSteps(polynomials), parts.map((part) => `excess.${part}`)];
+    const written = keyed(products, ...names).map((x) => product(x, factors.length));
+    const told = Object.fromEntries(names.map((x, i) => [x, written[i]]));
+    link(told, factors, (omega, pi) => {
+      const every = functions(scene, omega, pi);
+      return Object.fromEntries(names.map((x) => [x, every[x]]));
+    });
+    return { free, parts, values: valuesOf(told, factors, slabs, scene) };
+  }
+
+  const QUESTIONS = { evaluation, stability, requirement };
 
   const sorted = (x) => JSON.stringify(x, (_, y) => (y && typeof y === "object" && !Array.isArray(y) ? Object.fromEntries(Object.entries(y).sort()) : y));
 
@@ -867,7 +978,7 @@ const haptisymCheck = (function () {
     need(name === null || typeof name === "string", "the environment has no name");
     const asked = claim && typeof claim === "object" && Object.keys(QUESTIONS).includes(claim.question);
     need(asked, "the claim answers no question that is known");
-    const follows = QUESTIONS[claim.question](claim, proof, reader(catalogue)(sceneText, name));
+    const follows = QUESTIONS[claim.question](claim, proof, reader(catalogue)(sceneText, name, "free" in claim ? listed(claim.free, 9, 1) : null));
     keyed(claim, "question", ...Object.keys(follows));
     Object.entries(follows).forEach(([key, x]) => need(sorted(claim[key]) === sorted(x), `${key}: something else is proven than what is claimed`));
     return claim;

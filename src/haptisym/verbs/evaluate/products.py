@@ -20,6 +20,7 @@ from haptisym.kernel.rings import Polynomial, PolynomialRing
 Rows: TypeAlias = tuple[tuple[int, ...], ...]
 """The coefficients of a polynomial, ascending, each as those of ascending powers of pi."""
 
+PI = 1  # the place of pi among what a polynomial is in
 _BITS = 330  # of pi: the 100 digits that a checker has
 
 
@@ -65,6 +66,8 @@ class Factors:
 
     listed: dict[Factor, int] = field(default_factory=dict)
     known: list[tuple[Polynomial, Any]] = field(default_factory=list)
+    second: int = PI
+    """The place in the ring of what stands beside the variable."""
 
     def product(self, x: RealFunction, *, in_square: bool) -> dict[str, Any]:
         """``number * omega^omega * product of factor^exponent``."""
@@ -93,18 +96,19 @@ class Factors:
         return found
 
     def _index(self, factor: Polynomial, *, in_square: bool) -> int:
-        rows = rows_of(factor)
+        rows = rows_of(factor, self.second)
         even = in_square and not any(any(row) for row in rows[1::2])
         return self.listed.setdefault(Factor(rows[::2] if even else rows, 2 if even else 1), len(self.listed))
 
 
-def rows_of(polynomial: Polynomial) -> Rows:
-    """The coefficients of a polynomial with whole coefficients in the variable and pi; SceneError where it holds more."""
+def rows_of(polynomial: Polynomial, second: int = PI) -> Rows:
+    """The coefficients of a polynomial with whole ones in the variable and pi, or another; SceneError where it holds more."""
     rows: dict[int, dict[int, int]] = {}
-    for (power, of_pi, *others), value in polynomial.to_dict().items():
-        if any(others):
-            raise SceneError(NOT_RATIONAL)
-        rows.setdefault(int(power), {})[int(of_pi)] = int(value.p)
+    for powers, value in polynomial.to_dict().items():
+        others = [i for i, n in enumerate(powers) if n and i not in (0, second)]
+        if others:
+            raise SceneError(BESIDE_PI if others == [PI] else NOT_RATIONAL)
+        rows.setdefault(int(powers[0]), {})[int(powers[second])] = int(value.p)
     return tuple(
         tuple(row.get(i, 0) for i in range(max(row, default=0) + 1))
         for row in (rows.get(n, {}) for n in range(max(rows) + 1))
@@ -122,16 +126,19 @@ NOT_RATIONAL = (
 )
 
 
+BESIDE_PI = "a certificate with a free parameter needs a scene without pi: write frequencies in rad/s, not in Hz"
+
+
 def are_even(functions: Sequence[RealFunction]) -> bool:
     """Whether all numerators and denominators are even or odd in omega; those of Coulomb friction are not."""
     every = (p for f in functions for p in (f.function.numerator, f.function.denominator) if not p.is_zero())
     return all(len({int(e[0]) % 2 for e in p.monoms()}) == 1 for p in every)
 
 
-def products(functions: Mapping[str, RealFunction]) -> tuple[list[Factor], dict[str, dict[str, Any]]]:
-    """The factors of real functions, and each function as the product of them."""
+def products(functions: Mapping[str, RealFunction], second: int = PI) -> tuple[list[Factor], dict[str, dict[str, Any]]]:
+    """The factors of real functions, and each function as the product of them; ``second`` : as of ``Factors``."""
     if any(f.axis.functions for f in functions.values()):
         raise SceneError(NOT_RATIONAL)
-    factors, even = Factors(), are_even(list(functions.values()))
+    factors, even = Factors(second=second), are_even(list(functions.values()))
     told = {name: factors.product(f, in_square=even) for name, f in functions.items()}
     return list(factors.listed), told

@@ -43,6 +43,7 @@ class Requirement(Answer):
     _schema: ClassVar[str] = "haptisym.requirement/1"
     _page: ClassVar[str] = "haptisym.pages.require:page"
     _figure: ClassVar[str] = "haptisym.figures.require:requirement_figure"
+    _certificate: ClassVar[str] = "haptisym.verbs.require.certificate:certificate"
 
     scene: Scene
     free: Knob

@@ -1,0 +1,138 @@
+"""The certificate of a requirement: for which values a display is transparent, with a proof (docs/certificates.md)."""
+
+from __future__ import annotations
+
+import tomllib
+from fractions import Fraction
+from typing import Any
+
+from haptisym.judge.criteria import Criterion
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.reals import ExactNumber, RealNumber
+from haptisym.kernel.response import RealFunction
+from haptisym.model.scene import Scene
+from haptisym.verbs.evaluate.certificate import document, named
+from haptisym.verbs.evaluate.products import products, told_rows
+from haptisym.verbs.require.feasible import End
+from haptisym.verbs.require.freeparameter import conditions
+from haptisym.verbs.require.required import Requirement
+from haptisym.verbs.require.slabs import Ends, Problem, Value, ascending
+
+
+def certificate(found: Requirement) -> str:
+    """The document of JSON. SceneError, a sentence, where the format has no room for the question or the scene.
+
+    >>> import json
+    >>> from haptisym.verbs.require.entry import require
+    >>> [x[2] for x in json.loads(certificate(require("fu2019", "omega_n")))["claim"]["values"]]
+    [False, True]
+    """
+    scene = found.scene
+    _refuse(found)
+    environment = named(scene)
+    path = _keys(scene, found, environment)
+    functions = _functions(found)
+    second = next(iter(functions.values())).axis.meanings.index(found.free.symbol)
+    factors, told = products(functions, second)
+    problem = Problem(factors, told, _band(scene), _starts(found))
+    values = _values(found)
+    proof = {
+        "factors": [{"step": f.step, "polynomial": told_rows(f.rows)} for f in factors],
+        "functions": told,
+        "slabs": [x for low, high, holds in values for x in problem.slabs(Ends(low, high), holds=holds)],
+    }
+    claim = {
+        "question": "requirement",
+        "free": path,
+        "parts": [name.partition(".")[2] for name in functions],
+        "values": [[None if x is None else str(x) for x in row[:2]] + [row[2]] for row in values],
+    }
+    return document(scene, environment, claim, proof)
+
+
+def _refuse(found: Requirement) -> None:
+    if found.that != ("transparent",) or any(x.name not in ("real", "imag") for x in found.criteria):
+        raise SceneError("a certificate of a requirement is about what is transparent in this environment alone")
+    if found.undecided:
+        raise SceneError("a certificate is about a whole answer: this one left values undecided")
+    found.scene.threshold.need_plain("a certificate")
+
+
+def _functions(found: Requirement) -> dict[str, RealFunction]:
+    """The excess of each part, the parameter being free."""
+    told: dict[Criterion, RealFunction] = conditions(found.scene, [found.free], found.criteria)
+    return {f"excess.{x.name}": f for x, f in told.items()}
+
+
+def _keys(scene: Scene, found: Requirement, environment: str | None) -> list[str | int]:
+    """Where the scene's file has the number; of one of several environments as if it were the only one."""
+    table, free = tomllib.loads(scene.text), found.free
+    for one in table.get("environments", []):
+        if one.get("name", one.get("model")) == environment:
+            table |= {"environment": one, "rendered": one.get("rendered", {})}
+    place: list[str | int] = [free.place]
+    if free.place.startswith("effects."):
+        place = ["effects", [f"effects.{x.name}" for x in scene.effects].index(free.place)]
+    own: Any = table
+    for key in place:
+        own = own[key] if isinstance(key, int) or key in own else {}
+    name, _, index = free.key.partition("[")
+    keys: list[str | int] = [*name.split("."), *([int(index.rstrip("]")) - 1] if index else [])]
+    for path in ([*place, *keys], [*place, "parameters", *keys]):
+        if _number_at(table, path):
+            return path
+    raise SceneError(f"a certificate needs {free.path} as a number of its own in the scene file")
+
+
+def _number_at(table: Any, path: list[Any]) -> bool:
+    for key in path:
+        try:
+            table = table[key]
+        except (LookupError, TypeError):
+            return False
+    return not isinstance(table, dict)
+
+
+def _band(scene: Scene) -> tuple[Fraction, Fraction, Fraction, Fraction]:
+    """Bounds of the low end, and of the high end."""
+    low, high = (_bounds(ExactNumber(x)) for x in scene.band)
+    return max(low[0], Fraction(0)), low[1], high[0], high[1]
+
+
+def _bounds(x: RealNumber, digits: int = 60) -> tuple[Fraction, Fraction]:
+    value = x.value if isinstance(x, ExactNumber) else None
+    if value is not None and value.is_Rational:
+        return (Fraction(int(value.p), int(value.q)),) * 2
+    low, high = x.enclosure(digits)
+    return Fraction(low), Fraction(high)
+
+
+def _starts(found: Requirement) -> list[Fraction]:
+    """The frequencies at which something binds, nearly."""
+    _, low, high, _ = _band(found.scene)
+    places = [_bounds(b.omega)[0] for end in found.ends for b in end.bindings if b.omega is not None]
+    return sorted({min(max(x, low), high) for x in places})
+
+
+def _values(found: Requirement) -> list[tuple[Value, Value, bool]]:
+    """Intervals of values, ascending, each with whether it is feasible."""
+    first, last = (None if x is None else _bounds(ExactNumber(x)) for x in (found.domain.low, found.domain.high))
+    here, rows = None if first is None else first[1], list[tuple[Value, Value, bool]]()
+    for span in found.feasible:
+        low, high = _end(span.low, found.digits), _end(span.high, found.digits)
+        if low and high and low[1] >= high[0]:
+            raise SceneError("a certificate of a requirement has no room for a single value")
+        if span.low.bindings and low is not None:
+            rows.append((here, low[0], False))
+        rows.append((None if low is None else low[1], None if high is None else high[0], True))
+        here = None if high is None else high[1]
+    if not found.feasible or found.feasible[-1].high.bindings:
+        rows.append((here, None if last is None else last[0], False))
+    rows = [x for x in rows if x[0] is None or x[1] is None or x[0] < x[1]]
+    if not ascending(rows):
+        raise SceneError("a certificate of a requirement needs ends that are told apart")
+    return rows
+
+
+def _end(x: End, digits: int) -> tuple[Fraction, Fraction] | None:
+    return None if x.value is None else _bounds(x.value, digits)

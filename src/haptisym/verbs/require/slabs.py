@@ -1,0 +1,169 @@
+"""Slabs of values of one parameter, and cells of the band, in which coefficients show the sign of what must not be positive."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from math import isqrt
+from typing import Any, TypeAlias
+
+from haptisym.kernel.budget import tick
+from haptisym.kernel.errors import UndecidedError
+from haptisym.verbs.evaluate.products import Factor
+
+Pair: TypeAlias = tuple[int, int]
+Value: TypeAlias = Fraction | None
+"""A value of the parameter; None where it is unbounded."""
+
+_MOST_CELLS, _MOST_SLABS = 50, 150
+
+
+def moved(p: Sequence[int], low: Pair, high: Pair) -> list[int]:
+    """The coefficients of p((a + b u)/(c + d u)) (c + d u)^n, low = a/c and high = b/d."""
+
+    def stretched(q: Sequence[int], a: int, b: int) -> list[int]:
+        return [a * x + b * y for x, y in zip([*q, 0], [0, *q], strict=True)]
+
+    found, power = [p[-1]], [1]
+    for c in p[-2::-1]:
+        power = stretched(power, low[1], high[1])
+        found = [x + c * y for x, y in zip(stretched(found, low[0], high[0]), power, strict=True)]
+    return found
+
+
+@dataclass(frozen=True)
+class Ends:
+    """The ends of a slab of values, and whether each belongs to it."""
+
+    low: Value
+    high: Value
+    holds_low: bool = False
+    holds_high: bool = False
+
+    def halves(self) -> tuple[Ends, Ends]:
+        """Two of them that meet inside."""
+        cut = _middle(self.low, self.high)
+        return Ends(self.low, cut, self.holds_low, True), Ends(cut, self.high, True, self.holds_high)  # noqa: FBT003
+
+
+def _middle(low: Value, high: Value) -> Fraction:
+    if high is None:
+        return Fraction(0) if low is None else max(2 * low, low + 1) if low else Fraction(1)
+    if low is None:
+        return min(2 * high, high - 1)
+    if low == 0:
+        return high / 16
+    if 0 < 8 * low < high:
+        return Fraction(isqrt(int(low * high * 10**12)) + 1, 10**6)
+    return (low + high) / 2
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Excesses as products of factors, on a band; ``starts`` : points of the band at which something binds."""
+
+    factors: Sequence[Factor]
+    functions: Mapping[str, Mapping[str, Any]]
+    band: tuple[Fraction, Fraction, Fraction, Fraction]
+    starts: Sequence[Fraction]
+
+    def slabs(self, ends: Ends, *, holds: bool) -> Iterator[dict[str, Any]]:
+        """Slabs from end to end, each with its proof. UndecidedError where so many as a certificate may have do not suffice."""
+        waiting, count = [*ends.halves()[::-1]] if ends.low is ends.high is None else [ends], 1
+        while waiting:
+            tick()
+            here = waiting.pop()
+            found = self._slab(here, holds=holds)
+            if found is not None:
+                yield {"from": _text(here.low), "to": _text(here.high), **found}
+            elif count < _MOST_SLABS:
+                waiting += here.halves()[::-1]
+                count += 1
+            else:
+                raise UndecidedError("the slabs of a certificate")
+
+    def _slab(self, ends: Ends, *, holds: bool) -> dict[str, Any] | None:
+        slab = Slab(self, ends, [_sliced(f, ends) for f in self.factors])
+        if not holds:
+            found = next(((x, part) for x in self._tried for part in self.functions if slab.fails(part, x)), None)
+            return None if found is None else {"points": [str(found[0])], "part": found[1].partition(".")[2]}
+        points = slab.cells()
+        return None if points is None else {"points": [str(x) for x in points], "part": None}
+
+    @property
+    def _tried(self) -> list[Fraction]:
+        """Points of the band at which an excess may be positive: those that bind, and some between."""
+        _, low, high, _ = self.band
+        return [*self.starts, high, low, *(low + (high - low) * n / 16 for n in range(1, 16))]
+
+
+def _text(x: Value) -> str | None:
+    return None if x is None else str(x)
+
+
+def _sliced(factor: Factor, ends: Ends) -> list[list[int]]:
+    low = (-1, 0) if ends.low is None else ends.low.as_integer_ratio()
+    high = (1, 0) if ends.high is None else ends.high.as_integer_ratio()
+    width = max(map(len, factor.rows))
+    rows = [moved([*row, *[0] * (width - len(row))], low, high) for row in factor.rows]
+    return [list(x) for x in zip(*rows, strict=True)]
+
+
+@dataclass(frozen=True)
+class Slab:
+    """Values between two, with the factors as sums, of positive weights, of polynomials of omega alone."""
+
+    problem: Problem
+    ends: Ends
+    slices: Sequence[list[list[int]]]
+
+    def fails(self, name: str, x: Fraction) -> bool:
+        """Whether an excess is positive at a point of the band for all values."""
+        told = self.problem.functions[name]
+        return (x > 0 or told["omega"] == 0) and self._sign(told, x, x, firm=True) == 1
+
+    def cells(self) -> list[Fraction] | None:
+        """Points between which no excess is positive; None where so many as a slab may have do not suffice."""
+        low, *_, high = self.problem.band
+        if any(told["omega"] < 0 for told in self.problem.functions.values()) and low <= 0:
+            return None
+        inner = sorted({x for x in self.problem.starts if low < x < high})
+        found, waiting = [low], [high, *inner[::-1]]
+        while waiting:
+            if self._is_kept(found[-1], waiting[-1]):
+                found.append(waiting.pop())
+            elif len(found) + len(waiting) < _MOST_CELLS:
+                waiting.append((found[-1] + waiting[-1]) / 2)
+            else:
+                return None
+        return found
+
+    def _is_kept(self, a: Fraction, b: Fraction) -> bool:
+        return all(self._sign(told, a, b, firm=False) in (-1, 0) for told in self.problem.functions.values())
+
+    def _sign(self, told: Mapping[str, Any], a: Fraction, b: Fraction, *, firm: bool) -> int | None:
+        number = Fraction(told["number"])
+        found = (number > 0) - (number < 0)
+        for i, n in told["powers"]:
+            own = self._side(i, a, b, firm=firm or n < 0)
+            if own is None:
+                return None
+            found *= own ** abs(n)
+        return found
+
+    def _side(self, i: int, a: Fraction, b: Fraction, *, firm: bool) -> int | None:
+        """The sign of a factor from a to b for all values; None where it is not shown."""
+        step = self.problem.factors[i].step
+        rows = [moved(q, (a**step).as_integer_ratio(), (b**step).as_integer_ratio()) for q in self.slices[i]]
+        signs = {(x > 0) - (x < 0) for row in rows for x in row} - {0}
+        borders = [row for row, own in ((rows[0], self.ends.holds_low), (rows[-1], self.ends.holds_high)) if own]
+        if len(signs) != 1 or (firm and not (all(map(any, zip(*rows, strict=True))) and all(map(all, borders)))):
+            return None
+        return signs.pop()
+
+
+def ascending(values: Sequence[tuple[Value, Value, bool]]) -> bool:
+    """Whether the intervals come one after the other, and no two neighbours say the same."""
+    return all(a[1] is not None and b[0] is not None and a[1] <= b[0] and a[2] is not b[2] for a, b in pairwise(values))
