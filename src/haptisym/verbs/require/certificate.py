@@ -6,7 +6,6 @@ import tomllib
 from fractions import Fraction
 from typing import Any
 
-from haptisym.judge.criteria import Criterion
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.response import RealFunction
@@ -60,8 +59,8 @@ def _refuse(found: Requirement) -> None:
 
 def _functions(found: Requirement) -> dict[str, RealFunction]:
     """The excess of each part, the parameter being free."""
-    told: dict[Criterion, RealFunction] = conditions(found.scene, [found.free], found.criteria)
-    return {f"excess.{x.name}": f for x, f in told.items()}
+    told = conditions(found.scene, [found.free], found.criteria)
+    return {f"excess.{x.name}": f for x, f in told.items() if isinstance(f, RealFunction)}
 
 
 def _keys(scene: Scene, found: Requirement, environment: str | None) -> list[str | int]:
