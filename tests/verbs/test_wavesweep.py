@@ -10,6 +10,7 @@ import flint
 import numpy as np
 import pytest
 from flint import arb
+from scan import FAMILIES, Draw
 
 import haptisym as hs
 from haptisym.verbs.sweep import libm, wavecurves
@@ -219,6 +220,45 @@ def test_floats_count_as_exact_arithmetic_does_on_many_sets(name: str, low: str)
     for i in set(range(300)) - set(left.tolist()):
         truth = exact_answers(kernel.scene, kernel.swept, sets[:, i].tolist())
         agrees({key: column[i] for key, column in columns.items()}, truth)
+
+
+def random_kernel(family: str, seed: int) -> tuple[Kernel, Array]:
+    """A random scene of that kind, and sets around its own values of a delay, if there is one, and of another parameter."""
+    given = hs.parse_scene(Draw(seed).case(family).text)
+    numbers = [p.path for p in given.parameters if p.value.is_Rational and p.value > 0 and p.key != "alpha"]
+    numbers.sort(key=lambda path: path.rpartition(".")[2] not in ("tau", "T"))
+    chosen, rng = [*dict.fromkeys([numbers[0], numbers[-1]])], np.random.default_rng(seed)
+    around = np.exp(rng.uniform(-0.7, 0.7, (len(chosen), 60)))
+    sets = np.array([[float(given.knobs[path].value)] for path in chosen]) * around
+    swept = axes(given, {path: row.tolist() for path, row in zip(chosen, sets, strict=True)})
+    return Kernel.of(given, [axis.knob for axis in swept]), sets
+
+
+@pytest.mark.parametrize(
+    ("family", "seed"),
+    [("delay", 3), ("hold", 1), ("friction and delay", 1), ("position-force", 3)],
+)
+def test_resonances_steep_terms_and_high_degrees_are_counted_in_floats(family: str, seed: int) -> None:
+    kernel, sets = random_kernel(family, seed)
+    columns, left = kernel.in_floats(sets)
+    assert len(left) <= 3
+    i = next(i for i in range(60) if i not in left)
+    agrees(
+        {key: column[i] for key, column in columns.items()},
+        exact_answers(kernel.scene, kernel.swept, sets[:, i].tolist()),
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("seed", range(100, 106))
+def test_random_scenes_are_never_counted_wrong(family: str, seed: int) -> None:
+    kernel, sets = random_kernel(family, seed)
+    columns, left = kernel.in_floats(sets)
+    for i in sorted(set(range(60)) - set(left.tolist()))[:4]:
+        truth = exact_answers(kernel.scene, kernel.swept, sets[:, i].tolist())
+        if truth["method"] == 1:
+            agrees({key: column[i] for key, column in columns.items()}, truth)
 
 
 @pytest.mark.parametrize("name", ["delayed-spring", "organ-tissue"])

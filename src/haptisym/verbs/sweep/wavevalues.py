@@ -29,7 +29,7 @@ from haptisym.verbs.sweep.waves import Exponents, Variables, WaveFamily
 TINY = 1e-280
 _OF_X, _OF_LIBM = 3, 2 * ULPS
 _SLACK = 1.001
-_MOST_RATIO = 40.0
+_FIRST_RATIO, _RATIOS = 8.0, (3.0, 1000.0)
 
 
 @dataclass(frozen=True)
@@ -149,8 +149,10 @@ class WaveFunction:
         """Bounds on value and slope of what interpolation of that degree leaves out on segments."""
         middle, half = (low + high) / 2, (high - low) / 2
         turned = sum((self._degree(1 + i) * np.abs(k) for i, k in enumerate(self.rates)), np.zeros_like(low))
-        # near where the bound is least: M grows as exp(turned half ratio/2)
-        ratio = np.clip((degree - 0.7 * self._degree(0)) / (turned * half / 2 + 1e-9), 4.0, _MOST_RATIO)
+        ratio = np.full_like(low, _FIRST_RATIO)
+        for _ in range(2):  # to where M r^-degree is least, as M grows like exp(turned half r/2) (middle + half r/2)^n
+            steep = turned * half / 2 + self._degree(0) * half / (2 * middle + half * ratio)
+            ratio = np.clip(degree / (steep + 1e-9), *_RATIOS)
         if powers is None and any(self.power_degrees):
             t = middle / half  # the ellipse must stay right of 0, where powers are analytic
             ratio = np.minimum(ratio, (t + np.sqrt((t - 1) * (t + 1))) * (1 - 1e-9))

@@ -191,7 +191,8 @@ def _interpolated(
     # the sum here, and those of all halvings
     bound = n.amplified.max() * (wrong + error(sizes, (degree + 3) * (1 + _MOST_HALVINGS)))
     value, slope = left_out
-    return _certain(values[[0, -1]], wrong), Curves(coefficients, bound, (value, 2 * slope / degree))
+    at_ends = np.array([f.error(f.sizes(low), low, low), wrong])  # at the low end sizes may be much smaller
+    return _certain(values[[0, -1]], at_ends), Curves(coefficients, bound, (value, 2 * slope / degree))
 
 
 def _one_sign(values: Array, bounds: Array) -> Array:
