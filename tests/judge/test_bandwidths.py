@@ -209,3 +209,55 @@ def test_page_and_document_say_it() -> None:
         {},
     )
     assert "bandwidths" not in hs.evaluate("fu2019").to_dict()
+
+
+# --- one range for both half widths of a region -----------------------------------------------------------------------
+
+SHAPES: list[dict[str, Any]] = [
+    {"shape": "ellipse"},
+    {"shape": "ellipse", "tilt": "1/2"},
+    {"shape": "ellipse", "tilt": "-4/5"},
+    {"shape": "diamond"},
+]
+
+
+def in_region(scene: hs.Scene, shape: dict[str, Any], c: Any) -> hs.Evaluation:
+    return hs.evaluate(hs.Scene(scene.environment, scene.effects, scene.band, {**shape, "real": c, "imag": c}))
+
+
+def test_a_disc_around_a_circle_is_passed_on_all_of_it_at_once() -> None:
+    """dH/|H| = 0.4 s/(s^2 + 2 s + 9) runs on a circle through 0, farthest out with 1/5 at 3 rad/s."""
+    found = in_region(RESONANT, {"shape": "ellipse"}, ["0.05", "0.3"]).bandwidths
+    [jump] = found.jumps
+    assert (jump.low.digits(15), float(jump.high), jump.threshold.digits(15)) == (
+        "3.00000000000000",
+        40.0,
+        "0.200000000000000",
+    )
+    assert found.certified
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=str)
+def test_the_ends_of_a_range_of_a_region_are_those_of_its_smallest_and_its_largest(shape: dict[str, Any]) -> None:
+    paper = hs.load_scene("fu2019")
+    found = in_region(paper, shape, ["0.05", "0.11"])
+    ends = [in_region(paper, shape, c).bandwidth for c in ("0.05", "0.11")]
+    assert [found.bandwidths.least.digits(20), found.bandwidths.most.digits(20)] == [x.digits(20) for x in ends]
+    assert found.bandwidths.is_one_curve
+    assert "For thresholds from 5 % to 11 % the bandwidth is at least" in " ".join(str(found).split())
+
+
+@pytest.mark.slow
+@given(cases(order=3), st.sampled_from(SHAPES), st.integers(2, 20), st.integers(1, 40))
+def test_every_bandwidth_of_a_region_of_the_range_is_among_those_that_are_said_to_be(
+    drawn: Case, shape: dict[str, Any], low: int, more: int
+) -> None:
+    asked = scene(drawn)
+    ends = [Fraction(low, 100), Fraction(low + more, 100)]
+    found = in_region(asked, shape, [str(x) for x in ends])
+    if not found.bandwidths.certified or found.bandwidths.least is None:
+        return
+    for share in (0, Fraction(1, 7), Fraction(1, 2), Fraction(5, 6), 1):
+        one = in_region(asked, shape, str(ends[0] + share * (ends[1] - ends[0]))).bandwidth
+        if one is not None:
+            assert reached(found, sum(one.bounds(150), Fraction(0)) / 2)

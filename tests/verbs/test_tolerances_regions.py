@@ -198,3 +198,12 @@ def test_the_command_tells_of_the_regions_border(call, tmp_path: Path) -> None: 
     status, out, _ = call("tolerances", str(file), "--samples", "0")
     assert status == 0
     assert "does not meet the border of the diamond" in out
+
+
+def test_a_half_width_may_vary_with_all_else() -> None:
+    """A disc of 0.15 to 0.2 and a lag of 36 to 44 rad/s: t = c/sqrt(1 - c^2)."""
+    region = {"shape": "ellipse", "real": ["0.15", "0.2"], "imag": ["0.15", "0.2"]}
+    found = hs.tolerances(lagged(region), samples=0)
+    t = [c / sqrt(1 - c**2) for c in (0.15, 0.2)]
+    assert ends(found) == pytest.approx([36 * t[0], 44 * t[1]], rel=1e-14)
+    assert found.enclosures[0].monotonic == {"omega_c": 1, "c": 1}

@@ -67,13 +67,14 @@ def draw_bandwidths(
 def _curve(e: Evaluation, found: Bandwidths, low: float, high: float) -> tuple[Array, Array]:
     """Threshold, per cent, and bandwidth: where the larger ratio is higher than ever before; broken at the jumps."""
     omega = np.unique(np.concatenate([sampled(e), [float(x) for j in found.jumps for x in (j.low, j.high)]]))
-    ratio = 100 * columns(e.criteria, e.distortion.compile()(omega), omega).max(axis=1)
+    unit = float(e.scene.threshold.real) if e.criteria[0].joint else 1.0  # a region's is a multiple of its half widths
+    ratio = 100 * unit * columns(e.criteria, e.distortion.compile()(omega), omega).max(axis=1)
     least, most = float(found.least or 0), float(found.most or 0)
     first = 100 * float(next(iter(found.blocked.values()))) if found.blocked else low
     between = (omega > least) & (omega < most) & (ratio >= np.maximum.accumulate(np.nan_to_num(ratio)))
     inside = between & (ratio > first) & (ratio < high)
     for jump in found.jumps:
-        inside &= (omega <= float(jump.low)) | (omega >= float(jump.high))
+        inside &= (omega < float(jump.low)) | (omega > float(jump.high))  # its ends have rows of their own
     rows = [(first, 0, least), *((c, 0, w) for c, w in zip(ratio[inside], omega[inside], strict=True)), (high, 3, most)]
     for jump in found.jumps:
         at = 100 * float(jump.threshold or 0)

@@ -12,7 +12,7 @@ from dataclasses import replace
 from functools import reduce
 from itertools import product
 
-from sympy import Expr
+from sympy import Expr, S
 
 from haptisym.judge.climb import Bandwidths, Climb, Jump, above
 from haptisym.judge.criteria import Criterion, kept, noticed
@@ -38,7 +38,7 @@ def bandwidths(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> 
     most: RealNumber | None = None
     try:
         least, most = (_at(d, threshold.with_limits({part: ranges[part][i] for part in Part}), band) for i in (0, 1))
-        found = _inside({x: x.measure(d) for x in noticed(threshold)}, ranges, band)
+        found = _inside(_squares(d, threshold), ranges, band)
         return replace(found, least=least or found.least, most=most)
     except LimitError:
         raise
@@ -53,6 +53,17 @@ def _at(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> RealNum
         raise UndecidedError("whether a ratio touches an end of the range of thresholds")
     first = next(iter(kept(table)), None)
     return first.high.omega if first and first.low is table.points[0] else None
+
+
+def _squares(d: Distortion, threshold: Threshold) -> dict[Criterion, RealFunction]:
+    """What must not exceed the square of a threshold; of a region, how many times one of half widths 1 must be enlarged."""
+    criteria = noticed(threshold)
+    if not any(x.joint for x in criteria):
+        return {x: x.measure(d) for x in criteria}
+    [x] = criteria
+    assert x.joint
+    squares = x.joint.opened(dict.fromkeys(Part, S.One)).squares(d)
+    return {replace(x, name=f"{x.name} {i}", region=None): square for i, square in enumerate(squares)}
 
 
 def _inside(

@@ -77,8 +77,9 @@ class Threshold(Viewed):
             object.__setattr__(self, key, value)
             if interval:
                 object.__setattr__(self, f"{key}_interval", interval)
-        if (self.real_interval or self.imag_interval) and not self.is_plain:
-            raise SceneError(f"a threshold takes a range where it is a number for each part, not of {self.kind}")
+        if (self.real_interval or self.imag_interval) and not (self.is_plain or self._is_scaled):
+            own = ", or one for both half widths" if self.region.shape in _SCALED else f", not of {self.kind}"
+            raise SceneError(f"a threshold takes a range where it is a number for each part{own}")
 
     def __repr__(self) -> str:
         own = "" if self.region == SQUARE else f", region={self.region!r}"
@@ -102,6 +103,12 @@ class Threshold(Viewed):
     def is_plain(self) -> bool:
         """Whether it is the paper's: a number for each part."""
         return self.region == SQUARE and self.is_constant
+
+    @property
+    def _is_scaled(self) -> bool:
+        """Whether its half widths are one number, in a region that holds all smaller ones of its kind."""
+        alike = self.real == self.imag and self.real_interval == self.imag_interval
+        return alike and self.region.shape in _SCALED
 
     @property
     def kind(self) -> str:
@@ -191,6 +198,9 @@ class Threshold(Viewed):
     def interval(self, part: Part) -> ExactRange | None:
         """The range of a part's threshold, if it has one."""
         return self.real_interval if part is Part.REAL else self.imag_interval
+
+
+_SCALED = (Shape.ELLIPSE, Shape.DIAMOND)
 
 
 def threshold_value(key: str, given: Number) -> tuple[Expr, ExactRange | None]:

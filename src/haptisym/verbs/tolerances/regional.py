@@ -7,7 +7,7 @@ one for each edge.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeAlias
 
@@ -16,7 +16,7 @@ from sympy import Expr, Integer, S
 
 from haptisym.judge.criteria import Criterion
 from haptisym.judge.regions import Diamond, Ellipse, Polygon, Sided
-from haptisym.kernel.symbols import omega
+from haptisym.kernel.symbols import c, omega
 from haptisym.model.jnd import Part
 from haptisym.programs.modelled import Modelled
 from haptisym.programs.program import Program
@@ -42,7 +42,11 @@ class RegionalExcess(Excess):
 
     def __init__(self, box: Box, criterion: Criterion) -> None:
         self._over(box)
-        self._criterion = criterion
+        self._criterion, self._limit = criterion, None
+        threshold = box.scene.threshold
+        if criterion.region and threshold.interval(Part.REAL):  # one for both half widths
+            self._criterion = replace(criterion, region=criterion.region.opened(dict.fromkeys(Part, c)))
+            self._limit = 1 + self._names.index(box.part_name(Part.REAL))
         chain = box.scene.chain.at(self._fixed)
         relative, _ = chain.without_axis_zeros()
         environments = (chain.ring.convert(x.environment) for x in (chain, relative))
@@ -62,14 +66,18 @@ class RegionalExcess(Excess):
     @cached_property
     def matters(self) -> Array:
         """For omega and each side, whether the excess may depend on it."""
-        return self._used(self._relative) | self._used(self._plain)
+        limit = np.array([i == self._limit for i in range(self.sides)])
+        return limit | self._used(self._relative) | self._used(self._plain)
 
     def model(self, cells: Array, *, slopes: bool = True) -> Model:
         """The excess over each cell; t_i goes from -1 to 1 along its side i. Unknown where a pole may lie in the cell."""
         with np.errstate(all="ignore"):  # what is not finite is unknown, which every caller asks about
             at = self._variable(0, cells, slopes=slopes)
             relative, plain = (self._run(x, cells, at, slopes=slopes) for x in (self._relative, self._plain))
-            return joined(Changes(relative, plain, at, self._turns).terms(self._criterion))
+            known: dict[Expr, Model] = {omega: at}
+            if self._limit is not None:
+                known[c] = self._variable(self._limit, cells, slopes=slopes)
+            return joined(Changes(relative, plain, known, self._turns).terms(self._criterion))
 
     def _run(self, program: Program, cells: Array, at: Model, *, slopes: bool) -> dict[str, Model]:
         found = Modelled(program).run([self._variable(i, cells, slopes=slopes) for i in self._places(program)])
@@ -86,11 +94,12 @@ class Changes:
     """x = Re dH/|H_env| and y = Im dH/|H_env| over cells, and what a criterion makes of them.
 
     ``relative`` : fields of a chain with the same ratios, in which all is ``turns`` quarters behind; ``plain``: of the chain.
+    ``known`` : what omega, and the half width c where it varies, are over the cells.
     """
 
     relative: Mapping[str, Model]
     plain: Mapping[str, Model]
-    at: Model
+    known: Mapping[Expr, Model]
     turns: int
 
     def terms(self, criterion: Criterion) -> Terms:
@@ -113,10 +122,10 @@ class Changes:
         return self._quadric(region.real, region.imag, -region.tilt, root)
 
     def _quadric(self, a: Expr, b: Expr, t: Expr, whole: Expr = S.One) -> Model:
-        """((x/a)^2 + 2 t (x/a)(y/b) + (y/b)^2)/whole - 1."""
-        squares = (self._times(1 / (c**2 * whole), self._square(part)) for c, part in zip((a, b), Part, strict=True))
-        found = (next(squares) + next(squares)).plus(-1.0)
-        return found if t == 0 else found + self._times(2 * t / (a * b * whole), self._product)
+        """a b times (x/a)^2 + 2 t (x/a)(y/b) + (y/b)^2 - whole."""
+        squares = self._times(b / a, self._square(Part.REAL)) + self._times(a / b, self._square(Part.IMAG))
+        found = squares - self._constant(a * b * whole)
+        return found if t == 0 else found + self._times(2 * t, self._product)
 
     def _sided(self, region: Sided) -> Terms:
         own = self.plain[region.part.value]
@@ -146,14 +155,18 @@ class Changes:
 
     @cached_property
     def _xy(self) -> tuple[Model, Model]:
-        size = self._modulus.to_the(self.at.number(0.5))
+        size = self._modulus.to_the(self._at.number(0.5))
         x, y = self.relative["real"] / size, self.relative["imag"] / size
         for _ in range(self.turns):
             x, y = -y, x
         return x, y
 
     def _times(self, factor: Expr, x: Model) -> Model:
-        return x * valued(factor, {omega: self.at}, self.at) if factor.has(omega) else x.times(floated(factor))
+        return x * self._constant(factor) if factor.free_symbols else x.times(floated(factor))
 
     def _constant(self, x: Expr) -> Model:
-        return valued(x, {omega: self.at}, self.at)
+        return valued(x, self.known, self._at)
+
+    @property
+    def _at(self) -> Model:
+        return self.known[omega]
