@@ -358,13 +358,6 @@ def test_a_threshold_may_be_a_formula_in_omega(tmp_path: Path) -> None:
     e.save_figure(tmp_path / "ratios.svg")
 
 
-def test_a_threshold_that_lines_are_not_judged_by_is_refused(tmp_path: Path, call: Called) -> None:
-    jnd = '[evaluation]\njnd = { shape = "ellipse", real = 0.1, imag = 0.1 }\n'
-    status, _, err = call("evaluate", str(bench(tmp_path, PLAIN, SCENE + jnd)))
-    assert status == 2
-    assert "measured lines: the JND is an ellipse" in err
-
-
 def test_one_line_is_judged_alone(tmp_path: Path) -> None:
     e = hs.evaluate(bench(tmp_path, "omega,real,imag,radius\n8,-30,120,2\n"))
     assert verdicts(e) == [("exceeds", "below")]

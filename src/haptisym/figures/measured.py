@@ -16,6 +16,7 @@ from matplotlib.patches import Circle
 from matplotlib.transforms import ScaledTranslation
 
 from haptisym.figures.kinds import UNDATED
+from haptisym.figures.measuredplane import draw_measured_plane
 from haptisym.figures.scales import HERTZ, RADIANS, Scale, band_scale, floats_scale
 from haptisym.figures.sheet import one_column, save
 from haptisym.figures.style import (
@@ -37,8 +38,10 @@ from haptisym.figures.style import (
 )
 from haptisym.model.jnd import Part
 from haptisym.model.measured import Measurement
+from haptisym.model.regions import SQUARE
 from haptisym.verbs.measured.entry import MeasuredEvaluation
-from haptisym.verbs.measured.judging import limits_of, values_of
+from haptisym.verbs.measured.judging import limits_of
+from haptisym.verbs.measured.regions import values_of
 
 _MOST_LINES = 800
 """Drawn; of more, every so many."""
@@ -64,7 +67,7 @@ def draw_measured_ratios(ax: Axes, e: MeasuredEvaluation, *, hertz: bool | None 
         ratio, place = np.abs(change[drawn]), _beside(ax, side)
         ends = np.clip(ratio - radius, 0, None), np.minimum(ratio + radius, 2 * top)
         ax.vlines(omega, *ends, transform=place, color=_COLOURS[part], linewidth=0.7, alpha=0.55, zorder=2)
-        dots += _dots(ax, omega, ratio, e.verdict[part][drawn], part, place)
+        dots += _dots(ax, omega, ratio, _codes(e, part)[drawn], part, place)
     thresholds = _thresholds(ax, e, scale)
     dress(ax)
     if omega[0] > 0 and omega[-1] > 30 * omega[0]:
@@ -74,6 +77,11 @@ def draw_measured_ratios(ax: Axes, e: MeasuredEvaluation, *, hertz: bool | None 
     ax.set_ylabel(r"ratio to $|H_\mathrm{env}|$", fontsize=TEXT)
     legend(ax, [*_told(e), *thresholds, *_thinned(e, len(drawn))])
     return dots
+
+
+def _codes(e: MeasuredEvaluation, part: Part) -> Any:
+    """What is told of a part, or of both where the region judges them together."""
+    return e.joint.verdict if e.joint else e.verdict[part]
 
 
 def _dots(ax: Axes, at: Any, ratio: Any, codes: Any, part: Part, place: Any) -> list[Line2D]:
@@ -94,7 +102,7 @@ def _told(e: MeasuredEvaluation) -> list[Line2D]:
     parts = [
         Line2D([], [], color=_COLOURS[x], marker="os"[x is Part.IMAG], label=_SYMBOLS[x], **shape) for x in Part
     ]  # fmt: skip
-    if any((e.verdict[part] == 0).any() for part in Part):
+    if any((_codes(e, part) == 0).any() for part in Part):
         parts.append(Line2D([], [], color=INK, marker="o", markerfacecolor="white", label="unresolved", **shape))
     if e.lines.radius is not None:
         parts.append(
@@ -106,6 +114,8 @@ def _told(e: MeasuredEvaluation) -> list[Line2D]:
 def _thresholds(ax: Axes, e: MeasuredEvaluation, scale: Scale) -> list[Line2D]:
     """Lines, or curves where a threshold is a formula in omega."""
     threshold = e.scene.threshold
+    if e.joint or threshold.region != SQUARE:
+        return []  # a limit that depends on the other part, or on the way, is no line
     parts = [Part.REAL] if threshold.real == threshold.imag else list(Part)
     omega = np.linspace(e.lines.omega[0], e.lines.omega[-1], 400)
     made = []
@@ -171,7 +181,7 @@ def draw_measured_nyquist(ax: Axes, e: MeasuredEvaluation) -> list[Line2D]:
     ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
     ax.axvline(0, color=GREY, linewidth=0.4, zorder=0)
     lines = _environment(ax, e, drawn)
-    real, imag = (e.verdict[part] for part in Part)
+    real, imag = (_codes(e, part) for part in Part)
     codes = np.where((real == 1) | (imag == 1), 1, np.where((real == -1) & (imag == -1), -1, 0))[drawn]
     felt, radius = e.lines.perceived[drawn], e.lines.perc_radius[drawn]
     for code, colour, label in _LOOKS:
@@ -247,10 +257,12 @@ def save_measured_figures(
     """All figures as SVG, PDF and PNG, or as some of them, in a directory that is made if need be."""
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
-    return [path for name in _DRAWINGS for path in save(folder / name, draw_measured_figure(e, name), kinds)]
+    names = [name for name in _DRAWINGS if name != "plane" or e.joint]
+    return [path for name in names for path in save(folder / name, draw_measured_figure(e, name), kinds)]
 
 
 _DRAWINGS: Mapping[str, tuple[float, Callable[[Axes, MeasuredEvaluation], object]]] = MappingProxyType({
     "ratios": (2.1, draw_measured_ratios),
     "nyquist": (2.6, draw_measured_nyquist),
+    "plane": (2.8, draw_measured_plane),
 })  # fmt: skip

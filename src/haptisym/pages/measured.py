@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from itertools import islice
-from math import tau
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from haptisym.kernel.shown import counted
 from haptisym.kernel.symbols import s
 from haptisym.model.jnd import Part
 from haptisym.model.measured import Measurement, coherence_for
+from haptisym.pages.measuredtable import MOST_ROWS, cut, ends, rounded, runs, shape, table
 from haptisym.pages.words import OMEGA, PART_NAMES, RATIOS, limits, stiffness_unit
 from haptisym.verbs.measured.entry import MeasuredEvaluation
 from haptisym.verbs.measured.judging import CODES, certainty, limits_of
@@ -25,7 +25,6 @@ from haptisym.writing.document import (
     Facts,
     Figure,
     Notes,
-    Number,
     Paragraph,
     Phrase,
     Section,
@@ -39,9 +38,6 @@ from haptisym.writing.formula import readable
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
 
-_MOST_ROWS = 40
-"""Of a table with a row for each line; where there are more, lines that are judged alike and follow each other share one."""
-
 
 def page(e: MeasuredEvaluation) -> Document:
     """The whole page."""
@@ -53,10 +49,6 @@ def page(e: MeasuredEvaluation) -> Document:
         Paragraph(_certain(e)),
     )
     return Document(e.scene.title or "Untitled scene", lead, blocks, "Two-step evaluation of a measured display")
-
-
-def _number(x: float, digits: int = 5) -> Number:
-    return Number(f"{x:.{digits}g}", x)
 
 
 def _share(x: float, digits: int = 4) -> str:
@@ -78,13 +70,13 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
         yield "left out", f"{counted(e.left_out, 'line')}, off the band or without a line of the environment"
     if e.scene.band is not None:
         low, high = map(float, e.scene.band)
-        yield "band", (_number(low), " to ", _number(high), " rad/s")
+        yield "band", (rounded(low), " to ", rounded(high), " rad/s")
     yield "threshold", limits(e.scene.threshold)
     if felt.coherence is not None and felt.averages is not None:
         c = min(float(x.min()) for x in limits_of(e.scene, e.lines.omega).values())
         least = float(coherence_for(c, felt.averages, felt.confidence))
         told = f"with {felt.averages:g} averages a disc of {_share(c)} of what is felt needs a coherence of at least "
-        yield "discs", (_discs(e), "; ", told, _number(least, 7))
+        yield "discs", (_discs(e), "; ", told, rounded(least, 7))
     else:
         yield "discs", _discs(e)
 
@@ -92,7 +84,7 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
 def measured_words(m: Measurement) -> Phrase:
     """``bench.csv: 60 lines from 1 to 15 rad/s``, and what its discs come from."""
     low, high = float(m.omega[0]), float(m.omega[-1])
-    where: Phrase = ("at ", _number(low)) if len(m) == 1 else ("from ", _number(low), " to ", _number(high))
+    where: Phrase = ("at ", rounded(low)) if len(m) == 1 else ("from ", rounded(low), " to ", rounded(high))
     if m.welch is not None:
         return (m.name, ": ", counted(len(m), "line"), " ", where, " rad/s; ", m.welch.words)
     lines: Phrase = (m.name, ": ", counted(len(m), "line"), " ", where, " rad/s")
@@ -120,83 +112,49 @@ _SIZE: Phrase = "the environment's magnitude"
 
 
 def _step_1(e: MeasuredEvaluation) -> Iterator[Block]:
+    if e.joint is not None:
+        yield Paragraph(
+            (
+                *_counted(e, e.joint.verdict, f"The change lies outside the {shape(e)}", "inside it"),
+                " A part by itself:",
+            )
+        )
     for part in Part:
-        yield Paragraph(_told(e, part))
-    yield _table(e)
-    yield from _cut(e)
+        exceeds = f" ({PART_NAMES[part]} part) exceeds its threshold"
+        yield Paragraph((RATIOS[part], *_counted(e, e.verdict[part], exceeds, "below it")))
+    yield table(e)
+    yield from cut(e)
     yield _figure(e, "ratios", "Distortion ratios at the measured lines. Bars: how far the disc of each line reaches. Filled: "
                   "the whole disc exceeds the threshold or is below it; open: it does not tell.", wide=True)  # fmt: skip
+    if e.joint is not None:
+        yield _figure(
+            e,
+            "plane",
+            "The change of each line with its disc, in the plane of both parts, and the region that is not noticed.",
+        )
     if e.needed is not None:
         yield Notes(tuple(_resolving(e)))
 
 
-def _told(e: MeasuredEvaluation, part: Part) -> Phrase:
-    """How many lines of a part exceed, stay below or are open, and where it first exceeds."""
-    codes = e.verdict[part]
+def _counted(e: MeasuredEvaluation, codes: Any, exceeds: str, below: str) -> tuple[Phrase, ...]:
+    """At how many lines discs exceed, are below or open, and where they first exceed."""
     count = {code: int((codes == code).sum()) for code in CODES}
     lines = counted(len(e), "line")
-    said: Phrase = (
-        RATIOS[part], f" ({PART_NAMES[part]} part) exceeds its threshold at {count[1] or 'none'} of {lines}, is below it at ",
-        f"{count[-1] or 'none'} and unresolved at {count[0] or 'none'}",
-    )  # fmt: skip
+    said = (
+        f"{exceeds} at {count[1] or 'none'} of {lines}, is {below} at {count[-1] or 'none'} and unresolved at "
+        f"{count[0] or 'none'}"
+    )
     if not count[1]:
         return said, "."
     first = int(np.argmax(codes == 1))
-    return said, "; the first line that exceeds is at ", _number(float(e.lines.omega[first])), " rad/s."
-
-
-def _table(e: MeasuredEvaluation) -> Block:
-    code = 3 * e.verdict[Part.REAL] + e.verdict[Part.IMAG]
-    caption = "Each measured line: exceeds or below where the whole disc does, unresolved where the disc does not tell."
-    heading: Phrase = (OMEGA, " (rad/s)")
-    if len(e) <= _MOST_ROWS:
-        numbers = (
-            Column(heading, number=True),
-            Column("Hz", number=True),
-            *(Column(RATIOS[x], number=True) for x in Part),
-        )
-        columns = (*numbers, Column("radius", number=True), Column("real"), Column("imaginary"))
-        rows: tuple[tuple[Phrase, ...], ...] = tuple(
-            (_number(x.omega), f"{x.omega / tau:.5g}", _ratio(x.ratio_real), _ratio(x.ratio_imag), _ratio(x.radius),
-             _verdict(x.real.value), _verdict(x.imag.value))
-            for x in e.rows
-        )  # fmt: skip
-        return Table(columns, rows, caption)
-    rows = tuple(
-        (_ends(e, first, last), str(last - first + 1), *(_verdict(CODES[int(e.verdict[x][first])].value) for x in Part))
-        for first, last in islice(_runs(code), _MOST_ROWS)
+    return (
+        said,
+        "; the first line outside is at "
+        if e.joint and codes is e.joint.verdict
+        else ("; the first line that exceeds is at "),
+        rounded(float(e.lines.omega[first])),
+        " rad/s.",
     )
-    return Table((Column(heading), Column("lines", number=True), Column("real"), Column("imaginary")), rows, caption)
-
-
-def _cut(e: MeasuredEvaluation) -> Iterator[Block]:
-    """That the table does not hold everything."""
-    code = 3 * e.verdict[Part.REAL] + e.verdict[Part.IMAG]
-    groups = 1 + np.count_nonzero(np.diff(code))
-    if len(e) > _MOST_ROWS and groups > _MOST_ROWS:
-        yield Notes(
-            (f"The first {_MOST_ROWS} of {groups} groups of lines that are judged alike; JSON has every line.",)
-        )
-
-
-def _verdict(word: str) -> Phrase:
-    return Strong(word) if word == "exceeds" else word
-
-
-def _ratio(x: float | None) -> Phrase:
-    return "" if x is None else _number(x, 4) if np.isfinite(x) else "unbounded"
-
-
-def _runs(codes: Any) -> Iterator[tuple[int, int]]:
-    """First and last index of equal neighbours."""
-    edges = np.flatnonzero(np.diff(codes)) + 1
-    starts, stops = [0, *edges.tolist()], [*(edges - 1).tolist(), len(codes) - 1]
-    yield from zip(starts, stops, strict=True)
-
-
-def _ends(e: MeasuredEvaluation, first: int, last: int) -> Phrase:
-    low, high = (_number(float(e.lines.omega[i])) for i in (first, last))
-    return low if first == last else (low, " to ", high)
 
 
 def _resolving(e: MeasuredEvaluation) -> Iterator[Phrase]:
@@ -228,7 +186,7 @@ def _bound(x: float | None, words: Callable[[float], str]) -> str:
 
 
 def _step_2(e: MeasuredEvaluation) -> Iterator[Block]:
-    rows = tuple(islice(_felt(e), _MOST_ROWS + 1))
+    rows = tuple(islice(_felt(e), MOST_ROWS + 1))
     if rows:
         caption = "What is felt at the lines that exceed, where their discs tell it; nothing is said between lines."
         yield Table(
@@ -236,25 +194,38 @@ def _step_2(e: MeasuredEvaluation) -> Iterator[Block]:
             rows,
             caption,
         )
-    if len(rows) > _MOST_ROWS:
-        yield Notes((f"The first {_MOST_ROWS} groups of lines that are felt alike; JSON has every line.",))
+    if len(rows) > MOST_ROWS:
+        yield Notes((f"The first {MOST_ROWS} groups of lines that are felt alike; JSON has every line.",))
     if not rows:
-        yield Paragraph("No line exceeds its threshold for certain: nothing is named.")
+        yield Paragraph("Nothing is noticed for certain at any line, or not in which part: nothing is named.")
     yield _figure(e, "nyquist", "Environment and what is felt in the complex plane, a disc around each measured line.")
 
 
 def _felt(e: MeasuredEvaluation) -> Iterator[tuple[Phrase, ...]]:
     """Neighbouring lines that are felt alike, as one row."""
-    for part in Part:
-        own, named = e.signs[part], e.named(part)
-        exceeds = e.verdict[part] == 1
-        label = np.where(
-            named, 27 + 9 * own.environment + 3 * own.perceived + own.compared, np.where(exceeds, 1000, 999)
-        )
-        for first, last in _runs(label):
-            if exceeds[first]:
-                words = felt_words(*own.label(part, first)) if named[first] else NOT_NAMED
-                yield _ends(e, first, last), str(last - first + 1), part.value, words
+    for part in (*Part, None) if e.joint else Part:
+        named, noticed = e.named(part), e.noticed(part)
+        label = np.where(named, _label(e, part), np.where(noticed, -1, -2))
+        for first, last in runs(label):
+            if noticed[first]:
+                words = _felt_words(e, part, first) if named[first] else NOT_NAMED
+                yield ends(e, first, last), str(last - first + 1), part.value if part else "both", words
+
+
+def _label(e: MeasuredEvaluation, part: Part | None) -> Any:
+    """A number for each line: the same where a part, or both, is felt alike."""
+    found = np.zeros(len(e), dtype=int)
+    for x in Part if part is None else (part,):
+        own = e.signs[x]
+        found = 1000 * found + 27 + 9 * own.environment + 3 * own.perceived + own.compared
+    return found if part else 2 * found + e.real_nearer
+
+
+def _felt_words(e: MeasuredEvaluation, part: Part | None, line: int) -> str:
+    if part is not None:
+        return felt_words(*e.signs[part].label(part, line))
+    far, near = e.order(line)
+    return " and ".join(felt_words(*e.signs[x].label(x, line)) for x in (far, near))
 
 
 def _figure(e: MeasuredEvaluation, name: str, caption: str, *, wide: bool = False) -> Figure:

@@ -18,8 +18,9 @@ from haptisym.kernel.shown import counted, titled
 from haptisym.model.jnd import Part
 from haptisym.model.measured import Reals
 from haptisym.model.measuredscene import MeasuredScene
-from haptisym.verbs.measured.judging import CODES, Lines, Signs, Verdict, distances, lines_of, signs, verdicts
+from haptisym.verbs.measured.judging import CODES, Judged, Lines, Signs, Verdict, judged, lines_of, signs
 from haptisym.verbs.measured.needed import Needed, needed
+from haptisym.verbs.measured.regions import ends_of
 
 
 class Row(NamedTuple):
@@ -31,15 +32,21 @@ class Row(NamedTuple):
     radius: float | None
     real: Verdict
     imag: Verdict
+    joint: Verdict | None = None
 
 
 class MeasuredPercept(NamedTuple):
-    """What is felt of a part at one line, as far as the discs decide it."""
+    """What is felt of a part at one line, as far as the discs decide it.
 
-    part: Part
+    ``part`` : None where both are noticed together, neither by itself; ``property`` and ``change`` are then of the part that lies
+    nearer its own limit, and ``other`` is how the other one has changed.
+    """
+
+    part: Part | None
     omega: float
     property: Property
     change: Change
+    other: tuple[Property, Change] | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -47,7 +54,8 @@ class MeasuredEvaluation(Answer):
     """What the measured lines say, line by line; nothing is said between them, and nothing is certified.
 
     ``lines`` : the numbers. ``distance`` : of each part's ratio from its threshold, positive outside. ``verdict`` : of each part
-    1 where the whole disc exceeds the threshold, -1 where the whole disc is below, 0 where the disc does not tell.
+    by itself 1 where the whole disc exceeds the threshold, -1 where the whole disc is below, 0 where the disc does not tell;
+    ``joint`` : the same of both together, where the region judges them so.
     ``signs`` : what step 2 is told by. ``rows``, ``percepts`` : the same as values.
     """
 
@@ -59,6 +67,7 @@ class MeasuredEvaluation(Answer):
     lines: Lines
     distance: Mapping[Part, Reals]
     verdict: Mapping[Part, Any]
+    joint: Judged | None
     signs: Mapping[Part, Signs]
     needed: Needed | None
 
@@ -89,26 +98,50 @@ class MeasuredEvaluation(Answer):
         x = self.lines
         radius = [None] * len(self) if x.radius is None else x.radius.tolist()
         ratios = np.abs(x.change.real).tolist(), np.abs(x.change.imag).tolist()
-        told = ((CODES[code] for code in self.verdict[part].tolist()) for part in Part)
+        codes = [self.verdict[part] for part in Part] + ([self.joint.verdict] if self.joint else [])
+        told = ((CODES[code] for code in row.tolist()) for row in codes)
         yield from map(Row, x.omega.tolist(), *ratios, radius, *told)
 
-    def named(self, part: Part) -> Any:
-        """Where a property is named: the part exceeds, and its disc tells what it is felt as."""
-        own = self.signs[part]
-        inside = (
-            own.perceived >= 0 if part is Part.IMAG else True
-        )  # below 0 the display is active: the model has no name
-        return (self.verdict[part] == 1) & own.known & inside
+    def noticed(self, part: Part | None) -> Any:
+        """Where step 2 asks how a part is felt, or None for both together, which neither is by itself."""
+        if self.joint is None:
+            return self.verdict[part] == 1 if part else np.zeros(len(self), dtype=bool)
+        alone = [self.verdict[x] for x in Part]
+        own = self.verdict[part] == 1 if part else (alone[0] == -1) & (alone[1] == -1)
+        return (self.joint.verdict == 1) & own
+
+    def named(self, part: Part | None) -> Any:
+        """Where a property is named: the part is noticed, and its disc tells what it is felt as."""
+        asked = Part if part is None else (part,)
+        known = np.all([self.signs[x].known for x in asked], axis=0)
+        active = self.signs[Part.IMAG].perceived < 0  # there the model has no name
+        return self.noticed(part) & known & ~(active if part is not Part.REAL else False)
 
     @cached_property
     def percepts(self) -> tuple[MeasuredPercept, ...]:
         """What is felt, at each line where the discs decide it."""
-        omega = self.lines.omega
-        return tuple(
-            MeasuredPercept(part, float(omega[i]), *self.signs[part].label(part, i))
-            for part in Part
-            for i in np.flatnonzero(self.named(part)).tolist()
-        )
+        wanted = (*Part, None)
+        return tuple(self._percept(part, i) for part in wanted for i in np.flatnonzero(self.named(part)).tolist())
+
+    def order(self, line: int) -> list[Part]:
+        """Both parts, the one that lies nearer its own limit last, as estimated."""
+        return [Part.IMAG, Part.REAL] if self.real_nearer[line] else [Part.REAL, Part.IMAG]
+
+    @cached_property
+    def real_nearer(self) -> Any:
+        """At which lines the real part's change is a larger share of its own limit than the imaginary part's."""
+        x = self.lines
+        sides = {Part.REAL: x.change.real, Part.IMAG: x.change.imag}
+        ends = {part: ends_of(self.scene.threshold, part, x.omega) for part in Part}
+        real, imag = (np.maximum(side / ends[part][1], side / ends[part][0]) for part, side in sides.items())
+        return real > imag
+
+    def _percept(self, part: Part | None, i: int) -> MeasuredPercept:
+        omega = float(self.lines.omega[i])
+        if part is not None:
+            return MeasuredPercept(part, omega, *self.signs[part].label(part, i))
+        far, near = self.order(i)
+        return MeasuredPercept(None, omega, *self.signs[near].label(near, i), self.signs[far].label(far, i))
 
     def _body(self) -> dict[str, Any]:
         return self._told([_row(x) for x in self._rows()], [_percept(p) for p in self.percepts])
@@ -153,17 +186,24 @@ def _row_text(x: Row) -> str:
         for value in (x.ratio_real, x.ratio_imag, x.radius)
     )
     ratios = f'"ratio_real": {real}, "ratio_imag": {imag}, "radius": {radius}'
-    return f'{{"omega": {x.omega!r}, {ratios}, "real": "{x.real.value}", "imag": "{x.imag.value}"}}'
+    joint = "" if x.joint is None else f', "joint": "{x.joint.value}"'
+    return f'{{"omega": {x.omega!r}, {ratios}, "real": "{x.real.value}", "imag": "{x.imag.value}"{joint}}}'
 
 
 def _percept(p: MeasuredPercept) -> dict[str, Any]:
-    return {"part": p.part.value, "omega": p.omega, "property": p.property.value, "change": p.change.value}
+    if p.part is None and p.other:
+        felt: Any = [p.other[0].value, p.property.value], [p.other[1].value, p.change.value]
+    else:
+        felt = p.property.value, p.change.value
+    return {"part": p.part.value if p.part else "joint", "omega": p.omega, "property": felt[0], "change": felt[1]}
 
 
 def _row(x: Row) -> dict[str, Any]:
     numbers = {"ratio_real": x.ratio_real, "ratio_imag": x.ratio_imag, "radius": x.radius}
     finite = {key: value if value is not None and isfinite(value) else None for key, value in numbers.items()}
-    return {"omega": x.omega, **finite, "real": x.real.value, "imag": x.imag.value}
+    return {"omega": x.omega, **finite, "real": x.real.value, "imag": x.imag.value} | (
+        {} if x.joint is None else {"joint": x.joint.value}
+    )
 
 
 def _needed(x: Needed) -> dict[str, Any]:
@@ -185,11 +225,11 @@ def judge(scene: MeasuredScene) -> MeasuredEvaluation:
         raise SceneError(
             f"{type(scene).__name__} is not a measured scene: make one with MeasuredScene(environment, perceived)"
         )
-    scene.threshold.need_square("measured lines")
     x = lines_of(scene)
-    distance = distances(scene, x)
-    change = x.perceived - x.environment
-    moved = {Part.REAL: change.real, Part.IMAG: change.imag}
-    found = {part: verdicts(x, distance[part], moved[part]) for part in Part}
+    alone = {part: one for part in Part if (one := judged(scene, x, part))}
+    joint = judged(scene, x, None)
+    distance, found = ({part: getattr(one, key) for part, one in alone.items()} for key in ("distance", "verdict"))
     told = {part: signs(x, part) for part in Part}
-    return MeasuredEvaluation(scene, x, distance, found, told, needed(x, distance, found))
+    return MeasuredEvaluation(
+        scene, x, distance, found, joint, told, needed(x, [joint] if joint else list(alone.values()))
+    )

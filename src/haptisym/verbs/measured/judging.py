@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
 import numpy as np
-from sympy import Expr, Poly, fraction, together
 
 from haptisym.judge.percepts import Change, Property, real_property
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.symbols import omega
 from haptisym.model.catalogue import Environment
 from haptisym.model.jnd import Part
 from haptisym.model.measured import Complexes, Measurement, Reals
 from haptisym.model.measuredscene import MeasuredScene
+from haptisym.verbs.measured.regions import ends_of, floor_of, joint_distance, part_distance
 
 OPEN = 2
 """A sign that a disc does not tell."""
@@ -114,42 +112,50 @@ def _exact(scene: MeasuredScene, at: Reals) -> Complexes:
 
 
 def limits_of(scene: MeasuredScene, at: Reals) -> dict[Part, Reals]:
-    """The thresholds of both parts at all lines."""
-    return {part: values_of(scene.threshold[part], at) for part in Part}
+    """Of both parts the lesser of the two limits within which a change of that part alone is not noticed."""
+    ends = {part: ends_of(scene.threshold, part, at) for part in Part}
+    return {part: np.minimum(-low, high) for part, (low, high) in ends.items()}
 
 
-def values_of(formula: Expr, at: Reals) -> Reals:
-    """A number, or a rational formula in omega, at frequencies."""
-    if not formula.has(omega):
-        return np.full(len(at), float(formula))
-    above, below = (
-        np.polyval([float(c) for c in Poly(x, omega).all_coeffs()], at) for x in fraction(together(formula))
-    )
-    return np.asarray(above / below)
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """``distance`` : how far, relative to ``|H_env|``, a line's change lies outside the region, negative inside; ``verdict`` : 1
+    where the whole disc lies outside, -1 where it lies inside, 0 where it does not tell."""
+
+    distance: Reals
+    verdict: Any
 
 
-def distances(scene: MeasuredScene, x: Lines) -> Mapping[Part, Reals]:
-    """How far, relative to ``|H_env|``, each line's change lies outside a part's limits; negative inside."""
-    limits = limits_of(scene, x.omega)
-    zero = x.environment == 0
-    sides = {Part.REAL: x.change.real, Part.IMAG: x.change.imag}
-    found = {part: np.abs(side) - limits[part] for part, side in sides.items()}
-    if zero.any():  # there the threshold is 0
-        moved = {Part.REAL: x.perceived.real, Part.IMAG: x.perceived.imag}
-        found = {part: np.where(zero, np.where(moved[part] == 0, -np.inf, np.inf), d) for part, d in found.items()}
-    return found
+def judged(scene: MeasuredScene, x: Lines, part: Part | None) -> Judged | None:
+    """Of a part by itself, or of both together: None where the region judges each by itself."""
+    c, sides = scene.threshold, {Part.REAL: x.change.real, Part.IMAG: x.change.imag}
+    size = np.abs(x.environment)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        if part is None:
+            distance = joint_distance(c, x.omega, x.change.real, x.change.imag)
+            if distance is None:
+                return None
+        else:
+            env = (x.environment.real if part is Part.REAL else x.environment.imag) / size
+            reach = np.maximum(size - x.env_radius, 0), size + x.env_radius
+            distance = part_distance(c, part, x.omega, sides[part], env, reach)
+    moved = x.perceived - x.environment
+    own = np.abs(moved if part is None else moved.real if part is Part.REAL else moved.imag)
+    return _told(x, distance, own, floor_of(c, x.omega))
 
 
-def verdicts(x: Lines, distance: Reals, moved: Reals) -> Any:
-    """1 where the disc lies outside, -1 where it lies inside, 0 where it does not tell. ``moved`` : that part of dH."""
+def _told(x: Lines, distance: Reals, moved: Reals, floor: Reals) -> Judged:
+    """``moved`` : how much of dH is judged; where H_env is 0 that is compared with the floor."""
     radius = np.zeros(len(distance)) if x.radius is None else x.radius
+    zero = x.environment == 0
+    if zero.any():
+        distance = np.where(zero, np.where(moved <= floor, -np.inf, np.inf), distance)
     with np.errstate(invalid="ignore"):
         outside, inside = distance > radius, distance <= -radius
-    zero = x.environment == 0
-    if zero.any():  # the disc itself, against the point of no change
-        outside = np.where(zero, np.abs(moved) > x.perc_radius, outside)
-        inside = np.where(zero, (moved == 0) & (x.perc_radius == 0), inside)
-    return outside.astype(np.int8) - inside.astype(np.int8)
+    if zero.any():
+        outside = np.where(zero, moved > x.perc_radius + floor, outside)
+        inside = np.where(zero, moved + x.perc_radius <= floor, inside)
+    return Judged(distance, outside.astype(np.int8) - inside.astype(np.int8))
 
 
 # Step 2.

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from haptisym.model.jnd import Part
 from haptisym.model.measured import Measurement, Reals, averages_for, coherence_for
-from haptisym.verbs.measured.judging import Lines
+from haptisym.verbs.measured.judging import Judged, Lines
 
 MOST_AVERAGES = 1e6
 """More than anyone takes: a line that would need more lies at its threshold, as far as measuring goes."""
@@ -44,12 +43,12 @@ class Needed:
     averages: Share | None
 
 
-def needed(x: Lines, distance: Mapping[Part, Reals], found: Mapping[Part, Any]) -> Needed | None:
-    """Of the lines that are open in some part; None if none is."""
-    open_lines = np.any([found[part] == 0 for part in Part], axis=0)
+def needed(x: Lines, found: Sequence[Judged]) -> Needed | None:
+    """Of the lines that are open in some judgement; None if none is."""
+    open_lines = np.any([one.verdict == 0 for one in found], axis=0)
     if not open_lines.any():
         return None
-    margins = [np.where(found[part] == 0, np.abs(distance[part]), np.inf) for part in Part]
+    margins = [np.where(one.verdict == 0, np.abs(one.distance), np.inf) for one in found]
     margin = np.min(margins, axis=0)[open_lines]
     felt, own = x.felt, x.own
     coherence = averages = None

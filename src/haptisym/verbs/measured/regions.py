@@ -1,0 +1,157 @@
+"""How far a change lies from the border of what is not noticed: exact, for regions of every shape, at all lines at once.
+
+Positive outside, negative inside: a disc of radius r lies outside where the distance is above r, inside where it is at most -r.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+from sympy import Expr, Poly, fraction, together
+
+from haptisym.kernel.symbols import omega
+from haptisym.model.jnd import Part, Threshold
+from haptisym.model.measured import Reals
+from haptisym.model.regions import Shape
+
+Corners: TypeAlias = Sequence[tuple[Reals, Reals]]
+_HALVINGS = 60
+
+
+def values_of(formula: Expr, at: Reals) -> Reals:
+    """A number, or a rational formula in omega, at frequencies."""
+    if not formula.has(omega):
+        return np.full(len(at), float(formula))
+    above, below = (
+        np.polyval([float(c) for c in Poly(x, omega).all_coeffs()], at) for x in fraction(together(formula))
+    )
+    return np.asarray(above / below)
+
+
+def ends_of(c: Threshold, part: Part, at: Reals) -> tuple[Reals, Reals]:
+    """From where to where a change of one part alone is not noticed, as a share of ``|H_env|``: changes that make it larger."""
+    own, i = c.region, 0 if part is Part.REAL else 1
+    if own.shape is Shape.POLYGON:
+        return _axis(_corners(c, at), i)
+    limit = values_of(c[part], at)
+    if own.shape is Shape.ELLIPSE:
+        limit = limit * np.sqrt(1 - values_of(own.tilt, at) ** 2)
+    return -limit, limit
+
+
+def joint_distance(c: Threshold, at: Reals, x: Reals, y: Reals) -> Reals | None:
+    """Of a change x + j y from an ellipse, a diamond or a polygon; None where each part is judged by itself."""
+    own = c.region
+    if own.shape is Shape.SQUARE:
+        return None
+    if own.shape is Shape.ELLIPSE:
+        a, b = (values_of(c[part], at) for part in Part)
+        return _from_ellipse(a, b, values_of(own.tilt, at), x, y)
+    return _from_polygon(_corners(c, at), x, y)
+
+
+def part_distance(c: Threshold, part: Part, at: Reals, x: Reals, env: Reals, size: tuple[Reals, Reals]) -> Reals:
+    """Of a change of one part alone. ``x`` : that part's; ``env`` : the environment's part, both as shares of ``|H_env|``.
+
+    ``size`` : the least and the largest ``|H_env|`` in the environment's disc; where they differ, limits that depend on the
+    environment are taken at their worst.
+    """
+    low, high = ends_of(c, part, at)
+    lower = c.lower(part)
+    if lower is None and c.region.floor is None:
+        return np.maximum(x - high, low - x)
+    below = high if lower is None else values_of(lower, at)
+    least, largest = (_floored(c, at, s) for s in size)
+    uncertain = size[0] < size[1]
+    exact = _two_way(np.maximum(high, largest), np.maximum(below, largest), x, env)
+    small, great = np.minimum(high, below), np.maximum(high, below)
+    outer, inner = np.abs(x) - np.maximum(great, least), np.abs(x) - np.maximum(small, largest)
+    worst = np.where(outer > 0, outer, np.minimum(inner, 0))
+    return np.where(uncertain, worst, exact)
+
+
+def floor_of(c: Threshold, at: Reals) -> Reals:
+    """The least change that is noticed, in the unit of H; 0 without a floor."""
+    return np.zeros(len(at)) if c.region.floor is None else values_of(c.region.floor, at)
+
+
+def _floored(c: Threshold, at: Reals, size: Reals) -> Reals:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.nan_to_num(floor_of(c, at) / size, nan=0.0, posinf=np.inf)
+
+
+def _two_way(up: Reals, down: Reals, x: Reals, env: Reals) -> Reals:
+    """One limit for changes that make a part larger in magnitude, another for those that make it smaller.
+
+    With env = e > 0 what is smaller lies between -2 e and 0: not noticed is [-min(down, 2 e), up], and [-up, -2 e] if
+    there is one.
+    """
+    x, turn = np.where(env < 0, -x, x), -2 * np.abs(env)
+    first, beyond = np.maximum(-down, turn), -up <= turn
+    first = np.where(beyond & (first <= turn), -up, first)
+    near = np.minimum(x - first, up - x)
+    far = np.where(beyond, np.minimum(x + up, turn - x), -np.inf)
+    found: Reals = -np.maximum(near, far)
+    return found
+
+
+# The plane.
+
+
+def _corners(c: Threshold, at: Reals) -> Corners:
+    if c.region.shape is Shape.POLYGON:
+        return [(values_of(x, at), values_of(y, at)) for x, y in c.region.corners]
+    a, b = (values_of(c[part], at) for part in Part)
+    zero = np.zeros(len(at))
+    return [(a, zero), (zero, b), (-a, zero), (zero, -b)]
+
+
+def _edges(corners: Corners) -> Iterable[tuple[Reals, Reals, Reals, Reals]]:
+    for (px, py), (qx, qy) in zip(corners, [*corners[1:], corners[0]], strict=True):
+        yield px, py, qx - px, qy - py
+
+
+def _axis(corners: Corners, i: int) -> tuple[Reals, Reals]:
+    """Where a polygon cuts an axis."""
+    low, high = np.full(len(corners[0][0]), -np.inf), np.full(len(corners[0][0]), np.inf)
+    for px, py, dx, dy in _edges(corners):
+        slope, reach = (dy, -dx)[i], dy * px - dx * py
+        with np.errstate(divide="ignore", invalid="ignore"):
+            end = reach / slope
+        high = np.where(slope > 0, np.minimum(high, end), high)
+        low = np.where(slope < 0, np.maximum(low, end), low)
+    return low, high
+
+
+def _from_polygon(corners: Corners, x: Reals, y: Reals) -> Reals:
+    """Of a convex polygon, corners counterclockwise."""
+    depth, away = np.full(len(x), np.inf), np.full(len(x), np.inf)
+    for px, py, dx, dy in _edges(corners):
+        length = np.hypot(dx, dy)
+        depth = np.minimum(depth, (dx * (y - py) - dy * (x - px)) / length)
+        share = np.clip(((x - px) * dx + (y - py) * dy) / length**2, 0, 1)
+        away = np.minimum(away, np.hypot(x - px - share * dx, y - py - share * dy))
+    found: Reals = np.where(depth >= 0, -depth, away)
+    return found
+
+
+def _from_ellipse(a: Reals, b: Reals, tilt: Reals, x: Reals, y: Reals) -> Reals:
+    """Of (x/a)^2 - 2 t (x/a)(y/b) + (y/b)^2 <= 1 - t^2: the foot of the perpendicular, by bisection in the principal axes."""
+    mixed, apart = tilt * a * b, (a**2 - b**2) / 2
+    spread, turned = np.hypot(apart, mixed), 0.5 * np.arctan2(mixed, apart)
+    long, short = (np.sqrt((a**2 + b**2) / 2 + s) for s in (spread, -spread))
+    cos, sin = np.cos(turned), np.sin(turned)
+    u = np.maximum(np.abs(x * cos + y * sin), 1e-12 * long)
+    v = np.maximum(np.abs(y * cos - x * sin), 1e-12 * short)
+    low, high = short * v - short**2, np.hypot(long * u, short * v) - short**2
+    for _ in range(_HALVINGS):
+        t = (low + high) / 2
+        beyond = (long * u / (t + long**2)) ** 2 + (short * v / (t + short**2)) ** 2 > 1
+        low, high = np.where(beyond, t, low), np.where(beyond, high, t)
+    t = (low + high) / 2
+    found: Any = np.hypot(u - long**2 * u / (t + long**2), v - short**2 * v / (t + short**2))
+    inside = (u / long) ** 2 + (v / short) ** 2 <= 1
+    signed: Reals = np.where(inside, -found, found)
+    return signed

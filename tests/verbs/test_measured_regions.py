@@ -1,0 +1,155 @@
+"""Discs against regions of every shape: what is said holds for every point of a disc, and says no less than it could."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import haptisym as hs
+
+FU = hs.load_scene("fu2019")
+HEXAGON = [[0.1, 0.01], [0.05, 0.09], [-0.05, 0.12], [-0.1, 0], [-0.05, -0.09], [0.05, -0.07]]
+REGIONS: dict[str, Any] = {
+    "disc": {"shape": "ellipse", "real": 0.1, "imag": 0.1},
+    "ellipse": {"shape": "ellipse", "real": 0.2, "imag": 0.06, "tilt": 0.8},
+    "narrow": {"shape": "ellipse", "real": 0.05, "imag": 0.15, "tilt": -0.3},
+    "diamond": {"shape": "diamond", "real": 0.1, "imag": 0.16},
+    "polygon": {"shape": "polygon", "corners": HEXAGON},
+    "ways": {"real": {"higher": 0.08, "lower": 0.14}, "imag": {"higher": 0.2, "lower": 0.05}},
+    "floor": {"real": 0.1, "imag": 0.1, "floor": "9 N/m"},
+    "formula": {"shape": "ellipse", "real": "0.08 + 0.004*omega", "imag": 0.1, "tilt": "0.05*omega"},
+}
+JOINT = {"disc", "ellipse", "narrow", "diamond", "polygon", "formula"}
+LEAST = {"real": 0.0, "imag": 0.0}
+
+
+def noticed(name: str, omega: float, env: np.ndarray, perc: np.ndarray) -> dict[str, np.ndarray]:
+    """Which changes are noticed, straight from the definitions of DESIGN: by key ``joint``, or by part."""
+    c, size = REGIONS[name], np.abs(env)
+    x, y = (perc - env).real / size, (perc - env).imag / size
+    if name == "polygon":
+        corners = np.array(HEXAGON)
+        steps = np.roll(corners, -1, axis=0) - corners
+        return {
+            "joint": np.any(
+                [dx * (y - py) - dy * (x - px) < 0 for (px, py), (dx, dy) in zip(corners, steps, strict=True)], axis=0
+            )
+        }
+    if name == "diamond":
+        return {"joint": np.abs(x) / 0.1 + np.abs(y) / 0.16 > 1}
+    if name == "formula":
+        a, b, t = 0.08 + 0.004 * omega, 0.1, 0.05 * omega
+        return {"joint": (x / a) ** 2 - 2 * t * (x / a) * (y / b) + (y / b) ** 2 > 1 - t**2}
+    if name in JOINT:
+        a, b, t = c["real"], c["imag"], c.get("tilt", 0)
+        return {"joint": (x / a) ** 2 - 2 * t * (x / a) * (y / b) + (y / b) ** 2 > 1 - t**2}
+    if name == "floor":
+        return {part: np.abs(d) * size > np.maximum(9, 0.1 * size) for part, d in (("real", x), ("imag", y))}
+    found = {}
+    for part, d in (("real", x), ("imag", y)):
+        after, before = (np.abs(h.real if part == "real" else h.imag) for h in (perc, env))
+        found[part] = np.abs(d) > np.where(after > before, c[part]["higher"], c[part]["lower"])
+    return found
+
+
+EDGE = np.exp(2j * np.pi * np.arange(48) / 48)
+DISC = np.concatenate([[0], *(share * EDGE for share in (0.25, 0.5, 0.75, 1 - 1e-9))])
+
+
+@given(st.integers(0, 10_000), st.sampled_from(sorted(REGIONS)), st.booleans())
+def test_a_verdict_holds_for_every_truth_within_the_discs(seed: int, name: str, measured_too: bool) -> None:  # noqa: FBT001
+    rng = np.random.default_rng(seed)
+    omega = np.linspace(1, 15, 8)
+    env = rng.normal(size=8) * 100 + 1j * rng.normal(size=8) * 50
+    env[0] = 3 + 100j  # a real part so small that -2 e lies within the limits
+    perc = env + 0.3 * np.abs(env) * rng.uniform(size=8) * (rng.normal(size=8) + 1j * rng.normal(size=8))
+    r_env, r_perc = (np.abs(env) * rng.uniform(0, 0.12, 8) for _ in range(2))
+    own = hs.measured(omega, env, radius=r_env * measured_too)
+    e = hs.evaluate(hs.MeasuredScene(own, hs.measured(omega, perc, radius=r_perc), threshold=_threshold(name)))
+    for i, row in enumerate(e.rows):
+        a = (env[i] + r_env[i] * measured_too * DISC)[:, None]
+        b = (perc[i] + r_perc[i] * DISC)[None, :]
+        for key, seen in noticed(name, omega[i], *np.broadcast_arrays(a, b)).items():
+            verdict = getattr(row, key).value
+            assert verdict != "exceeds" or seen.all()
+            assert verdict != "below" or not seen.any()
+            if not measured_too:  # and says no less than it could, but for what the points of the disc do not see
+                assert (
+                    verdict != "unresolved"
+                    or (seen.any() and not seen.all())
+                    or _close(name, omega[i], a[0, 0], perc[i], r_perc[i], key)
+                )
+        assert (row.joint is None) == (name not in JOINT)
+
+
+def _threshold(name: str) -> Any:
+    from haptisym.model.jndtables import read_threshold
+
+    return read_threshold(REGIONS[name])
+
+
+def _close(name: str, omega: float, env: complex, perc: complex, radius: float, key: str) -> bool:
+    """Whether a slightly larger or a slightly smaller disc is told otherwise."""
+    edge = np.exp(2j * np.pi * np.arange(2000) / 2000)
+    rings = [noticed(name, omega, np.full(2000, env), perc + radius * share * edge)[key] for share in (0.98, 1.02)]
+    return bool(rings[0].all() != rings[1].all() or rings[0].any() != rings[1].any())
+
+
+@pytest.mark.parametrize("name", sorted(set(REGIONS) - {"formula"}))
+def test_exact_lines_are_judged_as_the_proven_crossings_say(name: str) -> None:
+    omega = np.linspace(0.1, 15, 150)
+    exact = hs.sampled("fu2019", omega)
+    scene = hs.Scene(FU.environment, FU.effects, (0, 15), _threshold(name))
+    proven = hs.evaluate(scene)
+    felt = hs.measured(omega, exact.H, radius=1e-9 * np.abs(exact.H))
+    e = hs.evaluate(hs.MeasuredScene(scene.environment, felt, threshold=_threshold(name)))
+    transparent = np.any(
+        [(omega >= float(b.low.omega)) & (omega <= float(b.high.omega)) for b in proven.transparent], axis=0
+    )
+    if name in JOINT:
+        assert e.joint is not None
+        assert ((e.joint.verdict == -1) == transparent).all()
+        assert ((e.joint.verdict == 1) == ~transparent).all()
+    else:
+        assert (np.all([e.verdict[part] == -1 for part in hs.Part], axis=0) == transparent).all()
+    for p in e.percepts:
+        [own] = [
+            x
+            for x in proven.percepts
+            if x.part is p.part and float(x.band.low.omega) <= p.omega <= float(x.band.high.omega)
+        ]
+        assert (p.property, p.change, p.other) == (own.property, own.change, own.other)
+
+
+def test_where_neither_part_is_noticed_alone_both_are_named(tmp_path: Path, call: Callable[..., Any]) -> None:
+    (tmp_path / "bench.csv").write_text("omega,real,imag,radius\n2,100.6,37,0.1\n3,92,45,30\n", encoding="utf-8")
+    (tmp_path / "bench.toml").write_text(
+        '[environment]\nmodel = "mass-spring-damper"\nm = "1.8 kg"\nb = "15 N*s/m"\nk = "100 N/m"\n'
+        '[perceived]\nfile = "bench.csv"\n[evaluation]\njnd = { shape = "diamond", real = 0.1, imag = 0.1 }\n',
+        encoding="utf-8",
+    )
+    status, out, _ = call("evaluate", str(tmp_path / "bench.toml"), "--json", "--figures", str(tmp_path))
+    document = json.loads(out)
+    assert (status, [x["joint"] for x in document["rows"]]) == (0, ["exceeds", "unresolved"])
+    assert [(x["part"], x["property"], x["change"]) for x in document["percepts"]] == [
+        ("joint", ["damping", "stiffness"], ["higher", "higher"])
+    ]
+    assert document == hs.evaluate(tmp_path / "bench.toml").to_dict()
+    assert {x.name for x in tmp_path.glob("*.png")} == {"ratios.png", "nyquist.png", "plane.png"}
+    text = " ".join(call("evaluate", str(tmp_path / "bench.toml"))[1].split())
+    assert "The change lies outside the diamond at 1 of 2 lines" in text
+    assert "both" in text
+
+
+def test_where_the_environment_is_zero_the_floor_is_what_is_noticed() -> None:
+    spring_and_mass = hs.environments.mass_spring_damper(m=1, k=100)
+    felt = hs.measured([10.0], [5 + 12j], radius=[2.0])
+    e = hs.evaluate(hs.MeasuredScene(spring_and_mass, felt, threshold=_threshold("floor")))
+    assert [(x.real.value, x.imag.value) for x in e.rows] == [("below", "exceeds")]
