@@ -236,7 +236,7 @@ def random_kernel(family: str, seed: int) -> tuple[Kernel, Array]:
 
 @pytest.mark.parametrize(
     ("family", "seed"),
-    [("delay", 3), ("hold", 1), ("friction and delay", 1), ("position-force", 3)],
+    [("delay", 3), ("two delays", 2), ("position-force", 3)],
 )
 def test_resonances_steep_terms_and_high_degrees_are_counted_in_floats(family: str, seed: int) -> None:
     kernel, sets = random_kernel(family, seed)
