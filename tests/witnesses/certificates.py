@@ -271,7 +271,7 @@ def requirement_mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, 
         yield changed(f"interval {i} otherwise", lambda x, i=i, y=holds: x["claim"]["values"][i].__setitem__(2, not y))
         yield changed(f"interval {i} left out", lambda x, i=i: x["claim"]["values"].pop(i))
         if i:
-            beyond = str(Fraction(low) - (Fraction(low) - Fraction(values[i - 1][0])) / 1000)
+            beyond = str(Fraction(low) - (Fraction(low) - Fraction(values[i - 1][0] or 0)) / 1000)
             yield changed(f"interval {i} from before its end", lambda x, a=low, b=beyond: moved(x, a, b))
         if i + 1 < len(values):
             beyond = str(Fraction(high) * Fraction(1001, 1000))

@@ -44,10 +44,6 @@ def certificate(e: Evaluation) -> str:
     scene = e.scene
     if e.relevance is not None:
         raise SceneError("a certificate is about all effects of a scene: ask for it without a tolerance")
-    scene.threshold.need_plain("a certificate")
-    if scene.threshold.source:
-        name = scene.threshold.source
-        raise SceneError(f'a certificate needs the threshold as a number in the scene file, not by the name "{name}"')
     environment = named(scene)
     functions = _functions(e)
     factors, told = products(functions)
@@ -91,7 +87,11 @@ def document(scene: Scene, environment: str | None, claim: dict[str, Any], proof
 
 
 def named(scene: Scene) -> str | None:
-    """Which of several environments it is of the file that it was read from."""
+    """Which of several environments it is of the file that it was read from. SceneError where a checker cannot read that."""
+    scene.threshold.need_plain("a certificate")
+    if scene.threshold.source:
+        name = scene.threshold.source
+        raise SceneError(f'a certificate needs the threshold as a number in the scene file, not by the name "{name}"')
     if not scene.text:
         raise SceneError("a certificate is about a scene file: write the scene to one, and evaluate that")
     family = read_scenes(scene.text)
