@@ -12,6 +12,7 @@ from collections.abc import Iterable, Sequence
 from functools import reduce
 from importlib import import_module
 from operator import mul
+from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeAlias
 
@@ -27,6 +28,7 @@ from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.measured import Measurement
 from haptisym.model.quantities import Dimension, decimal, quantity
+from haptisym.model.uff import write_uff
 
 System: TypeAlias = Any
 """A dynamics in some form: see ``dynamics``."""
@@ -118,6 +120,12 @@ def to_frd(response: Measurement) -> Any:
     installed.
     """
     return _package("control", "python-control").frd(response.H, response.omega)
+
+
+def to_uff(response: Measurement, path: str | Path) -> Path:
+    """Write a response to a universal file (UFF58) by pyuff: twelve digits of H and coherence, six of each frequency in Hz."""
+    _package("pyuff", "pyuff")
+    return write_uff(response, path)
 
 
 # --- in --------------------------------------------------------------------------------------------------------------

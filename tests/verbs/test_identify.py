@@ -113,7 +113,7 @@ def check_coverage(draws: int, seed: int, averages: int) -> None:
     rng = np.random.default_rng(seed)
     omega = np.linspace(1, 30, 30)
     truth = 290 + 2j * omega
-    asked = wanted("kelvin-voigt", [], None, None)
+    asked = wanted(None, [], (1, 0), None)
     held, box, refuted = [], [], []
     for _ in range(draws):
         x, v = (rng.normal(size=(averages, 30)) + 1j * rng.normal(size=(averages, 30)) for _ in range(2))

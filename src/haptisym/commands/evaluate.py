@@ -50,7 +50,9 @@ from haptisym.verbs.evaluate.entry import evaluate as evaluate_scene
 @click.option("--regions", is_flag=True, help="Compare with square, disc and diamond of the JND's half widths.")
 @click.option("--proportion", metavar="P", help="Convert the JND to that proportion of right answers, as 0.84.")
 @figures_option
-@file_option("response", "Write the exact response, sampled on the band, as a CSV file that [perceived] reads.")
+@file_option(
+    "response", "Write the exact response, sampled on the band, as a file that [perceived] reads: CSV, or UFF58 (.uff)."
+)
 @click.option(
     "--points", type=click.IntRange(2, 1_000_000), default=200, show_default=True, help="Lines of --response."
 )
@@ -126,9 +128,9 @@ def evaluate(
     if certificate is not None and proof is not None:
         keep("certificate", certificate, lambda: certificate.write_text(proof, encoding="utf-8"))
     if response is not None:
-        from haptisym.model.measuring import sampled
+        from haptisym.model.measuring import write_sampled
 
-        keep("response", response, lambda: sampled(result.given, points=points).to_csv(response))
+        keep("response", response, lambda: write_sampled(result.given, response, points))
     if figures is not None:
         from haptisym.figures.files import save_figures
 

@@ -14,6 +14,7 @@ from haptisym.model.measured import CONFIDENCE, Measurement, one_row
 from haptisym.model.responsefile import read_file
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
+from haptisym.model.uff import shown_hertz, write_uff
 
 
 def measured(
@@ -82,3 +83,15 @@ def sampled(scene: Scene | str | Path, omega: ArrayLike | None = None, *, points
     real, imag = values.perceived_real, values.perceived_imag
     known = np.isfinite(real) & np.isfinite(imag)
     return Measurement(at[known], real[known] + 1j * imag[known], motion=given.motion, name=given.title or "sampled")
+
+
+def write_sampled(scene: Scene, path: Path, points: int) -> Path:
+    """The exact response of a scene in a file, as its name ends: .uff or .unv (UFF58), else CSV.
+
+    In a universal file a frequency has six digits: there H is sampled at those.
+    """
+    exact = sampled(scene, points=points)
+    if path.suffix.lower() not in (".uff", ".unv"):
+        return exact.to_csv(path)
+    at = np.unique(2 * np.pi * shown_hertz(exact.omega / (2 * np.pi)))
+    return write_uff(sampled(scene, at), path)

@@ -7,18 +7,24 @@ from pathlib import Path
 from typing import Any
 
 from haptisym.kernel.errors import SceneError, meant
+from haptisym.model.matfile import read_mat
 from haptisym.model.measured import Measurement
 from haptisym.model.measuredfile import read_measurement
 from haptisym.model.recordfile import read_record
+from haptisym.model.uff import read_uff
 
 RECORDS = ("estimator", "segment", "overlap", "window", "every")
 """Keys of a response that is estimated from records in time."""
 
 
+_LINES = {".uff": read_uff, ".unv": read_uff, ".mat": read_mat}
+"""By the ending of a file what reads its lines; all other files are tables."""
+
+
 def read_file(path: Path, averages: float | None, confidence: float, records: Mapping[str, Any]) -> Measurement:
     """The response in a file; of records in time where an estimator is named."""
     if not records:
-        return read_measurement(path, averages, confidence)
+        return _LINES.get(path.suffix.lower(), read_measurement)(path, averages, confidence)
     for key in records:
         if key not in RECORDS:
             raise SceneError(f'unknown key "{key}": {meant(key, RECORDS)}valid are {", ".join(RECORDS)}')
