@@ -15,7 +15,6 @@ from marks import examples
 from sympy import Rational
 
 import haptisym as hs
-from haptisym.model.jnd import Part
 from haptisym.verbs.cost.hardcases import FAMILIES, HardCase, hard_cases
 from haptisym.verbs.cost.hardcosts import put
 from haptisym.verbs.cost.methods import CROSSINGS, NAIVE, RATIO_METHODS
@@ -128,7 +127,7 @@ def hs_crossings(question: Crossings) -> tuple[hs.Crossing, ...]:
 @pytest.mark.parametrize("case", hard_cases("tangency ladder, delayed"), ids=lambda x: x.name)
 def test_the_delayed_ladder_has_two_crossings_below_and_none_above(case: HardCase) -> None:
     c = case.question.threshold.imag
-    found = case.question.certified(60).omegas[Part.IMAG]
+    found = case.question.certified(60).omegas["imag"]
     assert len(found) == (2 if c < 1 else 0)
     angle = MP.asin(MP.mpf(int(c.p)) / int(c.q)) if c < 1 else None
     for ball, true in zip(found, (5 * angle, 5 * (MP.pi - angle)) if angle is not None else (), strict=True):
@@ -138,7 +137,7 @@ def test_the_delayed_ladder_has_two_crossings_below_and_none_above(case: HardCas
 @pytest.mark.parametrize("case", hard_cases("clustered thresholds"), ids=lambda x: x.name)
 def test_clustered_crossings_are_where_they_were_put(case: HardCase) -> None:
     n = int(case.name.split()[0])
-    found = case.question.certified(50).omegas[Part.REAL]
+    found = case.question.certified(50).omegas["real"]
     squares = [1 + Fraction(i, 10_000) for i in range(1, n + 1)]
     assert len(found) >= n
     for square in squares:

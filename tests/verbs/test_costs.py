@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cache
 from math import log10
 from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
@@ -24,7 +25,7 @@ from haptisym.verbs.cost.methods import CROSSINGS, RATIO_METHODS, Method
 from haptisym.verbs.cost.questions import DOUBLE, Crossings, Found
 from haptisym.verbs.cost.stopwatch import interleaved
 from haptisym.verbs.cost.tasks import approximated
-from haptisym.verbs.cost.usual import RefusedError
+from haptisym.verbs.cost.usual import RefusedError, companion_way, grid_way
 
 
 @cache
@@ -95,9 +96,9 @@ def test_without_its_only_effect_a_scene_has_no_crossing_to_find() -> None:
 def test_missing_and_invented_crossings_are_counted() -> None:
     question = Crossings.of(hs.load_scene("fu2019"))
     truth = question.certified(30)
-    real, imag = (truth.omegas[part] for part in hs.Part)
-    fewer = question.score(Found({hs.Part.REAL: [], hs.Part.IMAG: imag}), truth, 15)
-    more = question.score(Found({hs.Part.REAL: [*real, 3.0], hs.Part.IMAG: imag}), truth, 15)
+    real, imag = (truth.omegas[name] for name in ("real", "imag"))
+    fewer = question.score(Found({"real": [], "imag": imag}), truth, 15)
+    more = question.score(Found({"real": [*real, 3.0], "imag": imag}), truth, 15)
     assert (fewer.missed, fewer.invented, more.missed, more.invented) == (1, 0, 0, 1)
 
 
@@ -221,3 +222,47 @@ def test_a_scene_that_cannot_be_simulated_says_why() -> None:
     scene = hs.Scene(hs.environments.mass_spring_damper(k=100), (hs.effects.series("1/(s - 1)"),))
     with pytest.raises(SceneError, match="not stable"):
         hs.simulation_cost(scene)
+
+
+# --- JND regions -----------------------------------------------------------------------------------------------------
+
+WIDE = {"real": 0.1, "imag": 0.1}
+REGIONS: dict[str, Any] = {
+    "ellipse": {"shape": "ellipse", **WIDE, "tilt": 0.5},
+    "diamond": {"shape": "diamond", **WIDE},
+    "polygon": {"shape": "polygon", "corners": [[0.1, 0], [0, 0.1], [-0.1, 0], [0, -0.1]]},
+    "sided": {"real": {"higher": 0.08, "lower": 0.12}, "imag": 0.1},
+    "floor": {**WIDE, "floor": "15 N/m"},
+    "formula": "0.08 + 0.004*omega",
+}
+
+
+@pytest.mark.parametrize("name", REGIONS)
+def test_grids_and_eigenvalues_find_the_certified_crossings_of_a_region(name: str) -> None:
+    """Two independent ways of floats and the proof agree; what is no one polynomial has no eigenvalues."""
+    paper = hs.load_scene("fu2019")
+    question = Crossings.of(hs.Scene(paper.environment, paper.effects, paper.band, REGIONS[name]))
+    truth = question.certified(30)
+    assert sum(map(len, truth.omegas.values())) > 0
+    score = question.score(grid_way(question, 4001, brent=True)(), truth, 15)
+    assert (score.missed, score.invented) == (0, 0)
+    # where the limit jumps, Brent's method ends at the jump just as well
+    assert score.digits > 11
+    if name in ("ellipse", "formula"):
+        assert question.score(companion_way(question)(), truth, 15).digits > 10
+        assert question.condition is not None
+    else:
+        with pytest.raises(RefusedError, match="border of the region"):
+            companion_way(question)
+
+
+def test_how_hard_a_crossing_of_an_ellipse_is_says_how_it_moves_with_its_size() -> None:
+    paper = hs.load_scene("fu2019")
+
+    def asked(c: str) -> Crossings:
+        return Crossings.of(
+            hs.Scene(paper.environment, paper.effects, paper.band, {"shape": "ellipse", "real": c, "imag": c})
+        )
+
+    low, at, high = (float(asked(c).certified(20).omegas["joint"][0].mid()) for c in ("0.09999", "0.1", "0.10001"))
+    assert asked("0.1").condition == pytest.approx((high - low) / at / 2e-4, rel=1e-6)

@@ -3,25 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
-from sympy import Expr, Poly, fraction, together
 
 from haptisym.figures.style import threshold_symbol, written
 from haptisym.judge.criteria import Criterion
 from haptisym.judge.regions import Joint, Sided
 from haptisym.kernel.symbols import omega
 from haptisym.model.jnd import Part
+from haptisym.programs.formulas import floats_of
 from haptisym.programs.values import Array, Values
-
-
-def floats_of(x: Expr, at: Any) -> Any:
-    """A number, or a formula in omega at frequencies."""
-    if not x.has(omega):
-        return float(x)
-    above, below = (np.array([float(c) for c in Poly(p, omega).all_coeffs()]) for p in fraction(together(x)))
-    return np.polyval(above, at) / np.polyval(below, at)
 
 
 def is_share(x: Criterion) -> bool:

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from matplotlib.patches import Patch, Polygon, Rectangle
 
-from haptisym.figures.judged import floats_of
 from haptisym.judge.criteria import Criterion
 from haptisym.judge.regions import Joint, Sided
 from haptisym.judge.regions import Polygon as Cornered
+from haptisym.programs.formulas import floats_of
 from haptisym.programs.values import Array
 
 _DIRECTIONS = 720

@@ -6,13 +6,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from haptisym.figures.judged import floats_of
 from haptisym.figures.outlines import outline
 from haptisym.figures.sampling import sampled
 from haptisym.figures.style import BLUE, DASHED, DOTTED, GREY, INK, RED, SOLID, TEXT, dress, handle, legend, limit
 from haptisym.judge.criteria import noticed
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.spread import Compared, half_widths
+from haptisym.programs.formulas import floats_of
 from haptisym.programs.values import Array
 
 _LOOKS = ((GREY, SOLID), (BLUE, DASHED), (RED, DOTTED), ("#d0701f", SOLID))

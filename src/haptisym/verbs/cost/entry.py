@@ -86,7 +86,6 @@ def cost(scene: Scene | str | Path, *, quick: bool = False, told: Progressed = l
     (['crossings', 'effects', 'evaluate'], True)
     """
     scene = as_scene(scene)
-    scene.threshold.need_plain("right digits against time")
     scene.knobs.need_numbers()
     tasks = [
         evaluate_task(scene, quick=quick),

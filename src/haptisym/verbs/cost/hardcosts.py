@@ -143,11 +143,13 @@ def _methods(question: RatioQuestion | Crossings) -> list[Method]:
 
 def _row(case: HardCase, method: Method, **found: Any) -> HardRow:
     task = "evaluate" if isinstance(case.question, RatioQuestion) else "crossings"
+    condition = case.question.condition
+    assert condition is not None, "no hard case has a region"
     return HardRow(
         **{"task": task, "method": method.name, "digits": 0.0, "seconds": 0.0, "proven": False, **found},
         family=case.family,
         case=case.name,
-        condition=case.question.condition,
+        condition=condition,
         ours=method.ours,
     )
 

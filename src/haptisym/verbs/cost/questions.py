@@ -19,11 +19,12 @@ from sympy import Expr, Rational
 from haptisym.judge.criteria import Criterion, noticed
 from haptisym.judge.crossings import Curve, find_crossings
 from haptisym.judge.peaks import ValueAt
-from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.roots import Chart, chart
+from haptisym.kernel.symbols import omega as omega_
 from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.scene import Scene
@@ -50,9 +51,9 @@ class Score:
 
 @dataclass(frozen=True)
 class Found:
-    """Crossings that somebody found, rad/s; ``undecided``: places that are said to be left open."""
+    """Crossings that somebody found, rad/s, by the names of the criteria; ``undecided``: places that are said to be left open."""
 
-    omegas: Mapping[Part, Sequence[AnswerNumber]]
+    omegas: Mapping[str, Sequence[AnswerNumber]]
     undecided: int = 0
 
 
@@ -89,7 +90,7 @@ class RatioQuestion:
 
 @dataclass(frozen=True)
 class Crossings:
-    """All frequencies of a band at which r_r or r_i meets its threshold."""
+    """All frequencies of a band at which r_r or r_i meets its threshold, or dH the border of its region."""
 
     distortion: Distortion = field(repr=False)
     threshold: Threshold
@@ -120,27 +121,41 @@ class Crossings:
     def certified(self, digits: int) -> Found:
         """All crossings, so many digits right, and how many places stay open."""
         found = self.chart()
-        omegas = {part: [_tight(x, digits) for x in _crossings(found, part)] for part in Part}
+        omegas = {x.name: [_tight(omega, digits) for omega in _crossings(found, x)] for x in self.criteria}
         return Found(omegas, len(found.undecided))
 
     @cached_property
-    def condition(self) -> float:
-        """The largest relative change of a crossing for one of its threshold, ``c/|omega r'|``; infinite at a touch."""
-        found = self.chart()
-        return max((self._sensitivity(part, x) for part in Part for x in _crossings(found, part)), default=0.0)
+    def condition(self) -> float | None:
+        """The largest relative change of a crossing for one of its threshold, ``c/|omega r'|``; infinite at a touch.
 
-    def _sensitivity(self, part: Part, omega: RealNumber) -> float:
+        None for a region whose border has corners.
+        """
+        found = self.chart()
+        try:
+            squares = {x: self._square(x) for x in self.criteria}
+        except SceneError:
+            return None
+        pairs = ((square, omega) for x, square in squares.items() for omega in _crossings(found, x))
+        return max((self._sensitivity(square, omega) for square, omega in pairs), default=0.0)
+
+    def _square(self, x: Criterion) -> RealFunction:
+        """Of the ratio, but for a number, or of how many times the region must be enlarged; SceneError where it is not smooth."""
+        f = x.measure(self.distortion)
+        return RealFunction((f.function / f.axis.convert(x.limit)).reduced()) if x.threshold.has(omega_) else f
+
+    def _sensitivity(self, square: RealFunction, omega: RealNumber) -> float:
         if omega == ExactNumber(Rational(0)):
             return 0.0
         try:
-            growth = _Growth(self.distortion.squared_ratios[part], omega).tight_ball(60)
+            growth = _Growth(square, omega).tight_ball(60)
         except UndecidedError:  # no digit of the slope, however many bits: it is 0
             return inf
         return inf if growth == 0 else abs(float((2 / (omega.tight_ball(60) * growth)).mid()))
 
     def score(self, answer: Found, truth: Found, held: float) -> Score:
         """Right digits of the worst crossing that was found, and those missed and invented."""
-        scores = [_matched(answer.omegas[part], truth.omegas[part], held, float(self.band[1])) for part in Part]
+        names = [x.name for x in self.criteria]
+        scores = [_matched(answer.omegas[name], truth.omegas[name], held, float(self.band[1])) for name in names]
         return Score(
             min(x.digits for x in scores), sum(x.missed for x in scores), sum(x.invented for x in scores)
         )  # fmt: skip
@@ -210,8 +225,8 @@ def _matched(given: Sequence[AnswerNumber], true: Sequence[Ball], held: float, h
     return Score(0.0 if left else digits, len(left), len(free))
 
 
-def _crossings(found: Chart, part: Part) -> list[RealNumber]:
-    return [x.omega for x in find_crossings(found) if x.part is part]
+def _crossings(found: Chart, criterion: Criterion) -> list[RealNumber]:
+    return [x.omega for x in find_crossings(found) if x.criterion == criterion]
 
 
 def _exact(omega: float) -> ExactNumber:

@@ -15,12 +15,14 @@ import numpy as np
 from sympy import Expr, Float, Integer, Rational, lambdify
 
 from haptisym.interop import to_control, to_scipy
+from haptisym.judge.criteria import Criterion
 from haptisym.kernel.errors import HaptisymError
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import s
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part, is_irrational_algebraic
 from haptisym.programs.values import Array
+from haptisym.verbs.cost.margins import margin
 from haptisym.verbs.cost.questions import Attempt, Crossings, Found, RatioQuestion
 
 _BLOCK = 1 << 14  # points that stay in the processor's cache
@@ -114,23 +116,21 @@ def _rational(distortion: Distortion) -> tuple[Any, Any]:
 def grid_way(question: Crossings, count: int, *, brent: bool = False) -> Attempt:
     """Changes of sign between the points of a grid, each by a straight line, or found by Brent's method."""
     function = naive(question.distortion)
-    limits = {part: float(question.threshold[part]) for part in Part}
     low, high = (float(x) for x in question.band)
 
-    def excess(omega: Any, part: Part) -> Any:
-        H, dH = function(omega)
-        return np.abs(dH.real if part is Part.REAL else dH.imag) / np.abs(H) - limits[part]
+    def excess(omega: Any, criterion: Criterion) -> Any:
+        return margin(criterion, omega, *function(omega))
 
     def attempt() -> Found:
         grid = np.linspace(low, high, count)
-        found: dict[Part, list[float]] = {part: [] for part in Part}
+        found: dict[str, list[float]] = {x.name: [] for x in question.criteria}
         for start in range(0, count, _BLOCK):
             block = grid[start : start + _BLOCK + 1]  # neighbouring blocks share a point, which counts once
             H, dH = function(block)
-            for part, x in ((Part.REAL, np.real(dH)), (Part.IMAG, np.imag(dH))):
-                values = np.broadcast_to(np.abs(x) / np.abs(H) - limits[part], block.shape)
-                refine = partial(_brent, partial(excess, part=part)) if brent else _straight
-                found[part] += _changes(block, values, refine, is_last=start + _BLOCK >= count - 1)
+            for x in question.criteria:
+                values = np.broadcast_to(margin(x, block, H, dH), block.shape)
+                refine = partial(_brent, partial(excess, criterion=x)) if brent else _straight
+                found[x.name] += _changes(block, values, refine, is_last=start + _BLOCK >= count - 1)
         return Found(found)
 
     return lambda: _quietly(attempt)
@@ -157,27 +157,31 @@ def _brent(function: Callable[[Any], Any], a: float, b: float, at_a: float, at_b
 
 
 def companion_way(question: Crossings) -> Attempt:
-    """numpy.roots on the float coefficients of the exact polynomial in omega^2: the eigenvalues that are real."""
+    """numpy.roots on the float coefficients of the exact polynomial in omega^2, or omega: the eigenvalues that are real."""
     low, high = (float(x) for x in question.band)
-    rows = {part: _polynomial(question, part) for part in Part}
+    rows = {x.name: _polynomial(question, x) for x in question.criteria}
 
     def attempt() -> Found:
         found = {}
-        for part, row in rows.items():
-            squares = np.roots(row)
-            omegas = np.sqrt(squares[np.isreal(squares) & (squares.real >= 0)].real)
-            found[part] = sorted(float(x) for x in omegas[(omegas >= low) & (omegas <= high)])
+        for name, row in rows.items():
+            is_even = not row[1::2].any()
+            zeros = np.roots((row[::2] if is_even else row)[::-1])
+            omegas = zeros[np.isreal(zeros) & (zeros.real >= 0)].real
+            omegas = np.sqrt(omegas) if is_even else omegas
+            found[name] = sorted(float(x) for x in omegas[(omegas >= low) & (omegas <= high)])
         return Found(found)
 
     return lambda: _quietly(attempt)
 
 
-def _polynomial(question: Crossings, part: Part) -> Array:
+def _polynomial(question: Crossings, criterion: Criterion) -> Array:
+    """The coefficients, ascending."""
     if any(is_irrational_algebraic(question.threshold[x]) for x in Part):
         raise RefusedError("the threshold is not rational")
-    excess = question.functions[next(x for x in question.criteria if x.part is part)]
-    assert isinstance(excess, RealFunction)
+    excess = question.functions[criterion]
+    if not isinstance(excess, RealFunction):
+        raise RefusedError("the border of the region is not that of one polynomial")
     row = None if excess.axis.functions else excess.axis.univariate(excess.function.cleared().numerator)
     if row is None:
         raise RefusedError("the equation is not a polynomial with rational coefficients")
-    return np.array([float(int(x.p) / int(x.q)) for x in row[::2]][::-1])
+    return np.array([float(int(x.p) / int(x.q)) for x in row])
