@@ -112,13 +112,12 @@ def _dataset(m: Measurement, kind: int, data: Any) -> dict[str, Any]:
     import pyuff
 
     hertz = m.omega / (2 * np.pi)
-    axes = (
-        {"ordinate_spec_data_type": _FORCES[1], "orddenom_spec_data_type": _DISPLACEMENT} if kind == _RESPONSE else {}
-    )
+    above, below = (_FORCES[1], _DISPLACEMENT) if kind == _RESPONSE else (_UNKNOWN, _UNKNOWN)
     made: dict[str, Any] = pyuff.prepare_58(
         binary=0, func_type=kind, data=data, x=hertz, id1=m.name[:80] or "haptisym", id2="NONE", id3="NONE", id4="NONE",
         id5="NONE", ver_num=0, load_case_id=0, rsp_ent_name="NONE", rsp_node=1, rsp_dir=1, ref_ent_name="NONE", ref_node=1,
         ref_dir=1, ord_data_type=6 if kind == _RESPONSE else 4, num_pts=len(hertz), abscissa_spacing=0,
-        abscissa_min=float(hertz[0]), abscissa_inc=0.0, z_axis_value=0.0, abscissa_spec_data_type=_FREQUENCY, **axes,
+        abscissa_min=float(hertz[0]), abscissa_inc=0.0, z_axis_value=0.0, abscissa_spec_data_type=_FREQUENCY,
+        ordinate_spec_data_type=above, orddenom_spec_data_type=below,
     )  # fmt: skip
     return made
