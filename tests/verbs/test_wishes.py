@@ -312,3 +312,14 @@ def test_both_classical_lines_are_those_of_the_field() -> None:
         at = {"environment.k": 0.0, "effects.shunt.b": 0.8}
         assert -found["Gil and Hulin"].excess(at) == pytest.approx(linear)
         assert -found["Colgate and Schenkel"].excess(at) == pytest.approx(1600)
+
+
+@pytest.mark.parametrize("that", ["stable", "passive"])
+def test_a_value_at_which_there_is_no_dynamics_will_not_do(that: str) -> None:
+    """k w/(s + w)/w has no value at w = 0, which the model of a formula does not exclude."""
+    lag = hs.effects.series("1/(s/w + 1)", parameters={"w": 30})
+    scene = hs.Scene(hs.environments.kelvin_voigt(100, 20), (lag,))
+    r = hs.require(scene, "w", (0, 100), that=that, hand=POSTURAL if that == "stable" else None)
+    assert r.certified
+    assert r.feasible
+    assert not (r.feasible[0].low.closed and float(r.feasible[0].low.value) == 0)  # type: ignore[arg-type]

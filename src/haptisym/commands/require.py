@@ -19,6 +19,7 @@ from haptisym.commands.options import (
 )
 from haptisym.commands.progress import progress
 from haptisym.commands.verb import given, verb
+from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError
 from haptisym.model.scene import Scene
 
@@ -127,6 +128,8 @@ def require(
             found: Any = design_map(scene, paths, ranges, slices=slices, **drawn_beside, **asked)
         else:
             found = ask(scene, paths[0], *ranges, digits=digits, **asked)
+            with limited(None, told):
+                _ = found.nearest  # which may take its time too
     drawn(found, figure)
     proven(found, certificate)
     hand_over(found, as_json=as_json)

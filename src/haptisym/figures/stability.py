@@ -12,6 +12,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
+from haptisym.figures.names import Room
 from haptisym.figures.sheet import one_column
 from haptisym.figures.style import (
     BLUE,
@@ -38,7 +39,7 @@ from haptisym.verbs.stability.plane import Plane, Window, plane
 _UNSTABLE = "#f3dcd8"
 _SMALLER = SMALL - 1
 _ROOM = 1.25  # of the largest number that is shown
-_NARROW = 9  # pixels of a cell in which nothing is written
+_NARROW, _RIM = 9, 4  # pixels of a cell in which nothing is written, and of its rim
 _NEAR = 20  # times that a critical value may be beyond the hands
 
 
@@ -93,13 +94,10 @@ def _window(found: Stability, shown: Iterable[Hand]) -> Window:
 
 
 def _ground(ax: Axes, drawn: Plane) -> list[Artist]:
-    """Cells by whether they are stable, each with its number of roots."""
+    """Cells by whether they are stable."""
     image = np.full(drawn.cells[0].pixels.shape if drawn.cells else (1, 1), np.nan)
     for x in drawn.cells:
         image[x.pixels] = 0 if x.roots is None else 1 if x.is_stable else 2
-        if min(np.ptp(np.nonzero(x.pixels), axis=1)) >= _NARROW:
-            shown = "?" if x.roots is None else "∞" if x.roots.number is None else f"{x.roots.number}"
-            ax.annotate(shown, (x.k, x.b), ha="center", va="center", fontsize=TEXT, color=INK)
     low, high, least, most = drawn.window
     colors = ListedColormap([SHADE, "white", _UNSTABLE])
     ax.imshow(
@@ -135,36 +133,59 @@ def _boxes(ax: Axes, asked: Iterable[Hand]) -> list[Artist]:
 
 
 def _points(ax: Axes, asked: list[Hand], shown: list[Hand], drawn: Plane) -> list[Artist]:
-    """Hands by their names: filled where their mass is that of the plane."""
-    written = (ax.transData.transform((x.k, x.b)) * 72 / ax.figure.dpi for x in drawn.cells)
-    taken = [(float(x) - 4, float(y) - 4, 8.0) for x, y in written]
-    for x in (*asked, *shown):
+    """Hands by their names: filled where their mass is that of the plane; and the number of roots in each cell."""
+    room, listed = _room(ax, drawn), (*asked, *shown)
+    for x in listed:
+        room.take_point(float(x.k.value), float(x.b.value))
+    for x in listed:
         color, k, b = INK if x in asked else GREY, float(x.k.value), float(x.b.value)
         face = INK if x in asked and float(x.m.value) == drawn.mass else "none"
         ax.plot([k], [b], "o", color=color, markerfacecolor=face, markersize=3.5, markeredgewidth=0.7)
-        right, up = _free(ax, (k, b), len(x.name), taken)
-        side = "left" if right > 0 else "right"
-        ax.annotate(x.name, (k, b), (right, up), textcoords="offset points", fontsize=_SMALLER, color=color, ha=side)
+        ax.annotate(
+            x.name,
+            (k, b),
+            room.beside(k, b, x.name, _SMALLER),
+            textcoords="offset points",
+            fontsize=_SMALLER,
+            color=color,
+        )
+    _counts(ax, drawn, room)
     here = [x for x in asked if float(x.m.value) == drawn.mass]
     marker: dict[str, Any] = {"marker": "o", "markersize": 3.5}
     made: list[Artist] = [handle(INK, "none", "of this mass", **marker)] if here else []
-    if len(here) < len(asked) + len(shown):
+    if len(here) < len(listed):
         made.append(handle(GREY, "none", "of another", markerfacecolor="none", markeredgewidth=0.7, **marker))
     return made
 
 
-def _free(
-    ax: Axes, place: tuple[float, float], length: int, taken: list[tuple[float, float, float]]
-) -> tuple[float, float]:
-    """Where beside a point a name meets no other: points to the right and up; the last resort is the first."""
-    box = ax.transData.transform(place) * 72 / ax.figure.dpi
-    for right, up in ((4, 2), (4, -8), (-4, 2), (-4, -8), (4, 10), (4, -16)):
-        wide = 0.55 * _SMALLER * length
-        x, y = float(box[0]) + (right if right > 0 else right - wide), float(box[1]) + up
-        if not any(
-            x < other + width and other < x + wide and abs(y - height) < 1.1 * _SMALLER
-            for other, height, width in taken
-        ):
-            taken.append((x, y, wide))
-            return right, up
-    return 4, 2
+def _room(ax: Axes, drawn: Plane) -> Room:
+    """What the lines leave free."""
+    room, (low, high, least, most) = Room(ax), drawn.window
+    inside = (drawn.k > low) & (drawn.k < high) & (drawn.b > least) & (drawn.b < most)
+    for piece in np.split(np.arange(len(drawn.k)), np.flatnonzero(np.diff(inside.astype(int))) + 1):
+        if len(piece) and inside[piece[0]]:
+            room.take_line(drawn.k[piece], drawn.b[piece])
+    if drawn.at_0 is not None and low < drawn.at_0 < high:
+        room.take_line([drawn.at_0] * 2, [least, most])
+    return room
+
+
+def _counts(ax: Axes, drawn: Plane, room: Room) -> None:
+    """The number of roots of each cell, in its middle, or beside what stands there."""
+    low, high, least, most = drawn.window
+    for x in drawn.cells:
+        if min(np.ptp(np.nonzero(x.pixels), axis=1)) < _NARROW:
+            continue
+        shown = "?" if x.roots is None else "∞" if x.roots.number is None else f"{x.roots.number}"
+        inner = np.argwhere(_without_rim(x.pixels))
+        share = (inner[:: max(1, len(inner) // 400)] + 0.5) / x.pixels.shape
+        others = np.array([low, least]) + share * np.array([high - low, most - least])
+        places = [(x.k, x.b), *((float(k), float(b)) for k, b in others)]
+        k, b = min(places, key=lambda place: (room.crowded(place, TEXT), room.away(place, (x.k, x.b))))
+        ax.annotate(shown, (k, b), ha="center", va="center", fontsize=TEXT, color=INK)
+
+
+def _without_rim(pixels: Any) -> Any:
+    """The pixels of a cell that are some way from its rim."""
+    moved = [np.roll(pixels, step, axis) for axis in (0, 1) for step in (-_RIM, _RIM)]
+    return np.logical_and.reduce([pixels, *moved])

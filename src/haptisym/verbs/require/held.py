@@ -19,6 +19,7 @@ from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.feasible import Binding, Kind, Solved
 from haptisym.verbs.require.freeparameter import Domain
+from haptisym.verbs.require.solving import allowed
 from haptisym.verbs.require.verdicts import Question, Turn
 from haptisym.verbs.stability.boundary import Meetings, meetings
 from haptisym.verbs.stability.clockrange import passages_in
@@ -64,11 +65,12 @@ def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
     ]
 
     def verdict(value: Expr) -> bool | None:
-        return loop.at(Rational(value)).number == 0
+        return loop.exists(Rational(value)) and loop.at(Rational(value)).number == 0
 
     return Question(
-        turns, verdict, asked, closed=False, beyond=(window.above, window.below), spares=lambda x: _is_clear(loop, x)
-    ).solve()
+        turns, verdict, asked, closed=False, beyond=(window.above, window.below), spares=lambda x: _is_clear(loop, x),
+        exists=lambda x: allowed(scene, free, x),
+    ).solve()  # fmt: skip
 
 
 def _with_a_clock(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:

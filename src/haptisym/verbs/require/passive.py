@@ -21,6 +21,7 @@ from haptisym.model.scene import Scene
 from haptisym.verbs.require.boundary import critical, irreducible, real_roots
 from haptisym.verbs.require.feasible import Binding, Kind, Solved
 from haptisym.verbs.require.freeparameter import Domain, conditions, pieces
+from haptisym.verbs.require.solving import allowed
 from haptisym.verbs.require.verdicts import Question, Turn
 
 
@@ -34,7 +35,7 @@ def solve_passive(scene: Scene, free: Knob, asked: Domain) -> Solved:
     def verdict(value: Expr) -> bool | None:
         return passivity(free.put(scene, value)).holds
 
-    return Question(turns, verdict, asked, closed=True).solve()
+    return Question(turns, verdict, asked, closed=True, exists=lambda x: allowed(scene, free, x)).solve()
 
 
 def _of_signs(condition: RealFunction, free: Knob) -> Iterator[Turn]:

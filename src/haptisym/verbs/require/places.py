@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
+from math import factorial
 
 import flint
 from flint import arb
 from sympy import Expr
 
+from haptisym.kernel.bernstein import range_of
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
 from haptisym.kernel.wavesums import CompiledWaves
 from haptisym.kernel.zeros import rounded_up, tightened
 from haptisym.verbs.require.feasible import Kind
 from haptisym.verbs.require.strips import Shape, value_from_zero
 
+_MOST_ROWS = 4  # of a Taylor series in the parameter: conditions are squares of what is mostly linear in it
 NOTHING = arb(0, "inf")
 
 
@@ -69,17 +73,35 @@ class Strip:
         return self.shape.change.over(self.ends[0].union(self.ends[1])) if self.ends and self.shape.change else None
 
     @cached_property
-    def _reach(self) -> Ball:
+    def _rows(self) -> tuple[CompiledWaves, ...]:
+        """Taylor's coefficients in the parameter about the middle of the cell, times n!; the last one for all of the cell."""
+        if self.middle is None or self.ends is None:
+            return ()
+        low, high = self.ends
+        found, shape = [self.middle], self.shape.change
+        while shape is not None and shape.change is not None and len(found) < _MOST_ROWS:
+            found.append(shape.over(((low + high) / 2).mid()))
+            shape = shape.change
+        return (*found, shape.over(low.union(high))) if shape is not None else ()
+
+    @cached_property
+    def _reach(self) -> list[Ball]:
+        """The powers of half the width of the cell, over n!."""
         assert self.ends is not None
         low, high = self.ends
-        return low.union(high) - ((low + high) / 2).mid()
+        reach = (low.union(high) - ((low + high) / 2).mid()).abs_upper()
+        return [reach**n / factorial(n) for n in range(len(self._rows))]
+
+    def _together(self, row: Sequence[Ball]) -> Ball:
+        """The values for all of the cell, from those of the coefficients."""
+        return range_of(row, self._reach)
 
     def value(self, x: Ball) -> Ball:
         """The values at a ball of frequencies, for all values of the parameter."""
         value = self.whole.value(x)
-        if value > 0 or value < 0 or self.middle is None or self.change is None:
+        if value > 0 or value < 0 or not self._rows:
             return value
-        return _both(value, self.middle.value(x) + self.change.value(x) * self._reach)
+        return _both(value, self._together([f.value(x) for f in self._rows]))
 
     def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
         """Value, slope and half curvature over a ball of frequencies."""
@@ -88,17 +110,19 @@ class Strip:
         if self.shape.order_at_zero and not box > 0:
             return self._over_zero(box), NOTHING, NOTHING
         value, slope, bend = self.whole.over(box)
-        if not value < 0 and self.middle is not None and self.change is not None:
-            value = _both(value, self.middle.over(box)[0] + self.change.over(box)[0] * self._reach)
+        if value < 0 or not self._rows:
+            return value, slope, bend
+        rows = zip(*(f.over(box) for f in self._rows), strict=True)
+        value, slope, bend = (_both(x, self._together(y)) for x, y in zip((value, slope, bend), rows, strict=True))
         return value, slope, bend
 
     def _over_zero(self, box: Ball) -> Ball:
         """The values over a power of omega that is a factor: f(x)/x^k is a k-th Taylor coefficient in between."""
         k = self.shape.order_at_zero
         value = self.whole.taylor(box, k)
-        if value < 0 or self.middle is None or self.change is None:
+        if value < 0 or not self._rows:
             return value
-        return _both(value, self.middle.taylor(box, k) + self.change.taylor(box, k) * self._reach)
+        return _both(value, self._together([f.taylor(box, k) for f in self._rows]))
 
     def broken_in_the_middle(self, x: Ball) -> bool:
         """Whether the condition is broken at a frequency for the middle of the cell; without bound, for all of it."""

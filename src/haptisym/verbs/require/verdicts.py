@@ -32,6 +32,7 @@ class Question:
     """A verdict on the values of a domain: ``turns`` all values inside at which it may change, ``verdict`` that of a number.
 
     ``closed`` : whether a turn beside a value that will do will do itself; ``spares`` : whether one of them does, if not.
+    ``exists`` : whether the scene does at a turn or an end, where formulas may divide by 0.
     ``beyond`` : from where on turns are not known, None where they all are.
     """
 
@@ -41,6 +42,7 @@ class Question:
     closed: bool
     beyond: tuple[Expr | None, Expr | None] = (None, None)
     spares: Callable[[Turn], bool] = lambda _: False
+    exists: Callable[[Expr], bool] = lambda _: True
 
     def solve(self) -> Solved:
         """All values for which the verdict is yes, and those about which it stays open."""
@@ -106,7 +108,7 @@ class Question:
         if here is None or not self._belongs(here.value):
             return False
         if isinstance(here.value, ExactNumber) and isinstance(here.value.value, Rational):
-            return self._asked(here.value.value)
+            return self.exists(here.value.value) and self._asked(here.value.value)
         near = cells[max(i - 1, 0) : i + 1]
         if True not in near:
             return None if None in near else False

@@ -73,6 +73,12 @@ class Loop:
         found = RationalFunction(self.ring, self.top.subs(here), self.bottom.subs(here)).reduced()
         return zeros_of(found.numerator, found.denominator, self.ring)
 
+    def exists(self, value: Rational) -> bool:
+        """Whether there is a dynamics at a number: not where it is divided by 0."""
+        if self.turns or self.symbol not in self.ring.meanings:
+            return True
+        return not self.bottom.subs({f"x{self._index}": fmpq(int(value.p), int(value.q))}).is_zero()
+
     def far_out(self) -> Iterator[RealNumber]:
         """The values at which a root, or a chain of roots, comes from infinity: where the highest power of s is lost."""
         if any(self.symbol in x.free_symbols for x in self.ring.orders):
