@@ -111,8 +111,9 @@ DERIVATIONS = Path(__file__).parents[2] / "derivations"
 
 
 def linked(text: str) -> str:
-    """Links to derivations lead to their pages."""
-    return re.sub(r"\]\((?:\.\./derivations/)?(\d\d_\w+)\.py\)", r"](/generated/derivation-\1.md)", text)
+    """Links to derivations lead to their pages; other scripts beside ``docs`` are named, as a site has no page of them."""
+    named = re.sub(r"\[([^\]]+)\]\(\.\./((?!derivations/)[\w/]+\.py)\)", r"\1 (`\2`)", text)
+    return re.sub(r"\]\((?:\.\./derivations/)?(\d\d_\w+)\.py\)", r"](/generated/derivation-\1.md)", named)
 
 
 def _rows(schema: dict[str, Any], within: str, named: dict[str, Any]) -> Iterator[str]:

@@ -94,4 +94,5 @@ HANDLER = "haptisym.spelt"
 
 
 def register() -> None:
+    """Make the handler known by its name; once is enough."""
     codecs.register_error(HANDLER, _spell)

@@ -59,11 +59,13 @@ class Verb(click.Command):
             ]
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """As click; an option that is given twice is refused."""
         if not ctx.resilient_parsing:
             _once_each(self.make_parser(ctx).parse_args(args=list(args))[2])
         return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
+        """As click; what contradicts itself, is ignored or would be lost is refused before."""
         for one, other, why in self.apart:
             if given(ctx, one) and given(ctx, other):
                 raise SceneError(f"{why}: leave out one of them")

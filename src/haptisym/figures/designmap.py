@@ -59,6 +59,7 @@ _STROKES = "transparent on the slice"
 
 
 def scales_of(found: DesignMap) -> tuple[Scale, Scale]:
+    """The units of both parameters' axes."""
     one, other = (parameter_scale(x, (*pair, x.value)) for x, pair in zip(found.free, found.ranges, strict=True))
     return one, other
 
@@ -178,6 +179,7 @@ def _alike(one: Slice, other: Slice) -> bool:
 
 
 def window_of(found: DesignMap) -> tuple[tuple[float, float], tuple[float, float]]:
+    """From where to where both axes go."""
     (a, b), (low, high) = ((float(x) for x in pair) for pair in found.ranges)
     return (a, b), (low, high)
 

@@ -110,6 +110,7 @@ def _window(everywhere: Array, evenly: Array) -> tuple[Array, Array]:
 
 
 def stacked(responses: Array) -> Array:
+    """The points of both curves, those of H_env first."""
     return np.concatenate(_points(responses))
 
 
@@ -133,6 +134,7 @@ HEAD = 6.5
 
 
 def arrow(ax: Axes, tail: Array, head: Array, color: str) -> None:
+    """An arrowhead on a curve."""
     head_style = f"-|>, head_length={HEAD / 10}, head_width=0.27"
     style = {"arrowstyle": head_style, "color": color, "linewidth": 0, "mutation_scale": 10, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", xy=(head[0], head[1]), xytext=(tail[0], tail[1]), arrowprops=style)

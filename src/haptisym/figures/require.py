@@ -74,6 +74,7 @@ def parameter_scale(free: Knob, given: Iterable[Expr | None]) -> Scale:
 
 
 def label_of(free: Knob, scale: Scale) -> str:
+    """The label of a parameter's axis."""
     return name_parameter(free.name, free.unit if scale.factor == 1 else scale.unit)
 
 
@@ -169,6 +170,7 @@ def _window(found: Requirement) -> tuple[float, float]:
 
 
 def limits_of(span: Span, low: float, high: float) -> tuple[float, float]:
+    """The ends of an interval; where it has none, those that are given."""
     return (
         low if span.low.value is None else float(span.low.value),
         high if span.high.value is None else float(span.high.value),

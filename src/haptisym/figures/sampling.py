@@ -18,15 +18,18 @@ from haptisym.programs.values import Array
 
 
 def band_of(evaluation: Evaluation) -> tuple[float, float]:
+    """The ends of the band, rad/s."""
     points = evaluation.chart.points
     return float(points[0].omega), float(points[-1].omega)
 
 
 def ends_of(interval: Interval) -> tuple[float, float]:
+    """The ends of an interval, rad/s."""
     return float(interval.low.omega), float(interval.high.omega)
 
 
 def evenly(evaluation: Evaluation) -> Array:
+    """Frequencies evenly along the band, rad/s."""
     return np.linspace(*band_of(evaluation), 801)
 
 

@@ -41,5 +41,6 @@ def one_column(height: float, draw: Callable[[Axes], object], width: float = WID
 
 
 def legend_height(ax: Axes) -> float:
+    """The height of the legend, in inches; 0 without one."""
     legend = ax.get_legend()
     return legend.get_window_extent().height / ax.figure.dpi if legend else 0.0

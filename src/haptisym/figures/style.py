@@ -247,11 +247,13 @@ def curves(look: Look) -> tuple[tuple[str, Any, str], ...]:
 
 
 def curve_handles(look: Look, before: str = "", after: str = "") -> list[Line2D]:
+    """Entries of the legend for the curves of H_env and H_perc."""
     rows = curves(look)
     return [handle(color, style, f"${before}{name}{after}${look.suffix}") for color, style, name in rows]
 
 
 def handle(color: str, style: Any, label: str, width: float = 1.1, **marker: Any) -> Line2D:
+    """An entry of the legend: a line, a mark, or words alone."""
     return Line2D([], [], color=color, linestyle=style, linewidth=width, label=label, **marker)
 
 
@@ -266,4 +268,5 @@ def plate(color: str) -> dict[str, Any]:
 
 
 def write_note(ax: Axes, text: str) -> None:
+    """A sentence in the middle of the axes, at the top."""
     ax.text(0.5, 0.97, text, transform=ax.transAxes, ha="center", va="top", fontsize=SMALL, bbox=plate(SHADE))

@@ -125,10 +125,12 @@ class Evaluation(Answer):
 
     @cached_property
     def crossings(self) -> tuple[Crossing, ...]:
+        """All crossings on the band, in ascending order."""
         return find_crossings(self.chart)
 
     @cached_property
     def transparent(self) -> tuple[Interval, ...]:
+        """All intervals on which no ratio exceeds its threshold."""
         return kept(self.chart)
 
     @property
@@ -144,14 +146,17 @@ class Evaluation(Answer):
 
     @cached_property
     def changeovers_environment(self) -> tuple[Point, ...]:
+        """Where Re H_env changes its sign."""
         return changeovers(self.chart, Curve.ENVIRONMENT)
 
     @cached_property
     def changeovers_perceived(self) -> tuple[Point, ...]:
+        """Where Re H_perc changes its sign."""
         return changeovers(self.chart, Curve.PERCEIVED)
 
     @cached_property
     def percepts(self) -> tuple[Percept, ...]:
+        """What is felt where a ratio exceeds its threshold."""
         return find_percepts(self.chart)
 
     @cached_property
@@ -166,10 +171,12 @@ class Evaluation(Answer):
 
     @cached_property
     def outside_model(self) -> tuple[Interval, ...]:
+        """Where Im H_perc < 0: the display is active there."""
         return outside_model(self.chart)
 
     @cached_property
     def unbounded(self) -> tuple[Point, ...]:
+        """Where a ratio is infinite: H_env is zero and dH is not."""
         return unbounded_points(self.chart)
 
     @cached_property

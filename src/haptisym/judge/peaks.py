@@ -70,6 +70,7 @@ class Peak(Judged, Shown):
 
     @property
     def ratio(self) -> RealNumber:
+        """The ratio at the peak."""
         return SquareRoot(ValueAt(self.square, self.omega))
 
     @cached_property

@@ -80,6 +80,7 @@ class SampledLoop:
         return None if self._exact is None else self._exact[1]
 
     def is_zero(self, x: Element) -> bool:
+        """Whether a coefficient is 0, exactly."""
         assert self._exact
         return self._exact[0].is_zero(x)
 

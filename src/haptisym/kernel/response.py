@@ -27,10 +27,12 @@ class Response:
 
     @cached_property
     def real(self) -> RealFunction:
+        """The real part, a real function of omega."""
         return RealFunction(self.raw_real.reduced())
 
     @cached_property
     def imag(self) -> RealFunction:
+        """The imaginary part, a real function of omega."""
         return RealFunction(self.raw_imag.reduced())
 
 
@@ -79,6 +81,7 @@ class RealFunction:
 
     @property
     def is_zero(self) -> bool:
+        """Whether it vanishes at every frequency."""
         return self.function.is_zero
 
     def derivative(self) -> RealFunction:
@@ -105,6 +108,7 @@ class RealFunction:
 
     @property
     def axis(self) -> Axis:
+        """The axis on which its variables live."""
         ring = self.function.ring
         assert isinstance(ring, Axis)
         return ring

@@ -46,6 +46,7 @@ class PolynomialRing:
 
     @property
     def variable(self) -> Polynomial:
+        """The first variable, as a polynomial."""
         return self.context.gens()[0]
 
     def constant(self, value: int | Rational) -> Polynomial:
@@ -59,10 +60,12 @@ class PolynomialRing:
 
     @property
     def zero(self) -> RationalFunction:
+        """0."""
         return self.function(self.constant(0))
 
     @property
     def one(self) -> RationalFunction:
+        """1."""
         return self.function(self.constant(1))
 
     def convert(self, expression: Expr) -> RationalFunction:
@@ -235,6 +238,7 @@ class RationalFunction:
 
     @property
     def is_zero(self) -> bool:
+        """Whether it is 0."""
         return bool(self.numerator.is_zero())
 
     def equals(self, other: RationalFunction) -> bool:

@@ -64,6 +64,7 @@ class Environment(Shown):
 
     @property
     def H(self) -> Expr:
+        """H_env(s) with the parameters' values in place, force per position."""
         return self.dynamics.xreplace(values(self.parameters))
 
     def with_values(self, given: Mapping[str, Number]) -> Environment:
@@ -128,6 +129,7 @@ class Effect(Shown):
 
     @property
     def matrix(self) -> Matrix:
+        """The chain matrix (A, B, C, D) with the parameters' values in place."""
         known = values((*self.parameters, *(self.renders.parameters if self.renders else ())))
         a, b, c, d = (entry.xreplace(known) for entry in self.dynamics)
         return a, b, c, d

@@ -47,6 +47,7 @@ class NumberTable:
 
     @cached_property
     def column(self) -> Mapping[str, Reals]:
+        """A column by its name."""
         named = zip(self.head.columns, self.head.factors, strict=True)
         return {x: self.rows[:, i] * factor for i, (x, factor) in enumerate(named)}
 

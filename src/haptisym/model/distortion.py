@@ -73,18 +73,22 @@ class Distortion(Shown):
 
     @cached_property
     def env_response(self) -> Response:
+        """H_env on s = j omega."""
         return on_axis(self.env)
 
     @cached_property
     def perc_response(self) -> Response:
+        """H_perc on s = j omega."""
         return on_axis(self.perc)
 
     @cached_property
     def difference_response(self) -> Response:
+        """dH on s = j omega."""
         return on_axis(self.difference)
 
     @cached_property
     def relative_response(self) -> Response:
+        """dH/H_env on s = j omega."""
         return on_axis((self.difference / self.env).reduced())
 
     @cached_property
@@ -122,26 +126,32 @@ class Distortion(Shown):
 
     @property
     def real(self) -> Expr:
+        """Re dH(j omega), N/m or N m/rad."""
         return self.difference_response.real.factored()
 
     @property
     def imag(self) -> Expr:
+        """Im dH(j omega), N/m or N m/rad."""
         return self.difference_response.imag.factored()
 
     @property
     def ratio_real(self) -> Expr:
+        """r_r = ``|Re dH|/|H_env|``."""
         return magnitude(self.real, self.difference) / self.modulus
 
     @property
     def ratio_imag(self) -> Expr:
+        """r_i = ``|Im dH|/|H_env|``."""
         return magnitude(self.imag, self.difference) / self.modulus
 
     @property
     def relative_real(self) -> Expr:
+        """Re(dH/H_env), which is not r_r."""
         return self.relative_response.real.factored()
 
     @property
     def relative_imag(self) -> Expr:
+        """Im(dH/H_env), which is not r_i."""
         return self.relative_response.imag.factored()
 
     @property

@@ -170,6 +170,7 @@ def chosen(key: str, given: object, choices: Sequence[str]) -> str:
 
 
 def enter_list(key: str, given: Any, slot: Slot) -> list[Parameter]:
+    """The entries of a list as parameters of their own."""
     if not isinstance(given, Sequence) or isinstance(given, str) or not given:
         raise SceneError(f"{key}: {quoted(given)} must be a list of at least one quantity")
     if len(given) > MOST_BRANCHES:
@@ -208,8 +209,10 @@ def values(parameters: Iterable[Parameter]) -> dict[Symbol, Expr]:
 
 
 def with_values(parameters: Sequence[Parameter], given: Mapping[str, Number]) -> tuple[Parameter, ...]:
+    """The same parameters with other values for some."""
     return tuple(p.with_value(given[p.symbol.name]) if p.symbol.name in given else p for p in parameters)
 
 
 def renamed(parameters: Sequence[Parameter], names: Mapping[Symbol, Symbol]) -> tuple[Parameter, ...]:
+    """The same parameters under other symbols."""
     return tuple(replace(p, symbol=names.get(p.symbol, p.symbol)) for p in parameters)

@@ -25,22 +25,27 @@ class Properties:
 
     @property
     def stiffness(self) -> Expr:
+        """Re H, N/m or N m/rad: a spring where it is positive."""
         return self.real
 
     @property
     def mass(self) -> Expr:
+        """-Re H/omega^2, kg or kg m^2: an inertia where it is positive."""
         return -self.real / omega**2
 
     @property
     def damping(self) -> Expr:
+        """Im H/omega: N s/m or N m s/rad."""
         return self.imag / omega
 
     @property
     def spring_inertia_force(self) -> Expr:
+        """The force of spring and inertia together, for a motion of amplitude X: X Re H."""
         return X * self.real
 
     @property
     def damping_force(self) -> Expr:
+        """The force of the damper, for a motion of amplitude X: j X Im H."""
         return I * X * self.imag
 
 

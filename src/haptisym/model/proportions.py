@@ -46,10 +46,12 @@ class Conversion:
 
     @property
     def exact(self) -> RealNumber:
+        """The factor of a threshold, as a number that can be enclosed."""
         return Quotient(self.start, self.end)
 
     @property
     def factor(self) -> Rational:
+        """The factor of a threshold, as the decimal that is said; 1 where nothing is converted."""
         return decimal(self.exact.digits(DIGITS)) if self.start != self.end else Rational(1)
 
     def row(self) -> dict[str, object]:

@@ -41,6 +41,7 @@ NOT_HELD = "Whether the display is stable in a hand was not looked at."
 
 
 def title(scene: Scene | SceneFamily) -> str:
+    """The title of a page about a scene."""
     return scene.title or "Untitled scene"
 
 
@@ -82,6 +83,7 @@ def ends(x: Interval) -> Phrase:
 
 
 def spans(bands: Iterable[Interval]) -> Phrase:
+    """Several intervals of frequencies, in words."""
     return listed(map(span, bands))
 
 
@@ -105,6 +107,7 @@ def rule(x: Criterion) -> Phrase:
 
 
 def percent(c: Expr) -> str:
+    """A share in per cent."""
     return f"{float(100 * c):.6g}\xa0%"
 
 

@@ -39,6 +39,7 @@ class BandPiece:
     index: int = 0
 
     def halves(self) -> tuple[BandPiece, BandPiece]:
+        """Its two halves."""
         return BandPiece(self.depth + 1, 2 * self.index), BandPiece(self.depth + 1, 2 * self.index + 1)
 
 
@@ -74,6 +75,7 @@ class BallChain(Shown):
         return low, high
 
     def middle(self, piece: BandPiece) -> Ball:
+        """The middle of a piece of the band."""
         low, width = self.band
         return low + width * arb(2 * piece.index + 1) * arb(2) ** (-piece.depth - 1)
 

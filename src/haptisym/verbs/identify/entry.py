@@ -76,6 +76,7 @@ class Identification(Answer):
 
     @property
     def wanted(self) -> Wanted:
+        """What was asked for: the model, and which of its values are given."""
         return self.fit.wanted
 
     @property

@@ -20,6 +20,7 @@ class Row:
 
     @property
     def share(self) -> float:
+        """Counted answers over all of the level."""
         return self.count / self.trials
 
 

@@ -28,9 +28,11 @@ class File:
     title: str
 
     def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
+        """Nothing: no parameter is nominal."""
         return []
 
     def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
+        """Nothing."""
         return {}
 
 

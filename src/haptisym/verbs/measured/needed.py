@@ -26,6 +26,7 @@ class Share:
     all: float | None
 
     def row(self) -> dict[str, Any]:
+        """As a document has it."""
         return {"half": self.half, "all": self.all}
 
 
