@@ -345,7 +345,13 @@ HOSTILE = {
 }
 
 
-def hostile() -> Iterator[tuple[str, str]]:
+@cache
+def hostile() -> tuple[tuple[str, str], ...]:
+    """As ``_hostile`` tells them."""
+    return tuple(_hostile())
+
+
+def _hostile() -> Iterator[tuple[str, str]]:
     """Documents that ask for more time or memory than there is, or for what is not there."""
     yield from HOSTILE.items()
     good = json.loads(certificate("fu2019"))
@@ -370,3 +376,25 @@ def hostile() -> Iterator[tuple[str, str]]:
     yield "lists for numbers", with_proof(breakpoints=[[], {}])
     yield "null", with_proof(functions=None)
     yield "other digits", with_proof(breakpoints=["٣", "15"])
+    held = json.loads(of_stability("a hand")[0])
+    cells = [[str(n) for n in range(1, 301)] for _ in held["proof"]["imposed"]["cells"]]
+    yield (
+        "many cells about a wrong count",
+        json.dumps(
+            {
+                **held,
+                "claim": {**held["claim"], "imposed": 1},
+                "proof": {**held["proof"], "imposed": {**held["proof"]["imposed"], "cells": cells}},
+            }
+        ),
+    )
+    values = json.loads(of_requirement("from a value on")[0])
+    slab = values["proof"]["slabs"][-1]
+    points = [f"{n}/3{'0' * 1000}" for n in range(500)]
+    for name, slabs in {
+        "slabs without end": [slab] * 20_000,
+        "fine slabs": [{**slab, "points": points}] * 7,
+    }.items():
+        yield name, json.dumps({**values, "proof": {**values["proof"], "slabs": slabs}})
+    for free in (["effects"] * 9, ["environment", 10**5], [[], {}]):
+        yield f"the path {free}", json.dumps({**values, "claim": {**values["claim"], "free": free}})
