@@ -171,14 +171,21 @@ def noticed(jnd: dict[str, Any], omega_n: float, omega: float) -> float:
     return margin(jnd, H, H * omega_n**2 / (s**2 + omega_n * s + omega_n**2), omega)
 
 
-@pytest.mark.parametrize("jnd", [ELLIPSE, FORMULA], ids=["ellipse", "formula"])
-def test_slopes_are_those_of_certified_crossings_nearby(jnd: Any) -> None:
-    [first, *_] = hs.sensitivity(with_jnd(jnd)).crossings
-    for row in first.parameters:
+MOVED = {
+    "ellipse": (ELLIPSE, 0), "formula": (FORMULA, 0), "diamond": (DIAMOND, 0), "polygon": (POLYGON, 0), "floor": (FLOOR, 0),
+    "limit for higher": (SIDED, 0), "limit that jumps": (SIDED, 1), "moving polygon": (PENTAGON, 0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", often(MOVED, lambda name: name in ("ellipse", "diamond", "floor", "limit that jumps")))
+def test_slopes_are_those_of_certified_crossings_nearby(name: str) -> None:
+    jnd, n = MOVED[name]
+    moved = hs.sensitivity(with_jnd(jnd)).crossings[n]
+    for row in moved.parameters:
         step = Rational(1, 10**8)
         value = with_jnd(jnd).knobs[row.path].value
         low, high = (
-            sum(hs.evaluate(with_jnd(jnd, **{row.path: value * (1 + sign * step)})).crossings[0].omega.bounds(200)) / 2
+            sum(hs.evaluate(with_jnd(jnd, **{row.path: value * (1 + sign * step)})).crossings[n].omega.bounds(200)) / 2
             for sign in (-1, 1)
         )
         slope = (high - low) / (2 * Fraction(str(value * step)))
@@ -266,7 +273,6 @@ def test_several_environments_take_a_region() -> None:
 Asked = Callable[[hs.Scene], object]
 REFUSED: dict[str, tuple[Asked, list[Any]]] = {
     "effects": (hs.relevance, [ELLIPSE, DIAMOND, POLYGON, FLOOR, SIDED]),
-    "sensitivity": (hs.sensitivity, [DIAMOND, POLYGON, FLOOR, SIDED]),
     "one limit of a joint region": (lambda s: hs.require(s, "jnd.real"), [ELLIPSE, DIAMOND, POLYGON]),
     "any environment": (lambda s: hs.require(s, "omega_n", any_environment=True), [ELLIPSE, POLYGON, FORMULA]),
     "a formula of the crossings": (lambda s: hs.derive(s)["p_r"], [ELLIPSE, POLYGON, FORMULA]),

@@ -128,18 +128,6 @@ class Threshold(Viewed):
             own = self.kind if self.is_constant else f"{self.kind} that depends on omega"
             raise SceneError(f"{question}: the JND is {own}; this is answered for one number for each part alone")
 
-    def need_smooth(self, question: str) -> None:
-        """SceneError, in a sentence, unless what it judges are smooth functions of omega."""
-        region = self.region
-        if (
-            region.shape not in (Shape.SQUARE, Shape.ELLIPSE)
-            or region.floor is not None
-            or region.lower != (None, None)
-        ):
-            raise SceneError(
-                f"{question}: the JND is {self.kind}; this is answered for squares, rectangles and ellipses alone"
-            )
-
     def need_square(self, question: str) -> None:
         """SceneError, in a sentence, unless it judges each part by itself against a number or a formula in omega."""
         if self.region != SQUARE:

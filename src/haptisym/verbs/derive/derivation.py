@@ -18,6 +18,7 @@ from haptisym.judge.criteria import Criterion, noticed, opened
 from haptisym.judge.evaluation import Evaluation, evaluate
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.implicit import Equation
+from haptisym.kernel.lattices import Lattice, Piece
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.shown import titled
 from haptisym.kernel.solutions import Solution, solve
@@ -100,7 +101,6 @@ class Derivation(Answer):
         """What is judged of a part, or by that name; SceneError for a JND of which there are no such formulas."""
         if self.kept_thresholds:
             self.scene.threshold.need_plain("formulas of crossings")
-        self.scene.threshold.need_smooth("formulas of crossings")
         name = of.value if isinstance(of, Part) else of.name
         return next(x for x in self.criteria if x.name == name)
 
@@ -110,9 +110,22 @@ class Derivation(Answer):
 
     def excess(self, of: Part | Criterion) -> RealFunction:
         """r^2 - c^2: positive exactly where the ratio exceeds its threshold."""
-        found = self.criterion(of).function(self.distortion)
-        assert isinstance(found, RealFunction)
-        return found
+        own = self.criterion(of)
+        found = own.function(self.distortion)
+        if isinstance(found, RealFunction):
+            return found
+        raise SceneError(
+            f"a formula of what is judged: the JND is {self.scene.threshold.kind}, of several functions of omega"
+        )
+
+    def piece(self, of: Piece) -> RealFunction:
+        """One of the functions of which a region asks that they are not all positive."""
+        own = next(x for x in self.criteria if x == of.name)
+        found = own.function(self.distortion)
+        assert isinstance(found, Lattice)
+        function = found.terms[of.term][of.place]
+        assert isinstance(function, RealFunction)
+        return function
 
     def crossings(self, of: Part | Criterion) -> tuple[Solution, ...]:
         """Where the ratio meets its threshold: formulas, or for factors without a readable one the equation itself."""
@@ -138,9 +151,9 @@ class Derivation(Answer):
         """F = 0 at the crossings: F is the numerator of r^2 - c^2."""
         return _equation(self.excess(of))
 
-    def factors(self, of: Criterion | str) -> Factors:
-        """Of r^2 - c^2, or of Re H of a system, the irreducible factors above and below the line, with their orders."""
-        f = self.stiffness(of) if isinstance(of, str) else self.excess(of)
+    def factors(self, of: Criterion | Piece | str) -> Factors:
+        """Of r^2 - c^2, of one function of a region, or of Re H of a system, the irreducible factors above and below the line."""
+        f = self.stiffness(of) if isinstance(of, str) else self.piece(of) if isinstance(of, Piece) else self.excess(of)
         lines = (
             f.axis.factors(x, in_square=not f.axis.functions)[1] for x in (f.function.numerator, f.function.denominator)
         )

@@ -13,9 +13,11 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.criteria import Criterion
 from haptisym.judge.crossings import Crossing, CrossingKind, Curve
 from haptisym.judge.evaluation import Evaluation, evaluate
+from haptisym.kernel.lattices import Lattice, Piece, Signed
 from haptisym.kernel.levels import algebraic
 from haptisym.kernel.reals import ExactNumber, RealNumber, SquareRoot
-from haptisym.kernel.roots import Point
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.roots import Point, chart
 from haptisym.kernel.shown import counted, titled
 from haptisym.kernel.symbols import c
 from haptisym.model.jnd import Part, is_irrational_algebraic
@@ -33,6 +35,9 @@ from haptisym.verbs.sensitivity.slopes import (
     none,
     still,
 )
+
+_BITS = 256
+_SEVERAL = "undefined: several limits of the region meet here"
 
 
 @dataclass(frozen=True, repr=False)
@@ -114,8 +119,34 @@ class Sensitivities(Answer):
         places = (*self._parameters, *([own] if own else []))
         known = {c: own.value} if own else {}
         flat = TOUCH if x.kind is CrossingKind.TOUCHES else FLAT if x.multiplicity > 1 and not float(x.omega) else ""
-        rows = (at(p, p.factors(x.criterion), x.omega, known, flat, simple=x.multiplicity == 1) for p in places)
+        of = self._deciding(x)
+        if of is None:
+            return Sensitive(x.omega, none(places, flat or _SEVERAL), x.criterion, x.kind)
+        rows = (at(p, p.factors(of), x.omega, known, flat, simple=x.multiplicity == 1) for p in places)
         return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows), x.criterion, x.kind)
+
+    def _deciding(self, x: Crossing) -> Criterion | Piece | None:
+        """What vanishes at a crossing: of a region one of its functions; None where it is not one alone."""
+        lattice = x.criterion.function(self.evaluation.distortion)
+        if not isinstance(lattice, Lattice):
+            return x.criterion
+        pieces = lattice.pieces(x.criterion)
+        here = next((p for p in self._points(x.criterion, lattice) if _same(p.omega, x.omega)), None)
+        if here is None:
+            return None
+        zeros = [piece for piece in pieces if here.orders.get(piece, 0) > 0]
+        alike = [piece for piece in zeros if _alike(pieces[piece], pieces[zeros[0]])]
+        return zeros[0] if zeros and len(alike) == len(zeros) else None
+
+    def _points(self, criterion: Criterion, lattice: Lattice) -> tuple[Point, ...]:
+        """Where the functions of a region vanish."""
+        if criterion not in self._known:
+            self._known[criterion] = chart(lattice.pieces(criterion), *self.scene.band).points
+        return self._known[criterion]
+
+    @cached_property
+    def _known(self) -> dict[Criterion, tuple[Point, ...]]:
+        return {}
 
     def _changeover(self, system: str, curve: Curve, x: Point) -> Sensitive:
         simple = abs(x.orders[curve, Part.REAL]) == 1
@@ -181,6 +212,18 @@ class Sensitivities(Answer):
         return {"path": p.path, "name": p.name, "unit": p.unit, **floats, "digits": digits, **reason}
 
 
+def _same(x: RealNumber, y: RealNumber) -> bool:
+    """Whether two certified frequencies are one, as far as bits go."""
+    return bool(x.ball(_BITS).overlaps(y.ball(_BITS)))
+
+
+def _alike(f: Signed, g: Signed) -> bool:
+    """Whether two functions are the same, but for the sign."""
+    if not isinstance(f, RealFunction) or not isinstance(g, RealFunction):
+        return f is g
+    return f.function.equals(g.function) or f.function.equals(-g.function)
+
+
 def _limit(x: Criterion) -> RealNumber:
     """The threshold as a number."""
     irrational = is_irrational_algebraic(x.threshold)
@@ -200,5 +243,4 @@ def sensitivity(scene: Scene | str | Path, digits: int = 15) -> Sensitivities:
     [('omega_n', '1.265'), ('zeta', '-1.245')]
     """
     scene = as_scene(scene)
-    scene.threshold.need_smooth("sensitivity")
     return Sensitivities(evaluate(scene, digits))

@@ -18,6 +18,7 @@ from sympy import Integer, Symbol
 from haptisym.judge.criteria import Criterion
 from haptisym.judge.crossings import CrossingKind
 from haptisym.kernel.implicit import Equation
+from haptisym.kernel.lattices import Piece
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
 from haptisym.kernel.shown import Shown, counted
 from haptisym.kernel.symbols import omega
@@ -106,14 +107,14 @@ class VariedParameter:
         """Whether no smaller value makes a scene."""
         return self.knob.rule is Rule.NONNEGATIVE and self.knob.value == 0
 
-    def factors(self, of: Criterion | str) -> Factors:
-        """Of r^2 - c^2 of a criterion, or of Re H of a system: the factors above and below the line."""
+    def factors(self, of: Criterion | Piece | str) -> Factors:
+        """Of r^2 - c^2 of a criterion, of a function of a region, or of Re H: the factors above and below the line."""
         if of not in self._known:
             self._known[of] = self.derivation.factors(of)
         return self._known[of]
 
     @cached_property
-    def _known(self) -> dict[Criterion | str, Factors]:
+    def _known(self) -> dict[Criterion | Piece | str, Factors]:
         return {}
 
 
