@@ -194,9 +194,9 @@ def test_a_polygon_that_moves_has_no_half_widths() -> None:
 # --- what is no region -----------------------------------------------------------------------------------------------
 
 FAULTS: dict[str, tuple[Any, str]] = {
-    "0 on an edge": ([[0, 0.1], [0, -0.1], [0.1, 0]], "0 inside"),
-    "0 outside": ([[0.1, 0.1], [0.3, 0.1], [0.2, 0.3]], "0 inside"),
-    "0 at a corner": ([[0, 0], [0.1, 0], [0, 0.1]], "0 inside"),
+    "0 on an edge": ([[0, 0.1], [0, -0.1], [0.1, 0]], "0 must lie inside"),
+    "0 outside": ([[0.1, 0.1], [0.3, 0.1], [0.2, 0.3]], "0 must lie inside"),
+    "0 at a corner": ([[0, 0], [0.1, 0], [0, 0.1]], "0 must lie inside"),
     "two equal corners": ([[0.1, 0], [0, 0.1], [0, 0.1], [-0.1, 0], [0, -0.1]], "2 and 3 are one point"),
     "not convex": ([[0.1, 0], [0.01, 0.01], [0, 0.1], [-0.1, 0], [0, -0.1]], "convex"),
     "a corner on a straight edge": ([[0.1, 0], [0.05, 0.05], [0, 0.1], [-0.1, 0], [0, -0.1]], "convex"),
@@ -210,7 +210,10 @@ FAULTS: dict[str, tuple[Any, str]] = {
         [[0.1, 0], ["0.06 - 0.003*omega", "0.06 - 0.003*omega"], [0, 0.1], [-0.1, 0], [0, -0.1]],
         "convex",
     ),
-    "0 on an edge at one frequency": ([["0.1 - omega/150", 0.1], ["0.1 - omega/150", -0.1], [-0.1, 0]], "0 inside"),
+    "0 on an edge at one frequency": (
+        [["0.1 - omega/150", 0.1], ["0.1 - omega/150", -0.1], [-0.1, 0]],
+        "0 must lie inside",
+    ),
     "a formula that is no formula": ([["0.1 + omga", 0], [0, 0.1], [-0.1, -0.1]], "omga"),
 }
 
@@ -228,7 +231,7 @@ WRONG: dict[str, tuple[Any, str]] = {
     "limit with a pole": ("0.1/(omega - 3)^2", "on the whole band"),
     "root": ("0.1*omega^0.5", "no rational formula"),
     "other name": ("0.1*w + omega", "unknown name"),
-    "tilt of 1": ({"shape": "ellipse", **WIDE, "tilt": 1}, "tilt: 1 must lie between -1 and 1"),
+    "tilt of 1": ({"shape": "ellipse", **WIDE, "tilt": 1}, "tilt: 1 must lie strictly between -1 and 1"),
     "tilt that gets there": ({"shape": "ellipse", **WIDE, "tilt": "omega/15"}, "tilt: .* on the whole band"),
     "unknown shape": ({"shape": "elipse", **WIDE}, 'did you mean "ellipse"'),
     "floor of an ellipse": ({"shape": "ellipse", **WIDE, "floor": 1}, "of a square"),

@@ -67,5 +67,5 @@ def read_proportion(key: str, given: Number) -> Expr:
     except SceneError as error:
         raise error.within(key) from None
     if not value.is_Rational or not Rational(1, 2) < value < 1:
-        raise SceneError(f'{key}: "{given}" must be rational, above 0.5 (nothing is told there) and below 1')
+        raise SceneError(f'{key}: "{given}" must be rational, above 0.5, where answers are guesses, and below 1')
     return value

@@ -61,7 +61,7 @@ class Region:
     def check(self, low: Expr, high: Expr) -> None:
         """SceneError unless the region has 0 inside and is convex at every frequency of a band."""
         if self.shape is Shape.ELLIPSE and not positive(1 - self.tilt**2, low, high):
-            raise SceneError(f"tilt: {self.tilt} must lie between -1 and 1{_everywhere([self.tilt])}")
+            raise SceneError(f"tilt: {self.tilt} must lie strictly between -1 and 1{_everywhere([self.tilt])}")
         if self.shape is Shape.POLYGON:
             _check_polygon(self.corners, low, high)
 
@@ -93,13 +93,24 @@ def _check_polygon(corners: Sequence[Corner], low: Expr, high: Expr) -> None:
     everywhere = _everywhere(x for corner in corners for x in corner)
     for (i, p), (j, q) in combinations(enumerate(corners, 1), 2):
         if not positive((p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2, low, high):
-            raise SceneError(f"corners: {i} and {j} are one point{' at some frequency' if everywhere else ''}")
+            where = " at some frequency" if everywhere else ""
+            raise SceneError(f"corners: {i} and {j} are one point, [{p[0]}, {p[1]}]{where}")
     if not all(positive(_cross(p, q), low, high) for p, q in _edges(corners)) or _turns(corners, low, high) != 1:
-        order = "the corners in their order around it, and 0 "
-        raise SceneError(f"corners: {order}inside, not on an edge{everywhere}")
+        order = "0 must lie inside, not on an edge, and the corners follow in their order around it"
+        raise SceneError(f"corners: {_written(corners)}: {order}{everywhere}")
     steps = [(q[0] - p[0], q[1] - p[1]) for p, q in _edges(corners)]
     if not all(positive(_cross(p, q), low, high) for p, q in _edges(steps)):
-        raise SceneError(f"corners: the polygon must be convex, without corners on a straight edge{everywhere}")
+        convex = "the polygon must be convex, without corners on a straight edge"
+        raise SceneError(f"corners: {_written(corners)}: {convex}{everywhere}")
+
+
+def _written(corners: Sequence[Corner]) -> str:
+    """``[[1/10, 0], [0, 1/10], ...]``: the first ones."""
+    more = ", ..." if len(corners) > _TOLD else ""
+    return f"[{', '.join(f'[{x}, {y}]' for x, y in corners[:_TOLD])}{more}]"
+
+
+_TOLD = 5
 
 
 def _everywhere(values: Iterable[Expr]) -> str:

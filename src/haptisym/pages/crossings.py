@@ -48,11 +48,11 @@ def _crossing(e: Evaluation, c: Crossing) -> tuple[Phrase, ...]:
 VERBS = {CrossingKind.EXCEEDS: "rises above", CrossingKind.RETURNS: "falls below", CrossingKind.TOUCHES: "touches"}
 
 
-def event(c: Crossing) -> Phrase:
-    """``r_r rises above 10 %``, ``ΔH leaves the ellipse``."""
+def event(c: Crossing, kind: str | None = None) -> Phrase:
+    """``r_r rises above 10 %``, ``ΔH leaves the ellipse``; ``kind`` : what a region is called, if not by its shape."""
     times = f" ({c.multiplicity}-fold)" if c.multiplicity > 1 else ""
     if c.criterion.joint:
-        return CHANGE, f" {_LEAVES[c.kind]} the {c.criterion.joint.kind}{times}"
+        return CHANGE, f" {_LEAVES[c.kind]} the {kind or c.criterion.joint.kind}{times}"
     ratio = named(c.criterion.symbol)
     if c.jump:
         return "the limit of ", ratio, " changes: ", _JUMPS[c.kind]

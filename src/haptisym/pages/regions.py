@@ -12,8 +12,10 @@ from haptisym.writing.document import Block, Column, Paragraph, Phrase, Table
 
 REGIONS = (
     "The distortion relative to the environment over the band, and the regions within which it is not noticed; a dot where it "
-    "first meets the border of each."
+    "first meets the border of each. A region that depends on the frequency is drawn as it is there, or else at the high end."
 )
+_KINDS = {"disc": "disc"}
+"""Of a region that is more than its shape says."""
 
 
 def regions(e: Evaluation) -> Iterator[Block]:
@@ -31,7 +33,13 @@ def _row(e: Evaluation, x: Compared) -> tuple[Phrase, ...]:
         "none" if x.bandwidth is None else "whole band" if _is_whole(e, x) else exactly(x.bandwidth, e.digits)
     )
     first: Phrase = "none" if x.crossing is None else exactly(x.crossing.omega, e.digits)
-    return x.name, limits(x.threshold), width, first, "" if x.crossing is None else event(x.crossing)
+    return (
+        x.name,
+        limits(x.threshold),
+        width,
+        first,
+        "" if x.crossing is None else event(x.crossing, _KINDS.get(x.name)),
+    )
 
 
 def _is_whole(e: Evaluation, x: Compared) -> bool:

@@ -86,7 +86,7 @@ class _Writer:
         """A phrase in lines; ``first`` and ``rest`` are what these begin with."""
         rest = first if rest is None else rest
         lines = wrap(
-            self.spell(said(phrase)), self.columns, initial_indent=first, subsequent_indent=rest,
+            self._cell(phrase), self.columns, initial_indent=first, subsequent_indent=rest,
             break_long_words=False, break_on_hyphens=False,
         )  # fmt: skip
         return [line.replace("\xa0", " ") for line in lines]
@@ -152,7 +152,8 @@ class _Writer:
         return self.filled(tuple(x for link in block.links for x in (" → ", link))[1:], indent)
 
     def _cell(self, phrase: Phrase) -> str:
-        return self.spell(said(phrase)).replace("\xa0", " ")
+        """A phrase; what must stay on one line holds no plain space."""
+        return _PERCENT.sub("\xa0%", self.spell(said(phrase)))
 
     def _rows_listed(self, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]:
         """A table that has no room: each row as a list of what it says."""
@@ -164,6 +165,9 @@ class _Writer:
                     yield from self.filled(f"{head}: {cell}" if head else cell, _INDENT, _INDENT * 2)
 
 
+_PERCENT = re.compile(r"(?<=\d) %")
+
+
 def _is_formula(phrase: Phrase) -> bool:
     first = phrase[0] if isinstance(phrase, tuple) and phrase else phrase
     return isinstance(first, Box)
@@ -172,7 +176,7 @@ def _is_formula(phrase: Phrase) -> bool:
 def widths_of(rows: Sequence[Sequence[str]], room: int) -> list[int] | None:
     """Widths of the columns that fit, at least their longest words; None if there are none."""
     wide = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    words = [[len(word) for cell in column for word in cell.split()] for column in zip(*rows, strict=True)]
+    words = [[len(word) for cell in column for word in cell.split(" ")] for column in zip(*rows, strict=True)]
     least = [max(max(lengths, default=0), min(w, 8)) for lengths, w in zip(words, wide, strict=True)]
     while sum(wide) > room:
         i = max(range(len(wide)), key=lambda i: (wide[i] > least[i], wide[i]))
@@ -202,7 +206,7 @@ def _laid(row: Sequence[str], widths: Sequence[int]) -> Iterator[str]:
     cells = [_filled(x, width) for x, width in zip(row, widths, strict=True)]
     for i in range(max(map(len, cells), default=0)):
         parts = [(cell[i] if i < len(cell) else "").ljust(width) for cell, width in zip(cells, widths, strict=True)]
-        yield (_INDENT + (" " * _GAP).join(parts)).rstrip()
+        yield (_INDENT + (" " * _GAP).join(parts)).replace("\xa0", " ").rstrip()
 
 
 def _filled(cell: str, width: int) -> list[str]:

@@ -43,12 +43,16 @@ class SupremumBounds:
 
 @dataclass(frozen=True)
 class Difference:
-    """|r with all effects - r with some| as a function of omega, for one part of one scene."""
+    """|r with all effects - r with some| as a function of omega, for one part of one scene.
+
+    ``signed`` : |a - b|/|H_env| instead, which is what a region that tells signs apart asks for.
+    """
 
     scene: Scene
     balls: BallChain
     kept: Kept
     part: Part
+    signed: bool = False
 
     def supremum(self, limit: float | None = None) -> Supremum:
         """Its least upper bound on the band; with a limit only as narrow as it takes to say on which side of it that lies."""
@@ -63,13 +67,18 @@ class Difference:
 
     def _middle(self, piece: BandPiece) -> list[Ball]:
         """a - b and a + b over |H_env| in the middle of a piece."""
-        return [series[0] for series in self.balls.changes(piece, self.kept, self.part, whole=False)]
+        return [series[0] for series in self._changes(piece, whole=False)]
+
+    def _changes(self, piece: BandPiece, *, whole: bool) -> tuple[Series, ...]:
+        """The series of a - b and, where signs do not matter, of a + b."""
+        minus, plus = self.balls.changes(piece, self.kept, self.part, whole=whole)
+        return (minus,) if self.signed else (minus, plus)
 
     def stays_within(self, limit: Expr) -> bool | None:
         """Whether it exceeds an exact number nowhere, by the exact functions: also where it just reaches it. None: undecided."""
         low, high = self.scene.band
         table = chart({i: level(f, limit**2) for i, f in enumerate(self.squares)}, low, high)
-        exceeds = bool(table.where(lambda signs: signs[0] > 0 and signs[1] > 0))
+        exceeds = bool(table.where(lambda signs: min(signs.values()) > 0))
         return None if table.undecided and not exceeds else not exceeds
 
     def at_middle(self, piece: BandPiece) -> float:
@@ -78,11 +87,11 @@ class Difference:
 
     def range(self, piece: BandPiece) -> SupremumBounds:
         """Its range on a piece; unbounded above where ball arithmetic tells no bound."""
-        middle, whole = (self.balls.changes(piece, self.kept, self.part, whole=x) for x in (False, True))
+        middle, whole = (self._changes(piece, whole=x) for x in (False, True))
         h = self.balls.radius(piece)
-        minus, plus = (_Expansion(*pair, h) for pair in zip(middle, whole, strict=True))
-        reached = max(min(a, b) for a, b in zip(minus.values, plus.values, strict=True))
-        return SupremumBounds(min(minus.least, plus.least), reached, min(minus.most, plus.most))
+        found = [_Expansion(*pair, h) for pair in zip(middle, whole, strict=True)]
+        reached = max(map(min, zip(*(x.values for x in found), strict=True)))
+        return SupremumBounds(min(x.least for x in found), reached, min(x.most for x in found))
 
     def _bounds(self, piece: BandPiece) -> tuple[float, float]:
         found = self.range(piece)
@@ -98,27 +107,25 @@ class Difference:
         if bounded:
             return 0.0, min(bounded)
         points = chart(dict(enumerate(self.squares)), low, high).points
-        if any(all(p.orders.get(i, 0) < 0 for i in (0, 1)) for p in points):
+        if any(all(p.orders.get(i, 0) < 0 for i in range(len(self.squares))) for p in points):
             return inf, inf
         if piece.depth < _DEEPEST:
             return 0.0, inf
         raise UndecidedError(f"whether a difference of ratios is bounded near {float(low):.10g} rad/s")
 
     @cached_property
-    def _functions(self) -> tuple[RealFunction, RealFunction]:
-        """a - b and a + b, exact."""
+    def _functions(self) -> tuple[RealFunction, ...]:
+        """a - b and, where signs do not matter, a + b, exact."""
         full = self.scene.distortion()
         perceived, env = full.chain.perceived(sorted(self.kept)), full.env
         both = (full.perc - perceived, full.perc + perceived - env - env)
-        minus, plus = (part_of(on_axis(x.reduced()), self.part) for x in both)
-        return minus, plus
+        return tuple(part_of(on_axis(x.reduced()), self.part) for x in both[: 1 if self.signed else 2])
 
     @cached_property
-    def squares(self) -> tuple[RealFunction, RealFunction]:
+    def squares(self) -> tuple[RealFunction, ...]:
         """``(a - b)^2/|H_env|^2`` and ``(a + b)^2/|H_env|^2``, exact and in lowest terms."""
         modulus = self.scene.distortion().squared_modulus
-        minus, plus = (f * f / modulus for f in self._functions)
-        return minus, plus
+        return tuple(f * f / modulus for f in self._functions)
 
 
 class _Expansion:

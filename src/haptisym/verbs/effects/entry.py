@@ -37,7 +37,6 @@ def relevance(scene: Scene | str | Path, tolerance: Number = TOLERANCE) -> Relev
     scene = as_scene(scene)
     limit = _tolerance(tolerance)
     scene.knobs.need_numbers()
-    scene.threshold.need_square("which effects matter")
     balls = BallChain(scene)
     choice = SubsetSearch(scene, balls, limit).choose()
     kept = tuple(effect for i, effect in enumerate(scene.effects) if i in choice.kept)

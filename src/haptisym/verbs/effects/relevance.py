@@ -1,7 +1,8 @@
 """Which effects of a scene matter: how much each changes the distortion ratios, and the fewest that do for all, with proof.
 
 ``|r_full - r_kept| <= bound`` at every frequency of the band. So the full scene meets its threshold c only where the kept scene's
-ratio lies between c - bound and c + bound, and the chart of the kept scene at these two levels encloses all its crossings.
+ratio lies between c - bound and c + bound, and the chart of the kept scene at these two levels encloses all its crossings. Of a
+region ``enclosing`` has the two levels.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from sympy import Expr, Rational
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.criteria import Criterion, Judged, noticed
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.lattices import Signed
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Chart, Interval, chart
 from haptisym.kernel.shown import titled
@@ -29,6 +30,7 @@ from haptisym.model.scene import Scene
 from haptisym.programs.series import series_arithmetic
 from haptisym.verbs.effects.ballchain import BallChain, BandPiece
 from haptisym.verbs.effects.differences import Difference, SupremumBounds
+from haptisym.verbs.effects.enclosing import levels
 from haptisym.verbs.effects.suprema import Supremum
 
 _FINEST = 10  # halvings of the band until two effects count as alike
@@ -124,19 +126,35 @@ class Relevance(Answer):
         return tuple(sorted(found, key=lambda x: (float(x.low), x.criterion.name)))
 
     def _enclosures(self, criterion: Criterion) -> Iterator[CrossingEnclosure]:
-        part, c = criterion.part, criterion.threshold
-        if part is None:
-            raise SceneError(f"{criterion.words}: which effects matter is told of criteria of one part alone")
-        square = criterion.measure(self.pruned.distortion())
-        bound = Rational(*self.bound[part].most.as_integer_ratio())
-        levels = {"high": replace(criterion, threshold=c + bound).exceeded(square)}
-        if positive(c - bound, *self.pruned.band) if c.has(omega) else (c - bound).evalf() > 0:
-            levels["low"] = replace(criterion, threshold=c - bound).exceeded(square)
-        table = chart(levels, *self.pruned.band)
-        for x in table.where(lambda signs: signs.get("low", 1) >= 0 >= signs["high"]):
+        table = chart(self._levels(criterion), *self.pruned.band)
+        for x in table.where(lambda signs: signs.get("low", 1) >= 0 >= signs.get("high", -1)):
             yield CrossingEnclosure(criterion, x.low.omega, x.high.omega, _passes(table, x))
         for point in table.undecided:
             yield CrossingEnclosure(criterion, point.omega, point.omega, certain=False)
+
+    def _levels(self, criterion: Criterion) -> dict[str, Signed]:
+        """Functions of the kept scene: ``high`` positive where the full one is above, ``low`` negative where it is below."""
+        d = self.pruned.distortion()
+        if criterion.region:
+            found = levels(criterion.region, d, self._signed, self.pruned.band) if self._signed else None
+            low = {"low": found.may} if found and found.may else {}
+            return low | ({"high": found.must} if found else {})
+        assert criterion.part is not None
+        c, square = criterion.threshold, criterion.measure(d)
+        bound = Rational(*self.bound[criterion.part].most.as_integer_ratio())
+        high: dict[str, Signed] = {"high": replace(criterion, threshold=c + bound).exceeded(square)}
+        if positive(c - bound, *self.pruned.band) if c.has(omega) else (c - bound).evalf() > 0:
+            high["low"] = replace(criterion, threshold=c - bound).exceeded(square)
+        return high
+
+    @cached_property
+    def _signed(self) -> dict[Part, Rational] | None:
+        """How much leaving out all others changes Re dH and Im dH, relative to |H_env|; None where that has no bound."""
+        places = frozenset(i for i, e in enumerate(self.scene.effects) if e in self.pruned.effects)
+        found = {part: Difference(self.scene, self.balls, places, part, signed=True).supremum().most for part in Part}
+        if inf in found.values():
+            return None
+        return {part: Rational(*most.as_integer_ratio()) for part, most in found.items()}
 
     @cached_property
     def operations(self) -> tuple[int, int]:
