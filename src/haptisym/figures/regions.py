@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.transforms import Affine2D
 
 from haptisym.figures.outlines import outline
 from haptisym.figures.sampling import sampled
@@ -21,8 +22,8 @@ _LOOKS = ((GREY, SOLID), (BLUE, DASHED), (RED, DOTTED), ("#d0701f", SOLID))
 def draw_regions(ax: Axes, evaluation: Evaluation) -> list[Line2D]:
     """(Re dH, Im dH)/``|H_env|`` over the band, with the regions of ``evaluation.regions``; a dot where each is first met.
 
-    A region that depends on the frequency is drawn as it is where it is first met, or else at the high end of the band. Returns
-    the line of the distortion.
+    A region that depends on the frequency, as a floor and limits for each way do, is drawn as it is where it is first met, or
+    else at the high end of the band. Returns the line of the distortion.
     """
     f = evaluation.distortion.compile()
     omega = sampled(evaluation)
@@ -61,10 +62,18 @@ def _draw_region(ax: Axes, evaluation: Evaluation, x: Compared, look: tuple[str,
     at = float(x.crossing.omega if x.crossing else evaluation.chart.points[-1].omega)
     color, style = look
     given = {"facecolor": "none", "edgecolor": color, "linewidth": 1.0, "linestyle": style, "zorder": 2}
-    if x.threshold.region.floor is not None or x.threshold.region.lower != (None, None):
-        widths = np.array([floats_of(c, at) for c in half_widths(x.threshold)])  # of a change that makes a part larger
+    criteria = noticed(x.threshold)
+    if criteria[0].joint:
+        around, tip = outline(criteria, np.zeros(2), at, given, size=1.0), np.zeros(2)
+    else:  # a floor, and which limit holds, depend on H_env
+        here = evaluation.distortion.compile()(np.array([at]))
+        tip = np.array([float(here.environment_real[0]), float(here.environment_imag[0])])
+        around = outline(criteria, tip, at, given)
+    size = 1.0 if criteria[0].joint else float(np.hypot(*tip))
+    if not np.isfinite(size) or not size:
+        widths = np.array([floats_of(c, at) for c in half_widths(x.threshold)])  # H_env has no size there
         return np.array([-widths, widths])
-    around = outline(noticed(x.threshold), np.zeros(2), at, given, size=1.0)
     for patch in around.patches:
+        patch.set_transform(Affine2D().translate(*-tip).scale(1 / size) + ax.transData)
         ax.add_patch(patch)
-    return around.corners
+    return (around.corners - tip) / size
