@@ -14,10 +14,13 @@ from jnds import jnds
 from marks import often
 from matplotlib.figure import Figure
 from regions import enlarged, margin, outside
-from sympy import Rational
+from sympy import Rational, lambdify, symbols
 
 import haptisym as hs
 from haptisym.figures.require import draw_requirement
+from haptisym.judge.criteria import noticed as judged_by
+from haptisym.kernel import symbols as axis
+from haptisym.pages.regionforms import _borders
 
 PAPER = hs.load_scene("fu2019")
 ELLIPSE = {"shape": "ellipse", "real": 0.1, "imag": 0.12, "tilt": 0.5}
@@ -302,6 +305,25 @@ def test_several_environments_take_a_region() -> None:
     alone = [float(hs.evaluate(x).bandwidth or 0) for x in family.scenes.values()]
     assert float(found.bandwidth or 0) == min(alone)
     assert {x.criterion.name for x in found.binding} == {"joint"}
+
+
+@pytest.mark.parametrize("jnd", [ELLIPSE, DIAMOND, POLYGON, PENTAGON], ids=["ellipse", "diamond", "polygon", "moving"])
+def test_the_border_of_a_region_is_derived_as_it_is_defined(jnd: dict[str, Any]) -> None:
+    [criterion] = judged_by(with_jnd(jnd).threshold)
+    assert criterion.joint is not None
+    borders = [lambdify([*symbols("x_r x_i", real=True), axis.omega], f) for f in _borders(criterion.joint)]
+    for x, y, w in np.random.default_rng(3).uniform((-0.2, -0.2, 0), (0.2, 0.2, 15), (200, 3)):
+        assert (max(f(x, y, w) for f in borders) > 0) == (outside(jnd, x, y, w) > 0)
+
+
+def test_a_derivation_says_when_a_region_is_left() -> None:
+    found = str(hs.derive(with_jnd(POLYGON), ["zeta"]))
+    assert "one of q_1, q_2, q_3 or q_4 is positive" in found
+    assert "q_1 = 10 x_i + 10 x_r - 1" in found
+    assert "p_joint_12 = " in found
+    sided = str(hs.derive(with_jnd(SIDED), ["zeta"]))
+    assert "The limits are 8 % higher or 12 % lower (real)" in sided
+    assert "p_real_12" in sided
 
 
 Asked = Callable[[hs.Scene], object]

@@ -25,7 +25,7 @@ def checked(answer: Answer, text: str) -> Html:
     try:
         proof = answer.certificate()
     except HaptisymError as error:
-        return element("p", f"This page carries no certificate: {error}.")
+        return element("p", f"This page carries no certificate: {str(error).removeprefix('a certificate: ')}.")
     note = (
         "This page carries a certificate, the scene's file, and a program that shares no line with haptisym. That program proves "
         "the certificate anew in your browser, and compares it with the table of crossings above."

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import chain
 
 from sympy import Expr, I
 
 from haptisym.judge.evaluation import Evaluation
-from haptisym.kernel.lattices import Lattice
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import omega, s
 from haptisym.model.catalogue import Effect
 from haptisym.model.jnd import Part
+from haptisym.pages.regionforms import ways
 from haptisym.pages.sceneforms import DIFFERENCE, DYNAMICS, FELT, RELATIVE, FormulaGroup, SceneForms
 from haptisym.pages.sceneforms import RATIO_FORMS as RATIO_FORMS
 from haptisym.pages.sections import beyond
-from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OMEGA, OPERATORS, RATIOS
+from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OPERATORS, RATIOS
 from haptisym.verbs.derive.entry import derive
 from haptisym.writing.boxes import Box, Equation, Prefixed, Sum
 from haptisym.writing.document import Block, Equations, Line, Paragraph, Phrase, Section, listed
@@ -110,15 +109,10 @@ class _Steps:
         lines: list[Line] = []
         for x in self.evaluation.criteria:
             found = x.function(self.evaluation.distortion)
-            terms = found.terms if isinstance(found, Lattice) else ((found,),)
-            names = [[function(f"p_{x.name}_{i}{j}" if len(terms) > 1 or len(row) > 1 else f"p_{x.name}", OMEGA)
-                      for j, _ in enumerate(row, 1)] for i, row in enumerate(terms, 1)]  # fmt: skip
-            ways = listed((listed((name, " > 0") for name in row) for row in names), "or")
-            what = f"The {x.joint.kind} is left" if x.joint else (named(x.symbol), " exceeds its limit")
-            said.append((what, " exactly where ", ways, ". "))
-            rows = zip(chain(*names), chain(*terms), strict=True)
+            where, functions = ways(x, found)
+            said += [where, " "]
             moves = bool(x.joint) and not self.evaluation.scene.threshold.is_constant  # corners may change sign
-            singles = ((name, f) for name, f in rows if isinstance(f, RealFunction))
+            singles = ((name, f) for name, f in functions if isinstance(f, RealFunction))
             lines += [self.forms.polynomial(name, _whole(f) if moves else f) for name, f in singles]
         if len(lines) > _MOST_POLYNOMIALS:
             yield Paragraph(f"{len(lines)} functions of ω decide what is noticed: too many to be written here.")

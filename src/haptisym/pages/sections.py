@@ -12,6 +12,7 @@ from haptisym.kernel.solutions import Solution
 from haptisym.kernel.symbols import omega
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension
+from haptisym.pages import regionforms
 from haptisym.programs.steps import DISTORTION, Steps
 from haptisym.verbs.derive.derivation import QUANTITIES, Derivation, bare, listed_name
 from haptisym.verbs.derive.groups import Groups
@@ -39,7 +40,7 @@ def sections(d: Derivation) -> tuple[Section, ...]:
     """What a derivation was asked for, or all that it says unasked."""
     if d.of:
         return asked(d, d.of)
-    when = _when(d) if d.scene.threshold.is_plain else _not_solved(d)
+    when = _when(d) if d.scene.threshold.is_plain else regionforms.when(d)
     found = [_dynamics(d), _in_steps(d), _written_out(d), when, _changeovers(d), *_dimensionless(d), *_fast(d)]
     return tuple(section for section in found if section.blocks)
 
@@ -48,11 +49,6 @@ def beyond(d: Derivation) -> tuple[Section, ...]:
     """What closed forms alone do not show: short steps, crossings solved for omega, groups, leading terms."""
     found = [_in_steps(d), *([_solved(d)] if d.scene.threshold.is_plain else []), *_dimensionless(d), *_fast(d)]
     return tuple(section for section in found if any(isinstance(x, Equations) for x in section.blocks))
-
-
-def _not_solved(d: Derivation) -> Section:
-    said = f"The JND is {d.scene.threshold.kind}: `haptisym evaluate` has its crossings, and no formulas for them."
-    return _section(("When it is noticed",), notes=(said,))
 
 
 def asked(d: Derivation, names: Iterable[str]) -> tuple[Section, ...]:

@@ -50,6 +50,7 @@ def certificate(found: Requirement) -> str:
 
 
 def _refuse(found: Requirement) -> None:
+    found.scene.threshold.need_plain("a certificate")
     if found.that != ("transparent",) or any(x.name not in ("real", "imag") for x in found.criteria):
         raise SceneError("a certificate of a requirement is about what is transparent in this environment alone")
     if found.undecided:

@@ -1,0 +1,80 @@
+"""When a region is left, as formulas: the functions of omega that must not all be positive."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import chain
+
+from sympy import Abs, Expr, Symbol, count_ops
+
+from haptisym.judge.criteria import Criterion, noticed
+from haptisym.judge.regions import Diamond, Ellipse, Joint, Polygon
+from haptisym.kernel.lattices import Lattice, Signed
+from haptisym.kernel.response import RealFunction
+from haptisym.model.regions import Shape
+from haptisym.pages.words import H_ENV, OMEGA, region
+from haptisym.verbs.derive.derivation import Derivation
+from haptisym.writing.boxes import Absolute, Box, Fraction
+from haptisym.writing.document import Equations, Line, Notes, Phrase, Section, listed
+from haptisym.writing.equations import function, quantity
+from haptisym.writing.names import named
+
+_LONGEST = 250  # operations of a function that is written out unasked
+_MOST = 16  # functions that are
+
+
+def ways(x: Criterion, found: Signed) -> tuple[Phrase, list[tuple[Box, Signed]]]:
+    """Where a criterion is broken, in words, and the functions that these name."""
+    terms: Sequence[Sequence[Signed]] = found.terms if isinstance(found, Lattice) else ((found,),)
+    names = [[_called(x, i, j, terms) for j, _ in enumerate(row, 1)] for i, row in enumerate(terms, 1)]
+    said = listed((listed((name, " > 0") for name in row) for row in names), "or")
+    what = f"The {x.joint.kind} is left" if x.joint else (named(x.symbol), " exceeds its limit")
+    return (what, " exactly where ", said, "."), list(zip(chain(*names), chain(*terms), strict=True))
+
+
+def _called(x: Criterion, i: int, j: int, terms: Sequence[Sequence[Signed]]) -> Box:
+    one = len(terms) == 1 and len(terms[0]) == 1
+    return function(f"p_{x.name}" if one else f"p_{x.name}_{i}{j}", OMEGA)
+
+
+def when(d: Derivation) -> Section:
+    """Of a region, or of limits that are formulas in omega: its border, and each function in closed form where it is short."""
+    limits = "The limits are " if d.scene.threshold.region.shape is Shape.SQUARE else "The JND is "
+    notes: list[Phrase] = [(limits, region(d.scene.threshold), ".")]
+    lines: list[Line] = []
+    long: list[Phrase] = []
+    for x in noticed(d.scene.threshold):
+        said, functions = ways(x, x.function(d.distortion))
+        if x.joint:
+            borders = [(named(f"q_{i}"), form) for i, form in enumerate(_borders(x.joint), 1)]
+            one_of = "one of " if len(borders) > 1 else ""
+            shown = listed((name for name, _ in borders), "or")
+            notes.append(("The ", x.joint.kind, " is left where ", one_of, shown, " is positive."))
+            lines += [_relative("x_r", "Re dH"), _relative("x_i", "Im dH"), *(Line(*pair) for pair in borders)]
+        notes.append(said)
+        for name, f in functions:
+            form = f.factored() if isinstance(f, RealFunction) else None
+            if form is None or count_ops(form) > _LONGEST or len(long) + len(lines) >= _MOST:
+                long.append(name)
+            else:
+                lines.append(Line(name, form))
+    if long:
+        notes.append(("Too long to be written out unasked: ", listed(long), ". Fewer symbols make them shorter."))
+    notes.append("Its crossings, as numbers: `haptisym evaluate`.")
+    return Section(("When it is noticed",), (Notes(tuple(notes)), *([Equations(tuple(lines))] if lines else [])))
+
+
+def _relative(name: str, part: str) -> Line:
+    return Line(named(name), Fraction(quantity(part), Absolute(H_ENV)))
+
+
+def _borders(of: Joint) -> list[Expr]:
+    """What is positive outside of a region, in x_r and x_i: one, or for each edge one."""
+    x, y = Symbol("x_r", real=True), Symbol("x_i", real=True)
+    if isinstance(of, Polygon):
+        return [p * x + q * y - 1 for p, q in of.edges]
+    assert isinstance(of, Diamond | Ellipse)
+    u, v = x / of.real, y / of.imag
+    if isinstance(of, Diamond):
+        return [Abs(x) / of.real + Abs(y) / of.imag - 1]
+    return [u**2 - 2 * of.tilt * u * v + v**2 - (1 - of.tilt**2)]
