@@ -210,6 +210,7 @@ def stability_mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, An
         return name, other
 
     claim, own = proof["claim"], proof["proof"]
+    yield "a zero that cancels", with_a_zero_that_cancels(proof)
     for n in (-1, 1):
         yield changed(f"imposed {n:+d}", lambda x, n=n: x["claim"].update(imposed=claim["imposed"] + n))
         for i, row in enumerate(claim["held"]):
@@ -315,6 +316,18 @@ def requirement_mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, 
                 lambda x, i=i, k=k, n=more: x["proof"]["factors"][i]["polynomial"][k].__setitem__(-1, n),
             )
     yield from frame_mutants(proof)
+
+
+def with_a_zero_that_cancels(proof: dict[str, Any]) -> dict[str, Any]:
+    """(s - 1)/(s - 1) times 1/H_perc, and the zero counted: every function is as before."""
+    other = copy.deepcopy(proof)
+    imposed = other["proof"]["imposed"]
+    n = len(imposed["factors"])
+    imposed["factors"] += [[["-1"], ["1"]], [["-1"], ["1"]]]
+    imposed["cells"] += [[], []]
+    imposed["function"]["powers"] += [[n, 1], [n + 1, -1]]
+    other["claim"]["imposed"] += 1
+    return other
 
 
 def known_roots(seed: int) -> tuple[str, int]:
