@@ -139,9 +139,13 @@ def hand_over(found: Answer, *, as_json: bool) -> None:
 def show(found: Answer, *, as_json: bool) -> None:
     """Print an answer, as its page or as its document."""
     keep_pages(found.document, found.to_json)
-    told: Any = found.to_json() if as_json else found.document()
+    if as_json:
+        quiet()
+        say_document(found.json_parts())
+        return
+    told = found.document()
     quiet()
-    say_document(told) if as_json else say(told)
+    say(told)
 
 
 def end(found: Answer) -> None:

@@ -7,7 +7,7 @@ import shutil
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from io import TextIOWrapper
 from pathlib import Path
@@ -53,9 +53,12 @@ def say(page: Document) -> None:
     write(plain(page, min(shutil.get_terminal_size((PAGE, 24)).columns, PAGE) if is_terminal else PAGE, _spell))
 
 
-def say_document(document: str) -> None:
-    """A JSON document on standard output."""
-    write(escaped(document, _encoding()) + "\n")
+def say_document(document: Iterable[str]) -> None:
+    """A JSON document on standard output, in parts, or as one text."""
+    encoding = _encoding()
+    for part in (document,) if isinstance(document, str) else document:
+        write(escaped(part, encoding))
+    write("\n")
 
 
 def write(text: str) -> None:

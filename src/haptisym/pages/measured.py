@@ -205,20 +205,11 @@ def _felt(e: MeasuredEvaluation) -> Iterator[tuple[Phrase, ...]]:
     """Neighbouring lines that are felt alike, as one row."""
     for part in (*Part, None) if e.joint else Part:
         named, noticed = e.named(part), e.noticed(part)
-        label = np.where(named, _label(e, part), np.where(noticed, -1, -2))
+        label = np.where(named, e.kinds(part), np.where(noticed, -1, -2))
         for first, last in runs(label):
             if noticed[first]:
                 words = _felt_words(e, part, first) if named[first] else NOT_NAMED
                 yield ends(e, first, last), str(last - first + 1), part.value if part else "both", words
-
-
-def _label(e: MeasuredEvaluation, part: Part | None) -> Any:
-    """A number for each line: the same where a part, or both, is felt alike."""
-    found = np.zeros(len(e), dtype=int)
-    for x in Part if part is None else (part,):
-        own = e.signs[x]
-        found = 1000 * found + 27 + 9 * own.environment + 3 * own.perceived + own.compared
-    return found if part else 2 * found + e.real_nearer
 
 
 def _felt_words(e: MeasuredEvaluation, part: Part | None, line: int) -> str:

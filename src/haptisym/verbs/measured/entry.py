@@ -21,6 +21,7 @@ from haptisym.model.measuredscene import MeasuredScene
 from haptisym.verbs.measured.judging import CODES, Judged, Lines, Signs, Verdict, judged, lines_of, signs
 from haptisym.verbs.measured.needed import Needed, needed
 from haptisym.verbs.measured.regions import ends_of
+from haptisym.verbs.measured.rowtext import listed, row_texts
 
 
 class Row(NamedTuple):
@@ -163,31 +164,64 @@ class MeasuredEvaluation(Answer):
 
     def to_json(self) -> str:
         """As text, one line for each measured line."""
-        long = {"rows": map(_row_text, self._rows()), "percepts": (json.dumps(_percept(p)) for p in self.percepts)}
+        return "".join(self.json_parts())
+
+    def json_parts(self) -> Iterator[str]:
+        """The same in parts: a million lines make a quarter of a gigabyte."""
+        long = {"rows": self._row_texts, "percepts": self._percept_texts}
         frame = {"schema": self._schema, "title": self.scene.title} | self._told(None, None) | self.scene.aside_keys()
-        told = (f"  {json.dumps(key)}: {_listed(long[key]) if key in long else _short(x)}" for key, x in frame.items())
-        return "{\n" + ",\n".join(told) + "\n}"
+        for i, (key, x) in enumerate(frame.items()):
+            yield f"{',' if i else '{'}\n  {json.dumps(key)}: "
+            yield from listed(long[key]()) if key in long else (_short(x),)
+        yield "\n}"
+
+    def _row_texts(self) -> Iterator[str]:
+        x = self.lines
+        numbers = {
+            "omega": x.omega,
+            "ratio_real": np.abs(x.change.real),
+            "ratio_imag": np.abs(x.change.imag),
+            "radius": x.radius,
+        }
+        codes = {part.value: self.verdict[part] for part in Part} | (
+            {"joint": self.joint.verdict} if self.joint else {}
+        )
+        kinds = np.zeros(len(self), dtype=int)
+        for own in codes.values():
+            kinds = 3 * kinds + own
+        return row_texts(
+            list(numbers.items()), kinds, lambda i: _inside({k: CODES[int(x[i])].value for k, x in codes.items()})
+        )
+
+    def _percept_texts(self) -> Iterator[str]:
+        for part in (*Part, None):
+            lines = np.flatnonzero(self.named(part))
+            if len(lines):
+                yield from self._felt_alike(part, lines)
+
+    def _felt_alike(self, part: Part | None, lines: Any) -> Iterator[str]:
+        def end(i: int) -> str:
+            told = _percept(self._percept(part, int(lines[i])))
+            return _inside({key: x for key, x in told.items() if key != "omega"})
+
+        return row_texts([("omega", self.lines.omega[lines])], self.kinds(part)[lines], end)
+
+    def kinds(self, part: Part | None) -> Any:
+        """A number for each line: the same where a part, or None for both together, is felt alike."""
+        found = np.zeros(len(self), dtype=int)
+        for x in Part if part is None else (part,):
+            own = self.signs[x]
+            found = 1000 * found + 27 + 9 * own.environment + 3 * own.perceived + own.compared
+        return found if part else 2 * found + self.real_nearer
+
+
+def _inside(told: Mapping[str, Any]) -> str:
+    """Keys and values without the braces."""
+    return json.dumps(told)[1:-1]
 
 
 def _short(value: Any) -> str:
     return json.dumps(value, indent=2, ensure_ascii=False).replace("\n", "\n  ")
-
-
-def _listed(rows: Iterator[str]) -> str:
-    """A list with a row to a line."""
-    text = ",\n    ".join(rows)
-    return f"[\n    {text}\n  ]" if text else "[]"
-
-
-def _row_text(x: Row) -> str:
-    """As ``json.dumps(_row(x))``, in a quarter of the time: there may be a million of them."""
-    real, imag, radius = (
-        "null" if value is None or not isfinite(value) else repr(value)
-        for value in (x.ratio_real, x.ratio_imag, x.radius)
-    )
-    ratios = f'"ratio_real": {real}, "ratio_imag": {imag}, "radius": {radius}'
-    joint = "" if x.joint is None else f', "joint": "{x.joint.value}"'
-    return f'{{"omega": {x.omega!r}, {ratios}, "real": "{x.real.value}", "imag": "{x.imag.value}"{joint}}}'
 
 
 def _percept(p: MeasuredPercept) -> dict[str, Any]:
