@@ -110,10 +110,29 @@ def counts() -> None:
     table("one verdict on a spring 36 ms late", medians(ways, 9), "exact")
 
 
+def maps() -> None:
+    """Maps of 41 slices, of what is transparent and what is stable in the arm."""
+    print("\n=== maps ===")
+    asked = {
+        "fu2019": (["omega_n", "zeta"], [(60, 200), ("0.1", 1)]),
+        "delayed-spring": (["tau", "environment.k"], [("1 ms", "60 ms"), (10, 1000)]),
+    }
+    for name, (paths, ranges) in asked.items():
+
+        def drawn(name: str = name, paths: list[str] = paths, ranges: list[tuple[object, object]] = ranges) -> int:
+            forget()
+            return len(hs.design_map(name, paths, ranges, that=["transparent", "stable"], hand=ARM).slices)
+
+        table(
+            f"{name}, {drawn()} slices", medians({"evaluate": lambda n=name: evaluated(n), "map": drawn}, 1), "evaluate"
+        )
+
+
 def main() -> None:
-    """Print costs and counts."""
+    """Print costs, maps and counts."""
     print(machine())
     costs()
+    maps()
     counts()
 
 

@@ -61,6 +61,9 @@ def test_the_shipped_wave_variable_link_is_decided() -> None:
     text = " ".join(str(found).split())
     assert "lie in Re s < 0; infinitely many come as near to the imaginary axis as one likes" in text
     assert hs.evaluate("wave-variable-link").stable is True
+    held = hs.stability("wave-variable-link", "light-touch")
+    assert held.held[0].stable is False
+    assert "none of them grows, as all parts only take energy" in " ".join(str(held).split())
 
 
 @pytest.mark.parametrize("late", [0, 1, 2])

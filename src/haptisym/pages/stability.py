@@ -81,11 +81,19 @@ def _held(found: Stability) -> Iterator[Block]:
     where = ("roots in ", _RIGHT) if found.sampled is None else "roots with |z|\xa0≥\xa01"
     columns = (Column("hand"), *keys, Column("stable"), Column(where, number=True))
     yield Table(columns, tuple(map(_row, found.held)), "The display in each hand.")
-    notes: list[Phrase] = [(x.hand.name, ": ", _reason(x), ".") for x in found.held if _reason(x)]
+    notes: list[Phrase] = [
+        (x.hand.name, ": ", _reason(x), _none_grows(found, x), ".") for x in found.held if _reason(x)
+    ]
     notes += [_box(x.hand, box) for x, box in zip(found.held, found.boxes, strict=True) if box]
     if notes:
         yield Notes(tuple(notes))
     yield from (_going(found, x, rows) for x, rows in zip(found.held, found.critical, strict=True) if rows)
+
+
+def _none_grows(found: Stability, x: Held) -> str:
+    """Of a chain of roots that comes to the axis: whether it is known to stay on its left."""
+    p, near = found.every_passive_hand.passivity, x.roots is not None and x.roots.chain is RootChain.NEAR
+    return "; none of them grows, as all parts only take energy" if near and p and p.has_passive_parts else ""
 
 
 def _box(hand: Hand, box: Box) -> Phrase:
