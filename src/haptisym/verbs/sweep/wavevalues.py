@@ -112,10 +112,14 @@ class WaveFunction:
         return [self._degree(first + i) for i in range(len(self.variables.orders))]
 
     def values(self, x: Array, powers: Array | None = None) -> Array:
-        """At points of each set: points x sets. ``powers``: instead of x^alpha, if that is to be a variable of its own."""
+        """At points of each set: points x sets. ``powers``: instead of x^alpha, if that is to be a variable of its own.
+
+        They may have more dimensions in front, and then so do the values.
+        """
         points = Points.of(self.variables, x, self.rates, powers)
         found = [reduce(mul, [f.at(points, f.rows.values) for f in side]) for side in self._sides]
-        return np.broadcast_to(found[0] - found[1] if len(found) > 1 else found[0], x.shape)
+        shape = x.shape if powers is None else np.broadcast_shapes(x.shape, powers.shape[1:])
+        return np.broadcast_to(found[0] - found[1] if len(found) > 1 else found[0], shape)
 
     def sizes(self, x: Array, growth: Array | None = None, powers: Array | None = None) -> Array:
         """The sums of the absolute values of all terms at one x >= 0 of each set, and so for all smaller ones.

@@ -12,7 +12,7 @@ has no zero there.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TypeAlias
@@ -31,8 +31,8 @@ _DEGREES, _DEGREE_AT_0 = (5, 14), 6
 _NARROW = 2.0**-6
 _READY, _READY_AT_0 = 1e-6, 1e-4
 """How much of the size a remainder may be: else a segment is cut before anything is computed on it."""
-_FIRST = 2.0**-4
-_MOST_CUTS, _MOST_CUTS_AT_0, _MOST_HALVINGS = 40, 6, 5
+_MOST_CUTS, _MOST_CUTS_AT_0, _MOST_HALVINGS = 40, 9, 5
+_AT_ONCE = 8192
 _MOST_OPEN = 200  # segments of a set: rounding hides what is to be found
 
 
@@ -75,8 +75,8 @@ class _Search:
             if not len(left[0]):
                 return
             narrow = left[2] - left[1] < _NARROW
-            parts = self.narrowed(_chosen(left, narrow), _DEGREES), self.narrowed(_chosen(left, ~narrow), _DEGREES[1:])
-            left = _joined(parts)
+            kinds = (_chosen(left, narrow), _DEGREES), (_chosen(left, ~narrow), _DEGREES[1:])
+            left = _joined([self.narrowed(some, degrees) for part, degrees in kinds for some in _pieces(part)])
         self.doubtful[left[0]] = True
 
     def narrowed(self, segments: Segments, degrees: Sequence[int]) -> Segments:
@@ -126,8 +126,12 @@ class _Search:
         return Zeros(sets[order], low[order], high[order], ~self.doubtful, self.first)
 
     def beyond_0(self, end: float) -> Segments:
-        """What is left between a first segment without a zero, on which powers are variables of their own, and the end."""
-        left, rest = self.segment(0.0, min(end, _FIRST)), [self.segment(min(end, _FIRST), end)]
+        """What is left between a first segment without a zero, on which powers are variables of their own, and the end.
+
+        That first segment is as long as it can be, in steps of 4.
+        """
+        left = self.segment(0.0, end)
+        rest = [_chosen(left, np.zeros(self.f.sets, dtype=bool))]
         if sum(n > 0 for n in self.f.power_degrees) > 1:
             self.doubtful[:] = True
             return left
@@ -138,8 +142,8 @@ class _Search:
             sets, high = sets[sign == 0], high[sign == 0]
             if not len(sets):
                 break
-            rest.append((sets, high / 8, high))
-            left = sets, low[: len(sets)], high / 8
+            rest.append((sets, high / 4, high))
+            left = sets, low[: len(sets)], high / 4
         self.doubtful[sets] = True
         return _joined(rest)
 
@@ -215,12 +219,19 @@ def _sign_from_0(f: WaveFunction, high: Array) -> Array:
     sizes = f.sizes(high, powers=powers)
     wrong = f.error(sizes, low, high, own_powers=True) + error(sizes, _DEGREE_AT_0 + n.degree + 5)
     x = high * m.high[:, None]
-    values = np.array([f.values(x, powers * share) for share in n.high])
+    values = f.values(x, powers[:, None, None] * n.high[:, None, None])
     coefficients = np.einsum("ki,mj,ijb->kmb", n.matrix, m.matrix, values)
     bounds = n.amplified[:, None, None] * (m.amplified[:, None] * wrong + value)
     same = _one_sign(coefficients.reshape(-1, len(high)), bounds.reshape(-1, len(high)))
     found: Array = np.where(same & (value < _READY_AT_0 * sizes), np.sign(values[0, 0]), 0.0)
     return found
+
+
+def _pieces(segments: Segments) -> Iterator[Segments]:
+    """So many at a time that memory is no matter."""
+    sets, low, high = segments
+    for i in range(0, len(sets), _AT_ONCE):
+        yield sets[i : i + _AT_ONCE], low[i : i + _AT_ONCE], high[i : i + _AT_ONCE]
 
 
 def _chosen(segments: Segments, kept: Array) -> Segments:
