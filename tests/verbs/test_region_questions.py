@@ -21,6 +21,7 @@ from haptisym.figures.require import draw_requirement
 from haptisym.judge.criteria import noticed as judged_by
 from haptisym.kernel import symbols as axis
 from haptisym.pages.regionforms import _borders
+from haptisym.writing.code.entry import Language, scene_code
 
 PAPER = hs.load_scene("fu2019")
 ELLIPSE = {"shape": "ellipse", "real": 0.1, "imag": 0.12, "tilt": 0.5}
@@ -314,6 +315,17 @@ def test_the_border_of_a_region_is_derived_as_it_is_defined(jnd: dict[str, Any])
     borders = [lambdify([*symbols("x_r x_i", real=True), axis.omega], f) for f in _borders(criterion.joint)]
     for x, y, w in np.random.default_rng(3).uniform((-0.2, -0.2, 0), (0.2, 0.2, 15), (200, 3)):
         assert (max(f(x, y, w) for f in borders) > 0) == (outside(jnd, x, y, w) > 0)
+
+
+@pytest.mark.parametrize("language", Language)
+def test_generated_code_is_the_same_for_every_region(language: Language) -> None:
+    """It has the dynamics, the distortion and the ratios: what is judged of them is not in it."""
+    square = scene_code(PAPER, language)
+    for jnd in (ELLIPSE, DIAMOND, POLYGON, FLOOR, SIDED, FORMULA):
+        own = hs.Scene(
+            PAPER.environment, PAPER.effects, PAPER.band, jnd, title=PAPER.title, source=PAPER.source
+        )  # fmt: skip
+        assert scene_code(own, language) == square
 
 
 def test_a_derivation_says_when_a_region_is_left() -> None:

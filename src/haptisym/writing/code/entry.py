@@ -114,12 +114,13 @@ def _scene_notes(scene: Scene, fixed: Mapping[Symbol, Expr]) -> tuple[str, ...]:
     chain = ", ".join(f"{e.name} ({e.model})" if e.name != e.model else e.name for e in scene.effects) or "none"
     rendered = [f"Rendered instead: {_formula(scene.rendered.dynamics)}"] if scene.rendered else []
     given = ", ".join(f"{p.symbol} = {_formula(p.value)}" for p in scene.parameters if p.symbol in fixed)
+    limits = [THRESHOLD] if scene.knobs.limits else []  # a polygon has none
     return (
         f"H_env(s) = {_formula(scene.environment.dynamics)} ({scene.environment.model})",
         *rendered,
         f"H_perc: through these effects, nearest the environment first: {chain}.",
         *([f"Fixed values, SI: {given}."] if given else []),
-        *scene.asides([THRESHOLD, *(x.path for x in scene.parameters if x.symbol not in fixed)]),
+        *scene.asides([*limits, *(x.path for x in scene.parameters if x.symbol not in fixed)]),
         *_NOTES,
         *([f"Source: {scene.source}"] if scene.source else []),
     )
