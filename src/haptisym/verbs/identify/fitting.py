@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.shown import counted
@@ -132,6 +131,8 @@ def fit(wanted: Wanted, m: Measurement) -> Fit:
 
 def _least(curve: Curve, m: Measurement, noise: Noise, begin: Reals) -> tuple[float, Reals] | None:
     """The least half sum of squares near a start, and its values."""
+    from scipy.optimize import least_squares  # of the extra simulate
+
     free = curve.wanted.free
     size = np.where(begin != 0, np.abs(begin), scales(free, m) * 1e-3)
 

@@ -7,7 +7,6 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from statistics import NormalDist
 
 import numpy as np
-from scipy.special import gammaincc, stdtrit
 
 from haptisym.model.measured import Complexes
 from haptisym.model.parameters import Rule
@@ -37,6 +36,8 @@ class Verdict:
 
 def verdict(found: Fit) -> Verdict:
     """Two tests: are the residuals as large as the discs say, and is one line's residual independent of the next one's."""
+    from scipy.special import gammaincc
+
     known, spare = found.noise.freedom is not None, (1 - found.lines.confidence) / 2
     square = float(found.noise.squares(found.residuals).sum()) if known else None
     chance = None if square is None or not found.freedom else float(gammaincc(found.freedom / 2, square / 2))
@@ -97,6 +98,8 @@ def estimates(found: Fit) -> tuple[Estimate, ...]:
 
 def _reach(found: Fit, share: float) -> float:
     """Standard errors from the middle to that share of the distribution."""
+    from scipy.special import stdtrit
+
     if found.noise.freedom is None:
         return float(stdtrit(max(found.freedom, 1), share))
     return NormalDist().inv_cdf(share)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from haptisym.model.distortion import distort
 from haptisym.model.measured import Complexes, Measurement, Reals
@@ -78,6 +77,8 @@ def _logarithm(H: Complexes, measured: Complexes) -> Reals:
 
 
 def _refined(curve: Curve, measured: Complexes, begin: Reals, scale: Reals) -> Reals:
+    from scipy.optimize import least_squares  # of the extra simulate
+
     signed = np.array([x.rule in (Rule.ANY, Rule.FRACTION) for x in curve.wanted.free])
     fraction = np.array([x.rule is Rule.FRACTION for x in curve.wanted.free])
 
