@@ -20,6 +20,7 @@ from haptisym.commands.options import (
 )
 from haptisym.commands.progress import progress
 from haptisym.commands.verb import PAGES, given, not_over, verb
+from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError
 from haptisym.model.family import SceneFamily
@@ -109,33 +110,37 @@ def evaluate(
         return
     family = felt_through(opened, scene, (*environments, *more))
     if environment is None and (environments or len(family) > 1):
-        if tolerance is not None:
-            raise SceneError("--tolerance takes one environment: choose it with --environment NAME")
-        if certificate is not None:
-            raise SceneError("--certificate takes one environment: choose it with --environment NAME")
-        if regions or proportion is not None:
-            option = "--regions" if regions else "--proportion"
-            raise SceneError(f"{option} takes one environment: choose it with --environment NAME")
-        if response is not None:
-            raise SceneError("--response takes one environment: choose it with --environment NAME")
+        _of_one_environment()
         _evaluate_all(family, digits, figures, as_json, limit)
         return
     one = family[str(environment)] if environments else chosen(family, Path(scene).name, environment)
     with progress() as told, limited(limit, told):
         result = evaluate_scene(one, digits, tolerance=tolerance, regions=regions, proportion=proportion)
         _ = result.bandwidths  # of a range of thresholds: within the limit
-        proof = None if certificate is None else result.certificate()
-    if certificate is not None and proof is not None:
+        proof = result.certificate() if certificate else ""
+    if certificate is not None:
         keep("certificate", certificate, lambda: certificate.write_text(proof, encoding="utf-8"))
     if response is not None:
-        from haptisym.model.measuring import write_sampled
-
-        keep("response", response, lambda: write_sampled(result.given, response, points))
+        _keep_response(result, response, points)
     if figures is not None:
         from haptisym.figures.files import save_figures
 
         keep_figures(figures, lambda: save_figures(result, figures))
     hand_over(result, as_json=as_json)
+
+
+def _of_one_environment() -> None:
+    """Refuse what several environments at once are not asked."""
+    for option in ("--tolerance", "--certificate", "--regions", "--proportion", "--response"):
+        if given(click.get_current_context(), option):
+            raise SceneError(f"{option} takes one environment: choose it with --environment NAME")
+
+
+def _keep_response(result: Evaluation, file: Path, points: int) -> None:
+    """The exact response as a table."""
+    from haptisym.model.measuring import write_sampled
+
+    keep("response", file, lambda: write_sampled(result.given, file, points))
 
 
 _ABOUT_FORMULAS = (
