@@ -195,6 +195,8 @@ def answers(path: Path) -> list[str]:
     lines: hs.Measurement = hs.measured([1.0, 2.0], [99 + 2j, 98 + 4j], coherence=[0.9, 0.9], averages=10)
     exact: hs.Measurement = hs.sampled(scene, [1.0, 2.0])
     bench: hs.MeasuredEvaluation = hs.evaluate(hs.MeasuredScene(hs.environments.kelvin_voigt(100, 2), lines))
+    recorded: hs.Measurement = hs.estimated([0.0, 1.0], [0.0, 100.0], "1 kHz", estimator="H2", segment="1 s")
+    fitted: hs.Identification = hs.identify(recorded, "kelvin-voigt", ["shunt:m", "delay"], band=("1 Hz", 20))
     sets = hs.sweep(scene, {"effects.filter.omega_n": [60, 80]})
     code: str = hs.scene_code(scene, hs.Language.NUMPY) + hs.distortion_code(scene.distortion(), hs.Language.C)
     d: hs.Distortion = hs.distort(hs.environments.mass_spring_damper(*hs.symbols("m b k")), hs.effects.delay("5 ms"))
@@ -205,7 +207,7 @@ def answers(path: Path) -> list[str]:
     except hs.SceneError as error:
         written.append(str(error))
     shown: list[object] = [width, spans, felt, points, kinds, high, derived, needed, design, slopes, boxes, kept]
-    shown += [person, known, first, measures, shakes, costs, harder, simulated, run, let_go, both, motions, sets, f, bench, exact]
+    shown += [person, known, first, measures, shakes, costs, harder, simulated, run, let_go, both, motions, sets, f, bench, exact, fitted]
     return [*written, *map(str, shown), str(path)]
 '''
 
