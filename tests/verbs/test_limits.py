@@ -171,7 +171,7 @@ def test_a_spent_limit_is_said(clock: Callable[[float], None]) -> None:
 
 def test_slices_that_were_not_reached_are_undecided(clock: Callable[[float], None]) -> None:
     ranges = [("0.4", "0.6"), (50, 500)]
-    found = design_map(hs.load_scene("fu2019"), ["zeta", "omega_n"], ranges, slices=9, limit=250)  # type: ignore[arg-type]
+    found = design_map(hs.load_scene("fu2019"), ["zeta", "omega_n"], ranges, slices=9, limit=1000)  # type: ignore[arg-type]
     decided = [x.requirement.certified for x in found.slices]
     assert True in decided
     assert False in decided

@@ -197,7 +197,7 @@ def design_map(
     def cut(at: Expr, n: int, count: int) -> Slice:
         budget.say(n, count, "slices")
         here = first.put(scene, at)
-        with share(1 / (count - n)):
+        with share(1 / min(count - n, 2)):  # one that is slow leaves time to the others
             apart = [require(here, second.path, other, that=[x], **asked) for x in wanted]
             contours = [require(here.with_values({THRESHOLD: x}), second.path, other, **asked) for x in thresholds]
         return _slice(at, apart, contours)
