@@ -8,6 +8,7 @@ import os
 import pty
 import re
 import select
+import signal
 import struct
 import subprocess
 import sys
@@ -78,12 +79,18 @@ def all_in_terminal(calls: Sequence[Sequence[str]], *, columns: int = 80, **more
     return [Shown(int(status), text) for text, status in zip(fields[:-1:2], fields[1::2], strict=True)]
 
 
+def _in_front() -> None:
+    """Ctrl-C reaches it and ends it, also where the tests themselves run in the background."""
+    fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def _run(command: list[str], columns: int, keys: Sequence[Key], more: dict[str, str | None]) -> Shown:
     master, slave = pty.openpty()
     fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 40, columns, 0, 0))
     process = subprocess.Popen(
         command, stdin=slave, stdout=slave, stderr=slave, start_new_session=True, env=environment(columns, **more),
-        preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),  # so that Ctrl-C reaches it
+        preexec_fn=_in_front,
     )  # fmt: skip
     os.close(slave)
     try:
