@@ -147,8 +147,14 @@ def _units(found: Stability) -> list[str]:
 
 def _row(x: Held) -> tuple[Phrase, ...]:
     verdict: Phrase = Strong("UNDECIDED") if x.stable is None else "yes" if x.stable else Strong("NO")
-    count: Phrase = "" if x.roots is None else "infinite" if x.unstable is None else str(x.unstable)
-    return x.hand.name, *map(_value, (x.hand.m.value, x.hand.b.value, x.hand.k.value)), verdict, count
+    return x.hand.name, *map(_value, (x.hand.m.value, x.hand.b.value, x.hand.k.value)), verdict, _count(x)
+
+
+def _count(x: Held) -> str:
+    """How many roots lie in Re s >= 0, as far as that is known."""
+    if x.roots is None or x.roots.chain is RootChain.NEAR:  # of a chain that only comes near, none need lie there
+        return "" if x.roots is None else "a chain near it"
+    return "infinite" if x.unstable is None else str(x.unstable)
 
 
 def _value(x: object) -> Number:

@@ -80,7 +80,7 @@ def _held(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
         yield f"roots that do not decay in {x['hand']}", f"{', '.join(counts)} sets"
 
 
-_ENDLESS = {"infinite": "infinitely many", "undecided": "not decided"}
+_ENDLESS = {"infinite": "a chain of infinitely many", "undecided": "not decided"}
 
 
 def _span(span: list[float] | None, unit: float = 1.0, digits: int = 5) -> Phrase:

@@ -60,7 +60,7 @@ def sweep(
     then -1).
 
     For each hand ``unstable_NAME``, the proven number of roots that do not decay (Re s >= 0, with a clock abs(z) >= 1): 0 where
-    the display is stable in it, 32767 for infinitely many, -1 where that was not decided; ``method`` is then 2.
+    the display is stable in it, 32767 for a chain of infinitely many, -1 where that was not decided; ``method`` is then 2.
 
     Raises SceneError for an unknown path, a value that the model does not allow, more sets than memory should hold without
     ``out``, and a package that is missing.

@@ -15,7 +15,7 @@ from haptisym.model.scene import Scene
 
 ABSENT, UNKNOWN = float("nan"), -1
 INFINITE = 32767
-"""Stands for infinitely many roots, a chain of them."""
+"""Stands for infinitely many roots, a chain of them that lies on the right or comes as near to the axis as one likes."""
 FLOAT, EXACT, OPEN = 0, 1, 2
 """By which method a set was answered: floats with a bound; exactly; not at all, as it stayed undecided or has no dynamics."""
 HELD = "unstable_"
@@ -90,7 +90,7 @@ def held_name(scene: Scene, hand: Hand) -> str:
     return names[place] + (f"_{place + 1}" if names.count(names[place]) > 1 else "")
 
 
-_NUMBERS = f"{INFINITE}: infinitely many; {UNKNOWN}: not decided"
+_NUMBERS = f"{INFINITE}: infinitely many, on the right or as near to the axis as one likes; {UNKNOWN}: not decided"
 _MEETS = {
     "real": "r_r meets its threshold",
     "imag": "r_i meets its threshold",
