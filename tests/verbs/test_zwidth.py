@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from matplotlib.figure import Figure
 from sympy import Rational
 
 import haptisym as hs
 from haptisym.cli import app
+from haptisym.figures.wishes import draw_wishes
 from haptisym.kernel.errors import SceneError
 from haptisym.verbs.require.classical import Encoder, Line, lines
+from haptisym.verbs.require.designmap import Slice
 
 NOTHING = hs.Hand("nothing")
 PLANE = ["environment.b", "environment.k"]
@@ -126,3 +131,30 @@ def test_the_command_line_takes_what_belongs_to_a_map_with_a_map_alone() -> None
     assert "--jnd is about a map of two parameters" in str(said.exception)
     said = CliRunner().invoke(app, ["require", "virtual-wall", "--free", "environment.k", "--friction", "1"])
     assert "it needs --resolution" in str(said.exception)
+
+
+def test_a_set_is_not_closed_beside_a_slice_of_which_nothing_is_known() -> None:
+    ranges = [("0.2", "0.9"), (50, 100)]
+    found = hs.design_map("fu2019", ["zeta", "omega_n"], ranges, slices=3, jnd=["0.2"])
+    here = next(n for n, (a, b) in enumerate(pairwise(found.slices)) if ends(a) != ends(b))
+    assert closings(found) > 0
+    open_ = tuple(
+        replace(x, requirement=unknown(x.requirement), contours=tuple(map(unknown, x.contours))) for x in found.slices
+    )
+    assert closings(replace(found, slices=(*found.slices[: here + 1], *open_[here + 1 :]))) < closings(found)
+    assert closings(replace(found, slices=open_)) == 0
+
+
+def ends(x: Slice) -> tuple[int, ...]:
+    return tuple(len(r.feasible) for r in (x.requirement, *x.contours))
+
+
+def unknown(r: hs.Requirement) -> hs.Requirement:
+    return replace(r, feasible=(), undecided=((None, None),))
+
+
+def closings(found: hs.DesignMap) -> int:
+    """Lines of the figure that stand upright between two slices."""
+    ax = Figure().add_subplot()
+    draw_wishes(ax, found)
+    return sum(len(set(map(float, line.get_xdata()))) == 1 < len(line.get_xdata()) for line in ax.lines)

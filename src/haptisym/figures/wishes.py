@@ -73,7 +73,7 @@ def _ground(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale]) -> Artist:
 
 
 def _whole(found: DesignMap) -> str:
-    return "all of them" if len(found.that) > 1 else "this set"
+    return "all that is asked" if len(found.that) > 1 else "this set"
 
 
 def _strokes(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale], window: tuple[float, float]) -> Artist:
@@ -102,7 +102,9 @@ def _outlined(
     if dots:
         ax.plot(*zip(*dots, strict=True), color=color, linestyle="none", marker="o", markersize=1.8, zorder=3)
     for (x, one), (y, other) in pairwise(rows):
-        for span in one.feasible + other.feasible if len(one.feasible) != len(other.feasible) else ():
+        if one.undecided or other.undecided or len(one.feasible) == len(other.feasible):
+            continue  # nobody knows that a set ends there, or it does not
+        for span in one.feasible + other.feasible:
             at = scales[0].of((x + y) / 2)
             ax.plot([at, at], scales[1].of(np.array(limits_of(span, *window))), color=color, linewidth=0.9, zorder=2)
     return [Line2D([], [], color=color, linewidth=0.9, marker="o", markersize=2.2, label=name)]
