@@ -390,7 +390,7 @@ def excess_roots(case: Case, part: str) -> list[Any]:
 def _numeric(polynomial: Any) -> list[Any]:
     """Ascending coefficients in omega of a polynomial on ``s = j omega``, with pi in place."""
     terms = [(n, MP.mpf(int(x.numerator)) / int(x.denominator) * MP.pi**m) for (n, m), x in polynomial.terms()]
-    degree = max(n for n, _ in terms)
+    degree = max((n for n, _ in terms), default=0)  # of none: what is zero everywhere
     return [MP.fsum(x for n, x in terms if n == power) * MP.mpc(0, 1) ** power for power in range(degree + 1)]
 
 
