@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from marks import required
 from scipy.io import savemat
 
 import haptisym as hs
@@ -82,7 +85,8 @@ def test_what_is_no_file_of_matlab_is_refused_in_one_sentence(tmp_path: Path, ca
 
 @pytest.fixture
 def pyuff() -> Any:
-    return pytest.importorskip("pyuff", reason="the extra uff brings it")
+    required("pyuff, of the extra uff,", find_spec("pyuff"))
+    return import_module("pyuff")
 
 
 @pytest.mark.usefixtures("pyuff")

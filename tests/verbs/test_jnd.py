@@ -12,6 +12,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from marks import required
 
 import haptisym as hs
 from haptisym.cli import app
@@ -235,9 +236,9 @@ def test_what_psignifit_saves_is_read_with_what_it_was_told(file: Callable[..., 
         hs.jnd(file(text, "saved.json"), alternatives=3)
 
 
-@pytest.mark.skipif(find_spec("psignifit") is None, reason="psignifit is not installed")
 def test_psignifit_itself_finds_what_it_is_known_to_find(file: Callable[..., Path]) -> None:
     """The middle, the JND and the interval that psignifit 4.3 gives for this table with equal asymptotes."""
+    required("psignifit", find_spec("psignifit"))
     found = hs.jnd(file(TABLE), method="psignifit")
     assert found.fit.curve.mu == pytest.approx(5.056905256235305, abs=1e-6)
     assert found.jnd.value == pytest.approx(0.392169934, abs=1e-5)  # there with its lapses of 4e-6
@@ -246,8 +247,8 @@ def test_psignifit_itself_finds_what_it_is_known_to_find(file: Callable[..., Pat
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(find_spec("psignifit") is None, reason="psignifit is not installed")
 def test_psignifit_and_the_likelihood_agree_on_a_forced_choice() -> None:
+    required("psignifit", find_spec("psignifit"))
     curve = Curve(0.12, 0.05, 0.5)
     level = np.array([0.02, 0.06, 0.1, 0.14, 0.18, 0.24])
     data = Answers(

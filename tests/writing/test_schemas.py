@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import json
 import re
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import pytest
+from marks import required
 from schemas import faults, parsed
 
 import haptisym as hs
 from haptisym.writing.schemas import schema_names
 
-jsonschema = pytest.importorskip("jsonschema", reason="the extra test brings it")
+required("jsonschema, of the extra test,", find_spec("jsonschema"))
+jsonschema = import_module("jsonschema")
 
 HAND = ("--hand", "postural-arm")
 OF_A_SCENE: tuple[tuple[str, ...], ...] = (
