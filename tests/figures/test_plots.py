@@ -32,7 +32,7 @@ ANSWERS: dict[str, Callable[[hs.Scene], Any]] = {
     "metrics": hs.metrics,
     "peaks": hs.peaks,
     "published": lambda _: hs.published(),
-    "evaluations": lambda s: hs.evaluate_all(hs.load_scenes("fu2019", ["fu2019", "helicopter-cyclic"])),
+    "evaluations": lambda s: hs.evaluate_all(hs.load_scenes("fu2019", ["fu2019", "helicopter-cyclic"]), regions=True),
     "measured": lambda s: hs.evaluate(hs.MeasuredScene(s.environment, measured(s))),
     "identification": lambda s: hs.identify(measured(s), "mass-spring-damper", ["second-order-lowpass"]),
     "tolerances": lambda s: hs.tolerances(hs.load_scene("fu2019-tolerances").with_values({"zeta": s.knobs["zeta"].value}), samples=2),

@@ -257,3 +257,72 @@ def test_the_shipped_families_are_listed_beside_the_scenes(call) -> None:  # typ
     assert rows["palpation-device"] == 4
     assert rows["fu2019"] == 1
     assert not set(hs.family_names()) & set(hs.scene_names())
+
+
+# --- other JND models ------------------------------------------------------------------------------------------------
+
+
+def pressed(name: str, omega: float) -> tuple[float, float]:
+    """How many times disc and diamond of 10 % (real) and 15 % (imaginary) must be enlarged, in floats."""
+    real, imag = palpated(name, omega, mpmath.fp)
+    return float(np.hypot(real / 0.1, imag / 0.15)), float(real / 0.1 + imag / 0.15)
+
+
+def test_every_region_has_the_common_bandwidth_that_plain_arithmetic_gives() -> None:
+    found = hs.evaluate_all(hs.load_scenes("palpation-device"), regions=True)
+    assert [x.name for x in found.regions] == ["square", "disc", "diamond", "the scene's own"]
+    grid = np.linspace(0.01, 57.7, 4000)
+    for which, x in enumerate(found.regions[1:3]):
+        sizes = {name: np.array([pressed(name, w)[which] for w in grid]) for name in found.family}
+        first = {name: grid[size > 1][0] for name, size in sizes.items() if (size > 1).any()}
+        assert float(x.bandwidth) == pytest.approx(min(first.values()), abs=grid[1] - grid[0])  # type: ignore[arg-type]
+        assert [y.environment for y in x.first] == [min(first, key=lambda name: first[name])]
+        for name, own in first.items():
+            assert float(x.answers[name].bandwidth) == pytest.approx(own, abs=grid[1] - grid[0])  # type: ignore[arg-type]
+    assert found.regions[3].bandwidth is found.bandwidth
+    rows = found.to_dict()["regions"]
+    assert [x["binding"][0]["part"] for x in rows] == ["real", "joint", "joint", "real"]
+    assert all(row["regions"] == hs.evaluate(scene, regions=True).to_dict()["regions"]
+               for row, scene in zip(found.to_dict()["environments"], found.family.scenes.values(), strict=True))  # fmt: skip
+    assert "all           16.905   16.862   16.068    16.905" in str(found)
+
+
+def test_a_proportion_converts_the_threshold_of_all_environments() -> None:
+    """10 % at 75 % right is 14.74 % at 84 %: what a scene with that number says."""
+    told = {"real": 0.1, "imag": 0.1, "proportion": 0.75}
+    lag = (effects.first_order_lag(20),)
+    scenes = {
+        name: hs.Scene(environments.kelvin_voigt(k, b), lag, (0, 15), told)
+        for name, k, b in (("soft", 100, 2), ("hard", 1000, 3))
+    }
+    found = hs.evaluate_all(hs.SceneFamily(scenes), proportion=0.84)
+    own = {name: hs.evaluate(scene, proportion=0.84) for name, scene in scenes.items()}
+    assert found.to_dict()["threshold"]["conversion"]["factor"].startswith("1.47438546385716")
+    assert found.bandwidth.digits(20) == min((x.bandwidth.digits(20) for x in own.values()), key=float)  # type: ignore[union-attr]
+    with pytest.raises(hs.SceneError, match="does not tell its own"):
+        hs.evaluate_all(hs.load_scenes("palpation-device"), proportion=0.84)
+
+
+def test_the_command_compares_regions_of_all_environments(call, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    status, out, _ = call("evaluate", "palpation-device", "--regions", "--figures", str(tmp_path))
+    assert (status, "By these regions the common bandwidth lies between" in out) == (0, True)
+    assert (tmp_path / "regions.svg").exists()
+    status, _, err = call("evaluate", "palpation-device", "--proportion", "0.84")
+    assert (status, "jnd: proportion: the JND does not tell its own" in err) == (2, True)
+
+
+def test_the_figure_has_a_mark_for_each_bandwidth_and_says_where_there_is_none() -> None:
+    from haptisym.figures.familyregions import family_regions_figure
+
+    found = hs.evaluate_all(hs.load_scenes("palpation-device"), regions=True)
+    [ax] = family_regions_figure(found).axes
+    marks = [x for x in ax.lines if x.get_marker() in ("s", "o", "D", "x")]
+    for line, x in zip(marks, found.regions, strict=True):
+        expected = [*(x.answers[name].bandwidth for name in found.family), x.bandwidth]
+        assert list(line.get_xdata()) == [float(w) for w in expected]  # type: ignore[arg-type]
+    blocked = {
+        name: hs.Scene(environments.kelvin_voigt(k, 1), (effects.compliance(k=900),))
+        for name, k in (("soft", 30), ("hard", 900))
+    }
+    [ax] = family_regions_figure(hs.evaluate_all(hs.SceneFamily(blocked), regions=True)).axes
+    assert [x.get_text() for x in ax.texts] == ["no bandwidth", "no bandwidth"]

@@ -38,7 +38,7 @@ OTHERS: dict[str, tuple[str, ...]] = {
     "designmap": ("require", "fu2019", *MAP, "--that", "transparent", "--that", "passive"),
     "requirement": ("require", "fu2019", "--free", "omega_n", "--that", "transparent", "--that", "stable", *HAND),
     "evaluation": ("evaluate", "fu2019", "--regions", "--tolerance", "0.2"),
-    "evaluations": ("evaluate", "palpation-device"),
+    "evaluations": ("evaluate", "palpation-device", "--regions"),
     "effects": ("effects", "fu2019"),
     "metrics": ("metrics", "fu2019"),
     "derivation": ("derive", "fu2019"),

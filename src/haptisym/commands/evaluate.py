@@ -23,10 +23,11 @@ from haptisym.commands.verb import PAGES, given, not_over, verb
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError
-from haptisym.model.family import SceneFamily
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.scenefile import chosen, felt_through, open_scenes
 from haptisym.verbs.evaluate.entry import evaluate as evaluate_scene
+from haptisym.verbs.family.entry import FamilyEvaluation
+from haptisym.verbs.family.entry import evaluate_all as evaluate_family
 
 
 @verb(needs=[("--points", "--response", "the lines of a file")])
@@ -94,6 +95,7 @@ def evaluate(
       haptisym evaluate fu2019 --figures figures --latex fu2019.tex
       haptisym evaluate fu2019 --report fu2019.html
       haptisym evaluate fu2019 --regions
+      haptisym evaluate palpation-device --regions
       haptisym evaluate my-device.toml --proportion 0.84
       haptisym evaluate my-device.toml --certificate my-device.proof.json
       haptisym evaluate fu2019 --response fu2019.csv --points 60
@@ -111,7 +113,9 @@ def evaluate(
     family = felt_through(opened, scene, (*environments, *more))
     if environment is None and (environments or len(family) > 1):
         _of_one_environment()
-        _evaluate_all(family, digits, figures, as_json, limit)
+        with progress() as told, limited(limit, told):
+            every = evaluate_family(family, digits, regions=regions, proportion=proportion)
+        _hand_over_all(every, figures, as_json)
         return
     one = family[str(environment)] if environments else chosen(family, Path(scene).name, environment)
     with progress() as told, limited(limit, told):
@@ -131,7 +135,7 @@ def evaluate(
 
 def _of_one_environment() -> None:
     """Refuse what several environments at once are not asked."""
-    for option in ("--tolerance", "--certificate", "--regions", "--proportion", "--response"):
+    for option in ("--tolerance", "--certificate", "--response"):
         if given(click.get_current_context(), option):
             raise SceneError(f"{option} takes one environment: choose it with --environment NAME")
 
@@ -166,12 +170,8 @@ def _evaluate_measured(scene: MeasuredScene, figures: Path | None, as_json: bool
     show(result, as_json=as_json)
 
 
-def _evaluate_all(family: SceneFamily, digits: int, figures: Path | None, as_json: bool, limit: float) -> None:
+def _hand_over_all(result: FamilyEvaluation, figures: Path | None, as_json: bool) -> None:
     """Several environments at once."""
-    from haptisym.verbs.family.entry import evaluate_all
-
-    with progress() as told, limited(limit, told):
-        result = evaluate_all(family, digits)
     if figures is not None:
         from haptisym.figures.family import save_family_figures
 

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from haptisym.figures.familyregions import family_regions_figure
 from haptisym.figures.judged import columns, limit_of, name_of
 from haptisym.figures.labels import label_above
 from haptisym.figures.sampling import broken, sampled
@@ -109,10 +110,12 @@ def binding_looks(evaluation: FamilyEvaluation) -> dict[str, tuple[str, Any]]:
 
 
 def save_family_figures(evaluation: FamilyEvaluation, directory: str | Path) -> list[Path]:
-    """The figure ``worst-case`` as SVG, PDF and PNG, one column (3.4 in) wide, in a directory that is made if need be."""
+    """``worst-case``, and ``regions`` where they were asked for, as SVG, PDF and PNG, one column (3.4 in) wide, in a directory
+    that is made if need be."""
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
-    return save(folder / "worst-case", family_figure(evaluation))
+    more = save(folder / "regions", family_regions_figure(evaluation)) if evaluation.regions else []
+    return [*save(folder / "worst-case", family_figure(evaluation)), *more]
 
 
 def family_figure(evaluation: FamilyEvaluation) -> Figure:

@@ -33,7 +33,11 @@ KINDS: Mapping[str, Mapping[str, Drawing]] = MappingProxyType({
         "bandwidths": ("bandwidths:draw_bandwidths",),
         "regions": ("regions:draw_regions",),
     },
-    "evaluations": {"real": ("single:draw_worst", 0), "imag": ("single:draw_worst", 1)},
+    "evaluations": {
+        "real": ("single:draw_worst", 0),
+        "imag": ("single:draw_worst", 1),
+        "regions": ("familyregions:draw_family_regions",),
+    },
     "measured": {"ratios": ("measured:draw_measured_ratios",), "nyquist": ("measured:draw_measured_nyquist",)},
     "derivation": {"ratios": ("single:draw_formulas",)},
     "effects": {
@@ -95,7 +99,8 @@ def _drawing(found: Answer, kind: str) -> Drawing:
     if not kind and _key(found) == "designmap" and getattr(found, "that", ()) != ("transparent",):
         kind = "wishes"
     if kind == "regions" and not getattr(found, "regions", ()):
-        raise NothingToDrawError("kind: no regions were compared: ask for them with evaluate(scene, regions=True)")
+        asked = "evaluate_all(scenes" if _key(found) == "evaluations" else "evaluate(scene"
+        raise NothingToDrawError(f"kind: no regions were compared: ask for them with {asked}, regions=True)")
     return kinds[kind or next(iter(kinds))]
 
 

@@ -14,6 +14,7 @@ from haptisym.kernel.shown import Shown, titled
 from haptisym.kernel.symbols import c
 from haptisym.model.jnd import Threshold
 from haptisym.model.parameters import free_name
+from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 
 MOST_ENVIRONMENTS = 100
@@ -75,6 +76,10 @@ class SceneFamily(Shown):
         """The threshold of all scenes."""
         threshold: Threshold = self.first.threshold
         return threshold
+
+    def at_proportion(self, end: Number) -> SceneFamily:
+        """The same with the threshold at another proportion of right answers; SceneError where its own is not told."""
+        return replace(self, scenes={name: scene.at_proportion(end) for name, scene in self.scenes.items()})
 
     def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
         """What is to be said beside an answer for all: of each scene in which parameters vary, that it is the nominal one."""

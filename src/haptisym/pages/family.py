@@ -9,8 +9,10 @@ from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.caveats import caveats as cautions
 from haptisym.model.jnd import Part
+from haptisym.pages.familyregions import family_regions
 from haptisym.pages.words import both, caveats, lead, limits, short, spans, title
-from haptisym.verbs.family.entry import FamilyBinding, FamilyEvaluation
+from haptisym.verbs.family.entry import FamilyEvaluation
+from haptisym.verbs.family.worst import FamilyBinding
 from haptisym.writing.document import (
     Block,
     Column,
@@ -31,7 +33,8 @@ from haptisym.writing.names import named
 def page(w: FamilyEvaluation) -> Document:
     """The whole page."""
     family = w.family
-    blocks = Facts(tuple(_asked(w))), _each(w), _worst(w), *caveats(cautions(family.first)), Paragraph(_certain(w))
+    told = Facts(tuple(_asked(w))), _each(w), _worst(w), *family_regions(w)
+    blocks = *told, *caveats(cautions(family.first)), Paragraph(_certain(w))
     return Document(title(family), lead(family), blocks, "Evaluation with several environments")
 
 

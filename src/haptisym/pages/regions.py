@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.spread import Compared
 from haptisym.pages.crossings import event
 from haptisym.pages.words import exactly, limits, short
+from haptisym.verbs.family.regions import FamilyCompared
 from haptisym.writing.document import Block, Column, Paragraph, Phrase, Table
 
 REGIONS = (
@@ -20,7 +21,7 @@ _KINDS = {"disc": "disc"}
 
 def regions(e: Evaluation) -> Iterator[Block]:
     """A sentence that says how far the models are apart, and a row for each."""
-    yield Paragraph(_spread(e.regions))
+    yield Paragraph(spread(e.regions))
     columns = (
         Column("region"), Column("what it is", full=True), Column("bandwidth (rad/s)", number=True),
         Column("first crossing (rad/s)", number=True), Column("what happens there"),
@@ -46,16 +47,16 @@ def _is_whole(e: Evaluation, x: Compared) -> bool:
     return x.bandwidth is not None and float(x.bandwidth) == float(e.chart.points[-1].omega)
 
 
-def _spread(found: tuple[Compared, ...]) -> Phrase:
-    """How far apart the bandwidths are."""
+def spread(found: Sequence[Compared | FamilyCompared], what: str = "bandwidth") -> Phrase:
+    """How far apart the bandwidths are; ``what`` : as they are called."""
     widths = [x.bandwidth for x in found if x.bandwidth is not None]
     if not widths:
-        return "No region gives a bandwidth: that survives another JND model."
+        return f"No region gives a {what}: that survives another JND model."
     least, most = min(widths, key=float), max(widths, key=float)
     between = short(least), " and ", short(most), " rad/s"
     if len(widths) < len(found):
-        return "Whether there is a bandwidth depends on the JND model; where there is, it lies between ", *between, "."
+        return f"Whether there is a {what} depends on the JND model; where there is, it lies between ", *between, "."
     if float(least) == float(most):
-        return "All regions give the same bandwidth, ", short(most), " rad/s."
+        return f"All regions give the same {what}, ", short(most), " rad/s."
     times = f": the largest is {float(most) / float(least):.3g} times the smallest." if float(least) else "."
-    return "By these regions the bandwidth lies between ", *between, times
+    return f"By these regions the {what} lies between ", *between, times
