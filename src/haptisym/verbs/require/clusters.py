@@ -22,7 +22,7 @@ from haptisym.verbs.require.places import CellVerdict, CriticalPlace, Edge, Stri
 from haptisym.verbs.require.strips import Shape
 
 _MOST_BOXES, _FINEST = 200, 20
-_SAMPLES = 24
+_SAMPLES, _NEAR_END = 24, 1 << 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +84,9 @@ _Found: TypeAlias = "CellVerdict | list[CriticalPlace]"
 def places(condition: Strips, band: tuple[Expr, Expr]) -> _Found:
     """All places where a condition can bind, for all values of a cell; or BROKEN; or OPEN where that is not clear."""
     low, high = expression_ball(band[0]).lower(), expression_ball(band[1]).upper()
+    near_ends = (low + (high - low) / _NEAR_END).mid(), expression_ball(band[1]).lower()
+    if any(condition.value(x) > 0 for x in near_ends):
+        return CellVerdict.BROKEN
     samples = [(low + (high - low) * i / _SAMPLES).mid() for i in range(1, _SAMPLES)]
     suspects = [x for x in samples if condition.broken_in_the_middle(x)]
     if suspects:  # the cell is broken there, or it must be cut

@@ -8,12 +8,13 @@ larger thresholds: where the answer is empty, none does, proven.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import inf, sqrt
 from typing import Any, Protocol
 
-from sympy import Expr, Integer, Rational
+from sympy import Expr, Rational
 
 from haptisym.judge.criteria import Criterion
 from haptisym.judge.peaks import Top, tops
@@ -25,6 +26,7 @@ from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.feasible import Binding, Kind, Span
 from haptisym.verbs.require.freeparameter import Domain
+from haptisym.verbs.require.guesses import Guesses
 from haptisym.verbs.require.solving import solve
 
 
@@ -45,8 +47,11 @@ class Asked(Protocol):
     def criteria(self) -> tuple[Criterion, ...]: ...
 
 
-_SECONDS = 10.0
-_STEPS, _CLOSE = 12, 1.02
+_SECONDS = 5.0
+"""Who asked for values that do needs to know about how far off all others are, not more."""
+_CLOSE = (0.99, 0.9, 0.6)
+"""Powers of how many times the thresholds the best value needs, for which no value is asked to do: the next if one stays open."""
+_ROUNDS = 6
 _KINDS = {None: Kind.TOUCH, False: Kind.START, True: Kind.EDGE}
 
 
@@ -62,42 +67,51 @@ class Nearest:
     ratio: RealNumber
     binding: Binding
     times: float
-    at_least: float
+    at_least: float = 1.0
 
 
 def nearest(r: Asked) -> Nearest | None:
-    """The value that comes nearest where none will do, found in ten seconds; None where none shows."""
+    """The value that comes nearest where none will do, found in five seconds; None where none shows."""
     plain = all(x.region is None and not x.threshold.has(omega) and x.threshold != 0 for x in r.criteria)
     if r.feasible or r.undecided or r.free.parts or not plain:
         return None
     best: Nearest | None = None
-    least = 1.0
-    try:
-        with limited(_SECONDS):
-            for value in _tried(r):
-                best = _nearer(best, _at(r, value, least))
-            for _ in range(_STEPS if best else 0):
-                assert best is not None
-                if best.times < least * _CLOSE:
-                    break
-                between = _simple(sqrt(least * best.times))
-                if not least < float(between) < best.times:
-                    break
-                larger = [replace(x, threshold=(x.threshold * between).expand()) for x in r.criteria]
-                found = solve(r.scene, r.free, r.domain, larger)
-                if found.undecided:
-                    break
-                if not found.feasible:
-                    least = float(between) * (1 - 1e-15)
-                    continue
-                span = found.feasible[0]
-                inside = span.low.value if span.low is span.high else rational_between(span.low.value, span.high.value)
-                if isinstance(inside, RealNumber):  # a single value, which need not be rational
-                    break
-                best = _nearer(best, _at(r, inside, least))
-    except UndecidedError:
-        pass
-    return None if best is None else replace(best, at_least=least)
+    with suppress(UndecidedError), limited(_SECONDS):
+        best = next(filter(None, (_at(r, value) for value in _tried(r))), None)
+        for _ in range(_ROUNDS if best else 0):
+            assert best is not None
+            found = _bounded(r, best)
+            if isinstance(found, float):
+                return replace(best, at_least=found)
+            better = None if found is None else _at(r, found)
+            if better is None or better.times >= best.times:
+                break
+            best = better
+    return best
+
+
+def _tried(r: Asked) -> Iterator[Expr]:
+    """Values that may come nearest: as floats tell, and the scene's own."""
+    yield from Guesses(r.scene, r.free, r.domain, r.criteria).best()
+    low, high, own = r.domain.low, r.domain.high, r.free.value
+    if (low is None or bool(low < own)) and (high is None or bool(own < high)):
+        yield own
+
+
+def _bounded(r: Asked, best: Nearest) -> float | Expr | None:
+    """By how much every value fails at least, or a value that comes nearer than the best; None where neither shows."""
+    for power in _CLOSE:
+        times = _simple(best.times**power)
+        if not 1 < float(times) < best.times:
+            return 1.0
+        larger = [replace(x, threshold=(x.threshold * times).expand()) for x in r.criteria]
+        found = solve(r.scene, r.free, r.domain, larger)
+        if found.feasible:
+            low, high = found.feasible[0].low.value, found.feasible[0].high.value
+            return None if low is high and low is not None else rational_between(low, high)
+        if not found.undecided:
+            return float(times) * (1 - 1e-15)
+    return None
 
 
 def _simple(x: float) -> Rational:
@@ -105,25 +119,7 @@ def _simple(x: float) -> Rational:
     return Rational(near.numerator, near.denominator)
 
 
-def _tried(r: Asked) -> Iterator[Expr]:
-    """Some values of the domain: the scene's own, and its ends or powers of ten."""
-    low, high = r.domain.low, r.domain.high
-    listed = [r.free.value, low, high, *(Integer(10) ** n for n in range(-6, 7, 2))]
-    for x in listed:
-        if x is None or (low is not None and bool(x < low)) or (high is not None and bool(x > high)):
-            continue
-        if (x == low and not r.domain.holds_low) or (x == high and not r.domain.holds_high):
-            continue
-        yield x
-
-
-def _nearer(one: Nearest | None, other: Nearest | None) -> Nearest | None:
-    if one is None or other is None:
-        return one or other
-    return one if one.times <= other.times else other
-
-
-def _at(r: Asked, value: Expr, least: float) -> Nearest | None:
+def _at(r: Asked, value: Expr) -> Nearest | None:
     """How far a value is from doing; None where the scene does not exist at it, or a ratio has no bound."""
     try:
         scene = r.free.put(r.scene, value)
@@ -142,4 +138,4 @@ def _at(r: Asked, value: Expr, least: float) -> Nearest | None:
     if worst is None or worst[0] == inf:
         return None
     times, x, top = worst
-    return Nearest(value, SquareRoot(top.value), Binding(x, top.omega, _KINDS[top.end]), times, least)
+    return Nearest(value, SquareRoot(top.value), Binding(x, top.omega, _KINDS[top.end]), times)

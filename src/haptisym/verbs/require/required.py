@@ -73,7 +73,7 @@ class Requirement(Answer):
 
     @cached_property
     def nearest(self) -> Nearest | None:
-        """Where no value will do, the one that comes nearest; found in ten seconds or not at all."""
+        """Where no value will do, the one that comes nearest; found in five seconds or not at all."""
         return nearest(self)
 
     def form(self, end: End) -> Expr | None:
