@@ -4,12 +4,17 @@
 # Every kind of figure once, with the code that draws it. `plot` of an answer draws on axes of yours, or on new ones, and
 # returns them: titles, limits and sizes are matplotlib's business. A further scene on the same axes has the next
 # colour; the colours are told apart by colour-blind readers and in print. `color` and `label` are of the scene, all other
-# keywords of its curves.
+# keywords of its curves. What `plot` calls, and a few that it does not, are the `draw_` functions of `haptisym.figures`.
 
 # %%
 import numpy as np
+from matplotlib import pyplot
 
 import haptisym as hs
+from haptisym.figures.measuredplane import draw_measured_plane
+from haptisym.figures.square import draw_jnd_square
+from haptisym.figures.sweep import draw_curves, draw_map
+from haptisym.verbs.sweep.swept import Swept
 
 paper = hs.load_scene("fu2019")
 slow = paper.with_values({"omega_n": 50})
@@ -20,6 +25,14 @@ slow = paper.with_values({"omega_n": 50})
 # %%
 ax = hs.evaluate(paper).plot(label="80 rad/s")
 ax = hs.evaluate(slow).plot(ax, label="50 rad/s", linewidth=2)
+
+# %% [markdown]
+# ## What formulas give
+#
+# A derivation draws its ratios with the scene's values.
+
+# %%
+ax = hs.derive(paper).plot()
 
 # %% [markdown]
 # ## Evaluation
@@ -41,6 +54,22 @@ ax = hs.evaluate(paper, regions=True).plot(kind="regions")
 # %%
 ranged = paper.with_values({"jnd": "0.1 +- 20 %"})
 ax = hs.evaluate(ranged).plot(kind="bandwidths")
+
+# %% [markdown]
+# ## Noticed or not at one frequency
+#
+# The JND square of the paper about the tip of H_env, and a region of another shape. Here the frequency is in rad/s, and the
+# axes are yours.
+
+# %%
+ax = pyplot.figure(layout="constrained").add_subplot()
+square = draw_jnd_square(ax, hs.evaluate(paper), 10)
+
+# %%
+tilted = {"shape": "ellipse", "real": "0.1", "imag": "0.2", "tilt": "30 deg"}
+felt = hs.Scene(paper.environment, paper.effects, paper.band, tilted)
+ax = pyplot.figure(layout="constrained").add_subplot()
+region = draw_jnd_square(ax, hs.evaluate(felt), 10)
 
 # %% [markdown]
 # ## Local maxima of the ratios
@@ -69,6 +98,11 @@ ax = bench.plot()
 
 # %%
 ax = bench.plot(kind="nyquist")
+
+# %%
+joint = hs.evaluate(hs.MeasuredScene(felt.environment, lines, None, felt.threshold))
+ax = pyplot.figure(layout="constrained").add_subplot()
+dots = draw_measured_plane(ax, joint)
 
 # %% [markdown]
 # ## A model that was fitted
@@ -122,6 +156,31 @@ ax = hs.sensitivity(paper).plot()
 ax = hs.tolerances("fu2019-tolerances", samples=20).plot()
 
 # %% [markdown]
+# ## Sweeps
+#
+# `hs.sweep` gives a dataset of xarray. The bandwidth over one parameter, and over two with the boundary of an exact map;
+# hatched where a hand does not hold the display stably.
+
+# %%
+swept = hs.sweep(paper, {"effects.filter.zeta": np.linspace(0.2, 1, 81)})
+ax = Swept(paper, swept).plot()
+
+# %%
+grid = {"effects.filter.omega_n": np.linspace(50, 300, 41), "effects.filter.zeta": np.linspace(0.3, 0.8, 41)}
+ax = pyplot.figure(layout="constrained").add_subplot()
+chart = draw_map(ax, hs.sweep(paper, grid), hs.design_map(paper, *pairs, slices=9))
+
+# %%
+stiff = hs.load_scene("delayed-spring").with_values({"k": "500 N/m"})
+ax = pyplot.figure(layout="constrained").add_subplot()
+curves = draw_curves(ax, hs.sweep(stiff, {"effects.delay.tau": np.linspace(0, 0.04, 41)}, hand="postural-arm"))
+
+# %%
+springs = {"environment.k": np.linspace(50, 1000, 11), "effects.delay.tau": np.linspace(0, 0.06, 11)}
+ax = pyplot.figure(layout="constrained").add_subplot()
+chart = draw_map(ax, hs.sweep("delayed-spring", springs, hand="postural-arm"))
+
+# %% [markdown]
 # ## Other measures
 
 # %%
@@ -136,6 +195,12 @@ ax = hs.metrics(paper).plot(kind="verdicts")
 # %%
 ax = hs.cost(paper, quick=True).plot()
 
+# %%
+from haptisym.verbs.cost.hardcases import hard_cases
+
+ax = pyplot.figure(figsize=(9, 1.6), layout="constrained").add_subplot()
+ax = hs.hard_costs(hard_cases("identities")).plot(ax)
+
 # %% [markdown]
 # ## Simulations
 
@@ -148,6 +213,9 @@ ax = run.plot(kind="loop")
 
 # %%
 ax = run.plot(kind="recovered-real")
+
+# %%
+ax = run.plot(kind="recovered-imag")
 
 # %%
 ax = hs.release("delayed-spring", "1 cm", "postural-arm").plot()

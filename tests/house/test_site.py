@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import ast
 import sys
-from importlib import util
+from collections.abc import Iterator
+from importlib import import_module, util
+from inspect import isfunction, signature
 from pathlib import Path
-from types import ModuleType
+from pkgutil import iter_modules
+from types import FrameType, ModuleType
 from typing import Any
 
 import pytest
 
 import haptisym as hs
+from haptisym import figures
+from haptisym.figures.plots import KINDS
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -46,16 +51,58 @@ def test_what_a_page_loads_from_outside_is_found(tmp_path: Path) -> None:
     assert len(list(outside.outside(tmp_path))) == len(bad)
 
 
+def run(script: str, monkeypatch: pytest.MonkeyPatch) -> int:
+    """Run the cells of a script of the docs, one after the other, each with new figures; how many there are."""
+    monkeypatch.syspath_prepend(str(DOCS))
+    from make_notebook import cells  # type: ignore[import-not-found]
+    from matplotlib import pyplot
+
+    pyplot.switch_backend("agg")
+    space: dict[str, Any] = {"__name__": "__main__"}
+    codes = [text for kind, text in cells((DOCS / script).read_text(encoding="utf-8")) if kind == "code"]
+    for code in codes:
+        exec(compile(ast.parse(code), "cell", "exec"), space)  # noqa: S102  the cells are the package's own
+        pyplot.close("all")
+    return len(codes)
+
+
 @pytest.mark.slow
 def test_every_cell_of_the_how_to_runs(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    monkeypatch.syspath_prepend(str(DOCS))
-    from make_notebook import cells  # type: ignore[import-not-found]
-
-    space: dict[str, Any] = {"__name__": "__main__"}
-    script = (DOCS / "how-to.py").read_text(encoding="utf-8")
-    codes = [text for kind, text in cells(script) if kind == "code"]
-    for code in codes:
-        exec(compile(ast.parse(code), "cell", "exec"), space)  # noqa: S102  the cells are the package's own
-    assert len(codes) > 15
+    assert run("how-to.py", monkeypatch) > 15
     assert "make_notebook" in sys.modules
+
+
+def drawings() -> Iterator[str]:
+    """What draws on axes of a user: each public ``draw_`` function of the figures."""
+    for found in iter_modules(figures.__path__):
+        module = import_module(f"{figures.__name__}.{found.name}")
+        for name, value in vars(module).items():
+            own = name.startswith("draw_") and isfunction(value) and value.__module__ == module.__name__
+            if own and "ax" in signature(value).parameters:
+                yield f"{module.__name__}.{name}"
+
+
+def test_the_page_of_figures_asks_for_every_kind() -> None:
+    tree = ast.parse((DOCS / "plots.py").read_text(encoding="utf-8"))
+    asked = {x.value.value for x in ast.walk(tree) if isinstance(x, ast.keyword) and isinstance(x.value, ast.Constant)}
+    assert {kind for kinds in KINDS.values() for kind in list(kinds)[1:]} <= asked | {
+        "wishes"
+    }  # drawn unasked of several
+
+
+@pytest.mark.slow
+def test_the_page_of_figures_calls_every_function_that_draws(monkeypatch: pytest.MonkeyPatch) -> None:
+    called = set()
+
+    def noted(frame: FrameType, event: str, _: object) -> None:
+        if event == "call" and frame.f_code.co_name.startswith("draw_"):
+            called.add(f"{frame.f_globals['__name__']}.{frame.f_code.co_name}")
+
+    before = sys.getprofile()
+    sys.setprofile(noted)
+    try:
+        run("plots.py", monkeypatch)
+    finally:
+        sys.setprofile(before)
+    assert set(drawings()) <= called

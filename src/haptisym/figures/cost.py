@@ -98,7 +98,7 @@ _Box = tuple[float, float, float, float]
 """Left, bottom, right and top, in ems."""
 
 
-def draw_names(ax: Axes, rows: Sequence[Measurement]) -> None:
+def _draw_names(ax: Axes, rows: Sequence[Measurement]) -> None:
     """The name of each method beside its mark, where it covers neither a mark nor another name; once the axes have their size."""
     em = SMALL * ax.figure.dpi / 72
     places = [tuple(float(x) / em for x in ax.transData.transform(_place(row))) for row in rows]
@@ -194,7 +194,7 @@ def cost_figure(found: Cost) -> Figure:
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     for ax, group in zip(axes, groups, strict=False):
-        draw_names(ax, group)
+        _draw_names(ax, group)
     return figure
 
 
