@@ -128,6 +128,29 @@ def test_exact_lines_are_judged_as_the_proven_crossings_say(name: str) -> None:
         assert (p.property, p.change, p.other) == (own.property, own.change, own.other)
 
 
+@given(st.integers(0, 10_000), st.sampled_from(sorted(REGIONS)))
+def test_what_is_told_between_lines_holds_for_all_that_swept_discs_have_in_common(seed: int, name: str) -> None:
+    rng = np.random.default_rng(seed)
+    omega, slope = np.sort(rng.uniform(1, 15, 3)), rng.uniform(0, 60)
+    env, start = 1j * omega * 15 + 100 - 1.8 * omega**2, rng.normal(size=2)
+    perc = env + 0.2 * np.abs(env) * (start[0] + 1j * start[1]) + 5 * (rng.normal(size=3) + 1j * rng.normal(size=3))
+    radius = np.abs(env) * rng.uniform(0, 0.05, 3)
+    felt = hs.measured(omega, perc, radius=radius, slope=f"{slope:.17g} N*s/m")
+    e = hs.evaluate(hs.MeasuredScene(FU.environment, felt, threshold=_threshold(name)))
+    for key, own in ((part.value if part else "joint", x) for part, x in e.between.told.items()):  # type: ignore[union-attr]
+        if name in JOINT and key != "joint":
+            continue
+        for low, high, code in zip(own.low, own.high, own.code, strict=True):
+            for w in rng.uniform(low, high, 1):
+                i = min(int(np.searchsorted(omega, w, side="right")) - 1, 1)
+                left, right = radius[i] + slope * (w - omega[i]), radius[i + 1] + slope * (omega[i + 1] - w)
+                points = perc[i] + left * DISC
+                points = points[np.abs(points - perc[i + 1]) <= right]
+                seen = noticed(name, w, np.full(len(points), 15j * w + 100 - 1.8 * w**2), points)[key]
+                assert code != 1 or seen.all()
+                assert code != -1 or not seen.any()
+
+
 def test_where_neither_part_is_noticed_alone_both_are_named(tmp_path: Path, call: Callable[..., Any]) -> None:
     (tmp_path / "bench.csv").write_text("omega,real,imag,radius\n2,100.6,37,0.1\n3,92,45,30\n", encoding="utf-8")
     (tmp_path / "bench.toml").write_text(

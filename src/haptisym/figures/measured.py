@@ -16,6 +16,7 @@ from matplotlib.patches import Circle
 from matplotlib.transforms import ScaledTranslation
 
 from haptisym.figures.kinds import UNDATED
+from haptisym.figures.measuredbetween import draw_swept
 from haptisym.figures.measuredplane import draw_measured_plane
 from haptisym.figures.scales import HERTZ, RADIANS, Scale, band_scale, floats_scale
 from haptisym.figures.sheet import one_column, save
@@ -55,7 +56,8 @@ _APART = 1.3
 def draw_measured_ratios(ax: Axes, e: MeasuredEvaluation, *, hertz: bool | None = None) -> list[Line2D]:
     """r_r and r_i at the measured lines, a bar as far as each disc reaches, and the thresholds. Returns the dots.
 
-    Filled where the whole disc exceeds the threshold or is below it, open where it does not tell. Nothing joins the lines.
+    Filled where the whole disc exceeds the threshold or is below it, open where it does not tell. Nothing joins the
+    lines but what discs leave possible that a bound on the slope sweeps.
     """
     drawn, scale = _drawn(e), _scale(e, hertz=hertz)
     omega = scale.of(e.lines.omega[drawn])
@@ -69,13 +71,14 @@ def draw_measured_ratios(ax: Axes, e: MeasuredEvaluation, *, hertz: bool | None 
         ax.vlines(omega, *ends, transform=place, color=_COLOURS[part], linewidth=0.7, alpha=0.55, zorder=2)
         dots += _dots(ax, omega, ratio, _codes(e, part)[drawn], part, place)
     thresholds = _thresholds(ax, e, scale)
+    swept = draw_swept(ax, e, scale, _COLOURS) if e.scene.slopes else []
     dress(ax)
     if omega[0] > 0 and omega[-1] > 30 * omega[0]:
         ax.set_xscale("log")
         ax.tick_params(which="minor", width=0.4, length=1.5, color=GREY)
     name_frequency(ax, scale)
     ax.set_ylabel(r"ratio to $|H_\mathrm{env}|$", fontsize=TEXT)
-    legend(ax, [*_told(e), *thresholds, *_thinned(e, len(drawn))])
+    legend(ax, [*_told(e), *swept, *thresholds, *_thinned(e, len(drawn))])
     return dots
 
 

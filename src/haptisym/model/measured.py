@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.shown import Shown, counted
 from haptisym.model.quantities import Dimension, MotionKind
+from haptisym.model.slope import Slope, read_slope
 from haptisym.model.welch import Welch
 
 Reals: TypeAlias = NDArray[np.float64]
@@ -77,7 +78,8 @@ class Measurement(Shown):
 
     ``omega`` : rad/s, rising. ``H`` : complex. What is known of its certainty: ``coherence`` with the number of ``averages``, or
     ``radius``, of discs that hold the truth with that ``confidence``, in the unit of H; or nothing. ``motion`` : as its units
-    tell. ``name`` : what error messages and pages call it. ``path`` : of its file.
+    tell. ``name`` : what error messages and pages call it. ``path`` : of its file. ``slope`` : a bound on that of H between the
+    lines, as a Slope or as ``read_slope`` takes it; without it nothing is known there.
     """
 
     omega: Any
@@ -91,6 +93,7 @@ class Measurement(Shown):
     path: Path | None = None
     welch: Welch | None = None
     """How it was estimated, where it comes from records in time."""
+    slope: Any = None
 
     def __post_init__(self) -> None:
         try:
@@ -110,6 +113,10 @@ class Measurement(Shown):
             raise SceneError("there are no lines in it")
         check_certainty(self.coherence is not None, self.radius is not None, self.averages, self.confidence)
         check_lines(self, lambda i: f"line {i + 1}")
+        if self.slope is not None and not isinstance(self.slope, Slope):
+            object.__setattr__(self, "slope", read_slope(self.slope))
+        if self.slope and self.motion and self.slope.motion not in (None, self.motion):
+            raise SceneError("slope: translation and rotation cannot be mixed: the lines have units of the other one")
 
     def _line(self) -> str:
         low, high = float(self.omega[0]), float(self.omega[-1])

@@ -20,6 +20,7 @@ from haptisym.model.scene import Scene
 
 if TYPE_CHECKING:
     from haptisym.model.measured import Measurement  # needs NumPy, which a scene of formulas does not load
+    from haptisym.model.slope import Slope
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -55,7 +56,15 @@ class MeasuredScene(Shown):
         object.__setattr__(self, "threshold", frame.threshold)
         if self.band is not None:
             object.__setattr__(self, "band", frame.band)
-        motions = {motion for motion in (frame.motion, self.perceived.motion, self._motion) if motion}
+        slope = self.perceived.slope
+        if not isinstance(self.environment, Environment) and (slope is None) != (self.environment.slope is None):
+            other = "perceived" if slope is None else "environment"
+            raise SceneError(
+                f"{other}: slope is missing: between the lines a bound on the slope of both measured responses is needed"
+            )
+        motions = {
+            motion for motion in (frame.motion, self.perceived.motion, self._motion, slope and slope.motion) if motion
+        }
         if len(motions) > 1:
             raise SceneError("translation and rotation cannot be mixed: environment and perceived have units of both")
 
@@ -72,6 +81,12 @@ class MeasuredScene(Shown):
         last = float(self.perceived.omega[-1])
         band = self.band or (Integer(0), last or Integer(1))
         return Scene(exact, (), band, self.threshold, title=self.title, source=self.source)
+
+    @property
+    def slopes(self) -> dict[str, Slope]:
+        """The bounds that are stated, by which response they are of."""
+        own = {} if isinstance(self.environment, Environment) else {"environment": self.environment.slope}
+        return {key: x for key, x in {"perceived": self.perceived.slope, **own}.items() if x is not None}
 
     @property
     def _motion(self) -> MotionKind | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,7 @@ def measured(
     averages: float | None = None,
     confidence: float = CONFIDENCE,
     radius: ArrayLike | None = None,
+    slope: str | None = None,
     name: str = "",
     **records: Any,
 ) -> Measurement:
@@ -32,7 +34,8 @@ def measured(
 
     ``omega`` : rad/s, with ``H``, force per position (N/m or N m/rad), complex; or an FRD object of one input and one output; or
     the path of a file, which has its own coherence or radius. ``coherence`` : with ``averages``, of the estimate H1, as
-    ``scipy.signal.coherence`` gives it; ``radius`` : of discs that hold the truth with that ``confidence``, instead.
+    ``scipy.signal.coherence`` gives it; ``radius`` : of discs that hold the truth with that ``confidence``, instead. ``slope`` :
+    a bound on ``|dH/domega|`` between the lines, "40 N*s/m", or as a share of ``|H|``, "20 ms".
     ``records`` : of a file of records in time the ``estimator``, and ``segment``, ``overlap``, ``window``, ``every`` as of
     ``estimated``, which takes arrays. Raises SceneError for what cannot be.
 
@@ -42,12 +45,13 @@ def measured(
     if isinstance(omega, str | Path):
         if H is not None or coherence is not None or radius is not None:
             raise SceneError("a file has its own columns: leave out H, coherence and radius")
-        return read_file(Path(omega), averages, confidence, records)
+        found = read_file(Path(omega), averages, confidence, records)
+        return found if slope is None else replace(found, slope=slope)
     if records:
         raise SceneError(f"{next(iter(records))}: goes with a file of records in time; for arrays there is estimated")
     if H is None:
         omega, H = _frd(omega)
-    return Measurement(omega, H, coherence, averages, confidence, radius, name=name or "measured")
+    return Measurement(omega, H, coherence, averages, confidence, radius, name=name or "measured", slope=slope)
 
 
 def _frd(system: Any) -> tuple[Any, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -217,9 +218,10 @@ def _measured_scene(table: Table, folder: Path) -> MeasuredScene:
 def _measurement(table: Table, place: str, folder: Path) -> Measurement:
     from haptisym.model.measured import CONFIDENCE
     from haptisym.model.responsefile import RECORDS, read_file
+    from haptisym.model.slope import read_slope
 
     try:
-        _only(table, ("file", "averages", "confidence", *RECORDS), "")
+        _only(table, ("file", "averages", "confidence", "slope", *RECORDS), "")
         name = table.get("file")
         if not isinstance(name, str) or not name or "\0" in name:
             raise SceneError("file: give the name of a CSV file beside the scene")
@@ -227,7 +229,9 @@ def _measurement(table: Table, place: str, folder: Path) -> Measurement:
         settings = {key: table[key] for key in RECORDS if key in table}
         if overlap is not None:
             settings["overlap"] = overlap
-        return read_file(folder / name, averages, CONFIDENCE if confidence is None else confidence, settings)
+        slope = read_slope(table["slope"]) if "slope" in table else None
+        found = read_file(folder / name, averages, CONFIDENCE if confidence is None else confidence, settings)
+        return replace(found, slope=slope)
     except SceneError as error:
         raise error.within(place) from None
 

@@ -13,6 +13,7 @@ from haptisym.kernel.shown import counted
 from haptisym.kernel.symbols import s
 from haptisym.model.jnd import Part
 from haptisym.model.measured import Measurement, coherence_for
+from haptisym.pages.measuredbetween import between_section, stated
 from haptisym.pages.measuredtable import MOST_ROWS, cut, ends, rounded, runs, shape, table
 from haptisym.pages.words import OMEGA, PART_NAMES, RATIOS, limits, stiffness_unit
 from haptisym.verbs.measured.entry import MeasuredEvaluation
@@ -45,6 +46,7 @@ def page(e: MeasuredEvaluation) -> Document:
     blocks: tuple[Block, ...] = (
         Facts(tuple(_about(e))),
         Section("Step 1. When does the hand begin to notice?", tuple(_step_1(e)), "step-1"),
+        *between_section(e),
         Section("Step 2. How is it felt?", tuple(_step_2(e)), "step-2"),
         Paragraph(_certain(e)),
     )
@@ -79,6 +81,8 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
         yield "discs", (_discs(e), "; ", told, rounded(least, 7))
     else:
         yield "discs", _discs(e)
+    if e.scene.slopes:
+        yield "slope", stated(e)
 
 
 def measured_words(m: Measurement) -> Phrase:
@@ -188,7 +192,7 @@ def _bound(x: float | None, words: Callable[[float], str]) -> str:
 def _step_2(e: MeasuredEvaluation) -> Iterator[Block]:
     rows = tuple(islice(_felt(e), MOST_ROWS + 1))
     if rows:
-        caption = "What is felt at the lines that exceed, where their discs tell it; nothing is said between lines."
+        caption = "What is felt at the lines that exceed, where their discs tell it; how it is felt between lines is not told."
         yield Table(
             (Column((OMEGA, " (rad/s)")), Column("lines", number=True), Column("part"), Column("felt as")),
             rows,
@@ -233,6 +237,11 @@ def _certain(e: MeasuredEvaluation) -> Phrase:
         "Measured, not proven: this is said line by line, at the measured frequencies alone, and nothing is said between "
         "the lines."
     )
+    if e.between is not None:
+        start = (
+            "Measured, not proven: this is said at the measured frequencies, and between them as far as the bound on the "
+            "slope tells, which was stated and is not tested; nothing is said beyond the first line and the last."
+        )
     if e.lines.radius is None:
         return start, " How certain the lines themselves are, nothing here tells."
     share = 1 - e.scene.perceived.confidence

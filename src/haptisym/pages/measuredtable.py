@@ -59,7 +59,7 @@ def table(e: MeasuredEvaluation) -> Block:
         columns = (*numbers, Column("radius", number=True), *names)
         rows: tuple[tuple[Phrase, ...], ...] = tuple(
             (rounded(x.omega), f"{x.omega / tau:.5g}", _ratio(x.ratio_real), _ratio(x.ratio_imag), _ratio(x.radius),
-             *(_verdict(CODES[int(own[i])].value) for _, own in judgements))
+             *(verdict(CODES[int(own[i])].value) for _, own in judgements))
             for i, x in enumerate(e.rows)
         )  # fmt: skip
         return Table(columns, rows, caption)
@@ -67,7 +67,7 @@ def table(e: MeasuredEvaluation) -> Block:
         (
             ends(e, first, last),
             str(last - first + 1),
-            *(_verdict(CODES[int(own[first])].value) for _, own in judgements),
+            *(verdict(CODES[int(own[first])].value) for _, own in judgements),
         )
         for first, last in islice(runs(_groups(e)), MOST_ROWS)
     )
@@ -81,7 +81,8 @@ def cut(e: MeasuredEvaluation) -> Iterator[Block]:
         yield Notes((f"The first {MOST_ROWS} of {groups} groups of lines that are judged alike; JSON has every line.",))
 
 
-def _verdict(word: str) -> Phrase:
+def verdict(word: str) -> Phrase:
+    """A verdict as a cell has it."""
     return Strong(word) if word == "exceeds" else word
 
 

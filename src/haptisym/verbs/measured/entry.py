@@ -18,6 +18,7 @@ from haptisym.kernel.shown import counted, titled
 from haptisym.model.jnd import Part
 from haptisym.model.measured import Reals
 from haptisym.model.measuredscene import MeasuredScene
+from haptisym.verbs.measured.between import Between, between
 from haptisym.verbs.measured.judging import CODES, Judged, Lines, Signs, Verdict, judged, lines_of, signs
 from haptisym.verbs.measured.needed import Needed, needed
 from haptisym.verbs.measured.regions import ends_of
@@ -52,7 +53,7 @@ class MeasuredPercept(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredEvaluation(Answer):
-    """What the measured lines say, line by line; nothing is said between them, and nothing is certified.
+    """What the measured lines say, line by line; between them nothing but by a bound on the slope, and nothing is certified.
 
     ``lines`` : the numbers. ``distance`` : of each part's ratio from its threshold, positive outside. ``verdict`` : of each part
     by itself 1 where the whole disc exceeds the threshold, -1 where the whole disc is below, 0 where the disc does not tell;
@@ -79,6 +80,11 @@ class MeasuredEvaluation(Answer):
 
     def __len__(self) -> int:
         return len(self.lines.omega)
+
+    @cached_property
+    def between(self) -> Between | None:
+        """What is told between the lines; None without a bound on the slope."""
+        return between(self.scene, self.lines)
 
     @property
     def certified(self) -> bool:
@@ -158,6 +164,7 @@ class MeasuredEvaluation(Answer):
             "confidence": None if self.lines.radius is None else felt.confidence,
             "rows": rows,
             "percepts": percepts,
+            **({} if self.between is None else {"between": self.between.row(self.scene.slopes)}),
             "needed": None if self.needed is None else _needed(self.needed),
             "certified": self.certified,
         }

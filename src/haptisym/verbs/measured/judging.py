@@ -147,7 +147,7 @@ def judged(scene: MeasuredScene, x: Lines, part: Part | None) -> Judged | None:
 def _told(x: Lines, distance: Reals, moved: Reals, floor: Reals) -> Judged:
     """``moved`` : how much of dH is judged; where H_env is 0 that is compared with the floor."""
     radius = np.zeros(len(distance)) if x.radius is None else x.radius
-    zero = x.environment == 0
+    zero = (x.environment == 0) & (x.env_radius == 0)
     if zero.any():
         distance = np.where(zero, np.where(moved <= floor, -np.inf, np.inf), distance)
     with np.errstate(invalid="ignore"):

@@ -6,6 +6,7 @@ Positive outside, negative inside: a disc of radius r lies outside where the dis
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -24,10 +25,14 @@ def values_of(formula: Expr, at: Reals) -> Reals:
     """A number, or a rational formula in omega, at frequencies."""
     if not formula.has(omega):
         return np.full(len(at), float(formula))
-    above, below = (
-        np.polyval([float(c) for c in Poly(x, omega).all_coeffs()], at) for x in fraction(together(formula))
-    )
+    above, below = (np.polyval(x, at) for x in _coefficients(formula))
     return np.asarray(above / below)
+
+
+@lru_cache(maxsize=64)
+def _coefficients(formula: Expr) -> tuple[list[float], list[float]]:
+    above, below = ([float(c) for c in Poly(x, omega).all_coeffs()] for x in fraction(together(formula)))
+    return above, below
 
 
 def ends_of(c: Threshold, part: Part, at: Reals) -> tuple[Reals, Reals]:
@@ -55,8 +60,8 @@ def joint_distance(c: Threshold, at: Reals, x: Reals, y: Reals) -> Reals | None:
 def part_distance(c: Threshold, part: Part, at: Reals, x: Reals, env: Reals, size: tuple[Reals, Reals]) -> Reals:
     """Of a change of one part alone. ``x`` : that part's; ``env`` : the environment's part, both as shares of ``|H_env|``.
 
-    ``size`` : the least and the largest ``|H_env|`` in the environment's disc; where they differ, limits that depend on the
-    environment are taken at their worst.
+    ``size`` : the least and the largest ``|H_env|`` in the environment's disc; where they differ, a limit for changes that make
+    the part larger is that only as far as the part does become larger, and a floor is taken at its worst.
     """
     low, high = ends_of(c, part, at)
     lower = c.lower(part)
@@ -66,10 +71,16 @@ def part_distance(c: Threshold, part: Part, at: Reals, x: Reals, env: Reals, siz
     least, largest = (_floored(c, at, s) for s in size)
     uncertain = size[0] < size[1]
     exact = _two_way(np.maximum(high, largest), np.maximum(below, largest), x, env)
-    small, great = np.minimum(high, below), np.maximum(high, below)
-    outer, inner = np.abs(x) - np.maximum(great, least), np.abs(x) - np.maximum(small, largest)
+    grown, moved = np.abs(env + x) - np.abs(env), np.abs(x)
+    outer, inner = (_either(moved, grown, np.maximum(high, f), np.maximum(below, f)) for f in (least, largest))
     worst = np.where(outer > 0, outer, np.minimum(inner, 0))
     return np.where(uncertain, worst, exact)
+
+
+def depth_of(c: Threshold, at: Reals) -> Reals:
+    """How far no change at all lies inside a diamond or a polygon."""
+    zero = np.zeros(len(at))
+    return -_from_polygon(_corners(c, at), zero, zero)
 
 
 def floor_of(c: Threshold, at: Reals) -> Reals:
@@ -80,6 +91,16 @@ def floor_of(c: Threshold, at: Reals) -> Reals:
 def _floored(c: Threshold, at: Reals, size: Reals) -> Reals:
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.nan_to_num(floor_of(c, at) / size, nan=0.0, posinf=np.inf)
+
+
+def _either(moved: Reals, grown: Reals, up: Reals, down: Reals) -> Reals:
+    """How far a change is noticed, or not noticed where negative, whatever the disc makes of how the part has ``grown``."""
+    beyond = np.maximum(np.minimum(grown, moved - up), np.minimum(-grown, moved - down))
+    within = np.maximum(np.minimum(grown, up - moved), np.minimum(-grown, down - moved))
+    outer = np.maximum(moved - np.maximum(up, down), beyond)
+    inner = np.maximum(np.minimum(up, down) - moved, within)
+    found: Reals = np.where(outer > 0, outer, -np.maximum(inner, 0))
+    return found
 
 
 def _two_way(up: Reals, down: Reals, x: Reals, env: Reals) -> Reals:
