@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from haptisym.kernel.decimals import bits_for
 from haptisym.kernel.periodic import Turned
-from haptisym.kernel.polynomials import Root
+from haptisym.kernel.polynomials import PolynomialFactor, Root
 from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.zeros import Zero
 
@@ -20,8 +20,9 @@ class Effort(NamedTuple):
     seconds: float
 
 
+_POLYNOMIAL = "certified polynomial roots"
 _METHODS = {
-    Root: "certified polynomial roots",
+    Root: _POLYNOMIAL,
     Turned: "arctangents of certified polynomial roots",
     Zero: "interval Newton in ball arithmetic",
     ExactNumber: "closed form",
@@ -30,5 +31,11 @@ _METHODS = {
 
 def effort(numbers: Iterable[RealNumber], digits: int, seconds: float) -> Effort:
     """Of numbers that took that long to that many digits."""
-    kinds = {_METHODS.get(type(x), "bisection") for x in numbers}
+    kinds = {_method(x) for x in numbers}
     return Effort(", ".join(sorted(kinds)) or "none needed", bits_for(digits), seconds)
+
+
+def _method(x: RealNumber) -> str:
+    if isinstance(x, Zero) and isinstance(x.factor, PolynomialFactor):
+        return _POLYNOMIAL
+    return _METHODS.get(type(x), "bisection")

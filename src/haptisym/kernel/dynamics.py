@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property, reduce
 from math import inf
 
-from sympy import Add, Expr, I, Integer, Pow, Rational, Symbol, cosh, exp, gcd, preorder_traversal, sinh
+from sympy import Add, Expr, I, Integer, Rational, Symbol, cosh, exp, gcd, sinh
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.errors import SceneError
@@ -35,18 +35,18 @@ class Ring(PolynomialRing):
     @classmethod
     def of(cls, expressions: Iterable[Expr]) -> Ring:
         """The smallest ring that holds the given expressions."""
-        found = {x for e in expressions for x in preorder_traversal(_exponentials(e))}
-        symbols = {x for x in found if isinstance(x, Symbol)} - {s}
-        lags = {lag for x in found if isinstance(x, exp) for lag in _lags(x)}
-        orders = {_order(x)[1] for x in found if isinstance(x, Pow) and x.base == s and not x.exp.is_Integer}
+        found = set(_named(expressions))
+        symbols = {x for x in found if x.is_Symbol} - {s}
+        lags = {lag for x in found if x.func is exp for lag in _lags(x)}
+        orders = {_order(x)[1] for x in found if x.is_Pow}
         return cls(symbols, _units(lags), sorted(orders, key=str), j=I in found)
 
     def convert(self, expression: Expr) -> RationalFunction:
-        if isinstance(expression, cosh | sinh):
+        if expression.func in (cosh, sinh):
             return self.convert(_exponentials(expression))
-        if isinstance(expression, exp):
+        if expression.func is exp:
             return reduce(lambda x, y: x * y, (self._delayed(lag, n) for lag, n in _lags(expression).items()))
-        if isinstance(expression, Pow) and expression.base == s and not expression.exp.is_Integer:
+        if _is_fractional(expression):
             whole, order, sign = _order(expression)
             return self.function(self.variable) ** whole * self.function(self.generators[s**order]) ** sign
         return super().convert(expression)
@@ -92,6 +92,26 @@ class Ring(PolynomialRing):
     def axis(self) -> Axis:
         """The ring of real functions of omega that these dynamics become."""
         return Axis(self.symbols, self.lags, self.orders, j=I in self.generators)
+
+
+def _named(expressions: Iterable[Expr]) -> Iterator[Expr]:
+    """What a ring needs names for: symbols, j, exponentials and the powers of s that are not whole."""
+    waiting = [*expressions]
+    while waiting:
+        x = waiting.pop()
+        if x.is_Symbol or x is I:
+            yield x
+        elif x.func in (cosh, sinh):
+            waiting.append(_exponentials(x))
+            continue
+        elif x.func is exp or _is_fractional(x):
+            yield x
+        waiting += x.args
+
+
+def _is_fractional(x: Expr) -> bool:
+    """Whether it is a power of s that is not whole."""
+    return bool(x.is_Pow and x.base == s and not x.exp.is_Integer)
 
 
 def _exponentials(expression: Expr) -> Expr:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import pairwise
+from operator import ne
 
 import flint
-from flint import acb_poly, arb, arb_poly, fmpq, fmpq_poly, fmpz_poly
+from flint import acb_poly, arb, arb_poly, fmpq, fmpq_poly, fmpz, fmpz_poly
 from sympy import Expr, pi
 
 from haptisym.kernel.budget import tick
@@ -16,8 +17,9 @@ from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.precision import SURE_BITS, at_rising_precision
 from haptisym.kernel.reals import Ball, RealNumber
 from haptisym.kernel.rings import PolynomialRing
+from haptisym.kernel.subdivision import Waiting
 from haptisym.kernel.symbols import omega
-from haptisym.kernel.zeros import SmoothFactor, Zero, around, is_clear, rounded_up, tightened
+from haptisym.kernel.zeros import SmoothFactor, Zero, around, exact, is_clear, rounded_up, tightened
 
 
 @dataclass(frozen=True)
@@ -29,9 +31,11 @@ class PolynomialFactor(SmoothFactor):
 
     coefficients: tuple[tuple[int, ...], ...]
     step: int = 2
+    is_rational: bool = field(init=False, repr=False, compare=False)
     _hash: int = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "is_rational", max(map(len, self.coefficients)) == 1)
         object.__setattr__(self, "_hash", hash((self.coefficients, self.step)))
 
     def __hash__(self) -> int:
@@ -40,10 +44,6 @@ class PolynomialFactor(SmoothFactor):
     @property
     def degree(self) -> int:
         return len(self.coefficients) - 1
-
-    @property
-    def is_rational(self) -> bool:
-        return all(len(c) == 1 for c in self.coefficients)
 
     def value(self, x: Ball) -> Ball:
         return _at_precision(self, flint.ctx.prec)[0](x**self.step)
@@ -57,30 +57,40 @@ class PolynomialFactor(SmoothFactor):
     def steady_sign(self, low: Expr, high: Expr) -> int:
         if not self.is_rational:
             return 0
-        moved = self._moved(*around(low, high))
+        moved = self._moved(*(x.fmpq() for x in around(low, high)))
         signs = {c > 0 for c in moved if c}
         # the first coefficient belongs to the high end, the last to the low end
         return 0 if len(signs) > 1 or not moved[0] or not moved[-1] else 1 if signs.pop() else -1
 
     def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
         if self.is_rational and self.degree > 1:
-            start, end = around(low, high)
-            signs = [c > 0 for c in self._moved(start, end) if c]
-            changes = sum(a != b for a, b in pairwise(signs))
-            if changes < 2:  # Descartes' bound, which is then the number
-                return [Zero(self, start, end)] * changes
+            return [Zero(self, exact(a), exact(b), i) for i, (a, b) in enumerate(self._apart(*around(low, high)))]
         return list(self.positive_roots())
+
+    def _apart(self, low: Ball, high: Ball) -> Iterator[tuple[fmpq, fmpq]]:
+        """Intervals with dyadic ends in ascending order, each with one zero in it: Descartes' bound tells, or half of it does.
+
+        As an irreducible polynomial has none but simple roots, and none that is rational unless it is linear, this ends.
+        """
+        waiting = Waiting([(low.fmpq(), high.fmpq())])
+        for a, b in waiting:
+            signs = [c > 0 for c in self._moved(a, b) if c]
+            changes = sum(map(ne, signs, signs[1:]))
+            if changes == 1:
+                yield a, b
+            elif changes:
+                middle = (a + b) / 2
+                waiting.add((a, middle), (middle, b))
 
     def positive_roots(self) -> list[Root]:
         """All positive zeros, ascending."""
         return [Root(self, i) for i in range(len(_roots(self, 128)))]
 
-    def _moved(self, low: Ball, high: Ball) -> list[fmpq]:
-        """The coefficients of p(x) (1 + t)^n at x = low + (high - low)/(1 + t), which maps t > 0 to what is in between."""
-        start, end = (x.fmpq() ** self.step for x in (low, high))
-        moved = fmpq_poly([c[0] for c in self.coefficients])(fmpq_poly([start, end - start]))
-        row = [moved[n] for n in range(self.degree, -1, -1)]
-        turned = fmpq_poly(row)(fmpq_poly([1, 1]))
+    def _moved(self, low: fmpq, high: fmpq) -> list[fmpz]:
+        """Coefficients of p(x) (1 + t)^n at x = low + (high - low)/(1 + t), times a number > 0; t > 0 is what is in between."""
+        start, end = low**self.step, high**self.step
+        moved = fmpq_poly([c for (c,) in self.coefficients])(fmpq_poly([start, end - start]))
+        turned: fmpz_poly = fmpz_poly(moved.numer().coeffs()[::-1])(_ONE_MORE)
         return [turned[n] for n in range(self.degree + 1)]
 
     def order_at(self, place: Expr) -> int:
@@ -139,7 +149,7 @@ def polynomial_factors(
     if in_square and not any(rest[1::2]):
         rest, step = rest[::2], 2
     number, factors = fmpq_poly(rest).factor()
-    found = [(PolynomialFactor(tuple((int(c.p),) for c in f.coeffs()), step), n) for f, n in factors]
+    found = [(PolynomialFactor(tuple((int(c),) for c in f.numer().coeffs()), step), n) for f, n in factors]
     return (1 if number > 0 else -1), lowest, found
 
 
@@ -147,8 +157,14 @@ def polynomial_factors(
 def _at_precision(factor: PolynomialFactor, bits: int) -> tuple[arb_poly, arb_poly]:
     """The polynomial in omega^step with balls for coefficients, and its derivative."""
     with flint.ctx.workprec(bits):
-        polynomial = arb_poly([fmpz_poly(list(c))(arb.pi()) for c in factor.coefficients])
+        if factor.is_rational:
+            polynomial = arb_poly([c for (c,) in factor.coefficients])
+        else:
+            polynomial = arb_poly([fmpz_poly(list(c))(arb.pi()) for c in factor.coefficients])
         return polynomial, polynomial.derivative()
+
+
+_ONE_MORE = fmpz_poly([1, 1])
 
 
 @lru_cache(maxsize=1024)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
-from math import ceil, floor
+from math import ceil, floor, isfinite
 from operator import add, mul
 from types import MappingProxyType
 from typing import Any, TypeAlias
@@ -60,7 +60,12 @@ class RealNumber(Viewed, ABC):
         return bounds(self.tight_ball(bits))
 
     def __float__(self) -> float:
-        bits = 60
+        with flint.ctx.workprec(128):
+            ball = self.tight_ball(60)
+            ends = float(ball.lower()), float(ball.upper())
+        if ends[0] == ends[1] and isfinite(ends[0]):
+            return ends[0]
+        bits = 240
         while True:
             low, high = self.bounds(bits)
             if (
@@ -176,8 +181,8 @@ def bounds(ball: Ball) -> tuple[Fraction, Fraction]:
 
 
 def _dyadic(exact: Ball) -> Fraction:
-    mantissa, exponent = exact.man_exp()
-    return int(mantissa) * Fraction(2) ** int(exponent)
+    mantissa, exponent = map(int, exact.man_exp())
+    return Fraction(mantissa << exponent) if exponent >= 0 else Fraction(mantissa, 1 << -exponent)
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -16,7 +16,7 @@ from operator import add, mul
 from typing import Any, TypeAlias
 
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
-from sympy import Add, Expr, Integer, Mul, Pow, Rational, Symbol, pi
+from sympy import Add, Expr, Integer, Mul, Rational, Symbol, pi
 
 from haptisym.kernel.budget import afford
 from haptisym.kernel.errors import SceneError
@@ -38,6 +38,7 @@ class PolynomialRing:
         self.meanings: tuple[Expr, ...] = (variable, pi, *self.symbols, *self.functions)
         self.context = fmpq_mpoly_ctx.get(tuple(f"x{i}" for i in range(len(self.meanings))), Ordering.lex)
         self.generators = dict(zip(self.meanings, self.context.gens(), strict=True))
+        self._one = self.context.constant(1)
 
     @property
     def size(self) -> int:
@@ -47,16 +48,15 @@ class PolynomialRing:
     @property
     def variable(self) -> Polynomial:
         """The first variable, as a polynomial."""
-        return self.context.gens()[0]
+        return self.generators[self.meanings[0]]
 
     def constant(self, value: int | Rational) -> Polynomial:
         """A rational number as a polynomial."""
-        exact = Rational(value)
-        return self.context.constant(fmpq(int(exact.p), int(exact.q)))
+        return self.context.constant(value if isinstance(value, int) else fmpq(int(value.p), int(value.q)))
 
     def function(self, numerator: Polynomial, denominator: Polynomial | None = None) -> RationalFunction:
         """The quotient of two polynomials of this ring."""
-        return RationalFunction(self, numerator, self.constant(1) if denominator is None else denominator)
+        return RationalFunction(self, numerator, self._one if denominator is None else denominator)
 
     @property
     def zero(self) -> RationalFunction:
@@ -66,7 +66,7 @@ class PolynomialRing:
     @property
     def one(self) -> RationalFunction:
         """1."""
-        return self.function(self.constant(1))
+        return self.function(self._one)
 
     def convert(self, expression: Expr) -> RationalFunction:
         """The element that a SymPy expression is; SceneError where it is none.
@@ -75,15 +75,15 @@ class PolynomialRing:
         >>> PolynomialRing(s).convert(1 / s + s / (s + 1)).expression()
         (s**2 + s + 1)/(s*(s + 1))
         """
+        if expression.is_Rational:
+            return self.function(self.constant(expression))
         if expression in self.generators:
             return self.function(self.generators[expression])
-        if isinstance(expression, Rational):
-            return self.function(self.constant(expression))
-        if isinstance(expression, Add):
+        if expression.is_Add:
             return reduce(add, map(self.convert, expression.args))
-        if isinstance(expression, Mul):
+        if expression.is_Mul:
             return reduce(mul, map(self.convert, expression.args))
-        if isinstance(expression, Pow) and isinstance(expression.exp, Integer):
+        if expression.is_Pow and expression.exp.is_Integer:
             return self.convert(expression.base) ** int(expression.exp)
         raise SceneError(
             f"{expression} is not made of {self.meanings[0]} and exact numbers by + - * / and whole powers"
@@ -117,8 +117,10 @@ class PolynomialRing:
         """The coefficients of a polynomial that is not 0, ascending, if they are rational numbers; None if they hold more."""
         if any(polynomial.degrees()[1:]):
             return None
-        terms = {int(exponents[0]): value for exponents, value in polynomial.to_dict().items()}
-        return [terms.get(n, fmpq(0)) for n in range(max(terms) + 1)]
+        row = [fmpq(0)] * (int(polynomial.degrees()[0]) + 1)
+        for exponents, value in zip(polynomial.monoms(), polynomial.coeffs(), strict=True):
+            row[int(exponents[0])] = value
+        return row
 
     def _powers(self, polynomial: Polynomial) -> dict[int, Expr]:
         powers: dict[int, list[Expr]] = {}
@@ -248,10 +250,12 @@ class RationalFunction:
     def reduced(self) -> RationalFunction:
         """In lowest terms, the denominator with leading coefficient 1."""
         afford(len(self.numerator), len(self.denominator))
-        common = self.numerator.gcd(self.denominator)
-        top, bottom = self.numerator / common, self.denominator / common
+        top, bottom = self.numerator, self.denominator
+        common = top.gcd(bottom)
+        if not common.is_one():
+            top, bottom = top / common, bottom / common
         leading = bottom.leading_coefficient()
-        return self._new(top / leading, bottom / leading)
+        return self._new(top, bottom) if leading == 1 else self._new(top / leading, bottom / leading)
 
     def cleared(self) -> RationalFunction:
         """The same function with whole coefficients, as small as they can be, in numerator and denominator."""
@@ -274,6 +278,10 @@ class RationalFunction:
 
 def _times(x: Polynomial, y: Polynomial) -> Polynomial:
     """The product, where there is time for it."""
+    if x.is_one():
+        return y
+    if y.is_one():
+        return x
     afford(len(x), len(y))
     return x * y
 

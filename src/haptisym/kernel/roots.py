@@ -193,7 +193,7 @@ def _undecided(products: Mapping[Key, Product], place: _Place) -> frozenset[Key]
 
 
 def _order(product: Product, place: _Place) -> int:
-    order = sum(product.exponents.get(factor, 0) * n for factor, n in place.orders.items())
+    order = sum(product.exponents[factor] * n for factor, n in place.orders.items() if factor in product.exponents)
     return _whole(product.power + order) if place.is_zero else int(order)
 
 
@@ -245,11 +245,16 @@ def in_order(numbers: list[RealNumber]) -> list[RealNumber]:
         return None if close else [number for _, number in enclosed]
 
     tick()
-    most = MOST_BITS if any(isinstance(x, Zero | Undecided) for x in numbers) else SURE_BITS
+    most = MOST_BITS if any(isinstance(x, Undecided) or _may_coincide(x) for x in numbers) else SURE_BITS
     found = at_rising_precision(told_apart, 64, most)
     if found is None:
         raise UndecidedError(f"whether two frequencies near {float(close[0].mid()):.17g} rad/s are the same")
     return found
+
+
+def _may_coincide(x: RealNumber) -> bool:
+    """Whether it is a zero of a function that is no polynomial: zeros of different irreducible polynomials differ."""
+    return isinstance(x, Zero) and not isinstance(x.factor, PolynomialFactor)
 
 
 def _first_signs(products: Mapping[Key, Product], places: list[_Place], steady: Mapping[Factor, int]) -> dict[Key, int]:

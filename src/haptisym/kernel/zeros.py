@@ -14,7 +14,7 @@ from functools import lru_cache
 from typing import Any, TypeAlias
 
 import flint
-from flint import arb
+from flint import arb, fmpq
 from sympy import Expr
 
 from haptisym.kernel.budget import tick
@@ -32,6 +32,12 @@ def around(low: Expr, high: Expr) -> tuple[Ball, Ball]:
     """Dyadic numbers that enclose an interval."""
     with flint.ctx.workprec(128):
         return expression_ball(low).lower(), expression_ball(high).upper()
+
+
+def exact(x: fmpq) -> Ball:
+    """A dyadic number as a ball without radius."""
+    with flint.ctx.workprec(max(128, int(x.p).bit_length())):
+        return arb(x)
 
 
 def sign_of(ball: Ball) -> int:

@@ -131,7 +131,7 @@ class Effect(Shown):
     def matrix(self) -> Matrix:
         """The chain matrix (A, B, C, D) with the parameters' values in place."""
         known = values((*self.parameters, *(self.renders.parameters if self.renders else ())))
-        a, b, c, d = (entry.xreplace(known) for entry in self.dynamics)
+        a, b, c, d = (entry if entry.is_Integer else entry.xreplace(known) for entry in self.dynamics)
         return a, b, c, d
 
     def with_values(self, given: Mapping[str, Number]) -> Effect:

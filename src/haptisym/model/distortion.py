@@ -39,7 +39,8 @@ def distort(environment: Environment, *effects: Effect, rendered: Environment | 
     (2000/(s + 20), -100*omega**2/(omega**2 + 400))
     """
     felt = rendered.tied_to(environment) if rendered else environment
-    return Distortion.of(Chain(environment.H, felt.H, tuple(e.matrix for e in in_place(effects, felt))))
+    H = environment.H
+    return Distortion.of(Chain(H, felt.H if rendered else H, tuple(e.matrix for e in in_place(effects, felt))))
 
 
 @dataclass(frozen=True, repr=False)
