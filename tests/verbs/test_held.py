@@ -90,6 +90,21 @@ def test_a_mass_of_500_kilograms_is_where_the_chain_of_a_satellite_is_lost() -> 
     assert (damping.found, stiffness.found) == ((), ())
 
 
+def test_beside_a_chain_that_is_lost_no_side_is_called_stable() -> None:
+    """-0.002 s^2 that comes 4 ms late: in a hand of 2 kg no root lies on the right, in one of 2.1 g there are four."""
+    wheel = hs.environments.mass_spring_damper("0.04 kg*m^2", "0.3 N*m*s/rad", "4 N*m/rad")
+    column = hs.effects.compliance("600 N*m/rad", "0.2 N*m*s/rad")
+    rim = hs.effects.shunt(m="-0.002 kg*m^2", b="-0.01 N*m*s/rad")
+    scene = hs.Scene(wheel, (column, rim, hs.effects.delay("4 ms")))
+    found = hs.stability(scene, hs.Hand("firm", b="1 N*m*s/rad"))
+    [mass] = found.critical[0][0].found
+    assert float(mass.value) == 0.002
+    assert (mass.chain_side, mass.stable_side) == ("below", None)
+    assert "not below" in str(found)
+    heavier = [hs.Hand(m, m=f"{m} kg*m^2", b="1 N*m*s/rad") for m in ("0.0021", "2")]
+    assert [x.unstable for x in hs.stability(scene, heavier).held] == [4, 0]
+
+
 def third_order(k: float, b: float, w: float) -> list[float]:
     """(0.5 s^2 + b s + k) (s + w) + 100 w: a spring of 100 N/m behind a lag, in a hand of 0.5 kg."""
     return [0.5, b + 0.5 * w, k + b * w, (k + 100) * w]

@@ -136,7 +136,8 @@ def _going(found: Stability, x: Held, rows: tuple[Nearest, ...]) -> Section:
 def _critical(found: Stability, x: Critical) -> tuple[Phrase, ...]:
     unit = unit_text(found.scene.knobs[x.path].unit)
     place: Phrase = "from infinity" if x.omega is None else short(x.omega)
-    return x.path, exactly(x.value, 8), "" if unit == "1" else unit, x.stable_side or "on neither side", place
+    side = f"not {x.chain_side}" if x.chain_side else x.stable_side or "on neither side"
+    return x.path, exactly(x.value, 8), "" if unit == "1" else unit, side, place
 
 
 def _units(found: Stability) -> list[str]:

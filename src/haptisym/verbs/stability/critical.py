@@ -33,7 +33,8 @@ Count: TypeAlias = tuple[int | None, RootChain | None]
 class Critical(Shown):
     """A value of a number at which the count of roots in Re s >= 0 changes: ``below`` and ``above`` it, None if infinite.
 
-    ``omega`` : the frequency at which roots then lie on the axis, rad/s; None where they come from infinity.
+    ``omega`` : the frequency at which roots then lie on the axis, rad/s; None where they come from infinity. Beside a chain
+    of infinitely many the count is that of one value only: as a chain leaves, more and more of its roots may stay behind.
     """
 
     path: str
@@ -46,8 +47,15 @@ class Critical(Shown):
         return f"{self.path} = {self.value.digits(6)}"
 
     @property
+    def chain_side(self) -> str | None:
+        """``above`` or ``below``, where infinitely many roots lie on the right on that side."""
+        return "above" if self.above is None else "below" if self.below is None else None
+
+    @property
     def stable_side(self) -> str | None:
-        """``above``, ``below``, or None where it is stable on neither side."""
+        """``above``, ``below``, or None where it is stable on neither side, or a chain leaves that open."""
+        if self.chain_side:
+            return None
         return "above" if self.above == 0 else "below" if self.below == 0 else None
 
 
