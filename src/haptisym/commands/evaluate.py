@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -26,8 +27,9 @@ from haptisym.kernel.errors import SceneError
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.scenefile import chosen, felt_through, open_scenes
 from haptisym.verbs.evaluate.entry import evaluate as evaluate_scene
-from haptisym.verbs.family.entry import FamilyEvaluation
-from haptisym.verbs.family.entry import evaluate_all as evaluate_family
+
+if TYPE_CHECKING:
+    from haptisym.verbs.family.entry import FamilyEvaluation
 
 
 @verb(needs=[("--points", "--response", "the lines of a file")])
@@ -112,9 +114,11 @@ def evaluate(
         return
     family = felt_through(opened, scene, (*environments, *more))
     if environment is None and (environments or len(family) > 1):
+        from haptisym.verbs.family.entry import evaluate_all  # loaded where it is asked for
+
         _of_one_environment()
         with progress() as told, limited(limit, told):
-            every = evaluate_family(family, digits, regions=regions, proportion=proportion)
+            every = evaluate_all(family, digits, regions=regions, proportion=proportion)
         _hand_over_all(every, figures, as_json)
         return
     one = family[str(environment)] if environments else chosen(family, Path(scene).name, environment)

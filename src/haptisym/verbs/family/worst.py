@@ -9,6 +9,7 @@ from haptisym.judge.criteria import Criterion, Judged, noticed
 from haptisym.kernel.lattices import Signed
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Chart, Interval, Key, Signs, chart
+from haptisym.kernel.shown import Shown
 from haptisym.model.distortion import Distortion
 from haptisym.model.family import SceneFamily
 from haptisym.model.jnd import Threshold
@@ -23,8 +24,8 @@ class FamilyBinding(Judged):
     criterion: Criterion
 
 
-@dataclass(frozen=True)
-class WorstCase:
+@dataclass(frozen=True, repr=False)
+class WorstCase(Shown):
     """``chart`` : of each environment and criterion, (name, criterion), what must not be positive, on one band.
 
     So ends of different environments are told apart, or found equal, exactly.
@@ -32,6 +33,9 @@ class WorstCase:
 
     chart: Chart
     keys: tuple[tuple[str, Criterion], ...]
+
+    def _line(self) -> str:
+        return f"common bandwidth {self.bandwidth.digits(5) if self.bandwidth else 'none'}"
 
     @classmethod
     def of(cls, family: SceneFamily, threshold: Threshold) -> WorstCase:
