@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+import shlex
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -238,6 +240,56 @@ def test_discs_that_cannot_be_weights_are_refused() -> None:
     for given, told in ((3, "is no measured response"), ("fu2019.toml", "neither a scene file")):
         with pytest.raises(hs.SceneError, match=told):
             hs.identify(given, "kelvin-voigt")  # type: ignore[arg-type]
+
+
+def test_what_is_printed_has_the_digits_that_the_errors_support_and_the_scene_file_all() -> None:
+    found = hs.identify("fu2019-bench", effects=["second-order-lowpass"])
+    text = str(found)
+    [formula] = [line for line in text.splitlines() if "H_perc" in line]
+    assert max(len(x.replace(".", "").strip("0")) for x in re.findall(r"\d[\d.]*", formula.split("=")[-1])) <= 4
+    for x in found.estimates:
+        letter = {"omega_n": "ω_n", "zeta": "ζ"}[x.parameter.name]
+        [row] = [line.split() for line in text.splitlines() if line.split()[:1] == [letter]]
+        value, error, low, _, high = row[1:6]
+        assert abs(float(value) - x.value) <= 0.05 * x.error
+        assert len(error.replace(".", "").strip("0")) <= 2
+        assert x.low - 0.1 * x.error <= float(low) <= x.low
+        assert x.high <= float(high) <= x.high + 0.1 * x.error
+        assert repr(x.value) in found.text
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["fu2019"], "its simulated bench run is fu2019-bench"),
+        (["zener-tissue"], "simulated bench runs are delayed-spring-bench and fu2019-bench"),
+        (
+            ["fu2019-bench"],
+            "say what stands behind it, as --effect delay or --degrees 1 2; effects are first-order-lag",
+        ),
+        (["fu2019-bench", "--effect", "delay:tau=1 ms"], "every parameter is given a value; leave one of them out"),
+        (["fu2019-bench", "--model"], "Environments are mass-spring-damper"),
+        (["fu2019-bench", "--model", "zener"], "effects are first-order-lag"),
+        (["fu2019-bench", "--environment"], "--environment needs a model: valid are mass-spring-damper"),
+        (["fu2019-bench", "--effect", "--json"], "--effect needs a model: valid are first-order-lag"),
+    ],
+)
+def test_what_is_meant_is_named(call: Called, words: list[str], told: str) -> None:
+    status, out, err = call("identify", *words)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert told in err
+
+
+def test_a_record_in_time_is_named_as_what_it_is(call: Called) -> None:
+    record = str(Path(hs.__file__).parent / "benches" / "fu2019-bench.csv")
+    status, out, err = call("identify", record, "--environment", "mass-spring-damper")
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    way = re.search(r'as (--estimator \S+ --segment "[^"]+")', err)
+    assert way is not None
+    assert "a record in time" in err
+    status, out, err = call("identify", record, "--environment", "mass-spring-damper", *shlex.split(way[1]))
+    assert status == 0
+    assert "Parameters" in out
 
 
 def test_the_command_line_says_the_same_in_every_form(tmp_path: Path, call: Called) -> None:

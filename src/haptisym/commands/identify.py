@@ -3,20 +3,58 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
 from haptisym.commands.options import drawn, figure_option, file_option, json_option, keep, show
 from haptisym.commands.verb import PAGES, not_over, verb
+from haptisym.kernel.errors import SceneError
+from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS
 from haptisym.verbs.identify import entry as identification
+
+_MISSING = ""
+"""The value of an option that needs a model and was given none."""
+
+
+def _need_a_model(_context: click.Context, option: click.Parameter, given: Any) -> Any:
+    """What was given; SceneError with the names of all models where that is none."""
+    if given == _MISSING or (isinstance(given, tuple) and _MISSING in given):
+        models = EFFECTS if option.multiple else ENVIRONMENTS
+        raise SceneError(f"{option.opts[0]} needs a model: valid are {', '.join(models)}")
+    return given
+
+
+def _no_such_option(_context: click.Context, _option: click.Parameter, given: str | None) -> None:
+    """SceneError for an option by which one looks for models."""
+    if given is not None:
+        raise SceneError(
+            "--model: what is felt is --environment MODEL, and what stands behind it --effect MODEL; or --degrees N D. "
+            f"Environments are {', '.join(ENVIRONMENTS)}; effects are {', '.join(EFFECTS)}"
+        )
 
 
 @verb()
 @click.argument("file")
-@click.option("--environment", metavar="MODEL", help="A model of what is felt, as mass-spring-damper or kelvin-voigt.")
 @click.option(
-    "--effect", "effects", multiple=True, metavar="MODEL", help="An effect after it, nearest the environment first."
+    "--environment",
+    metavar="MODEL",
+    is_flag=False,
+    flag_value=_MISSING,
+    callback=_need_a_model,
+    help="A model of what is felt, as mass-spring-damper or kelvin-voigt.",
 )
+@click.option(
+    "--effect",
+    "effects",
+    multiple=True,
+    metavar="MODEL",
+    is_flag=False,
+    flag_value=_MISSING,
+    callback=_need_a_model,
+    help="An effect after it, nearest the environment first.",
+)
+@click.option("--model", is_flag=False, flag_value=_MISSING, hidden=True, expose_value=False, callback=_no_such_option)
 @click.option("--degrees", nargs=2, type=int, metavar="N D", help="Of numerator and denominator, in place of a model.")
 @click.option("--band", nargs=2, metavar="LOW HIGH", help='Only lines on it, rad/s or with a unit: "1 Hz" "20 Hz".')
 @click.option("--averages", type=float, metavar="N", help="Of FILE's column coherence.")

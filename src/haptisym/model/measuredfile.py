@@ -34,6 +34,11 @@ def read_measurement(path: Path, averages: float | None = None, confidence: floa
 
 
 def _checked(names: Sequence[str]) -> tuple[str, ...]:
+    if "t" in names:
+        raise SceneError(
+            'column "t": a record in time, not lines of a response: say how that is estimated, as --estimator H1 --segment '
+            '"4 s", or with these as keys of [perceived]; H1, H2 and joint there are'
+        )
     for name in names:
         if name not in COLUMNS:
             raise SceneError(f"unknown column {quoted(name)}: {meant(name, COLUMNS)}known are {', '.join(COLUMNS)}")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context, Decimal
+from math import ceil, floor, log10
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -63,9 +65,29 @@ def _about(a: Identification) -> Iterator[tuple[str, Phrase]]:
 
 def _response(a: Identification) -> Phrase:
     """H_perc with the numbers that were found, rounded."""
-    values = {x.parameter: f"{x.value:.6g}" for x in a.estimates}
+    digits = _digits(a)
+    values = {x.parameter: f"{x.value:.{digits + 2}g}" for x in a.estimates}
     own, effects = a.wanted.elements(values.__getitem__)
-    return equation("H_perc", readable(distort(own, *effects).perc, s)[0], relation="≈")
+    form, _ = readable(distort(own, *effects).perc, s, _digits(a))
+    return equation(
+        "H_perc", form, relation="≈"
+    ), "  as far as the errors let one write it; the scene file has every digit"
+
+
+def _digits(a: Identification) -> int:
+    """Two more than the best told parameter has certain ones."""
+    shares = [x.error / abs(x.value) for x in a.estimates if x.value]
+    return min(max(2, 1 + ceil(-log10(max(min(shares, default=1), 1e-7)))), 8)
+
+
+def _certain_digits(x: Estimate, value: float, way: str = ROUND_HALF_EVEN) -> Number:
+    """A number to the second digit of the error."""
+    last = floor(log10(x.error)) - 1 if x.error > 0 else -12
+    least = floor(log10(abs(value))) - 7 if value else last
+    exact = Decimal(value).quantize(Decimal(1).scaleb(max(last, least)), rounding=way, context=Context(prec=60))
+    return Number(
+        f"{float(exact):.{max(0, -max(last, least))}f}" if abs(exact) < 10**7 else f"{float(exact):.8g}", value
+    )
 
 
 def _verdict(a: Identification) -> Phrase:
@@ -117,12 +139,12 @@ def _table(a: Identification) -> Block:
 
 def _row(a: Identification, x: Estimate) -> tuple[Phrase, ...]:
     unit = a.unit(x)
-    sides = (_ends(x.low, x.high), _ends(x.least, x.most))
-    return _name(a, x), _number(x.value, 6), _number(x.error, 2), *sides, "" if unit == "1" else unit_text(unit)
+    sides = (_ends(x, x.low, x.high), _ends(x, x.least, x.most))
+    return _name(a, x), _certain_digits(x, x.value), _number(x.error, 2), *sides, "" if unit == "1" else unit_text(unit)
 
 
-def _ends(low: float, high: float) -> Phrase:
-    return _number(low, 6), " to ", _number(high, 6)
+def _ends(x: Estimate, low: float, high: float) -> Phrase:
+    return _certain_digits(x, low, ROUND_FLOOR), " to ", _certain_digits(x, high, ROUND_CEILING)
 
 
 def _name(a: Identification, x: Estimate) -> Phrase:

@@ -11,8 +11,10 @@ from haptisym.writing.numerals import is_short, rounded
 _DIGITS = 6  # significant digits of a number that is too long to write out
 
 
-def readable(function: RationalFunction, variable: Symbol) -> tuple[Expr, bool]:
+def readable(function: RationalFunction, variable: Symbol, digits: int | None = None) -> tuple[Expr, bool]:
     """A quotient of numbers' polynomials for reading, denominators monic, and whether a number in it had to be rounded.
+
+    ``digits`` : to which all numbers are rounded, where they are known no better.
 
     >>> from haptisym.kernel.symbols import s
     >>> from haptisym.kernel.rings import PolynomialRing
@@ -30,9 +32,10 @@ def readable(function: RationalFunction, variable: Symbol) -> tuple[Expr, bool]:
         below.append(([c / first for c in coefficients], exponent))
     outside, numerator = ring.without_common_functions(reduced.numerator)
     above = [(c / lead).expand() for c in ring.coefficients(numerator)]
-    exact = all(_is_short(c) for c in [*above, *(c for row, _ in below for c in row)])
-    shown = _polynomial(above, variable, exact=exact)
-    return outside * shown / Mul(*(_polynomial(row, variable, exact=exact) ** n for row, n in below)), not exact
+    exact = digits is None and all(_is_short(c) for c in [*above, *(c for row, _ in below for c in row)])
+    kept = None if exact else digits or _DIGITS
+    shown = _polynomial(above, variable, kept)
+    return outside * shown / Mul(*(_polynomial(row, variable, kept) ** n for row, n in below)), not exact
 
 
 def _is_short(coefficient: Expr) -> bool:
@@ -41,21 +44,21 @@ def _is_short(coefficient: Expr) -> bool:
     return rational and all(is_short(x) for x in coefficient.atoms(Rational))
 
 
-def _rounded(coefficient: Expr) -> Expr:
-    """A number to a few digits, unless it is a short whole one; in a larger expression, each of its numbers."""
+def _rounded(coefficient: Expr, digits: int) -> Expr:
+    """A number to a few digits, unless it is a whole one as short as that; in a larger expression, each of its numbers."""
     if coefficient.free_symbols or coefficient.has(I):
         numbers: dict[Expr, Expr] = {}
         for term in Add.make_args(coefficient):
             number, rest = term.as_independent(I, *term.free_symbols, as_Add=False)
             numbers[rest] = numbers.get(rest, 0) + number
-        return Add(*(_rounded(number) * rest for rest, number in numbers.items()))
-    if isinstance(coefficient, Integer) and abs(coefficient) < 10**_DIGITS:
+        return Add(*(_rounded(number, digits) * rest for rest, number in numbers.items()))
+    if isinstance(coefficient, Integer) and abs(coefficient) < 10**digits:
         return coefficient
-    return rounded(coefficient, _DIGITS)
+    return rounded(coefficient, digits)
 
 
-def _polynomial(coefficients: list[Expr], variable: Symbol, *, exact: bool) -> Expr:
-    """The sum of coefficients times ascending powers, its lowest power in front."""
-    shown = [c if exact else _rounded(c) for c in coefficients]
+def _polynomial(coefficients: list[Expr], variable: Symbol, digits: int | None) -> Expr:
+    """The sum of coefficients times ascending powers, its lowest power in front; exact, or rounded to digits."""
+    shown = [c if digits is None else _rounded(c, digits) for c in coefficients]
     lowest = next((n for n, c in enumerate(shown) if c != 0), 0)
     return variable**lowest * Add(*(c * variable**n for n, c in enumerate(shown[lowest:])))

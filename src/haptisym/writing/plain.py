@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import singledispatchmethod
 from textwrap import wrap
 
-from haptisym.writing.boxes import Box
+from haptisym.writing.boxes import Box, Name
 from haptisym.writing.document import (
     Block,
     Code,
@@ -26,6 +26,7 @@ from haptisym.writing.document import (
     chosen,
 )
 from haptisym.writing.mathtext import text
+from haptisym.writing.names import letter
 
 PAGE = 96
 """Columns of a page that goes to no terminal, so that it can be compared; no terminal gets a wider one."""
@@ -72,7 +73,12 @@ def said(phrase: Phrase) -> str:
         return phrase.digits
     if isinstance(phrase, Strong):
         return said(phrase.words)
-    return f"`{phrase.text}`" if isinstance(phrase, Code) else text(phrase).replace("omega", "ω")
+    if isinstance(phrase, Code):
+        return f"`{phrase.text}`"
+    shown = text(phrase)
+    return (
+        re.sub("[A-Za-z]+", lambda x: letter(x[0]), shown) if isinstance(phrase, Name) else shown.replace("omega", "ω")
+    )
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.measuring import measured
 from haptisym.model.quantities import Dimension, MotionKind, Number
 from haptisym.model.scene import Scene, frequency
-from haptisym.model.scenefile import bench_names, open_scenes, parse_scene
+from haptisym.model.scenefile import bench_names, family_names, open_scenes, parse_scene, scene_names
 from haptisym.verbs.identify.fitting import Fit, fit
 from haptisym.verbs.identify.judging import Estimate, Verdict, estimates, verdict
 from haptisym.verbs.identify.scenetext import band_value, environment_table, scene_text, threshold_value
@@ -233,6 +233,10 @@ def opened(
         key: x for key, x in (("averages", averages), ("confidence", confidence)) if x is not None
     }
     if isinstance(given, str | Path) and Path(given).suffix != ".toml" and str(given) not in bench_names():
+        if str(given) in (*scene_names(), *family_names()) and not Path(given).exists():
+            raise SceneError(
+                f"{given}: a scene of formulas that is shipped: nothing in it was measured; {_runs(str(given))}"
+            )
         return measured(given, **certainty)
     if certainty:
         raise SceneError(
@@ -248,6 +252,14 @@ def opened(
             f"{type(given).__name__} is no measured response: give a file, measured(omega, H) or a MeasuredScene"
         )
     return given
+
+
+def _runs(name: str) -> str:
+    """Which simulated bench run is meant, perhaps."""
+    own = f"{name}-bench"
+    if own in bench_names():
+        return f"its simulated bench run is {own}"
+    return f"simulated bench runs are {' and '.join(bench_names())}"
 
 
 def _on(m: Measurement, band: tuple[Number, Number]) -> Measurement:

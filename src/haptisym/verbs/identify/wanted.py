@@ -128,8 +128,13 @@ def wanted(
 
 
 def _check(found: Wanted) -> None:
+    if not found.free and found.known and not found.effects:
+        raise SceneError(
+            "nothing is free: what should be felt is given; say what stands behind it, as --effect delay or --degrees 1 2; "
+            f"effects are {', '.join(EFFECTS)}"
+        )
     if not found.free:
-        raise SceneError("nothing is free: there is no parameter to be found; name an effect, or leave a value out")
+        raise SceneError("nothing is free: every parameter is given a value; leave one of them out")
     if len(found.free) > MOST:
         raise SceneError(f"{len(found.free)} parameters are free: at most {MOST} can be found")
     own = [x for x in found.effects if x["model"] != "series"]
