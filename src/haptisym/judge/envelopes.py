@@ -33,6 +33,7 @@ class Envelope:
 
     @classmethod
     def of(cls, x: Criterion, d: Distortion) -> Envelope:
+        """Of a criterion: the terms of its region, or the square that it measures."""
         return cls(x, x.region.terms(d) if x.region else (Term((), (x.measure(d),)),))
 
     @cached_property

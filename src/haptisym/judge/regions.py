@@ -68,13 +68,16 @@ class Change:
     d: Distortion
 
     def part(self, part: Part) -> RationalFunction:
+        """X or Y."""
         return part_of(self.d.difference_response, part).function
 
     @property
     def square(self) -> RationalFunction:
+        """N = |H_env|^2."""
         return self.d.squared_modulus.function
 
     def number(self, x: Expr) -> RationalFunction:
+        """A limit's formula in the ring of the change."""
         return self.square.ring.convert(x)
 
     def over(self, x: RationalFunction) -> RealFunction:
@@ -86,7 +89,7 @@ class Change:
         return RealFunction((x / self.square - self.number(limit) ** 2).reduced())
 
 
-class InTerms:
+class InTerms(Region):
     """A region of which all is told by its terms."""
 
     def terms(self, d: Distortion) -> tuple[Term, ...]:
@@ -94,6 +97,7 @@ class InTerms:
 
     @property
     def words(self) -> str:
+        """What it is called in a sentence, with its article."""
         raise NotImplementedError
 
     def __call__(self, d: Distortion) -> RealFunction:
@@ -119,7 +123,7 @@ def _above_one(square: RealFunction) -> RealFunction:
 
 
 @dataclass(frozen=True)
-class Ellipse(InTerms):
+class Ellipse(InTerms, Joint):
     """(x/a)^2 - 2 t (x/a)(y/b) + (y/b)^2 <= 1 - t^2."""
 
     real: Expr
@@ -154,7 +158,7 @@ class Ellipse(InTerms):
 
 
 @dataclass(frozen=True)
-class Diamond(InTerms):
+class Diamond(InTerms, Joint):
     """|x|/a + |y|/b <= 1: both sums x/a + y/b and x/a - y/b are at most 1 large."""
 
     real: Expr
@@ -186,7 +190,7 @@ class Diamond(InTerms):
 
 
 @dataclass(frozen=True)
-class Polygon(InTerms):
+class Polygon(InTerms, Joint):
     """p x + q y <= 1 for each edge: outside where p Re dH + q Im dH is positive and larger than |H_env|."""
 
     corners: tuple[Corner, ...]

@@ -32,6 +32,7 @@ class Angle:
 
     @property
     def value(self) -> Expr:
+        """The angle itself, in rad."""
         return self.rate if self.constant else self.rate * omega
 
 

@@ -51,12 +51,15 @@ class Exponentials:
 
     @property
     def pi(self) -> Element:
+        """The generator that stands for pi."""
         return self.gens[1]
 
     def constant(self, value: Any) -> Element:
+        """A rational number."""
         return self.context.constant(value)
 
     def root(self, i: int) -> Element:
+        """The generator that stands for the i-th algebraic number."""
         return self.gens[2 + i]
 
     def exponential(self, i: int, k: int) -> Element:

@@ -43,6 +43,7 @@ class PolynomialFactor(SmoothFactor):
 
     @property
     def degree(self) -> int:
+        """That of the factor itself, without its multiplicity."""
         return len(self.coefficients) - 1
 
     def value(self, x: Ball) -> Ball:

@@ -38,7 +38,8 @@ class Coefficients(Protocol):
     def exact(self) -> Sequence[Exact] | None:
         """Elements of some ring, or a common multiple of them; None where they are not known exactly."""
 
-    def is_zero(self, x: Exact) -> bool: ...
+    def is_zero(self, x: Exact) -> bool:
+        """Whether a coefficient is 0, decided exactly."""
 
 
 def count_on_circle(polynomial: Coefficients) -> Circle:

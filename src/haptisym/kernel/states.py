@@ -30,6 +30,7 @@ class States:
 
     @property
     def size(self) -> int:
+        """How many states there are: the degree of Q."""
         return len(self.Q) - 1
 
     @cached_property
@@ -41,6 +42,7 @@ class States:
 
     @cached_property
     def A(self) -> Any:
+        """The companion matrix of Q, its states scaled by the rate."""
         n, rate = self.size, self.rate
         last = [-q / rate ** (n - 1 - j) for j, q in enumerate(self.Q[:n])]
         return matrix([[rate * int(j == i + 1) for j in range(n)] for i in range(n - 1)] + ([last] if n else []))

@@ -23,7 +23,8 @@ SceneT = TypeVar("SceneT", bound="HasKnobs")
 class HasKnobs(Protocol):
     """A scene, as far as it is needed here."""
 
-    def with_values(self: SceneT, values: dict[str, Number]) -> SceneT: ...
+    def with_values(self: SceneT, values: dict[str, Number]) -> SceneT:
+        """The same scene with other values of some numbers, by path."""
 
 
 @dataclass(frozen=True, repr=False)

@@ -18,7 +18,8 @@ class HasParameters(Protocol):
     """An environment, an effect or a hand."""
 
     @property
-    def parameters(self) -> tuple[Parameter, ...]: ...
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Its parameters, in the order of the catalogue."""
 
 
 def with_names(effects: Iterable[Effect]) -> list[Effect]:

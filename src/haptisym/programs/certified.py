@@ -48,9 +48,11 @@ class Certified:
 
     @cached_property
     def doubles(self) -> Doubles:
+        """The same program in pairs of doubles, with the bounds of their errors."""
         return Doubles(self.program, bounded=True)
 
     def constant(self, name: str, found: Doubled) -> Any:
+        """A result that is the same for all arguments is rounded once, from its exact value."""
         step = self.program.operations[self.program.results[name]]
         return np.full_like(found.hi, nearest(step.value)) if step.name == "constant" else found.hi.copy()
 

@@ -82,24 +82,29 @@ def _sum(x: Doubled, y: Doubled) -> tuple[Any, Any]:
 
 
 def add(x: Doubled, y: Doubled) -> Doubled:
+    """x + y."""
     hi, lo = _sum(x, y)
     return Doubled(hi, lo, _bound(hi, x.error, y.error))
 
 
 def sub(x: Doubled, y: Doubled) -> Doubled:
+    """x - y."""
     return add(x, neg(y))
 
 
 def neg(x: Doubled) -> Doubled:
+    """-x, exactly."""
     return Doubled(-x.hi, -x.lo, x.error)
 
 
 def absolute(x: Doubled) -> Doubled:
+    """|x|, exactly."""
     sign = np.where(x.hi < 0, -1.0, 1.0)
     return Doubled(sign * x.hi, sign * x.lo, x.error)
 
 
 def mul(x: Doubled, y: Doubled) -> Doubled:
+    """x y."""
     p, e = two_product(x.hi, y.hi)
     hi, lo = fast_two_sum(p, e + (x.hi * y.lo + x.lo * y.hi))
     if x.error is None:
@@ -108,6 +113,7 @@ def mul(x: Doubled, y: Doubled) -> Doubled:
 
 
 def div(x: Doubled, y: Doubled) -> Doubled:
+    """x / y; its bound is infinite where y may be 0."""
     t = x.hi / y.hi
     p, e = two_product(t, y.hi)
     rest = ((x.hi - p) - e) + (x.lo - t * y.lo)
@@ -120,6 +126,7 @@ def div(x: Doubled, y: Doubled) -> Doubled:
 
 
 def sqrt(x: Doubled) -> Doubled:
+    """The square root of x >= 0."""
     s = np.sqrt(x.hi)
     p, e = two_product(s, s)
     lo = np.where(s == 0, 0.0, (((x.hi - p) - e) + x.lo) / (2 * s))
@@ -166,6 +173,7 @@ class Doubles:
 
     @cached_property
     def constants(self) -> dict[int, Doubled]:
+        """The program's constants, each with the bound of what a pair of doubles leaves of it."""
         with flint.ctx.workprec(_BITS):
             steps = enumerate(self.program.operations)
             return {i: self._of_ball(constant_ball(step.value)) for i, step in steps if step.name == "constant"}

@@ -81,6 +81,7 @@ class Floats:
 
     @cached_property
     def constants(self) -> dict[int, np.float64]:
+        """The program's constants, each rounded once."""
         steps = enumerate(self.program.operations)
         return {i: nearest(step.value) for i, step in steps if step.name == "constant"}
 

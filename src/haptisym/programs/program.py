@@ -96,9 +96,11 @@ class Writer:
         return self.known[step]
 
     def input(self, symbol: Symbol) -> int:
+        """The step that reads an argument."""
         return self._step("input", self.inputs.index(symbol))
 
     def constant(self, value: Any) -> int:
+        """The step that is a rational number."""
         return self._step("constant", value=value if isinstance(value, fmpq) else fmpq(value))
 
     def label(self, x: int, name: str) -> int:
@@ -119,6 +121,7 @@ class Writer:
         return value if isinstance(value, fmpq) else None
 
     def add(self, x: int, y: int) -> int:
+        """x + y; zeros, constants and opposites are folded."""
         a, b = self.number(x), self.number(y)
         if a is not None and b is not None:
             return self.constant(a + b)
@@ -130,6 +133,7 @@ class Writer:
         return self._step("add", x, y)
 
     def sub(self, x: int, y: int) -> int:
+        """x - y, folded likewise."""
         a, b = self.number(x), self.number(y)
         if a is not None and b is not None:
             return self.constant(a - b)
@@ -140,6 +144,7 @@ class Writer:
         return self.constant(0) if x == y else self._step("sub", x, y)
 
     def neg(self, x: int) -> int:
+        """-x; twice is not at all."""
         a, step = self.number(x), self.operations[x]
         if a is not None:
             return self.constant(-a)
@@ -148,6 +153,7 @@ class Writer:
         return self._step("neg", x)
 
     def mul(self, x: int, y: int) -> int:
+        """x y; zeros, ones and constants are folded."""
         a, b = self.number(x), self.number(y)
         if a is not None and b is not None:
             return self.constant(a * b)
@@ -163,6 +169,7 @@ class Writer:
         return self._step("mul", x, y)
 
     def div(self, x: int, y: int) -> int:
+        """x / y, folded likewise."""
         a, b = self.number(x), self.number(y)
         if b == _ONE or a == _ZERO:
             return x
@@ -175,6 +182,7 @@ class Writer:
         return self._step("div", x, y)
 
     def power(self, x: int, n: int) -> int:
+        """x^n for n >= 0, by repeated squaring."""
         if n == 0:
             return self.constant(1)
         if n == 1:
@@ -184,12 +192,14 @@ class Writer:
         return self.mul(square, x) if n % 2 else square
 
     def abs(self, x: int) -> int:
+        """|x|."""
         step = self.operations[x]
         inner = step.arguments[0] if step.name == "neg" else x
         value = self.number(inner)
         return self.constant(abs(value)) if value is not None else self._step("abs", inner)
 
     def sqrt(self, x: int) -> int:
+        """The square root of x."""
         return self._step("sqrt", x)
 
     def expression(self, given: Expr) -> int:

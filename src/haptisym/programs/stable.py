@@ -49,6 +49,7 @@ class Author:
     factors: dict[ComplexStep, int] = field(default_factory=dict)
 
     def fields(self, environment: Expr, rendered: Expr, matrices: Sequence[Sequence[Expr]]) -> dict[str, int]:
+        """The steps of environment, felt dynamics and change, labelled by the fields of the record they fill."""
         H = self.named("RX", self.sum_of_fractions(environment, "_e"))
         felt, dH = H, self.pair(0, 0)
         if rendered != environment:
@@ -84,6 +85,7 @@ class Author:
     def results(
         self, H: ComplexStep, felt: ComplexStep, fraction: tuple[ComplexStep, int], relative: ComplexStep | None
     ) -> dict[str, int]:
+        """The steps of all results, with no square and no 0/0 where the environment lies on an axis."""
         w, (R, X), dH = self.write, H, self.over(*fraction)
         if w.number(X) == 0 or w.number(R) == 0:  # H on an axis: no squares, and no 0/0 where it has a zero
             found = relative or ((self.over(dH, R)) if w.number(X) == 0 else self.over((dH[1], w.neg(dH[0])), X))
@@ -193,10 +195,12 @@ class Author:
         return (self.write.product(axis, above[0]), self.write.product(axis, above[1])), M
 
     def has_functions(self, f: RationalFunction) -> bool:
+        """Whether it holds more than rational functions of omega."""
         later = range(f.ring.size, len(f.ring.meanings))
         return any(degree_in([f.numerator, f.denominator], i) for i in later)
 
     def quotient(self, real: RealFunction) -> int:
+        """Numerator over denominator, a factor sinc x - 1 without cancellation."""
         hold = without_sinc_less_one(real)
         if hold is not None:
             angle, rest = hold
@@ -212,6 +216,7 @@ class Author:
         return self.write.product(ring, polynomial)
 
     def named(self, letters: str, pair: ComplexStep, label: str = "") -> ComplexStep:
+        """The pair, labelled with the letters of its real and its imaginary part."""
         return self.write.label(pair[0], f"{letters[0]}{label}"), self.write.label(pair[1], f"{letters[1]}{label}")
 
     def division(self, below: ComplexStep, label: str) -> Callable[[ComplexStep], ComplexStep]:
@@ -226,20 +231,25 @@ class Author:
         return self.write.add(self.write.mul(x[0], x[0]), self.write.mul(x[1], x[1]))
 
     def pair(self, real: int | Rational, imag: int) -> ComplexStep:
+        """A complex constant."""
         return self.write.expression(Rational(real)), self.write.constant(imag)
 
     def plus(self, x: ComplexStep, y: ComplexStep) -> ComplexStep:
+        """x + y."""
         return self.write.add(x[0], y[0]), self.write.add(x[1], y[1])
 
     def minus(self, x: ComplexStep, y: ComplexStep) -> ComplexStep:
+        """x - y."""
         return self.write.sub(x[0], y[0]), self.write.sub(x[1], y[1])
 
     def times(self, x: ComplexStep, y: ComplexStep) -> ComplexStep:
+        """x y."""
         mul = self.write.mul
         real = self.write.sub(mul(x[0], y[0]), mul(x[1], y[1]))
         return real, self.write.add(mul(x[0], y[1]), mul(x[1], y[0]))
 
     def over(self, x: ComplexStep, y: int) -> ComplexStep:
+        """x / y for a real y."""
         return self.write.div(x[0], y), self.write.div(x[1], y)
 
 
@@ -264,6 +274,7 @@ def _ring(f: RationalFunction) -> Ring:
 
 
 def less_one(gain: RationalFunction) -> RationalFunction:
+    """A gain minus 1, as one fraction: nothing cancels near 1."""
     return (gain - gain.ring.one).reduced()
 
 

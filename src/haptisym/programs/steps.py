@@ -143,16 +143,20 @@ class Reader(ABC, Generic[V]):
     named: dict[Operation, V] = field(default_factory=dict)
 
     @abstractmethod
-    def input(self, symbol: Symbol) -> V: ...
+    def input(self, symbol: Symbol) -> V:
+        """The value of an argument."""
 
     @abstractmethod
-    def constant(self, value: Any) -> V: ...
+    def constant(self, value: Any) -> V:
+        """The value of a rational number, or of pi."""
 
     @abstractmethod
-    def made(self, operation: str, *arguments: V) -> V: ...
+    def made(self, operation: str, *arguments: V) -> V:
+        """The value of an operation on values."""
 
     @abstractmethod
-    def name(self, name: str) -> V: ...
+    def name(self, name: str) -> V:
+        """The value that a step of that name has."""
 
     @abstractmethod
     def is_name(self, value: V) -> bool:
@@ -163,6 +167,7 @@ class Reader(ABC, Generic[V]):
         return value
 
     def is_worth(self, value: V) -> bool:
+        """Whether a value that comes more than once deserves a name."""
         return True
 
     def results(self) -> dict[str, V]:
@@ -178,6 +183,7 @@ class Reader(ABC, Generic[V]):
         return {x: self.written(self.values[n]) for x, n in self.program.results.items()}
 
     def value(self, step: Operation) -> V:
+        """The value of a step, from those of its arguments."""
         if step.name == "input":
             return self.input(self.program.inputs[step.arguments[0]])
         if step.name == "constant":

@@ -35,6 +35,7 @@ class Model:
 
     @property
     def arrays(self) -> tuple[Array, ...]:
+        """Coefficients and remainder."""
         return self.c0, self.c1, self.c2, self.r
 
     @property

@@ -27,6 +27,7 @@ def place(factor: Expr) -> tuple[Any, ...]:
 
 
 def base_of(factor: Expr) -> Expr:
+    """What is raised to a power."""
     return factor.base if isinstance(factor, Pow) else factor
 
 

@@ -98,6 +98,7 @@ class Crossings:
 
     @classmethod
     def of(cls, scene: Scene) -> Crossings:
+        """Of a scene."""
         return cls(scene.distortion(), scene.threshold, scene.band)
 
     @cached_property

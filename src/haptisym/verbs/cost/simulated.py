@@ -36,6 +36,7 @@ class Recovery:
 
     @cached_property
     def motion(self) -> Sines:
+        """The multisine that the hand makes."""
         motion = multisine(default_amplitude(self.scene), band_frequencies(self.scene, _COUNT))
         assert isinstance(motion, Sines)
         return motion

@@ -36,6 +36,7 @@ class Selection:
 
     @property
     def worst(self) -> float:
+        """The largest of its bounds."""
         return max(x.most for x in self.bound.values())
 
 

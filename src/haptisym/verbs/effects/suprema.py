@@ -20,7 +20,8 @@ _MOST_CELLS = 1 << 15
 class Divisible(Protocol):
     """A part of the domain that can be halved."""
 
-    def halves(self) -> tuple[Self, Self]: ...
+    def halves(self) -> tuple[Self, Self]:
+        """Its two parts, which together are all of it."""
 
 
 C = TypeVar("C", bound=Divisible)
@@ -35,6 +36,7 @@ class Supremum:
 
     @property
     def is_finite(self) -> bool:
+        """Whether an upper bound was found."""
         return self.most < inf
 
 

@@ -28,6 +28,7 @@ class Curve:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
+        """Of the free parameters, in their order."""
         return tuple(x.symbol.name for x in self.wanted.free)
 
     def __call__(self, values: Reals) -> Complexes:

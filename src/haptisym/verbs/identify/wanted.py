@@ -51,6 +51,7 @@ class Wanted:
 
     @property
     def free(self) -> tuple[Free, ...]:
+        """The parameters to be fitted, environment first."""
         return tuple(_free((self.environment, *self.effects)))
 
     @property

@@ -30,14 +30,17 @@ class ChainSystem:
 
     @cached_property
     def d(self) -> Distortion:
+        """What is felt instead of the environment."""
         return Distortion.of(self.chain)
 
     @cached_property
     def port(self) -> TwoPort:
+        """The chain as a two-port."""
         return TwoPort.of(self.chain, self.chain.ring)
 
     @property
     def rendered(self) -> RationalFunction:
+        """The dynamics that is rendered, in the ring of the chain."""
         return self.chain.ring.convert(self.chain.rendered).reduced()
 
 

@@ -58,10 +58,12 @@ class ComplexPair:
 
     @cached_property
     def sigma(self) -> Swing:
+        """The real part, 1/s."""
         return Swing(self, lambda sigma, _: sigma)
 
     @cached_property
     def omega_d(self) -> Swing:
+        """The imaginary part, rad/s."""
         return Swing(self, lambda _, omega: omega)
 
     @cached_property

@@ -39,20 +39,24 @@ class Measured:
 
     @property
     def d(self) -> Distortion:
+        """What is felt instead of the environment."""
         return self.evaluation.distortion
 
     @property
     def band(self) -> tuple[Expr, Expr]:
+        """Its ends, rad/s."""
         low, high = self.evaluation.scene.band
         return low, high
 
     @cached_property
     def port(self) -> TwoPort:
+        """The chain as a two-port."""
         ring = self.d.env.ring
         return TwoPort.of(self.d.chain, ring)  # type: ignore[arg-type]
 
     @cached_property
     def rendered(self) -> RationalFunction:
+        """The dynamics that is rendered, in the ring of the chain."""
         return self.d.env.ring.convert(self.d.chain.rendered).reduced()
 
     @cached_property
@@ -63,6 +67,7 @@ class Measured:
 
     @cached_property
     def sensitivity_square(self) -> RealFunction | None:
+        """|S|^2 of the change to that of the rendered dynamics; None where the port has none."""
         found = self.port.sensitivity(self.rendered)
         return None if found is None else squared_modulus(found)
 
@@ -144,6 +149,7 @@ class Measured:
 
     @cached_property
     def free(self) -> FreeResponse:
+        """What the display does when it is let go."""
         return free_response(self.d)
 
     @property

@@ -78,6 +78,7 @@ def irreducible(polynomial: Polynomial) -> list[tuple[Polynomial, int]]:
 
 
 def is_even(polynomial: Polynomial) -> bool:
+    """Whether it is even in its first variable."""
     return not any(int(e[0]) % 2 for e in polynomial.monoms())
 
 

@@ -47,6 +47,7 @@ class Cell:
 
     @property
     def feasible(self) -> bool:
+        """Whether nothing is broken in it."""
         return not self.broken
 
 
@@ -65,6 +66,7 @@ class Breaking:
 
     @property
     def ring(self) -> Axis:
+        """The one in which all pieces are written."""
         return next(iter(self.pieces.values()))[0].axis
 
     @cached_property

@@ -34,17 +34,28 @@ class Asked(Protocol):
     """What a requirement is about, and what was found."""
 
     @property
-    def scene(self) -> Scene: ...
+    def scene(self) -> Scene:
+        """The scene with its own values."""
+
     @property
-    def free(self) -> Knob: ...
+    def free(self) -> Knob:
+        """The number that is free."""
+
     @property
-    def domain(self) -> Domain: ...
+    def domain(self) -> Domain:
+        """The values that were asked about."""
+
     @property
-    def feasible(self) -> tuple[Span, ...]: ...
+    def feasible(self) -> tuple[Span, ...]:
+        """The values that were proven to do."""
+
     @property
-    def undecided(self) -> tuple[Any, ...]: ...
+    def undecided(self) -> tuple[Any, ...]:
+        """The values that were left open."""
+
     @property
-    def criteria(self) -> tuple[Criterion, ...]: ...
+    def criteria(self) -> tuple[Criterion, ...]:
+        """What must not be broken."""
 
 
 _SECONDS = 5.0

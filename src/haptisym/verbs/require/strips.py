@@ -39,6 +39,7 @@ class Shape:
 
     @classmethod
     def of(cls, function: RealFunction, free: Symbol) -> Shape:
+        """Of a function whose zeros over omega and the free number are asked."""
         axis, numerator = function.axis, function.function.numerator
         turns = [int(n) for n in numerator.degrees()[axis.size : axis.size + len(axis.angles)]]
         return cls(numerator, axis, free, tuple(n + n % 2 for n in turns))

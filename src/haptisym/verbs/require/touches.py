@@ -28,6 +28,7 @@ class Surface:
 
     @classmethod
     def of(cls, function: RealFunction, free: Symbol) -> Surface:
+        """Of a function: its first and second derivative to omega."""
         slope = function.derivative()
         return cls(slope.function, slope.derivative().function, free)
 

@@ -150,6 +150,7 @@ def not_clear(factors: Factors, values: SymbolValues) -> Factors:
 
 
 def balls(values: SymbolValues, bits: int) -> dict[Expr, Ball]:
+    """Enclosures of exact values."""
     return {symbol: number.ball(bits) for symbol, number in values}
 
 

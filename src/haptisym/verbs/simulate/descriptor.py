@@ -93,6 +93,7 @@ class StateSpace:
 
     @cached_property
     def size(self) -> int:
+        """How many unknowns it has."""
         return int(self.M.nrows())
 
 

@@ -91,6 +91,7 @@ class Engine:
 
     @property
     def system(self) -> Linear:
+        """The linear equations while the switches are as they are; SceneError where they contradict each other."""
         found = self.systems[frozenset(i for i, mode in enumerate(self.modes) if mode == 0)]
         if found is None:
             names = ", ".join(s.name for s, mode in zip(self.net.switches, self.modes, strict=True) if mode == 0)

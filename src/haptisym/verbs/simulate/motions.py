@@ -24,11 +24,17 @@ class Motion(Protocol):
     """A prescribed motion of the hand. ``amplitude`` in m or rad; ``omegas`` in rad/s, empty if it is not a sum of sines."""
 
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """What it is called."""
+
     @property
-    def amplitude(self) -> float: ...
+    def amplitude(self) -> float:
+        """The largest displacement, m or rad."""
+
     @property
-    def omegas(self) -> tuple[float, ...]: ...
+    def omegas(self) -> tuple[float, ...]:
+        """The frequencies that it is made of, rad/s; none for what is no sum of sines."""
+
     @property
     def span(self) -> tuple[float, float]:
         """The lowest and the highest frequency in it, rad/s."""
@@ -69,10 +75,12 @@ class Sines:
 
     @property
     def amplitude(self) -> float:
+        """The sum of all: a bound of the displacement, m or rad."""
         return float(sum(self.amplitudes))
 
     @property
     def span(self) -> tuple[float, float]:
+        """Its lowest and its highest frequency, rad/s."""
         return min(self.omegas), max(self.omegas)
 
     def phasor(self, omega: float) -> complex:
@@ -81,6 +89,7 @@ class Sines:
         return complex(self.amplitudes[i] * np.exp(1j * self.phases[i]))
 
     def derivatives(self, t: Array, order: int) -> Array:
+        """Faded in over the first periods, so that it starts at rest."""
         omega = np.array(self.omegas)
         turning = np.exp(1j * (np.multiply.outer(t, omega) + np.array(self.phases)))
         weights = np.array(self.amplitudes)[:, None] * np.power.outer(1j * omega, np.arange(order + 1))
@@ -103,13 +112,16 @@ class Chirp:
 
     @property
     def span(self) -> tuple[float, float]:
+        """Where it starts and where it ends, rad/s."""
         return self.low, self.high
 
     @property
     def duration(self) -> float | None:
+        """Its length, s."""
         return self.length
 
     def derivatives(self, t: Array, order: int) -> Array:
+        """Faded in, so that it starts at rest."""
         rate = (self.high - self.low) / self.length
         speed, wave = self.low + rate * t, np.zeros((order + 1, *t.shape), dtype=complex)
         wave[0] = self.amplitude * np.exp(1j * (self.low * t + rate * t * t / 2))

@@ -44,6 +44,7 @@ class SignalSum:
 
     @classmethod
     def of(cls, name: str) -> SignalSum:
+        """One signal alone."""
         return cls({(name, 0, _ZERO): fmpq(1)})
 
     def __add__(self, other: SignalSum) -> SignalSum:
@@ -147,6 +148,7 @@ class Network:
         self.equations.append(equation)
 
     def equal(self, one: SignalSum, other: SignalSum) -> None:
+        """Let two sums be equal at all times."""
         self.zero(one - other)
 
     def named(self, value: SignalSum, label: str) -> str:

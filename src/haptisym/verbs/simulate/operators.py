@@ -65,6 +65,7 @@ def _powers(net: Network, made: dict[tuple[Any, int], SignalSum], x: SignalSum, 
 
 
 def fractional(net: Network, x: SignalSum, alpha: Exact) -> SignalSum:
+    """The derivative of an order that is not whole."""
     from haptisym.verbs.simulate.fractional import derivative  # only scenes with a power of s that is not whole need it
 
     return derivative(net, x, alpha)

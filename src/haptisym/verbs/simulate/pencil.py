@@ -27,10 +27,12 @@ class Mode:
 
     @property
     def rate(self) -> float:
+        """Of growth, 1/s."""
         return self.s.real
 
     @property
     def omega(self) -> float:
+        """At which it swings, rad/s."""
         return self.s.imag
 
 

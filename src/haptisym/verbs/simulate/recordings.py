@@ -37,6 +37,7 @@ class Lowpass:
 
     @classmethod
     def of(cls, cutoff: Number, order: int) -> Lowpass:
+        """From a frequency as a user writes it, and an order of 2, 4, 6 or 8."""
         if order not in (2, 4, 6, 8):
             raise SceneError(f"order of the low-pass: {order} is none of 2, 4, 6, 8 (it runs forth and back)")
         return cls(positive("lowpass", cutoff, Dimension.FREQUENCY), order)
@@ -81,17 +82,21 @@ class Recording:
 
     @property
     def amplitude(self) -> float:
+        """The largest displacement, m or rad."""
         return float(np.abs(self.values).max())
 
     @property
     def span(self) -> tuple[float, float]:
+        """From one period in the whole record to the Nyquist frequency of its longest gap, rad/s."""
         return 2 * pi / self.times[-1], pi / float(np.diff(self.times).max())
 
     @property
     def duration(self) -> float | None:
+        """Until its last sample, s."""
         return float(self.times[-1])
 
     def derivatives(self, t: Array, order: int) -> Array:
+        """Of the spline through its samples; at rest before the first."""
         spline, inside = self._spline, np.clip(t, self.times[0], self.times[-1])
         # before its first sample the hand is at rest there
         return np.stack(

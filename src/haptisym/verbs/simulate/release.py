@@ -66,6 +66,7 @@ class LettingGo:
 
     @property
     def amplitude(self) -> float:
+        """The force that holds the hand displaced, N or N m."""
         return abs(self.force)
 
     def derivatives(self, t: Array, order: int) -> Array:

@@ -32,6 +32,7 @@ class Closed:
 
     @property
     def s(self) -> complex:
+        """The root."""
         return self.root.s
 
     @property

@@ -49,10 +49,12 @@ class Estimate:
 
     @property
     def difference(self) -> float:
+        """Between simulation and closed form."""
         return abs(self.simulated - self.closed)
 
     @property
     def agrees(self) -> bool | None:
+        """Whether it is within the error of the estimate; None where the simulation approximates."""
         return None if self.approximate else self.difference <= self.error
 
 

@@ -70,6 +70,7 @@ class Run:
             ) from None
 
     def advance(self, until: float) -> None:
+        """Simulate until a time, s."""
         steps, self.until = (until - self.engine.t) / self.engine.longest, max(until, self.until)
         if steps > _MOST_STEPS:
             raise SceneError(
@@ -119,6 +120,7 @@ class Run:
             self.advance(max(until - back * period, self.engine.t))
 
     def lock(self, windows: int) -> Lock:
+        """Amplitudes and phases of the force, from so many of its last windows."""
         assert isinstance(self.motion, Sines)
         force = self.engine.signal(name_of(self.ports[-1].F))
         # what a fractional derivative remembers fades as a power of time: too slowly to wait for, but as a parabola
@@ -151,6 +153,7 @@ def least_duration(motion: Sines) -> float:
 
 
 def period_of(motion: Motion) -> float:
+    """The longest of its periods, s."""
     return 2 * pi / motion.span[0]
 
 

@@ -44,6 +44,7 @@ class Batch:
 
     @property
     def degree(self) -> int:
+        """That of all its polynomials."""
         return len(self.values) - 1
 
     def of(self, sets: Array) -> Batch:

@@ -34,6 +34,7 @@ class Pace:
     sets: int = 1
 
     def took(self, seconds: float, sets: int) -> None:
+        """Choose the next block by how long this one took."""
         wanted = sets * PATIENCE / max(seconds, 1e-6)
         self.sets = max(1, int(min(wanted, 8 * self.sets)))
 
@@ -74,10 +75,12 @@ class SweepGrid:
 
     @property
     def shape(self) -> tuple[int, ...]:
+        """How many values each axis has."""
         return tuple(len(axis.values) for axis in self.axes)
 
     @property
     def sets(self) -> int:
+        """How many sets of values there are."""
         return prod(self.shape)
 
     @property
@@ -87,6 +90,7 @@ class SweepGrid:
 
     @cached_property
     def kernel(self) -> Kernel:
+        """What judges a set."""
         return Kernel.of(self.scene, [axis.knob for axis in self.axes])
 
     def regions(self) -> Iterator[Region]:

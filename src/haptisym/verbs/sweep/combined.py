@@ -44,6 +44,7 @@ class Ordered:
 
     @classmethod
     def of(cls, zeros: list[Found], low: float, count: int) -> Ordered:
+        """All zeros of all functions, after the band's low end, in ascending order for each set."""
         every = np.arange(count)
         sets = np.concatenate([every, *(x.sets for x in zeros)])
         omega = np.concatenate([np.full(count, low), *(x.omega for x in zeros)])

@@ -83,6 +83,7 @@ class Curves:
 
     @property
     def products(self) -> Iterator[FamilyProduct]:
+        """All products of factors whose signs are asked."""
         for e in self.excess.values():
             if isinstance(e, FamilyLattice):
                 yield from ((f,) for f in e.factors)
@@ -170,6 +171,7 @@ class Reader:
         return f.function
 
     def curves(self) -> Curves | None:
+        """What is judged, as functions of the swept numbers; None where floats cannot tell them."""
         excess = {x.name: self._judged(f, x) for x, f in self.measures.items()}
         environment, perceived = map(self._changeover, self.turning)
         if self.step == 1 and self.scene.band[0] == 0 and any(map(_odd_at_zero, map(self._form, self.turning))):

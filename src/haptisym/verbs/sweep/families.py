@@ -46,6 +46,7 @@ class Family:
 
     @property
     def degree(self) -> int:
+        """The highest power of any of its terms."""
         return max(term.power for term in self.terms)
 
     @property

@@ -38,6 +38,7 @@ class Kernel:
 
     @classmethod
     def of(cls, scene: Scene, swept: Sequence[Knob]) -> Kernel:
+        """Of a scene and the numbers that are swept: curves in floats where there are such, else the exact machinery alone."""
         curves = sweep_curves(scene, swept) or wave_curves(scene, swept)
         if curves is not None and _degree(curves) > MOST_DEGREE:
             curves = None

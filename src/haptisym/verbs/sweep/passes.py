@@ -39,6 +39,7 @@ class Band:
 
     @classmethod
     def of(cls, low: Expr, high: Expr, step: int) -> Band:
+        """The band as the unit interval; ends rounded outwards."""
         below, above = bounds(ExactNumber((low / high) ** step).tight_ball(200))
         first, last = _float_below(below), -_float_below(-above)
         ends = (first,) if first == last else (first, last)

@@ -33,6 +33,7 @@ class Told:
 
     @classmethod
     def of(cls, scene: Scene) -> Told:
+        """Of a scene: its criteria and its hands."""
         return cls(tuple(x.name for x in noticed(scene.threshold)), {held_name(scene, x): x.name for x in scene.hands})
 
     @property

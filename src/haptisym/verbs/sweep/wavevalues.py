@@ -40,10 +40,12 @@ class Factor:
     rows: Batch
 
     def of(self, sets: Array) -> Factor:
+        """For some of the sets."""
         return Factor(self.family, self.rows.of(sets))
 
     @property
     def roundings(self) -> int:
+        """How many a value of it suffers at most."""
         return self.rows.roundings + self.family.roundings + _OF_X * self.family.degrees[0] + 1
 
     @property
@@ -79,6 +81,7 @@ class WaveFunction:
 
     @property
     def sets(self) -> int:
+        """How many sets there are."""
         return int(self.above[0].rows.values.shape[1])
 
     def of(self, sets: Array) -> WaveFunction:

@@ -160,6 +160,7 @@ class Curves:
     left_out: tuple[Array, Array]
 
     def of(self, some: Array) -> Curves:
+        """For some of the sets."""
         value, slope = self.left_out
         return Curves(self.coefficients[:, some], self.wrong[some], (value[some], slope[some]))
 

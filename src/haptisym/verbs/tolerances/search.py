@@ -40,6 +40,7 @@ class Cluster:
 
     @property
     def regular(self) -> bool:
+        """Whether the slope by omega keeps its sign in it."""
         return self.signs[0] != 0
 
     @property

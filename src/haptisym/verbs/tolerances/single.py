@@ -57,6 +57,7 @@ def in_time(found: Iterable[_T]) -> Iterator[_T]:
 
 
 def one(box: Box, values: Mapping[str, Expr]) -> One:
+    """What one set of values out of the box gives."""
     scene = box.scene.with_values(values)
     d = scene.distortion()
     criteria = noticed(scene.threshold)

@@ -56,10 +56,12 @@ class CodePiece:
 
     @property
     def is_negative(self) -> bool:
+        """Whether it begins with a minus that a sum can take over."""
         return self.text.startswith("-") and self.kind is not Precedence.SUM
 
     @property
     def unsigned(self) -> str:
+        """Without that minus."""
         return self.text[1:]
 
     def at_least(self, kind: Precedence) -> str:
@@ -68,6 +70,7 @@ class CodePiece:
 
     @property
     def as_first(self) -> str:
+        """As the first operand of a product."""
         return f"({self.text})" if self.kind is Precedence.SUM else self.text
 
 
@@ -95,9 +98,11 @@ class CodeReader(Reader[CodePiece]):
     helpers: Mapping[str, str] = field(default_factory=dict)
 
     def input(self, symbol: Symbol) -> CodePiece:
+        """The name of an argument."""
         return CodePiece(self.names[symbol])
 
     def constant(self, value: Any) -> CodePiece:
+        """The nearest double, as the language writes it."""
         if value == pi:
             return CodePiece(self.dialect.pi)
         number = nearest_double(Rational(int(value.p), int(value.q)) if isinstance(value, fmpq) else value)
@@ -107,12 +112,14 @@ class CodeReader(Reader[CodePiece]):
         )
 
     def name(self, name: str) -> CodePiece:
+        """A name."""
         return CodePiece(name)
 
     def is_name(self, value: CodePiece) -> bool:
         return value.text.removeprefix("-").isidentifier()
 
     def made(self, operation: str, *arguments: CodePiece) -> CodePiece:
+        """An operation, as the language writes it."""
         if operation in ("add", "sub", "mul", "div", "neg", "power"):
             piece: CodePiece = getattr(self, f"_{operation}")(*arguments)
             return piece
