@@ -388,6 +388,7 @@ def test_a_map_shows_each_exact_slice_and_says_what_is_interpolated() -> None:
         "transparent on the slice",
         "between slices: interpolated",
         "imaginary part, band-edge",
+        "boundary between slices, estimated",
         "exact slices",
     ]
     assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\omega_n$ (rad/s)", r"$\zeta$")

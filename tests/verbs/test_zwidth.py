@@ -17,7 +17,7 @@ from haptisym.cli import app
 from haptisym.figures.wishes import draw_wishes
 from haptisym.kernel.errors import SceneError
 from haptisym.verbs.require.classical import Encoder, Line, lines
-from haptisym.verbs.require.designmap import Slice
+from haptisym.verbs.require.slices import Slice
 
 NOTHING = hs.Hand("nothing")
 PLANE = ["environment.b", "environment.k"]

@@ -79,7 +79,20 @@ from haptisym.model.scene import Scene
 )
 @figure_option("the set, or the map")
 @certificate_option
-@click.option("--slices", type=click.IntRange(3, 2000), default=41, show_default=True, help="Exact slices of a map.")
+@click.option(
+    "--slices",
+    type=click.IntRange(3, 2000),
+    default=41,
+    show_default=True,
+    help="Exact slices of a map, at most: they go where its boundary bends.",
+)
+@click.option("--uniform", is_flag=True, help="Of a map: all of the slices, as far from each other.")
+@click.option(
+    "--within",
+    metavar="SHARE",
+    help="Of a map: slices are put in until lines between them are off by that share of the second range at most, as "
+    "estimated; 0.5 % if not given.",
+)
 @limit_option
 @click.pass_context
 def require(
@@ -95,6 +108,8 @@ def require(
     figure: Path | None,
     certificate: Path | None,
     slices: int,
+    uniform: bool,
+    within: str | None,
     jnd: tuple[str, ...],
     friction: str | None,
     resolution: str | None,
@@ -125,7 +140,8 @@ def require(
         asked |= {"part": Part(name) if name else None, "told": told}
         if len(paths) == 2:
             drawn_beside: dict[str, Any] = {"jnd": jnd, "friction": friction, "resolution": resolution}
-            found: Any = design_map(scene, paths, ranges, slices=slices, **drawn_beside, **asked)
+            placed: dict[str, Any] = {"slices": slices, "uniform": uniform, "within": within}
+            found: Any = design_map(scene, paths, ranges, **placed, **drawn_beside, **asked)
         else:
             found = ask(scene, paths[0], *ranges, digits=digits, **asked)
             with limited(None, told):
@@ -143,8 +159,10 @@ def _refuse_contradictions(context: click.Context, free: int, ranges: int) -> No
         raise SceneError("--slices is about a map of two parameters: give --free twice, or leave it out")
     if given(context, "--certificate") and free == 2:
         raise SceneError("--certificate is about one parameter's values: give --free once, or leave it out")
-    for option in (x for x in ("--jnd", "--friction") if given(context, x) and free == 1):
+    for option in (x for x in ("--jnd", "--friction", "--uniform", "--within") if given(context, x) and free == 1):
         raise SceneError(f"{option} is about a map of two parameters: give --free twice, or leave it out")
+    if given(context, "--uniform") and given(context, "--within"):
+        raise SceneError("--uniform places slices evenly, and --within where they are needed: leave out one of them")
     if given(context, "--digits") and free == 2:
         raise SceneError("--digits is about the ends of one parameter's values: give --free once, or leave it out")
     if free == 2 and not ranges:

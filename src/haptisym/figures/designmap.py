@@ -13,12 +13,14 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from haptisym.figures.between import Join, draw_bands
 from haptisym.figures.require import HATCH, label_of, limits_of, look_of, parameter_scale
 from haptisym.figures.scales import Scale
 from haptisym.figures.style import GREY, SHADE, TEXT, Look, dress, legend, limit, write_note
 from haptisym.judge.criteria import Criterion
-from haptisym.verbs.require.designmap import DesignMap, Slice
+from haptisym.verbs.require.designmap import DesignMap
 from haptisym.verbs.require.feasible import Binding, Kind, Span
+from haptisym.verbs.require.slices import Slice
 
 _FILL = {Kind.EDGE: "full", Kind.START: "none", Kind.TOUCH: "bottom"}
 
@@ -26,8 +28,9 @@ _FILL = {Kind.EDGE: "full", Kind.START: "none", Kind.TOUCH: "bottom"}
 def draw_map(ax: Axes, found: DesignMap, *, color: str | None = None, label: str = "") -> list[Artist]:
     """The transparent region: each exact slice as an upright stroke with marks where it ends, by what binds there.
 
-    What joins the slices (a light ground, thin lines) is interpolation, and the legend says so. Hatched: undecided on a slice,
-    or between slices that differ in kind. Ticks on the lower axis: where the slices are.
+    What joins the slices (a light ground, thin lines) is interpolation, and the legend says so; a band about it is as wide as
+    it may be off, as estimated. Hatched: undecided on a slice, or between slices that differ in kind. Ticks on the lower axis:
+    where the slices are.
     ``color``, ``label`` : of the scene; of a further one on the same axes no ground is drawn. Returns the strokes and the marks.
 
     >>> from matplotlib.figure import Figure
@@ -42,13 +45,14 @@ def draw_map(ax: Axes, found: DesignMap, *, color: str | None = None, label: str
     strokes = _draw_slices(ax, found, look, scales)
     ground = [] if look.number else _draw_ground(ax, found, scales)
     marks = draw_boundary(ax, found, color=None if look.plain else look.color, suffix=look.suffix)
+    bands = [] if look.number else draw_bands(ax, found, [join for join, _ in _joins(found)], scales)
     open_ones = _draw_undecided(ax, found, scales, look)
     limit(ax, (scales[0].of(a), scales[0].of(b)), (scales[1].of(low), scales[1].of(high)), number=look.number)
     dress(ax)
     ax.set_xlabel(label_of(found.free[0], scales[0]), fontsize=TEXT)
     ax.set_ylabel(label_of(found.free[1], scales[1]), fontsize=TEXT)
     some = [strokes] if strokes.get_segments() else []
-    legend(ax, [*some, *ground, *(x for _, x in marks), *open_ones, *_tick_entry(look)])
+    legend(ax, [*some, *ground, *(x for _, x in marks), *bands, *open_ones, *_tick_entry(look)])
     if not any(x.requirement.feasible for x in found.slices):
         word = "transparent nowhere" if found.certified else "nowhere proven transparent"
         write_note(ax, f"{word}: on none of {len(found.slices)} exact slices{look.suffix}")
@@ -106,18 +110,12 @@ def draw_boundary(
 
     ``suffix`` : what the entries end with; ``width`` : of the lines, points.
     """
-    _, window = window_of(found)
     scales = scales_of(found)
     drawn = []
-    for at, left, right in _pieces(found):
-        (y0, y1), (z0, z1) = (limits_of(span, *window) for span in (left, right))
-        for y, z, one, other in ((y0, z0, left.low, right.low), (y1, z1, left.high, right.high)):
-            binding = _of(one.bindings, other.bindings)
-            if binding is not None:
-                look = look_of(binding.criterion)
-                style: dict[str, Any] = {"color": color or look.color, "linestyle": look.stroke}
-                ends = scales[0].of(np.array(at)), scales[1].of(np.array([y, z]))
-                ax.plot(*ends, linewidth=width, zorder=2, **style)
+    for (at, ends), binding in _joins(found):
+        look = look_of(binding.criterion)
+        style: dict[str, Any] = {"color": color or look.color, "linestyle": look.stroke}
+        ax.plot(scales[0].of(np.array(at)), scales[1].of(np.array(ends)), linewidth=width, zorder=2, **style)
     for (criterion, kind), places in _ends(found).items():
         points = [(scales[0].of(x), scales[1].of(y)) for x, y in places]
         look = look_of(criterion)
@@ -129,6 +127,17 @@ def draw_boundary(
         [marks] = ax.plot(*zip(*points, strict=True), color=shown, linestyle="none", zorder=3, **mark)
         drawn.append((marks, Line2D([], [], color=shown, linestyle=look.stroke, linewidth=width, **mark)))
     return drawn
+
+
+def _joins(found: DesignMap) -> Iterator[tuple[Join, Binding]]:
+    """The lines that join the ends of neighbouring slices, and what binds along each."""
+    _, window = window_of(found)
+    for at, left, right in _pieces(found):
+        (y0, y1), (z0, z1) = (limits_of(span, *window) for span in (left, right))
+        for y, z, one, other in ((y0, z0, left.low, right.low), (y1, z1, left.high, right.high)):
+            binding = _of(one.bindings, other.bindings)
+            if binding is not None:
+                yield (at, (y, z)), binding
 
 
 def _ends(found: DesignMap) -> dict[tuple[Criterion, Kind], list[tuple[float, float]]]:

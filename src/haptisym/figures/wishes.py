@@ -14,6 +14,7 @@ from matplotlib.colors import to_hex, to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from haptisym.figures.between import Join, draw_bands
 from haptisym.figures.designmap import left_open, scales_of, window_of
 from haptisym.figures.require import HATCH, label_of, limits_of
 from haptisym.figures.scales import Scale
@@ -32,17 +33,25 @@ _GRID = 160
 def draw_wishes(ax: Axes, found: DesignMap) -> list[Artist]:
     """What was asked, each set along its exact slices in its own colour, and what they have in common on a grey ground.
 
-    What joins the slices is interpolation. Classical bounds are thin lines with their names. Returns what the legend tells.
+    What joins the slices is interpolation; a band about it is as wide as it may be off, as estimated. Classical bounds are thin
+    lines with their names. Returns what the legend tells.
     """
     scales, ((a, b), (low, high)) = scales_of(found), window_of(found)
-    shown: list[Artist] = [_ground(ax, found, scales)]
+    shown, joins = [_ground(ax, found, scales)], list[Join]()
     for i, name in enumerate(found.that):
         rows = [(float(x.at), (x.apart or (x.requirement,))[i]) for x in found.slices]
         shown += _outlined(ax, rows, scales, (low, high), (_COLORS[name], _NAMES[name]))
+        joins += _joins(rows, (low, high))
     for i, jnd in enumerate(found.thresholds):
         look = _paler(i, len(found.thresholds)), f"{_NAMES['transparent']}, c = {float(100 * jnd):.6g} %"
-        shown += _outlined(ax, [(float(x.at), x.contours[i]) for x in found.slices], scales, (low, high), look)
-    shown += [_strokes(ax, found, scales, (low, high)), *_hatched(ax, found, scales)]
+        rows = [(float(x.at), x.contours[i]) for x in found.slices]
+        shown += _outlined(ax, rows, scales, (low, high), look)
+        joins += _joins(rows, (low, high))
+    shown += [
+        *draw_bands(ax, found, joins, scales),
+        _strokes(ax, found, scales, (low, high)),
+        *_hatched(ax, found, scales),
+    ]
     for line, stroke in zip(found.lines, _STROKES, strict=False):
         shown += _classical(ax, found, line, stroke, scales)
     limit(ax, (scales[0].of(a), scales[0].of(b)), (scales[1].of(low), scales[1].of(high)))
@@ -62,6 +71,12 @@ def _neighbours(
             for left, right in zip(one.feasible, other.feasible, strict=True):
                 (a, b), (c, d) = limits_of(left, *window), limits_of(right, *window)
                 yield (x, y), (a, c), (b, d)
+
+
+def _joins(rows: Sequence[tuple[float, Requirement]], window: tuple[float, float]) -> Iterator[Join]:
+    """The lines that join the ends of neighbouring slices, but for those along the ends of the range."""
+    for at, *pairs in _neighbours(rows, window):
+        yield from ((at, pair) for pair in pairs if not all(y in window for y in pair))
 
 
 def _ground(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale]) -> Artist:
@@ -93,10 +108,8 @@ def _outlined(
 ) -> list[Artist]:
     """The ends of one set, in its colour and by its name: lines that interpolate, and a dot where each slice has proven one."""
     (color, name), dots = look, list[tuple[Any, Any]]()
-    for at, *pairs in _neighbours(rows, window):
-        for pair in pairs:
-            if not all(y in window for y in pair):
-                ax.plot(scales[0].of(np.array(at)), scales[1].of(np.array(pair)), color=color, linewidth=0.9, zorder=2)
+    for at, pair in _joins(rows, window):
+        ax.plot(scales[0].of(np.array(at)), scales[1].of(np.array(pair)), color=color, linewidth=0.9, zorder=2)
     for x, r in rows:
         dots += [(scales[0].of(x), scales[1].of(float(e.value))) for e in r.ends if e.value is not None]
     if dots:

@@ -8,7 +8,7 @@ from math import ceil
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver
 from haptisym.model.knobs import Knob
 from haptisym.model.quantities import unit_text
-from haptisym.pages.words import both, exactly, lead, rule, short, symbol, title
+from haptisym.pages.words import both, exactly, lead, rounded_up, rule, short, symbol, title
 from haptisym.verbs.require.designmap import DesignMap
 from haptisym.verbs.require.feasible import Binding, End, Kind, Span
 from haptisym.verbs.require.required import Requirement
@@ -194,11 +194,12 @@ def map_page(m: DesignMap) -> Document:
         named(b.symbol.name), " that make the display ", listed(dict.fromkeys(x.kept for x in m.criteria)), ".",
         (" What binds at the boundary: ", listed(kinds), ".") if kinds else "",
     )  # fmt: skip
-    certain = (
-        "Certain: every value of a slice is proven. Between slices the figure draws straight lines, which prove nothing; "
-        "--slices N gives more of them."
+    certain: Phrase = (
+        "Certain: every value of a slice is proven."
+        if m.certified
+        else (Strong("UNDECIDED"), " in some slices", _in_time(m), ": see --json.")
     )
-    last = certain if m.certified else (Strong("UNDECIDED"), " in some slices: see --json.")
+    last = certain, " ", _between(m)
     shown = "Values that will do, along exact slices, with what binds at their ends."
     figure = Figure("map", shown, m.figure)
     beside = *_stiffest(m), *_contours(m), *_classical(m)
@@ -206,11 +207,36 @@ def map_page(m: DesignMap) -> Document:
     return Document(title(m.scene), lead(m.scene, m.asides()), blocks, "Which values will do")
 
 
+def _in_time(m: DesignMap) -> str:
+    """Whether it is for lack of time that something was left open."""
+    return ", for which there was no time left" if any(r.limit is not None for x in m.slices for r in x.sets) else ""
+
+
 def _wished(m: DesignMap) -> Iterator[tuple[str, Phrase]]:
     judged = [x for x in m.criteria if x.name not in ("stable", "passive")]
     others = [x.rule for x in m.criteria if x not in judged]
     first = (listed(map(rule, judged)), " on the whole band") if judged else ""
     yield "condition", (first, "; " if judged and others else "", "; ".join(others))
+
+
+def _between(m: DesignMap) -> Phrase:
+    """What is said between slices: an estimate, and where not even that."""
+    off: Phrase = ""
+    if m.deviation is not None:
+        share = f" ({100 * m.deviation / m.height:.2g}\xa0% of the range)"
+        most = Number(rounded_up(m.deviation), m.deviation)
+        off = (
+            " by ",
+            most,
+            _unit(m.free[1]),
+            share,
+            " at the most, as estimated from how its boundary bends at the slices",
+        )
+    apart = sum(1 for x in m.gaps if x.deviation is None)
+    pairs = "one pair" if apart == 1 else f"{apart} pairs"
+    others = f" Between {pairs} of slices, which differ in kind or are undecided, nothing is said." if apart else ""
+    more = " --slices N gives more of them." if m.is_coarse or m.within is None else ""
+    return "Between slices the figure draws straight lines, off", off, "; that is not proven.", others, more
 
 
 def _stiffest(m: DesignMap) -> Iterator[Block]:

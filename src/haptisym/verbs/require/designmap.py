@@ -2,59 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, ClassVar
 
-from sympy import Expr
+from sympy import Expr, Rational
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.criteria import Criterion
-from haptisym.kernel.budget import Told, limited, share
+from haptisym.kernel.budget import Budget, Told, limited, share
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.shown import counted, titled
 from haptisym.model.hand import Hand
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import THRESHOLD, Knob
-from haptisym.model.quantities import Number
+from haptisym.model.quantities import Dimension, Number, number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.require.boundary import edge_polynomial, touch_polynomial
 from haptisym.verbs.require.classical import DAMPING, STIFFNESS, Encoder, Line, lines, need_encoder
 from haptisym.verbs.require.entry import require
-from haptisym.verbs.require.feasible import Kind, Solved
+from haptisym.verbs.require.feasible import Kind
 from haptisym.verbs.require.freeparameter import asked_of, conditions, domain, pieces
 from haptisym.verbs.require.held import with_hands
-from haptisym.verbs.require.required import Requirement
-from haptisym.verbs.require.verdicts import together
+from haptisym.verbs.require.placing import even, first_places, refined
+from haptisym.verbs.require.slices import Gap, Slice, gaps
 from haptisym.verbs.require.wishes import STABLE, SUITS_ALL, TRANSPARENT, further, wishes
-
-_CLOSER = 6
-"""Times that the gap between two slices that differ in kind is halved."""
-
-
-@dataclass(frozen=True)
-class Slice:
-    """The exact requirement on the second parameter where the first one has a value; ``apart`` : on each thing asked, alone.
-
-    ``contours`` : the values for which nothing is noticed with each of the other thresholds that were asked about.
-    """
-
-    at: Expr
-    requirement: Requirement
-    apart: tuple[Requirement, ...] = ()
-    contours: tuple[Requirement, ...] = ()
 
 
 @dataclass(frozen=True, repr=False)
 class DesignMap(Answer):
     """The transparent region of a scene in two parameters: exact along each slice, the first parameter being constant there.
 
-    ``slices``: in ascending order of the first parameter. Between two slices nothing is claimed but by ``curves``.
+    ``slices``: in ascending order of the first parameter. Between two slices nothing is proven but by ``curves``; how far
+    straight lines between them are off is estimated (``gaps``). ``within``: what that was to be, a share of the second range.
     """
 
     _schema: ClassVar[str] = "haptisym.designmap/1"
@@ -69,6 +54,7 @@ class DesignMap(Answer):
     that: tuple[str, ...] = (TRANSPARENT,)
     thresholds: tuple[Expr, ...] = ()
     encoder: Encoder | None = None
+    within: Expr | None = None
 
     def _line(self) -> str:
         first, second = (x.path for x in self.free)
@@ -78,6 +64,29 @@ class DesignMap(Answer):
     def certified(self) -> bool:
         """Whether all slices are."""
         return all(r.certified for x in self.slices for r in (x.requirement, *x.contours))
+
+    @cached_property
+    def gaps(self) -> tuple[Gap, ...]:
+        """What lies between neighbouring slices, and how far lines between them are off, as estimated."""
+        return gaps(self.slices)
+
+    @property
+    def deviation(self) -> float | None:
+        """The largest estimate of all, in units of the second parameter; None where no slices are joined by lines."""
+        return max((x.deviation for x in self.gaps if x.deviation is not None), default=None)
+
+    @property
+    def height(self) -> float:
+        """Of the second range."""
+        low, high = self.ranges[1]
+        return float(high - low)
+
+    @property
+    def is_coarse(self) -> bool:
+        """Whether the slices were too few for what their lines were to be off by."""
+        return (
+            self.within is not None and self.deviation is not None and self.deviation > float(self.within) * self.height
+        )
 
     def curves(self) -> dict[tuple[Criterion, Kind], Expr]:
         """Polynomials in both parameters (and pi) that vanish on the boundary: at the band's ends, and the discriminants.
@@ -130,6 +139,8 @@ class DesignMap(Answer):
                 if self.lines
                 else {}
             ),
+            "between": [{"from": x.low, "to": x.high, "deviation": x.deviation} for x in self.gaps],
+            "deviation": self.deviation,
             "certified": self.certified,
         }
 
@@ -149,6 +160,10 @@ def _apart(x: Slice) -> dict[str, Any]:
     return {"apart": {name: r.spans() for r in x.apart for name in r.that}}
 
 
+WITHIN = Rational(1, 200)
+"""What a map is refined to: lines between slices off by so much of the second range, as estimated."""
+
+
 def design_map(
     scene: Scene | str | Path,
     paths: Sequence[str],
@@ -162,12 +177,17 @@ def design_map(
     friction: Number | None = None,
     resolution: Number | None = None,
     slices: int = 41,
+    within: Number | None = None,
+    uniform: bool = False,
     limit: float | None = None,
     told: Told | None = None,
 ) -> DesignMap:
-    """The transparent region in two parameters, by that many slices, and more where their number of intervals changes.
+    """The transparent region in two parameters, by at most that many slices, more of them where its boundary bends.
 
     ``paths``: of both parameters; ``ranges``: of each, SI or with a unit. Every slice is a ``Requirement`` on the second one.
+    ``within``: a share of the second range: slices are put in until straight lines between them are off by no more, as
+    estimated, and slices that differ in kind no further apart than that share of the first range; 0.5 % if not given.
+    ``uniform``: all slices, as far from each other, instead.
     ``that``, ``hand``, ``limit``, ``told``: as in ``require``; of slices that were not reached in time every value is undecided.
     ``jnd``: further thresholds, each with the region that is transparent with it. ``friction``, ``resolution``: of a device and
     its encoder, for Abbott and Okamura's bound beside the other classical ones.
@@ -177,56 +197,88 @@ def design_map(
     >>> [x.requirement.feasible[0].low.value.digits(6) for x in found.slices]
     ['103.831', '122.356', '141.462']
     """
-    scene = as_scene(scene)
+    plan = _Plan(slices, None if uniform else WITHIN if within is None else _share(within))
     wanted = wishes(that)
-    scene = with_hands(scene, hand) if STABLE in wanted else scene
+    scene = with_hands(as_scene(scene), hand) if STABLE in wanted else as_scene(scene)
+    asked = _Asked.of(scene, paths, ranges, {"part": part, "any_environment": any_environment}, wanted, jnd)
     encoder = Encoder.of(scene, friction, resolution)
-    first, second = scene.knobs.chosen(paths)
-    judged = asked_of(scene, (first, second), part, any_environment=any_environment) if TRANSPARENT in wanted else ()
-    criteria = (*judged, *further(scene, wanted))
-    (low, high), other = (
-        (free.number(a), free.number(b)) for free, (a, b) in zip((first, second), ranges, strict=True)
-    )
-    for free, pair in zip((first, second), ((low, high), other), strict=True):
-        domain(free, pair)
-    need_encoder(scene, (first, second), encoder)
-    thresholds = _thresholds(scene, (first, second), jnd, wanted)
-
-    asked: dict[str, Any] = {"part": part, "any_environment": any_environment}
-
-    def cut(at: Expr, n: int, count: int) -> Slice:
-        budget.say(n, count, "slices")
-        here = first.put(scene, at)
-        with share(1 / min(count - n, 2)):  # one that is slow leaves time to the others
-            apart = [require(here, second.path, other, that=[x], **asked) for x in wanted]
-            contours = [require(here.with_values({THRESHOLD: x}), second.path, other, **asked) for x in thresholds]
-        return _slice(at, apart, contours)
-
-    def cut_all(places: Sequence[Expr]) -> list[Slice]:
-        return [cut(at, n, len(places)) for n, at in enumerate(places)]
-
-    step = (high - low) / (slices - 1)
-    start = [low + step * i for i in range(slices)]
+    need_encoder(scene, asked.free, encoder)
     with limited(limit, told) as budget:
-        found = cut_all([at for at in start if first.rule.allows(at)])
-        for _ in range(_CLOSER):
-            between = [(a.at + b.at) / 2 for a, b in pairwise(found) if _differ(a, b)]
-            if budget.reached:  # what could be told apart is
-                break
-            found = sorted([*found, *cut_all(between)], key=lambda x: float(x.at))
-    return DesignMap(scene, (first, second), ((low, high), other), tuple(found), criteria, wanted, thresholds, encoder)
+        found = asked.cut_all(plan, budget)
+    return DesignMap(
+        scene, asked.free, asked.ranges, found, asked.criteria, wanted, asked.thresholds, encoder, plan.within
+    )
 
 
-def _slice(at: Expr, apart: Sequence[Requirement], contours: Sequence[Requirement]) -> Slice:
-    """A slice of one or several things that were asked, from the values for each alone."""
-    one = apart[0]
-    if len(apart) == 1:
-        return Slice(at, one, (), tuple(contours))
-    both = together(one.domain, [Solved(x.feasible, x.undecided) for x in apart])
-    names = tuple(name for x in apart for name in x.that)
-    criteria = tuple(y for x in apart for y in x.criteria)
-    found = replace(one, feasible=both.feasible, undecided=both.undecided, criteria=criteria, that=names)
-    return Slice(at, found, tuple(apart), tuple(contours))
+@dataclass(frozen=True)
+class _Plan:
+    """At most that many slices, lines between them to be off by a share of the second range; evenly placed if it is None."""
+
+    most: int
+    within: Expr | None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.most, int) or self.most < 2:
+            raise SceneError(f"slices: {self.most} must be a whole number, at least 2")
+
+
+def _share(given: Number) -> Expr:
+    found = number(given, Dimension.RATIO).value
+    if sign_of_number(found) <= 0:
+        raise SceneError(f"within: {given} must be > 0, a share of the range of the second parameter")
+    return found
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What is asked on every slice of a map."""
+
+    scene: Scene
+    free: tuple[Knob, Knob]
+    ranges: tuple[tuple[Expr, Expr], tuple[Expr, Expr]]
+    wanted: tuple[str, ...]
+    criteria: tuple[Criterion, ...]
+    thresholds: tuple[Expr, ...]
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def of(
+        cls, scene: Scene, paths: Sequence[str], ranges: Sequence[tuple[Number, Number]], options: Mapping[str, Any],
+        wanted: tuple[str, ...], jnd: Sequence[Number],
+    ) -> _Asked:  # fmt: skip
+        """SceneError where paths, ranges or thresholds are not fit."""
+        first, second = scene.knobs.chosen(paths)
+        judged = asked_of(scene, (first, second), **options) if TRANSPARENT in wanted else ()
+        across, along = ((free.number(a), free.number(b)) for free, (a, b) in zip((first, second), ranges, strict=True))
+        for free, pair in zip((first, second), (across, along), strict=True):
+            domain(free, pair)
+        thresholds = _thresholds(scene, (first, second), jnd, wanted)
+        criteria = (*judged, *further(scene, wanted))
+        return cls(scene, (first, second), (across, along), wanted, criteria, thresholds, options)
+
+    def cut(self, at: Expr) -> Slice:
+        """The slice at a value of the first parameter."""
+        here, path, along = self.free[0].put(self.scene, at), self.free[1].path, self.ranges[1]
+        apart = [require(here, path, along, that=[x], **self.options) for x in self.wanted]
+        others = (here.with_values({THRESHOLD: x}) for x in self.thresholds)
+        return Slice.of(at, apart, [require(x, path, along, **self.options) for x in others])
+
+    def cut_all(self, plan: _Plan, budget: Budget) -> tuple[Slice, ...]:
+        """All slices; one that is slow leaves time to the others."""
+        low, high = self.ranges[0]
+
+        def cut(at: Expr, n: int) -> Slice:
+            budget.say(n, plan.most, "slices")
+            with share(1 / min(len(start) - n, 2) if n < len(start) else 1 / 2):
+                return self.cut(at)
+
+        places = even(low, high, plan.most) if plan.within is None else first_places(low, high, plan.most)
+        start = [at for at in places if self.free[0].rule.allows(at)]
+        found = [cut(at, n) for n, at in enumerate(start)]
+        if plan.within is not None:
+            one, other = (float(b - a) for a, b in self.ranges)
+            found = refined(found, cut, budget, plan.most, (one, other), float(plan.within))
+        return tuple(found)
 
 
 def _thresholds(scene: Scene, free: Sequence[Knob], jnd: Sequence[Number], wanted: Sequence[str]) -> tuple[Expr, ...]:
@@ -243,13 +295,3 @@ def _thresholds(scene: Scene, free: Sequence[Knob], jnd: Sequence[Number], wante
     for c in jnd:
         knob.check(c)
     return tuple(dict.fromkeys(knob.number(c) for c in jnd))
-
-
-def _differ(a: Slice, b: Slice) -> bool:
-    """Whether two slices differ in the number of intervals, or in what binds at their ends."""
-    return _pattern(a) != _pattern(b)
-
-
-def _pattern(x: Slice) -> list[list[list[tuple[str, Kind]]]]:
-    spans = x.requirement.feasible
-    return [[[(b.criterion.name, b.kind) for b in end.bindings] for end in (span.low, span.high)] for span in spans]

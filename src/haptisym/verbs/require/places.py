@@ -130,7 +130,12 @@ class Strip:
 
     def signs(self, place: CriticalPlace) -> tuple[int, int] | None:
         """The signs at a place for both ends of the cell, if it changes one way only in between; None if that is not sure."""
-        if self.ends is None or self.change is None:
+        if self.ends is None:
+            return None
+        if self.shape.is_fixed:
+            sign = self._sign(place, self.ends[0])
+            return (sign, sign) if sign else None
+        if self.change is None:
             return None
         at = expression_ball(place.omega) if place.omega is not None else place.low.union(place.high)
         steep = self.change.value(at) if place.omega is not None else self.change.over(at)[0]

@@ -64,6 +64,13 @@ class Shape:
         return None if total.is_zero() else Shape(total, axis, self.free, self.degrees)
 
     @cached_property
+    def is_fixed(self) -> bool:
+        """Whether the parameter is nowhere in it."""
+        axis = self.axis
+        inside = any(x.has(self.free) for x in (*axis.orders, *(a.rate for a in axis.angles)))
+        return not inside and not self.polynomial.degrees()[axis.meanings.index(self.free)]
+
+    @cached_property
     def order_at_zero(self) -> int:
         """A power of omega that every term holds, by itself or in sines, whatever the parameter: what a hold divides by."""
         axis = self.axis
