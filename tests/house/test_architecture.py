@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -138,3 +139,31 @@ def test_no_source_evaluates_text_or_simplifies() -> None:
         calls = [n.func for n in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(n, ast.Call)]
         names = {f.id if isinstance(f, ast.Name) else f.attr if isinstance(f, ast.Attribute) else "" for f in calls}
         assert not names & forbidden, path.name
+
+
+MOST_LINES = 40
+
+
+def functions(path: Path) -> Iterator[tuple[str, int]]:
+    """Each function with its lines, its data sheet not counted."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.FunctionDef) and node.end_lineno:
+            sheet = node.body[0] if ast.get_docstring(node) else None
+            told = sheet.end_lineno - sheet.lineno + 1 if sheet and sheet.end_lineno else 0
+            yield node.name, node.end_lineno - node.lineno + 1 - told
+
+
+def test_a_function_is_seen_whole_on_a_screen() -> None:
+    """Lines of code with the signature, its data sheet beside it."""
+    long = {
+        f"{x.relative_to(SOURCE)}: {name}": n
+        for x in SOURCE.rglob("*.py")
+        for name, n in functions(x)
+        if n > MOST_LINES
+    }
+    assert set(long) <= {"verbs/require/designmap.py: design_map"}
+
+
+def test_a_module_has_at_most_three_hundred_lines() -> None:
+    sizes = {x.name: len(x.read_text(encoding="utf-8").splitlines()) for x in SOURCE.rglob("*.py")}
+    assert {name: n for name, n in sizes.items() if n > 300} == {}

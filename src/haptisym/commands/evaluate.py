@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -24,12 +23,10 @@ from haptisym.commands.verb import PAGES, given, not_over, verb
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError
+from haptisym.model.family import SceneFamily
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.scenefile import chosen, felt_through, open_scenes
 from haptisym.verbs.evaluate.entry import evaluate as evaluate_scene
-
-if TYPE_CHECKING:
-    from haptisym.verbs.family.entry import FamilyEvaluation
 
 
 @verb(needs=[("--points", "--response", "the lines of a file")])
@@ -114,12 +111,8 @@ def evaluate(
         return
     family = felt_through(opened, scene, (*environments, *more))
     if environment is None and (environments or len(family) > 1):
-        from haptisym.verbs.family.entry import evaluate_all  # loaded where it is asked for
-
         _of_one_environment()
-        with progress() as told, limited(limit, told):
-            every = evaluate_all(family, digits, regions=regions, proportion=proportion)
-        _hand_over_all(every, figures, as_json)
+        _evaluate_all(family, digits, regions, proportion, limit, figures, as_json)
         return
     one = family[str(environment)] if environments else chosen(family, Path(scene).name, environment)
     with progress() as told, limited(limit, told):
@@ -131,9 +124,7 @@ def evaluate(
     if response is not None:
         _keep_response(result, response, points)
     if figures is not None:
-        from haptisym.figures.files import save_figures
-
-        keep_figures(figures, lambda: save_figures(result, figures))
+        _keep_figures(result, figures)
     hand_over(result, as_json=as_json)
 
 
@@ -149,6 +140,13 @@ def _keep_response(result: Evaluation, file: Path, points: int) -> None:
     from haptisym.model.measuring import write_sampled
 
     keep("response", file, lambda: write_sampled(result.given, file, points))
+
+
+def _keep_figures(result: Evaluation, directory: Path) -> None:
+    """The figures of one environment."""
+    from haptisym.figures.files import save_figures
+
+    keep_figures(directory, lambda: save_figures(result, directory))
 
 
 _ABOUT_FORMULAS = (
@@ -174,8 +172,20 @@ def _evaluate_measured(scene: MeasuredScene, figures: Path | None, as_json: bool
     show(result, as_json=as_json)
 
 
-def _hand_over_all(result: FamilyEvaluation, figures: Path | None, as_json: bool) -> None:
+def _evaluate_all(
+    family: SceneFamily,
+    digits: int,
+    regions: bool,
+    proportion: str | None,
+    limit: float,
+    figures: Path | None,
+    as_json: bool,
+) -> None:
     """Several environments at once."""
+    from haptisym.verbs.family.entry import evaluate_all  # loaded where it is asked for
+
+    with progress() as told, limited(limit, told):
+        result = evaluate_all(family, digits, regions=regions, proportion=proportion)
     if figures is not None:
         from haptisym.figures.family import save_family_figures
 

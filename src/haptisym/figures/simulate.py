@@ -99,6 +99,16 @@ def draw_loop(ax: Axes, run: Simulation, *, color: str | None = None, label: str
     return lines
 
 
+_RING: dict[str, Any] = {
+    "marker": "o",
+    "markersize": 3.8,
+    "markerfacecolor": "white",
+    "markeredgewidth": 0.9,
+    "linestyle": "none",
+    "zorder": 4,
+}
+
+
 def draw_recovered(
     ax: Axes,
     runs: Sequence[Simulation],
@@ -116,27 +126,16 @@ def draw_recovered(
     look, scale = Look.on(ax, "closed form", color, label), scale_of(ax, scene.band, hertz=hertz)
     rows = sorted((x for run in runs for x in run.estimates), key=lambda x: x.omega)
     omegas = np.array([x.omega for x in rows])
-    low, high = omegas[0], omegas[-1]
-    margin = 0.04 * (high - low) or 0.1 * high
-    grid = np.linspace(max(low - margin, low / 2), high + margin, 601)
+    grid = _around(omegas)
     values = scene.distortion().compile()(grid)
     curve = values.perceived_real if part is Part.REAL else values.perceived_imag
     found = [x.simulated.real if part is Part.REAL else x.simulated.imag for x in rows]
     if not look.number:
         ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
     line, ring = (RED, INK) if look.plain else (look.color, look.color)
-    marker: dict[str, Any] = {"marker": "o", "markersize": 3.8, "markerfacecolor": "white", "markeredgewidth": 0.9}
     named = {name: f"{name}{look.suffix}" for name in ("closed form", "from the simulated force")}
     lines = ax.plot(scale.of(grid), curve, color=line, linestyle=DASHED, linewidth=1.1, label=named["closed form"])
-    lines += ax.plot(
-        scale.of(omegas),
-        found,
-        linestyle="none",
-        color=ring,
-        zorder=4,
-        label=named["from the simulated force"],
-        **marker,
-    )
+    lines += ax.plot(scale.of(omegas), found, color=ring, label=named["from the simulated force"], **_RING)
     limit(ax, (scale.of(grid[0]), scale.of(grid[-1])), _limits(curve, np.array(found)), number=look.number)
     dress(ax)
     name_frequency(ax, scale)
@@ -145,6 +144,13 @@ def draw_recovered(
     ax.set_ylabel(rf"${name}\,H_\mathrm{{perc}}$ ({unit})", fontsize=TEXT)
     legend(ax, lines)
     return lines
+
+
+def _around(omegas: Array) -> Array:
+    """Frequencies close together, from a little below the first of some to a little above the last."""
+    low, high = omegas[0], omegas[-1]
+    margin = 0.04 * (high - low) or 0.1 * high
+    return np.linspace(max(low - margin, low / 2), high + margin, 601)
 
 
 def save_simulation_figures(runs: Sequence[Simulation], directory: str | Path) -> list[Path]:

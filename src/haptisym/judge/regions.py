@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 from typing import Any, ClassVar, NamedTuple, Protocol
 
 from sympy import Expr, Integer, S
@@ -236,11 +237,8 @@ class Polygon(InTerms, Joint):
         raise SceneError("jnd: a polygon is given by its corners: it has no limit for one part")
 
     def enlarged(self, x: Any, y: Any, number: Callable[[Expr], Any]) -> Any:
-        found = [number(p) * x + number(q) * y for p, q in self.edges]
-        largest = found[0]
-        for one in found[1:]:
-            largest = (largest + one + abs(largest - one)) / 2
-        return largest
+        found = (number(p) * x + number(q) * y for p, q in self.edges)
+        return reduce(lambda largest, one: (largest + one + abs(largest - one)) / 2, found)
 
 
 @dataclass(frozen=True)

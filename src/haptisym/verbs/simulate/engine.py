@@ -87,8 +87,6 @@ class Engine:
         inputs = [0.0 if k else (rest if x.lag else known)[x.name] for x, k in self.system.drives]
         self.z = np.array([everything[keys[i]] for i in self.system.exact.chosen]) - self.system.back @ inputs
 
-    # What is where
-
     @property
     def system(self) -> Linear:
         """The linear equations while the switches are as they are; SceneError where they contradict each other."""
