@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import copy
 import json
+import re
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+from jnds import inline, picked
 from scenetexts import toml
 from strategies import Seeded, case, coincident_case
 
@@ -58,6 +60,17 @@ def random_scene(seed: int) -> str:
         hs.parse_scene(text)
     except hs.SceneError:
         return random_scene(seed + 1000)
+    return text
+
+
+def region_scene(seed: int) -> str:
+    """The text of a random scene whose JND is a region, or a formula."""
+    pick = Seeded(seed)
+    text = re.sub("jnd = .*", f"jnd = {inline(picked(pick))}", random_scene(seed))
+    try:
+        hs.parse_scene(text)
+    except hs.SceneError:  # a polygon that is not convex
+        return region_scene(seed + 1000)
     return text
 
 

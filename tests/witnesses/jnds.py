@@ -50,3 +50,47 @@ def jnds(draw: Draw) -> dict[str, Any]:
     if kind == "floor":
         found["floor"] = draw(st.sampled_from(["1/10", "3", "100", "2 + omega", "50/(omega + 1)"]))
     return found
+
+
+def picked(pick: Any) -> dict[str, Any]:
+    """A JND of any kind but the paper's, by choices of a generator (``strategies.Seeded``)."""
+    more = ("", "", "", " + omega/300", " + 1/(omega + 3)", " + omega**2/(omega**2 + 50)")
+
+    def limit() -> str:
+        return f"{pick.whole(2, 60)}/100{pick.choice(more)}"
+
+    kind = pick.choice(("formula", "sided", "floor", "both", "ellipse", "diamond", "polygon"))
+    if kind == "polygon":
+        return _picked_polygon(pick, pick.choice(more[2:]))
+    found: dict[str, Any] = {"real": limit(), "imag": limit()}
+    if kind == "formula":
+        found["real"] += " + omega/100"
+    if kind in ("ellipse", "diamond"):
+        found["shape"] = kind
+    if kind == "ellipse":
+        found["tilt"] = f"{pick.whole(-9, 9)}/10"
+    if kind in ("sided", "both"):
+        for part in pick.choice((("real",), ("imag",), ("real", "imag"))):
+            found[part] = {"higher": limit(), "lower": limit()}
+    if kind in ("floor", "both"):
+        found["floor"] = pick.choice(("1/10", "3", "100", "2 + omega", "50/(omega + 1)"))
+    return found
+
+
+def _picked_polygon(pick: Any, stretch: str) -> dict[str, Any]:
+    turns = sorted({*(pick.whole(-12, 12) for _ in range(pick.whole(1, 3))), -9, 0, 8})
+    a, b = (Fraction(pick.whole(3, 60), 100) for _ in range(2))
+    shift = [Fraction(pick.whole(-3, 3), 20) for _ in range(2)]
+    corners = [(a * (x + shift[0]), b * (y + shift[1])) for x, y in map(on_circle, turns)]
+    if pick.whole(0, 1):
+        corners.reverse()
+    return {"shape": "polygon", "corners": [[f"{x}", f"({y})*(1{stretch})" if stretch else f"{y}"] for x, y in corners]}
+
+
+def inline(jnd: Any) -> str:
+    """As TOML."""
+    if isinstance(jnd, dict):
+        return "{ " + ", ".join(f"{key} = {inline(x)}" for key, x in jnd.items()) + " }"
+    if isinstance(jnd, list | tuple):
+        return "[" + ", ".join(map(inline, jnd)) + "]"
+    return str(jnd) if isinstance(jnd, float | int) else f'"{jnd}"'

@@ -299,6 +299,12 @@ const haptisymCheck = (function () {
     return [top, value(x.value.d * pi ** BigInt(down), 0n, 0, down)];
   }
 
+  /** A number of a JND at a frequency, numerator and denominator. */
+  function limitAt(x, omega, pi) {
+    if (x.value) return at(x, pi);
+    return evaluated(x, (word) => (word === "omega" ? [value(omega, 0n, 1), UNIT] : at(quantityOf(decimal(word)), pi)), combined);
+  }
+
   function reader(catalogue) {
     const own = (table, name) => Object.prototype.hasOwnProperty.call(table, name);
 
@@ -407,6 +413,48 @@ const haptisymCheck = (function () {
       return x.trees.map((tree) => evaluated(tree, leaf, combined));
     }
 
+    const isFormula = (x) => typeof x === "string" && /(?<![\p{L}\p{N}_])omega(?![\p{L}\p{N}_])/u.test(x);
+
+    /** A number of a JND: a quantity, or the tree of a rational formula in omega. */
+    const limit = (given, kind) => (isFormula(given) ? parsed(given) : quantity(given, kind));
+
+    const KEYS = { square: ["real", "imag", "floor"], ellipse: ["real", "imag", "tilt"], diamond: ["real", "imag"], polygon: ["corners"] };
+
+    /** The JND: its shape, its numbers by name, and the corners of a polygon in their order counterclockwise. */
+    function regionOf(jnd) {
+      const told = jnd instanceof Map ? jnd : new Map([["real", jnd], ["imag", jnd]]);
+      const shape = told.has("shape") ? told.get("shape") : "square";
+      const known = own(KEYS, shape) ? KEYS[shape] : [];
+      const given = new Map([...told].filter(([key]) => key !== "shape" && key !== "proportion"));
+      const fits = known.length && [...given.keys()].every((key) => known.includes(key)) && known.every((key) => given.has(key) || key === "floor" || key === "tilt");
+      need(fits, "the threshold is not understood");
+      if (shape === "polygon") {
+        const corners = given.get("corners");
+        need(Array.isArray(corners) && corners.length >= 3 && corners.length <= 24 && corners.every((x) => Array.isArray(x) && x.length === 2), "the corners are not 3 to 24 pairs");
+        return { shape, limits: new Map(), corners: turned(corners.map((pair) => pair.map((x) => limit(x, "z")))) };
+      }
+      const limits = new Map();
+      [...given].forEach(([key, x]) => {
+        if (x instanceof Map) {
+          need(shape === "square" && key !== "floor" && x.size === 2 && x.has("higher") && x.has("lower"), "the limits of a part are not understood");
+          limits.set(key, limit(x.get("higher"), "z")).set(`${key}.lower`, limit(x.get("lower"), "z"));
+        } else limits.set(key, limit(x, key === "floor" ? "k" : "z"));
+      });
+      if (shape === "ellipse" && !limits.has("tilt")) limits.set("tilt", quantityOf(ZERO));
+      return { shape, limits, corners: [] };
+    }
+
+    /** Corners counterclockwise at omega = 1. */
+    function turned(corners) {
+      const [one, pi] = [1n, 3n];
+      const at1 = corners.map((pair) => pair.map((x) => limitAt(x, one, pi)));
+      const area = at1.reduce((found, p, i) => {
+        const q = at1[(i + 1) % at1.length];
+        return combined("+", found, combined("-", combined("*", p[0], q[1]), combined("*", p[1], q[0])));
+      }, [NOTHING, UNIT]);
+      return signOf(area[0].re) * signOf(area[1].re) < 0 ? [...corners].reverse() : corners;
+    }
+
     /** Put FREE for a number of a file. */
     function leaveFree(table, path) {
       const inside = (place, key) => {
@@ -445,21 +493,19 @@ const haptisymCheck = (function () {
       const between = effects.map((x) => element(x, 4));
       need(told instanceof Map && [...told.keys()].every((key) => key === "band" || key === "jnd"), "[evaluation] is not understood");
       const band = told.has("band") ? told.get("band") : [ZERO, new Fraction(15n)];
-      const jnd = told.has("jnd") ? told.get("jnd") : new Fraction(1n, 10n);
       need(Array.isArray(band) && band.length === 2, "the band is not a pair");
-      const both = jnd instanceof Map ? jnd : new Map([["real", jnd], ["imag", jnd]]);
-      need(both.size === 2 && both.has("real") && both.has("imag"), "the threshold is not a number, nor one for each part");
-      const threshold = { real: quantity(both.get("real"), "z"), imag: quantity(both.get("imag"), "z") };
+      const region = regionOf(told.has("jnd") ? told.get("jnd") : new Fraction(1n, 10n));
       if (free) {
         const elements = [own, source, ...between];
-        const numbers = [...Object.values(threshold), ...elements.flatMap((x) => [...x.numbers.values()])];
+        need(region.shape === "square" && region.limits.size === 2, "a parameter is free in a scene with a region of its own");
+        const numbers = [...region.limits.values(), ...elements.flatMap((x) => [...x.numbers.values()])];
         const named = (tree) => (typeof tree === "string" ? tree === "pi" : Array.isArray(tree) && tree.slice(1).some(named));
         const alone = numbers.every((x) => x === FREE || x.pi === 0) && !elements.some((x) => x.trees.some(named));
         need(alone && numbers.includes(FREE), "a parameter is free beside pi");
       }
       return {
         band: band.map((x) => quantity(x, "o")),
-        threshold,
+        region,
         elements: { environment: own, rendered: source, effects: between },
         /** The dynamics of a hand: one of the file by its name, or of mass, damping and stiffness. */
         hand(which, numbers) {
@@ -579,14 +625,79 @@ const haptisymCheck = (function () {
       found[`${name}.real`] = [{ ...turned, im: 0n }, below];
       found[`${name}.imag`] = [{ ...turned, re: turned.im, im: 0n }, below];
     });
-    const root = times(times(n, d), times(q, q));
-    const below = times(root, conjugate(root));
-    PARTS.forEach((part) => { // (Re (G - H))^2/|H|^2 = (Re ((P D - Q N) conj(D Q)))^2/(|N|^2 |D|^2 |Q|^4)
-      const [top, bottom] = at(scene.threshold[part], pi);
-      const [x, square] = [found[`difference.${part}`][0], times(bottom, bottom)];
-      found[`excess.${part}`] = [plus(times(times(x, x), square), times(times(below, top), top), -1n), times(below, square)];
+    const root = times(times(n, d), times(q, q)); // X^2/|H|^2 = (Re ((P D - Q N) conj(D Q)))^2/(|N|^2 |D|^2 |Q|^4)
+    Object.entries(judged(scene.region, found, times(root, conjugate(root)), omega, pi)).forEach(([name, terms]) => {
+      const alone = terms.length === 1 && terms[0].length === 1;
+      terms.forEach((term, i) => term.forEach((f, j) => { found[alone ? name : `${name}.${i}.${j}`] = f; }));
     });
     return found;
+  }
+
+  /** Whether a JND is a number for each part. */
+  const isSquare = ({ shape, limits }) => shape === "square" && limits.size === 2 && [...limits.values()].every((x) => x.value);
+
+  // JND regions: lists of terms, each a list of functions; outside where all functions of one term are positive.
+
+  const squared = (x) => combined("*", x, x);
+  const negative = ([top, bottom]) => [plus(NOTHING, top, -1n), bottom];
+  const above = (x, limit) => combined("-", x, limit);
+  const ONCE = [UNIT, UNIT];
+
+  /** What must not be positive at a frequency, of a JND; `size`: of the square of |H|, but for what stands below dH. */
+  function judged(region, found, size, omega, pi) {
+    const limit = (x) => limitAt(x, omega, pi);
+    const over = (x) => [x[0], times(x[1], size)];
+    const [x, y] = PARTS.map((part) => [found[`difference.${part}`][0], UNIT]);
+    const change = PARTS.map((part) => found[`difference.${part}`]);
+    if (region.shape === "square") return Object.fromEntries(PARTS.map((part, i) => [`excess.${part}`, sided(region, part, over(squared([x, y][i])), found, limit)]));
+    if (region.shape === "polygon") return cornered(region, change, [x, y], over, limit);
+    const widths = PARTS.map((part) => limit(region.limits.get(part)));
+    const [u, w] = [x, y].map((z, i) => combined("/", z, widths[i]));
+    const nearer = above(...change.map((z, i) => squared(combined("/", z, widths[i]))));
+    const tilt = region.shape === "ellipse" ? limit(region.limits.get("tilt")) : [NOTHING, UNIT];
+    const rest = above(ONCE, squared(tilt));
+    const outside = [u, w].map((z) => [[above(combined("/", over(squared(z)), rest), ONCE)]]);
+    const both = { "outside.real": outside[0], "outside.imag": outside[1], nearer: [[nearer]] };
+    if (region.shape === "diamond") return { "excess.joint": ["+", "-"].map((sign) => [above(over(squared(combined(sign, u, w))), ONCE)]), ...both };
+    const twice = combined("*", combined("*", tilt, [value(2n), UNIT]), combined("*", u, w));
+    const square = combined("-", combined("+", squared(u), squared(w)), twice);
+    return { "excess.joint": [[above(combined("/", over(square), rest), ONCE)]], ...both };
+  }
+
+  /** One part, with a limit for each way or a floor. */
+  function sided({ limits }, part, square, found, limit) {
+    const c = limit(limits.get(part));
+    const [lower, floor] = [`${part}.lower`, "floor"].map((key) => (limits.has(key) ? limit(limits.get(key)) : null));
+    if (!lower && !floor) return [[above(square, squared(c))]];
+    const [higher, less] = [c, lower || c].map((z) => above(combined("/", square, squared(z)), ONCE));
+    const least = floor ? [above(combined("/", squared(found[`difference.${part}`]), squared(floor)), ONCE)] : [];
+    if (!lower) return [[higher, ...least]];
+    const growth = above(squared(found[`perceived.${part}`]), squared(found[`environment.${part}`]));
+    return [[growth, higher, ...least], [negative(growth), less, ...least], [higher, less, ...least]];
+  }
+
+  /** The largest of the edges p x + q y - 1 of a polygon. */
+  function cornered({ corners, scale }, change, [x, y], over, limit) {
+    const by = (a, b) => combined("*", a, b);
+    const at1 = corners.map((pair) => pair.map((z) => (scale ? by(limit(z), limit(scale)) : limit(z))));
+    const edges = at1.map(([a, b], i) => {
+      const [right, up] = at1[(i + 1) % at1.length];
+      const area = above(by(a, up), by(b, right));
+      return [combined("/", above(up, b), area), combined("/", above(a, right), area)];
+    });
+    const beyond = (along, plain) => [along, above(over(squared(plain)), ONCE)];
+    const joint = edges.map(([p, q]) => beyond(...[change, [x, y]].map(([u, w]) => combined("+", by(p, u), by(q, w)))));
+    const alone = (k) => edges.map((edge) => beyond(by(edge[k], change[k]), by(edge[k], [x, y][k])));
+    const isPlain = corners.flat().every((z) => z.value && !z.pi);
+    const [across, upward] = [0, 1].map((k) => edges.map((edge) => edge[k])).map((list) => (isPlain ? extremes(list) : list));
+    const nearer = across.map((p) => upward.map((q) => above(by(p, change[0]), by(q, change[1]))));
+    return { "excess.joint": joint, "outside.real": alone(0), "outside.imag": alone(1), nearer };
+  }
+
+  /** The least and the largest of numbers. */
+  function extremes(list) {
+    const sorted = [...list].sort((a, b) => new Fraction(a[0].re, a[1].re).compare(new Fraction(b[0].re, b[1].re)));
+    return [sorted[0], sorted[sorted.length - 1]];
   }
 
   const sum = (list) => list.reduce((x, y) => x + y, 0n);
@@ -927,6 +1038,7 @@ const haptisymCheck = (function () {
   function evaluation(claim, proof, scene) {
     const [points, told, products, poles] = keyed(proof, "breakpoints", "factors", "functions", "poles");
     const factors = inSteps(told);
+    need(isSquare(scene.region), "the JND is a region of its own");
     const names = CURVES.flatMap((x) => PARTS.map((part) => `${x}.${part}`));
     const written = keyed(products, ...names).map((x) => product(x, factors.length));
     link(Object.fromEntries(names.map((x, i) => [x, written[i]])), factors, (omega, pi) => functions(scene, omega, pi));
@@ -955,6 +1067,7 @@ const haptisymCheck = (function () {
     const [polynomials, products, slabs] = keyed(proof, "factors", "functions", "slabs");
     const asked = listed(claim.parts, 2, 1);
     const parts = PARTS.filter((part) => asked.includes(part));
+    need(isSquare(scene.region), "the JND is a region of its own");
     const [free, factors, names] = [listed(claim.free, 9, 1), inSteps(polynomials), parts.map((part) => `excess.${part}`)];
     const written = keyed(products, ...names).map((x) => product(x, factors.length));
     const told = Object.fromEntries(names.map((x, i) => [x, written[i]]));
@@ -1015,6 +1128,7 @@ const haptisymCheck = (function () {
   }
 
   function common(a, b) {
+    if (a.length && b.length && coprime(a.map((c) => [c]), b.map((c) => [c]))) return [1n];
     let [x, y] = [primitive(a), primitive(b)];
     while (y.length) [x, y] = [y, remainder(x, y)];
     return x;
@@ -1022,6 +1136,7 @@ const haptisymCheck = (function () {
 
   /** a/b, where b divides a but for a number. */
   function quotient(a, b) {
+    if (b.length === 1) return primitive(a);
     const found = [];
     let rest = a.map((c) => new Fraction(c));
     while (rest.length >= b.length) {
@@ -1080,11 +1195,11 @@ const haptisymCheck = (function () {
     return [low, high];
   }
 
-  /** The numerator of a function, even in omega, as a polynomial in omega^2 with whole coefficients: by its values (Newton). */
-  function interpolated(f) {
-    const degree = Math.max(0, Math.floor(f(0n).s / 2));
-    need(degree <= 20, "the degrees are too high for that");
-    const nodes = Array.from({ length: degree + 1 }, (_, k) => new Fraction(BigInt(k * k)));
+  /** A polynomial in omega^step with whole coefficients, but for a positive number: by its values (Newton). */
+  function interpolated(f, step) {
+    const degree = Math.max(0, Math.floor(f(0n).s / step));
+    need(degree <= (step === 2 ? 20 : 40), "the degrees are too high for that");
+    const nodes = Array.from({ length: degree + 1 }, (_, k) => new Fraction(BigInt(k ** step)));
     let column = nodes.map((_, k) => new Fraction(f(BigInt(k)).re));
     const weights = [column[0]];
     for (let n = 1; n <= degree; n += 1) {
@@ -1099,24 +1214,92 @@ const haptisymCheck = (function () {
     return found.some((c) => c.n) ? trimmed(cleared(found)) : [];
   }
 
-  /** Where in between p, not zero everywhere, changes its sign, and whether it is positive thereafter; in omega^2, ascending. */
-  function signChanges(p, a, b) {
-    const found = odd(p).flatMap((own) => isolated(own, a, b).map((cell) => refined(own, cell)));
-    const ordered = found.sort((x, y) => x[0].compare(y[0]));
-    const ends = [...ordered.map(([low]) => low), b];
-    return ordered.map((cell, i) => {
-      let next = cell[1];
-      while (sign([p], next) === 0) next = next.plus(ends[i + 1]).over(new Fraction(2n));
-      return { cell, rising: sign([p], next) > 0 };
-    });
+  /** Polynomials, no two with a common zero and each with simple ones, that vanish wherever one of some changes its sign. */
+  function separate(polynomials) {
+    return polynomials.flatMap((p) => (p.length > 1 ? odd(p) : [])).reduce((found, p) => {
+      const rest = found.reduce((q, known) => {
+        const shared = q.length > 1 ? common(q, known) : [1n];
+        return shared.length > 1 ? quotient(q, shared) : q;
+      }, p);
+      return rest.length > 1 ? [...found, rest] : found;
+    }, []);
   }
 
-  /** The omega, a float, of a cell in omega^2. */
-  const root = ([low, high]) => Math.sqrt(Number((low.plus(high).n * 10n ** 30n) / (low.plus(high).d * 2n)) / 1e30);
+  /** Cells that hold one zero each of polynomials without common zeros: all those between a and b, ascending, no two with a point in common. */
+  function cellsOf(polynomials, a, b) {
+    const inside = ([low, high]) => low.compare(a) > 0 && high.compare(b) < 0;
+    let cells = polynomials.flatMap((p) => isolated(p, a, b).map((cell) => ({ p, cell: refined(p, cell) })));
+    for (let round = 0; round < 200; round += 1) {
+      cells.sort((x, y) => x.cell[0].compare(y.cell[0]));
+      const apart = cells.map(({ cell }, i) => inside(cell) && (!i || cells[i - 1].cell[1].compare(cell[0]) < 0) && (i + 1 === cells.length || cell[1].compare(cells[i + 1].cell[0]) < 0));
+      if (apart.every((x) => x)) return cells.map(({ cell }) => cell);
+      cells = cells.map(({ p, cell }, i) => ({ p, cell: apart[i] ? cell : halved(p, cell) }));
+    }
+    need(false, "two frequencies lie too close together");
+    return [];
+  }
+
+  function halved(p, [low, high]) {
+    const middle = cut(p, low, high);
+    return sign([p], middle) === moved(p, low, high).map(signOf).find((x) => x) ? [middle, high] : [low, middle];
+  }
+
+  /** Where what is judged, terms of polynomials, becomes positive between a and b, or stops being so; ascending. */
+  function signChanges(terms, a, b) {
+    const cells = cellsOf(separate(terms.flat()), a, b);
+    const ends = [a, ...cells.map((cell) => cell[1])];
+    const starts = [...cells.map((cell) => cell[0]), b];
+    const isOutside = ends.map((x, i) => {
+      const between = x.plus(starts[i]).over(new Fraction(2n)); // there no polynomial changes its sign
+      return terms.some((term) => term.every((p) => p.length && signBeside(p, between, starts[i]) > 0));
+    });
+    return cells.map((cell, i) => ({ cell, rising: isOutside[i + 1], was: isOutside[i] })).filter(({ rising, was }) => rising !== was);
+  }
+
+  /** The sign of p, not zero everywhere, between two points between which it does not change. */
+  function signBeside(p, at, end) {
+    let x = at;
+    while (sign([p], x) === 0) x = x.plus(end).over(new Fraction(2n));
+    return sign([p], x);
+  }
+
+  /** The omega, a float, of a cell in omega^step. */
+  function root([low, high], step) {
+    const x = Number((low.plus(high).n * 10n ** 30n) / (low.plus(high).d * 2n)) / 1e30;
+    return step === 2 ? Math.sqrt(x) : x;
+  }
+
+  /** A JND with other decimals for some of its numbers. */
+  function withLimits(region, given) {
+    const limits = new Map(region.limits);
+    const { size, ...others } = given;
+    Object.entries(others).forEach(([key, text]) => {
+      need(limits.has(key), "a limit is none of the scene");
+      limits.set(key, quantityOf(decimal(text)));
+    });
+    return { ...region, limits, scale: size === undefined ? null : quantityOf(decimal(size)) };
+  }
+
+  /** The polynomials of what is judged, by the criterion, each with the sign of its function; `step`: in which power of omega. */
+  function polynomialsOf(scene, step) {
+    const known = new Map();
+    const at = (omega) => known.get(omega) || known.set(omega, functions(scene, omega, 1n)).get(omega);
+    const found = {};
+    Object.keys(at(0n)).filter((x) => x.startsWith("excess.")).forEach((name) => {
+      const [, criterion, term, place] = name.split(".");
+      const isEdge = scene.region.shape === "polygon" && place === "0"; // elsewhere what stands below is a square
+      const f = (omega) => (isEdge ? times(...at(omega)[name]) : at(omega)[name][0]);
+      need(f(0n).pi <= 0, "pi is among the numbers");
+      const terms = found[criterion] || (found[criterion] = []);
+      const i = Number(term || 0);
+      (terms[i] || (terms[i] = [])).push(interpolated(f, step));
+    });
+    return found;
+  }
 
   /**
-   * All crossings strictly within the band at other values, decimal texts in SI: `values` lists [element, key, text]. A threshold that
-   * is touched is none. `why` says why there is no answer: pi in the scene, a delay, too high a degree.
+   * All crossings strictly within the band at other values, decimal texts in SI: `values` lists [element, key, text], `threshold` has numbers
+   * of the JND by name. A threshold that is touched is none. `why` says why there is no answer: pi in the scene, a delay, too high a degree.
    */
   function crossings(text, name, catalogue, { values, threshold, band }) {
     try {
@@ -1128,15 +1311,11 @@ const haptisymCheck = (function () {
         need(x && x.numbers.has(own) && !(x.isStill && own === "tau" && number.n), "a parameter is not one of a rational scene");
         x.numbers.set(own, quantityOf(number));
       });
-      PARTS.forEach((part) => { scene.threshold[part] = quantityOf(decimal(threshold[part])); });
-      const [low, high] = band.map((x) => decimal(x).power(2));
+      scene.region = withLimits(scene.region, threshold);
+      const step = scene.region.shape === "square" && [...scene.region.limits.values()].every((x) => x.value) ? 2 : 1;
+      const [low, high] = band.map((x) => decimal(x).power(step));
       need(low.compare(high) < 0, "the band is empty");
-      const found = PARTS.flatMap((part) => {
-        const numerator = (omega) => functions(scene, omega, 1n)[`excess.${part}`][0];
-        need(numerator(0n).pi <= 0, "pi is among the numbers");
-        const p = interpolated(numerator);
-        return p.length > 1 ? signChanges(p, low, high).map(({ cell, rising }) => ({ part, rising, omega: root(cell) })) : [];
-      });
+      const found = Object.entries(polynomialsOf(scene, step)).flatMap(([part, terms]) => signChanges(terms, low, high).map(({ cell, rising }) => ({ part, rising, omega: root(cell, step) })));
       return { crossings: found.sort((x, y) => x.omega - y.omega), why: "" };
     } catch (error) {
       if (error instanceof Refused || error instanceof RangeError) return { crossings: null, why: error.message };

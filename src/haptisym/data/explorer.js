@@ -1,5 +1,5 @@
 // The explorer of a report: sliders for the scene's parameters, and the closed forms drawn anew as they move.
-// It needs `distortion`, the function generated from the scene, and what the element "explorer-data" says of the sliders.
+// It needs `distortion`, the function generated from the scene, `haptisymRegion`, and what the element "explorer-data" says of the sliders.
 (function () {
   "use strict";
   const SVG = "http://www.w3.org/2000/svg";
@@ -10,6 +10,9 @@
   const initial = new Map(spec.sliders.map((slider) => [slider.id, slider.value]));
   const values = new Map(initial);
   const find = (id) => document.getElementById(id);
+  const region = haptisymRegion(spec.region, values);
+  const scenes = haptisymRegion(spec.region, initial); // the scene's own
+  const CRITERIA = region.criteria;
 
   // The closed forms.
 
@@ -18,7 +21,11 @@
     return distortion(omega, ...spec.arguments.map((id) => chosen.get(id)));
   }
 
-  const fields = (v) => [v.ratio_real, v.ratio_imag, v.environment_real, v.environment_imag, v.perceived_real, v.perceived_imag];
+  const fields = (x) => {
+    const { v } = x;
+    const ratios = CRITERIA.map((name) => region.judged(name, v, x.omega));
+    return [...ratios, v.environment_real, v.environment_imag, v.perceived_real, v.perceived_imag, ...region.change(v)];
+  };
 
   function evenly(count, chosen) {
     const grid = Array.from({ length: count + 1 }, (_, i) => (i === count ? high : low + (i * (high - low)) / count));
@@ -44,19 +51,19 @@
     return found;
   }
 
-  const threshold = (part) => values.get(spec.thresholds[part]);
-  const exceeds = (part, v) => !(v[`ratio_${part}`] <= threshold(part));
+  const exceeds = (name, x) => !(region.judged(name, x.v, x.omega) <= region.most(name, x.v, x.omega));
+  const there = (omega) => ({ omega, v: at(omega, values) });
 
   /** Where a ratio meets its threshold between samples, by bisection. */
   function crossings(samples, part) {
     const found = [];
     for (let i = 1; i < samples.length; i += 1) {
-      const rising = exceeds(part, samples[i].v);
-      if (rising !== exceeds(part, samples[i - 1].v)) {
+      const rising = exceeds(part, samples[i]);
+      if (rising !== exceeds(part, samples[i - 1])) {
         let [a, b] = [samples[i - 1].omega, samples[i].omega];
         for (let n = 0; n < 60; n += 1) {
           const middle = (a + b) / 2;
-          if (exceeds(part, at(middle, values)) === rising) b = middle;
+          if (exceeds(part, there(middle)) === rising) b = middle;
           else a = middle;
         }
         found.push({ part, omega: b, rising });
@@ -70,8 +77,8 @@
     const ends = [low, ...edges.map((x) => x.omega), high];
     const found = [];
     for (let i = 1; i < ends.length; i += 1) {
-      const v = at((ends[i - 1] + ends[i]) / 2, values);
-      if (ends[i] > ends[i - 1] && !PARTS.some((part) => exceeds(part, v))) {
+      const middle = there((ends[i - 1] + ends[i]) / 2);
+      if (ends[i] > ends[i - 1] && !CRITERIA.some((name) => exceeds(name, middle))) {
         if (found.length && found[found.length - 1][1] === ends[i - 1]) found[found.length - 1][1] = ends[i];
         else found.push([ends[i - 1], ends[i]]);
       }
@@ -87,8 +94,9 @@
 
   /** The upper end of the ratios' axis: the highest value, unless that is a narrow peak. */
   function ratioTop(samples) {
-    const least = 2 * Math.max(...PARTS.map(threshold));
-    const upper = samples.map((x) => Math.max(x.v.ratio_real, x.v.ratio_imag)).filter(Number.isFinite).sort((a, b) => a - b);
+    const sorted = (seen) => samples.map((x) => Math.max(...CRITERIA.map((name) => seen(name, x.v, x.omega)))).filter(Number.isFinite).sort((a, b) => a - b);
+    const [upper, limits] = [sorted(region.judged), sorted(region.most)];
+    const least = limits.length ? 2 * Math.min(limits[limits.length - 1], 3 * quantile(limits, 0.5)) : 1;
     if (!upper.length) return least;
     const highest = upper[upper.length - 1];
     const common = highest <= 3 * quantile(upper, 0.9) ? 1.06 * highest : 2.5 * quantile(upper, 0.75);
@@ -109,14 +117,26 @@
   function window_(samples) {
     const x = extent(samples.flatMap((p) => [p.v.environment_real, p.v.perceived_real]));
     const y = extent(samples.flatMap((p) => [p.v.environment_imag, p.v.perceived_imag]));
+    return framed(x, y, 0.15);
+  }
+
+  /** A window with room around, at equal scales unless one axis would be shorter than that share of the other. */
+  function framed(x, y, share) {
     const room = [SIZE.width - SIZE.left - SIZE.right, SIZE.height - SIZE.top - SIZE.bottom];
     const sizes = [x[1] - x[0], y[1] - y[0]];
     const scale = Math.max(sizes[0] / room[0], sizes[1] / room[1]) || 1;
-    const equal = sizes.every((size, i) => size > 0.15 * scale * room[i]);
+    const equal = sizes.every((size, i) => size > share * scale * room[i]);
     return [x, y].map(([a, b], i) => {
       const half = 0.56 * (equal ? scale * room[i] : sizes[i] || 0.1 * (sizes[1 - i] || Math.abs(a) || 1));
       return [(a + b) / 2 - half, (a + b) / 2 + half];
     });
+  }
+
+  /** That of the region: all of it at equal scales, with room for the way out of it. */
+  function regionWindow(lines) {
+    const points = lines.flat().concat([[0, 0]]);
+    const reach = [0, 1].map((i) => 1.5 * Math.max(...points.map((p) => Math.abs(p[i]))) || 1);
+    return framed([-reach[0], reach[0]], [-reach[1], reach[1]], 0);
   }
 
   // Drawing.
@@ -202,17 +222,32 @@
 
   function drawRatios(samples, base, edges, bands, top, probe) {
     const chart = plot(find("explorer-ratios"), [low, high], [0, top]);
+    const seen = (own, name, list, what) => list.map((x) => [x.omega, own[what](name, x.v, x.omega)]);
     bands.forEach(([a, b]) => shape(chart.data, "rect", { class: "band", x: a, y: 0, width: b - a, height: top }));
-    new Set(PARTS.map(threshold)).forEach((c) => curve(chart, "limit", [[low, c], [high, c]]));
+    const limits = CRITERIA.map((name) => seen(region, name, samples, "most"));
+    const same = limits.length > 1 && limits[0].every(([, c], i) => c === limits[1][i][1]);
+    limits.slice(same ? 1 : 0).forEach((points, i) => curve(chart, `limit ${same ? "" : CRITERIA[i]}`, points));
     curve(chart, "cursor", [[probe.omega, 0], [probe.omega, top]]);
-    PARTS.forEach((part) => {
-      const points = (list) => list.map((x) => [x.omega, x.v[`ratio_${part}`]]);
-      if (base) curve(chart, `ghost ${part}`, points(base));
-      curve(chart, `ratio ${part}`, points(samples));
+    CRITERIA.forEach((name) => {
+      if (base) curve(chart, `ghost ${name}`, seen(scenes, name, base, "judged"));
+      curve(chart, `ratio ${name}`, seen(region, name, samples, "judged"));
     });
-    edges.forEach((x) => dot(chart, `crossing ${x.part}`, x.omega, threshold(x.part)));
-    PARTS.forEach((part) => dot(chart, "probe", probe.omega, probe.v[`ratio_${part}`]));
-    axes(chart, "ω (rad/s)", "ratio to |H_env|");
+    edges.forEach((x) => dot(chart, `crossing ${x.part}`, x.omega, region.judged(x.part, at(x.omega, values), x.omega)));
+    CRITERIA.forEach((name) => dot(chart, "probe", probe.omega, region.judged(name, probe.v, probe.omega)));
+    axes(chart, "ω (rad/s)", CRITERIA.length > 1 ? "ratio to |H_env|" : `enlargement of the ${spec.region.shape}`);
+  }
+
+  /** The region at the probe's frequency, and the way of the distortion through its plane. */
+  function drawRegion(samples, base, lines, edges, probe) {
+    const chart = plot(find("explorer-region"), ...regionWindow(lines));
+    lines.forEach((points) => shape(chart.data, "path", { class: "region", d: `M${points.map((p) => p.join(" ")).join("L")}Z` }));
+    curve(chart, "limit", [[chart.x[0], 0], [chart.x[1], 0]]);
+    curve(chart, "limit", [[0, chart.y[0]], [0, chart.y[1]]]);
+    if (base) curve(chart, "ghost change", base.map((x) => region.change(x.v)));
+    curve(chart, "change", samples.map((x) => region.change(x.v)));
+    edges.forEach((x) => dot(chart, `crossing ${x.part}`, ...region.change(at(x.omega, values))));
+    dot(chart, "probe", ...region.change(probe.v));
+    axes(chart, "Re ΔH/|H_env|", "Im ΔH/|H_env|");
   }
 
   function drawNyquist(samples, base, range, probe) {
@@ -244,46 +279,55 @@
     find(id).replaceChildren(...made);
   }
 
+  /** What happens at a crossing. */
+  function meets(x) {
+    if (x.part === "joint") return `ΔH ${x.rising ? "leaves" : "returns into"} the ${spec.region.shape}`;
+    return `${x.part === "real" ? "r_r" : "r_i"} ${x.rising ? "rises above" : "falls below"}`;
+  }
+
   function say(bands, edges) {
     const pieces = bands.map(([a, b]) => `${short(a)} to ${short(b)}`).join(", ");
     write("explorer-band", bands.length ? `Transparent at ${pieces} rad/s.` : "Transparent nowhere on the band.");
     const told = edges.map((x) => {
-      const ratio = x.part === "real" ? "r_r" : "r_i";
-      return `${ratio} ${x.rising ? "rises above" : "falls below"} ${percent(threshold(x.part))} at ${short(x.omega)}`;
+      const limit = CRITERIA.length > 1 ? ` ${percent(region.most(x.part, at(x.omega, values), x.omega))}` : "";
+      return `${meets(x)}${limit} at ${short(x.omega)}`;
     });
     const more = told.length > 6 ? `; and ${told.length - 6} more` : "";
-    write("explorer-crossings", told.length ? `${told.slice(0, 6).join("; ")}${more}.` : "No ratio meets its threshold.");
+    write("explorer-crossings", told.length ? `${told.slice(0, 6).join("; ")}${more}.` : CRITERIA.length > 1 ? "No ratio meets its threshold." : `ΔH never meets the border of the ${spec.region.shape}.`);
   }
 
   function sayProbe({ omega, v }) {
     const H = (re, im) => (Number.isFinite(re) && Number.isFinite(im) ? `${short(re)} ${im < 0 ? "−" : "+"} ${short(Math.abs(im))} j` : "infinite");
     const rows = { H_env: H(v.environment_real, v.environment_imag), H_perc: H(v.perceived_real, v.perceived_imag) };
     const ratios = PARTS.map((part) => `${part === "real" ? "r_r" : "r_i"} = ${short(v[`ratio_${part}`])}`);
-    const noticed = PARTS.filter((part) => exceeds(part, v)).map((part) => (part === "real" ? "real" : "imaginary"));
-    const verdict = noticed.length ? `noticed in the ${noticed.join(" and the ")} part` : "not noticed";
+    const noticed = CRITERIA.filter((name) => exceeds(name, { omega, v })).map((name) => ({ real: "in the real part", imag: "in the imaginary part", joint: `(outside the ${spec.region.shape})` })[name]);
+    const verdict = noticed.length ? `noticed ${noticed.join(" and ").replace("part and in the", "and the")}` : "not noticed";
     const systems = Object.entries(rows).map(([name, text]) => `${name} = ${text} ${spec.unit}`);
     write("explorer-probe", `At ${short(omega)} rad/s: ${[...systems, ...ratios].join(", ")}: ${verdict}.`);
   }
 
   // All anew.
 
-  function seenIn(top, [x, y]) {
-    const ranges = [[0, top], [0, top], x, y, x, y];
+  function seenIn(top, [x, y], plane) {
+    const ranges = [...CRITERIA.map(() => [0, top]), x, y, x, y, ...plane];
     const share = (value, [a, b]) => (Number.isNaN(value) ? 2 : Math.min(Math.max((value - a) / (b - a), -1), 2));
-    return (sample) => fields(sample.v).map((value, i) => share(value, ranges[i]));
+    return (sample) => fields(sample).map((value, i) => share(value, ranges[i]));
   }
 
   function draw() {
     const even = evenly(300, values);
-    const [top, range] = [ratioTop(even), window_(even)];
-    const samples = refined(even, seenIn(top, range), values);
-    const moved = spec.arguments.some((id) => values.get(id) !== initial.get(id));
-    const base = moved ? refined(evenly(300, initial), seenIn(top, range), initial) : null;
-    const edges = PARTS.flatMap((part) => crossings(samples, part)).sort((a, b) => a.omega - b.omega);
+    const probe = there(values.get("explorer-omega"));
+    const lines = region.outline(probe.v, probe.omega).filter((points) => points.flat().every(Number.isFinite));
+    const seen = seenIn(ratioTop(even), window_(even), regionWindow(lines));
+    const samples = refined(even, seen, values);
+    const drawn = [...spec.arguments, ...(CRITERIA.length > 1 ? [] : spec.limits)]; // what moves a curve
+    const moved = drawn.some((id) => values.get(id) !== initial.get(id));
+    const base = moved ? refined(evenly(300, initial), seen, initial) : null;
+    const edges = CRITERIA.flatMap((name) => crossings(samples, name)).sort((a, b) => a.omega - b.omega);
     const bands = transparent(edges);
-    const probe = { omega: values.get("explorer-omega"), v: at(values.get("explorer-omega"), values) };
-    drawRatios(samples, base, edges, bands, top, probe);
-    drawNyquist(samples, base, range, probe);
+    drawRatios(samples, base, edges, bands, ratioTop(even), probe);
+    drawNyquist(samples, base, window_(even), probe);
+    drawRegion(samples, base, lines, edges, probe);
     say(bands, edges);
     sayProbe(probe);
   }
@@ -304,19 +348,18 @@
     const shown = (id) => find(`${id}-value`).value;
     const given = {
       values: spec.paths.map(([id, place, key]) => [place, key, shown(id)]),
-      threshold: Object.fromEntries(PARTS.map((part) => [part, shown(spec.thresholds[part])])),
+      threshold: Object.fromEntries(Object.entries(spec.region.numbers).filter(([, x]) => "slider" in x).map(([key, x]) => [key, shown(x.slider)])),
       band: spec.band.map(String),
     };
-    const name = JSON.parse(read("certificate")).environment;
-    const { crossings: found, why } = haptisymCheck.crossings(read("certificate-scene"), name, read("certificate-catalogue"), given);
+    const { crossings: found, why } = haptisymCheck.crossings(read("certificate-scene"), spec.environment, read("certificate-catalogue"), given);
     if (!found) {
       write("explorer-proven", `Not proven at these values: ${why}.`);
       return;
     }
-    const told = found.map((x) => `${x.part === "real" ? "r_r" : "r_i"} ${x.rising ? "rises above" : "falls below"} its threshold at ${written(Number(x.omega.toPrecision(6)))}`);
+    const told = found.map((x) => `${meets(x)}${x.part === "joint" ? "" : " its threshold"} at ${written(Number(x.omega.toPrecision(6)))}`);
     const count = found.length === 0 ? "No crossing" : found.length === 1 ? "1 crossing" : `${found.length} crossings`;
     const list = told.length ? `: ${told.slice(0, 6).join("; ")}${told.length > 6 ? "; and others" : ""}` : "";
-    write("explorer-proven", `Proven at the decimals shown, in exact arithmetic${list}. ${count} within the band, none missed; a threshold that is only touched is not counted.`);
+    write("explorer-proven", `Proven at the decimals shown, in exact arithmetic${list}. ${count} within the band, none missed; a ${CRITERIA.length > 1 ? "threshold" : "border"} that is only touched is not counted.`);
   }
 
   let waiting = false;

@@ -4,72 +4,39 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
 from importlib.resources import files
 from typing import Any
 
 from sympy import Symbol
 
 from haptisym.judge.evaluation import Evaluation
-from haptisym.model.jnd import Part
+from haptisym.model.jnd import Part, Threshold
 from haptisym.model.parameters import Parameter, Rule
 from haptisym.model.quantities import Dimension, MotionKind
-from haptisym.pages.checked import has_certificate
+from haptisym.model.regions import Shape
+from haptisym.pages.checked import is_provable
+from haptisym.pages.explorerlimits import limit_sliders, region_record
 from haptisym.pages.sceneforms import SceneForms
-from haptisym.pages.words import H_ENV, H_PERC, OMEGA, RATIOS
+from haptisym.pages.sliders import Slider
+from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OMEGA, RATIOS
+from haptisym.verbs.evaluate.certificate import named_in_file
 from haptisym.writing.code.entry import scene_program
 from haptisym.writing.code.expressions import nearest_double
 from haptisym.writing.code.names import Language
+from haptisym.writing.document import Phrase
 from haptisym.writing.html import phrase
 from haptisym.writing.htmltext import Html, data, element, joined, script
 from haptisym.writing.mathematics import inline
 from haptisym.writing.names import named
 
 
-@dataclass(frozen=True)
-class Slider:
-    """A number that can be moved: from ``low`` to ``high`` by the slider, to any value that ``rule`` allows by typing."""
-
-    identity: str
-    label: str
-    unit: str
-    value: float
-    low: float
-    high: float
-    rule: Rule
-    is_logarithmic: bool = False
-    most: float | None = None
-    """The largest value that may be typed, if the rule does not say."""
-
-    def record(self) -> dict[str, Any]:
-        """What the script needs to know."""
-        return {
-            "id": self.identity, "unit": self.unit, "value": self.value, "low": self.low, "high": self.high,
-            "log": self.is_logarithmic, "least": None if self.rule is Rule.ANY else 0,
-            "open": self.rule in (Rule.POSITIVE, Rule.FRACTION),
-            "most": 1 - 2**-53 if self.rule is Rule.FRACTION else self.most,
-        }  # fmt: skip
-
-    def control(self, words: str) -> Html:
-        """The slider and the box that shows its value, each with its label; ``words``: what it is, for a screen reader."""
-        unit = f", {self.unit}" if self.unit else ""
-        label = element("label", self.label, given={"for": self.identity, "title": words})
-        slide = element("input", given={"type": "range", "id": self.identity, "aria-label": words, "step": "1"})
-        box = {"type": "number", "id": f"{self.identity}-value", "step": "any", "aria-label": f"{words}{unit}"}
-        shown = element("span", element("input", given=box), element("span", self.unit), given={"class": "readout"})
-        return element("div", label, slide, shown, given={"class": "control"})
-
-
 def explorer(e: Evaluation, forms: SceneForms) -> Html:
     """The explorer's controls, plots, script and data; it needs ``data/explorer.js`` and nothing from elsewhere."""
-    if not e.scene.threshold.is_plain:
-        own = f"The JND of this scene is {e.scene.threshold.kind}."
-        return element("p", own, " The explorer knows one number for each part alone: it is left out.")
     is_small = forms.symbolic is not None
-    is_certified = is_small and has_certificate(e)
+    is_proven = is_small and is_provable(e)
     program = scene_program(e.scene, None if is_small else ())
     sliders = _parameters(e, forms) if is_small else {}
-    limits = _thresholds(e)
+    limits = limit_sliders(e.scene)
     probe = _probe(e)
     controls = dict([*sliders.values(), *limits.values(), probe])
     names = [a.symbol for a in program.arguments[1:]]
@@ -77,14 +44,18 @@ def explorer(e: Evaluation, forms: SceneForms) -> Html:
         "band": [probe[0].low, probe[0].high],
         "unit": Dimension.STIFFNESS.unit(e.scene.motion or MotionKind.TRANSLATION).replace("*", "·"),
         "arguments": [sliders[x][0].identity for x in names],
-        "thresholds": {part.value: slider.identity for part, (slider, _) in limits.items()},
+        "region": region_record(e.scene.threshold, limits),
+        "limits": list(dict.fromkeys(slider.identity for slider, _ in limits.values())),
         "sliders": [slider.record() for slider in controls],
-        "paths": _paths(e, sliders) if is_certified else [],
+        "paths": _paths(e, sliders) if is_proven else [],
+        "environment": named_in_file(e.scene) if is_proven else None,
     }
     code = program.code(Language.JAVASCRIPT)
-    page = (files("haptisym") / "data" / "explorer.js").read_text(encoding="utf-8")
+    own = files("haptisym") / "data"
+    page = "".join((own / name).read_text(encoding="utf-8") for name in ("region.js", "explorer.js"))
+    shown = [slider.control(words) for slider, words in controls.items()]
     return joined([
-        _body([slider.control(words) for slider, words in controls.items()], is_small=is_small, is_certified=is_certified),
+        _body(shown, e.scene.threshold, is_small=is_small, is_proven=is_proven),
         data(json.dumps(record), "explorer-data"), script(code), script(page),
     ])  # fmt: skip
 
@@ -101,13 +72,11 @@ def _paths(e: Evaluation, sliders: Mapping[Symbol, tuple[Slider, str]]) -> list[
     return found
 
 
-def _body(controls: list[Html], *, is_small: bool, is_certified: bool) -> Html:
-    fixed = (
-        "" if is_small else " The parameters are too many for a formula in all of them, so only the threshold moves."
-    )
+def _body(controls: list[Html], threshold: Threshold, *, is_small: bool, is_proven: bool) -> Html:
+    fixed = "" if is_small else " The parameters are too many for a formula in all of them, so only the JND moves."
     proven = (
         " When the sliders rest, crossings are found once more in exact arithmetic: that line is proven."
-        if is_certified
+        if is_proven
         else ""
     )
     note = element(
@@ -116,19 +85,39 @@ def _body(controls: list[Html], *, is_small: bool, is_certified: bool) -> Html:
         "; it sees no tangency, and says nothing of stability. The tables above are proven, for the scene as it is.",
         fixed, proven,
     )  # fmt: skip
-    plots = element(
-        "div", _plot("explorer-ratios", "Distortion ratios at the sliders' values",
-                     phrase((RATIOS[Part.REAL], " (solid), ", RATIOS[Part.IMAG], " (dashed); transparent band in grey"))),
-        _plot("explorer-nyquist", "Nyquist plot at the sliders' values", phrase((H_ENV, " (solid), ", H_PERC, " (dashed)"))),
-        given={"class": "plots"},
-    )  # fmt: skip
-    lines = ("band", "crossings", *(("proven",) if is_certified else ()), "probe")
+    lines = ("band", "crossings", *(("proven",) if is_proven else ()), "probe")
     says = [element("p", given={"id": f"explorer-{x}"}) for x in lines]
     told = element("div", *says, given={"aria-live": "polite", "class": "told"})
     reset = element("button", "Reset to the scene's values", given={"type": "button", "id": "explorer-reset"})
     form = element("div", *controls, given={"class": "controls"})
-    whole = element("div", plots, told, form, reset, given={"id": "explorer-panel", "hidden": ""})
+    plots = element("div", *_plots(threshold), told, given={"class": "plots"})
+    whole = element("div", plots, form, reset, given={"id": "explorer-panel", "hidden": ""})
     return joined([note, whole, element("noscript", element("p", "The explorer needs JavaScript; all else does not."))])
+
+
+def _plots(threshold: Threshold) -> list[Html]:
+    shape = threshold.region.shape
+    ratios: Phrase = (RATIOS[Part.REAL], " (solid), ", RATIOS[Part.IMAG], " (dashed)")
+    if shape is not Shape.SQUARE:
+        ratios = (
+            f"how many times the {shape.value} must be enlarged to hold ",
+            CHANGE,
+            ", more than once where it is noticed",
+        )
+    region = "the changes that are not noticed at the frequency of the dot (grey), and ", CHANGE, " over the band"
+    return [
+        _plot(
+            "explorer-ratios",
+            "Distortion ratios at the sliders' values",
+            phrase((ratios, "; transparent band in grey")),
+        ),
+        _plot(
+            "explorer-nyquist",
+            "Nyquist plot at the sliders' values",
+            phrase((H_ENV, " (solid), ", H_PERC, " (dashed)")),
+        ),
+        _plot("explorer-region", "JND region at the sliders' values", phrase(region)),
+    ]
 
 
 def _plot(identity: str, title: str, caption: str) -> Html:
@@ -165,30 +154,6 @@ def _parameter(p: Parameter, identity: str, label: str, motion: MotionKind) -> S
     if value > 0:
         return Slider(identity, label, unit, value, value / 10, value * 10, rule, is_logarithmic=True)
     return Slider(identity, label, unit, value, 0.0, _MOST_AT_ZERO.get(p.dimension, 1.0), rule)
-
-
-def _thresholds(e: Evaluation) -> dict[Part, tuple[Slider, str]]:
-    """One slider for the threshold; two where the parts have different ones."""
-    given = {part: float(e.scene.threshold[part]) for part in Part}
-    if len(set(given.values())) == 1:
-        only = Slider(
-            "explorer-c", inline(named("c")), "", given[Part.REAL], 0.01, 1.0, Rule.POSITIVE, is_logarithmic=True
-        )
-        return dict.fromkeys(Part, (_reaching(only), "threshold c"))
-    return {
-        part: (
-            _reaching(Slider(f"explorer-c-{part.value}", inline(named(f"c_{part.value}")), "", value, 0.01, 1.0,
-                             Rule.POSITIVE, is_logarithmic=True)),
-            f"threshold c of the {'real' if part is Part.REAL else 'imaginary'} part",
-        )
-        for part, value in given.items()
-    }  # fmt: skip
-
-
-def _reaching(x: Slider) -> Slider:
-    """The slider with a range that holds its value."""
-    low, high = min(x.low, x.value / 10), max(x.high, x.value * 10)
-    return Slider(x.identity, x.label, x.unit, x.value, low, high, x.rule, is_logarithmic=True)
 
 
 def _probe(e: Evaluation) -> tuple[Slider, str]:

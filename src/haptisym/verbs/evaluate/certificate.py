@@ -89,6 +89,11 @@ def document(scene: Scene, environment: str | None, claim: dict[str, Any], proof
 def named(scene: Scene) -> str | None:
     """Which of several environments it is of the file that it was read from. SceneError where a checker cannot read that."""
     scene.threshold.need_plain("a certificate")
+    return named_in_file(scene)
+
+
+def named_in_file(scene: Scene) -> str | None:
+    """Likewise, whatever the JND."""
     if scene.threshold.source:
         name = scene.threshold.source
         raise SceneError(f'a certificate needs the threshold as a number in the scene file, not by the name "{name}"')
