@@ -17,6 +17,8 @@ from scipy.stats import f as f_distribution
 
 import haptisym as hs
 from haptisym.model.measured import averages_for, coherence_for, disc_radius
+from haptisym.model.measuredscene import MeasuredScene
+from haptisym.verbs.measured.rowtext import numerals
 
 Called = Callable[..., tuple[int, str, str]]
 
@@ -537,6 +539,34 @@ def test_options_of_the_response_that_do_not_fit_are_refused(
 ) -> None:
     status, _, err = call("evaluate", *(x.format(out=tmp_path / "out.csv") for x in words))
     assert (status, told in err) == (2, True)
+
+
+def test_numbers_of_long_documents_read_back_as_the_same_floats() -> None:
+    rng, tens = np.random.default_rng(3), 10.0 ** np.arange(-10, 20)
+    x = np.concatenate(
+        [
+            10.0 ** rng.uniform(-8, 18, 20_000),
+            np.round(10.0 ** rng.uniform(-5, 3, 5000), 4),
+            *(tens, np.nextafter(tens, 0), np.nextafter(tens, np.inf)),
+            [0, 5e-324, 1.7e308, 2.0**53, 0.1],
+        ]
+    )
+    for few in (True, False):
+        shown = [bytes(row).decode() for row in numerals(x, few=few)]
+        assert np.array_equal([json.loads(text) for text in shown], x)
+
+
+def test_documents_of_few_and_of_many_lines_are_those_of_the_rows() -> None:
+    omega = np.linspace(0.5, 14, 1500)
+    _, perc = response(omega)
+    for some in (slice(0, 3), slice(None)):
+        felt = hs.measured(omega[some], perc[some], coherence=np.where(omega[some] > 7, 0.0, 0.99), averages=10)
+        e = hs.evaluate(MeasuredScene(hs.environments.mass_spring_damper("9/5", 15, 100), felt))
+        text = e.to_json()
+        assert json.loads(text) == e.to_dict()
+        assert (
+            len({len(line) for line in text.splitlines() if line.startswith('    {"omega": ') and "real" in line}) <= 4
+        )
 
 
 @pytest.mark.slow

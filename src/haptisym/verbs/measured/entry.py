@@ -179,7 +179,7 @@ class MeasuredEvaluation(Answer):
         frame = {"schema": self._schema, "title": self.scene.title} | self._told(None, None) | self.scene.aside_keys()
         for i, (key, x) in enumerate(frame.items()):
             yield f"{',' if i else '{'}\n  {json.dumps(key)}: "
-            yield from listed(long[key]()) if key in long else (_short(x),)
+            yield from listed(long[key](), _BETWEEN) if key in long else (_short(x),)
         yield "\n}"
 
     def _row_texts(self) -> Iterator[str]:
@@ -197,7 +197,10 @@ class MeasuredEvaluation(Answer):
         for own in codes.values():
             kinds = 3 * kinds + own
         return row_texts(
-            list(numbers.items()), kinds, lambda i: _inside({k: CODES[int(x[i])].value for k, x in codes.items()})
+            list(numbers.items()),
+            kinds,
+            lambda i: _inside({k: CODES[int(x[i])].value for k, x in codes.items()}),
+            _BETWEEN,
         )
 
     def _percept_texts(self) -> Iterator[str]:
@@ -211,7 +214,7 @@ class MeasuredEvaluation(Answer):
             told = _percept(self._percept(part, int(lines[i])))
             return _inside({key: x for key, x in told.items() if key != "omega"})
 
-        return row_texts([("omega", self.lines.omega[lines])], self.kinds(part)[lines], end)
+        return row_texts([("omega", self.lines.omega[lines])], self.kinds(part)[lines], end, _BETWEEN)
 
     def kinds(self, part: Part | None) -> Any:
         """A number for each line: the same where a part, or None for both together, is felt alike."""
@@ -220,6 +223,10 @@ class MeasuredEvaluation(Answer):
             own = self.signs[x]
             found = 1000 * found + 27 + 9 * own.environment + 3 * own.perceived + own.compared
         return found if part else 2 * found + self.real_nearer
+
+
+_BETWEEN = ",\n    "
+"""Two rows of a list in JSON."""
 
 
 def _inside(told: Mapping[str, Any]) -> str:
