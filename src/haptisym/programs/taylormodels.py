@@ -234,7 +234,7 @@ def constant(value: float, boxes: int, sides: int, *, slopes: bool = True) -> Mo
     return _flat(np.full(boxes, value), np.zeros((boxes, 1 + sides if slopes else 1)), sides)
 
 
-def variable(middle: Array, radius: Array, size: float, side: int, sides: int, *, slopes: bool = True) -> Model:
+def variable(middle: Array, radius: Array, size: Array, side: int, sides: int, *, slopes: bool = True) -> Model:
     """middle + radius t_side for each box, to within some roundings of numbers up to ``size``; with or without its slopes."""
     found = _flat(middle, np.zeros((len(middle), 1 + sides)), sides)
     found.c1[:, 0, side] = radius

@@ -9,7 +9,7 @@ neither way is cut in two, down to cells that are 1e-13 of their values wide.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
@@ -29,6 +29,7 @@ from haptisym.kernel.subdivision import Waiting
 from haptisym.verbs.require.clusters import Strips, places
 from haptisym.verbs.require.corners import Corner, ZeroAt
 from haptisym.verbs.require.feasible import Binding, Kind
+from haptisym.verbs.require.floatcells import Told
 from haptisym.verbs.require.freeparameter import Conditions, pieces
 from haptisym.verbs.require.places import CellVerdict, CriticalPlace, Edge, MaximumAt, Summit
 from haptisym.verbs.require.strips import Shape
@@ -39,7 +40,9 @@ _NARROW = 1e-13
 _COARSE = Fraction(1, 32)
 """Relative width up to which cells are cut widest first; narrower ones in order."""
 _MOST_CELLS = 800
-_DOUBLINGS = 12
+_TAILS, _STEP = 5, 8
+"""How many values without bound are tried, and how many times one is the one before it."""
+_VERDICTS = {True: CellVerdict.KEPT, False: CellVerdict.BROKEN}
 
 
 @dataclass(frozen=True)
@@ -65,6 +68,7 @@ class ValueSearch:
     free: Symbol
     band: tuple[Expr, Expr]
     scale: Fraction
+    quick: Callable[[float, float], Sequence[Told]] = lambda low, high: (Told(low, high, None),)
 
     def leaves(self, low: Fraction | None, high: Fraction | None) -> list[Leaf]:
         """The values from ``low`` to ``high``, cut into leaves in order."""
@@ -79,7 +83,9 @@ class ValueSearch:
             end = above.low
         assert start is not None
         assert end is not None
-        found += self._cut(start, end)
+        for told in self.quick(float(start), float(end)):
+            a, b = Fraction(told.low), Fraction(told.high)
+            found += self._cut(a, b) if told.kept is None else [Leaf(a, b, _VERDICTS[told.kept])]
         return [*found, above] if high is None else found
 
     def _cut(self, low: Fraction, high: Fraction) -> list[Leaf]:
@@ -142,17 +148,17 @@ class ValueSearch:
     # Values without bound
 
     def _tail(self, sign: int, start: Fraction) -> Leaf:
-        """The values beyond a number, the first of its doubles for which they show to be alike."""
+        """The values beyond a number, the first of its multiples for which they show to be alike."""
         bound, verdict = start, CellVerdict.OPEN
         try:
             turned = self._tail_by_phase(sign)
             if turned is not None:
                 return turned
-            for _ in range(_DOUBLINGS):
+            for _ in range(_TAILS):
                 verdict = self._beyond(sign, bound)
                 if verdict is not CellVerdict.OPEN:
                     break
-                bound *= 2
+                bound *= _STEP
         except LimitError:
             verdict = CellVerdict.OPEN
         return Leaf(bound, None, verdict) if sign > 0 else Leaf(None, bound, verdict)

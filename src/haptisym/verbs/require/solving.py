@@ -23,6 +23,7 @@ from haptisym.model.scene import Scene
 from haptisym.verbs.require.cells import Leaf, ValueSearch
 from haptisym.verbs.require.criticalvalues import Problem
 from haptisym.verbs.require.feasible import End, Solved, Span, bound_ends, runs
+from haptisym.verbs.require.floatcells import FloatCells
 from haptisym.verbs.require.freeparameter import Conditions, Domain, conditions, each, pieces
 from haptisym.verbs.require.places import CellVerdict
 from haptisym.verbs.require.thresholds import ThresholdProblem
@@ -37,7 +38,7 @@ def solve(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]
         if free.parts and not any(_has_floor(x) for x in criteria if x.depends_on(free.parts)):
             return Solved(_threshold_problem(scene, free, asked, criteria).solve())
         found = conditions(scene, [free], criteria)
-        return _by_balls(scene, free, asked, found) if _has_functions(found) else _exactly(scene, free, asked, found)
+        return (_by_balls if _has_functions(found) else _exactly)(scene, free, asked, criteria, found)
     except LimitError:
         return Solved((), ((_exact(asked.low), _exact(asked.high)),))
 
@@ -50,19 +51,19 @@ def _has_functions(found: Conditions) -> bool:
     return any(f.axis.functions for own in found.values() for f in pieces(own))
 
 
-def _exactly(scene: Scene, free: Knob, asked: Domain, found: Conditions) -> Solved:
+def _exactly(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion], found: Conditions) -> Solved:
     """By critical values; where these take too long, by balls in the time that is left."""
     problem = Problem(found, free.symbol, scene.band, asked, partial(allowed, scene, free))
     if problem.is_large:
         with share(_FOR_BALLS):
-            quick = _by_balls(scene, free, asked, found)
+            quick = _by_balls(scene, free, asked, criteria, found)
         if not quick.undecided and not any(isinstance(x.value, Sliver) for x in bound_ends(quick.feasible)):
             return quick
     try:
         with share(_FOR_CRITICAL_VALUES):
             problem.prepare()
     except LimitError:
-        return _by_balls(scene, free, asked, found)
+        return _by_balls(scene, free, asked, criteria, found)
     return problem.solve()
 
 
@@ -101,10 +102,11 @@ def allowed(scene: Scene, free: Knob, value: Expr) -> bool:
     return True
 
 
-def _by_balls(scene: Scene, free: Knob, asked: Domain, found: Conditions) -> Solved:
+def _by_balls(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion], found: Conditions) -> Solved:
     exists = {x: allowed(scene, free, x) for x in (asked.low, asked.high) if x is not None}
     usual = 0.0 if free.value.free_symbols else abs(float(free.value))  # a limit may be a formula
-    search = ValueSearch(found, free.symbol, scene.band, Fraction(usual or 1.0))
+    quick = FloatCells(scene, free, criteria, usual or 1.0)
+    search = ValueSearch(found, free.symbol, scene.band, Fraction(usual or 1.0), quick.told)
     low, high = _outward(asked)
     line = ValueLine(search.leaves(low, high), asked, exists.__getitem__)
     return Solved(line.spans(), line.undecided)

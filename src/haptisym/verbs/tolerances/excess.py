@@ -81,7 +81,8 @@ class Excess:
     def _variable(self, i: int, cells: Array, *, slopes: bool) -> Model:
         (low, width), (start, end) = self._intervals[i], cells[:, i].T
         middle, radius = low + width * (start + end) / 2, width * (end - start) / 2
-        return variable(middle, radius, abs(low) + width, i, self.sides, slopes=slopes)
+        size = abs(low) + width * np.maximum(np.abs(start), np.abs(end))
+        return variable(middle, radius, size, i, self.sides, slopes=slopes)
 
 
 def floated(value: Expr) -> float:
