@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from fractions import Fraction
 from math import prod
 from typing import Any
 
@@ -16,9 +18,9 @@ from sympy import Expr, Rational, factor_list, pi, symbols
 
 from haptisym.kernel.bernstein import range_of
 from haptisym.kernel.eliminants import discriminant, resultant
-from haptisym.kernel.reals import expression_ball
+from haptisym.kernel.reals import bounds, expression_ball
 from haptisym.kernel.rings import PolynomialRing
-from haptisym.kernel.wavesums import WaveSum, WaveTerm, _compiled, _power_series
+from haptisym.kernel.wavesums import WaveSum, WaveTerm, _compiled, _power_series, _product
 
 small = st.integers(-5, 5)
 rates = st.fractions("1/100", 3, max_denominator=100)
@@ -176,6 +178,57 @@ def test_wide_balls_hold_value_slope_and_half_curvature_of_every_point(
             for balls in (whole, naive):
                 for ball, true in zip(balls, truths, strict=True):
                     assert (ball + arb(0, 1e-30) * (1 + abs(true))).contains(true), share
+
+
+@examples(40)
+@given(wave_sums(), st.fractions(2, 12, max_denominator=8), st.sampled_from([1e-6, 0.05, 0.4, 1.3]))
+def test_what_stands_before_each_power_of_omega_is_held_over_wide_balls(
+    f: WaveSum, place: Rational, reach: float
+) -> None:
+    middle = place.numerator / place.denominator
+    alone = {
+        powers: replace(
+            f, orders=(), terms=tuple(WaveTerm(x.turns, (), x.coefficients) for x in f.terms if x.powers == powers)
+        )
+        for powers in {x.powers for x in f.terms}
+    }
+    with flint.ctx.workprec(160):
+        box = arb(middle, reach)
+        ranges = f.ranges(box)
+        assert ranges.keys() == alone.keys()
+        for powers, own in alone.items():
+            naive = f.before(powers, box, 1, 3)
+            for share in (-1, -0.6, 0.3, 1):
+                truths = power_series(own, arb(middle) + arb(share) * arb(reach), 3)
+                for ball, true in zip((ranges[powers], *naive), truths, strict=True):
+                    assert (ball + arb(0, 1e-30) * (1 + abs(true))).contains(true), share
+
+
+@examples(60)
+@given(st.fractions("1/9", 9, max_denominator=9), st.integers(-7, 7), st.integers(1, 12), st.sampled_from([0, 1, 5]))
+def test_powers_of_squares_have_their_exact_taylor_coefficients(r: Fraction, k: int, length: int, wide: int) -> None:
+    """About r^2, x^(k/2) has binomial(k/2, n) r^(k - 2 n); a ball around r^2 holds those of all its points."""
+    exact, binomial = [], Fraction(1)
+    for n in range(length):
+        exact.append(binomial * Fraction(r.numerator, r.denominator) ** (k - 2 * n))
+        binomial = binomial * (Fraction(k, 2) - n) / (n + 1)
+    with flint.ctx.workprec(100):
+        square = arb(fmpq(r.numerator, r.denominator)) ** 2
+        found = _power_series(square + square * arb(0, wide / 16), arb(k) / 2, length)
+    assert len(found) == length
+    assert all(low <= x <= high for (low, high), x in zip(map(bounds, found), exact, strict=True))
+    assert wide or all(ball.rel_accuracy_bits() > 60 for ball, x in zip(found, exact, strict=True) if x)
+
+
+@given(st.lists(st.tuples(small, small), min_size=1, max_size=20))
+def test_a_product_of_taylor_series_is_that_of_exact_arithmetic(rows: list[tuple[int, int]]) -> None:
+    left, right = ([row[i] for row in rows] for i in (0, 1))
+    exact = [sum(left[m] * right[n - m] for m in range(n + 1)) for n in range(len(rows))]
+    with flint.ctx.workprec(60):
+        found = _product([arb(x, 0.25) for x in left], [arb(x, 0.5) for x in right])
+        least = _product([arb(x) - arb(0.25) for x in left], [arb(x) + arb(0.5) for x in right])
+    assert len(found) == len(least) == len(exact)
+    assert all(ball.contains(x) and ball.contains(y) for ball, x, y in zip(found, exact, least, strict=True))
 
 
 @pytest.mark.parametrize("reach", [1e-4, 0.02, 0.2])

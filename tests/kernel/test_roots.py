@@ -491,6 +491,30 @@ def test_all_zeros_of_a_function_are_isolated_and_no_others(seed: int) -> None:
     assert isolated(f, arb(6), arb(5)) == []
 
 
+class Far(Placed):
+    """As a function with powers of omega: looked at in pieces whose ends are not far from each other."""
+
+    farthest = 3.0
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_pieces_cut_beforehand_have_the_same_zeros(seed: int) -> None:
+    pick = random.Random(seed)
+    low, high = 10.0 ** pick.uniform(-5, 0), 10.0 ** pick.uniform(0.1, 2)
+    roots = tuple({dyadic_near(low * (high / low) ** pick.random()) for _ in range(pick.randint(0, 4))})
+    found = isolated(Far(roots), arb(low), arb(high))
+    assert [float(x) for x in found] == sorted(map(float, roots))
+
+
+def test_no_piece_ends_on_a_zero() -> None:
+    """[1, 16] is cut at two places: here each of them is one of the zeros."""
+    with flint.ctx.workprec(128):
+        places = [(arb(16).log() * n / 3).exp().mid() for n in (1, 2)]
+    roots = tuple(Fraction(int(m)) * Fraction(2) ** int(e) for m, e in (x.man_exp() for x in places))
+    assert [bounds(x.ball(200))[0] <= y <= bounds(x.ball(200))[1] for x, y in
+            zip(isolated(Far(roots), arb(1), arb(16)), roots, strict=True)] == [True, True]  # fmt: skip
+
+
 def test_a_pair_that_is_none_is_no_zero_and_a_double_one_is_undecided() -> None:
     """(x - 1)^2 + c, with c a little positive, a little negative, or nothing."""
 

@@ -16,7 +16,7 @@ from haptisym.kernel.isolation import SeriesFactor, clear_of, isolated
 from haptisym.kernel.precision import MOST_BITS
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
 from haptisym.kernel.wavesums import WaveSum
-from haptisym.kernel.zeros import around, is_clear
+from haptisym.kernel.zeros import around, is_clear, sign_of
 
 
 class AnalyticFactor(WaveSum, SeriesFactor):
@@ -24,8 +24,14 @@ class AnalyticFactor(WaveSum, SeriesFactor):
 
     def steady_sign(self, low: Expr, high: Expr) -> int:
         with flint.ctx.workprec(128):
-            value = self.value(arb.union(*around(low, high)))
-            return 1 if value > 0 else -1 if value < 0 else 0
+            ranges = self.ranges(arb.union(*around(low, high)))
+        signs = {sign_of(x) for x in ranges.values()}
+        at_low = low != 0 or any(not any(powers) for powers in ranges)  # else it is 0 at omega = 0
+        return signs.pop() if len(signs) == 1 and at_low else 0
+
+    @property
+    def farthest(self) -> float | None:
+        return _FARTHEST if self.orders else None
 
     def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
         return isolated(self, self._edge(low, above=True), self._edge(high, above=False))
@@ -80,3 +86,6 @@ def _exact_order(factor: AnalyticFactor, place: Expr, waves: list[Wave]) -> int:
 
 
 _HIGHEST_ORDER = 200
+_FARTHEST = (
+    3.0  # of a piece: there Taylor's terms of omega^alpha fall as (1/2)^n, and the bound of the remainder does not grow
+)

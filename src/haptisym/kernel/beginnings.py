@@ -11,7 +11,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from heapq import heapify, heapreplace
+from itertools import islice
 from math import lcm
+from typing import TypeAlias
 
 import flint
 from flint import arb, fmpq, fmpz_poly
@@ -27,18 +29,21 @@ from haptisym.kernel.zeros import is_clear
 _MOST_TERMS = 64  # of an expansion that are tried
 _FINEST = 20_000  # parts of a turn, of which exact cosines are added up
 
+Powers: TypeAlias = tuple[int, ...]
+"""Which product of powers omega^alpha it is that an analytic function stands before."""
+
 
 @dataclass(frozen=True)
 class Beginning:
     """The exponent of the first term; ``parts``: each with its own exponent and its order up to which all terms cancel."""
 
     exponent: Expr
-    parts: tuple[tuple[WaveSum, Expr, int], ...]
+    parts: tuple[tuple[Powers, Expr, int], ...]
 
 
-def by_powers(f: WaveSum) -> dict[tuple[int, ...], WaveSum]:
+def by_powers(f: WaveSum) -> dict[Powers, WaveSum]:
     """A sum as a sum of analytic functions, each times powers omega^alpha."""
-    groups: dict[tuple[int, ...], list[WaveTerm]] = {}
+    groups: dict[Powers, list[WaveTerm]] = {}
     for term in f.terms:
         groups.setdefault(term.powers, []).append(WaveTerm(term.turns, (), term.coefficients))
     return {powers: WaveSum(tuple(terms), f.rates, f.degrees, ()) for powers, terms in groups.items()}
@@ -48,27 +53,26 @@ def by_powers(f: WaveSum) -> dict[tuple[int, ...], WaveSum]:
 def beginning(f: WaveSum) -> Beginning:
     """The first term of the expansion at 0; UndecidedError where none of the first ones shows."""
     own = [
-        (part, sum((a * n for a, n in zip(f.orders, powers, strict=True)), Integer(0)))
-        for powers, part in by_powers(f).items()
+        (powers, sum((a * n for a, n in zip(f.orders, powers, strict=True)), Integer(0)))
+        for powers in dict.fromkeys(term.powers for term in f.terms)
     ]
     for exponent, meeting in _exponents(own):
         if not _cancels(f, meeting):
-            return Beginning(exponent, tuple((part, e, _order(exponent - e)) for part, e in own))
+            return Beginning(exponent, tuple((powers, e, _order(exponent - e)) for powers, e in own))
     raise UndecidedError("whether a function vanishes near omega = 0")
 
 
-def _exponents(parts: list[tuple[WaveSum, Expr]]) -> Iterator[tuple[Expr, list[tuple[WaveSum, int]]]]:
+def _exponents(parts: list[tuple[Powers, Expr]]) -> Iterator[tuple[Expr, list[tuple[Powers, int]]]]:
     """The exponents of omega in ascending order, and the Taylor coefficients of the parts that meet at each."""
     waiting = [(_sortable(e), i, 0) for i, (_, e) in enumerate(parts)]
     heapify(waiting)
     for _ in range(_MOST_TERMS):
-        exponent, meeting = None, []
-        while exponent is None or _is(parts, waiting[0], exponent):
-            _, i, n = waiting[0]
-            part, e = parts[i]
-            exponent = e + n if exponent is None else exponent
-            meeting.append((part, n))
-            heapreplace(waiting, (_sortable(e + n + 1), i, n + 1))
+        least, first, order = waiting[0]
+        exponent, meeting = parts[first][1] + order, list[tuple[Powers, int]]()
+        while _is(parts, waiting[0], least, exponent):
+            key, i, n = waiting[0]
+            meeting.append((parts[i][0], n))
+            heapreplace(waiting, (key + 1, i, n + 1))
         yield exponent, meeting
 
 
@@ -76,8 +80,12 @@ def _sortable(exponent: Expr) -> Fraction | float:
     return Fraction(int(exponent.p), int(exponent.q)) if exponent.is_Rational else float(exponent)
 
 
-def _is(parts: list[tuple[WaveSum, Expr]], entry: tuple[Fraction | float, int, int], exponent: Expr) -> bool:
-    _, i, n = entry
+def _is(
+    parts: list[tuple[Powers, Expr]], entry: tuple[Fraction | float, int, int], key: Fraction | float, exponent: Expr
+) -> bool:
+    own, i, n = entry
+    if isinstance(own, Fraction) and isinstance(key, Fraction):
+        return own == key
     return bool((parts[i][1] + n - exponent).expand() == 0)
 
 
@@ -86,16 +94,14 @@ def _order(rise: Expr) -> int:
     return max(0, -int((-rise).p // (-rise).q) if rise.is_Rational else int(rise.evalf(30) // 1) + 1)
 
 
-def _cancels(f: WaveSum, meeting: list[tuple[WaveSum, int]]) -> bool:
+def _cancels(f: WaveSum, meeting: list[tuple[Powers, int]]) -> bool:
     """Whether Taylor coefficients at 0 add up to zero: balls first, then exact."""
     with flint.ctx.workprec(128):
-        if is_clear(sum((part.series(arb(0), n, n + 1)[0] for part, n in meeting), arb(0))):
+        if is_clear(sum((f.before(powers, arb(0), n, n + 1)[0] for powers, n in meeting), arb(0))):
             return False
-    waves = exact_waves(f, Integer(0))
+    waves, parts = exact_waves(f, Integer(0)), by_powers(f)
     assert waves is not None
-    exact = [
-        next(x for i, x in enumerate(taylor_coefficients(part, Integer(0), waves)) if i == n) for part, n in meeting
-    ]
+    exact = [next(islice(taylor_coefficients(parts[powers], Integer(0), waves), n, None)) for powers, n in meeting]
     total: RationalFunction | None = None
     for x in exact:
         total = x if total is None else RationalFunction(total.ring, *_sum(total, x))
@@ -168,10 +174,10 @@ def clear_of_zero(f: WaveSum) -> Ball:
         reach = arb(1) / 16
         for _ in range(200):
             piece, total = arb(0).union(reach), arb(0)
-            for part, own, order in start.parts:
+            for powers, own, order in start.parts:
                 rise = own + order - start.exponent
                 power = arb(1) if rise == 0 else arb(0).union((expression_ball(rise) * reach.log()).exp())
-                total = total + power * part.series(piece, order, order + 1)[0]
+                total = total + power * f.before(powers, piece, order, order + 1)[0]
             if is_clear(total):
                 return reach
             reach = reach / 16

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from itertools import pairwise
+from math import ceil, log
 
 import flint
 from flint import arb
@@ -22,11 +24,16 @@ class SeriesFactor(SmoothFactor):
     def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
         """Enclosures of value, slope and half curvature over a ball of frequencies, tight for a short one."""
 
+    @property
+    def farthest(self) -> float | None:
+        """How many times the low end of a piece its high end may be for ``over`` to have a chance; None: any number of times."""
+        return None
+
 
 def isolated(f: SeriesFactor, low: Ball, high: Ball) -> list[RealNumber]:
     """All zeros between two dyadic numbers: subdivision until each piece is clear, monotone or bent one way only."""
     found: list[RealNumber] = []
-    waiting = Waiting([(low, high)] if low < high else [])
+    waiting = Waiting(_pieces(f, low, high) if low < high else [])
     for a, b in waiting:
         answer = _judged(f, a, b, len(found))
         if answer is None:
@@ -35,6 +42,17 @@ def isolated(f: SeriesFactor, low: Ball, high: Ball) -> list[RealNumber]:
         else:
             found += answer
     return found
+
+
+def _pieces(f: SeriesFactor, low: Ball, high: Ball) -> list[tuple[Ball, Ball]]:
+    """The interval, cut beforehand where it is hopeless to judge it as a whole."""
+    if f.farthest is None or not low > 0:
+        return [(low, high)]
+    with flint.ctx.workprec(128):
+        spread = (high / low).log()
+        count = max(1, ceil(float(spread.mid()) / log(f.farthest)))
+        places = [(low * (spread * n / count).exp()).mid() for n in range(1, count)]
+        return list(pairwise([low, *(_clear(f, x, x / 64) for x in places), high]))
 
 
 def _judged(f: SeriesFactor, a: Ball, b: Ball, index: int) -> list[RealNumber] | None:
@@ -89,8 +107,13 @@ def _on_a_bend(f: SeriesFactor, a: Ball, b: Ball, bend: int, index: int) -> list
 def _cut(f: SeriesFactor, a: Ball, b: Ball) -> Ball:
     """A dyadic number a little off the middle of a piece, at which the function is not zero."""
     with flint.ctx.workprec(128):
-        cuts = [(a + (b - a) * share / 256).mid() for share in (127, 131, 113, 149)]
-        return next((cut for cut in cuts if is_clear(f.value(cut))), cuts[0])
+        return _clear(f, (a + (b - a) * 127 / 256).mid(), (b - a) / 64)
+
+
+def _clear(f: SeriesFactor, place: Ball, step: Ball) -> Ball:
+    """A place or one a little beside it, at which the function is not zero; the place itself where none of them shows that."""
+    cuts = [(place + step * n).mid() for n in (0, 1, -3.5, 5.5)]
+    return next((cut for cut in cuts if is_clear(f.value(cut))), cuts[0])
 
 
 def clear_of(f: SeriesFactor, place: Expr, order: int, *, above: bool) -> Ball:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
+from operator import add
 from typing import TypeAlias
 
 import flint
@@ -62,11 +63,21 @@ class WaveSum:
         """Enclosures of value, slope and half curvature over a ball of frequencies."""
         return _compiled(self, flint.ctx.prec).over(box)
 
+    def before(self, powers: tuple[int, ...], x: Ball, start: int, stop: int) -> list[Ball]:
+        """As ``series``, of what stands before a product of powers of omega^alpha."""
+        return _compiled(self, flint.ctx.prec).before(powers, x, start, stop)
+
+    def ranges(self, box: Ball) -> dict[tuple[int, ...], Ball]:
+        """Enclosures over a ball of frequencies of what stands before each product of powers of omega^alpha."""
+        return _compiled(self, flint.ctx.prec).ranges(box)
+
 
 _Turns: TypeAlias = tuple[int, ...]
 _Key: TypeAlias = tuple[_Turns, tuple[int, ...]]
 _Blocks: TypeAlias = Mapping[_Turns, arb_mat]
 """Coefficients of powers of omega (columns) times waves of the last angle (rows), by the turns of the other angles."""
+_Place: TypeAlias = tuple[Mapping[_Turns, Ball], arb_mat, arb_mat]
+"""Products of sines and cosines of all half angles but the last, by turns; those of the last one in a row; powers of omega."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,30 +115,40 @@ class CompiledWaves:
     def series(self, x: Ball, start: int, stop: int) -> list[Ball]:
         """Balls around the Taylor coefficients of orders from ``start`` to before ``stop`` about every point of a ball."""
         tick()
-        outer, last = self._waves(x)
-        columns = arb_mat(self._width, 1, _powers(x, self._width))
-        found = [arb(0)] * (stop - start)
+        place, found = self._place(x), list[Ball]()
         for powers, sums in self._sums.items():
-            first = start if not any(powers) else 0
-            own = [_entry(sums.blocks(n), outer, last, columns) for n in range(first, stop)]
             if any(powers):
                 exponent = sum((a * n for a, n in zip(self.exponents, powers, strict=True)), arb(0))
-                own = _product(own, _power_series(x, exponent, stop))[start:]
-            found = [a + b for a, b in zip(found, own, strict=True)]
+                own = _product(sums.series(place, 0, stop), _power_series(x, exponent, stop))[start:]
+            else:
+                own = sums.series(place, start, stop)
+            found = list(map(add, found, own)) if found else own
         return found
 
-    @property
+    def before(self, powers: tuple[int, ...], x: Ball, start: int, stop: int) -> list[Ball]:
+        """As ``series``, of what stands before a product of powers of omega^alpha."""
+        return self._sums[powers].series(self._place(x), start, stop)
+
+    def ranges(self, box: Ball) -> dict[tuple[int, ...], Ball]:
+        """Enclosures over a ball of frequencies of what stands before each product of powers of omega^alpha, as in ``over``."""
+        n, reach = _TAYLOR_ORDER, _powers(box.rad(), _TAYLOR_ORDER + 1)
+        at, around = self._place(box.mid()), self._place(box)
+        return {
+            powers: range_of([*sums.series(at, 0, n), *sums.series(around, n, n + 1)], reach)
+            for powers, sums in self._sums.items()
+        }
+
+    @cached_property
     def _angles(self) -> list[tuple[Ball, int]]:
         """Rate and degree of the half angles that turn; one that stands still where there is none."""
         return list(zip(self.rates, self.degrees, strict=True)) or [(arb(0), 0)]
 
-    def _waves(self, x: Ball) -> tuple[dict[_Turns, Ball], arb_mat]:
-        """All products of sines and cosines: of all half angles but the last, by turns, and of the last one in a row."""
+    def _place(self, x: Ball) -> _Place:
         *others, last = [_waves(rate * x, degree) for rate, degree in self._angles]
         outer: dict[_Turns, Ball] = {(): arb(1)}
         for waves in others:
             outer = {(*turns, k): known * wave for turns, known in outer.items() for k, wave in enumerate(waves)}
-        return outer, arb_mat(1, len(last), last)
+        return outer, arb_mat(1, len(last), last), arb_mat(self._width, 1, _powers(x, self._width))
 
     @cached_property
     def _width(self) -> int:
@@ -157,6 +178,16 @@ class _Derivatives:
             own = polynomial.coeffs()
             block[k * width : k * width + len(own)] = own
         self._known: list[_Blocks] = [{o: arb_mat(degree + 1, width, block) for o, block in entries.items()}]
+
+    def series(self, place: _Place, start: int, stop: int) -> list[Ball]:
+        """The Taylor coefficients of these orders."""
+        outer, last, columns = place
+        if () in outer:
+            return [(last * self.blocks(n)[()] * columns)[0, 0] for n in range(start, stop)]
+        return [
+            sum((outer[turns] * (last * block * columns)[0, 0] for turns, block in self.blocks(n).items()), arb(0))
+            for n in range(start, stop)
+        ]
 
     def blocks(self, order: int) -> _Blocks:
         """Those of the Taylor coefficient of an order."""
@@ -198,11 +229,6 @@ def _turning(rate: Ball, degree: int) -> arb_mat:
     return turn
 
 
-def _entry(blocks: _Blocks, outer: Mapping[_Turns, Ball], last: arb_mat, columns: arb_mat) -> Ball:
-    """The sum of blocks, given the waves and the powers of omega."""
-    return sum((outer[turns] * (last * block * columns)[0, 0] for turns, block in blocks.items()), arb(0))
-
-
 def _powers(x: Ball, count: int) -> list[Ball]:
     """1, x, x^2, ..."""
     found = [arb(1)]
@@ -220,14 +246,16 @@ def _waves(half: Ball, degree: int) -> list[Ball]:
 def _power_series(x: Ball, exponent: Ball, length: int) -> list[Ball]:
     """The Taylor coefficients of x^exponent."""
     found = [(x.log() * exponent).exp()]
+    inverse = 1 / x if length > 1 else x
     for n in range(length - 1):
-        found.append(found[-1] * (exponent - n) / (x * (n + 1)))
+        found.append(found[-1] * ((exponent - n) / (n + 1)) * inverse)
     return found
 
 
 def _product(a: Sequence[Ball], b: Sequence[Ball]) -> list[Ball]:
     """The product of two Taylor series, as long as they are."""
-    return [sum((a[m] * b[n - m] for m in range(n + 1)), arb(0)) for n in range(len(a))]
+    found: list[Ball] = (arb_poly(a) * arb_poly(b)).coeffs()[: len(a)]
+    return found + [arb(0)] * (len(a) - len(found))
 
 
 @lru_cache(maxsize=512)
