@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.special import erf
+from scipy.stats import kstest
 
 import haptisym as hs
 
@@ -85,6 +87,57 @@ def test_the_shipped_bench_runs_hold_their_truth(name: str) -> None:
         assert not ((codes == -1) & over).any()
     assert "Welch" in str(e)
     assert e.to_dict()["estimate"]["segments"] == 31
+
+
+def test_h1_of_the_clipped_run_tends_to_what_is_written_beside_its_truth() -> None:
+    e = hs.evaluate("fu2019-clipped-bench")
+    truth, nearest = (hs.measured(BENCHES / f"fu2019-clipped-bench.{x}.csv") for x in ("truth", "nearest"))
+    assert np.array_equal(truth.H, hs.sampled("fu2019", truth.omega).H)
+    [left] = set(np.round((nearest.H / truth.H).real, 12))
+    x = 1e-3 * np.loadtxt(BENCHES / "fu2019-clipped-bench.csv", delimiter=",", skiprows=1, usecols=1)
+    response = hs.sampled("fu2019", 2 * np.pi * np.fft.rfftfreq(x.size, 1 / 40)).H
+    command = np.fft.irfft(response * np.where(np.arange(len(response)) < 4 * 128, np.fft.rfft(x), 0))
+    assert left == pytest.approx(erf(9 / command.std() / np.sqrt(2)), abs=2e-3)  # steps leave the mean slope as it is
+    exact = hs.sampled("fu2019", e.lines.omega).H
+    assert (np.abs(e.lines.perceived - left * exact) <= e.lines.perc_radius).sum() >= len(e) - 1
+
+
+def clipped(seed: int, most: float) -> hs.Measurement:
+    """Of a spring of 100 N/m that gives no more than that force, moved by 1 cm of noise."""
+    rng = np.random.default_rng(seed)
+    x = 0.01 * rng.normal(size=8192)
+    return hs.estimated(x, np.clip(100 * x, -most, most) + 0.1 * rng.normal(size=x.size), 100, segment="1 s")
+
+
+def test_what_an_actuator_clips_is_seen_in_the_cube_and_leaves_the_gain_of_bussgang() -> None:
+    felt = clipped(1, 1.5)
+    assert abs((felt.H / 100).mean() - erf(1.5 / np.sqrt(2))) < 0.005
+    assert felt.welch.cube < -10  # type: ignore[union-attr,operator]
+    assert hs.identify(felt, "kelvin-voigt").verdict.fits is False
+    assert hs.identify(clipped(1, 9), "kelvin-voigt").verdict.fits
+
+
+@pytest.mark.slow
+def test_the_cube_of_linear_records_is_a_standard_normal() -> None:
+    found = [clipped(seed, np.inf).welch.cube for seed in range(60)]  # type: ignore[union-attr]
+    assert kstest(found, "norm").pvalue > 0.001
+
+
+def test_only_h1_is_asked_for_a_cube() -> None:
+    rng = np.random.default_rng(5)
+    x, f = rng.normal(size=(2, 1024))
+    told = [hs.estimated(x, x + f, 1, estimator=way).welch for way in ("H1", "H2")]
+    assert [w is not None and w.cube is not None for w in told] == [True, False]
+
+
+def test_identify_and_evaluate_say_that_the_clipped_run_is_not_linear() -> None:
+    found = hs.identify("fu2019-clipped-bench", effects=["second-order-lowpass"])
+    assert found.verdict.chance > 0.05 < found.verdict.neighbours_chance  # type: ignore[operator]
+    assert found.verdict.fits is False
+    for answer in (found, hs.evaluate("fu2019-clipped-bench")):
+        assert "NOT LINEAR" in str(answer)
+        assert answer.to_dict()["estimate"]["cube"] < -20
+    assert "NOT LINEAR" not in str(hs.evaluate("fu2019-bench"))
 
 
 def test_a_model_of_a_shipped_bench_run_holds_the_truth() -> None:

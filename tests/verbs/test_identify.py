@@ -262,7 +262,7 @@ def test_what_is_printed_has_the_digits_that_the_errors_support_and_the_scene_fi
     ("words", "told"),
     [
         (["fu2019"], "its simulated bench run is fu2019-bench"),
-        (["zener-tissue"], "simulated bench runs are delayed-spring-bench and fu2019-bench"),
+        (["zener-tissue"], "simulated bench runs are delayed-spring-bench, fu2019-bench, fu2019-clipped-bench"),
         (
             ["fu2019-bench"],
             "say what stands behind it, as --effect delay or --degrees 1 2; effects are first-order-lag",

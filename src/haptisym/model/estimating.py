@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from sympy import pi
 
 from haptisym.kernel.errors import SceneError, meant
+from haptisym.model.linearity import cube
 from haptisym.model.measured import CONFIDENCE, Complexes, Measurement, Reals, one_row
 from haptisym.model.quantities import Dimension, MotionKind, Number, number
 from haptisym.model.welch import Estimator, Welch
@@ -43,6 +44,8 @@ def estimated(
     with a unit; an eighth of the record if not given. ``overlap`` : of segments, a share. ``every`` : with 2, one line of two is
     left out, as a window makes neighbours alike; 1 keeps all. The line at 0 and the last are left out.
 
+    Of H1 it is asked whether the force follows the cube of what the response predicts, which that of a linear display does not.
+
     Errors are taken to be Gaussian and stationary. Of H1 the disc comes from coherence and averages; of the joint estimate it is
     the exact one of the quotient of two means (Fieller), made a disc around the estimate; of H2 that of X/F, turned over.
 
@@ -66,7 +69,9 @@ def estimated(
     omega, spectra = _spectra(welch, x, f, x if r is None else r)
     H, coherence, radius = _response(way, spectra, welch.averages, confidence)
     averages = welch.averages if coherence is not None else None
-    return Measurement(omega, H, coherence, averages, confidence, radius, motion, name, welch=welch)
+    followed = cube(welch, x, f) if way is Estimator.H1 else None
+    asked = replace(welch, cube=followed.errors if followed else None)
+    return Measurement(omega, H, coherence, averages, confidence, radius, motion, name, welch=asked)
 
 
 def _estimator(given: str) -> Estimator:

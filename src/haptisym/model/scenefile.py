@@ -43,7 +43,7 @@ def bench_names() -> tuple[str, ...]:
     """The names of the measured scenes that the package ships: simulated bench runs, which ``evaluate`` and ``identify`` take.
 
     >>> bench_names()
-    ('delayed-spring-bench', 'fu2019-bench')
+    ('delayed-spring-bench', 'fu2019-bench', 'fu2019-clipped-bench')
     """
     return _shipped("benches")
 

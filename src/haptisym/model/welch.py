@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from math import erfc, sqrt
 from typing import Any
 
 
@@ -24,7 +25,8 @@ class Welch:
     """How spectra were estimated.
 
     ``rate`` : samples a second. ``length``, ``shift`` : samples of a segment, and from one to the next. ``averages`` : of how
-    many independent segments the mean has the variance. ``every`` : which lines are kept.
+    many independent segments the mean has the variance. ``every`` : which lines are kept. ``cube`` : by how many standard errors
+    the force follows the cube of what the response predicts, below 0 where it stays behind; None where that is not asked.
     """
 
     estimator: Estimator
@@ -36,6 +38,12 @@ class Welch:
     segments: int
     averages: float
     every: int
+    cube: float | None = None
+
+    @property
+    def cube_chance(self) -> float | None:
+        """Of so many standard errors or more, either way, where the display is linear."""
+        return None if self.cube is None else erfc(abs(self.cube) / sqrt(2))
 
     @property
     def words(self) -> str:
@@ -53,5 +61,6 @@ class Welch:
         return {
             "estimator": self.estimator.value, "samples": self.samples, "rate_hz": self.rate, "window": self.window,
             "segment": self.length, "shift": self.shift, "segments": self.segments, "averages": self.averages,
-            "every": self.every,
+            "every": self.every, "cube": self.cube,
+            "cube_probability": self.cube_chance,
         }  # fmt: skip

@@ -13,6 +13,7 @@ from haptisym.kernel.shown import counted
 from haptisym.kernel.symbols import s
 from haptisym.model.distortion import distort
 from haptisym.model.quantities import unit_text
+from haptisym.pages.linearity import linearity
 from haptisym.pages.measured import measured_words
 from haptisym.verbs.identify.entry import Identification, correlation
 from haptisym.verbs.identify.judging import Estimate
@@ -116,8 +117,10 @@ def _tests(a: Identification) -> Iterator[Phrase]:
             "Order: residuals of neighbouring lines correlate by ", _number(v.neighbours, 2), "; so much or more has a chance ",
             "of ", _number(v.neighbours_chance, 3), " if they are independent.",
         )  # fmt: skip
-        if v.fits is False and (v.chance is None or v.chance > (1 - a.fit.lines.confidence) / 2):
+        if v.neighbours_chance < (1 - a.fit.lines.confidence) / 3 < (v.chance or 1):
             yield "Lines of a Hann window overlap: if these do, keep every second one; that loses next to nothing."
+    if a.measurement.welch and (told := linearity(a.measurement.welch)):
+        yield "Linearity: ", told, "."
 
 
 def _number(x: float, digits: int = 5) -> Number:

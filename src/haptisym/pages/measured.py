@@ -13,6 +13,7 @@ from haptisym.kernel.shown import counted
 from haptisym.kernel.symbols import s
 from haptisym.model.jnd import Part
 from haptisym.model.measured import Measurement, coherence_for
+from haptisym.pages.linearity import linearity
 from haptisym.pages.measuredbetween import between_section, stated
 from haptisym.pages.measuredtable import MOST_ROWS, cut, ends, rounded, runs, shape, table
 from haptisym.pages.words import OMEGA, PART_NAMES, RATIOS, limits, stiffness_unit
@@ -68,6 +69,8 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
         unit = f"  {stiffness_unit(e.scene.frame)}"
         yield "environment", (equation("H_env", form, relation="≈" if is_rounded else "="), unit)
     yield "perceived", measured_words(felt)
+    if felt.welch and (told := linearity(felt.welch)):
+        yield "linear", told
     if e.left_out:
         yield "left out", f"{counted(e.left_out, 'line')}, off the band or without a line of the environment"
     if e.scene.band is not None:

@@ -259,7 +259,7 @@ def _runs(name: str) -> str:
     own = f"{name}-bench"
     if own in bench_names():
         return f"its simulated bench run is {own}"
-    return f"simulated bench runs are {' and '.join(bench_names())}"
+    return f"simulated bench runs are {', '.join(bench_names())}"
 
 
 def _on(m: Measurement, band: tuple[Number, Number]) -> Measurement:

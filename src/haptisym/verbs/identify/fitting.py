@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -107,8 +107,11 @@ class Fit:
         return 2 * len(self.lines) - len(self.values)
 
 
-def fit(wanted: Wanted, m: Measurement) -> Fit:
-    """The values with which the sum of squares, weighted by the discs, is the least that was found from many starts."""
+def fit(wanted: Wanted, m: Measurement, begins: Iterable[Reals] | None = None) -> Fit:
+    """The values with which the sum of squares, weighted by the discs, is the least that was found.
+
+    ``begins`` : sets of values to begin with, if not at many that are drawn.
+    """
     lines = usable(m)
     free, noise, curve = wanted.free, noise_of(lines), Curve(wanted, lines.omega)
     if 2 * len(lines) <= len(free):
@@ -116,7 +119,7 @@ def fit(wanted: Wanted, m: Measurement) -> Fit:
         raise SceneError(
             f"{counted(len(lines), 'line')} cannot tell {numbers}: at least {len(free) // 2 + 1} lines are needed"
         )
-    found = [x for begin in starts(wanted, lines) if (x := _least(curve, lines, noise, begin)) is not None]
+    found = [x for begin in begins or starts(wanted, lines) if (x := _least(curve, lines, noise, begin)) is not None]
     if not found:
         raise SceneError("the model has no finite response at these lines with any values that were tried")
     cost, values = min(found, key=lambda x: x[0])
@@ -147,7 +150,8 @@ def _least(curve: Curve, m: Measurement, noise: Noise, begin: Reals) -> tuple[fl
     if not np.isfinite(rest(u)).all():
         return None
     ways: dict[str, Any] = {"x_scale": "jac", "max_nfev": 100, "xtol": 1e-12, "ftol": 1e-12}
-    found = least_squares(_finite(rest), u, _finite(slope), (low, high), **ways)
+    with np.errstate(all="ignore"):  # a step of no length divides by zero in there
+        found = least_squares(_finite(rest), u, _finite(slope), (low, high), **ways)
     return float(found.cost), found.x * size
 
 

@@ -22,8 +22,9 @@ class Verdict:
     """What the residuals tell of a model.
 
     ``square`` : their chi^2, None where no disc is known; ``chance`` : of one that large where the model holds. ``neighbours`` :
-    correlation of the residuals of neighbouring lines; ``neighbours_chance`` : of one that large. ``fits`` : False where one of
-    the two is less likely than half of what the confidence leaves; None where no disc is known and the neighbours tell nothing.
+    correlation of the residuals of neighbouring lines; ``neighbours_chance`` : of one that large. ``cube_chance`` : of
+    records, of a force that follows the cube of what is predicted so much. ``fits`` : False where one of these is less likely
+    than its part of what the confidence leaves; None where no disc is known and the others tell nothing.
     """
 
     square: float | None
@@ -31,21 +32,24 @@ class Verdict:
     chance: float | None
     neighbours: float | None
     neighbours_chance: float | None
+    cube_chance: float | None
     fits: bool | None
 
 
 def verdict(found: Fit) -> Verdict:
-    """Two tests: are the residuals as large as the discs say, and is one line's residual independent of the next one's."""
+    """Are the residuals as large as the discs say, is one line's residual independent of the next one's, are records linear?"""
     from scipy.special import gammaincc
 
-    known, spare = found.noise.freedom is not None, (1 - found.lines.confidence) / 2
+    known, welch = found.noise.freedom is not None, found.lines.welch
     square = float(found.noise.squares(found.residuals).sum()) if known else None
     chance = None if square is None or not found.freedom else float(gammaincc(found.freedom / 2, square / 2))
     together = _neighbours(even(found))
     by_chance = None if together is None else NormalDist().cdf(-together * np.sqrt(2 * (len(found.lines) - 1)))
-    wrong = any(x is not None and x < spare for x in (chance, by_chance))
+    by_cube = welch.cube_chance if welch else None
+    spare = (1 - found.lines.confidence) / (2 if by_cube is None else 3)
+    wrong = any(x is not None and x < spare for x in (chance, by_chance, by_cube))
     fits = False if wrong else True if chance is not None else None
-    return Verdict(square, found.freedom, chance, together, by_chance, fits)
+    return Verdict(square, found.freedom, chance, together, by_chance, by_cube, fits)
 
 
 def even(found: Fit) -> Complexes:
