@@ -1,4 +1,4 @@
-"""What is known of a map between its slices: how far the lines that join them may be off, as estimated."""
+"""What is known of a map between its slices: what is proven there, and how far lines may be off, as estimated."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ from collections.abc import Iterable
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.patches import Patch
 
 from haptisym.figures.scales import Scale
+from haptisym.figures.style import SHADE
+from haptisym.programs.taylormodels import Array
 from haptisym.verbs.require.designmap import DesignMap
 
 Join = tuple[tuple[float, float], tuple[float, float]]
@@ -31,3 +34,26 @@ def draw_bands(ax: Axes, found: DesignMap, joins: Iterable[Join], scales: tuple[
             ax.fill_between(x, low, high, color=_COLOR, linewidth=0, alpha=0.6, zorder=1)
             drawn = True
     return [Patch(facecolor=_COLOR, alpha=0.6, label="boundary between slices, estimated")] if drawn else []
+
+
+def draw_kept(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale]) -> list[Artist]:
+    """A light ground on the rectangles in which a map of what is transparent is proven to be so."""
+    [proof] = found.proofs
+    _draw(ax, proof.rectangles.kept, scales, (SHADE, 0))
+    return [Patch(facecolor=SHADE, label="transparent, proven")] if len(proof.rectangles.kept) else []
+
+
+def draw_left(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale], label: str) -> list[Artist]:
+    """The rectangles in which neither is proven: boundaries of what is transparent lie in these."""
+    drawn = [x.rectangles.left for x in found.proofs if len(x.rectangles.left)]
+    for cells in drawn:
+        _draw(ax, cells, scales, (_COLOR, 0.5))
+    return [Patch(facecolor=_COLOR, label=label)] if drawn else []
+
+
+def _draw(ax: Axes, cells: Array, scales: tuple[Scale, Scale], look: tuple[str, float]) -> None:
+    (a, b), (c, d) = (scale.of(cells[:, i].T) for i, scale in enumerate(scales))
+    corners = np.stack([np.stack(x, -1) for x in ((a, c), (b, c), (b, d), (a, d))], 1)
+    ax.add_collection(
+        PolyCollection(list(corners), facecolors=look[0], linewidths=0, antialiased=False, zorder=look[1])
+    )

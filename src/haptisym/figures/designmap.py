@@ -13,7 +13,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from haptisym.figures.between import Join, draw_bands
+from haptisym.figures.between import Join, draw_bands, draw_kept, draw_left
 from haptisym.figures.require import HATCH, label_of, limits_of, look_of, parameter_scale
 from haptisym.figures.scales import Scale
 from haptisym.figures.style import GREY, SHADE, TEXT, Look, dress, legend, limit, write_note
@@ -28,9 +28,10 @@ _FILL = {Kind.EDGE: "full", Kind.START: "none", Kind.TOUCH: "bottom"}
 def draw_map(ax: Axes, found: DesignMap, *, color: str | None = None, label: str = "") -> list[Artist]:
     """The transparent region: each exact slice as an upright stroke with marks where it ends, by what binds there.
 
-    What joins the slices (a light ground, thin lines) is interpolation, and the legend says so; a band about it is as wide as
-    it may be off, as estimated. Hatched: undecided on a slice, or between slices that differ in kind. Ticks on the lower axis:
-    where the slices are.
+    Where more than the slices is proven, the ground is, and a band in which the boundary lies; lines that join slices are
+    interpolation. Elsewhere the ground is too, and the legend says so; a band about lines is as wide as they may be off, as
+    estimated, and what lies between slices that differ in kind is hatched, as is what slices leave undecided. Ticks on the
+    lower axis: where the slices are.
     ``color``, ``label`` : of the scene; of a further one on the same axes no ground is drawn. Returns the strokes and the marks.
 
     >>> from matplotlib.figure import Figure
@@ -45,7 +46,7 @@ def draw_map(ax: Axes, found: DesignMap, *, color: str | None = None, label: str
     strokes = _draw_slices(ax, found, look, scales)
     ground = [] if look.number else _draw_ground(ax, found, scales)
     marks = draw_boundary(ax, found, color=None if look.plain else look.color, suffix=look.suffix)
-    bands = [] if look.number else draw_bands(ax, found, [join for join, _ in _joins(found)], scales)
+    bands = [] if look.number else _draw_bands(ax, found, scales)
     open_ones = _draw_undecided(ax, found, scales, look)
     limit(ax, (scales[0].of(a), scales[0].of(b)), (scales[1].of(low), scales[1].of(high)), number=look.number)
     dress(ax)
@@ -90,8 +91,16 @@ def _tick_entry(look: Look) -> list[Artist]:
     return [Line2D([], [], label=f"exact slices{look.suffix}", **{**_tick(color), "marker": "|", "markersize": 5})]
 
 
+def _draw_bands(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale]) -> list[Artist]:
+    if found.proofs:
+        return draw_left(ax, found, scales, "boundary lies in here, proven")
+    return draw_bands(ax, found, [join for join, _ in _joins(found)], scales)
+
+
 def _draw_ground(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale]) -> list[Artist]:
-    """A light ground between slices of one kind, which proves nothing."""
+    """A light ground: what is proven, or else what lies between slices of one kind, which proves nothing."""
+    if found.proofs:
+        return draw_kept(ax, found, scales)
     _, window = window_of(found)
     for at, left, right in _pieces(found):
         (y0, y1), (z0, z1) = (limits_of(span, *window) for span in (left, right))
@@ -153,7 +162,7 @@ def _ends(found: DesignMap) -> dict[tuple[Criterion, Kind], list[tuple[float, fl
 
 def _draw_undecided(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale], look: Look) -> list[Artist]:
     """Hatched: what a slice leaves open, halfway to its neighbours, and what lies between slices that differ in kind."""
-    boxes = [*left_open(found), *_between(found)]
+    boxes = [*left_open(found), *([] if found.proofs else _between(found))]
     for (a, b), (c, d) in boxes:
         x, y = scales[0].of(np.array([a, b])), scales[1].of(np.array([c, d]))
         ax.fill_between(x, [y[0]] * 2, [y[1]] * 2, zorder=1, **HATCH)

@@ -14,7 +14,7 @@ from matplotlib.colors import to_hex, to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from haptisym.figures.between import Join, draw_bands
+from haptisym.figures.between import Join, draw_bands, draw_left
 from haptisym.figures.designmap import left_open, scales_of, window_of
 from haptisym.figures.require import HATCH, label_of, limits_of
 from haptisym.figures.scales import Scale
@@ -33,21 +33,23 @@ _GRID = 160
 def draw_wishes(ax: Axes, found: DesignMap) -> list[Artist]:
     """What was asked, each set along its exact slices in its own colour, and what they have in common on a grey ground.
 
-    What joins the slices is interpolation; a band about it is as wide as it may be off, as estimated. Classical bounds are thin
-    lines with their names. Returns what the legend tells.
+    What joins the slices is interpolation. Of what is transparent a band in which its boundary lies is proven; of other sets one
+    about the lines is as wide as they may be off, as estimated. Classical bounds are thin lines with their names. Returns what
+    the legend tells.
     """
     scales, ((a, b), (low, high)) = scales_of(found), window_of(found)
     shown, joins = [_ground(ax, found, scales)], list[Join]()
     for i, name in enumerate(found.that):
         rows = [(float(x.at), (x.apart or (x.requirement,))[i]) for x in found.slices]
         shown += _outlined(ax, rows, scales, (low, high), (_COLORS[name], _NAMES[name]))
-        joins += _joins(rows, (low, high))
+        joins += [] if _is_proven(found, name) else _joins(rows, (low, high))
     for i, jnd in enumerate(found.thresholds):
         look = _paler(i, len(found.thresholds)), f"{_NAMES['transparent']}, c = {float(100 * jnd):.6g} %"
         rows = [(float(x.at), x.contours[i]) for x in found.slices]
         shown += _outlined(ax, rows, scales, (low, high), look)
-        joins += _joins(rows, (low, high))
+        joins += [] if _is_proven(found, "transparent") else _joins(rows, (low, high))
     shown += [
+        *draw_left(ax, found, scales, "transparent: boundary in here, proven"),
         *draw_bands(ax, found, joins, scales),
         _strokes(ax, found, scales, (low, high)),
         *_hatched(ax, found, scales),
@@ -60,6 +62,11 @@ def draw_wishes(ax: Axes, found: DesignMap) -> list[Artist]:
     ax.set_ylabel(label_of(found.free[1], scales[1]), fontsize=TEXT)
     legend(ax, shown)
     return shown
+
+
+def _is_proven(found: DesignMap, name: str) -> bool:
+    """Whether more than slices of a set is proven: of what is transparent, if of anything."""
+    return bool(found.proofs) and name == "transparent"
 
 
 def _neighbours(

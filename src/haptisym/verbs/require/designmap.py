@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
@@ -12,38 +12,37 @@ from sympy import Expr, Rational
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.criteria import Criterion
-from haptisym.kernel.budget import Budget, Told, limited, share
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.budget import Told, limited
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.shown import counted, titled
 from haptisym.model.hand import Hand
 from haptisym.model.jnd import Part
-from haptisym.model.knobs import THRESHOLD, Knob
-from haptisym.model.quantities import Dimension, Number, number
+from haptisym.model.knobs import Knob
+from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
+from haptisym.verbs.require.asking import Asked, Plan, share_of
 from haptisym.verbs.require.boundary import edge_polynomial, touch_polynomial
 from haptisym.verbs.require.classical import DAMPING, STIFFNESS, Encoder, Line, lines, need_encoder
-from haptisym.verbs.require.entry import require
 from haptisym.verbs.require.feasible import Kind
-from haptisym.verbs.require.freeparameter import asked_of, conditions, domain, pieces
+from haptisym.verbs.require.freeparameter import conditions, pieces
 from haptisym.verbs.require.held import with_hands
-from haptisym.verbs.require.placing import even, first_places, refined
+from haptisym.verbs.require.proven import Proof
 from haptisym.verbs.require.slices import Gap, Slice, gaps
-from haptisym.verbs.require.wishes import STABLE, SUITS_ALL, TRANSPARENT, further, wishes
+from haptisym.verbs.require.wishes import STABLE, SUITS_ALL, TRANSPARENT, wishes
 
 
 @dataclass(frozen=True, repr=False)
 class DesignMap(Answer):
     """The transparent region of a scene in two parameters: exact along each slice, the first parameter being constant there.
 
-    ``slices``: in ascending order of the first parameter. Between two slices nothing is proven but by ``curves``; how far
-    straight lines between them are off is estimated (``gaps``). ``within``: what that was to be, a share of the second range.
+    ``slices``: in ascending order of the first parameter. How far straight lines between them are off is estimated (``gaps``).
+    ``within``: what that was to be, a share of the second range. ``proofs``: of what is transparent, what is proven between the
+    slices too.
     """
 
     _schema: ClassVar[str] = "haptisym.designmap/1"
-    _page: ClassVar[str] = "haptisym.pages.require:map_page"
+    _page: ClassVar[str] = "haptisym.pages.designmap:page"
     _figure: ClassVar[str] = "haptisym.figures.maps:map_figure"
 
     scene: Scene
@@ -55,6 +54,7 @@ class DesignMap(Answer):
     thresholds: tuple[Expr, ...] = ()
     encoder: Encoder | None = None
     within: Expr | None = None
+    proofs: tuple[Proof, ...] = ()
 
     def _line(self) -> str:
         first, second = (x.path for x in self.free)
@@ -74,6 +74,15 @@ class DesignMap(Answer):
     def deviation(self) -> float | None:
         """The largest estimate of all, in units of the second parameter; None where no slices are joined by lines."""
         return max((x.deviation for x in self.gaps if x.deviation is not None), default=None)
+
+    @cached_property
+    def bounds(self) -> dict[Proof, tuple[float | None, ...]]:
+        """Of each proof, between each two slices, how far off lines may be; None where no lines join them."""
+        return {x: x.bounds(self.slices) for x in self.proofs}
+
+    def bound(self, proof: Proof) -> float | None:
+        """The largest of a proof, in units of the second parameter; None where no slices are joined by lines."""
+        return max((x for x in self.bounds[proof] if x is not None), default=None)
 
     @property
     def height(self) -> float:
@@ -141,7 +150,18 @@ class DesignMap(Answer):
             ),
             "between": [{"from": x.low, "to": x.high, "deviation": x.deviation} for x in self.gaps],
             "deviation": self.deviation,
+            **({"proven": [self._proven(x) for x in self.proofs]} if self.proofs else {}),
             "certified": self.certified,
+        }
+
+    def _proven(self, x: Proof) -> dict[str, Any]:
+        """What is proven of a set between the slices."""
+        return {
+            "of": TRANSPARENT,
+            "jnd": None if x.jnd is None else float(x.jnd),
+            "open": x.rectangles.share_left,
+            "bound": self.bound(x),
+            "between": list(self.bounds[x]),
         }
 
     def _contours(self, x: Slice) -> dict[str, Any]:
@@ -197,101 +217,15 @@ def design_map(
     >>> [x.requirement.feasible[0].low.value.digits(6) for x in found.slices]
     ['103.831', '122.356', '141.462']
     """
-    plan = _Plan(slices, None if uniform else WITHIN if within is None else _share(within))
+    plan = Plan(slices, None if uniform else WITHIN if within is None else share_of(within))
     wanted = wishes(that)
     scene = with_hands(as_scene(scene), hand) if STABLE in wanted else as_scene(scene)
-    asked = _Asked.of(scene, paths, ranges, {"part": part, "any_environment": any_environment}, wanted, jnd)
+    asked = Asked.of(scene, paths, ranges, {"part": part, "any_environment": any_environment}, wanted, jnd)
     encoder = Encoder.of(scene, friction, resolution)
     need_encoder(scene, asked.free, encoder)
     with limited(limit, told) as budget:
+        proofs = asked.proofs()
         found = asked.cut_all(plan, budget)
     return DesignMap(
-        scene, asked.free, asked.ranges, found, asked.criteria, wanted, asked.thresholds, encoder, plan.within
+        scene, asked.free, asked.ranges, found, asked.criteria, wanted, asked.thresholds, encoder, plan.within, proofs
     )
-
-
-@dataclass(frozen=True)
-class _Plan:
-    """At most that many slices, lines between them to be off by a share of the second range; evenly placed if it is None."""
-
-    most: int
-    within: Expr | None
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.most, int) or self.most < 2:
-            raise SceneError(f"slices: {self.most} must be a whole number, at least 2")
-
-
-def _share(given: Number) -> Expr:
-    found = number(given, Dimension.RATIO).value
-    if sign_of_number(found) <= 0:
-        raise SceneError(f"within: {given} must be > 0, a share of the range of the second parameter")
-    return found
-
-
-@dataclass(frozen=True)
-class _Asked:
-    """What is asked on every slice of a map."""
-
-    scene: Scene
-    free: tuple[Knob, Knob]
-    ranges: tuple[tuple[Expr, Expr], tuple[Expr, Expr]]
-    wanted: tuple[str, ...]
-    criteria: tuple[Criterion, ...]
-    thresholds: tuple[Expr, ...]
-    options: Mapping[str, Any] = field(default_factory=dict)
-
-    @classmethod
-    def of(
-        cls, scene: Scene, paths: Sequence[str], ranges: Sequence[tuple[Number, Number]], options: Mapping[str, Any],
-        wanted: tuple[str, ...], jnd: Sequence[Number],
-    ) -> _Asked:  # fmt: skip
-        """SceneError where paths, ranges or thresholds are not fit."""
-        first, second = scene.knobs.chosen(paths)
-        judged = asked_of(scene, (first, second), **options) if TRANSPARENT in wanted else ()
-        across, along = ((free.number(a), free.number(b)) for free, (a, b) in zip((first, second), ranges, strict=True))
-        for free, pair in zip((first, second), (across, along), strict=True):
-            domain(free, pair)
-        thresholds = _thresholds(scene, (first, second), jnd, wanted)
-        criteria = (*judged, *further(scene, wanted))
-        return cls(scene, (first, second), (across, along), wanted, criteria, thresholds, options)
-
-    def cut(self, at: Expr) -> Slice:
-        """The slice at a value of the first parameter."""
-        here, path, along = self.free[0].put(self.scene, at), self.free[1].path, self.ranges[1]
-        apart = [require(here, path, along, that=[x], **self.options) for x in self.wanted]
-        others = (here.with_values({THRESHOLD: x}) for x in self.thresholds)
-        return Slice.of(at, apart, [require(x, path, along, **self.options) for x in others])
-
-    def cut_all(self, plan: _Plan, budget: Budget) -> tuple[Slice, ...]:
-        """All slices; one that is slow leaves time to the others."""
-        low, high = self.ranges[0]
-
-        def cut(at: Expr, n: int) -> Slice:
-            budget.say(n, plan.most, "slices")
-            with share(1 / min(len(start) - n, 2) if n < len(start) else 1 / 2):
-                return self.cut(at)
-
-        places = even(low, high, plan.most) if plan.within is None else first_places(low, high, plan.most)
-        start = [at for at in places if self.free[0].rule.allows(at)]
-        found = [cut(at, n) for n, at in enumerate(start)]
-        if plan.within is not None:
-            one, other = (float(b - a) for a, b in self.ranges)
-            found = refined(found, cut, budget, plan.most, (one, other), float(plan.within))
-        return tuple(found)
-
-
-def _thresholds(scene: Scene, free: Sequence[Knob], jnd: Sequence[Number], wanted: Sequence[str]) -> tuple[Expr, ...]:
-    """The further thresholds, each once. SceneError where nothing is asked of what is noticed, or the threshold is free."""
-    if not jnd:
-        return ()
-    if TRANSPARENT not in wanted:
-        raise SceneError("jnd: further thresholds are of what is noticed: ask for transparent too, or leave them out")
-    for x in (x for x in free if x.parts):
-        raise SceneError(f"jnd: further thresholds and {x.path}, which is free, say the same: leave out one of them")
-    if scene.threshold.region.corners:
-        raise SceneError("jnd: the scene's threshold is a polygon, which is given by its corners and not by one number")
-    knob = scene.knobs[THRESHOLD]
-    for c in jnd:
-        knob.check(c)
-    return tuple(dict.fromkeys(knob.number(c) for c in jnd))

@@ -1,0 +1,144 @@
+"""The page of a map of two parameters: its exact slices, what is proven between them, and what is estimated there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import ceil
+
+from haptisym.pages.require import heading, sets, unit_of
+from haptisym.pages.words import lead, rounded_up, rule, short, title
+from haptisym.verbs.require.designmap import DesignMap
+from haptisym.verbs.require.required import Requirement
+from haptisym.writing.document import (
+    Block,
+    Column,
+    Document,
+    Facts,
+    Figure,
+    Number,
+    Paragraph,
+    Phrase,
+    Strong,
+    Table,
+    listed,
+)  # fmt: skip
+from haptisym.writing.names import named
+
+_WORDS = {"transparent": "transparent", "stable": "stable", "passive": "fit for every passive hand"}
+_MOST_ROWS = 10  # of slices that are listed; the document of JSON has them all
+
+
+def page(m: DesignMap) -> Document:
+    """The page of a map: how many slices hold values that will do, some of them, what is certain."""
+    a, b = m.free
+    some = [x for x in m.slices if x.requirement.feasible]
+    kinds = sorted({y.kind.value for x in some for e in x.requirement.ends for y in e.bindings})
+    said = (
+        f"{len(m.slices)} exact slices along ", named(a.symbol.name), f": {len(some)} of them hold values of ",
+        named(b.symbol.name), " that make the display ", listed(dict.fromkeys(x.kept for x in m.criteria)), ".",
+        (" What binds at the boundary: ", listed(kinds), ".") if kinds else "",
+    )  # fmt: skip
+    certain: Phrase = (
+        "Certain: every value of a slice is proven."
+        if m.certified
+        else (Strong("UNDECIDED"), " in some slices", _in_time(m), ": see --json.")
+    )
+    last = certain, " ", _between(m)
+    shown = "Values that will do, along exact slices, with what binds at their ends."
+    figure = Figure("map", shown, m.figure)
+    beside = *_stiffest(m), *_contours(m), *_classical(m)
+    blocks = Facts(tuple(_wished(m))), Paragraph(said), _slices(m), *beside, figure, Paragraph(last), *_proven(m)
+    return Document(title(m.scene), lead(m.scene, m.asides()), blocks, "Which values will do")
+
+
+def _in_time(m: DesignMap) -> str:
+    """Whether it is for lack of time that something was left open."""
+    return ", for which there was no time left" if any(r.limit is not None for x in m.slices for r in x.sets) else ""
+
+
+def _wished(m: DesignMap) -> Iterator[tuple[str, Phrase]]:
+    judged = [x for x in m.criteria if x.name not in ("stable", "passive")]
+    others = [x.rule for x in m.criteria if x not in judged]
+    first = (listed(map(rule, judged)), " on the whole band") if judged else ""
+    yield "condition", (first, "; " if judged and others else "", "; ".join(others))
+
+
+def _between(m: DesignMap) -> Phrase:
+    """What is said between slices: an estimate, and where not even that."""
+    off: Phrase = ""
+    if m.deviation is not None:
+        share = f" ({100 * m.deviation / m.height:.2g}\xa0% of the range)"
+        most = Number(rounded_up(m.deviation), m.deviation)
+        off = (
+            " by ",
+            most,
+            unit_of(m.free[1]),
+            share,
+            " at the most, as estimated from how its boundary bends at the slices",
+        )
+    apart = sum(1 for x in m.gaps if x.deviation is None)
+    pairs = "one pair" if apart == 1 else f"{apart} pairs"
+    others = f" Between {pairs} of slices, which differ in kind or are undecided, nothing is said." if apart else ""
+    more = " --slices N gives more of them." if m.is_coarse or m.within is None else ""
+    return "Between slices the figure draws straight lines, off", off, "; that is not proven.", others, more
+
+
+def _proven(m: DesignMap) -> Iterator[Block]:
+    """Of what is transparent, what is proven between the slices too."""
+    for x in m.proofs:
+        threshold = "" if x.jnd is None else f" with a threshold of {float(100 * x.jnd):.6g}\xa0%"
+        most = m.bound(x)
+        near: Phrase = ""
+        if most:
+            share = f" ({rounded_up(100 * most / m.height)}\xa0% of the range)"
+            far = Number(rounded_up(most), most), unit_of(m.free[1]), share
+            near = " Where lines join slices, its boundary lies within ", far, " of them."
+        left = f"{rounded_up(100 * x.rectangles.share_left)}\xa0% of the area of the map, in which its boundary lies."
+        said = f"Proven for all values of both, between slices too: what is transparent{threshold}, and what is not, but for "
+        yield Paragraph((said, left, near))
+
+
+def _stiffest(m: DesignMap) -> Iterator[Block]:
+    """Of a map along a wall's damping, the stiffest wall."""
+    if m.stiffest is None:
+        return
+    at, top = m.stiffest
+    (b, k), damping = m.free, float(at.at)
+    yield Paragraph((
+        "The stiffest wall of these slices that is ", listed(x.kept for x in m.criteria if x.name == "stable"), " stays below ",
+        named(k.symbol.name), " = ", short(top), unit_of(k), ", at ", named(b.symbol.name), " = ",
+        Number(f"{damping:.6g}", damping), unit_of(b), ".",
+    ))  # fmt: skip
+
+
+def _contours(m: DesignMap) -> Iterator[Block]:
+    """On how many slices something is transparent with each of the other thresholds."""
+    for i, jnd in enumerate(m.thresholds):
+        own = [x.contours[i] for x in m.slices]
+        held = sum(1 for r in own if r.feasible)
+        left = "" if all(r.certified for r in own) else ", others being undecided"
+        words = f" of {float(100 * jnd):.6g}\xa0% {held} of them hold values that are not noticed{left}."
+        yield Paragraph(("With a threshold", words))
+
+
+def _classical(m: DesignMap) -> Iterator[Block]:
+    """The classical bounds that the figure has beside what is exact, and what each takes for granted."""
+    if m.lines:
+        yield Paragraph("Beside the exact sets the figure has classical bounds, which are drawn and not proven:")
+        yield Facts(tuple((x.name, f"{x.rule} ({x.assumes})") for x in m.lines))
+
+
+def _of_slice(r: Requirement) -> Phrase:
+    return Strong("UNDECIDED") if r.undecided and not r.feasible else sets(r)
+
+
+def _slices(m: DesignMap) -> Table:
+    """Some of the slices, the first and the last one among them."""
+    step = ceil((len(m.slices) - 1) / _MOST_ROWS)
+    some = [*m.slices[:-1:step], m.slices[-1]]
+    rows = [(float(x.at), _of_slice(x.requirement)) for x in some]
+    columns = (
+        Column(heading(m.free[0]), number=True),
+        Column("will do" if len(m.that) > 1 else f"{_WORDS[m.that[0]]} for"),
+    )
+    return Table(columns, tuple((Number(f"{at:.6g}", at), found) for at, found in rows), "Some of the slices, proven.")

@@ -1,0 +1,218 @@
+"""What is proven all over the plane of two parameters: rectangles in which conditions are kept, or broken, in Taylor models.
+
+A rectangle is broken where a condition is broken at one frequency for all of its values, and kept where every condition is
+kept on all of the band for all of them. What shows neither is cut along what changes more, down to 1/256 of both ranges.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from sympy import Expr
+
+from haptisym.judge.criteria import Criterion
+from haptisym.kernel.budget import tick
+from haptisym.kernel.errors import HaptisymError, LimitError
+from haptisym.kernel.shown import Shown
+from haptisym.kernel.symbols import omega
+from haptisym.model.knobs import Knob
+from haptisym.model.scene import Scene
+from haptisym.programs.taylormodels import Array
+from haptisym.verbs.tolerances.box import Box, Side
+from haptisym.verbs.tolerances.excess import Excess
+from haptisym.verbs.tolerances.regional import excess_of
+
+_FIRST_RECTANGLES, _FIRST_PIECES = 8, 16
+"""Of each range, and of the band, to begin with."""
+_FINEST = 2.0**-8
+_MOST, _BATCH = 60_000, 4096
+"""Cells of band and plane that are looked at, and how many at once."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Rectangles(Shown):
+    """Rectangles that fill a plane, (rectangles, 2, 2): from where to where, of each parameter, SI.
+
+    ``kept`` : conditions are kept for all of their values; ``broken`` : for none; ``left`` : neither was shown.
+    """
+
+    kept: Array
+    broken: Array
+    left: Array
+
+    def _line(self) -> str:
+        return f"{len(self.kept)} kept, {len(self.broken)} broken, {len(self.left)} left open"
+
+    @property
+    def parts(self) -> tuple[Array, Array, Array]:
+        """All three."""
+        return self.kept, self.broken, self.left
+
+    @property
+    def share_left(self) -> float:
+        """Of the area, about which nothing is proven."""
+        areas = [float((x[..., 1] - x[..., 0]).prod(-1).sum()) for x in self.parts]
+        return areas[2] / sum(areas)
+
+
+def rectangles(
+    scene: Scene, free: tuple[Knob, Knob], ranges: Sequence[tuple[Expr, Expr]], criteria: Sequence[Criterion]
+) -> Rectangles | None:
+    """The plane of two parameters in rectangles; None where a criterion is none that models of floats are made of."""
+    try:
+        box = _Plane(scene, tuple(Side(x.name, *pair) for x, pair in zip(free, ranges, strict=True)))
+        if not _is_modelled(box, free, criteria):
+            return None
+        excesses = [excess_of(box, x) for x in criteria]
+    except HaptisymError:
+        return None
+    search = _Search([x for x in excesses if not x.is_zero])
+    search.go()
+    lows, widths = (np.array(x)[:, None] for x in ([float(a) for a, _ in ranges], [float(b - a) for a, b in ranges]))
+    return Rectangles(*(lows + widths * np.concatenate([_NONE, *x]) for x in (search.kept, search.broken, search.left)))
+
+
+_NONE = np.empty((0, 2, 2))
+
+
+@dataclass(frozen=True)
+class _Plane(Box):
+    """A box of two sides."""
+
+    pair: tuple[Side, ...] = ()
+
+    @cached_property
+    def sides(self) -> tuple[Side, ...]:
+        return self.pair
+
+
+def _is_modelled(box: Box, free: Sequence[Knob], criteria: Sequence[Criterion]) -> bool:
+    """Whether each is a criterion of the JND of which a free threshold is a plain number."""
+    if any(x.is_of_hand for x in free) or not all(x.part or x.region for x in criteria):
+        return False
+    limits = [x for x in free if x.parts]
+    if not limits:
+        return True
+    plain = all(x.region is None and not x.threshold.has(omega) for x in criteria)
+    return plain and all(
+        box.part_name(x.part) == limit.name for x in criteria for limit in limits if x.part and x.part in limit.parts
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Pieces:
+    """Pieces of the band, in shares of it, on which a condition did not show to be kept; ``owner`` : in which rectangle."""
+
+    owner: Array
+    band: Array
+
+    @classmethod
+    def all(cls, count: int) -> _Pieces:
+        """The whole band, of so many rectangles."""
+        steps = np.arange(_FIRST_PIECES + 1) / _FIRST_PIECES
+        pieces = np.stack([steps[:-1], steps[1:]], -1)
+        return cls(np.repeat(np.arange(count), _FIRST_PIECES), np.tile(pieces, (count, 1)))
+
+    def where(self, which: Array) -> _Pieces:
+        return _Pieces(self.owner[which], self.band[which])
+
+    def cells(self, plane: Array) -> Array:
+        """Of band and plane."""
+        return np.concatenate([self.band[:, None], plane[self.owner]], 1)
+
+    def points(self) -> _Pieces:
+        """One frequency of each: the end of the band where it reaches there."""
+        at = np.where(self.band[:, 1] == 1, 1.0, self.band.mean(-1))
+        return _Pieces(self.owner, np.stack([at, at], -1))
+
+    def cut(self, which: Array) -> _Pieces:
+        """Some of them in halves."""
+        low, high = self.band[which].T
+        middle, twice = (low + high) / 2, np.concatenate([self.owner[~which], *[self.owner[which]] * 2])
+        halves = np.stack([low, middle], -1), np.stack([middle, high], -1)
+        return _Pieces(twice, np.concatenate([self.band[~which], *halves]))
+
+
+@dataclass
+class _Search:
+    """Rectangles in shares of both ranges, as they are told."""
+
+    excesses: Sequence[Excess]
+    kept: list[Array] = field(default_factory=list)
+    broken: list[Array] = field(default_factory=list)
+    left: list[Array] = field(default_factory=list)
+    looked: int = 0
+
+    def go(self) -> None:
+        """Cut until all is told, is small, or too much was looked at."""
+        steps = np.arange(_FIRST_RECTANGLES + 1) / _FIRST_RECTANGLES
+        sides = np.stack([steps[:-1], steps[1:]], -1)
+        plane = np.array([[a, b] for a in sides for b in sides])
+        pieces = [_Pieces.all(len(plane)) for _ in self.excesses]
+        while len(plane):
+            try:
+                plane, pieces = self._round(plane, pieces)
+            except LimitError:
+                self.left.append(plane)
+                break
+
+    def _round(self, plane: Array, pieces: Sequence[_Pieces]) -> tuple[Array, list[_Pieces]]:
+        """What is left of some rectangles, cut."""
+        broken, changes = np.zeros(len(plane), bool), np.zeros((len(plane), 2))
+        pieces = [self._judged(x, plane, own, broken, changes) for x, own in zip(self.excesses, pieces, strict=True)]
+        doubtful = np.zeros(len(plane), bool)
+        for own in pieces:
+            doubtful[own.owner] = True
+        doubtful &= ~broken
+        widths = plane[..., 1] - plane[..., 0]
+        done = (widths <= _FINEST).all(-1) | (self.looked > _MOST)
+        self.kept.append(plane[~doubtful & ~broken])
+        self.broken.append(plane[broken])
+        self.left.append(plane[doubtful & done])
+        changes = np.where(widths > _FINEST, changes + 1e-300 * widths, -1.0)
+        return _halved(plane, np.flatnonzero(doubtful & ~done), np.argmax(changes, -1), pieces)
+
+    def _judged(self, excess: Excess, plane: Array, own: _Pieces, broken: Array, changes: Array) -> _Pieces:
+        """The pieces of the band that stay in doubt; what is ``broken``, and along what it changes, is noted."""
+        for again in (True, False):
+            own = own.where(~broken[own.owner])
+            low, high, rates = self._bounds(excess, own.cells(plane))
+            broken[own.owner[low > 0]] = True
+            doubt = ~(high < 0)
+            own, rates = own.where(doubt), rates[doubt]
+            broken[own.owner[self._bounds(excess, own.points().cells(plane))[0] > 0]] = True
+            if again:
+                own = own.cut(rates[:, 0] >= rates[:, 1:].max(-1) / 2)
+            else:
+                np.maximum.at(changes, own.owner, rates[:, 1:])
+        return own
+
+    def _bounds(self, excess: Excess, cells: Array) -> tuple[Array, Array, Array]:
+        """Bounds on an excess over cells, and how much it changes along each side; 0 where that is not known."""
+        low, high, rates = np.empty(len(cells)), np.empty(len(cells)), np.empty(cells.shape[:2])
+        for i in range(0, len(cells), _BATCH):
+            tick()
+            part = slice(i, i + _BATCH)
+            model = excess.model(cells[part], slopes=False)
+            low[part], high[part] = (x[:, 0] for x in model.bounds())
+            rates[part] = np.abs(model.c1[:, 0]) + np.abs(model.c2[:, 0]).sum(-1)
+        self.looked += len(cells)
+        return low, high, np.nan_to_num(rates, nan=0.0, posinf=0.0)
+
+
+def _halved(plane: Array, which: Array, side: Array, pieces: Sequence[_Pieces]) -> tuple[Array, list[_Pieces]]:
+    """Some rectangles in halves, each along its side, with the pieces of the band that are theirs."""
+    lower, upper, rows = plane[which].copy(), plane[which].copy(), np.arange(len(which))
+    middle = plane[which, side[which]].mean(-1)
+    lower[rows, side[which], 1], upper[rows, side[which], 0] = middle, middle
+    number = np.full(len(plane), -1)
+    number[which] = rows
+    found = list[_Pieces]()
+    for own in pieces:
+        owner = number[own.owner]
+        owner, band = owner[owner >= 0], own.band[owner >= 0]
+        found.append(_Pieces(np.concatenate([owner, owner + len(which)]), np.concatenate([band, band])))
+    return np.concatenate([lower, upper]), found

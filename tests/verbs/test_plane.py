@@ -1,0 +1,128 @@
+"""What is proven of a map all over its plane: rectangles, held against closed forms and against exact verdicts at points."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from test_slices import PLANE, RANGES, lag, least
+
+import haptisym as hs
+from haptisym.judge.criteria import noticed
+from haptisym.verbs.require.plane import Rectangles, rectangles
+from haptisym.verbs.require.proven import Proof
+
+MAPS: dict[str, tuple[list[str], list[tuple[Any, Any]]]] = {
+    "fu2019": (["omega_n", "zeta"], [(60, 200), ("0.1", 1)]),
+    "virtual-wall": (["environment.b", "environment.k"], [(0, 40), (10, 4000)]),
+    "delayed-spring": (["tau", "environment.k"], [("1 ms", "60 ms"), (10, 1000)]),
+}
+
+
+def proof_of(scene: hs.Scene | str, paths: list[str], ranges: list[tuple[Any, Any]], **asked: Any) -> Proof:
+    [found] = hs.design_map(scene, paths, ranges, slices=3, uniform=True, **asked).proofs
+    return found
+
+
+def test_rectangles_lie_on_one_side_of_the_boundary_and_leave_little_open() -> None:
+    found = proof_of(lag(), PLANE, RANGES).rectangles
+    assert (found.kept[:, 1, 0] >= least(found.kept[:, 0, 0])).all()  # the boundary goes down beyond 15 rad/s
+    assert (found.broken[:, 1, 1] <= least(found.broken[:, 0, 1])).all()
+    assert found.share_left < 0.01
+    area = sum((x[..., 1] - x[..., 0]).prod(-1).sum() for x in found.parts)
+    assert area == pytest.approx(280 * 0.59, rel=1e-12)
+
+
+@pytest.mark.parametrize("slices", [2, 3, 8])
+def test_the_bound_holds_what_lines_are_off_by_however_few_there_are(slices: int) -> None:
+    found = hs.design_map(lag(), PLANE, RANGES, slices=slices, uniform=True)
+    [bounds] = found.bounds.values()
+    for (a, b), bound in zip(pairwise(found.slices), bounds, strict=True):
+        at = np.linspace(a.place, b.place, 201)
+        off = np.abs(np.interp(at, [a.place, b.place], least(np.array([a.place, b.place]))) - least(at)).max()
+        assert bound is not None
+        assert off <= bound <= off + 0.03 * 0.59
+
+
+def plane_of(name: str) -> Rectangles:
+    if name not in PLANES:
+        paths, ranges = MAPS[name]
+        scene = hs.load_scene(name)
+        one, other = scene.knobs.chosen(paths)
+        a, b = ((x.number(low), x.number(high)) for x, (low, high) in zip((one, other), ranges, strict=True))
+        found = rectangles(scene, (one, other), (a, b), noticed(scene.threshold))
+        assert found is not None
+        PLANES[name] = found
+    return PLANES[name]
+
+
+PLANES: dict[str, Rectangles] = {}
+
+
+def is_as_said(name: str, number: float, shares: tuple[float, float], *, kept: bool) -> bool:
+    """Whether at a point of a rectangle the exact crossings, of which at omega = 0 there are none, say the same."""
+    cells = plane_of(name).kept if kept else plane_of(name).broken
+    cell = cells[int(number * (len(cells) - 1))]
+    values = cell[:, 0] + (cell[:, 1] - cell[:, 0]) * shares
+    scene = hs.load_scene(name).with_values(dict(zip(MAPS[name][0], map(float, values), strict=True)))
+    return (not hs.evaluate(scene).crossings) == kept
+
+
+UNIT = st.floats(0, 1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MAPS)
+@given(number=UNIT, shares=st.tuples(UNIT, UNIT), side=st.sampled_from(["kept", "broken"]))
+def test_points_of_rectangles_are_as_they_are_said_to_be(
+    name: str, number: float, shares: tuple[float, float], side: str
+) -> None:
+    assert is_as_said(name, number, shares, kept=side == "kept")
+
+
+@pytest.mark.parametrize("name", ["fu2019", "delayed-spring"])
+def test_some_points_of_rectangles_are_as_they_are_said_to_be(name: str) -> None:
+    for number, *shares, side in np.random.default_rng(19).random((12, 4)):
+        assert is_as_said(name, number, (shares[0], shares[1]), kept=bool(side < 0.5))
+
+
+def test_further_thresholds_are_proven_too() -> None:
+    found = hs.design_map(lag(), ["omega_c", "k"], [(20, 300), (10, 1000)], slices=3, jnd=["0.2", "0.3"])
+    assert [(x.set, x.jnd and float(x.jnd)) for x in found.proofs] == [(0, None), (1, 0.2), (2, 0.3)]
+    for x, c in zip(found.proofs, (0.1, 0.2, 0.3), strict=True):
+        edge = 15 / c * (1 + np.sqrt(1 - 4 * c**2)) / 2  # W omega_c/(W^2 + omega_c^2) = c
+        assert (x.rectangles.kept[:, 0, 0] >= edge).all()
+        assert (x.rectangles.broken[:, 0, 1] <= edge).all()
+
+
+def test_what_is_stable_is_not_proven_between_slices_and_what_is_transparent_is() -> None:
+    paths, ranges = MAPS["delayed-spring"]
+    found = hs.design_map("delayed-spring", paths, ranges, that=["stable"], hand="postural-arm", slices=3, uniform=True)
+    assert found.proofs == ()
+    assert "Proven for all values" not in str(found)
+    proof = proof_of("delayed-spring", paths, ranges, that=["transparent", "stable"], hand="postural-arm")
+    assert proof.set == 1
+
+
+@pytest.mark.parametrize("asked", [{"any_environment": True}, {"that": ["passive"]}])
+def test_where_no_models_are_nothing_is_claimed_between_slices(asked: dict[str, Any]) -> None:
+    found = hs.design_map("fu2019", *MAPS["fu2019"], slices=3, **asked)
+    assert found.proofs == ()
+    assert "proven" not in found.to_dict()
+
+
+def test_the_page_and_the_document_say_what_is_proven() -> None:
+    found = hs.design_map(lag(), PLANE, RANGES, slices=5)
+    [row] = found.to_dict()["proven"]
+    assert (row["of"], row["jnd"], len(row["between"])) == ("transparent", None, 4)
+    assert row["bound"] == max(row["between"])
+    said = " ".join(str(found).split())
+    assert (
+        "Proven for all values of both, between slices too: what is transparent, and what is not, but for 0.687 %"
+        in said
+    )
+    assert "Where lines join slices, its boundary lies within" in said
