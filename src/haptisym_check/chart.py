@@ -6,8 +6,9 @@ from itertools import groupby, pairwise
 from math import prod
 from typing import Any
 
-from haptisym_check.link import PARTS, Factors, Product
-from haptisym_check.polynomials import PI, sign, signs, sliced, turns
+from haptisym_check.factors import Factor
+from haptisym_check.link import PARTS, Product
+from haptisym_check.polynomials import PI, turns
 from haptisym_check.scene import Scene, need
 
 
@@ -19,24 +20,19 @@ def ends_of_band(scene: Scene) -> list[list[Fraction]]:
 class Chart:
     """The places of the band in order, with the orders of all factors there, and their signs in between."""
 
-    def __init__(self, scene: Scene, points: list[Fraction], factors: Factors, told: list[Any]) -> None:
+    def __init__(self, scene: Scene, points: list[Fraction], factors: list[Factor], told: list[Any]) -> None:
         """``told``: the enclosures of the places."""
         low, high = ends_of_band(scene)
         need(0 <= points[0] <= low[0] and low[1] <= points[1], "the first cell does not hold the low end of the band")
         need(points[-2] <= high[0] and high[1] <= points[-1], "the last cell does not hold the high end of the band")
         need(low[1] < high[0] and holds(told[0], low), "the low end of the band is not in its enclosure")
         size = sum(x.denominator.bit_length() + x.numerator.bit_length() for x in points)
-        need(size * sum(len(p) ** 3 for _, p in factors) < 2 * 10**9, "the cells are too many, or too fine")
-        self.from_0, self.orders, self.signs, last = (
-            low[1] == 0,
-            [dict[int, int]()],
-            list[list[int]](),
-            dict[int, int](),
-        )
-        rows, enclosures = [(step, sliced(p)) for step, p in factors], iter(told[1:-1])
+        need(size * sum(x.cost for x in factors) < 2 * 10**9, "the cells are too many, or too fine")
+        self.from_0, self.orders, self.signs = low[1] == 0, [dict[int, int]()], list[list[int]]()
+        enclosures = iter(told[1:-1])
         for a, b in pairwise(points):
             starts, stops = low == [a, a], high == [b, b]
-            found = [signs(ps, (a**step).as_integer_ratio(), (b**step).as_integer_ratio()) for step, ps in rows]
+            found = [x.signs(a, b) for x in factors]
             inner, count = [[x for x in row if x] for row in found], list(map(turns, found))
             leads = {i: row.index(inner[i][0]) for i, row in enumerate(found) if not row[0]}
             last = {i: row[::-1].index(inner[i][-1]) for i, row in enumerate(found) if not row[-1]}
@@ -46,8 +42,8 @@ class Chart:
             self.orders[0] |= leads
             self.signs = self.signs or [[x[0] for x in inner]]
             if any(count):
-                (step, ps), (x, y) = rows[count.index(1)], next(enclosures, (a, a - 1))
-                need(a <= x <= y <= b and sign(ps, x**step) * sign(ps, y**step) <= 0, "an enclosure holds no zero")
+                own, (x, y) = factors[count.index(1)], next(enclosures, (a, a - 1))
+                need(a <= x <= y <= b and own.sign(x) * own.sign(y) <= 0, "an enclosure holds no zero")
                 self.orders.append({count.index(1): 1})
                 self.signs.append([x[-1] for x in inner])
         self.orders.append(last)
@@ -70,9 +66,7 @@ class Curve:
         self.before = [self.between[0] * (-1) ** self.order[0], *self.between]
         self.after = [*self.between, self.between[-1] * (-1) ** self.order[-1]]
         self.at = [0 if n > 0 or a != b else b for n, a, b in zip(self.order, self.before, self.after, strict=True)]
-        self.line = [x for pair in zip(self.at, self.after, strict=True) for x in pair][
-            :-1
-        ]  # places and pieces in turn
+        self.line = [x for pair in zip(self.at, self.after, strict=True) for x in pair][:-1]  # places and pieces
 
 
 def runs(line: Iterable[Any]) -> list[tuple[int, int, Any]]:

@@ -1,13 +1,11 @@
-"""Numbers and polynomials of a certificate, and their signs (rule 2)."""
+"""Pi, and the signs of polynomials (rule 2)."""
 
-import re
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any
 
+from haptisym_check.reading import Polynomial
 from haptisym_check.scene import need
 
-Polynomial = list[list[int]]  # coefficients, ascending, each ascending powers of pi
 Point = tuple[int, int]  # numerator and denominator; (1, 0) is infinity
 
 
@@ -20,42 +18,6 @@ def arctangent(n: int, terms: int) -> list[Fraction]:
 FIFTH, OTHER, SCALE = arctangent(5, 75), arctangent(239, 22), 10**100
 PI = (int((16 * FIFTH[0] - 4 * OTHER[1]) * SCALE), SCALE), (int((16 * FIFTH[1] - 4 * OTHER[0]) * SCALE) + 1, SCALE)
 """Numbers below and above pi (Machin: pi/4 = 4 arctan 1/5 - arctan 1/239)."""
-
-
-def keyed(x: Any, *keys: str) -> list[Any]:
-    """The values of an object that has these keys and no other."""
-    need(isinstance(x, dict) and x.keys() == set(keys), f"expected an object with the keys {', '.join(keys)}")
-    return [x[key] for key in keys]
-
-
-def listed(x: Any, most: int, least: int = 0) -> list[Any]:
-    need(isinstance(x, list) and least <= len(x) <= most, f"expected a list of {least} to {most} entries")
-    return list(x)
-
-
-def whole(x: Any, low: int, high: int) -> int:
-    need(type(x) is int and low <= x <= high, f"expected a whole number from {low} to {high}")
-    return int(x)
-
-
-def number(x: Any) -> Fraction:
-    pattern = r"-?[0-9]{1,2000}(/[1-9][0-9]{0,1999}|(\.[0-9]{1,2000})?(E[+-]?[0-9]{1,3})?)"
-    need(isinstance(x, str) and re.fullmatch(pattern, x), f"{str(x)[:40]!r} is not a number")
-    return Fraction(x)
-
-
-def numbers(x: Any, most: int, least: int = 0) -> list[Fraction]:
-    """A list of them that ascends."""
-    found = [number(y) for y in listed(x, most, least)]
-    need(all(a < b for a, b in pairwise(found)), "numbers do not ascend")
-    return found
-
-
-def polynomial(x: Any) -> Polynomial:
-    rows = [listed(row, 100, 1) for row in listed(x, 300, 1)]
-    good = all(isinstance(n, str) and re.fullmatch("-?[0-9]{1,2000}", n) for row in rows for n in row)
-    need(good and any(n.strip("-0") for n in rows[-1]), "a polynomial is not one, or its leading coefficient is 0")
-    return [[int(n) for n in row] for row in rows]
 
 
 def times(p: list[int], a: int, b: int) -> list[int]:

@@ -7,10 +7,12 @@ from functools import partial
 from typing import Any
 
 from haptisym_check.chart import CURVES, Chart, Curve, claimed
-from haptisym_check.link import PARTS, Factors, Product, functions, link
-from haptisym_check.polynomials import keyed, listed, number, numbers, polynomial, whole
+from haptisym_check.factors import Factor
+from haptisym_check.link import PARTS, Product, functions, link
+from haptisym_check.reading import keyed, listed, number, numbers
 from haptisym_check.requirement import values
-from haptisym_check.scene import Element, Ratio, RefusedError, Scene, Value, combined, need
+from haptisym_check.scene import MOST_DELAYS, Element, Point, Ratio, RefusedError, Scene, Value, combined, need
+from haptisym_check.waves import factor_of
 from haptisym_check.zeros import zeros
 
 
@@ -48,23 +50,30 @@ Answer = tuple[dict[str, Any], list[str]]  # what follows from a proof, and the 
 COUNTS = {None: "nothing is said of poles", 0: "all poles of H_perc lie in Re s < 0"}
 
 
-def linked(polynomials: Any, products: Any, names: list[str], scene: Scene) -> tuple[Factors, dict[str, Product]]:
+def linked(
+    told: Any, products: Any, names: list[str], scene: Scene, delays: Any = ()
+) -> tuple[list[Factor], dict[str, Product]]:
     """Factors, and functions as products of them, which are those of the scene (rule 1)."""
-    pairs = [keyed(x, "step", "polynomial") for x in listed(polynomials, 500)]
-    factors = [(whole(step, 1, 2), polynomial(p)) for step, p in pairs]
-    told = {key: Product(x, len(factors)) for key, x in zip(names, keyed(products, *names), strict=True)}
-    link(told, factors, partial(functions, scene))
-    return factors, told
+    own = tuple(number(x) for x in delays)
+    short = all(x > 0 and x.numerator.bit_length() + x.denominator.bit_length() < 200 for x in own)
+    need(short, "a delay is not positive, or too long")
+    factors = [factor_of(x, own) for x in listed(told, 500)]
+    found = {key: Product(x, factors) for key, x in zip(names, keyed(products, *names), strict=True)}
+    link(found, factors, partial(functions, scene), own, Value(0, 1))
+    return factors, found
 
 
 def evaluation(claim: dict[str, Any], proof: Any, scene: Scene) -> Answer:
     """All that happens on the band."""
-    points, polynomials, products, poles = keyed(proof, "breakpoints", "factors", "functions", "poles")
-    factors, told = linked(polynomials, products, [f"{x}.{part}" for x in CURVES for part in PARTS], scene)
+    delays, points, polynomials, products, poles = keyed(
+        proof, "delays", "breakpoints", "factors", "functions", "poles"
+    )
+    names = [f"{x}.{part}" for x in CURVES for part in PARTS]
+    factors, told = linked(polynomials, products, names, scene, listed(delays, MOST_DELAYS))
     enclosures = [[number(x) for x in listed(pair, 2, 2)] for pair in listed(claim.get("frequencies"), 2000, 2)]
     chart = Chart(scene, numbers(points, 2000, 2), factors, enclosures)
     found = claimed({key: Curve(x, chart) for key, x in told.items()}, from_0=chart.from_0)
-    count = None if poles is None else zeros(poles, lambda s, pi: scene.at(s, pi)[1][::-1])
+    count = None if poles is None else zeros(poles, lambda point: scene.at(point)[1][::-1])
     at = [f"{float(x):.10g}" for x, _ in enclosures]
     lines = [f"Proven on the band from {at[0]} to {at[-1]} rad/s: {len(found['crossings'])} crossings, none missed."]
     for x in found["crossings"]:
@@ -80,7 +89,7 @@ def evaluation(claim: dict[str, Any], proof: Any, scene: Scene) -> Answer:
 def stability(claim: dict[str, Any], proof: Any, scene: Scene) -> Answer:
     """Poles under imposed motion, and roots in hands, in Re s >= 0."""
     poles, held = keyed(proof, "imposed", "held")
-    count = zeros(poles, lambda s, pi: scene.at(s, pi)[1][::-1])
+    count = zeros(poles, lambda point: scene.at(point)[1][::-1])
     found, lines = [], [f"Proven: {count} poles of H_perc in Re s >= 0 (imposed motion)."]
     rows, proofs = listed(claim.get("held"), 100), listed(held, 100)
     need(len(rows) == len(proofs), "there are not as many proofs as hands")
@@ -102,9 +111,9 @@ def in_hand(hand: Any, scene: Scene) -> dict[str, Any]:
     return dict(zip("mbk", map(number, keyed(hand, "m", "b", "k")), strict=True))
 
 
-def loop(scene: Scene, hand: Element, s: Value, pi: int) -> Ratio:
+def loop(scene: Scene, hand: Element, point: Point) -> Ratio:
     """H_perc + m s^2 + b s + k."""
-    return combined("+", scene.at(s, pi)[1], hand.at(s, pi)[0])
+    return combined("+", scene.at(point)[1], hand.at(point)[0])
 
 
 def requirement(claim: dict[str, Any], proof: Any, scene: Scene) -> Answer:
@@ -112,6 +121,7 @@ def requirement(claim: dict[str, Any], proof: Any, scene: Scene) -> Answer:
     polynomials, products, slabs = keyed(proof, "factors", "functions", "slabs")
     parts = [part for part in PARTS if part in listed(claim.get("parts"), 2, 1)]
     factors, told = linked(polynomials, products, [f"excess.{part}" for part in parts], scene)
+    need(all(type(x) is Factor for x in factors), "a factor is no polynomial")
     found = values(told, factors, slabs, scene)
     free = listed(claim.get("free"), 9, 1)
     lines = [f"Proven of {'.'.join(map(str, free))}, {' and '.join(parts)} part, on the whole band:"]

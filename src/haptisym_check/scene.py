@@ -6,7 +6,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from functools import cache, reduce
 from math import comb, factorial
-from operator import getitem
+from operator import add, getitem
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -21,34 +21,62 @@ def need(condition: object, why: str) -> None:
         raise RefusedError(why)
 
 
+MOST_DELAYS = 4
+Degrees = tuple[int, ...]
+
+
+def degree(place: int, n: int = 1) -> Degrees:
+    """That of a power of one variable: s or omega is the first, pi the next, then tan(omega tau/2) of each delay."""
+    return (0,) * place + (n,) + (0,) * (MOST_DELAYS + 1 - place)
+
+
 class Value(NamedTuple):
-    """A Gaussian integer, the value of a polynomial in s and pi at some s and pi, with bounds on its degrees in them."""
+    """A Gaussian integer, the value of a polynomial at some point, with bounds on its degrees in each variable."""
 
     re: int
     im: int = 0
-    s: int = 0
-    pi: int = 0
+    degrees: Degrees = degree(0, 0)
 
     def plus(self, x: "Value", sign: int = 1) -> "Value":
-        return Value(self.re + sign * x.re, self.im + sign * x.im, max(self.s, x.s), max(self.pi, x.pi))
+        return Value(self.re + sign * x.re, self.im + sign * x.im, tuple(map(max, self.degrees, x.degrees)))
 
     def times(self, x: "Value") -> "Value":
         re, im = self.re * x.re - self.im * x.im, self.re * x.im + self.im * x.re
-        return Value(re, im, self.s + x.s, self.pi + x.pi)
+        return Value(re, im, tuple(map(add, self.degrees, x.degrees)))
+
+    def power(self, n: int) -> "Value":
+        return reduce(Value.times, [self] * n, ONE)
 
     def conjugate(self) -> "Value":
         """For s = j omega a polynomial in omega, of the same degree."""
-        return Value(self.re, -self.im, self.s, self.pi)
+        return Value(self.re, -self.im, self.degrees)
 
 
 Ratio = tuple[Value, Value]  # a dynamics is numerator and denominator: nothing is divided, no polynomial written out
-ONE, ZERO = Value(1), Value(0, s=-(10**6), pi=-(10**6))  # the polynomial 0 has a degree below all others
+ONE, ZERO = Value(1), Value(0, 0, (-(10**6),) * (MOST_DELAYS + 2))  # the polynomial 0 has a degree below all others
+
+
+class Point(NamedTuple):
+    """Where a chain is computed: s, and whole numbers in place of pi and of tan(omega tau/2) of some delays tau."""
+
+    s: Ratio
+    pi: int
+    delays: tuple[Fraction, ...] = ()
+    tangents: tuple[int, ...] = ()
+
+    def delayed(self, lag: Fraction) -> Value:
+        """(1 - j t)^n, where exp(-s lag) = ((1 - j t)/(1 + j t))^n."""
+        if not lag:
+            return ONE
+        i = next((i for i, tau in enumerate(self.delays) if lag % tau == 0), None)
+        need(i is not None and lag / self.delays[i or 0] <= 64, "a delay: the proof has none that it is a multiple of")
+        return Value(1, -self.tangents[i or 0], degree(2 + (i or 0))).power(int(lag / self.delays[i or 0]))
 
 
 def combined(sign: str, x: Ratio, y: Ratio) -> Ratio:
     """x + y, x - y, x * y or x / y."""
-    degree, size = sum(max(v.s, 0) for v in (*x, *y)), sum(v.re.bit_length() for v in (*x, *y))
-    need(degree < 1000 and size < 10**5, "a formula is too large")
+    high, size = sum(max(*v.degrees, 0) for v in (*x, *y)), sum(v.re.bit_length() for v in (*x, *y))
+    need(high < 1000 and size < 10**5, "a formula is too large")
     if sign in "*/":
         top, bottom = y if sign == "*" else y[::-1]
         return x[0].times(top), x[1].times(bottom)
@@ -115,8 +143,8 @@ class Number(NamedTuple):
     def at(self, pi: int) -> Ratio:
         """With a whole number in place of pi."""
         up, down = max(self.pi, 0), max(-self.pi, 0)
-        top = Value(self.value.numerator * pi**up, pi=up) if self.value else ZERO
-        return top, Value(self.value.denominator * pi**down, pi=down)
+        top = Value(self.value.numerator * pi**up, 0, degree(1, up)) if self.value else ZERO
+        return top, Value(self.value.denominator * pi**down, 0, degree(1, down))
 
 
 FREE = Number(Fraction(1), 1)  # a parameter that is left free takes the place of pi
@@ -180,6 +208,11 @@ def row(model: str, given: dict[str, Any]) -> list[str]:
         weights = [comb(n, i) * factorial(2 * n - i) for i in range(n + 1)]
         back, forth = (" + ".join(f"{c}*({x}s*tau)^{i}" for i, c in enumerate(weights)) for x in ("-", ""))
         return ["tau", back, "0", "0", forth]
+    if model == "sampled-loop":
+        method, n = given.pop("method", None), given.pop("delay", 0)
+        need(type(n) is int and 0 <= n <= 20, "the delay must be a whole number of samples, from 0 to 20")
+        need(isinstance(method, str) and method in CATALOGUE["clocks"], "the method of a clock is not understood")
+        return ["T@1", f"u^{n}*(v - u)", "0", "0", f"s*T*v^{n + 1}", CATALOGUE["clocks"][method]]
     full = f"{model} Z" if "Z" in given else model
     need(full in CATALOGUE["models"], f"the model {model!r} is not understood")
     return list(CATALOGUE["models"][full])
@@ -192,19 +225,20 @@ class Element:
         """``felt``: the environment whose parameters what is rendered may refer to."""
         need(isinstance(table, dict) and isinstance(table.get("model"), str), "an environment or effect has no model")
         model, given = table["model"], {key: x for key, x in table.items() if key not in ("model", "name")}
-        own = given.pop("parameters", {})
+        own, self.lag = given.pop("parameters", {}), None
         signature, *self.texts = row(model, given)
-        names = {x.rstrip("=?"): x for x in signature.split()}
+        names = {re.split("[=?@]", x)[0]: x for x in signature.split()}
         needed = {key for key, x in names.items() if "?" not in x}
-        fits = len(self.texts) == formulas and needed <= given.keys() <= names.keys() and isinstance(own, dict)
+        fits = len(self.texts[:4]) == formulas and needed <= given.keys() <= names.keys() and isinstance(own, dict)
         need(fits and (not own or "=" in signature), f"the parameters of {model} are not understood")
         if "=" in signature:
             self.texts = [re.sub(r"\b[A-Z]\b", lambda x: str(given[x[0]]), text) for text in self.texts]
             self.numbers = {key: self.number(x, "", felt) for key, x in own.items()}
         else:
             self.numbers = {key: self.number(given.get(key, 0), key[0].lower(), felt) for key in names}
-            still = model == "pade-delay" or "tau" not in names or not self.numbers["tau"].value
-            need(still, f"{model} with a delay: this format is for rational scenes")
+        lags = [(self.numbers[key], int(x[-1])) for key, x in names.items() if "@" in x]
+        need(all(not x.pi and x.value >= 0 for x, _ in lags), "a delay is negative, or has pi in it")
+        self.lag = sum((n * x.value for x, n in lags), Fraction(0)) if lags else None
 
     @staticmethod
     def number(given: Any, kind: str, felt: "Element | None") -> Number:
@@ -215,14 +249,17 @@ class Element:
             return felt.numbers[name]
         return quantity(given, kind)
 
-    def at(self, s: Value, pi: int) -> list[Ratio]:
-        """The formulas' values."""
-        known = {name: x.at(pi) for name, x in self.numbers.items()}
-        known |= {"s": (s, ONE), "j": (Value(0, 1), ONE), "pi": (Value(pi, pi=1), ONE)}
+    def at(self, point: Point) -> list[Ratio]:
+        """The formulas' values; u/v is exp(-s lag)."""
+        known = {name: x.at(point.pi) for name, x in self.numbers.items()}
+        known |= {"s": point.s, "j": (Value(0, 1), ONE), "pi": Number(Fraction(1), 1).at(point.pi)}
+        if self.lag is not None:
+            u = point.delayed(self.lag)
+            known |= {"u": (u, ONE), "v": (u.conjugate(), ONE)}
 
         def leaf(word: str) -> Ratio:
             need(word in known or word[0] in ".0123456789", f"the name {word!r} is not known")
-            return known[word] if word in known else Number(Fraction(word)).at(pi)
+            return known[word] if word in known else Number(Fraction(word)).at(point.pi)
 
         return [evaluated(x, leaf, combined) for x in self.texts]
 
@@ -278,11 +315,14 @@ class Scene:
         hands = [{"name": "hand", **table["hand"]}] if "hand" in table else table.get("hands", [])
         self.hands = {x.get("name"): {key: y for key, y in x.items() if key != "source"} for x in hands}
 
-    def at(self, s: Value, pi: int) -> tuple[Ratio, Ratio]:
-        """H_env and H_perc, each numerator and denominator."""
-        [felt], [(top, bottom)] = self.felt.at(s, pi), self.rendered.at(s, pi)
-        for effect in self.effects:
-            (a, x), (b, y), (c, z), (d, w) = effect.at(s, pi)
+    def at(self, point: Point) -> tuple[Ratio, Ratio]:
+        """H_env and H_perc, each numerator and denominator; what is rendered with a clock, at the s of its method."""
+        effects = [effect.at(point) for effect in self.effects]
+        clocks = [s for effect in effects for s in effect[4:]]
+        need(not clocks or (len(clocks) == 1 and effects[0][4:]), "a clock that is not the first effect")
+        [felt] = self.felt.at(point)
+        [(top, bottom)] = self.rendered.at(point._replace(s=clocks[0]) if clocks else point)
+        for (a, x), (b, y), (c, z), (d, w), *_ in effects:
             above = a.times(y).times(top).plus(b.times(x).times(bottom))
             below = c.times(w).times(top).plus(d.times(z).times(bottom))
             top, bottom = above.times(z.times(w)), below.times(x.times(y))

@@ -5,9 +5,11 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
+from haptisym_check.factors import Factor
 from haptisym_check.link import Product, link
-from haptisym_check.polynomials import Polynomial, keyed, listed, numbers, polynomial, signs, sliced, turns
-from haptisym_check.scene import Ratio, Value, need
+from haptisym_check.polynomials import signs, sliced, turns
+from haptisym_check.reading import Polynomial, keyed, listed, numbers, polynomial
+from haptisym_check.scene import Point, Ratio, need
 
 PRIME = 2**61 - 1
 
@@ -40,12 +42,13 @@ def to_the_right(p: Polynomial, points: list[Fraction]) -> int:
     return (len(p) - 1 - left - (len(p) - 1) % 2 * last) // 2
 
 
-def zeros(x: Any, function: Callable[[Value, int], Ratio]) -> int:
+def zeros(x: Any, function: Callable[[Point], Ratio]) -> int:
     """Those in Re s >= 0 of a function of s and pi, counted with multiplicity."""
     told, product, cells = keyed(x, "factors", "function", "cells")
     factors = [polynomial(p) for p in listed(told, 100)]
-    own = Product(product, len(factors))
-    link({"the function": own}, [(1, p) for p in factors], lambda s, pi: {"the function": function(Value(s, s=1), pi)})
+    linked = [Factor(p) for p in factors]
+    own = Product(product, linked)
+    link({"the function": own}, linked, lambda point: {"the function": function(point)})
     need(own.number, "a function is zero everywhere")
     points, count = [numbers(row, 300) for row in listed(cells, len(factors), len(factors))], max(own.omega, 0)
     need(all(row[0] > 0 for row in points if row), "a cell is empty")

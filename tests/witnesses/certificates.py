@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,11 @@ RATIONAL = (
     "helicopter-cyclic", "sidestick", "steering-wheel", "stick-with-friction", "two-mass-resonance", "undamped-resonance",
     "zener-tissue",
 )  # fmt: skip
+DELAYED = (
+    "delayed-spring", "four-channel-teleoperation", "position-force-teleoperation", "sampled-wall", "satellite-contact", "virtual-wall",
+    "wave-variable-link", "two delays", "a clock", "a delay, and pi",
+)  # fmt: skip
+"""Scenes with delays and holds."""
 OWN = {
     "unstable": '[environment]\nmodel = "mass-spring-damper"\nm = 1\nb = 5\nk = 100\n[[effects]]\nmodel = "series"\n'
                 'G = "100/(s^2 - 0.1*s + 100)"\n[evaluation]\nband = [0, 30]\n',
@@ -39,8 +45,17 @@ OWN = {
 }  # fmt: skip
 
 
+_LATE = '[environment]\nmodel = "kelvin-voigt"\nk = 100\nb = 5\n[[effects]]\nmodel = "delay"\ntau = "20 ms"\n'
+LATE = {
+    "two delays": _LATE + '[[effects]]\nmodel = "shunt"\nm = "1/10 kg"\n[[effects]]\nmodel = "delay"\ntau = "33.3 ms"\n',
+    "a clock": '[environment]\nmodel = "kelvin-voigt"\nk = 500\nb = 3\n[[effects]]\nmodel = "sampled-loop"\nT = "2 ms"\n'
+               'method = "tustin"\ndelay = 1\n[[effects]]\nmodel = "shunt"\nm = "45 g"\n[evaluation]\nband = [5, 60]\n',
+    "a delay, and pi": _LATE + '[[effects]]\nmodel = "first-order-lag"\nomega_c = "10 Hz"\n[evaluation]\nband = ["0 Hz", "2 Hz"]\n',
+}  # fmt: skip
+
+
 def text_of(name: str) -> str:
-    return OWN[name] if name in OWN else (SCENES / f"{name}.toml").read_text(encoding="utf-8")
+    return (OWN | LATE)[name] if name in OWN or name in LATE else (SCENES / f"{name}.toml").read_text(encoding="utf-8")
 
 
 @cache
@@ -84,21 +99,20 @@ def mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
 
     factors, functions = proof["proof"]["factors"], proof["proof"]["functions"]
     inner = len(proof["proof"]["breakpoints"]) - 1
-    for i in range(1, inner) if inner < 12 else ():
+    for i in (
+        range(1, inner) if inner < 12 and not proof["proof"]["delays"] else ()
+    ):  # some cells are finer than they must be
         yield changed(f"breakpoint {i} left out", lambda x, i=i: x["proof"]["breakpoints"].pop(i))
     yield changed("the last cell left out", lambda x: x["proof"]["breakpoints"].pop())
     yield changed("the first cell left out", lambda x: x["proof"]["breakpoints"].pop(0))
     for i, factor in enumerate(factors):
-        for k, row in enumerate(factor["polynomial"]):
-            last = str(int(row[0]) + 1)
-            yield changed(
-                f"coefficient {k} of factor {i}",
-                lambda x, i=i, k=k, last=last: x["proof"]["factors"][i]["polynomial"][k].__setitem__(0, last),
-            )
-        yield changed(f"factor {i} of lower degree", lambda x, i=i: x["proof"]["factors"][i]["polynomial"].pop())
-        if len(factor["polynomial"]) > 1:
-            other = 3 - factor["step"]
-            yield changed(f"step of factor {i}", lambda x, i=i, n=other: x["proof"]["factors"][i].update(step=n))
+        for what, change in factor_mutants(factor):
+            yield changed(f"{what} of factor {i}", lambda x, i=i, change=change: change(x["proof"]["factors"][i]))
+    for i, tau in enumerate(proof["proof"]["delays"]):
+        yield changed(f"delay {i} left out", lambda x, i=i: x["proof"]["delays"].pop(i))
+        for by in (Fraction(1, 2), 2, -1, 0, 10**100):
+            other = str(Fraction(tau) * by)
+            yield changed(f"delay {i} times {by}", lambda x, i=i, n=other: x["proof"]["delays"].__setitem__(i, n))
     for name, told in functions.items():
         own = lambda x, name=name: x["proof"]["functions"][name]  # noqa: E731
         if told["number"] != "0":
@@ -155,6 +169,26 @@ def mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
     for what, change in zeros_mutants(poles, stable=proof["claim"]["stable"]) if poles else ():
         yield changed(what, lambda x, change=change: change(x["proof"]["poles"]))
     yield from frame_mutants(proof)
+
+
+def factor_mutants(factor: dict[str, Any]) -> Iterator[tuple[str, Callable[[dict[str, Any]], object]]]:
+    """Changes of one factor."""
+    step = factor.get("step")
+    if step and len(factor["polynomial"]) > 1:
+        yield "step", lambda x: x.update(step=3 - step)
+    for n, rows in enumerate([factor["polynomial"]] if step else [p for _, p in factor["terms"]]):
+        own = lambda x, n=n: x["polynomial"] if "step" in x else x["terms"][n][1]  # noqa: E731
+        yield f"degree {n}", lambda x, own=own: own(x).pop()
+        for k, row in enumerate(rows):
+            more = str(int(row[0]) + 1)
+            yield f"coefficient {k} of {n}", lambda x, own=own, k=k, more=more: own(x)[k].__setitem__(0, more)
+    for n, (turns, _) in enumerate(factor.get("terms", ())):
+        yield f"term {n} left out", lambda x, n=n: x["terms"].pop(n)
+        yield f"term {n} twice", lambda x, n=n: x["terms"].append(x["terms"][n])
+        for k, turn in enumerate(turns):
+            yield f"a sine more in term {n}", lambda x, n=n, k=k, m=turn + 1: x["terms"][n][0].__setitem__(k, m)
+    for k, most in enumerate(factor.get("waves", ())):
+        yield "a cosine more", lambda x, k=k, m=most + 1: x["waves"].__setitem__(k, m)
 
 
 def frame_mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -402,6 +436,7 @@ def _hostile() -> Iterator[tuple[str, str]]:
     yield "lists for numbers", with_proof(breakpoints=[[], {}])
     yield "null", with_proof(functions=None)
     yield "other digits", with_proof(breakpoints=["٣", "15"])
+    yield from _hostile_waves(with_proof)
     held = json.loads(of_stability("a hand")[0])
     cells = [[str(n) for n in range(1, 301)] for _ in held["proof"]["imposed"]["cells"]]
     yield (
@@ -424,3 +459,25 @@ def _hostile() -> Iterator[tuple[str, str]]:
         yield name, json.dumps({**values, "proof": {**values["proof"], "slabs": slabs}})
     for free in (["effects"] * 9, ["environment", 10**5], [[], {}]):
         yield f"the path {free}", json.dumps({**values, "claim": {**values["claim"], "free": free}})
+
+
+def _hostile_waves(with_proof: Callable[..., str]) -> Iterator[tuple[str, str]]:
+    """The same with sines and cosines."""
+    known = list(product(range(17), range(17)))
+    for name, waves, terms in (
+        ("many sines", [16, 16], [[list(x), [["1"]]] for x in known]),
+        ("many terms", [16, 16], [[list(x), [["1"] * 100] * 30] for x in known]),
+        ("long numbers among sines", [16, 16], [[list(x), [["9" * 2000]] * 5] for x in known]),
+        ("a high degree among sines", [1, 1], [[[0, 0], [["1"]] * 300]]),
+        ("high powers of pi among sines", [1, 1], [[[0, 0], [["1"] * 100] * 300]]),
+    ):
+        factor = {"waves": waves, "terms": terms}
+        functions = {
+            f"{x}.{part}": {"number": "1", "omega": 0, "powers": [[0, 1], [1, -1]]}
+            for x in ("environment", "perceived", "difference", "sum", "excess")
+            for part in ("real", "imag")
+        }
+        own = {"delays": ["1/3", "1/7"], "factors": [factor] * 2, "functions": functions}
+        yield name, with_proof(**own, breakpoints=["0", *(f"1/{n}" for n in range(1500, 1, -1)), "15"])
+    yield "delays without end", with_proof(delays=[f"1/{n}" for n in range(1, 100_000)])
+    yield "no delays", with_proof(delays=None)

@@ -210,20 +210,37 @@ const haptisymCheck = (function () {
     return root;
   }
 
-  // Values: Gaussian integers, each that of a polynomial in s and pi, with bounds on its degrees in them.
+  // Values: Gaussian integers, each that of a polynomial, with bounds on its degrees: in s or omega, in pi, in tan(omega tau/2) of delays.
 
-  const value = (re, im = 0n, s = 0, pi = 0) => ({ re, im, s, pi });
-  const plus = (x, y, sign = 1n) => value(x.re + sign * y.re, x.im + sign * y.im, Math.max(x.s, y.s), Math.max(x.pi, y.pi));
-  const times = (x, y) => value(x.re * y.re - x.im * y.im, x.re * y.im + x.im * y.re, x.s + y.s, x.pi + y.pi);
+  const MOST_DELAYS = 4;
+  const degree = (place, n) => Array.from({ length: MOST_DELAYS + 2 }, (_, i) => (i === place ? n : 0));
+  const CONSTANT = degree(0, 0);
+
+  const value = (re, im = 0n, own = CONSTANT) => ({ re, im, degrees: own });
+  const plus = (x, y, sign = 1n) => value(x.re + sign * y.re, x.im + sign * y.im, x.degrees.map((n, i) => Math.max(n, y.degrees[i])));
+  const times = (x, y) => value(x.re * y.re - x.im * y.im, x.re * y.im + x.im * y.re, x.degrees.map((n, i) => n + y.degrees[i]));
   const conjugate = (x) => ({ ...x, im: -x.im });
   const UNIT = value(1n);
-  const NOTHING = value(0n, 0n, -1e6, -1e6);
+  const NOTHING = value(0n, 0n, CONSTANT.map(() => -1e6));
+  const raised = (x, n) => Array.from({ length: n }).reduce((y) => times(y, x), UNIT);
+
+  /** Where a chain is computed: s, a ratio, and whole numbers in place of pi and of the tangents of some delays. */
+  const point = (s, pi, delays = [], tangents = []) => ({ s, pi, delays, tangents });
+  const onAxis = (x, pi, delays, tangents) => point([value(0n, x, degree(0, 1)), UNIT], pi, delays, tangents);
+
+  /** (1 - j t)^n, where exp(-s lag) = ((1 - j t)/(1 + j t))^n. */
+  function delayed(where, lag) {
+    if (!lag.n) return UNIT;
+    const i = where.delays.findIndex((tau) => lag.over(tau).d === 1n);
+    need(i >= 0 && lag.over(where.delays[i]).n <= 64n, "a delay: the proof has none that it is a multiple of");
+    return raised(value(1n, -where.tangents[i], degree(2 + i, 1)), Number(lag.over(where.delays[i]).n));
+  }
 
   /** x + y, x - y, x * y or x / y of pairs of numerator and denominator. */
   function combined(sign, x, y) {
     const all = [...x, ...y];
     const bits = all.reduce((n, v) => n + v.re.toString(16).length * 4, 0);
-    need(all.reduce((n, v) => n + Math.max(v.s, 0), 0) < 1000 && bits < 1e5, "a formula is too large");
+    need(all.reduce((n, v) => n + Math.max(...v.degrees, 0), 0) < 1000 && bits < 1e5, "a formula is too large");
     if (sign === "*") return [times(x[0], y[0]), times(x[1], y[1])];
     if (sign === "/") return [times(x[0], y[1]), times(x[1], y[0])];
     return [plus(times(x[0], y[1]), times(y[0], x[1]), sign === "+" ? 1n : -1n), times(x[1], y[1])];
@@ -295,14 +312,14 @@ const haptisymCheck = (function () {
 
   function at(x, pi) {
     const [up, down] = [Math.max(x.pi, 0), Math.max(-x.pi, 0)];
-    const top = x.value.n ? value(x.value.n * pi ** BigInt(up), 0n, 0, up) : NOTHING;
-    return [top, value(x.value.d * pi ** BigInt(down), 0n, 0, down)];
+    const top = x.value.n ? value(x.value.n * pi ** BigInt(up), 0n, degree(1, up)) : NOTHING;
+    return [top, value(x.value.d * pi ** BigInt(down), 0n, degree(1, down))];
   }
 
   /** A number of a JND at a frequency, numerator and denominator. */
-  function limitAt(x, omega, pi) {
+  function limitAt(x, { s: [{ im: omega }], pi }) {
     if (x.value) return at(x, pi);
-    return evaluated(x, (word) => (word === "omega" ? [value(omega, 0n, 1), UNIT] : at(quantityOf(decimal(word)), pi)), combined);
+    return evaluated(x, (word) => (word === "omega" ? [value(omega, 0n, degree(0, 1)), UNIT] : at(quantityOf(decimal(word)), pi)), combined);
   }
 
   function reader(catalogue) {
@@ -365,10 +382,17 @@ const haptisymCheck = (function () {
         need(order && order.whole && order.whole.n >= 1n && order.whole.n <= 10n, "the order must be a whole number from 1 to 10");
         given.delete("order");
         const n = Number(order.whole.n);
-        const factorial = (k) => (k > 1 ? BigInt(k) * factorial(k - 1) : 1n);
         const weight = (i) => (factorial(n) / factorial(i) / factorial(n - i)) * factorial(2 * n - i);
         const p = (x) => Array.from({ length: n + 1 }, (_, i) => `${weight(i)}*(${x}s*tau)^${i}`).join(" + ");
         return ["tau", p("-"), "0", "0", p("")];
+      }
+      if (model === "sampled-loop") {
+        const [method, samples] = [given.get("method"), given.has("delay") ? given.get("delay") : { whole: ZERO }];
+        need(samples && samples.whole && samples.whole.n >= 0n && samples.whole.n <= 20n, "the delay must be a whole number of samples, from 0 to 20");
+        need(typeof method === "string" && own(catalogue.clocks, method), "the method of a clock is not understood");
+        ["method", "delay"].forEach((key) => given.delete(key));
+        const n = Number(samples.whole.n);
+        return ["T@1", `u^${n}*(v - u)`, "0", "0", `s*T*v^${n + 1}`, catalogue.clocks[method]];
       }
       const full = given.has("Z") ? `${model} Z` : model;
       need(own(catalogue.models, full), `the model ${model.slice(0, 40)} is not understood`);
@@ -382,9 +406,9 @@ const haptisymCheck = (function () {
       const given = new Map([...table].filter(([key]) => !["model", "name", "parameters"].includes(key)));
       const free = table.get("parameters") || new Map();
       const [signature, ...texts] = row(model, given);
-      const names = new Map(signature.split(" ").map((x) => [x.replace(/[=?]$/, ""), x]));
-      const complete = [...names].every(([key, x]) => x.endsWith("?") || given.has(key));
-      const fits = texts.length === count && complete && [...given.keys()].every((key) => names.has(key)) && free instanceof Map;
+      const names = new Map(signature.split(" ").map((x) => [x.replace(/[=?@].*$/, ""), x]));
+      const complete = [...names].every(([key, x]) => x.includes("?") || given.has(key));
+      const fits = Math.min(texts.length, 4) === count && complete && [...given.keys()].every((key) => names.has(key)) && free instanceof Map;
       const formulas = signature.includes("=");
       need(fits && (formulas || !free.size), `the parameters of ${model} are not understood`);
       const referred = (x, kind) => {
@@ -397,14 +421,21 @@ const haptisymCheck = (function () {
       const trees = texts.map((text) => parsed(formulas ? text.replace(/\b[A-Z]\b/, (x) => written(given.get(x))) : text));
       const values = formulas ? [...free].map(([key, x]) => [key, referred(x, "")]) : [...names.keys()].map((key) => [key, referred(given.has(key) ? given.get(key) : ZERO, key[0].toLowerCase())]);
       const numbers = new Map(values);
-      const delay = !formulas && model !== "pade-delay" && numbers.has("tau") && numbers.get("tau").value.n;
-      need(!delay, `${model} with a delay: this format is for rational scenes`);
-      return { trees, numbers, isStill: !formulas && model !== "pade-delay" };
+      const lags = formulas ? [] : [...names].filter(([, x]) => x.includes("@")).map(([key, x]) => [key, new Fraction(BigInt(x.split("@")[1]))]);
+      return { trees, numbers, lags };
     }
 
-    function evaluatedElement(x, s, pi) {
+    /** The formulas' values; u/v is exp(-s lag). */
+    function evaluatedElement(x, where) {
+      const { pi } = where;
       const known = new Map([...x.numbers].map(([name, number]) => [name, at(number, pi)]));
-      known.set("s", [s, UNIT]).set("j", [value(0n, 1n), UNIT]).set("pi", [value(pi, 0n, 0, 1), UNIT]);
+      known.set("s", where.s).set("j", [value(0n, 1n), UNIT]).set("pi", [value(pi, 0n, degree(1, 1)), UNIT]);
+      x.lags.forEach(([key, n]) => {
+        const lag = x.numbers.get(key);
+        need(lag.pi === 0 && lag.value.n >= 0n, "a delay is negative, or has pi in it");
+        const u = delayed(where, lag.value.times(n));
+        known.set("u", [u, UNIT]).set("v", [conjugate(u), UNIT]);
+      });
       const leaf = (word) => {
         if (known.has(word)) return known.get(word);
         need(/^[.0-9]/.test(word), `the name ${word.slice(0, 40)} is not known`);
@@ -514,14 +545,16 @@ const haptisymCheck = (function () {
           need(numbers || every.length === 1, "the scene has no hand of that name");
           const given = numbers ? numbers.map((x, i) => ["mbk"[i], x]) : [...every[0]].filter(([key]) => key !== "source");
           const own = element(new Map([["model", "mass-spring-damper"], ...given]), 1);
-          return (s, pi) => evaluatedElement(own, s, pi)[0];
+          return (where) => evaluatedElement(own, where)[0];
         },
-        /** H_env and H_perc, each numerator and denominator. */
-        at(s, pi) {
-          const [env] = evaluatedElement(own, s, pi);
-          let [[top, bottom]] = evaluatedElement(source, s, pi);
-          between.forEach((effect) => {
-            const [[a, x], [b, y], [c, z], [d, w]] = evaluatedElement(effect, s, pi);
+        /** H_env and H_perc, each numerator and denominator; what is rendered with a clock, at the s of its method. */
+        at(where) {
+          const effects = between.map((effect) => evaluatedElement(effect, where));
+          const clocks = effects.flatMap((x) => x.slice(4));
+          need(!clocks.length || (clocks.length === 1 && effects[0].length > 4), "a clock that is not the first effect");
+          const [env] = evaluatedElement(own, where);
+          let [[top, bottom]] = evaluatedElement(source, clocks.length ? { ...where, s: clocks[0] } : where);
+          effects.forEach(([[a, x], [b, y], [c, z], [d, w]]) => {
             const above = plus(times(times(a, y), top), times(times(b, x), bottom));
             const below = plus(times(times(c, w), top), times(times(d, z), bottom));
             [top, bottom] = [times(above, times(z, w)), times(below, times(x, y))];
@@ -593,29 +626,33 @@ const haptisymCheck = (function () {
   function product(x, factors) {
     const [told, omega, rows] = keyed(x, "number", "omega", "powers");
     const pairs = listed(rows, 500).map((row) => listed(row, 2, 2));
-    const powers = new Map(pairs.map(([i, n]) => [whole(i, 0, factors - 1), whole(n, -100, 100)]));
+    const powers = new Map(pairs.map(([i, n]) => [whole(i, 0, factors.length - 1), whole(n, -100, 100)]));
     need(powers.size === pairs.length, "a factor stands twice in a product");
-    return { number: number(told), omega: whole(omega, -500, 500), powers };
+    const turns = (factors.length ? factors[0].waves : []).map((_, k) => [...powers].reduce((sum, [i, n]) => sum + n * factors[i].waves[k], 0));
+    need(turns.every((n) => n % 2 === 0), "a product changes its sign in a turn");
+    return { number: number(told), omega: whole(omega, -500, 500), powers, circles: turns.map((n) => -n / 2) }; // cos^2 = 1/(1 + t^2)
   }
 
-  const each = (p) => [[-1, p.omega], ...p.powers];
+  /** What is raised to which power, with values (or degrees) of x, of the factors and of 1 + t^2 for each tangent t. */
+  const each = (p, x, factors, circles) => [[x, p.omega], ...[...p.powers].map(([i, n]) => [factors[i], n]), ...circles.map((c, i) => [c, p.circles[i] || 0])];
 
-  /** Numerator and denominator, with values of x and the factors. */
-  function sides(p, x, factors) {
+  /** Numerator and denominator. */
+  function sides(p, x, factors, circles) {
     const found = [p.number.n, p.number.d];
-    each(p).forEach(([i, n]) => { found[n < 0 ? 1 : 0] *= (i < 0 ? x : factors[i]) ** BigInt(Math.abs(n)); });
+    each(p, x, factors, circles).forEach(([y, n]) => { found[n < 0 ? 1 : 0] *= y ** BigInt(Math.abs(n)); });
     return found;
   }
 
-  /** Their degrees, with degrees of x and the factors. */
-  function degrees(p, own, factors) {
+  /** Their degrees in the variable of that place. */
+  function degrees(p, place, factors, count) {
     const found = [0, 0];
-    each(p).forEach(([i, n]) => { found[n < 0 ? 1 : 0] += (i < 0 ? own : factors[i]) * Math.abs(n); });
+    const circles = Array.from({ length: count }, (_, i) => (place === 2 + i ? 2 : 0));
+    each(p, place ? 0 : 1, factors.map((x) => x.degrees[place]), circles).forEach(([y, n]) => { found[n < 0 ? 1 : 0] += y * Math.abs(n); });
     return found;
   }
 
-  function functions(scene, omega, pi) {
-    const [[n, d], [p, q]] = scene.at(value(0n, omega, 1), pi);
+  function functions(scene, where) {
+    const [[n, d], [p, q]] = scene.at(where);
     const [pd, qn, dq] = [times(p, d), times(q, n), times(d, q)];
     const pairs = { environment: [n, d], perceived: [p, q], difference: [plus(pd, qn, -1n), dq], sum: [plus(pd, qn), dq] };
     const found = {};
@@ -626,7 +663,7 @@ const haptisymCheck = (function () {
       found[`${name}.imag`] = [{ ...turned, re: turned.im, im: 0n }, below];
     });
     const root = times(times(n, d), times(q, q)); // X^2/|H|^2 = (Re ((P D - Q N) conj(D Q)))^2/(|N|^2 |D|^2 |Q|^4)
-    Object.entries(judged(scene.region, found, times(root, conjugate(root)), omega, pi)).forEach(([name, terms]) => {
+    Object.entries(judged(scene.region, found, times(root, conjugate(root)), where)).forEach(([name, terms]) => {
       const alone = terms.length === 1 && terms[0].length === 1;
       terms.forEach((term, i) => term.forEach((f, j) => { found[alone ? name : `${name}.${i}.${j}`] = f; }));
     });
@@ -644,8 +681,8 @@ const haptisymCheck = (function () {
   const ONCE = [UNIT, UNIT];
 
   /** What must not be positive at a frequency, of a JND; `size`: of the square of |H|, but for what stands below dH. */
-  function judged(region, found, size, omega, pi) {
-    const limit = (x) => limitAt(x, omega, pi);
+  function judged(region, found, size, where) {
+    const limit = (x) => limitAt(x, where);
     const over = (x) => [x[0], times(x[1], size)];
     const [x, y] = PARTS.map((part) => [found[`difference.${part}`][0], UNIT]);
     const change = PARTS.map((part) => found[`difference.${part}`]);
@@ -702,31 +739,38 @@ const haptisymCheck = (function () {
 
   const sum = (list) => list.reduce((x, y) => x + y, 0n);
 
-  /** Refused unless the products are the functions of a scene at (x, pi): on a grid that decides it. */
-  function link(told, factors, scene) {
-    const byX = factors.map(({ step, rows }) => step * (rows.length - 1));
-    const byPi = factors.map(({ rows }) => Math.max(...rows.map((row) => row.length)) - 1);
-    const grid = Object.entries(scene(0n, 1n)).map(([name, [top, bottom]]) => {
-      const [[up, down], [over, under]] = [degrees(told[name], 1, byX), degrees(told[name], 0, byPi)];
-      return [name, Math.max(top.s + down, bottom.s + up, 0) + 1, Math.max(top.pi + under, bottom.pi + over, 0) + 1];
-    });
-    const [n, m] = [1, 2].map((i) => Math.max(...grid.map((row) => row[i])));
-    need(n <= 3000 && n * m <= 1e5, "the degrees are too high");
+  /** All points of a grid of that size, the last coordinate the quickest. */
+  function* grid(size, start = []) {
+    if (start.length === size.length) yield start;
+    else for (let k = 0; k < size[start.length]; k += 1) yield* grid(size, [...start, k]);
+  }
+
+  /** Refused unless the products are the functions of a scene at (x, pi, tangents): on a grid that decides it. */
+  function link(told, factors, scene, delays = []) {
+    const places = Array.from({ length: 2 + delays.length }, (_, i) => i);
+    const bounds = Object.entries(scene(0n, 1n, delays.map(() => 0n))).map(([name, [top, bottom]]) => [name, places.map((i) => {
+      const [up, down] = degrees(told[name], i, factors, delays.length);
+      return Math.max(top.degrees[i] + down, bottom.degrees[i] + up, 0);
+    })]);
+    const size = places.map((i) => Math.max(...bounds.map(([, most]) => most[i])) + 1);
+    const entries = factors.reduce((n, f) => n + f.entries, 500);
+    need(size[0] <= 3000 && size.reduce((x, y) => x * y) * entries <= 4e7, "the degrees are too high");
     const vanishing = new Set(Object.keys(told));
-    for (let pi = 1; pi <= m; pi += 1) {
-      const rows = factors.map(({ step, rows: p }) => [step, p.map((row) => sum(row.map((c, i) => c * BigInt(pi) ** BigInt(i))))]);
-      const most = Math.max(...grid.map(([, k, l]) => (l >= pi ? k : 0)));
-      for (let x = 0; x < most; x += 1) {
-        const values = rows.map(([step, p]) => p.reduceRight((y, c) => y * BigInt(x) ** BigInt(step) + c, 0n));
-        const found = scene(BigInt(x), BigInt(pi));
-        grid.forEach(([name, k, l]) => {
-          if (x >= k || pi > l) return;
-          const [top, bottom] = found[name];
-          const [left, right] = sides(told[name], BigInt(x), values);
-          need(left * bottom.re === right * top.re && left * bottom.im === right * top.im, `${name} is not that of the scene`);
-          if ((bottom.re || bottom.im) && right) vanishing.delete(name);
-        });
-      }
+    let [rows, before] = [[], ""];
+    for (const steps of grid(size)) {
+      const own = bounds.filter(([, most]) => steps.every((k, i) => k <= most[i]));
+      if (!own.length) continue;
+      const [x, pi, ...tangents] = steps.map((k, i) => BigInt(i === 1 ? k + 1 : k));
+      if (before !== `${x} ${pi}`) rows = factors.map((f) => f.at(x, pi));
+      before = `${x} ${pi}`;
+      const values = rows.map((terms) => sum(terms.map(([turns, y]) => turns.reduce((z, k, i) => z * tangents[i] ** BigInt(k), y))));
+      const found = scene(x, pi, tangents);
+      own.forEach(([name]) => {
+        const [top, bottom] = found[name];
+        const [left, right] = sides(told[name], x, values, tangents.map((t) => 1n + t * t));
+        need(left * bottom.re === right * top.re && left * bottom.im === right * top.im, `${name} is not that of the scene`);
+        if ((bottom.re || bottom.im) && right) vanishing.delete(name);
+      });
     }
     need(!vanishing.size, `${[...vanishing].join(", ")} is nowhere defined`);
   }
@@ -779,6 +823,186 @@ const haptisymCheck = (function () {
   const sign = (p, x) => agreed(p.map((row) => [moved(row, x, INFINITY)[0]]))[0];
   const changes = (signs) => signs.slice(1).filter((x, i) => x !== signs[i]).length;
 
+  /** A polynomial in x^step; `waves`: its degree in sine and cosine for each delay. */
+  function factor(step, rows, delays = []) {
+    const none = delays.map(() => 0);
+    let own = null;
+    const slices = () => (own = own || bounds(rows));
+    const signs = (a, b) => agreed(slices().map((p) => moved(p, a.power(step), b.power(step))));
+    return { ...summed(step, none, [[none, rows]]), step, rows, cost: rows.length ** 3, signs, sign: (x) => sign(slices(), x.power(step)) };
+  }
+
+  /** What a sum of terms has in common with a polynomial: degrees, and the values of its polynomials. */
+  function summed(step, waves, terms) {
+    const inPi = Math.max(...terms.map(([, p]) => Math.max(...p.map((row) => row.length)))) - 1;
+    return {
+      waves,
+      entries: terms.reduce((n, [, p]) => n + p.flat().length, 0),
+      degrees: [step * (Math.max(...terms.map(([, p]) => p.length)) - 1), inPi, ...waves],
+      at: (x, pi) => terms.map(([turns, p]) => [turns, p.reduceRight((y, row) => y * x ** BigInt(step) + row.reduceRight((z, c) => z * pi + c, 0n), 0n)]),
+    };
+  }
+
+  // Rule 7: signs of sums of polynomials times sines and cosines of omega tau/2, from Taylor's sums and his remainder. A ball is a middle
+  // and a radius in parts of one; a series has balls that hold h^n f^(n)/n!, n from 0 to ORDER, wherever in an interval.
+
+  const ORDER = 14;
+  const factorial = (n) => (n > 1 ? BigInt(n) * factorial(n - 1) : 1n);
+  const PARTS_OF_ONE = factorial(ORDER) * 10n ** 70n;
+  const NONE = [0n, 0n];
+  const down = (n, d) => n / d - (n % d < 0n ? 1n : 0n);
+  const up = (n, d) => -down(-n, d);
+  const rounded = (middle, radius, by) => [down(middle, by), up(radius, by) + (middle % by ? 1n : 0n)];
+  const ballOf = (x) => rounded(x.n * PARTS_OF_ONE, 0n, x.d);
+  const added = (p, q) => p.map(([a, b], i) => [a + q[i][0], b + q[i][1]]);
+  const sizeOf = ([a, b], [c, d]) => size(a) * d + b * (size(c) + d);
+
+  /** Leibniz: the coefficients of a product. */
+  const multiplied = (p, q) => p.map((_, n) => {
+    let [middle, radius] = NONE;
+    for (let k = 0; k <= n; k += 1) {
+      if (!p[k][0] && !p[k][1]) continue;
+      middle += p[k][0] * q[n - k][0];
+      radius += sizeOf(p[k], q[n - k]);
+    }
+    return rounded(middle, radius, PARTS_OF_ONE);
+  });
+
+  /** cos x and sin x, x >= 0: Taylor's sums at x/2^n < 1/2, and angles doubled n times. */
+  function circle(x) {
+    const whole = (2n * x.n) / x.d;
+    const n = whole ? whole.toString(2).length : 0;
+    need(n < 50, "an angle is too large");
+    const [finer, unit] = [10n ** 20n, PARTS_OF_ONE * 10n ** 20n];
+    const y = (x.n * unit) / (x.d * 2n ** BigInt(n));
+    const terms = [unit];
+    for (let k = 1n; k < 52n; k += 1n) terms.push((terms[terms.length - 1] * y) / (unit * k));
+    let [c, s] = [0, 1].map((i) => [down(terms.reduce((z, term, k) => (k % 2 === i ? z + (k % 4 < 2 ? term : -term) : z), 0n), finer), x.n ? 2n : 0n]);
+    for (let k = 0; k < n; k += 1) {
+      const [[[a, b]], [[d, e]], [[f, g]]] = [multiplied([c], [c]), multiplied([s], [s]), multiplied([c], [s])];
+      [c, s] = [[a - d, b + e], [2n * f, 2n * g]];
+    }
+    return [c, s];
+  }
+
+  /** Powers of omega (0), of sines (1, 3, ...) and their cosines (2, 4, ...), as series with the step h, wherever from low to high. */
+  function placed(delays, low, high, step) {
+    const two = new Fraction(2n);
+    const [middle, reach] = [low.plus(high).over(two), high.minus(low).over(two)];
+    const radius = up(reach.n * PARTS_OF_ONE, reach.d);
+    const start = ballOf(middle);
+    const first = [[PARTS_OF_ONE, 0n], ...Array(ORDER).fill(NONE)];
+    const own = [[[start[0], start[1] + radius], ballOf(step), ...Array(ORDER - 1).fill(NONE)]];
+    delays.forEach((tau) => {
+      const rate = tau.over(two);
+      const [[c, d], [s, t]] = circle(middle.times(rate)).map(([m, r]) => [m, r + up(radius * rate.n, rate.d)]); // no slope is above 1
+      const turns = [[c, d], [-s, t], [-c, d], [s, t]];
+      const weights = [ONE];
+      for (let n = 1n; n <= ORDER; n += 1n) weights.push(weights[weights.length - 1].times(step.times(rate)).over(new Fraction(n)));
+      [3, 0].forEach((i) => own.push(weights.map((w, n) => rounded(turns[(n + i) % 4][0] * w.n, turns[(n + i) % 4][1] * w.n, w.d))));
+    });
+    const known = own.map(() => [first]);
+    return (i, n) => {
+      while (known[i].length <= n) known[i].push(multiplied(own[i], known[i][known[i].length - 1]));
+      return known[i][n];
+    };
+  }
+
+  /** The last few of them, as many factors ask for the same ones. */
+  const places = new Map();
+
+  function placeOf(delays, low, high, step) {
+    const key = [...delays, low, high, step].map((x) => `${x.n}/${x.d}`).join();
+    if (!places.has(key)) {
+      if (places.size > 7) places.delete(places.keys().next().value);
+      places.set(key, placed(delays, low, high, step));
+    }
+    return places.get(key);
+  }
+
+  /** The sign for all v from 0 to 1, if Bernstein's coefficients show it; else 0. */
+  function steady(model) {
+    const [low, high] = [-1n, 1n].map((way) => moved(model.map(([c, d]) => c + way * d), ZERO, ONE));
+    return low.every((x) => x > 0n) ? 1 : high.every((x) => x < 0n) ? -1 : 0;
+  }
+
+  /** The sign of a sum. */
+  function strict(model) {
+    const [middle, radius] = [0, 1].map((i) => sum(model.map((x) => x[i])));
+    need(size(middle) > radius, "a sign stays open");
+    return middle > 0n ? 1 : -1;
+  }
+
+  const powersOfPi = new Map();
+
+  function powerOfPi(n) {
+    if (!powersOfPi.has(n)) {
+      const [low, high] = PI.map((x) => (x ** BigInt(n) * PARTS_OF_ONE) / SCALE ** BigInt(n));
+      powersOfPi.set(n, [low, high - low + 1n]);
+    }
+    return powersOfPi.get(n);
+  }
+
+  const inPi = (row) => [sum(row.map((c, n) => c * powerOfPi(n)[0])), sum(row.map((c, n) => size(c) * powerOfPi(n)[1]))];
+
+  /** A sum of polynomials in omega times powers of sines, and of cosines with what is missing to a degree, of omega tau/2. */
+  function waveFactor(x, delays) {
+    const [told, rows] = keyed(x, "waves", "terms");
+    const waves = listed(told, delays.length, delays.length).map((n) => whole(n, 0, 40));
+    const terms = listed(rows, 300, 1).map((row) => {
+      const [turns, p] = listed(row, 2, 2);
+      return [listed(turns, delays.length, delays.length).map((k, i) => whole(k, 0, waves[i])), polynomial(p)];
+    });
+    need(new Set(terms.map(([turns]) => turns.join())).size === terms.length, "a term stands twice in a factor");
+    const every = terms.flatMap(([, p]) => p);
+    const sizes = every.reduce((n, row) => n + Math.max(...row.map((c) => 4 * c.toString(16).length)) + row.length + 40, 0);
+    const cost = (sizes + 500 * terms.length * (1 + waves.reduce((n, k) => n + k, 0))) * ORDER;
+    need(cost < 1e8, "a factor is too large");
+
+    /** `number`: what a coefficient is, with pi in it. */
+    const series = (at, number = inPi) => terms.reduce((total, [turns, p]) => {
+      const inOmega = p.reduce((term, row, n) => {
+        const own = number(row);
+        return added(term, at(0, n).map((y) => rounded(own[0] * y[0], sizeOf(own, y), PARTS_OF_ONE)));
+      }, Array(ORDER + 1).fill(NONE));
+      return added(total, turns.reduce((term, k, i) => multiplied(multiplied(term, at(2 * i + 1, k)), at(2 * i + 2, waves[i] - k)), inOmega));
+    }, Array(ORDER + 1).fill(NONE));
+
+    /** With a step that makes all angles whole numbers coefficients are exact; each power of pi in them is looked at alone. */
+    function orderAt0() {
+      const step = new Fraction(2n * delays.reduce((n, { d }) => (n / divisor(n, d)) * d, 1n));
+      const here = placeOf(delays, ZERO, ZERO, step);
+      const width = Math.max(...every.map((row) => row.length));
+      const found = Array.from({ length: width }, (_, i) => series(here, (row) => [(row[i] || 0n) * PARTS_OF_ONE, 0n]));
+      const order = found[0].findIndex((_, n) => n < ORDER && found.some((row) => row[n][0] || row[n][1]));
+      need(order >= 0, "the order of a zero at 0 stays open");
+      return order;
+    }
+
+    let first = null;
+    return {
+      ...summed(1, waves, terms),
+      cost,
+      signs(a, b) {
+        const [here, there] = [a, b].map((end) => series(placeOf(delays, a, end, b.minus(a))));
+        const model = [...here.slice(0, -1), there[ORDER]]; // the sum of c_n v^n from 0 to 1 (Lagrange)
+        if (!a.n && first === null) first = orderAt0();
+        const lead = a.n ? 0 : first;
+        const found = steady(model.slice(lead));
+        if (found) return [...Array(lead).fill(0), found];
+        need(!lead && steady(model.map(([c, d], n) => [BigInt(n) * c, BigInt(n) * d]).slice(1)), "a sign stays open");
+        return [strict(model.slice(0, 1)), strict(model)];
+      },
+      sign: (at) => strict(series(placeOf(delays, at, at, ZERO))),
+    };
+  }
+
+  function factorOf(x, delays) {
+    if (x && typeof x === "object" && "waves" in x) return waveFactor(x, delays);
+    const [step, p] = keyed(x, "step", "polynomial");
+    return factor(whole(step, 1, 2), polynomial(p), delays);
+  }
+
   /** Bounds of the low end of the band, and of the high end. */
   const endsOf = (scene) => scene.band.map((x) => PI.map((pi) => x.value.times(new Fraction(pi, SCALE).power(x.pi))).sort((x, y) => x.compare(y)));
 
@@ -787,22 +1011,21 @@ const haptisymCheck = (function () {
     const ends = endsOf(scene);
     const [[low, lowTop], [high, highTop]] = ends;
     const last = points.length - 1;
-    const up = (...list) => list.every((x, i) => !i || list[i - 1].compare(x) <= 0);
-    need(up(ZERO, points[0], low) && up(lowTop, points[1]), "the first cell does not hold the low end of the band");
-    need(up(points[last - 1], high) && up(highTop, points[last]), "the last cell does not hold the high end of the band");
+    const ascend = (...list) => list.every((x, i) => !i || list[i - 1].compare(x) <= 0);
+    need(ascend(ZERO, points[0], low) && ascend(lowTop, points[1]), "the first cell does not hold the low end of the band");
+    need(ascend(points[last - 1], high) && ascend(highTop, points[last]), "the last cell does not hold the high end of the band");
     need(lowTop.compare(high) < 0 && points.every((x, i) => !i || points[i - 1].compare(x) < 0), "the breakpoints do not ascend");
     const bits = points.reduce((n, x) => n + 4 * (x.d.toString(16).length + x.n.toString(16).length), 0);
-    need(bits * factors.reduce((n, { rows }) => n + rows.length ** 3, 0) < 2e9, "the cells are too many, or too fine");
-    const rows = factors.map(({ step, rows: p }) => [step, bounds(p)]);
+    need(bits * factors.reduce((n, { cost }) => n + cost, 0) < 2e9, "the cells are too many, or too fine");
     const chart = { from0: lowTop.n === 0n, orders: [new Map()], signs: [] };
     const trailing = new Map();
     let used = 1;
-    need(told.length > 1 && up(told[0][0], low) && up(lowTop, told[0][1]), "the low end of the band is not in its enclosure");
+    need(told.length > 1 && ascend(told[0][0], low) && ascend(lowTop, told[0][1]), "the low end of the band is not in its enclosure");
     for (let k = 0; k < last; k += 1) {
       const [a, b] = [points[k], points[k + 1]];
       const starts = low.compare(a) === 0 && lowTop.compare(a) === 0;
       const stops = high.compare(b) === 0 && highTop.compare(b) === 0;
-      const found = rows.map(([step, ps]) => agreed(ps.map((p) => moved(p, a.power(step), b.power(step)))));
+      const found = factors.map((f) => f.signs(a, b));
       const inner = found.map((signs) => signs.filter((x) => x));
       found.forEach((signs, i) => {
         const lead = signs.findIndex((x) => x);
@@ -820,15 +1043,14 @@ const haptisymCheck = (function () {
         need(used < told.length, "there are more places than frequencies");
         const [x, y] = told[used];
         used += 1;
-        const [step, ps] = rows[i];
-        need(up(a, x, y, b) && sign(ps, x.power(step)) * sign(ps, y.power(step)) <= 0, "an enclosure holds no zero");
+        need(ascend(a, x, y, b) && factors[i].sign(x) * factors[i].sign(y) <= 0, "an enclosure holds no zero");
         chart.orders.push(new Map([[i, 1]]));
         chart.signs.push(inner.map((s) => s[s.length - 1]));
       }
     }
     chart.orders.push(trailing);
     need(used === told.length - 1, "there are not as many frequencies as places");
-    need(up(told[used][0], high) && up(highTop, told[used][1]), "the high end of the band is not in its enclosure");
+    need(ascend(told[used][0], high) && ascend(highTop, told[used][1]), "the high end of the band is not in its enclosure");
     return chart;
   }
 
@@ -952,8 +1174,9 @@ const haptisymCheck = (function () {
   function zeros(x, ratio) {
     const [told, own, cells] = keyed(x, "factors", "function", "cells");
     const factors = listed(told, 100).map(polynomial);
-    const p = product(own, factors.length);
-    link({ it: p }, factors.map((rows) => ({ step: 1, rows })), (s, pi) => ({ it: ratio(value(s, 0n, 1), pi) }));
+    const linked = factors.map((rows) => factor(1, rows));
+    const p = product(own, linked);
+    link({ it: p }, linked, (s, pi) => ({ it: ratio(point([value(s, 0n, degree(0, 1)), UNIT], pi)) }));
     need(p.number.n, "a function is zero everywhere");
     const points = listed(cells, factors.length, factors.length).map((row) => ascending(row, 300));
     need(points.every((row) => !row.length || row[0].n > 0n), "a cell is empty");
@@ -1030,22 +1253,24 @@ const haptisymCheck = (function () {
 
   // The questions that a certificate may answer, each with what follows from its proof.
 
-  const inSteps = (told) => listed(told, 500).map((x) => {
-    const [step, p] = keyed(x, "step", "polynomial");
-    return { step: whole(step, 1, 2), rows: polynomial(p) };
-  });
+  function delaysOf(told) {
+    const found = listed(told, MOST_DELAYS).map(number);
+    need(found.every((x) => x.n > 0n && x.n.toString(16).length + x.d.toString(16).length < 50), "a delay is not positive, or too long");
+    return found;
+  }
 
   function evaluation(claim, proof, scene) {
-    const [points, told, products, poles] = keyed(proof, "breakpoints", "factors", "functions", "poles");
-    const factors = inSteps(told);
+    const [lags, points, told, products, poles] = keyed(proof, "delays", "breakpoints", "factors", "functions", "poles");
+    const delays = delaysOf(lags);
+    const factors = listed(told, 500).map((x) => factorOf(x, delays));
     need(isSquare(scene.region), "the JND is a region of its own");
     const names = CURVES.flatMap((x) => PARTS.map((part) => `${x}.${part}`));
-    const written = keyed(products, ...names).map((x) => product(x, factors.length));
-    link(Object.fromEntries(names.map((x, i) => [x, written[i]])), factors, (omega, pi) => functions(scene, omega, pi));
+    const written = keyed(products, ...names).map((x) => product(x, factors));
+    link(Object.fromEntries(names.map((x, i) => [x, written[i]])), factors, (x, pi, tangents) => functions(scene, onAxis(x, pi, delays, tangents)), delays);
     const enclosures = listed(claim.frequencies, 2000, 2).map((pair) => listed(pair, 2, 2).map(number));
     const chart = charted(scene, ascending(points, 2000, 2), factors, enclosures);
     const curves = Object.fromEntries(names.map((x, i) => [x, curve(written[i], chart)]));
-    const count = poles === null ? null : zeros(poles, (s, pi) => [...scene.at(s, pi)[1]].reverse());
+    const count = poles === null ? null : zeros(poles, (where) => [...scene.at(where)[1]].reverse());
     return { frequencies: claim.frequencies, ...claimed(curves, chart.from0), stable: count === null ? null : count === 0 };
   }
 
@@ -1053,12 +1278,12 @@ const haptisymCheck = (function () {
     const [poles, held] = keyed(proof, "imposed", "held");
     const told = listed(claim.held, 100);
     const proofs = listed(held, told.length, told.length);
-    const count = zeros(poles, (s, pi) => [...scene.at(s, pi)[1]].reverse());
+    const count = zeros(poles, (where) => [...scene.at(where)[1]].reverse());
     const found = told.map((row, i) => {
       const [hand] = keyed(row, "hand", "unstable");
       const numbers = typeof hand === "string" ? null : keyed(hand, "m", "b", "k").map(number);
       const z = scene.hand(hand, numbers);
-      return { hand, unstable: zeros(proofs[i], (s, pi) => combined("+", scene.at(s, pi)[1], z(s, pi))) };
+      return { hand, unstable: zeros(proofs[i], (where) => combined("+", scene.at(where)[1], z(where))) };
     });
     return { imposed: count, held: found };
   }
@@ -1068,12 +1293,14 @@ const haptisymCheck = (function () {
     const asked = listed(claim.parts, 2, 1);
     const parts = PARTS.filter((part) => asked.includes(part));
     need(isSquare(scene.region), "the JND is a region of its own");
-    const [free, factors, names] = [listed(claim.free, 9, 1), inSteps(polynomials), parts.map((part) => `excess.${part}`)];
-    const written = keyed(products, ...names).map((x) => product(x, factors.length));
+    const [free, names] = [listed(claim.free, 9, 1), parts.map((part) => `excess.${part}`)];
+    const factors = listed(polynomials, 500).map((x) => factorOf(x, []));
+    need(factors.every((x) => x.rows), "a factor is no polynomial");
+    const written = keyed(products, ...names).map((x) => product(x, factors));
     const told = Object.fromEntries(names.map((x, i) => [x, written[i]]));
-    link(told, factors, (omega, pi) => {
-      const every = functions(scene, omega, pi);
-      return Object.fromEntries(names.map((x) => [x, every[x]]));
+    link(told, factors, (x, pi) => {
+      const every = functions(scene, onAxis(x, pi));
+      return Object.fromEntries(names.map((name) => [name, every[name]]));
     });
     return { free, parts, values: valuesOf(told, factors, slabs, scene) };
   }
@@ -1197,7 +1424,7 @@ const haptisymCheck = (function () {
 
   /** A polynomial in omega^step with whole coefficients, but for a positive number: by its values (Newton). */
   function interpolated(f, step) {
-    const degree = Math.max(0, Math.floor(f(0n).s / step));
+    const degree = Math.max(0, Math.floor(f(0n).degrees[0] / step));
     need(degree <= (step === 2 ? 20 : 40), "the degrees are too high for that");
     const nodes = Array.from({ length: degree + 1 }, (_, k) => new Fraction(BigInt(k ** step)));
     let column = nodes.map((_, k) => new Fraction(f(BigInt(k)).re));
@@ -1283,13 +1510,13 @@ const haptisymCheck = (function () {
   /** The polynomials of what is judged, by the criterion, each with the sign of its function; `step`: in which power of omega. */
   function polynomialsOf(scene, step) {
     const known = new Map();
-    const at = (omega) => known.get(omega) || known.set(omega, functions(scene, omega, 1n)).get(omega);
+    const at = (omega) => known.get(omega) || known.set(omega, functions(scene, onAxis(omega, 1n))).get(omega);
     const found = {};
     Object.keys(at(0n)).filter((x) => x.startsWith("excess.")).forEach((name) => {
       const [, criterion, term, place] = name.split(".");
       const isEdge = scene.region.shape === "polygon" && place === "0"; // elsewhere what stands below is a square
       const f = (omega) => (isEdge ? times(...at(omega)[name]) : at(omega)[name][0]);
-      need(f(0n).pi <= 0, "pi is among the numbers");
+      need(f(0n).degrees[1] <= 0, "pi is among the numbers");
       const terms = found[criterion] || (found[criterion] = []);
       const i = Number(term || 0);
       (terms[i] || (terms[i] = [])).push(interpolated(f, step));
@@ -1308,9 +1535,12 @@ const haptisymCheck = (function () {
         const x = typeof place === "number" ? scene.elements.effects[place] : scene.elements[place];
         const own = key.replace(/\[([0-9]+)\]$/, "_$1");
         const number = decimal(told);
-        need(x && x.numbers.has(own) && !(x.isStill && own === "tau" && number.n), "a parameter is not one of a rational scene");
+        need(x && x.numbers.has(own), "a parameter is not one of a rational scene");
         x.numbers.set(own, quantityOf(number));
       });
+      const { environment, rendered, effects } = scene.elements;
+      const still = [environment, rendered, ...effects].every((x) => x.lags.every(([key]) => !x.numbers.get(key).value.n));
+      need(still, "there is a delay, and this is for rational scenes");
       scene.region = withLimits(scene.region, threshold);
       const step = scene.region.shape === "square" && [...scene.region.limits.values()].every((x) => x.value) ? 2 : 1;
       const [low, high] = band.map((x) => decimal(x).power(step));

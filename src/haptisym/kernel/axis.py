@@ -46,7 +46,7 @@ class Axis(PolynomialRing):
         self, symbols: Iterable[Symbol], lags: Sequence[Expr], orders: Sequence[Expr], *, j: bool = False
     ) -> None:
         self.angles = (*(Angle(lag) for lag in lags), *(Angle(pi * x / 2, constant=True) for x in orders))
-        self.orders = tuple(orders)
+        self.lags, self.orders = tuple(lags), tuple(orders)
         # a name, not tan(...) itself, which SymPy would evaluate at a known angle
         tangents = [Symbol(f"tan({angle.value}/2)") for angle in self.angles]
         super().__init__(omega, symbols, [*tangents, *(omega**order for order in orders)])

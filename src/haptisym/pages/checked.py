@@ -9,6 +9,7 @@ from importlib.resources import files
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.errors import HaptisymError
 from haptisym.verbs.evaluate.certificate import named_in_file
+from haptisym.verbs.stability.held import ring_of
 from haptisym.writing.htmltext import Html, data, element, joined, script
 
 
@@ -21,7 +22,9 @@ def is_provable(e: Evaluation) -> bool:
             named_in_file(e.scene)
     except HaptisymError:
         return False
-    return e.scene.threshold.is_plain or not (e.relevance or e.distortion.difference.ring.functions)
+    if e.scene.threshold.is_plain:
+        return not ring_of(e.distortion.difference).lags
+    return not (e.relevance or e.distortion.difference.ring.functions)
 
 
 def checked(e: Evaluation) -> Html:

@@ -12,11 +12,12 @@ from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, rational_between
 from haptisym.verbs.evaluate.products import Factor
+from haptisym.verbs.evaluate.waves import WaveFactor
 
 _MOST = 2000
 
 
-def breakpoints(places: Sequence[RealNumber], factors: Sequence[Factor]) -> list[Fraction]:
+def breakpoints(places: Sequence[RealNumber], factors: Sequence[Factor | WaveFactor]) -> list[Fraction]:
     """Ascending, from the low end of the band (or a little below) to its high end (or a little above).
 
     ``places`` : the ends of the band and all zeros of the factors between them, in order. In each cell at most one factor has a
@@ -54,7 +55,7 @@ def _beside(end: RealNumber, side: int) -> Fraction:
     return Fraction(end.enclosure()[side > 0])
 
 
-def _is_told(factors: Sequence[Factor], low: Fraction, high: Fraction) -> bool:
+def _is_told(factors: Sequence[Factor | WaveFactor], low: Fraction, high: Fraction) -> bool:
     """Whether the signs show that there is at most one zero in a cell, of one factor."""
     turns = 0
     for factor in factors:
@@ -65,12 +66,12 @@ def _is_told(factors: Sequence[Factor], low: Fraction, high: Fraction) -> bool:
     return turns < 2
 
 
-def _between(factors: Sequence[Factor], low: Fraction, high: Fraction) -> Fraction:
+def _between(factors: Sequence[Factor | WaveFactor], low: Fraction, high: Fraction) -> Fraction:
     """A number well inside, at which no factor vanishes."""
     for n in range(2, 100):
         middle, reach = low + (high - low) / n, (high - low) / (4 * n)
         point = _fraction(rational_between(*(Sliver(x, x) for x in (middle - reach, middle + reach))))
-        if all((factor.moved(point, high) or (0,))[0] for factor in factors):
+        if all(factor.sign_at(point) for factor in factors):
             return point
     raise UndecidedError("a number at which no polynomial of a certificate vanishes")
 

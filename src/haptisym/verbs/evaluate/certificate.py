@@ -20,7 +20,7 @@ from haptisym.kernel.roots import Interval, Point
 from haptisym.model.scene import Scene
 from haptisym.model.scenetables import read_scenes
 from haptisym.verbs.evaluate.breakpoints import breakpoints
-from haptisym.verbs.evaluate.products import products, told_rows
+from haptisym.verbs.evaluate.products import products
 from haptisym.verbs.evaluate.zeros import zeros
 
 FORMAT = "haptisym.certificate/1"
@@ -46,16 +46,17 @@ def certificate(e: Evaluation) -> str:
         raise SceneError("a certificate is about all effects of a scene: ask for it without a tolerance")
     environment = named(scene)
     functions = _functions(e)
-    factors, told = products(functions)
+    linked = products(functions)
     frequencies = _enclosures(e)
     inner = [Sliver(Fraction(x), Fraction(y)) for x, y in frequencies[1:-1]]
-    points = breakpoints([e.chart.points[0].omega, *inner, e.chart.points[-1].omega], factors)
+    points = breakpoints([e.chart.points[0].omega, *inner, e.chart.points[-1].omega], linked.factors)
     about_poles = _poles(e)
     claim = {"frequencies": frequencies} | _claim(e) | {"stable": None if about_poles is None else e.stable}
     proof = {
+        "delays": [str(x) for x in linked.delays],
         "breakpoints": [str(x) for x in points],
-        "factors": [{"step": f.step, "polynomial": told_rows(f.rows)} for f in factors],
-        "functions": told,
+        "factors": [f.told() for f in linked.factors],
+        "functions": linked.told,
         "poles": about_poles,
     }
     return document(scene, environment, {"question": "evaluation"} | claim, proof)

@@ -7,18 +7,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import Any
 
 import flint
 from flint import arb, fmpq_poly
 from sympy import Rational
 
+from haptisym.kernel.axis import Axis
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, PolynomialRing
-
-Rows: TypeAlias = tuple[tuple[int, ...], ...]
-"""The coefficients of a polynomial, ascending, each as those of ascending powers of pi."""
+from haptisym.verbs.evaluate.waves import Rows, WaveFactor, cosine_factor, wave_factor
 
 PI = 1  # the place of pi among what a polynomial is in
 _BITS = 330  # of pi: the 100 digits that a checker has
@@ -42,11 +41,19 @@ class Factor:
                 fmpq_poly([x.fmpq() for x in ends]) for ends in ([b.lower() for b in balls], [b.upper() for b in balls])
             )
 
+    def told(self) -> dict[str, Any]:
+        """As a certificate tells it."""
+        return {"step": self.step, "polynomial": told_rows(self.rows)}
+
     def moved(self, low: Fraction, high: Fraction | None) -> tuple[int, ...] | None:
         """The signs of the coefficients of (1 + u)^n p((low + high u)/(1 + u)), (None: p(low + u)); None where one is open."""
         ends = low**self.step, None if high is None else high**self.step
         found = [_signs(p, len(self.rows) - 1, *ends) for p in self.bounds]
         return found[0] if found[0] == found[-1] else None
+
+    def sign_at(self, x: Fraction) -> int:
+        """The sign at a number >= 0; 0 where it is zero, or open."""
+        return (self.moved(x, None) or (0,))[0]
 
 
 def _signs(p: fmpq_poly, degree: int, low: Fraction, high: Fraction | None) -> tuple[int, ...]:
@@ -135,8 +142,85 @@ def are_even(functions: Sequence[RealFunction]) -> bool:
     return all(len({int(e[0]) % 2 for e in p.monoms()}) == 1 for p in every)
 
 
-def products(functions: Mapping[str, RealFunction], second: int = PI) -> tuple[list[Factor], dict[str, dict[str, Any]]]:
-    """The factors of real functions, and each function as the product of them; ``second`` : as of ``Factors``."""
+@dataclass(frozen=True)
+class Linked:
+    """Functions as products of factors; ``delays`` : tau of the half angles omega tau/2 in factors, the longest first."""
+
+    factors: list[Factor | WaveFactor]
+    told: dict[str, dict[str, Any]]
+    delays: tuple[Fraction, ...] = ()
+
+
+def products(functions: Mapping[str, RealFunction]) -> Linked:
+    """The factors of real functions, and each function as the product of them."""
+    axis = next(iter(functions.values())).axis
+    if not axis.functions:
+        factors, told = rational_products(functions)
+        return Linked([*factors], told)
+    if axis.orders or len(axis.lags) > _MOST_DELAYS or not all(x.is_Rational for x in axis.lags):
+        raise SceneError(NO_ROOM)
+    delays = tuple(Fraction(int(x.p), int(x.q)) for x in axis.lags[::-1])
+    waves = WaveProducts(axis, delays)
+    told = {name: waves.product(f) for name, f in functions.items()}
+    return Linked(list(waves.listed), told, delays)
+
+
+_MOST_DELAYS = 4
+NO_ROOM = (
+    f"a certificate of a scene with delays has room for {_MOST_DELAYS} that are no multiples of each other, each rational "
+    "in seconds, and for no fractional power of s"
+)
+
+
+class WaveProducts:
+    """The factors of functions with delays, each of them once."""
+
+    def __init__(self, axis: Axis, delays: tuple[Fraction, ...]) -> None:
+        self.axis, self.delays = axis, delays
+        self.listed: dict[Factor | WaveFactor, int] = {}
+        self.known: list[tuple[Polynomial, Any]] = []
+
+    def product(self, x: RealFunction) -> dict[str, Any]:
+        """``number * omega^omega * product of factor^exponent``."""
+        if x.is_zero:
+            return {"number": "0", "omega": 0, "powers": []}
+        number, omega, found = Rational(1), 0, Counter[Factor | WaveFactor]()
+        for polynomial, sign in ((x.function.numerator, 1), (x.function.denominator, -1)):
+            unit, own, factors = self._taken(polynomial)
+            number, omega = number * unit**sign, omega + sign * own
+            for factor, n in factors:
+                found[factor] += sign * n
+        powers = {self.listed.setdefault(factor, len(self.listed)): n for factor, n in found.items() if n}
+        return {"number": str(number), "omega": omega, "powers": [list(x) for x in sorted(powers.items())]}
+
+    def _taken(self, polynomial: Polynomial) -> tuple[Rational, int, list[tuple[Factor | WaveFactor, int]]]:
+        found = next((taken for other, taken in self.known if other == polynomial), None)
+        if found is None:
+            found = self._factors(polynomial)
+            self.known.append((polynomial, found))
+        return found
+
+    def _factors(self, polynomial: Polynomial) -> tuple[Rational, int, list[tuple[Factor | WaveFactor, int]]]:
+        """A number, the power of omega, and the others: tangents made homogeneous in cosine and sine."""
+        size, count = self.axis.size, len(self.delays)
+        number, factors = self.axis.factors(self.axis.without_circles(polynomial)[0], in_square=False)
+        omega, found = 0, list[tuple[Factor | WaveFactor, int]]()
+        for factor, n in factors:
+            if factor == self.axis.variable:
+                omega += n
+            elif any(factor.degrees()[size:]):
+                found.append((wave_factor(factor, size, self.delays), n))
+            else:
+                found.append((Factor(rows_of(factor), 1), n))
+        turning = [int(n) for n in polynomial.degrees()[size : size + count]][::-1]
+        cosines = [(cosine_factor(i, self.delays), -n) for i, n in enumerate(turning) if n]
+        return number, omega, [*found, *cosines]
+
+
+def rational_products(
+    functions: Mapping[str, RealFunction], second: int = PI
+) -> tuple[list[Factor], dict[str, dict[str, Any]]]:
+    """The same of functions without delays; ``second`` : as of ``Factors``."""
     if any(f.axis.functions for f in functions.values()):
         raise SceneError(NOT_RATIONAL)
     factors, even = Factors(second=second), are_even(list(functions.values()))

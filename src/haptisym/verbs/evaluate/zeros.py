@@ -16,7 +16,8 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import RealNumber, Sliver, bounds, rational_between
 from haptisym.kernel.rings import RationalFunction
-from haptisym.verbs.evaluate.products import Factor, Factors, Rows, told_rows
+from haptisym.verbs.evaluate.products import Factor, Factors, told_rows
+from haptisym.verbs.evaluate.waves import Rows
 
 _BITS = 128  # of roots that only say where to look: what is found is checked
 _MOST = 300

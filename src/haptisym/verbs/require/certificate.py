@@ -11,7 +11,7 @@ from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.response import RealFunction
 from haptisym.model.scene import Scene
 from haptisym.verbs.evaluate.certificate import document, named
-from haptisym.verbs.evaluate.products import products, told_rows
+from haptisym.verbs.evaluate.products import rational_products
 from haptisym.verbs.require.feasible import End
 from haptisym.verbs.require.freeparameter import conditions
 from haptisym.verbs.require.required import Requirement
@@ -32,11 +32,11 @@ def certificate(found: Requirement) -> str:
     path = _keys(scene, found, environment)
     functions = _functions(found)
     second = next(iter(functions.values())).axis.meanings.index(found.free.symbol)
-    factors, told = products(functions, second)
+    factors, told = rational_products(functions, second)
     problem = Problem(factors, told, _band(scene), _starts(found))
     values = _values(found)
     proof = {
-        "factors": [{"step": f.step, "polynomial": told_rows(f.rows)} for f in factors],
+        "factors": [f.told() for f in factors],
         "functions": told,
         "slabs": [x for low, high, holds in values for x in problem.slabs(Ends(low, high), holds=holds)],
     }
