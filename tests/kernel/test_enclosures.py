@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from math import prod
+from math import comb, prod
 from typing import Any
 
 import flint
@@ -14,10 +14,11 @@ from flint import arb, arb_series, fmpq
 from hypothesis import given
 from hypothesis import strategies as st
 from marks import examples
-from sympy import Expr, Rational, factor_list, pi, symbols
+from sympy import Expr, Integer, Rational, factor_list, pi, symbols
 
 from haptisym.kernel.bernstein import range_of
 from haptisym.kernel.eliminants import discriminant, resultant
+from haptisym.kernel.exactwaves import exact_waves, order_at_0, taylor_coefficients
 from haptisym.kernel.reals import bounds, expression_ball
 from haptisym.kernel.rings import PolynomialRing
 from haptisym.kernel.wavesums import WaveSum, WaveTerm, _compiled, _power_series, _product
@@ -335,3 +336,37 @@ def test_a_linear_polynomial_s_range_is_exact_in_any_degree(degree: int) -> None
         found = range_of(row, [arb(5) ** n for n in range(degree + 1)])
     expected = (-7, 13) if degree else (3, 3)
     assert (float(found.lower()), float(found.upper())) == pytest.approx(expected, abs=1e-6)
+
+
+# --- orders at omega = 0 ----------------------------------------------------------------------------------------------
+
+
+@examples(60)
+@given(wave_sums())
+def test_orders_at_zero_are_those_of_the_exact_taylor_coefficients(f: WaveSum) -> None:
+    turning = [i for i, (_, constant) in enumerate(f.rates) if not constant]
+    own = replace(
+        f,
+        orders=(),
+        rates=tuple(f.rates[i] for i in turning),
+        degrees=tuple(f.degrees[i] for i in turning),
+        terms=tuple({tuple(x.turns[i] for i in turning): WaveTerm(tuple(x.turns[i] for i in turning), (), x.coefficients)
+                     for x in f.terms}.values()),
+    )  # fmt: skip
+    waves = exact_waves(own, Integer(0))
+    assert waves is not None
+    exact = taylor_coefficients(own, Integer(0), waves)
+    first = next((n for n, c in zip(range(12), exact, strict=False) if not c.is_zero), None)
+    assert order_at_0(own) == first
+
+
+def test_what_cancels_at_zero_for_long_is_followed_order_by_order() -> None:
+    """(sin x - x cos x)^k has order 3 k, with pi before it too; a constant angle is not its business."""
+    for k in range(1, 5):
+        terms = tuple(
+            WaveTerm((j,), (), (*[(0, 0)] * (k - j), (0, comb(k, j) * (-1) ** (k - j)))) for j in range(k + 1)
+        )
+        assert order_at_0(WaveSum(terms, ((Rational(2), False),), (k,), ())) == 3 * k
+    turned = WaveSum((WaveTerm((1,), (), ((1,),)),), ((pi / 3, True),), (1,), ())
+    assert order_at_0(turned) is None
+    assert order_at_0(WaveSum((WaveTerm((1,), (), ((1,),)),), ((pi / 3, False),), (1,), ())) is None

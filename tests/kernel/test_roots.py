@@ -576,7 +576,7 @@ def test_a_number_clear_of_a_zero_of_known_order_has_no_other_zero_before_it(pla
     near = Fraction(1, 2**20)
     for order in (0, 1, 2):
         f = Shifted((*[Fraction(0)] * order, near, -near, Fraction(5)))
-        end = clear_of(f, place, order, above=above)
+        end = clear_of(f, place, order, arb(1), above=above)
         assert end.is_exact()
         reach = (end - centre) if above else (centre - end)
         assert 0 < reach < dyadic(near)
@@ -586,7 +586,7 @@ def test_a_number_clear_of_a_zero_of_known_order_has_no_other_zero_before_it(pla
 
 def test_a_zero_that_has_no_known_order_is_never_clear() -> None:
     with pytest.raises(hs.UndecidedError, match="vanishes again"):
-        clear_of(Placed((Fraction(1), Fraction(1))), Integer(1), 1, above=True)
+        clear_of(Placed((Fraction(1), Fraction(1))), Integer(1), 1, arb(1), above=True)
 
 
 # --- charts ----------------------------------------------------------------------------------------------------------

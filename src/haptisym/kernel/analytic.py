@@ -11,7 +11,7 @@ from sympy import Expr
 
 from haptisym.kernel.beginnings import beginning, by_powers, clear_of_zero
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.exactwaves import Wave, exact_waves, taylor_coefficients
+from haptisym.kernel.exactwaves import Wave, exact_waves, order_at_0, taylor_coefficients
 from haptisym.kernel.isolation import SeriesFactor, clear_of, isolated
 from haptisym.kernel.precision import MOST_BITS
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
@@ -24,7 +24,8 @@ class AnalyticFactor(WaveSum, SeriesFactor):
 
     def steady_sign(self, low: Expr, high: Expr) -> int:
         with flint.ctx.workprec(128):
-            ranges = self.ranges(arb.union(*around(low, high)))
+            box = arb.union(*around(low, high))
+            ranges = self.ranges(box) if self.orders else {(): self.value(box)}
         signs = {sign_of(x) for x in ranges.values()}
         at_low = low != 0 or any(not any(powers) for powers in ranges)  # else it is 0 at omega = 0
         return signs.pop() if len(signs) == 1 and at_low else 0
@@ -34,15 +35,18 @@ class AnalyticFactor(WaveSum, SeriesFactor):
         return _FARTHEST if self.orders else None
 
     def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
-        return isolated(self, self._edge(low, above=True), self._edge(high, above=False))
+        with flint.ctx.workprec(128):
+            ends = around(low, high)
+            first = (ends[1] - ends[0]) / 16
+        return isolated(self, self._edge(low, first, above=True), self._edge(high, first, above=False))
 
-    def _edge(self, place: Expr, *, above: bool) -> Ball:
+    def _edge(self, place: Expr, first: Ball, *, above: bool) -> Ball:
         """A dyadic number where a search may start or stop, with no zero between it and the place but at the place itself."""
         if place == 0 and self.orders:
-            return clear_of_zero(self)
+            return clear_of_zero(self, first)
         order = self.order_at(place)
         if order or place == 0:  # even functions have slope 0 at 0: keep away from it
-            return clear_of(self, place, order, above=above)
+            return clear_of(self, place, order, first, above=above)
         with flint.ctx.workprec(128):
             ball = expression_ball(place)
             return ball.lower() if above else ball.upper()
@@ -60,6 +64,8 @@ def _order_at(factor: AnalyticFactor, place: Expr) -> Any:
             return 0
     if factor.orders:
         return _order_with_powers(factor, place)
+    if place == 0 and (order := order_at_0(factor)) is not None:
+        return order
     exact = exact_waves(factor, place)
     if exact is None:
         factor.sign_at(lambda bits: expression_ball(place))

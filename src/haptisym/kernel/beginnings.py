@@ -163,15 +163,15 @@ def _is_multiple(row: dict[int, fmpq], whole: int) -> bool:
     return bool((fmpz_poly(coefficients) % fmpz_poly.cyclotomic(whole)) == 0)
 
 
-def clear_of_zero(f: WaveSum) -> Ball:
-    """A dyadic number above 0, with no zero in between.
+def clear_of_zero(f: WaveSum, first: Ball) -> Ball:
+    """A dyadic number above 0, with no zero in between; ``first`` is tried first.
 
     Divided by the lowest power omega^e of all, what remains is the sum of omega^(alpha l + n_l - e) times the n_l-th Taylor
     coefficient of A_l about some place in between, alpha l + n_l being e or the next exponent above: all terms below cancel.
     """
     start = beginning(f)
     with flint.ctx.workprec(128):
-        reach = arb(1) / 16
+        reach = first.mid()
         for _ in range(200):
             piece, total = arb(0).union(reach), arb(0)
             for powers, own, order in start.parts:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import reduce
+from functools import lru_cache, reduce
+from itertools import accumulate, repeat
 from typing import TypeAlias
 
+from flint import fmpq, fmpq_poly
 from sympy import Expr, Integer, Symbol, pi
 
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
@@ -55,6 +57,52 @@ def taylor_coefficients(f: WaveSum, place: Expr, waves: list[Wave]) -> Iterator[
                 change += rate.numerator * (common / rate.denominator) * turned
         derivative, order = change, order + 1
         scale = scale * ring.function(common * order)
+
+
+def order_at_0(f: WaveSum) -> int | None:
+    """The order of the zero at omega = 0, where all angles turn at rational rates; None where they do not, or it is very high.
+
+    The cosines of half angles are 1 there: it is that of the sum of polynomials times tangents, order by order.
+    """
+    if not all(rate.is_Rational and not constant for rate, constant in f.rates):
+        return None
+    for length in (8, 32, 128):
+        tangents = [
+            _tangent_powers(fmpq(int(r.p), 2 * int(r.q)), n, length)
+            for (r, _), n in zip(f.rates, f.degrees, strict=True)
+        ]
+        in_pi: dict[int, fmpq_poly] = {}
+        for term in f.terms:
+            waves = reduce(
+                lambda x, y: x.mul_low(y, length), (x[k] for x, k in zip(tangents, term.turns, strict=True)), _ONE
+            )
+            for i in range(max(map(len, term.coefficients))):
+                row = fmpq_poly([c[i] if i < len(c) else 0 for c in term.coefficients])
+                in_pi[i] = in_pi.get(i, _NOTHING) + row.mul_low(waves, length)
+        # pi is transcendental: only what is zero before each of its powers is zero
+        orders = [n for total in in_pi.values() for n, c in enumerate(total.coeffs()) if c]
+        if orders:
+            return min(orders)
+    return None
+
+
+_NOTHING, _ONE = fmpq_poly([0]), fmpq_poly([1])
+
+
+def _tangent_powers(rate: fmpq, most: int, length: int) -> list[fmpq_poly]:
+    """tan(rate omega)^k for k = 0, 1, ... ``most``, as Taylor polynomials at 0 with that many coefficients."""
+    tangent = fmpq_poly([c * rate**n for n, c in enumerate(_tangent(length))])
+    return list(accumulate(repeat(tangent, most), lambda x, y: x.mul_low(y, length), initial=_ONE))
+
+
+@lru_cache(maxsize=8)
+def _tangent(length: int) -> list[fmpq]:
+    """The Taylor coefficients of the tangent at 0: t' = 1 + t^2."""
+    found = [fmpq(0)]
+    for n in range(1, length):
+        square = sum((found[i] * found[n - 1 - i] for i in range(n)), fmpq(int(n == 1)))
+        found.append(square / n)
+    return found
 
 
 def _in_waves(f: WaveSum, ring: PolynomialRing) -> Polynomial:

@@ -143,8 +143,8 @@ def _rows(terms: Iterable[tuple[tuple[int, int], int]]) -> tuple[tuple[int, ...]
 def _analytic_factor(factor: Polynomial, axis: Axis) -> AnalyticFactor:
     angles, first = len(axis.angles), axis.size - 2
     groups: dict[tuple[int, ...], list[tuple[tuple[int, int], int]]] = {}
+    tick()
     for exponents, value in zip(factor.monoms(), factor.coeffs(), strict=True):
-        tick()
         power, of_pi, *own = map(int, exponents)
         groups.setdefault(tuple(own[first:]), []).append(((power, of_pi), int(value.p)))
     terms = tuple(WaveTerm(waves[:angles], waves[angles:], _rows(found)) for waves, found in sorted(groups.items()))
@@ -161,7 +161,10 @@ def _made(terms: tuple[WaveTerm, ...], degrees: tuple[int, ...], axis: Axis) -> 
     """The factor, of the kind that knows most about its zeros; angles that it does not hold are none of its."""
     own = [i for i, degree in enumerate(degrees) if degree]
     angles = [axis.angles[i] for i in own]
-    shorter = tuple(WaveTerm(tuple(x.turns[i] for i in own), x.powers, x.coefficients) for x in terms)
+    if len(own) < len(degrees):
+        shorter = tuple(WaveTerm(tuple(x.turns[i] for i in own), x.powers, x.coefficients) for x in terms)
+    else:
+        shorter = terms
     rational = all(len(term.coefficients) == 1 and len(term.coefficients[0]) == 1 for term in terms)
     alone = len(angles) == 1 and not angles[0].constant and not any(any(term.powers) for term in terms)
     kind = PeriodicFactor if alone and rational else AnalyticFactor

@@ -7,7 +7,6 @@ from itertools import pairwise
 from math import ceil, log
 
 import flint
-from flint import arb
 from sympy import Expr
 
 from haptisym.kernel.errors import UndecidedError
@@ -116,14 +115,14 @@ def _clear(f: SeriesFactor, place: Ball, step: Ball) -> Ball:
     return next((cut for cut in cuts if is_clear(f.value(cut))), cuts[0])
 
 
-def clear_of(f: SeriesFactor, place: Expr, order: int, *, above: bool) -> Ball:
-    """A dyadic number beside a zero of known order, with no other zero in between.
+def clear_of(f: SeriesFactor, place: Expr, order: int, first: Ball, *, above: bool) -> Ball:
+    """A dyadic number beside a zero of known order, with no other zero in between; one as far away as ``first`` is tried first.
 
     f(x) = f_m(xi) (x - place)^m with f_m the m-th Taylor coefficient about some xi in between, because all lower ones
     vanish at the place: where the enclosure of f_m over the piece is clear of 0, there is no other zero.
     """
     with flint.ctx.workprec(128):
-        centre, reach = expression_ball(place), arb(1) / 4
+        centre, reach = expression_ball(place), first
         for _ in range(200):
             end = (centre + (reach if above else -reach)).mid()
             if is_clear(f.taylor(centre.union(end), order)):

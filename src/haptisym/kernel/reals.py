@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 import flint
 from flint import arb, fmpq
-from sympy import Add, Expr, Integer, Mul, Pow, Rational, cos, log, pi, sin, sinc, tan
+from sympy import Expr, Integer, Pow, Rational, cos, log, pi, sin, sinc, tan
 
 from haptisym.kernel.decimals import bits_for, outward, rounded
 from haptisym.kernel.errors import UndecidedError
@@ -133,19 +133,28 @@ class SquareRoot(RealNumber):
 _FUNCTIONS: dict[Any, Callable[[Ball], Ball]] = {cos: arb.cos, sin: arb.sin, tan: arb.tan, sinc: arb.sinc, log: arb.log}
 
 
+def is_in_pi(value: Expr) -> bool:
+    """Whether it is made of rational numbers and pi by + - * / and whole powers."""
+    if value.is_Pow:
+        return bool(value.exp.is_Integer) and is_in_pi(value.base)
+    if value.is_Add or value.is_Mul:
+        return all(map(is_in_pi, value.args))
+    return value == pi or bool(value.is_Rational)
+
+
 def expression_ball(value: Expr, known: Mapping[Expr, Ball] = MappingProxyType({})) -> Ball:
     """A ball around a number made of rationals, pi, roots, logarithms, sines and tangents, at the current working precision.
 
     ``known``: balls that symbols stand for.
     """
-    if value in known:
+    if known and value in known:
         return known[value]
-    if isinstance(value, Rational):
+    if value.is_Rational:
         return arb(fmpq(int(value.p), int(value.q)))
-    if value == pi:
+    if value is pi:
         return arb.pi()
-    if isinstance(value, Add | Mul):
-        return reduce(add if isinstance(value, Add) else mul, (expression_ball(x, known) for x in value.args))
+    if value.is_Add or value.is_Mul:
+        return reduce(add if value.is_Add else mul, (expression_ball(x, known) for x in value.args))
     if isinstance(value, Pow) and isinstance(value.exp, Integer):
         return expression_ball(value.base, known) ** int(value.exp)
     if isinstance(value, Pow):

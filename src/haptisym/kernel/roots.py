@@ -12,6 +12,7 @@ from itertools import pairwise
 from math import prod
 from typing import Any, TypeAlias
 
+import flint
 from sympy import Expr, Rational
 
 from haptisym.kernel.analytic import AnalyticFactor
@@ -22,7 +23,7 @@ from haptisym.kernel.lattices import Lattice, Signed, met
 from haptisym.kernel.levels import Level
 from haptisym.kernel.polynomials import PolynomialFactor
 from haptisym.kernel.precision import MOST_BITS, SURE_BITS, at_rising_precision
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball, is_in_pi
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, PolynomialRing
 from haptisym.kernel.shown import Viewed
@@ -282,6 +283,11 @@ def sign_of_number(value: Expr) -> int:
     """
     if isinstance(value, Rational):
         return int(value.p > 0) - int(value.p < 0)
+    if is_in_pi(value):
+        with flint.ctx.workprec(128):
+            quick = sign_of(expression_ball(value))
+        if quick:
+            return quick
     if PolynomialRing(omega).convert(value).is_zero:
         return 0
     # a number that is not zero shows it before

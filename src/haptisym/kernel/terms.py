@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from heapq import merge
+from itertools import groupby
 from typing import TypeAlias
 
 from sympy import Expr, Integer, Rational, factorial, pi
@@ -27,7 +29,8 @@ def terms_of(polynomial: Polynomial, ring: Ring) -> Terms:
         turns, powers = tuple(own[ring.size : ring.size + lags]), own[ring.size + lags :]
         power = sum((n * order for n, order in zip(powers, ring.orders, strict=False)), Integer(own[0]))
         group = found.setdefault(power, {})
-        group[turns] = group.get(turns, Integer(0)) + Rational(int(value.p), int(value.q)) * pi ** own[1]
+        number = Rational(int(value.p), int(value.q))
+        group[turns] = group.get(turns, Integer(0)) + (number * pi ** own[1] if own[1] else number)
     exact = {p: {turns: c for turns, c in group.items() if sign_of_number(c)} for p, group in found.items()}
     return {p: group for p, group in exact.items() if group}
 
@@ -49,8 +52,8 @@ def at_least(order: Rational) -> int:
 
 def beginning_at_0(terms: Terms, ring: Ring) -> tuple[Rational, int]:
     """Exponent and sign of the first term of the expansion at s = 0."""
-    tried = sorted({p + k for p in terms for k in range(_MOST_TERMS)})
-    for exponent in tried:
+    rising = merge(*(map(p.__add__, map(Integer, range(_MOST_TERMS))) for p in terms))
+    for exponent, _ in groupby(rising):
         meeting = ((group, exponent - p) for p, group in terms.items() if exponent >= p)
         total = sum((_coefficient(group, int(k), ring) for group, k in meeting if k.is_Integer), Integer(0))
         if sign := sign_of_number(total):

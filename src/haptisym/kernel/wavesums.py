@@ -182,18 +182,15 @@ class _Derivatives:
     def series(self, place: _Place, start: int, stop: int) -> list[Ball]:
         """The Taylor coefficients of these orders."""
         outer, last, columns = place
-        if () in outer:
-            return [(last * self.blocks(n)[()] * columns)[0, 0] for n in range(start, stop)]
-        return [
-            sum((outer[turns] * (last * block * columns)[0, 0] for turns, block in self.blocks(n).items()), arb(0))
-            for n in range(start, stop)
-        ]
-
-    def blocks(self, order: int) -> _Blocks:
-        """Those of the Taylor coefficient of an order."""
-        while len(self._known) <= order:
+        while len(self._known) < stop:
             self._known.append(self._derived(self._known[-1], len(self._known)))
-        return self._known[order]
+        known = self._known[start:stop]
+        if () in outer:
+            return [(last * blocks[()] * columns)[0, 0] for blocks in known]
+        return [
+            sum((outer[turns] * (last * block * columns)[0, 0] for turns, block in blocks.items()), arb(0))
+            for blocks in known
+        ]
 
     def _derived(self, blocks: _Blocks, order: int) -> _Blocks:
         found: dict[_Turns, arb_mat] = {}
@@ -239,7 +236,12 @@ def _powers(x: Ball, count: int) -> list[Ball]:
 
 def _waves(half: Ball, degree: int) -> list[Ball]:
     """sin^k cos^(degree - k) of a half angle, k = 0 ... degree."""
-    sines, cosines = (_powers(wave, degree + 1) for wave in half.sin_cos())
+    sine, cosine = half.sin_cos()
+    if degree == 1:
+        return [cosine, sine]
+    if degree == 2:
+        return [cosine**2, sine * cosine, sine**2]
+    sines, cosines = (_powers(wave, degree + 1) for wave in (sine, cosine))
     return [a * b for a, b in zip(sines, reversed(cosines), strict=True)]
 
 
