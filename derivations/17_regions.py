@@ -13,6 +13,12 @@ omega/sqrt(omega^2 + omega_c^2), has w_disc(c) = omega_c c/sqrt(1 - c^2) whateve
 which is sqrt(99)/7 = 1.4214... for c = 1/10. It is attained by H_env = 3 + 4 s behind a lag of 7 rad/s: at 1 rad/s both parts
 of dH are exactly a tenth of |H_env|. The lower end is attained by H_env = omega_c + s: there dH = -s is imaginary throughout.
 
+Regions that hold all smaller ones. A region R(p) that grows with each of its numbers makes the bandwidth grow with each, so
+that over a box of them the least and the most bandwidth are those of two corners. Half widths of the diamond and of the
+ellipse without tilt are such numbers; those of a tilted ellipse (x/a)^2 - 2 t (x/a)(y/b) + (y/b)^2 <= 1 - t^2 are not:
+with t = 1/2 and b = 1 the point (1/2, 1) is on the border of that of a = 1 and outside that of a = 2. A multiple of any
+such region holds it.
+
 Assumptions. Linear; one frequency at a time; 0 < c < 1/sqrt 2.
 
 Source. Eq. (4) of W. Fu, M. M. van Paassen, M. Mulder, Framework for a Two-step Evaluation of Haptic Displays, IFAC-PapersOnLine
@@ -89,7 +95,24 @@ assert is_zero(most.subs(c, Rational(1, 10)) ** 2 - Rational(99, 49))
 assert is_zero((G - 1) * (omega_c + I * omega) + I * omega)
 
 # %% [markdown]
-# ## 4. The package says the same
+# ## 4. Regions that hold all smaller ones
+#
+# $R(p) \subseteq R(q)$ makes what is noticed with $q$ noticed with $p$, at every frequency, so that the first frequency at
+# which something is noticed is no later with $p$. With half widths $a$, $b$ the disc's $(x/a)^2 + (y/b)^2$ and the
+# diamond's $|x|/a + |y|/b$ fall as $a$ grows. The tilted ellipse's form does not: its derivative to $1/a$ changes its sign
+# with $x/a - t\,y/b$. Scaled by $\lambda \geq 1$ it falls, like $1/\lambda^2$.
+
+# %%
+t, u, v = symbols("t u v", real=True)  # u = x/a, v = y/b
+tilted = u**2 - 2 * t * u * v + v**2
+half = {t: Rational(1, 2), v: 1}
+assert tilted.subs(half).subs(u, Rational(1, 2)) == Rational(3, 4)  # (1/2, 1) with a = 1: 1 - t^2, on the border
+assert tilted.subs(half).subs(u, Rational(1, 4)) == Rational(13, 16) > Rational(3, 4)  # with a = 2: outside
+assert is_zero(tilted.diff(u) - 2 * (u - t * v))
+assert is_zero(tilted.subs({u: u / r, v: v / r}, simultaneous=True) - tilted / r**2)
+
+# %% [markdown]
+# ## 5. The package says the same
 #
 # Exactly: bandwidths are certified numbers, and those of the box are rational here.
 
@@ -115,6 +138,32 @@ assert float(narrowest["disc"]) == float(disc.subs({r: Rational(3, 5), omega_c: 
 paper = hs.evaluate("fu2019", regions=True).regions
 ordered = [float(x.bandwidth) for name in ("diamond", "disc", "square") for x in paper if x.name == name]
 assert ordered == sorted(ordered)
+
+# %% [markdown]
+# The ends of two ranges are two evaluations; for a tilted ellipse they would not be, and it is refused.
+
+# %%
+example = hs.load_scene("fu2019")
+
+
+def judged(jnd: dict[str, object]) -> hs.Evaluation:
+    """The paper's example with another JND."""
+    return hs.evaluate(hs.Scene(example.environment, example.effects, example.band, jnd))
+
+
+both = judged({"shape": "ellipse", "real": ["0.09", "0.11"], "imag": ["0.1", "0.12"]}).bandwidths
+assert both
+for end, (across, up) in ((both.least, ("0.09", "0.1")), (both.most, ("0.11", "0.12"))):
+    corner = judged({"shape": "ellipse", "real": across, "imag": up}).bandwidth
+    assert end is not None
+    assert corner is not None
+    assert end.digits(40) == corner.digits(40)
+try:
+    judged({"shape": "ellipse", "real": ["0.09", "0.11"], "imag": "0.1", "tilt": "0.5"})
+    refused = False
+except hs.SceneError:
+    refused = True
+assert refused
 
 # %% [markdown]
 # The formulas and the figure: the change's way through the plane, leaving the disc at $7/\sqrt{99}$ and the box in its

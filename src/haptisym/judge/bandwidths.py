@@ -16,7 +16,10 @@ from sympy import Expr, S
 
 from haptisym.judge.climb import Bandwidths, Climb, Jump, above
 from haptisym.judge.criteria import Criterion, kept, noticed
+from haptisym.judge.families import moved, nominal_of, split
+from haptisym.judge.growth import Growth, bandwidth_of
 from haptisym.kernel.errors import LimitError, UndecidedError
+from haptisym.kernel.lattices import Lattice
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import chart
@@ -31,14 +34,17 @@ def bandwidths(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> 
     Thresholds of both parts that are alike are one number, as everywhere; else each takes all values of its range. The ends are
     exact in any case. Undecided may stay whether two peaks are equally high, and whether a ratio touches an end of the range.
     """
-    ranges = {part: threshold.interval(part) or (threshold[part], threshold[part]) for part in Part}
-    if not any(map(threshold.interval, Part)):
+    if not threshold.ranges:
         return None
     least: RealNumber | None = None
     most: RealNumber | None = None
     try:
-        least, most = (_at(d, threshold.with_limits({part: ranges[part][i] for part in Part}), band) for i in (0, 1))
-        found = _inside(_squares(d, threshold), ranges, band)
+        least, most = (_at(d, threshold.at_end(i), band) for i in (0, 1))
+        if threshold.is_box:
+            ranges = {part: threshold.interval(part) or (threshold[part], threshold[part]) for part in Part}
+            found = _inside(_squares(d, threshold), ranges, band)
+        else:
+            found = _grown(d, threshold, band, Bandwidths(least, most, ends_alone=True))
         return replace(found, least=least or found.least, most=most)
     except LimitError:
         raise
@@ -75,6 +81,23 @@ def _inside(
     return reduce(_lower, each)
 
 
+def _grown(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr], ends: Bandwidths) -> Bandwidths:
+    """Those of a region that grows with several numbers: all of them where no way to be outside depends on two, else the ends."""
+    groups = split(d, threshold)
+    if groups is None or ends.most is None:
+        return ends
+    ranges, criterion = moved(threshold), noticed(threshold)[0]
+    each = []
+    for group, terms in groups.items():
+        if group:
+            name = min(group) if len(group) == 1 else "jnd"
+            each.append(Growth(terms, ranges[group], band, criterion, name, nominal_of(threshold, min(group))).found)
+        else:
+            width = bandwidth_of(Lattice(tuple(x.where for x in terms)), band)
+            each.append(Bandwidths(width, width))
+    return reduce(_lower, each)
+
+
 def _lower(a: Bandwidths, b: Bandwidths) -> Bandwidths:
     """All smaller ones of two bandwidths, each of a set of its own."""
     if a.most is None or b.most is None or a.least is None or b.least is None:
@@ -94,7 +117,8 @@ def _unreached(x: Bandwidths, least: RealNumber) -> list[Jump]:
 def _common(a: Jump, b: Jump, most: RealNumber) -> Jump | None:
     low = b.low if a.low is not b.low and above(b.low, a.low) else a.low
     high = _least(_least(a.high, b.high), most)
-    return Jump(low, high) if low is not high and above(high, low) else None
+    reached = (b if low is b.low else a).includes_low
+    return Jump(low, high, includes_low=reached) if low is not high and above(high, low) else None
 
 
 def _least(a: RealNumber, b: RealNumber) -> RealNumber:

@@ -29,12 +29,20 @@ _SURE = 400
 class Jump:
     """No threshold of the range gives a bandwidth from ``low`` to below ``high``, rad/s.
 
-    ``threshold`` : the one that gives ``high``; None where the thresholds of the parts have ranges apart.
+    ``threshold`` : the one that gives ``high``; None where several numbers have ranges apart. ``includes_low`` : whether ``low``
+    itself is given: where a limit changes at once, the bandwidth stands there for a while.
     """
 
     low: RealNumber
     high: RealNumber
     threshold: RealNumber | None = None
+    includes_low: bool = False
+
+    def row(self, digits: int) -> dict[str, Any]:
+        """As a document has it."""
+        ends = {"from": self.low, "to": self.high, "threshold": self.threshold}
+        found: dict[str, Any] = {name: _number(x, digits) for name, x in ends.items()}
+        return found | ({"from_reached": True} if self.includes_low else {})
 
 
 @dataclass(frozen=True)
@@ -42,8 +50,9 @@ class Bandwidths:
     """All bandwidths for thresholds of a range: from ``least`` to ``most``, both reached, less the ``jumps``.
 
     None where no threshold of the range gives a bandwidth, and, of ``least``, where none is known to be the least. ``blocked`` :
-    by part, or "jnd" for both, the threshold below which there is none; empty where all give one. ``undecided`` : what stayed
-    open; there may then be further jumps, and blocked thresholds.
+    by part, by the number of a region, or "jnd" for both parts, the least that gives one; empty where all do.
+    ``undecided`` : what stayed open; there may then be further jumps, and blocked thresholds. ``ends_alone`` : whether only
+    the least and the most are told, and not what lies between.
     """
 
     least: RealNumber | None
@@ -51,7 +60,7 @@ class Bandwidths:
     jumps: tuple[Jump, ...] = ()
     blocked: Mapping[str, RealNumber] = field(default_factory=dict)
     undecided: str = ""
-
+    ends_alone: bool = False
     one: bool = False
     """Whether they are those of one number, for both parts."""
 
@@ -67,13 +76,11 @@ class Bandwidths:
 
     def row(self, digits: int) -> dict[str, Any]:
         """As a document has it."""
-        jumps = [
-            {"from": _number(x.low, digits), "to": _number(x.high, digits), "threshold": _number(x.threshold, digits)}
-            for x in self.jumps
-        ]
+        jumps = [x.row(digits) for x in self.jumps]
         blocked = {name: _number(x, digits) for name, x in self.blocked.items()}
         ends = {"least": _number(self.least, digits), "most": _number(self.most, digits)}
-        open_ = {"undecided": self.undecided} if self.undecided else {}
+        open_: dict[str, Any] = {"undecided": self.undecided} if self.undecided else {}
+        open_ |= {"ends_alone": True} if self.ends_alone else {}
         return ends | {"jumps": jumps, "none_below": blocked, "certified": self.certified} | open_
 
 
@@ -145,7 +152,7 @@ class Climb:
         rising = [x for x in self.squares if point.after[_slope(x)] > 0]
         if any(self._is_highest(x, point.omega) for x in rising):
             return point.omega
-        return _settled(_Landing(self, SquareRoot(self._start), point.omega))
+        return settled(_Landing(self, SquareRoot(self._start), point.omega))
 
     def _is_highest(self, x: Criterion, omega: RealNumber) -> bool:
         own = ValueAt(self.squares[x], omega)
@@ -184,7 +191,7 @@ class Climb:
         try:
             if not all(above(own, x) for x in others):
                 return None
-            return _settled(_Landing(self, peak.ratio, peak.omega))
+            return settled(_Landing(self, peak.ratio, peak.omega))
         except UndecidedError:
             return self._exact_landing(peak)
 
@@ -227,7 +234,7 @@ def _rational_value(f: RealFunction, at: Expr) -> Expr | None:
     return None if top is None or not bottom else Rational(int((top / bottom).p), int((top / bottom).q))
 
 
-def _settled(x: RealNumber) -> RealNumber:
+def settled(x: RealNumber) -> RealNumber:
     """A number whose enclosures become narrow; UndecidedError where they do not."""
     if at_rising_precision(lambda bits: x.ball(bits).rel_accuracy_bits() > 50 or None, 64, _SURE) is None:
         raise UndecidedError("whether two peaks of the ratios are equally high")
@@ -259,7 +266,7 @@ class _Landing(RealNumber):
 def above(a: RealNumber, b: RealNumber) -> bool:
     """Whether a > b; UndecidedError where they are not told apart, unless both are known exactly."""
 
-    if a is b:
+    if a is b or a == b:
         return False
 
     def sign(bits: int) -> bool | None:

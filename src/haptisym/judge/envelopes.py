@@ -18,10 +18,14 @@ _Place: TypeAlias = tuple[int, int]
 
 
 class Maximum(NamedTuple):
-    """The square that has a local maximum; ``jump`` : whether to one side of it another limit holds at once."""
+    """The square that has a local maximum; ``jump`` : whether to one side of it another limit holds at once.
+
+    ``after`` : whether that is the side before it.
+    """
 
     square: RealFunction
     jump: bool
+    after: bool = False
 
 
 @dataclass(frozen=True)
@@ -53,14 +57,28 @@ class Envelope:
     def top(self, point: Point) -> Maximum | None:
         """The maximum at a point inside of the band; None where there is none, or no bound."""
         before, after = self._counts(point.before), self._counts(point.after)
+        rises = before is not None and point.before[self, "slope", before] > 0 and self._is_finite(point, before)
+        falls = after is not None and point.after[self, "slope", after] < 0 and self._is_finite(point, after)
         if before is None or after is None:
+            over = (before is not None) - (after is not None)
+        else:
+            over = self._over(point.at, before, after)
+        if before is not None and over > 0 and rises:
+            return Maximum(self.squares[before], jump=True)
+        if after is not None and over < 0 and falls:
+            return Maximum(self.squares[after], jump=True, after=True)
+        if before is None:
             return None
-        rises = point.before[self, "slope", before] > 0 and self._is_finite(point, before)
-        falls = point.after[self, "slope", after] < 0 and self._is_finite(point, after)
-        over = self._over(point.at, before, after)
-        if (over > 0 and rises) or (over < 0 and falls):
-            return Maximum(self.squares[before if over > 0 else after], jump=True)
         return Maximum(self.squares[before], jump=False) if not over and rises and falls else None
+
+    def holds(self, i: int, signs: Signs) -> int:
+        """Whether a term holds (1), does not (-1), or is about to (0)."""
+        return min((signs[self, "where", i, k] for k in range(len(self.terms[i].where))), default=1)
+
+    def slope(self, signs: Signs) -> int:
+        """The sign of the slope between two points; 0 where nothing counts."""
+        own = self._counts(signs)
+        return 0 if own is None else signs[self, "slope", own]
 
     def _is_finite(self, point: Point, x: _Place) -> bool:
         return point.orders.get((self, "slope", x), 0) >= 0
@@ -69,7 +87,7 @@ class Envelope:
         """The square that counts between two points."""
         best: _Place | None = None
         for i, term in enumerate(self.terms):
-            if any(signs[self, "where", i, k] <= 0 for k in range(len(term.where))):
+            if self.holds(i, signs) <= 0:
                 continue
             own = [(i, j) for j in range(len(term.squares))]
             least = next(x for x in own if all(self._over(signs, x, y) <= 0 for y in own))

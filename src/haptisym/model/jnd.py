@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Any
 
-from sympy import Expr, Rational
+from sympy import Expr, Integer, Rational
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError
@@ -77,9 +77,10 @@ class Threshold(Viewed):
             object.__setattr__(self, key, value)
             if interval:
                 object.__setattr__(self, f"{key}_interval", interval)
-        if (self.real_interval or self.imag_interval) and not (self.is_plain or self._is_scaled):
-            own = ", or one for both half widths" if self.region.shape in _SCALED else f", not of {self.kind}"
-            raise SceneError(f"a threshold takes a range where it is a number for each part{own}")
+        if self.region.tilt and self.ranges and not ("scale" in self.ranges or self.is_scaled):
+            raise SceneError(f"{_TILTED}: give both half widths one range, or a scale")
+        if "scale" in self.ranges and len(self.ranges) > 1:
+            raise SceneError("a scale has a range where no other number of the JND has one")
 
     def __repr__(self) -> str:
         own = "" if self.region == SQUARE else f", region={self.region!r}"
@@ -105,10 +106,21 @@ class Threshold(Viewed):
         return self.region == SQUARE and self.is_constant
 
     @property
-    def _is_scaled(self) -> bool:
+    def is_scaled(self) -> bool:
         """Whether its half widths are one number, in a region that holds all smaller ones of its kind."""
         alike = self.real == self.imag and self.real_interval == self.imag_interval
-        return alike and self.region.shape in _SCALED
+        return alike and self.region.shape in _SCALED and not self.region.ranges
+
+    @property
+    def ranges(self) -> dict[str, ExactRange]:
+        """What may lie in a range, by its name: ``real``, ``imag``, and what the region has."""
+        named = {"real": self.real_interval, "imag": self.imag_interval, **dict(self.region.ranges)}
+        return {name: x for name, x in named.items() if x}
+
+    @property
+    def is_box(self) -> bool:
+        """Whether its ranges, if it has any, are those of numbers that a box of parameters can hold."""
+        return not self.ranges or self.is_plain or self.is_scaled
 
     @property
     def kind(self) -> str:
@@ -152,10 +164,27 @@ class Threshold(Viewed):
         given = {part: (limits[part], None) if part in limits else (self[part], self.interval(part)) for part in Part}
         (real, real_interval), (imag, imag_interval) = given.values()
         below = [None if part in limits else self.lower(part) for part in Part]
-        region = replace(self.region, lower=(below[0], below[1]))
+        gone = {f"{part.value}.lower" for part in limits}
+        ranges = tuple((name, x) for name, x in self.region.ranges if name not in gone)
+        region = replace(self.region, lower=(below[0], below[1]), ranges=ranges)
         return Threshold(
             real, imag, real_interval, imag_interval, "" if limits else self.source, region, self.proportion
         )
+
+    def scaled(self, c: Expr) -> Threshold:
+        """That many times as large, with no ranges."""
+        region = replace(self.region, ranges=(), size=Integer(1)).scaled(c)
+        widths = (self.real, self.imag) if region.corners else (self.real * c, self.imag * c)
+        return Threshold(*widths, region=region, proportion=self.proportion)
+
+    def at_end(self, end: int) -> Threshold:
+        """The smallest (0) or the largest (1) one of its ranges: the region grows with each of them."""
+        at = {name: interval[end] for name, interval in self.ranges.items()}
+        if "scale" in at:
+            return self.scaled(at["scale"] / self.region.size)
+        below = [at.get(f"{part.value}.lower", self.lower(part)) for part in Part]
+        region = replace(self.region, lower=(below[0], below[1]), floor=at.get("floor", self.region.floor), ranges=())
+        return Threshold(at.get("real", self.real), at.get("imag", self.imag), region=region)
 
     def at_proportion(self, end: Number) -> Threshold:
         """The same at another proportion of right answers, by a cumulative Gaussian; SceneError where its own is not told."""
@@ -189,6 +218,7 @@ class Threshold(Viewed):
 
 
 _SCALED = (Shape.ELLIPSE, Shape.DIAMOND)
+_TILTED = "a tilted ellipse of which one half width is larger need not hold one of which it is smaller"
 
 
 def threshold_value(key: str, given: Number) -> tuple[Expr, ExactRange | None]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from sympy import Expr, Integer
@@ -12,7 +13,8 @@ from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.symbols import omega
 from haptisym.model.jnd import Threshold, formula, threshold_value
 from haptisym.model.proportions import read_proportion
-from haptisym.model.quantities import Dimension, MotionKind, number
+from haptisym.model.quantities import Dimension, MotionKind, number, require_number
+from haptisym.model.ranges import ExactRange, ranged
 from haptisym.model.regions import MOST_CORNERS, Corner, Region, Shape, turning
 
 _KEYS = {
@@ -22,10 +24,13 @@ _KEYS = {
     Shape.POLYGON: ("corners",),
 }
 _OPTIONAL = ("shape", "floor", "tilt")
+_ANY = ("shape", "scale", "proportion")
 
 
 def read_threshold(given: Any) -> Threshold:
     """A threshold as a scene file gives it. SceneError names key and rule.
+
+    A table may have a ``scale``, a range: how many times the whole region is as large.
 
     >>> read_threshold({"shape": "diamond", "real": 0.1, "imag": "12 %"}).row()
     {'real': '1/10', 'imag': '3/25', 'shape': 'diamond'}
@@ -37,15 +42,28 @@ def read_threshold(given: Any) -> Threshold:
             if key != "like":
                 raise SceneError(f'unknown key "{str(key)[:60]}": a published threshold stands alone: valid are like')
         return Threshold.like(given["like"])
+    if "scale" in given:
+        scale, interval = threshold_value("scale", given["scale"])
+        if not interval:
+            raise SceneError('scale: must be a range, "1 +- 20 %" or [0.8, 1.2]')
+        found = _table({key: x for key, x in given.items() if key != "scale"})
+        if found.ranges:
+            raise SceneError("scale: has a range where no other number of the JND has one")
+        large = found.scaled(scale)
+        return replace(large, region=replace(large.region, ranges=(("scale", interval),), size=scale))
+    return _table(given)
+
+
+def _table(given: Mapping[str, Any]) -> Threshold:
     shape = _shape(given.get("shape", "square"))
     keys = _KEYS[shape]
     for key in given:
-        if key not in (*keys, "shape", "proportion"):
+        if key not in (*keys, *_ANY):
             owners = [x.value for x, own in _KEYS.items() if key in own]
             hint = f"it is of a {' or '.join(owners)}; " if owners else meant(str(key), keys)
             what = "" if shape is Shape.SQUARE else f" of a {shape.value}"
             raise SceneError(
-                f'unknown key "{str(key)[:60]}"{what}: {hint}valid are {", ".join(("shape", *keys, "proportion"))}'
+                f'unknown key "{str(key)[:60]}"{what}: {hint}valid are {", ".join(("shape", *keys, "scale", "proportion"))}'
             )
     missing = [key for key in keys if key not in given and key not in _OPTIONAL]
     if missing:
@@ -55,9 +73,11 @@ def read_threshold(given: Any) -> Threshold:
         region = Region(shape, corners=_corners(given["corners"]))
         return Threshold(Integer(1), Integer(1), region=region, proportion=taken)
     real, imag = (_sided(key, given[key], allowed=shape is Shape.SQUARE) for key in ("real", "imag"))
-    floor, motion = _floor(given["floor"]) if "floor" in given else (None, None)
+    floor, motion, lowest = _floor(given["floor"]) if "floor" in given else (None, None, None)
     tilt = _number("tilt", given["tilt"]) if "tilt" in given else Integer(0)
-    region = Region(shape, tilt, (), (real[1], imag[1]), floor, motion)
+    named = {"real.lower": real[2], "imag.lower": imag[2], "floor": lowest}
+    ranges = tuple((name, x) for name, x in named.items() if x)
+    region = Region(shape, tilt, (), (real[1], imag[1]), floor, motion, ranges)
     return Threshold(real[0], imag[0], region=region, proportion=taken)
 
 
@@ -69,32 +89,31 @@ def _shape(given: Any) -> Shape:
     return Shape(given)
 
 
-def _sided(key: str, given: Any, *, allowed: bool) -> tuple[Any, Expr | None]:
-    """A limit, and that for changes which make the part smaller where it is given apart."""
+def _sided(key: str, given: Any, *, allowed: bool) -> tuple[Any, Expr | None, ExactRange | None]:
+    """A limit, and that for changes which make the part smaller where it is given apart, with its range."""
     if not isinstance(given, Mapping):
-        return given, None
+        return given, None, None
     if not allowed:
         raise SceneError(f"{key}: limits for higher and lower are of a square alone")
     if set(given) != {"higher", "lower"}:
         raise SceneError(f"{key}: must be a number, or give both higher and lower")
-    (higher, one), (lower, other) = (threshold_value(f"{key}: {way}", given[way]) for way in ("higher", "lower"))
-    if one or other:
-        raise SceneError(f"{key}: limits for higher and lower take no ranges")
-    return higher, lower
+    threshold_value(f"{key}: higher", given["higher"])
+    return given["higher"], *threshold_value(f"{key}: lower", given["lower"])
 
 
-def _floor(given: Any) -> tuple[Expr, MotionKind | None]:
-    """The least change that is noticed, N/m or N m/rad."""
+def _floor(given: Any) -> tuple[Expr, MotionKind | None, ExactRange | None]:
+    """The least change that is noticed, N/m or N m/rad, and its range."""
     found = formula("floor", given)
     if found is not None and found.has(omega):
-        return found, None
+        return found, None, None
     try:
-        read = number(given, Dimension.STIFFNESS)
+        read = ranged(given, Dimension.STIFFNESS)
+        value = require_number(given, read.nominal).value
     except SceneError as error:
         raise error.within("floor") from None
-    if sign_of_number(read.value) <= 0:
+    if any(sign_of_number(x) <= 0 for x in (value, *(read.interval or ()))):
         raise SceneError(f'floor: "{given}" must be > 0')
-    return read.value, read.motion
+    return value, read.nominal.motion, read.interval
 
 
 def _number(key: str, given: Any) -> Expr:

@@ -16,6 +16,7 @@ from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.kernel.symbols import omega
 from haptisym.model.quantities import MotionKind
+from haptisym.model.ranges import ExactRange
 
 Corner: TypeAlias = tuple[Expr, Expr]
 MOST_CORNERS = 24
@@ -36,7 +37,9 @@ class Region:
 
     ``tilt`` : of an ellipse. ``corners`` : of a polygon, counterclockwise. ``lower`` : of a square, the limits of Re and Im for
     changes that make the part smaller; None where they are those for changes that make it larger. ``floor`` : of a square, N/m or
-    N m/rad, the least change that is noticed; ``motion`` : as its unit tells.
+    N m/rad, the least change that is noticed; ``motion`` : as its unit tells. ``ranges`` : where numbers of it may lie, by name:
+    ``real.lower``, ``imag.lower``, ``floor``, and ``scale``, how many times all of it is as large as was given; ``size`` : that,
+    nominal.
     """
 
     shape: Shape = Shape.SQUARE
@@ -45,6 +48,8 @@ class Region:
     lower: tuple[Expr | None, Expr | None] = (None, None)
     floor: Expr | None = None
     motion: MotionKind | None = None
+    ranges: tuple[tuple[str, ExactRange], ...] = ()
+    size: Expr = Integer(1)
 
     @property
     def numbers(self) -> dict[str, Expr]:
@@ -56,7 +61,9 @@ class Region:
         """That many times as large."""
         corners = tuple((x * c, y * c) for x, y in self.corners)
         one, other = (None if x is None else x * c for x in self.lower)
-        return replace(self, corners=corners, lower=(one, other), floor=None if self.floor is None else self.floor * c)
+        floor = None if self.floor is None else self.floor * c
+        ranges = tuple((key, x if key == "scale" else (x[0] * c, x[1] * c)) for key, x in self.ranges)
+        return replace(self, corners=corners, lower=(one, other), floor=floor, ranges=ranges)
 
     def check(self, low: Expr, high: Expr) -> None:
         """SceneError unless the region has 0 inside and is convex at every frequency of a band."""

@@ -180,12 +180,16 @@ class Scene(Shown):
         for x in self.ranges(besides).values():
             assert x.interval
             told.setdefault(spread(x.value, x.interval), []).append(x.name)
+        for name, (low, high) in () if THRESHOLD in besides else self.threshold.region.ranges:
+            told.setdefault(f"from {float(low):.6g} to {float(high):.6g}", []).append(f"{name} of the JND")
         if not told:
             return ""
         listed = "; ".join(
             f"{', '.join(names)} var{'y' if len(names) > 1 else 'ies'} {by}" for by, names in told.items()
         )
         what = "these are the nominal values" if besides else "this is the nominal scene"
+        if not self.threshold.is_box:
+            return f"{listed}: {what}; `haptisym evaluate` tells which bandwidths the JND gives."
         return f"{listed}: {what}; see `haptisym tolerances`."
 
     def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
@@ -195,6 +199,7 @@ class Scene(Shown):
     def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
         """The same as keys of a document, where they say something: ``nominal``, ranges by path; ``untied``, pairs of paths."""
         ranges = {path: [float(end) for end in x.interval or ()] for path, x in self.ranges(besides).items()}
+        ranges |= {f"{THRESHOLD}.{name}": [float(end) for end in x] for name, x in self.threshold.region.ranges}
         untied = [list(pair) for pair in self.untied(varied)]
         return ({"nominal": ranges} if ranges else {}) | ({"untied": untied} if untied else {})
 

@@ -11,6 +11,7 @@ from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.published import like
+from haptisym.model.quantities import Dimension, MotionKind
 from haptisym.model.ranges import ExactRange
 from haptisym.pages.words import PART_NAMES, both, percent, short
 from haptisym.writing.document import Block, Code, Figure, Number, Paragraph, Phrase, Strong, listed
@@ -24,7 +25,7 @@ def bandwidths(e: Evaluation) -> Iterator[Block]:
     found, threshold = e.bandwidths, e.scene.threshold
     if found is None:
         return
-    yield Paragraph(("For thresholds ", _range(threshold), " ", _said(found), _blocked(found), _open(found)))
+    yield Paragraph(("For ", _range(threshold), " ", _said(found, threshold), _blocked(found, threshold), _open(found)))
     if found.is_one_curve:
         caption = "The bandwidth over the range of the threshold; a dot is reached, a ring is not."
         yield Figure("bandwidths", caption, partial(_drawn, e))
@@ -37,10 +38,32 @@ def _drawn(e: Evaluation) -> Canvas:
 
 
 def _range(threshold: Threshold) -> Phrase:
-    each = {part: threshold.interval(part) for part in Part}
-    if (both_parts := each[Part.REAL]) and both_parts == each[Part.IMAG]:
-        return _ends(both_parts)
-    return listed((_ends(x), f" ({PART_NAMES[part]})") for part, x in each.items() if x)
+    ranges = threshold.ranges
+    if "scale" in ranges:
+        low, high = ranges["scale"]
+        return f"a JND from {float(low):.6g} to {float(high):.6g} times as large"
+    limits = {name: x for name, x in ranges.items() if name != "floor"}
+    alike = threshold.real == threshold.imag and threshold.real_interval == threshold.imag_interval
+    found: list[Phrase] = []
+    if limits and alike and threshold.region.lower == (None, None):
+        found = [("thresholds ", _ends(limits["real"]))]
+    elif limits:
+        found = [("thresholds ", listed((_ends(x), f" ({_named(name, threshold)})") for name, x in limits.items()))]
+    if "floor" in ranges:
+        low, high = ranges["floor"]
+        found.append(f"a floor from {float(low):.6g} to {float(high):.6g} {_unit(threshold)}")
+    return listed(found)
+
+
+def _named(name: str, threshold: Threshold) -> str:
+    """``real part``, or ``real part, where it shrinks``."""
+    part, _, lower = name.partition(".")
+    way = ", where it shrinks" if lower else ", where it grows" if threshold.lower(Part(part)) is not None else ""
+    return f"{PART_NAMES[Part(part)]} part{way}" if way else PART_NAMES[Part(part)]
+
+
+def _unit(threshold: Threshold) -> str:
+    return Dimension.STIFFNESS.unit(threshold.region.motion or MotionKind.TRANSLATION).replace("*", "·")
 
 
 def _ends(interval: ExactRange) -> str:
@@ -48,7 +71,7 @@ def _ends(interval: ExactRange) -> str:
     return f"from {percent(low)} to {percent(high)}"
 
 
-def _said(found: Bandwidths) -> Phrase:
+def _said(found: Bandwidths, threshold: Threshold) -> Phrase:
     if found.most is None:
         return "there is no bandwidth: the distortion is noticed at the band's low end."
     if found.least is None:
@@ -59,22 +82,38 @@ def _said(found: Bandwidths) -> Phrase:
     ends: Phrase = ("the bandwidth is at least ", both(least), " and at most ", both(most), "; ")
     if found.undecided:
         return ends, "both are reached."
+    if found.ends_alone:
+        grows = "both are reached, as the region grows with each of these numbers."
+        return ends, grows, " Which of the values between are is not told."
     if not found.jumps:
         return ends, "each value between is reached."
-    return ends, "each value between is reached but those ", listed(map(_jump, found.jumps)), "."
+    return ends, "each value between is reached but those ", listed(_jump(x, threshold) for x in found.jumps), "."
 
 
-def _jump(x: Jump) -> Phrase:
-    gap: Phrase = "from ", short(x.low), " to below ", short(x.high), " rad/s"
-    return gap if x.threshold is None else (gap, " (the threshold passes a peak of ", _share(x.threshold), ")")
+def _jump(x: Jump, threshold: Threshold) -> Phrase:
+    gap: Phrase = "above " if x.includes_low else "from ", short(x.low), " to below ", short(x.high), " rad/s"
+    if x.threshold is None:
+        return gap
+    name = next(iter(threshold.ranges))
+    passed = "the threshold passes a peak of " if name not in ("scale", "floor") else f"at a {name} of "
+    return gap, " (", passed, _size(x.threshold, name, threshold), ")"
 
 
-def _blocked(found: Bandwidths) -> Phrase:
+def _size(x: RealNumber, name: str, threshold: Threshold) -> Phrase:
+    if name == "scale":
+        return short(x)
+    return (short(x), f" {_unit(threshold)}") if name == "floor" else _share(x)
+
+
+def _blocked(found: Bandwidths, threshold: Threshold) -> Phrase:
     if not found.blocked:
         return ""
-    names = {"jnd": "", "real": " for the real part", "imag": " for the imaginary part"}
-    below = listed((_share(x), names[name]) for name, x in found.blocked.items())
-    return (" There is none for a threshold below ", below, ".")
+    below: list[Phrase] = []
+    for name, x in found.blocked.items():
+        what = f" {name}" if name in ("scale", "floor") else " threshold"
+        whose = f" for the {_named(name, threshold)}" if name not in ("scale", "floor", "jnd") else ""
+        below.append((f"a{what} below ", _size(x, name, threshold), whose))
+    return (" There is none for ", listed(below), ".")
 
 
 def _share(x: RealNumber) -> Phrase:

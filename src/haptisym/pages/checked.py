@@ -20,6 +20,8 @@ def is_provable(e: Evaluation) -> bool:
             e.certificate()
         else:
             named_in_file(e.scene)
+            if e.scene.threshold.ranges:
+                return False
     except HaptisymError:
         return False
     if e.scene.threshold.is_plain:

@@ -57,6 +57,10 @@ def _side(x: Knob) -> Side:
 
 def box_of(scene: Scene) -> Box:
     """The box of a scene; SceneError if no parameter of it has a range, or one is still a symbol."""
+    if not scene.threshold.is_box:
+        names = " and ".join(scene.threshold.ranges)
+        own = f"the JND has a range of {names}, which is no side of a box"
+        raise SceneError(f"{own}: `haptisym evaluate` tells its bandwidths; give it a number here")
     box = Box(scene)
     scene.knobs.need_numbers()
     if not box.sides:
