@@ -6,6 +6,10 @@ With HAPTISYM_EXAMPLES=N there are N examples (where a test wants more, as many 
 
 from __future__ import annotations
 
+import os
+
+os.environ.setdefault("SYMPY_CACHE_SIZE", "20000")  # many scenes in one process
+
 import pytest
 from hypothesis import HealthCheck, settings
 from marks import EXAMPLES
@@ -17,11 +21,37 @@ settings.register_profile(
     "drawn" if EXAMPLES else "repeatable",
     derandomize=not EXAMPLES,
     deadline=None,
-    max_examples=EXAMPLES or 20,
+    max_examples=EXAMPLES or 10,
     database=None,
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("drawn" if EXAMPLES else "repeatable")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Of a family marked ``few(n)`` n cases, spread over all, are run every time, or those that are named; the others are slow."""
+    families: dict[str, list[pytest.Item]] = {}
+    for item in items:
+        if item.get_closest_marker("few"):
+            families.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    for cases in families.values():
+        wanted = next(cases[0].iter_markers("few")).args
+        quick = set(cases_of(cases, wanted))
+        if not quick and not any("[" in word for word in config.args):
+            raise pytest.UsageError(f"{cases[0].nodeid}: no case has a name that it is marked few with")
+        for item in cases:
+            if item not in quick:
+                item.add_marker(pytest.mark.slow)
+
+
+def cases_of(cases: list[pytest.Item], wanted: tuple[object, ...]) -> list[pytest.Item]:
+    """Those whose name between the brackets is wanted; of a number, the first, and others as far from each other as can be."""
+    if wanted and isinstance(wanted[0], int):
+        golden = 0.6180339887
+        return sorted(cases, key=lambda item: cases.index(item) * golden % 1)[: wanted[0]]
+    named = {item.nodeid.partition("[")[2][:-1]: item for item in cases}
+    return [named[name] for name in map(str, wanted) if name in named]
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
 
 import haptisym as hs
 
@@ -84,6 +85,7 @@ def test_text_and_python_say_the_same(call) -> None:  # type: ignore[no-untyped-
     assert out == str(hs.evaluate(hs.load_scene("sidestick")))
 
 
+@pytest.mark.slow
 def test_every_shipped_scene_has_a_source_and_is_evaluated(call) -> None:  # type: ignore[no-untyped-def]
     _, out, _ = call("scenes", "--json")
     scenes = json.loads(out)["scenes"]
@@ -118,7 +120,12 @@ def test_an_output_that_cannot_be_written_is_said(call, tmp_path: Path) -> None:
     assert "folder.tex" in err
 
 
-def test_figures_and_latex_are_written_beside_the_json(call, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+def test_figures_and_latex_are_written_beside_the_json(  # type: ignore[no-untyped-def]
+    call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        Figure, "savefig", lambda _, path, **__: Path(path).touch()
+    )  # what files hold is tested with the figures
     status, out, _ = call(
         "evaluate", "fu2019", "--json", "--figures", str(tmp_path / "figures"), "--latex", str(tmp_path / "x.tex")
     )

@@ -64,6 +64,7 @@ def test_two_outputs_are_not_written_to_one_file(call, tmp_path: Path) -> None: 
     assert "--latex and --report would both be written to" in err
 
 
+@pytest.mark.slow
 def test_an_older_output_is_written_anew(call, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     scene, latex = tmp_path / "my.toml", tmp_path / "my.tex"
     scene.write_text(SCENE, encoding="utf-8")
@@ -72,6 +73,7 @@ def test_an_older_output_is_written_anew(call, tmp_path: Path) -> None:  # type:
     assert latex.read_text(encoding="utf-8").startswith("\\documentclass")
 
 
+@pytest.mark.few(1)
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
 @pytest.mark.parametrize(
     "words", [["evaluate", "fu2019", "--latex", "/dev/full"], ["simulate", "fu2019", "--force", "/dev/full"]]
@@ -129,6 +131,7 @@ def test_options_that_agree_are_not_refused(call) -> None:  # type: ignore[no-un
     assert call("derive", "fu2019", "--symbolic", "--symbolic", "--of", "dH", "--of", "H_env")[0] == 0
 
 
+@pytest.mark.slow
 def test_three_parameters_are_swept_where_nothing_is_drawn_and_by_this_process_alone(  # type: ignore[no-untyped-def]
     call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -166,6 +169,7 @@ def test_code_and_documents_are_not_fitted_to_a_terminal_but_pages_are(call, mon
     assert [code, document] == [*piped.values()][1:]
 
 
+@pytest.mark.slow
 def test_a_figure_of_what_accuracy_costs_is_where_it_was_asked_for(
     call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:  # type: ignore[no-untyped-def]

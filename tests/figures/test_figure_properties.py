@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from marks import often
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
@@ -102,7 +103,14 @@ KINDS: dict[str, Callable[[Path], object]] = {
 }
 
 
-@pytest.fixture(scope="module", params=KINDS)
+SLOW_KINDS = {
+    "evaluate in Hz", "evaluate a resonance", "evaluate a range of thresholds", "a measured JND", "require a JND", "require, in vain",
+    "map, in vain", "sweep in the plane",
+}  # fmt: skip
+"""Those that draw as others do, and take longer."""
+
+
+@pytest.fixture(scope="module", params=often(KINDS, lambda kind: kind not in SLOW_KINDS))
 def figures(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> list[Figure]:
     return written(KINDS[request.param], tmp_path_factory.mktemp("figures"))
 
@@ -275,6 +283,7 @@ def colours(artists: list[Artist]) -> set[str]:
     return {to_hex(x) for x in (*own, *faces) if not isinstance(x, str) or x != "none"}
 
 
+@pytest.mark.few(7)
 @pytest.mark.parametrize("name", PAIRS)
 def test_two_scenes_are_drawn_on_one_axes(name: str) -> None:
     ax, (first, second) = drawn_twice(name, {"label": "quick"}, {"label": "slow", "color": "#009900"})

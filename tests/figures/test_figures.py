@@ -298,6 +298,7 @@ def test_an_active_display_is_noticed_but_has_no_percept() -> None:
     assert "never exceeds the threshold" not in words(ax)
 
 
+@pytest.mark.slow
 def test_percepts_in_narrow_bands_are_numbered_and_told_in_the_legend() -> None:
     ax, result = drawn(UNDAMPED, FIGURES["projections-real"])
     assert len(result.percepts) == 4
@@ -352,6 +353,7 @@ def test_a_frequency_off_the_band_or_at_a_pole_has_no_square() -> None:
 # All of them.
 
 
+@pytest.mark.few(16)
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
 def test_no_text_is_cut_off_or_lies_on_another(scene: hs.Scene, name: str) -> None:
@@ -407,11 +409,13 @@ def saved(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     return paths
 
 
+@pytest.mark.slow
 def test_all_figures_are_saved_in_all_formats(saved: list[Path]) -> None:
     assert [path.name for path in saved] == [f"{name}.{kind}" for name in NAMES for kind in ("svg", "pdf", "png")]
     assert all(path.stat().st_size > 1000 for path in saved)
 
 
+@pytest.mark.slow
 def test_saved_figures_are_one_column_wide(saved: list[Path]) -> None:
     for path in saved:
         data = path.read_bytes()
@@ -423,6 +427,7 @@ def test_saved_figures_are_one_column_wide(saved: list[Path]) -> None:
             assert int.from_bytes(data[16:20], "big") == 3.4 * 400
 
 
+@pytest.mark.slow
 def test_a_saved_figure_bears_no_date_and_real_letters(saved: list[Path]) -> None:
     for path in saved:
         assert b"CreationDate" not in path.read_bytes()
@@ -430,6 +435,7 @@ def test_a_saved_figure_bears_no_date_and_real_letters(saved: list[Path]) -> Non
         assert path.suffix != ".pdf" or b"/Type3" not in path.read_bytes()
 
 
+@pytest.mark.slow
 def test_the_square_saved_is_of_the_middle_of_the_first_percept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -447,6 +453,7 @@ def test_the_same_evaluation_gives_the_same_files(saved: list[Path], tmp_path: P
         assert first.read_bytes() == second.read_bytes(), first.name
 
 
+@pytest.mark.slow
 def test_no_figure_needs_pyplot() -> None:
     probe = (
         "import sys, haptisym as hs\n"

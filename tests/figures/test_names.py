@@ -10,6 +10,7 @@ import haptisym as hs
 from haptisym.figures.stability import stability_figure
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["fu2019", "delayed-spring"])
 def test_names_of_hands_stand_free(name: str) -> None:
     """At fu2019 device-operator lay on the line of the root at 0; behind a delay two names left the axes or met the number."""

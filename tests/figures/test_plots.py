@@ -60,6 +60,7 @@ def test_every_kind_of_answer_can_be_drawn() -> None:
     assert set(ANSWERS) == set(KINDS) - {"hardcosts", "jnd", "sweep"}
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", [pytest.param(x, marks=[pytest.mark.slow] * (x not in QUICK)) for x in ANSWERS])
 def test_two_scenes_are_drawn_on_one_axes_of_the_caller(name: str) -> None:
     one, other = ANSWERS[name](PAPER), ANSWERS[name](SLOW)

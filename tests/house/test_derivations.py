@@ -15,6 +15,7 @@ DERIVATIONS = Path(__file__).parents[2] / "derivations"
 SCRIPTS = sorted(DERIVATIONS.glob("[0-9][0-9]_*.py"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("script", often(SCRIPTS, lambda script: script.stem[:2] == "11"), ids=lambda x: x.stem)
 def test_a_derivation_runs_by_itself(script, tmp_path):
     """In a fresh interpreter, elsewhere, with its assertions switched on whatever the environment says."""

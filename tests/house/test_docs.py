@@ -27,6 +27,23 @@ def test_the_examples_of_the_readme_run() -> None:
 PAGES = [path for path in sorted((ROOT / "docs").glob("*.md")) if ">>>" in path.read_text(encoding="utf-8")]
 
 
+@pytest.mark.few(
+    "command-line",
+    "evidence",
+    "formulas",
+    "functions",
+    "index",
+    "jnd-regions",
+    "measured",
+    "metrics",
+    "psychophysics",
+    "relevance",
+    "scenes",
+    "sensitivity",
+    "several-environments",
+    "sweeps",
+    "tolerances",
+)
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: path.stem)
 def test_the_examples_of_a_page_run(page: Path) -> None:
     result = doctest.testfile(str(page), module_relative=False)

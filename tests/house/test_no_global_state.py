@@ -6,6 +6,8 @@ import subprocess
 import sys
 from textwrap import dedent
 
+import pytest
+
 WATCH = """
 import decimal, locale, sys, warnings
 import flint, mpmath, numpy, sympy
@@ -36,6 +38,7 @@ def run(script: str) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 def test_importing_the_package_changes_nothing() -> None:
     run("""
         before = state()
@@ -80,6 +83,7 @@ def test_an_evaluation_does_not_depend_on_the_precision_the_user_set() -> None:
     """)
 
 
+@pytest.mark.slow
 def test_importing_the_package_loads_no_plotting_library() -> None:
     loaded = run("""
         import haptisym

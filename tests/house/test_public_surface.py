@@ -79,6 +79,7 @@ def test_every_name_that_the_documents_use_is_public() -> None:
     assert len(used) > 30
 
 
+@pytest.mark.slow
 def test_help_shows_every_public_name_also_without_the_optional_packages() -> None:
     script = """
 import sys
@@ -99,6 +100,7 @@ def test_help_of_a_verb_is_its_data_sheet() -> None:
     assert "path" in text
 
 
+@pytest.mark.slow
 def test_completion_offers_what_is_loaded_on_demand() -> None:
     script = """
 import rlcompleter
@@ -112,12 +114,14 @@ print(*found)
     assert {"hs.require(", "hs.relevance(", "hs.recording("} <= set(python("-c", script).split())
 
 
+@pytest.mark.slow
 def test_importing_the_package_loads_nothing_that_only_some_verbs_need() -> None:
     script = "import sys, haptisym; print(*sorted({x.partition('.')[0] for x in sys.modules}))"
     loaded = set(python("-c", script).split())
     assert not loaded & {"matplotlib", "xarray", "zarr", "numba", "rich", "click", "IPython"}
 
 
+@pytest.mark.slow
 def test_importing_the_package_loads_no_verb_but_evaluate() -> None:
     script = "import sys, haptisym; print(*sorted(x for x in sys.modules if x.startswith('haptisym.')))"
     loaded = [x.removeprefix("haptisym.") for x in python("-c", script).split()]
@@ -128,6 +132,7 @@ def test_importing_the_package_loads_no_verb_but_evaluate() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_a_document_on_the_command_line_loads_neither_writers_nor_other_verbs() -> None:
     script = """
 import contextlib, io, sys

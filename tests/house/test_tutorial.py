@@ -43,6 +43,7 @@ def test_the_notebook_has_the_tutorials_cells(notebook: dict[str, Any]) -> None:
         assert f"## {chapter}\n" in prose
 
 
+@pytest.mark.slow
 def test_every_cell_runs_and_most_of_them_show_something(
     notebook: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

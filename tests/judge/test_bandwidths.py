@@ -169,6 +169,7 @@ def test_every_bandwidth_of_a_random_scene_is_among_those_that_are_said_to_be(
     check(case, low, low * factor, apart=apart)
 
 
+@pytest.mark.slow
 @given(st.data(), SHARES, st.sampled_from([Fraction(11, 10), Fraction(2), Fraction(5)]), st.booleans())
 def test_so_it_is_where_zeros_and_poles_and_peaks_coincide(
     data: st.DataObject,
@@ -179,6 +180,7 @@ def test_so_it_is_where_zeros_and_poles_and_peaks_coincide(
     check(coincident_case(Drawn(data.draw)), low, low * factor, apart=apart)
 
 
+@pytest.mark.slow
 def test_random_scenes_have_jumps_to_be_tested() -> None:
     """The properties above are not about nothing."""
     jumps = [

@@ -51,6 +51,7 @@ def samples(case: Case, count: int, seed: int = 0) -> list[Fraction]:
 # --- the oracles against each other ----------------------------------------------------------------------------------
 
 
+@pytest.mark.few("3", "1", "4")
 @pytest.mark.parametrize("seed", range(5))
 def test_the_polynomial_of_the_oracle_is_that_of_sympy_s_real_and_imaginary_parts(seed: int) -> None:
     case = strategies.case(Seeded(seed), order=2)
@@ -83,6 +84,7 @@ def test_roots_of_mpmath_are_as_many_as_sturm_counts(seed: int) -> None:
 # --- the package against the oracles ---------------------------------------------------------------------------------
 
 
+@pytest.mark.few(2)
 @each_block
 def test_crossings_of_random_scenes_are_as_many_as_sturm_counts(block: int) -> None:
     for case, result in family(block):
@@ -90,11 +92,13 @@ def test_crossings_of_random_scenes_are_as_many_as_sturm_counts(block: int) -> N
             assert len(of_part(result, part)) == case.counts[part], (part, case)
 
 
+@pytest.mark.slow
 def test_the_random_scenes_have_from_no_crossing_to_many() -> None:
     counts = {len(judged(seed)[1].crossings) for seed in range(BLOCKS * BLOCK)}
     assert set(range(7)) <= counts
 
 
+@pytest.mark.few(2)
 @each_block
 def test_at_each_crossing_the_ratio_is_the_threshold(block: int) -> None:
     for case, result in family(block):
@@ -116,6 +120,7 @@ def near(result: hs.Evaluation, crossing: hs.Crossing) -> tuple[Fraction, Fracti
     return low - gap / 1000, high + gap / 1000
 
 
+@pytest.mark.few(2)
 @each_block
 def test_kind_and_sign_of_a_crossing_are_those_of_exact_values_on_either_side(block: int) -> None:
     kinds = {(-1, 1): "exceeds", (1, -1): "returns", (-1, -1): "touches", (1, 1): "touches"}
@@ -126,6 +131,7 @@ def test_kind_and_sign_of_a_crossing_are_those_of_exact_values_on_either_side(bl
             assert crossing.sign == before.difference == after.difference, (crossing, case)
 
 
+@pytest.mark.few(2)
 @each_block
 def test_multiplicities_add_up_to_those_of_the_square_free_factors(block: int) -> None:
     for case, result in family(block):
@@ -159,6 +165,7 @@ def check_at(case: Case, result: hs.Evaluation, omega: Fraction) -> None:
         assert percepts_at(result, part, omega) == expected_percepts(part, facts[part]), (omega, case)
 
 
+@pytest.mark.few(2)
 @each_block
 def test_transparent_set_percepts_and_activity_hold_exactly_the_frequencies_they_should(block: int) -> None:
     for seed, (case, result) in enumerate(family(block)):
@@ -166,6 +173,7 @@ def test_transparent_set_percepts_and_activity_hold_exactly_the_frequencies_they
             check_at(case, result, omega)
 
 
+@pytest.mark.few(2)
 @each_block
 def test_just_beside_every_point_of_the_chart_the_evaluation_is_right(block: int) -> None:
     for case, result in family(block)[::4]:
@@ -176,6 +184,7 @@ def test_just_beside_every_point_of_the_chart_the_evaluation_is_right(block: int
             check_at(case, result, above_gap - gap / 10**6)
 
 
+@pytest.mark.few(2)
 @each_block
 def test_between_changeovers_the_real_part_keeps_its_sign(block: int) -> None:
     for seed, (case, result) in enumerate(family(block)):
@@ -206,6 +215,7 @@ def test_a_grid_search_finds_no_crossing_that_the_certified_answer_lacks(block: 
                     assert inside % 2 == 1, (part, grid[i], case)
 
 
+@pytest.mark.few(20)
 @pytest.mark.parametrize("seed", range(40))
 def test_where_zeros_poles_and_ends_coincide_the_evaluation_is_still_right(seed: int) -> None:
     case = strategies.coincident_case(Seeded(seed))
@@ -236,6 +246,7 @@ def with_pi(seed: int) -> tuple[Case, hs.Evaluation]:
     return case, evaluate(case)
 
 
+@pytest.mark.few(10)
 @pytest.mark.parametrize("seed", range(24))
 def test_scenes_with_pi_have_the_crossings_of_mpmath(seed: int) -> None:
     case, result = with_pi(seed)

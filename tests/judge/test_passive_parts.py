@@ -100,6 +100,7 @@ def test_an_evaluation_says_what_colgate_and_schenkel_prove() -> None:
     assert "Every passive hand may hold it: Colgate and Schenkel's condition is met" in text
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("order", ["0.23", "0.5", "1/3"])
 def test_spring_pots_of_any_order_are_judged(order: str) -> None:
     """k s^alpha takes energy at every frequency; behind a filter of second order it gives some back."""

@@ -32,6 +32,7 @@ def imaginary(scene: hs.Scene, omega: np.ndarray) -> np.ndarray:
     return np.asarray(scene.distortion().compile()(omega).perceived_imag)
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", ACTIVE_ABOVE_THE_BAND)
 def test_activity_just_above_the_band_is_found_and_said(name: str) -> None:
     scene = hs.load_scene(name)
@@ -47,6 +48,7 @@ def test_activity_just_above_the_band_is_found_and_said(name: str) -> None:
     assert verdict.endswith("every passive hand: does not hold")
 
 
+@pytest.mark.few(10)
 @pytest.mark.parametrize("name", SCENES)
 def test_signs_are_those_of_a_scan_beyond_the_band(name: str) -> None:
     scene = hs.load_scene(name)

@@ -46,6 +46,7 @@ def test_a_threshold_at_the_very_peak_is_touched_there_and_nowhere_crossed() -> 
     ]
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize("part", [hs.Part.REAL, hs.Part.IMAG])
 @pytest.mark.parametrize("seed", range(6))
 def test_every_peak_of_a_random_scene_is_touched_by_a_threshold_of_its_height(part: hs.Part, seed: int) -> None:
@@ -140,6 +141,7 @@ def test_peaks_next_to_the_ends_of_the_band_are_there() -> None:
     assert [(p.part, p.omega.digits(12)) for p in hs.peaks(scene.with_band("2.17", "4.16"))] == wide[1:2]
 
 
+@pytest.mark.slow
 def test_the_height_of_a_peak_in_closed_form_is_the_number_that_its_digits_are() -> None:
     """Several roots of the same minimal polynomial, some of them negative: the index tells which."""
     gains = [

@@ -72,6 +72,7 @@ VERBS: dict[str, tuple[str, ...]] = {
 }
 
 
+@pytest.mark.few("evaluate", "effects", "sensitivity", "metrics", "stability", "derive", "simulate")
 @pytest.mark.parametrize("verb", VERBS)
 def test_verbs_that_take_the_nominal_values_say_so(verb: str, call: Call, scenes: tuple[str, str]) -> None:
     for file, note, ranges in zip(scenes, (NOTE, None), (EVERY, None), strict=True):
@@ -91,6 +92,7 @@ FREE: list[tuple[tuple[str, ...], set[str], str]] = [
 ]
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("free", "besides", "listed"), FREE)
 def test_a_requirement_says_what_is_nominal_but_for_what_it_is_about(
     free: tuple[str, ...], besides: set[str], listed: str, call: Call, scenes: tuple[str, str]
@@ -128,6 +130,7 @@ def test_nothing_is_nominal_where_all_that_varies_is_asked_about() -> None:
     assert "nominal" not in found.to_dict()
 
 
+@pytest.mark.slow
 def test_a_sweep_says_what_is_nominal_but_for_its_axes(call: Call, scenes: tuple[str, str], tmp_path: Path) -> None:
     asked = ("sweep", scenes[0], "--vary", "environment.k=50:100:2")
     _, out, _ = call(*asked)
@@ -155,6 +158,7 @@ def test_pages_and_latex_of_an_evaluation_say_what_is_nominal() -> None:
             assert latex.count(r"scene; see \texttt{haptisym tolerances}") == count
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("language", ["text", "latex", "mathml"])
 def test_formulas_in_symbols_hold_for_all_values(language: str, call: Call, scenes: tuple[str, str]) -> None:
     _, out, _ = call("derive", scenes[0], "--to", language)
@@ -239,6 +243,7 @@ ASKED: dict[str, tuple[Callable[[hs.Scene], Any], bool]] = {
 }
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("what", ASKED)
 def test_what_varies_one_of_two_parameters_of_a_name_says_so(what: str) -> None:
     ask, told = ASKED[what]

@@ -112,6 +112,7 @@ def test_a_wall_that_grows_in_a_hand_is_called_stable_under_imposed_motion_only(
     assert held.stable is False
 
 
+@pytest.mark.slow
 def test_every_shipped_scene_with_a_clock_says_who_decides_the_loop_through_the_hand() -> None:
     clocked = [x for x in map(hs.load_scene, hs.scene_names()) if clocks(x)]
     assert len(clocked) > 1

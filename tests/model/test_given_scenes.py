@@ -45,6 +45,23 @@ def test_what_takes_a_scene_says_that_a_name_or_a_path_will_do(name: str) -> Non
     assert name in CALLS
 
 
+@pytest.mark.few(
+    "check",
+    "derive",
+    "design_map",
+    "evaluate",
+    "metrics",
+    "peaks",
+    "relevance",
+    "release",
+    "require",
+    "sampled",
+    "scene_code",
+    "sensitivity",
+    "simulate",
+    "stability",
+    "sweep",
+)
 @pytest.mark.parametrize("name", [x for x in CALLS if x not in TIMED])
 def test_a_name_or_a_path_is_as_good_as_the_scene(name: str, tmp_path: Path) -> None:
     shipped = "fu2019-tolerances" if name == "tolerances" else "fu2019"
@@ -74,6 +91,7 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
 }
 
 
+@pytest.mark.few(60)
 @pytest.mark.parametrize("name", CALLS)
 @pytest.mark.parametrize("what", WRONG)
 def test_what_is_no_scene_is_refused_with_what_to_call(name: str, what: str) -> None:

@@ -182,6 +182,7 @@ def test_a_delay_that_cancels_does_not_stand_in_the_way():
     assert cancel(interop.dynamics(interop.to_control(exp(-s) / (s * exp(-s) + exp(-s)))) - 1 / (s + 1)) == 0
 
 
+@pytest.mark.slow
 def test_nothing_is_imported_that_is_not_asked_for():
     probe = (
         "import sys, haptisym as hs\n"

@@ -33,6 +33,7 @@ def held(H, T: float, method: str, delay: int, omega: float) -> complex:  # type
     return step * sum(cmath.exp(-1j * omega * T * (i + 0.5) / pieces) for i in range(pieces)) / pieces
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("method", ["backward-difference", "tustin"])
 @pytest.mark.parametrize("delay", [0, 1, 3])
 @given(part=st.floats(0.01, 0.99))
@@ -66,6 +67,7 @@ def test_what_is_left_without_the_clock_is_the_environment() -> None:
     assert rest == hs.Scene(WALL, (hs.effects.shunt(m="0.1"),)).chain.perceived([0]).expression()
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("method", ["backward-difference", "tustin"])
 @pytest.mark.parametrize("rendered", ["k + b*s", "k + b*s*w/(s + w)"])
 def test_the_simulated_clock_agrees_with_the_closed_form(method: str, rendered: str) -> None:

@@ -51,6 +51,7 @@ def test_the_certificate_of_every_scene_is_accepted() -> None:
         assert claim == json.loads(certificate(name))["claim"], (name, why)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", often(range(0, 1000, 40), [0].__contains__))
 def test_certificates_of_random_scenes_are_accepted(first: int) -> None:
     texts = [random_scene(seed) for seed in range(first, first + 40)]
@@ -67,9 +68,7 @@ def test_a_scene_of_several_environments_is_checked_by_name() -> None:
     assert [not why for _, why in verdicts([(x, text) for x in asked])] == [True, False, False, False, False]
 
 
-@pytest.mark.parametrize(
-    "name", often([*OWN, *RATIONAL, *DELAYED], {"fu2019", "integrator", "delayed-spring"}.__contains__)
-)
+@pytest.mark.parametrize("name", often([*OWN, *RATIONAL, *DELAYED], {"integrator", "delayed-spring"}.__contains__))
 def test_every_mutant_is_refused(name: str) -> None:
     listed = [(what, json.dumps(x)) for what, x in mutants(json.loads(certificate(name)))]
     said = verdicts([(x, text_of(name)) for _, x in listed])
@@ -83,6 +82,7 @@ def test_certificates_about_stability_are_accepted() -> None:
         assert claim == json.loads(proof)["claim"], why
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", often(HELD, {"a hand"}.__contains__))
 def test_every_mutant_about_stability_is_refused(name: str) -> None:
     proof, text = of_stability(name)
@@ -97,6 +97,7 @@ def test_certificates_of_requirements_are_accepted() -> None:
         assert claim == json.loads(proof)["claim"], why
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", often(ASKED, {"a threshold"}.__contains__))
 def test_every_mutant_about_values_is_refused(name: str) -> None:
     proof, text = of_requirement(name)
@@ -105,6 +106,7 @@ def test_every_mutant_about_values_is_refused(name: str) -> None:
     assert [what for (what, _), (claim, _) in zip(listed, said, strict=True) if claim] == []
 
 
+@pytest.mark.slow
 def test_hostile_documents_are_refused_in_bounded_time_and_memory() -> None:
     listed = list(hostile())
     said = verdicts([(x, text_of("fu2019")) for _, x in listed], seconds=60)
@@ -166,6 +168,7 @@ def test_it_reads_toml_as_python_does_or_refuses() -> None:
     assert None not in said[len(ODD) :]
 
 
+@pytest.mark.slow
 @settings(max_examples=20, deadline=None)
 @given(st.lists(st.text("ab.=[]{}\"'\\,#1-e \n", max_size=30), min_size=50, max_size=50))
 def test_whatever_it_reads_python_reads_alike(texts: list[str]) -> None:
@@ -198,6 +201,7 @@ def inside(e: hs.Evaluation) -> list[tuple[str, bool, float]]:
     return [(x.criterion.name, x.kind is CrossingKind.EXCEEDS, float(x.omega)) for x in rows]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", often(range(0, 1000, 50), [0].__contains__))
 def test_all_crossings_of_random_scenes_are_found_exactly(first: int) -> None:
     texts = [random_scene(seed) for seed in range(first, first + 50)]
@@ -217,6 +221,7 @@ def test_all_crossings_of_random_scenes_are_found_exactly(first: int) -> None:
         assert [x[2] for x in found] == pytest.approx([x[2] for x in expected], rel=1e-8), text
 
 
+@pytest.mark.slow
 def test_what_cannot_be_found_exactly_is_said() -> None:
     given = {"values": [], "threshold": {"real": "0.1", "imag": "0.1"}, "band": ["0", "15"]}
     for text, change, why in (
@@ -318,6 +323,7 @@ def test_without_javascript_nothing_is_said_to_be_checked() -> None:
     assert '<p id="checked" role="status">Not checked here: that needs JavaScript.</p>' in written("fu2019")
 
 
+@pytest.mark.slow
 def test_a_page_of_a_scene_with_hostile_words_is_checked(shown: Any, tmp_path: Path) -> None:
     file = tmp_path / "x.toml"
     file.write_text('title = "</script><!-- \\" \\u2028 ω"\n' + text_of("nothing between"), encoding="utf-8")
@@ -364,6 +370,7 @@ def test_the_explorer_proves_a_scene_in_hertz_with_ties_between_its_parts(shown:
     assert "1 crossing within the band, none missed" in said
 
 
+@pytest.mark.slow
 def test_the_explorer_of_a_scene_without_a_certificate_proves_nothing(shown: Any) -> None:
     opened = shown(undrawn(hs.evaluate("delayed-spring")), page_of=True)
     assert proven(opened) == "none"

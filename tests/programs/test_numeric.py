@@ -552,6 +552,7 @@ def test_numbers_of_programs_are_asked_of_their_closed_forms_only_where_balls_sh
         f.certified.number((-3.0, 0.5), "ratio_real")
 
 
+@pytest.mark.few("certified")
 @pytest.mark.parametrize("accuracy", ["fast", "double-double", "certified"])
 def test_what_is_no_number_among_the_arguments_gives_none_there_and_nowhere_else(accuracy: str) -> None:
     f = hs.distort(mass_spring_damper(k=k), first_order_lag(20)).compile(accuracy)
@@ -638,6 +639,7 @@ CHAINS: dict[str, tuple[hs.Environment, tuple[hs.Effect, ...], hs.Environment | 
 }  # fmt: skip
 
 
+@pytest.mark.few(9)
 @pytest.mark.parametrize("name", CHAINS)
 def test_every_shape_of_a_chain_has_all_its_values_whatever_computes_them(name: str) -> None:
     environment, chain, rendered = CHAINS[name]
@@ -703,6 +705,7 @@ def test_a_hold_is_taken_out_of_a_function_wherever_it_stands() -> None:
 # --- machine code ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", often(["fu2019", "delayed-spring", "organ-tissue"], lambda name: name == "fu2019"))
 def test_machine_code_gives_the_same_doubles(name: str) -> None:
     d = hs.load_scene(name).distortion()

@@ -155,6 +155,7 @@ def critical(scene: hs.Scene, hand: Hand, path: str) -> dict[str, Any]:
     return {"found": found, "looked": looked}
 
 
+@pytest.mark.few("Sun, in a hand", "held by nothing")
 @pytest.mark.parametrize("case", ["held by nothing", "in a hand", "B = 0.4", "Sun, in a hand"])
 def test_the_stiffest_wall_is_found_from_a_softer_one(case: str) -> None:
     K, keys, hand = TABLE[case]
@@ -170,6 +171,7 @@ def test_a_wall_of_no_stiffness_lets_the_handle_go() -> None:
     assert (low["value"], low["omega"], low["stable_side"]) == (0, 0, "above")
 
 
+@pytest.mark.slow
 def test_the_damping_that_holds_a_stiff_wall_is_where_the_count_changes() -> None:
     (x,) = critical(wall(20000), P3, "hand.b")["found"]
     assert x["stable_side"] == "above"

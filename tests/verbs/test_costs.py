@@ -40,6 +40,7 @@ def digits(task: str, name: str = "fu2019") -> dict[str, float]:
 # The numbers.
 
 
+@pytest.mark.slow
 def test_what_is_proven_keeps_its_promise() -> None:
     for row in found().rows:
         if row.proven:
@@ -57,6 +58,7 @@ def test_only_what_can_prove_is_called_proven() -> None:
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_line_through_two_points_of_a_grid_gains_two_digits_for_ten_times_the_points() -> None:
     gained = [digits("crossings")[f"grid of 10^{n + 1}"] - digits("crossings")[f"grid of 10^{n}"] for n in (2, 3, 4)]
     assert all(1.7 < x < 2.5 for x in gained)
@@ -69,6 +71,7 @@ def test_the_naive_form_loses_twice_the_decades_below_the_filter() -> None:
     assert digits("evaluate")["fast"] > 14
 
 
+@pytest.mark.slow
 def test_a_pade_approximant_gains_digits_with_its_order() -> None:
     rows = {row.method: row for row in found("delayed-spring").task("delay")}
     orders = [rows[f"Pade, order {n}"].digits for n in range(2, 7)]
@@ -102,6 +105,7 @@ def test_missing_and_invented_crossings_are_counted() -> None:
     assert (fewer.missed, fewer.invented, more.missed, more.invented) == (1, 0, 0, 1)
 
 
+@pytest.mark.slow
 def test_a_simulation_with_longer_steps_has_fewer_right_digits() -> None:
     rows = {row.method: row.digits for row in hs.simulation_cost(hs.load_scene("fu2019"), quick=True).rows}
     assert rows["steps of 7.2 rad"] < rows["steps of 3.6 rad"] < rows["steps of 0.9 rad"]

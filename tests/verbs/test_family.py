@@ -54,6 +54,7 @@ def test_the_common_transparent_set_is_the_intersection_seen_on_a_grid() -> None
         assert expected == any(float(x.low.omega) <= omega <= float(x.high.omega) for x in found.transparent)
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(st.integers(20, 900), st.integers(1, 40)), min_size=2, max_size=4))
 def test_the_common_bandwidth_is_the_smallest_of_all(rows: list[tuple[int, int]]) -> None:
     display = (effects.second_order_lowpass(60, Rational(1, 2)), effects.shunt(m=Rational(1, 20)))
@@ -236,6 +237,7 @@ def test_the_page_has_a_row_for_each_and_the_worst_case(call) -> None:  # type: 
     assert max(map(len, out.splitlines())) <= 96
 
 
+@pytest.mark.slow
 def test_the_figure_marks_who_binds(call, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     status, _, _ = call("evaluate", "palpation-device", "--figures", str(tmp_path))
     assert status == 0

@@ -61,6 +61,7 @@ CRITICAL = [  # scene, hand, path, value, rad/s, stable side: computed elsewhere
 ]
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize(("k", "hand", "path", "value", "omega", "side"), CRITICAL)
 def test_how_far_a_number_may_go_is_told_to_any_digits(
     k: int, hand: dict[str, Any], path: str, value: str, omega: float, side: str
@@ -212,6 +213,7 @@ BOXES = [
 ]
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize(("name", "m", "b", "k", "share"), BOXES)
 def test_a_box_of_hands_is_decided_as_a_whole(name: str, m: Any, b: Any, k: Any, share: str) -> None:
     """Held against a grid of hands inside the box: all, none, or both kinds are stable."""
@@ -242,6 +244,7 @@ def test_how_far_a_hand_is_from_shaking_is_told_of_its_nominal_values() -> None:
     assert row["critical"][0]["digits"] == "3.46359973276770"
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("name", "hand", "counts"),
     [
@@ -283,6 +286,7 @@ def test_the_boundary_is_where_roots_lie_on_the_axis() -> None:
     assert found.at_0 == -100
 
 
+@pytest.mark.slow
 def test_a_display_with_a_clock_has_no_plane_of_h_perc(call: Any, tmp_path: Any) -> None:
     status, out, err = call(
         "stability", "virtual-wall", "--hand", "light-touch", "--figure", str(tmp_path / "plane.svg")
@@ -306,6 +310,7 @@ ODD: list[tuple[hs.Scene, dict[str, Any], bool]] = [
 ]  # fmt: skip
 
 
+@pytest.mark.few(9)
 @pytest.mark.parametrize(("scene", "hand", "stable"), ODD)
 def test_displays_at_the_edge_of_sense_get_an_answer(scene: hs.Scene, hand: dict[str, Any], *, stable: bool) -> None:
     """A spring alone has no motion of its own; a late one bounces from a weaker spring more each time, from a stiffer one less."""

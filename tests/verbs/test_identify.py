@@ -54,6 +54,7 @@ def test_a_linear_model_is_that_of_linear_least_squares() -> None:
     assert found.verdict.fits is False
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(
     ("own", "environment", "effects"),
     [
@@ -77,6 +78,7 @@ def test_the_parameters_of_a_scene_come_back_from_its_exact_response(
         assert x.value == pytest.approx(float(own.knobs[x.parameter.name].value), rel=1e-4, abs=1e-4), x.parameter.path
 
 
+@pytest.mark.slow
 def test_the_box_of_the_scene_file_holds_the_truth_and_tolerances_takes_it() -> None:
     found = paper()
     assert found.verdict.fits
@@ -152,6 +154,7 @@ def test_without_discs_the_model_is_untested_and_errors_are_those_of_the_residua
     assert "was not tested" in found.text
 
 
+@pytest.mark.slow
 def test_a_parameter_that_the_lines_do_not_tell_is_named_and_has_no_range() -> None:
     felt = noisy(hs.Scene(hs.environments.kelvin_voigt(290, 2), (hs.effects.first_order_lag(1000),)), 0.02, 5)
     found = hs.identify(felt, "kelvin-voigt", ["first-order-lag"])
@@ -178,6 +181,7 @@ def test_what_should_be_felt_is_known_of_a_measured_scene_and_kept(tmp_path: Pat
         hs.identify(path, "mass-spring-damper")
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", ["prony", "spring-pot", "expression"])
 def test_environments_of_every_kind_are_written_as_they_were(name: str) -> None:
     own: Any = {
@@ -192,6 +196,7 @@ def test_environments_of_every_kind_are_written_as_they_were(name: str) -> None:
     assert found.estimates[0].value == pytest.approx(0.005, rel=1e-6)
 
 
+@pytest.mark.few(20)
 @pytest.mark.parametrize(
     ("words", "told"),
     [

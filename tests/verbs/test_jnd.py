@@ -75,6 +75,7 @@ def test_the_ends_of_the_interval_are_where_the_profile_of_the_likelihood_has_fa
             assert abs(2 * (loss(mp.mpf(end), sigma) - best) - quantile) < 1e-8
 
 
+@pytest.mark.slow
 def test_a_parametric_bootstrap_gives_about_the_same_interval() -> None:
     found = hs.jnd(DATA)
     counts = np.random.default_rng(2026).binomial(TRIALS, found.fit.curve(np.array(LEVELS)), (200, len(LEVELS)))
@@ -96,6 +97,7 @@ def test_another_proportion_is_the_same_sigma() -> None:
     assert 19 * at_84 / at_71 == pytest.approx(34.14387697, abs=1e-7)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("alternatives", [2, 3, 4])
 def test_a_forced_choice_has_its_threshold_at_the_proportion_asked_for(alternatives: int) -> None:
     curve = Curve(0.12, 0.05, 1 / alternatives)
@@ -150,6 +152,7 @@ def test_single_answers_are_put_together_before_the_fit_is_tested() -> None:
     assert "300 levels put into 60 groups" in str(found)
 
 
+@pytest.mark.slow
 def test_very_many_levels_are_put_together_and_give_the_same_curve() -> None:
     random = np.random.default_rng(11)
     level = random.normal(5, 1, 20_000)
@@ -193,6 +196,7 @@ SAME = {
 }  # fmt: skip
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("text", SAME.values(), ids=SAME)
 def test_tables_that_say_the_same_are_read_the_same(text: str, file: Callable[..., Path]) -> None:
     assert hs.jnd(file(text)).answers.rows == ROWS
@@ -236,6 +240,7 @@ def test_what_psignifit_saves_is_read_with_what_it_was_told(file: Callable[..., 
         hs.jnd(file(text, "saved.json"), alternatives=3)
 
 
+@pytest.mark.slow
 def test_psignifit_itself_finds_what_it_is_known_to_find(file: Callable[..., Path]) -> None:
     """The middle, the JND and the interval that psignifit 4.3 gives for this table with equal asymptotes."""
     required("psignifit", find_spec("psignifit"))

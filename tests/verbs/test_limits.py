@@ -136,6 +136,7 @@ def _holds(spans: list[tuple[float, float]], x: float) -> bool:
     return any(a <= x <= b for a, b in spans)
 
 
+@pytest.mark.few(16)
 @pytest.mark.parametrize("ticks", SHORT)
 @pytest.mark.parametrize("question", QUESTIONS)
 def test_what_is_said_after_a_limit_is_true(question: str, ticks: int, clock: Callable[[float], None]) -> None:
@@ -188,6 +189,7 @@ RANGES = hs.Scene(
 )
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("ticks", [30, 100, 300, 1000, 3000, 10_000])
 def test_enclosures_after_a_limit_hold_all_crossings(ticks: int, clock: Callable[[float], None]) -> None:
     whole = tolerances(RANGES, samples=20)
@@ -242,6 +244,20 @@ PARAMETERS = [
 ]
 
 
+@pytest.mark.few(
+    "delayed-spring-effects.delay.tau",
+    "fu2019-environment.m",
+    "fu2019-environment.b",
+    "fu2019-environment.k",
+    "fu2019-effects.filter.omega_n",
+    "fu2019-effects.filter.zeta",
+    "sidestick-effects.actuator.omega_n",
+    "sidestick-effects.actuator.zeta",
+    "undamped-resonance-environment.m",
+    "undamped-resonance-environment.k",
+    "undamped-resonance-effects.filter.omega_n",
+    "undamped-resonance-effects.filter.zeta",
+)
 @pytest.mark.parametrize(
     ("name", "path"), often(PARAMETERS, lambda case: case[0] in QUICK_SCENES - {"stick-with-friction"})
 )

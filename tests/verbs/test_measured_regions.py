@@ -151,6 +151,7 @@ def test_what_is_told_between_lines_holds_for_all_that_swept_discs_have_in_commo
                 assert code != -1 or not seen.any()
 
 
+@pytest.mark.slow
 def test_where_neither_part_is_noticed_alone_both_are_named(tmp_path: Path, call: Callable[..., Any]) -> None:
     (tmp_path / "bench.csv").write_text("omega,real,imag,radius\n2,100.6,37,0.1\n3,92,45,30\n", encoding="utf-8")
     (tmp_path / "bench.toml").write_text(

@@ -55,6 +55,7 @@ REQUIRED = {
 }  # fmt: skip
 
 
+@pytest.mark.few("ellipse", "limits for each way")
 @pytest.mark.parametrize("name", often(REQUIRED, lambda name: name in ("ellipse", "polygon", "limits for each way")))
 def test_a_requirement_is_where_a_scan_of_the_band_leaves_the_region(name: str) -> None:
     jnd = REQUIRED[name]
@@ -181,6 +182,7 @@ MOVED = {
 }  # fmt: skip
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", often(MOVED, lambda name: name in ("ellipse", "diamond", "floor", "limit that jumps")))
 def test_slopes_are_those_of_certified_crossings_nearby(name: str) -> None:
     jnd, n = MOVED[name]
@@ -232,6 +234,7 @@ PEAKED = {
 }  # fmt: skip
 
 
+@pytest.mark.few("floor", "limits for each way", "both")
 @pytest.mark.parametrize("name", PEAKED)
 def test_peaks_are_where_the_region_must_be_enlarged_most_by_a_dense_scan(name: str) -> None:
     jnd = PEAKED[name]
@@ -269,6 +272,7 @@ def test_a_peak_where_the_limit_changes_is_said_to_be_one() -> None:
 LEFT_OUT = {**REQUIRED, "far floor": {"real": 0.1, "imag": {"higher": 0.1, "lower": 0.05}, "floor": "8 + omega"}}
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize("name", LEFT_OUT)
 def test_crossings_of_the_full_scene_lie_where_a_few_effects_with_a_bound_say(name: str) -> None:
     fast = (hs.effects.first_order_lag(20000, name="amplifier"), hs.effects.delay("10 us"))
@@ -317,6 +321,7 @@ def test_the_border_of_a_region_is_derived_as_it_is_defined(jnd: dict[str, Any])
         assert (max(f(x, y, w) for f in borders) > 0) == (outside(jnd, x, y, w) > 0)
 
 
+@pytest.mark.few("Language.C", "Language.NUMPY")
 @pytest.mark.parametrize("language", Language)
 def test_generated_code_is_the_same_for_every_region(language: Language) -> None:
     """It has the dynamics, the distortion and the ratios: what is judged of them is not in it."""
@@ -328,6 +333,7 @@ def test_generated_code_is_the_same_for_every_region(language: Language) -> None
         assert scene_code(own, language) == square
 
 
+@pytest.mark.slow
 def test_a_derivation_says_when_a_region_is_left() -> None:
     found = str(hs.derive(with_jnd(POLYGON), ["zeta"]))
     assert "one of q_1, q_2, q_3 or q_4 is positive" in found
@@ -358,6 +364,7 @@ def test_what_a_region_leaves_open_is_refused_and_never_answered_for_the_square(
         assert "\n" not in str(refused.value)
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("jnd", [ELLIPSE, DIAMOND, POLYGON, FLOOR, SIDED, FORMULA])
 def test_the_disc_inside_a_region_is_where_no_environment_can_be_noticed(jnd: Any) -> None:
     """A filter's change behind environments of all phases: none leaves the region below, all do above."""

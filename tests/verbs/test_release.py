@@ -29,6 +29,7 @@ def own(m: object, b: object, k: object = 0) -> hs.Hand:
     return hs.Hand("own", m=m, b=b, k=k)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("b", "grows"), [("3.3 N*s/m", True), ("3.6 N*s/m", False)])
 def test_a_delayed_spring_let_go_grows_below_the_critical_damping_and_dies_away_above(b: str, grows: bool) -> None:  # noqa: FBT001
     run = hs.release("delayed-spring", "1 cm", own("0.5 kg", b))
@@ -48,6 +49,7 @@ def test_a_delayed_spring_let_go_grows_below_the_critical_damping_and_dies_away_
     assert "agree in rate and frequency" in " ".join(str(run).split())
 
 
+@pytest.mark.slow
 def test_at_the_critical_damping_the_root_is_on_the_axis() -> None:
     [row] = hs.stability("delayed-spring", own("0.5 kg", "3.4635997327677037 N*s/m")).held
     assert row.stable is not None
@@ -57,6 +59,7 @@ def test_at_the_critical_damping_the_root_is_on_the_axis() -> None:
     assert run.closed.omega == pytest.approx(13.320697368492448, rel=1e-14)
 
 
+@pytest.mark.few(7)
 @pytest.mark.parametrize(
     "name",
     [
@@ -86,6 +89,7 @@ def test_a_control_stick_in_detail_let_go_comes_to_rest() -> None:
     assert (run.grows, run.held.stable, run.agrees) == (False, True, True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("K", [pytest.param(60000, id="diverges"), pytest.param(200, id="holds")])
 def test_a_sampled_wall_let_go_grows_as_the_eigenvalues_of_its_sampled_loop_say(K: int) -> None:
     """Between samples M x'' + b x' + k x = -F, F = K x held: the exact solution of that over one period is a matrix."""
@@ -150,6 +154,7 @@ def test_without_a_static_stiffness_there_is_nothing_to_let_go() -> None:
         hs.release(damper, "1 cm", own("1 kg", "1 N*s/m"))
 
 
+@pytest.mark.slow
 @examples(15)
 @given(
     k=st.integers(1, 500),

@@ -97,6 +97,7 @@ def test_no_sample_exceeds_a_certified_influence_and_the_best_one_comes_near(nam
         check(scene, frozenset(range(len(scene.effects))) - {i})
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("seed", often(range(40), lambda seed: seed < 4))
 def test_influences_of_random_scenes_hold_between_samples(seed: int) -> None:
     scene = strategies.scene(strategies.case(strategies.Seeded(seed)))
@@ -326,6 +327,7 @@ def test_the_examples_are_the_catalogue() -> None:
     assert EXAMPLES.keys() == EFFECTS.keys()
 
 
+@pytest.mark.few(8)
 @pytest.mark.parametrize("model", EXAMPLES)
 def test_nothing_of_an_effect_that_a_scene_does_not_name_appears_anywhere(model: str) -> None:
     effect = EFFECTS[model].build(**EXAMPLES[model], name="guest")

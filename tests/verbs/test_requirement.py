@@ -301,6 +301,7 @@ def test_a_threshold_of_one_part_beside_a_hold_leaves_the_other_part_as_it_is() 
 # --- many scenes -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize("seed", often(range(120), lambda seed: seed % 12 == 1))
 def test_random_problems_agree_with_an_evaluation_at_each_value(seed: int) -> None:
     pick = Seeded(seed)
@@ -358,6 +359,7 @@ def test_every_boundary_point_is_a_zero_of_one_of_the_curves() -> None:
             assert sides[0] * sides[1] < 0
 
 
+@pytest.mark.slow
 def test_figures_of_one_and_two_parameters_are_written(tmp_path: Path) -> None:
 
     hs.require(PAPER, "omega_n").save_figure(tmp_path / "one.svg")
@@ -423,6 +425,7 @@ def test_what_a_map_leaves_open_is_hatched_and_named() -> None:
         assert (box.x0, box.x1, box.y0, box.y1) == pytest.approx((left, right, low, high))
 
 
+@pytest.mark.slow
 def test_two_requirements_and_two_maps_are_drawn_in_one_axes() -> None:
     ax = Figure().add_subplot()
     for b in (15, 30):
@@ -894,6 +897,9 @@ SETS = [
 RANGES = [(None, None), (-9, 12), (Fraction(1, 8), None), (None, Fraction(-1, 8))]
 
 
+@pytest.mark.few(
+    "2-formula2-<lambda>-ends2", "3-formula3-<lambda>-ends3", "4-formula4-<lambda>-ends4", "5-formula5-<lambda>-ends5"
+)
 @pytest.mark.parametrize(("number", "formula", "kept", "ends"), [(i, *x) for i, x in enumerate(SETS)])
 def test_cells_cover_the_values_and_end_where_the_set_does(
     number: int, formula: Expr, kept: Callable[[float], bool], ends: list[float]

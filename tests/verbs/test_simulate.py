@@ -100,11 +100,36 @@ def test_the_catalogue_has_a_scene_for_every_model() -> None:
     assert set(CATALOGUE) == {*ENVIRONMENTS, *EFFECTS}
 
 
+@pytest.mark.few(
+    "mass-spring-damper",
+    "kelvin-voigt",
+    "maxwell",
+    "zener",
+    "prony",
+    "two-mass",
+    "expression",
+    "first-order-lag",
+    "second-order-lowpass",
+    "delay",
+    "pade-delay",
+    "zero-order-hold",
+    "sampled-loop",
+    "series",
+    "shunt",
+    "compliance",
+    "admittance-display",
+    "wave-variables",
+    "position-force-teleoperator",
+    "position-position-teleoperator",
+    "four-channel-teleoperator",
+    "two-port",
+)
 @pytest.mark.parametrize("model", CATALOGUE)
 def test_simulation_and_closed_form_agree_for_every_model(model: str) -> None:
     agree(hs.check(CATALOGUE[model], count=3), 1e-7)
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("name", often(LOOPS, lambda name: name not in ("two links in a row", "half a derivative")))
 def test_simulation_and_closed_form_agree_where_the_environment_is_in_a_loop(name: str) -> None:
     agree(hs.check(hs.Scene(MSD, LOOPS[name]), count=3), 1e-7)
@@ -200,6 +225,7 @@ def spring_friction_loop(x: np.ndarray, k: float, limit: float) -> np.ndarray:
     return force
 
 
+@pytest.mark.slow
 def test_friction_behind_a_spring_sticks_and_slips_as_jenkins_element() -> None:
     tiny = environments.mass_spring_damper(k="1e-6")
     scene = hs.Scene(tiny, (effects.coulomb_friction("1 N", "5 cm"), effects.compliance(100)))
@@ -397,6 +423,7 @@ def test_only_the_blocks_that_a_scene_names_are_built() -> None:
         assert word not in str(run).lower()
 
 
+@pytest.mark.slow
 def test_what_the_scene_does_not_need_is_not_imported() -> None:
     probe = (
         "import sys, haptisym as hs\n"
@@ -441,6 +468,7 @@ def test_the_page_says_what_was_simulated_and_that_it_agrees(
     assert "agree within the estimated error" in out
 
 
+@pytest.mark.slow
 def test_all_figures_are_written(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -496,6 +524,7 @@ def test_linear_algebra_has_one_thread_while_it_simulates_and_the_users_number_a
         assert (set(seen), threads()) == ({1}, before)
 
 
+@pytest.mark.slow
 def test_a_blas_that_comes_with_scipy_has_one_thread_from_the_first_simulation_on() -> None:
     probe = (
         "import haptisym as hs, threadpoolctl\n"
@@ -555,6 +584,7 @@ REST = {
 }  # fmt: skip
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("name", REST)
 def test_a_recording_that_begins_at_2_mm_goes_on_as_one_that_has_long_rested_there(name: str) -> None:
     scene = hs.Scene(*REST[name])
@@ -943,6 +973,7 @@ def test_a_limited_force_behind_an_encoder_is_the_staircase_cut_off() -> None:
     assert run.force[inside] == pytest.approx(np.clip(stairs, -3, 3)[inside], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_error_of_a_fractional_element_is_part_of_the_estimate() -> None:
     [x] = hs.simulate(CATALOGUE["spring-pot"], hs.sine("1 cm", 5)).estimates
     bank = bank_error(0.3, (5, 5), np.array([5.0]))

@@ -103,6 +103,7 @@ def test_thresholds_are_swept_together_or_apart() -> None:
         assert all(float(diagonal[name]) == float(together[name][i]) for name in TOLD.counts)
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("seed", range(8))
 def test_random_scenes_agree_with_the_exact_answers(seed: int) -> None:
     pick = Seeded(1000 + seed)
@@ -196,6 +197,7 @@ LIMITS = [0.07, 3.0, 0.02, 0.61, 0.4, 0.11, 1.2]
 """The first set crosses many times, the next never."""
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize(
     ("band", "pieces"),
     [
@@ -356,6 +358,7 @@ def test_two_processes_of_a_cluster_give_the_same(small: Any, cluster: Any, tmp_
 # --- files -----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", ["a.zarr", "a.nc"])
 def test_a_file_holds_the_same(small: Any, tmp_path: Path, name: str) -> None:
     with hs.sweep(PAPER, SMALL, out=tmp_path / name, block=100) as stored:
@@ -365,6 +368,7 @@ def test_a_file_holds_the_same(small: Any, tmp_path: Path, name: str) -> None:
     assert [x.name for x in tmp_path.iterdir()] == [name]
 
 
+@pytest.mark.slow
 def test_a_killed_sweep_continues_where_it_was(small: Any, tmp_path: Path) -> None:
     out = tmp_path / "killed.zarr"
     script = (
@@ -397,6 +401,7 @@ DELAYED = hs.load_scene("delayed-spring")
 TAUS = {"effects.delay.tau": [0.001 * i for i in range(1, 25)], "environment.k": [50.0, 80.0]}
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("scene", "vary"), [(PAPER, SMALL), (DELAYED, TAUS)])
 def test_blocks_are_cut_by_time_and_a_sweep_interrupted_anywhere_ends_with_the_same_bits(
     scene: hs.Scene, vary: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -446,6 +451,7 @@ def test_the_pace_follows_the_time_that_pieces_take() -> None:
     assert pace.sets == 1
 
 
+@pytest.mark.slow
 def test_a_store_is_opened_and_told_without_a_warning(tmp_path: Path) -> None:
     hs.sweep(PAPER, {MASS: np.linspace(1, 2, 40), "evaluation.jnd": [0.9, 0.99]}, out=tmp_path / "a.zarr", block=8)
     with warnings.catch_warnings():
@@ -516,6 +522,7 @@ def test_a_missing_package_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> N
         hs.sweep(PAPER, {MASS: [1.0]})
 
 
+@pytest.mark.slow
 def test_importing_the_package_loads_neither_xarray_nor_dask() -> None:
     # Pint itself loads dask.base wherever dask is installed; it is hidden here, so that what is left is our own doing
     probe = (
@@ -603,6 +610,7 @@ def test_charts_are_drawn_on_the_axes_given(small: Any) -> None:
         draw_map(ax, small.isel({MASS: 3}, drop=True))
 
 
+@pytest.mark.slow
 def test_the_bandwidth_is_drawn_in_pieces_that_end_where_crossings_come_or_go() -> None:
     """Witness: exact evaluations at both sides of each break, ever closer, and in the middle of every step that is drawn."""
     from matplotlib.figure import Figure
@@ -679,6 +687,7 @@ def test_the_exact_boundary_divides_the_sets_of_a_sweep() -> None:
         assert ((column.values == 15) == above).all()
 
 
+@pytest.mark.slow
 def test_a_map_draws_the_exact_boundary_where_that_is_quick(tmp_path: Path) -> None:
     from haptisym.figures.sweep import sweep_figure
 

@@ -58,6 +58,7 @@ def agrees(found: Any, e: hs.Evaluation) -> None:
     assert float(found["transparent"]) == pytest.approx(clear, abs=1e-9)
 
 
+@pytest.mark.few("ellipse", "diamond", "higher and lower", "floor", "formula", "formulas of a region")
 @pytest.mark.parametrize("name", JNDS)
 def test_every_set_is_what_its_evaluation_says_and_floats_prove_it(name: str) -> None:
     asked = with_jnd(JNDS[name])
@@ -68,6 +69,7 @@ def test_every_set_is_what_its_evaluation_says_and_floats_prove_it(name: str) ->
         agrees(one, hs.evaluate(asked.with_values({x: exactly(float(one[x])) for x in (NATURAL, MASS)})))
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("jnd", [JNDS["ellipse"], DIAMOND, SIDED, JNDS["floor"], JNDS["formula"]])
 def test_half_widths_are_swept_together_apart_and_alone(jnd: dict[str, Any]) -> None:
     asked, both, real, imag = with_jnd(jnd), *(f"evaluation.jnd{part}" for part in ("", ".real", ".imag"))
@@ -79,6 +81,7 @@ def test_half_widths_are_swept_together_apart_and_alone(jnd: dict[str, Any]) -> 
             agrees(found[dict(zip(axes, at, strict=True))], hs.evaluate(asked.with_values(values)))
 
 
+@pytest.mark.few("ellipse", "diamond", "higher and lower", "floor", "formula", "formulas of a region")
 @pytest.mark.parametrize("name", JNDS)
 def test_the_transparent_part_is_that_of_a_dense_scan(name: str) -> None:
     jnd, omega = JNDS[name], np.linspace(1e-3, 15, 1501)
@@ -108,6 +111,7 @@ def test_a_change_that_is_the_same_at_all_frequencies_is_noticed_on_all_or_on_no
     )
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("name", JNDS)
 def test_a_delayed_scene_is_answered_in_floats_in_its_region_too(name: str) -> None:
     asked = with_jnd(JNDS[name], hs.load_scene("delayed-spring"))

@@ -41,6 +41,15 @@ def _by_critical_values(scene: hs.Scene, path: str, asked: tuple[object, object]
 RATIONAL = [n for n in hs.scene_names() if n in {*QUICK, "two-mass-resonance", "steering-wheel"}]
 
 
+@pytest.mark.few(
+    "fu2019-evaluation.jnd",
+    "fu2019-evaluation.jnd.real",
+    "fu2019-evaluation.jnd.imag",
+    "sidestick-evaluation.jnd.imag",
+    "undamped-resonance-evaluation.jnd",
+    "undamped-resonance-evaluation.jnd.real",
+    "undamped-resonance-evaluation.jnd.imag",
+)
 @pytest.mark.parametrize("path", ["evaluation.jnd", "evaluation.jnd.real", "evaluation.jnd.imag"])
 @pytest.mark.parametrize("name", often(RATIONAL, lambda name: name in QUICK and name != "helicopter-cyclic"))
 def test_a_free_threshold_is_what_critical_values_say(name: str, path: str) -> None:

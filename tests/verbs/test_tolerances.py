@@ -361,6 +361,13 @@ ODD = {
 }  # fmt: skip
 
 
+@pytest.mark.few(
+    "a pure mass behind a delay, with an odd factor of s in common",
+    "a pure damper, from 0 on",
+    "a resonance without damping",
+    "fractional tissue",
+    "a repeated factor and a parameter of both signs",
+)
 @pytest.mark.parametrize("scene", ODD.values(), ids=ODD)
 def test_a_model_of_an_odd_scene_holds_the_excess_and_its_slopes_and_narrows_with_the_cell(scene: hs.Scene) -> None:
     box = box_of(scene)

@@ -199,6 +199,7 @@ def test_functions_stay_within_what_their_polynomials_leave_out(name: str) -> No
 # --- answers -----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.few("satellite-contact", "delayed-spring", "sampled-wall", "four-channel-teleoperation")
 @pytest.mark.parametrize("name", SWEPT)
 def test_floats_count_as_exact_arithmetic_does(name: str) -> None:
     kernel, sets = kernel_of(name), drawn(name, 400)

@@ -60,6 +60,7 @@ def test_the_damping_that_a_hand_needs_is_the_known_one(k: int, b: float) -> Non
     assert r.certified
 
 
+@pytest.mark.slow
 def test_a_delay_has_islands_of_stability_and_a_simulation_agrees() -> None:
     r = hs.require("delayed-spring", "tau", ("1 ms", "0.6 s"), that="stable", hand=POSTURAL)
     found = ends(r)
@@ -266,6 +267,7 @@ def test_a_map_of_several_things_has_each_set_and_what_they_have_in_common() -> 
     assert found.lines == ()  # a filter is in neither classical bound
 
 
+@pytest.mark.slow
 def test_a_map_of_a_late_wall_has_the_classical_line_beside_the_exact_set(tmp_path: Path) -> None:
     found = hs.design_map(
         "delayed-spring",

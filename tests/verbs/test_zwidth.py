@@ -51,6 +51,7 @@ def test_the_boundary_of_an_undamped_device_is_the_closed_form() -> None:
     assert f"below k = {float(top):.5g} N/m, at b = 27 N·s/m" in " ".join(str(found).split())
 
 
+@pytest.mark.slow
 def test_the_stiffest_wall_is_not_named_where_the_range_ends_before_it() -> None:
     found = hs.design_map(wall(b=0, B=1), PLANE, [(1, 79), (1, 500)], that=["stable"], hand=NOTHING, slices=3)
     assert found.stiffest is None
@@ -82,6 +83,7 @@ def test_a_rendered_mass_is_in_no_classical_bound() -> None:
     assert lines(scene, [scene.knobs["environment.k"]]) == ()
 
 
+@pytest.mark.slow
 def test_contours_are_the_requirements_with_other_thresholds(tmp_path: Path) -> None:
     scene = hs.Scene(
         hs.environments.kelvin_voigt(300, 1),
@@ -133,6 +135,7 @@ def test_the_command_line_takes_what_belongs_to_a_map_with_a_map_alone() -> None
     assert "it needs --resolution" in str(said.exception)
 
 
+@pytest.mark.slow
 def test_a_set_is_not_closed_beside_a_slice_of_which_nothing_is_known() -> None:
     ranges = [("0.2", "0.9"), (50, 100)]
     found = hs.design_map("fu2019", ["zeta", "omega_n"], ranges, slices=3, jnd=["0.2"])

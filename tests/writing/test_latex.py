@@ -27,6 +27,8 @@ from haptisym.writing.numerals import approximate
 from haptisym.writing.texlines import LINE, broken, width
 from haptisym.writing.texnames import escape, symbol_name
 
+SET = {"fu2019", "delayed-spring", "undamped-resonance"}
+"""Shipped scenes whose documents are set in a moment."""
 GOLDEN = Path(__file__).parents[1] / "golden"
 m, b, k, omega_n, zeta, omega_c, tau, J, J_w = symbols("m b k omega_n zeta omega_c tau J J_w")
 alpha, k_alpha, m_d = symbols("alpha k_alpha m_d")
@@ -227,6 +229,7 @@ def read_values(aligned: str, known: dict[str, float]) -> dict[str, list[float]]
     }
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("name", often([*SYMBOLIC, *WRITTEN_OUT], {*SYMBOLIC, *QUICK_SCENES}.__contains__))
 def test_every_printed_closed_form_has_the_value_that_it_stands_for(name):
     d = SYMBOLIC.get(name) or load_scene(name).symbolic_distortion()
@@ -246,6 +249,7 @@ def test_every_printed_closed_form_has_the_value_that_it_stands_for(name):
     assert all(read[left] for left in must)
 
 
+@pytest.mark.few("fu2019", "delayed-spring", "undamped-resonance")
 @pytest.mark.parametrize("name", often(scene_names(), QUICK_SCENES.__contains__))
 def test_the_printed_threshold_polynomials_change_sign_at_the_crossings(name):
     e, text = shipped(name)
@@ -270,7 +274,7 @@ def _between(text: str, start: str, end: str) -> str:
     return text.split(start)[1].split(end)[0]
 
 
-@pytest.mark.parametrize("name", scene_names())
+@pytest.mark.parametrize("name", often(scene_names(), SET.__contains__))
 def test_the_numbers_put_into_the_formulas_give_the_perceived_dynamics(name):
     """Rounded to six digits, a coefficient is right to 5e-6: so is a value far from where terms cancel."""
     e, text = shipped(name)
@@ -283,7 +287,7 @@ def test_the_numbers_put_into_the_formulas_give_the_perceived_dynamics(name):
     assert printed == pytest.approx(float(e.distortion.perceived.subs({s: 2.5, sp.I: 1})), rel=2e-5)
 
 
-@pytest.mark.parametrize("name", scene_names())
+@pytest.mark.parametrize("name", often(scene_names(), QUICK_SCENES.__contains__))
 def test_the_tables_hold_every_crossing_and_every_percept(name):
     e = evaluate(load_scene(name), digits=12)
     text = re.sub(r"\\phantom\{0+\}", "", latex(e))
@@ -390,21 +394,25 @@ DOCUMENTS = {
 }  # fmt: skip
 
 
+@pytest.mark.few("fu2019", "delayed-spring")
 @pytest.mark.parametrize("name", often(scene_names(), QUICK_SCENES.__contains__))
 def test_the_document_of_a_shipped_scene_compiles(name, tmp_path):
     check_layout(compiled(shipped(name)[1], tmp_path))
 
 
+@pytest.mark.few("active and unstable", "empty set, hostile text", "whole band transparent")
 @pytest.mark.parametrize("name", DOCUMENTS)
 def test_the_document_of_an_unusual_scene_compiles(name, tmp_path):
     check_layout(compiled(set_document(evaluate(DOCUMENTS[name])), tmp_path))
 
 
+@pytest.mark.slow
 def test_a_table_with_sixty_digits_compiles(tmp_path):
     scene = Scene(MSD, (effects.pade_delay("0.3 s", 4),), (Integer(0), Integer(100)))
     check_layout(compiled(set_document(evaluate(scene, digits=60)), tmp_path))
 
 
+@pytest.mark.slow
 def test_the_closed_forms_compile_in_a_plain_article(tmp_path):
     blocks = "\n\n".join(latex(d) for d in SYMBOLIC.values())
     result = latex(evaluate(PAPER))
@@ -412,6 +420,7 @@ def test_the_closed_forms_compile_in_a_plain_article(tmp_path):
     check_layout(compiled(f"{head}\n\\begin{{document}}\n{blocks}\n\n{result}\n\\end{{document}}\n", tmp_path))
 
 
+@pytest.mark.slow
 def test_what_is_named_is_numbered_as_it_is_read_and_defined_as_exactly_as_it_is_used():
     text = set_document(evaluate(load_scene("two-mass-resonance")))
     names = list(dict.fromkeys(re.findall(r"\\mathcal\{([ND])\}_\{(\d+)\}", text)))
@@ -438,6 +447,8 @@ def test_the_document_has_title_date_and_an_appendix_of_threshold_polynomials():
     assert set(re.findall(r"\\includegraphics.*\{(.*)\}", text)) == set(figures.values())
 
 
+@pytest.mark.slow
+@pytest.mark.few(1)
 @pytest.mark.parametrize("title", ["plain (2019)", "50 % of # ~ \\ ) ω₀", ""])
 def test_the_pdf_knows_its_title(title, tmp_path):
     scene = Scene(environments.kelvin_voigt(290, 2), (effects.first_order_lag(100),), title=title)

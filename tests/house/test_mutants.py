@@ -1,0 +1,77 @@
+"""Small wrong changes are planted where they should be, the same ones every time, and noticed by a test that reaches them."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("resource", reason="mutants are planted where processes fork")
+
+from tests import mutants
+
+ROOT = Path(__file__).parents[2]
+MODULE = '''
+"""Sums."""
+
+def total(numbers, scale=2):
+    """2 + 2 is 4."""
+    if not numbers:
+        raise ValueError("1 + 1")
+    for x in numbers:
+        scale += abs(x)
+    return scale * max(numbers) - numbers[0]
+'''
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    folder = tmp_path / mutants.SOURCE / "kernel"
+    folder.mkdir(parents=True)
+    (folder / "sums.py").write_text(MODULE, encoding="utf-8")
+    return tmp_path
+
+
+def test_every_change_is_one_of_the_code_and_leaves_a_program(root: Path) -> None:
+    found = mutants.Places(root, "kernel/sums.py").found
+    for mutant in found:
+        changed = mutant.planted(MODULE.encode()).decode()
+        ast.parse(changed)
+        assert ast.dump(ast.parse(changed)) != ast.dump(ast.parse(MODULE))
+        assert ('"""2 + 2 is 4."""' in changed) & ("1 + 1" in changed)
+        assert mutant.function == "total"
+    texts = {mutant.text for mutant in found}
+    assert {"3", "(numbers)", "pass", "scale -= abs(x)", "(x)", "min", "(scale * max(numbers))"} <= texts
+
+
+def test_a_seed_draws_the_same_changes_again_and_never_two_of_a_line(root: Path) -> None:
+    first, again, other = (mutants.drawn(root, "kernel", seed, 4) for seed in (1, 1, 2))
+    assert first == again != other
+    assert len({mutant.line for mutant in first}) == len(first) == 4
+
+
+def test_tests_that_reach_a_function_are_asked_first_and_the_quickest_before_others() -> None:
+    known = mutants.Known(
+        {"a.py::1": ["kernel/sums.py:total"], "a.py::2": [], "a.py::3": ["kernel/sums.py:total"], "b.py::1": ["kernel/sums.py:totals"]},
+        {"a.py::1": 2.0, "a.py::2": 0.5, "a.py::3": 1.0, "b.py::1": 0.1}, [], [],
+    )  # fmt: skip
+    change = mutants.Mutant("kernel/sums.py", "total", "constant", 1, 0, 1, "2")
+    assert known.near(change) == ["a.py::3", "a.py::1"]
+    assert known.taken(known.near(change), 3.6) == ["a.py::3", "a.py::1", "a.py::2"]
+    assert known.taken(known.near(change), 2.0) == ["a.py::3", "a.py::2"]
+
+
+@pytest.mark.slow
+def test_a_change_that_a_test_reaches_is_noticed_in_a_copy_and_the_source_is_left_alone(tmp_path: Path) -> None:
+    before = {path: path.read_bytes() for path in (ROOT / mutants.SOURCE).rglob("*.py")}
+    done = subprocess.run(
+        [sys.executable, "-m", "tests.mutants", "kernel", "--only", "kernel/schurcohn.py", "--count", "2", "--seed", "1",
+         "--known", str(tmp_path / "known.json"), "--tests", "tests/kernel/test_sampled_loops.py"],
+        cwd=ROOT, capture_output=True, text=True, check=False, timeout=900,
+    )  # fmt: skip
+    assert done.returncode in (0, 1), done.stderr
+    assert "of 2 noticed, seed 1" in done.stdout
+    assert before == {path: path.read_bytes() for path in before}
