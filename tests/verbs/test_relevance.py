@@ -489,16 +489,16 @@ def test_series_over_a_whole_piece_hold_the_taylor_series_of_every_place_in_it_a
     at_seven = int((7 - float(balls.low)) / float(balls.width) * 4096)
     rough = "powers" in next(name for name, x in CHAINS.items() if x is scene)
     for piece in (BandPiece(12, 0), BandPiece(12, at_seven), BandPiece(12, 4095), BandPiece(7, 5)):
-        kept = frozenset({piece.index % 2})
+        kept = frozenset({piece.place % 2})
         shares = [FINE.mpf(x) for x in ("0.0001", "0.4", "0.9999")]
         exact = [witness.series(frequency(balls, piece, share), kept) for share in shares]
         with series_arithmetic():
             for part in hs.Part:
                 pair = balls.changes(piece, kept, part, whole=True)
-                if rough and piece.index == 0:
+                if rough and piece.place == 0:
                     assert not any(x[0].is_finite() for x in pair)
                     continue
-                deeper = balls.changes(BandPiece(piece.depth + 4, piece.index << 4), kept, part, whole=True)
+                deeper = balls.changes(BandPiece(piece.depth + 4, piece.place << 4), kept, part, whole=True)
                 for k, series in enumerate(pair):
                     own = [turned(pair, x[part])[k] for x in exact]
                     for n in range(TERMS + 1):

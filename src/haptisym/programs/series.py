@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -68,10 +69,10 @@ def _complex(value: Any) -> Any:
 
 
 _COMMON: dict[str, Callable[..., Any]] = {
-    "add": lambda x, y: x + y,
-    "sub": lambda x, y: x - y,
-    "mul": lambda x, y: x * y,
-    "neg": lambda x: -x,
+    "add": operator.add,
+    "sub": operator.sub,
+    "mul": operator.mul,
+    "neg": operator.neg,
 }
 BALL_SERIES: Mapping[str, Callable[..., Any]] = {
     **_COMMON,
@@ -84,11 +85,15 @@ BALL_SERIES: Mapping[str, Callable[..., Any]] = {
 FLOATS: Mapping[str, Callable[..., Any]] = {
     **_COMMON,
     "constant": lambda value: complex(_complex(value)),
-    "div": lambda x, y: x / y,
+    "div": operator.truediv,
     "exp": np.exp,
     "phi": lambda x: -np.expm1(-x) / x,
     "power": lambda x, order: x**order,
 }
+
+
+_Step: TypeAlias = tuple[int, Callable[..., Any] | None, tuple[int, ...]]
+"""Of a program: its place, what it computes (None for an input), and from which steps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,9 +105,9 @@ class InSteps:
 
     def known(self, s: Any) -> list[Any]:
         """All steps that s tells, None for the others."""
-        found: list[Any] = [None] * len(self.program.operations)
+        found = list(self._constants)
         for i, f, arguments in self._steps[0]:
-            found[i] = s if f is None else f(*arguments) if i in self._constants else f(*(found[x] for x in arguments))
+            found[i] = s if f is None else f(*[found[x] for x in arguments])
         return found
 
     def results(self, known: Sequence[Any], inputs: Sequence[Any] = ()) -> tuple[Any, ...]:
@@ -110,23 +115,25 @@ class InSteps:
         found = list(known)
         for i, f, arguments in self._steps[1]:
             found[i] = inputs[arguments[0] - 1] if f is None else f(*[found[x] for x in arguments])
-        return tuple(found[x] for x in self.program.results.values())
+        return tuple([found[x] for x in self.program.results.values()])
 
     @cached_property
-    def _constants(self) -> frozenset[int]:
-        return frozenset(i for i, step in enumerate(self.program.operations) if step.name == "constant")
+    def _constants(self) -> list[Any]:
+        """The constants at their places, None elsewhere; at the precision of the first use, which all others share."""
+        constant = self.operations["constant"]
+        return [constant(x.value) if x.name == "constant" else None for x in self.program.operations]
 
     @cached_property
-    def _steps(self) -> tuple[list[tuple[int, Any, Any]], list[tuple[int, Any, Any]]]:
-        first: list[tuple[int, Any, Any]] = []
-        later: list[tuple[int, Any, Any]] = []
+    def _steps(self) -> tuple[list[_Step], list[_Step]]:
+        first: list[_Step] = []
+        later: list[_Step] = []
         of_s: set[int] = set()
         for i, step in enumerate(self.program.operations):
-            arguments = (step.value,) if step.name == "constant" else step.arguments
-            row = i, self.operations.get(step.name), arguments
-            if step.name == "constant" or (
-                step.arguments[0] == 0 if step.name == "input" else of_s.issuperset(step.arguments)
-            ):
+            if step.name == "constant":
+                of_s.add(i)
+                continue
+            row = i, self.operations.get(step.name), step.arguments
+            if step.arguments[0] == 0 if step.name == "input" else of_s.issuperset(step.arguments):
                 of_s.add(i)
                 first.append(row)
             else:

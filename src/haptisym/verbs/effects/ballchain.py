@@ -8,9 +8,8 @@ remembered, as subsets of effects share their beginnings.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from flint import acb_series, arb, arb_series
 from sympy import Expr, Rational
@@ -31,16 +30,15 @@ TERMS = 6
 _REMEMBERED = 1 << 13
 
 
-@dataclass(frozen=True, slots=True)
-class BandPiece:
+class BandPiece(NamedTuple):
     """One of the 2^depth equal pieces of a band, counted from its low end."""
 
     depth: int = 0
-    index: int = 0
+    place: int = 0
 
     def halves(self) -> tuple[BandPiece, BandPiece]:
         """Its two halves."""
-        return BandPiece(self.depth + 1, 2 * self.index), BandPiece(self.depth + 1, 2 * self.index + 1)
+        return BandPiece(self.depth + 1, 2 * self.place), BandPiece(self.depth + 1, 2 * self.place + 1)
 
 
 class BallChain(Shown):
@@ -68,25 +66,29 @@ class BallChain(Shown):
         self._known = lru_cache(_REMEMBERED)(self._first_steps)
         self._behind = lru_cache(_REMEMBERED)(self._through)
         self._start = lru_cache(_REMEMBERED)(self._beginning)
+        self._along = lru_cache(_REMEMBERED)(self._in_s)
+        self._change = lru_cache(_REMEMBERED)(self._change_of)
 
     def ends(self, piece: BandPiece) -> tuple[Expr, Expr]:
         """The exact ends of a piece, rad/s."""
-        low, high = (self.low + self.width * Rational(piece.index + i, 2**piece.depth) for i in (0, 1))
+        low, high = (self.low + self.width * Rational(piece.place + i, 2**piece.depth) for i in (0, 1))
         return low, high
 
     def middle(self, piece: BandPiece) -> Ball:
         """The middle of a piece of the band."""
         low, width = self.band
-        return low + width * arb(2 * piece.index + 1) * arb(2) ** (-piece.depth - 1)
+        return low + width * arb(2 * piece.place + 1) * arb(2) ** (-piece.depth - 1)
 
     def radius(self, piece: BandPiece) -> Ball:
         """Half the width of a piece, rounded up."""
         return (self.band[1] * arb(2) ** (-piece.depth - 1)).upper()
 
     def _first_steps(self, piece: BandPiece, whole: bool, link: int) -> list[Any]:  # noqa: FBT001 - remembered by piece
+        return self._series[link].known(self._along(piece, whole))
+
+    def _in_s(self, piece: BandPiece, whole: bool) -> Series:  # noqa: FBT001
         x = self.middle(piece)
-        s = along_axis(x + arb(0, self.radius(piece)), TERMS + 1) if whole else along_axis(x, TERMS)
-        return self._series[link].known(s)
+        return along_axis(x + arb(0, self.radius(piece)), TERMS + 1) if whole else along_axis(x, TERMS)
 
     def _beginning(self, piece: BandPiece, whole: bool) -> tuple[Series, Series, Series]:  # noqa: FBT001
         """What is rendered, by how much it differs from H_env, and what to multiply with instead of dividing by ``|H_env|``."""
@@ -108,13 +110,17 @@ class BallChain(Shown):
 
     def changes(self, piece: BandPiece, kept: Kept, part: Part, *, whole: bool) -> tuple[Series, Series]:
         """(a - b)/``|H_env|`` and (a + b)/``|H_env|``, where a and b are a part of dH with all effects and with some."""
-        full, some = (self._behind(piece, whole, tuple(sorted(which)))[1] for which in (self.everything, kept))
+        full, some = (self._change(piece, whole, which, part) for which in (self.everything, kept))
         scale = self._start(piece, whole)[2]
-        return self.part_of(full - some, part) * scale, self.part_of(full + some, part) * scale
+        return (full - some) * scale, (full + some) * scale
+
+    def _change_of(self, piece: BandPiece, whole: bool, kept: Kept, part: Part) -> Any:  # noqa: FBT001
+        """A part of dH with some effects."""
+        return self.part_of(self._behind(piece, whole, tuple(sorted(kept)))[1], part)
 
     def part_of(self, x: Any, part: Part) -> Any:
         """That part of a series, or of complex floats, over the zeros of H_env, which may turn it."""
-        name = "real" if (part is Part.REAL) != self._exchanged else "imag"
-        if hasattr(x, name):
-            return getattr(x, name)
-        return arb_series([getattr(c, name) for c in x.coeffs()], prec=x.prec)
+        real = (part is Part.REAL) != self._exchanged
+        if isinstance(x, acb_series):
+            return arb_series([c.real if real else c.imag for c in x.coeffs()], prec=x.prec)
+        return x.real if real else x.imag

@@ -56,6 +56,8 @@ class Difference:
 
     def supremum(self, limit: float | None = None) -> Supremum:
         """Its least upper bound on the band; with a limit only as narrow as it takes to say on which side of it that lies."""
+        if self.kept == self.balls.everything:
+            return Supremum(0.0, 0.0)
         with series_arithmetic():
             if self._looks_zero() and any(f.is_zero for f in self._functions):
                 return Supremum(0.0, 0.0)

@@ -159,8 +159,8 @@ class Relevance(Answer):
     @cached_property
     def operations(self) -> tuple[int, int]:
         """Arithmetic operations of the distortion in named steps: for all effects, and for those that are kept."""
-        full, kept = (scene.chain.steps.operations for scene in (self.scene, self.pruned))
-        return full, kept
+        full = self.scene.chain.steps.operations
+        return full, self.pruned.chain.steps.operations if self.dropped else full
 
     @cached_property
     def dominance(self) -> tuple[Dominance, ...]:

@@ -11,7 +11,7 @@ from haptisym.kernel.subdivision import Waiting
 
 Bounds: TypeAlias = tuple[float, float]
 
-WIDTH = 1e-6
+WIDTH = 2e-7
 """Of the enclosure of a supremum, relative to it."""
 _NOTHING = 1e-12  # a supremum below it is known well enough
 _MOST_CELLS = 1 << 15
