@@ -7,7 +7,7 @@ import json
 import re
 import time
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from decimal import Decimal
 from fractions import Fraction
 from functools import cache
@@ -42,6 +42,7 @@ from reports import undrawn
 from secondchecker import catalogue, run, verdicts
 
 import haptisym as hs
+from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import CrossingKind
 
 
@@ -285,6 +286,38 @@ SAID = {
 @pytest.mark.parametrize("name", often(SAID, "fu2019".__eq__))
 def test_a_report_proves_its_own_table(name: str, shown: Any) -> None:
     assert shown(written(name)) == SAID[name]
+
+
+ANSWERS: dict[str, tuple[Callable[[], Answer], str]] = {
+    "stability": (
+        lambda: hs.stability("fu2019", "firm-grip"),
+        "Checked here: no poles of H_perc in Re s ≥ 0; in the hand firm-grip no roots.",
+    ),
+    "requirement": (
+        lambda: hs.require("fu2019", "omega_n"),
+        "Checked here: not transparent from 0 to 122.35581477, transparent from 122.35581477 to ∞.",
+    ),
+    "roots on the right": (
+        lambda: hs.stability(hs.parse_scene(OWN["unstable"]), "postural-arm"),
+        "Checked here: 2 poles of H_perc in Re s ≥ 0; in the hand postural-arm no roots.",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", often(ANSWERS, {"stability", "requirement"}.__contains__))
+def test_reports_about_stability_and_values_prove_their_answers(name: str, shown: Any) -> None:
+    asked, words = ANSWERS[name]
+    text = undrawn(asked())
+    assert shown(text) == words
+    for old, new in {'"unstable": 0': '"unstable": 1', '"feasible": [[122.3': '"feasible": [[121.3'}.items():
+        if old in text:
+            assert shown(text.replace(old, new)).startswith("NOT proven here: the page ")
+
+
+def test_a_report_about_a_delay_says_that_nothing_is_proven_about_its_poles(shown: Any) -> None:
+    text = undrawn(hs.stability("delayed-spring", "firm-grip"))
+    assert "This page carries no certificate: " in text
+    assert shown(text) == "nothing"
 
 
 def test_a_report_says_what_failed(shown: Any) -> None:

@@ -6,8 +6,10 @@ import json
 import tomllib
 from importlib.resources import files
 
+from haptisym.judge.answers import Answer
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.errors import HaptisymError
+from haptisym.model.scene import Scene
 from haptisym.verbs.evaluate.certificate import named_in_file
 from haptisym.verbs.stability.held import ring_of
 from haptisym.writing.htmltext import Html, data, element, joined, script
@@ -29,28 +31,34 @@ def is_provable(e: Evaluation) -> bool:
     return not (e.relevance or e.distortion.difference.ring.functions)
 
 
-def checked(e: Evaluation) -> Html:
+def checked(answer: Answer, scene: Scene) -> Html:
     """Certificate, scene file, checker, and where it says what it found; where there is none, why."""
+    can_move = isinstance(answer, Evaluation) and is_provable(answer)
     try:
-        proof = e.certificate()
+        proof = answer.certificate()
     except HaptisymError as error:
         none = element("p", f"This page carries no certificate: {str(error).removeprefix('a certificate: ')}.")
-        return joined([none, *(_checker(e) if is_provable(e) else ())])
+        return joined([none, *(_checker(scene) if can_move else ())])
+    told = (
+        "the table of crossings above"
+        if isinstance(answer, Evaluation)
+        else "the answer that this page carries as JSON"
+    )
     note = (
         "This page carries a certificate, the scene's file, and a program that shares no line with haptisym. That program proves "
-        "the certificate anew in your browser, and compares it with the table of crossings above."
+        f"the certificate anew in your browser, and compares it with {told}."
     )
     found = element("p", "Not checked here: that needs JavaScript.", given={"id": "checked", "role": "status"})
     return joined([
-        element("p", note), found, data(json.dumps(proof), "certificate"), *_checker(e), _script("checked.js"),
+        element("p", note), found, data(json.dumps(proof), "certificate"), *_checker(scene), _script("checked.js"),
     ])  # fmt: skip
 
 
-def _checker(e: Evaluation) -> list[Html]:
+def _checker(scene: Scene) -> list[Html]:
     """What finds crossings anew, and what it reads."""
     catalogue = tomllib.loads((files("haptisym_check") / "catalogue.toml").read_text(encoding="utf-8"))
-    scene = data(json.dumps(e.scene.text), "certificate-scene")
-    return [scene, data(json.dumps(catalogue), "certificate-catalogue"), _script("checker.js")]
+    own = data(json.dumps(scene.text), "certificate-scene")
+    return [own, data(json.dumps(catalogue), "certificate-catalogue"), _script("checker.js")]
 
 
 def _script(name: str) -> Html:

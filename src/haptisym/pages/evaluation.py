@@ -123,7 +123,7 @@ class _InFull:
     def checked(self) -> str:
         from haptisym.pages.checked import checked
 
-        return checked(self.evaluation)
+        return checked(self.evaluation, self.evaluation.scene)
 
     def derivation(self) -> Iterable[Block]:
         from haptisym.pages.derivation import derivation

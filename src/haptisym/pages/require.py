@@ -18,6 +18,7 @@ from haptisym.writing.document import (
     Facts,
     Figure,
     Line,
+    Live,
     Number,
     Paragraph,
     Phrase,
@@ -43,7 +44,7 @@ def page(r: Requirement) -> Document:
     )
     blocks = (
         Facts(tuple(_question(r))), Paragraph(_answer(r)), *_nearest(r), *_ends(r), *_formulas(r),
-        Figure("requirement", caption, r.figure), Paragraph(_certain(r)),
+        Figure("requirement", caption, r.figure), Paragraph(_certain(r)), Live(lambda: _checked(r)),
     )  # fmt: skip
     return Document(title(r.scene), lead(r.scene, r.asides()), blocks, "Which values will do")
 
@@ -155,6 +156,12 @@ def _formulas(r: Requirement) -> Iterator[Block]:
     forms = tuple(Line(named(r.free.symbol.name), form) for form in r.forms if form is not None)
     if forms:
         yield Section("Closed form, from the condition at the end of the band:", (Equations(forms),))
+
+
+def _checked(r: Requirement) -> str:
+    from haptisym.pages.checked import checked  # what reports alone say is loaded where one is written
+
+    return checked(r, r.scene)
 
 
 def _certain(r: Requirement) -> Phrase:

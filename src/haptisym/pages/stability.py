@@ -25,6 +25,7 @@ from haptisym.writing.document import (
     Column,
     Document,
     Figure,
+    Live,
     Notes,
     Number,
     Paragraph,
@@ -55,6 +56,7 @@ def page(found: Stability) -> Document:
         Section("Held: the display in a hand", (*_held(found), *drawn)),
         Section("Every passive hand", tuple(_every(found.every_passive_hand, _units(found)[1]))),
         Paragraph(_certain(found)),
+        Live(lambda: _checked(found)),
     )
     return Document(title(found.scene), lead(found.scene, found.asides()), blocks, "Stability")
 
@@ -236,6 +238,12 @@ def _bands(p: Passivity) -> Phrase:
     more = [f"{len(p.active) - _MOST} more intervals"] if len(p.active) > _MOST else []
     again = [("again and again beyond ", short(ExactNumber(p.high)), " rad/s")] if p.beyond is Beyond.AGAIN else []
     return listed([*shown, *more, *again])
+
+
+def _checked(found: Stability) -> str:
+    from haptisym.pages.checked import checked  # what reports alone say is loaded where one is written
+
+    return checked(found, found.scene)
 
 
 def _certain(found: Stability) -> Phrase:
