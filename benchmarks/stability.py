@@ -111,21 +111,23 @@ def counts() -> None:
 
 
 def maps() -> None:
-    """Maps of 41 slices, of what is transparent and what is stable in the arm."""
+    """Maps of what is transparent and what is stable in the arm: as many slices as they need, and 41 even ones."""
     print("\n=== maps ===")
     asked = {
         "fu2019": (["omega_n", "zeta"], [(60, 200), ("0.1", 1)]),
         "delayed-spring": (["tau", "environment.k"], [("1 ms", "60 ms"), (10, 1000)]),
+        "virtual-wall": (["environment.b", "environment.k"], [(0, 40), (10, 4000)]),
     }
     for name, (paths, ranges) in asked.items():
+        for uniform in (False, True):
 
-        def drawn(name: str = name, paths: list[str] = paths, ranges: list[tuple[object, object]] = ranges) -> int:
-            forget()
-            return len(hs.design_map(name, paths, ranges, that=["transparent", "stable"], hand=ARM).slices)
+            def drawn() -> int:
+                forget()
+                both = ["transparent", "stable"]
+                return len(hs.design_map(name, paths, ranges, that=both, hand=ARM, uniform=uniform).slices)  # noqa: B023
 
-        table(
-            f"{name}, {drawn()} slices", medians({"evaluate": lambda n=name: evaluated(n), "map": drawn}, 1), "evaluate"
-        )
+            ways = {"evaluate": lambda n=name: evaluated(n), "map": drawn}
+            table(f"{name}, {drawn()} slices", medians(ways, 1), "evaluate")
 
 
 def main() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from math import asin
 from pathlib import Path
+from typing import Any
 
 import mpmath
 import numpy as np
@@ -16,7 +17,11 @@ from sympy import Rational
 
 import haptisym as hs
 from haptisym.judge.passivity import passivity
+from haptisym.kernel.budget import limited
 from haptisym.verbs.require.classical import lines
+from haptisym.verbs.require.feasible import Solved
+from haptisym.verbs.require.verdicts import together
+from haptisym.verbs.require.wishes import WISHES
 
 
 def put(scene: hs.Scene, values: dict[str, object]) -> hs.Scene:
@@ -325,3 +330,42 @@ def test_a_value_at_which_there_is_no_dynamics_will_not_do(that: str) -> None:
     assert r.certified
     assert r.feasible
     assert not (r.feasible[0].low.closed and float(r.feasible[0].low.value) == 0)  # type: ignore[arg-type]
+
+
+def test_sets_are_put_together_even_where_the_time_is_over() -> None:
+    wall = hs.load_scene("virtual-wall").with_values({"environment.b": 20})
+    found = [hs.require(wall, "environment.k", (10, 4000), that=[x], hand="postural-arm") for x in WISHES[:2]]
+    with limited(1e-9):
+        both = together(found[0].domain, [Solved(x.feasible, x.undecided) for x in found])
+    assert both.undecided == ()
+    assert [float(x.high.value) for x in both.feasible if x.high.value] == pytest.approx([1819.838985492319])
+
+
+@pytest.mark.parametrize(
+    ("name", "other", "asked", "why"),
+    [
+        (
+            "sliding",
+            ("b", 1, 2),
+            {"that": ["stable"], "hand": "postural-arm"},
+            "sliding friction stands as a describing",
+        ),
+        ("delayed-spring", ("tau", "1 ms", "2 ms"), {"that": ["passive"]}, "of single values, by stability"),
+    ],
+)
+def test_what_is_undecided_for_a_reason_says_it(
+    name: str, other: tuple[str, Any, Any], asked: dict[str, Any], why: str
+) -> None:
+    """On the page, in the document, and of each slice of a map."""
+    rough = hs.Scene(
+        hs.environments.mass_spring_damper(k=100, b=1), (hs.effects.coulomb_friction("1 N", "1 cm"),), (1, 99)
+    )
+    scene = rough if name == "sliding" else hs.load_scene(name)
+    found = hs.require(scene, "environment.k", (10, 1000), **asked)
+    assert (found.feasible, len(found.undecided)) == ((), 1)
+    assert why in found.reason
+    assert why in found.to_dict()["reason"]
+    assert why in " ".join(str(found).split())
+    chart = hs.design_map(scene, [other[0], "environment.k"], [other[1:], (10, 1000)], slices=2, **asked)
+    assert all(why in x["reason"] for x in chart.to_dict()["slices"])
+    assert why in " ".join(str(chart).split())

@@ -41,7 +41,7 @@ def page(m: DesignMap) -> Document:
     certain: Phrase = (
         "Certain: every value of a slice is proven."
         if m.certified
-        else (Strong("UNDECIDED"), " in some slices", _in_time(m), ": see --json.")
+        else (Strong("UNDECIDED"), " in some slices", _why(m), ": see --json.")
     )
     last = certain, " ", _between(m)
     shown = "Values that will do, along exact slices, with what binds at their ends."
@@ -51,9 +51,11 @@ def page(m: DesignMap) -> Document:
     return Document(title(m.scene), lead(m.scene, m.asides()), blocks, "Which values will do")
 
 
-def _in_time(m: DesignMap) -> str:
-    """Whether it is for lack of time that something was left open."""
-    return ", for which there was no time left" if any(r.limit is not None for x in m.slices for r in x.sets) else ""
+def _why(m: DesignMap) -> str:
+    """For lack of time, or for which other reasons, something was left open."""
+    sets = [r for x in m.slices for r in x.sets if r.undecided]
+    late = ", for which there was no time left" if any(r.limit is not None for r in sets) else ""
+    return late + "".join(f" ({x})" for x in dict.fromkeys(r.reason for r in sets) if x)
 
 
 def _wished(m: DesignMap) -> Iterator[tuple[str, Phrase]]:

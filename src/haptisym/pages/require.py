@@ -168,6 +168,7 @@ def _certain(r: Requirement) -> Phrase:
     if r.undecided:
         where = listed(f"{_limit(a)} to {_limit(b)}" for a, b in r.undecided)
         why = "" if r.limit is None else f" within the limit of {r.limit:g} s"
+        why += f": {r.reason}" if r.reason else ""
         return (
             Strong("UNDECIDED"),
             ": for the values from ",

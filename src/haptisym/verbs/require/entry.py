@@ -65,7 +65,9 @@ def require(
     with limited(limit, told) as budget:
         found = solve_all(scene, free, asked, criteria)
     cut = budget.seconds if budget.reached else None
-    return Requirement(scene, free, asked, found.feasible, found.undecided, criteria, digits, cut, tuple(wanted))
+    return Requirement(
+        scene, free, asked, found.feasible, found.undecided, criteria, digits, cut, tuple(wanted), found.reason
+    )
 
 
 def is_quick(scene: Scene) -> bool:

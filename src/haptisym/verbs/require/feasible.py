@@ -61,10 +61,11 @@ class Span(Shown):
 
 @dataclass(frozen=True)
 class Solved:
-    """The values for which conditions hold, and those about which nothing was proven in time."""
+    """The values for which conditions hold, and those about which nothing was proven, in time or for a ``reason``."""
 
     feasible: tuple[Span, ...]
     undecided: tuple[tuple[RealNumber | None, RealNumber | None], ...] = ()
+    reason: str = ""
 
 
 def bound_ends(spans: Iterable[Span]) -> tuple[End, ...]:

@@ -29,7 +29,9 @@ def solve_passive(scene: Scene, free: Knob, asked: Domain) -> Solved:
     """All values with which every passive hand may hold the display. UndecidedError with delays or a clock."""
     [condition] = pieces(conditions(scene, [free], [PASSIVE])[PASSIVE])
     if condition.axis.functions or clocks(scene):
-        raise UndecidedError("every passive hand, with delays, powers of s or a clock, along a parameter")
+        raise UndecidedError(
+            "whether every passive hand may hold it, with delays, powers of s or a clock, is told of single values, by stability"
+        )
     turns = [*_of_signs(condition, free), *_of_poles(scene, free)]
 
     def verdict(value: Expr) -> bool | None:

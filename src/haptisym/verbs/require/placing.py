@@ -7,7 +7,7 @@ from itertools import pairwise
 
 from sympy import Expr
 
-from haptisym.kernel.budget import Budget
+from haptisym.kernel.budget import Budget, spared
 from haptisym.verbs.require.slices import Slice, gaps
 
 _FIRST = 9
@@ -40,7 +40,8 @@ def refined(
     ranges. It ends at ``most`` slices, and where the time is over.
     """
     while len(found) < most and not budget.reached:
-        worst = _worst(found, size, share)[: most - len(found)]
+        with spared():
+            worst = _worst(found, size, share)[: most - len(found)]
         if not worst:
             break
         more = list[Slice]()

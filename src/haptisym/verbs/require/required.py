@@ -55,6 +55,8 @@ class Requirement(Answer):
     limit: float | None = None
     that: tuple[str, ...] = ("transparent",)
     """What was asked, as ``require`` takes it."""
+    reason: str = ""
+    """Why something is undecided, where it is not for lack of time."""
 
     def _line(self) -> str:
         spans = " or ".join(map(spanned, self.feasible)) or "none will do"
@@ -136,7 +138,7 @@ class Requirement(Answer):
 
     def _left(self) -> dict[str, Any]:
         found = {} if self.nearest is None else {"nearest": _nearest(self.nearest)}
-        return found | ({"limit": self.limit} if self.undecided and self.limit is not None else {})
+        return found | ({"limit": self.limit} if self.undecided and self.limit is not None else {}) | self._why
 
     def spans(self) -> list[list[float | None]]:
         """The values as a document has them, None where there is no end."""
@@ -154,7 +156,12 @@ class Requirement(Answer):
             ],
             "undecided": [[None if x is None else float(x) for x in pair] for pair in self.undecided],
             "certified": self.certified,
+            **self._why,
         }
+
+    @property
+    def _why(self) -> dict[str, Any]:
+        return {"reason": self.reason} if self.undecided and self.reason else {}
 
     @property
     def closed_form(self) -> str | None:

@@ -32,10 +32,12 @@ class Slice:
         one = apart[0]
         if len(apart) == 1:
             return cls(at, one, (), tuple(contours))
-        both = together(one.domain, [Solved(x.feasible, x.undecided) for x in apart])
+        both = together(one.domain, [Solved(x.feasible, x.undecided, x.reason) for x in apart])
         names = tuple(name for x in apart for name in x.that)
         criteria = tuple(y for x in apart for y in x.criteria)
-        found = replace(one, feasible=both.feasible, undecided=both.undecided, criteria=criteria, that=names)
+        found = replace(
+            one, feasible=both.feasible, undecided=both.undecided, reason=both.reason, criteria=criteria, that=names
+        )
         return cls(at, found, tuple(apart), tuple(contours))
 
     @property

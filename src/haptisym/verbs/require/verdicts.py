@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import flint
 from sympy import Expr, Rational
 
-from haptisym.kernel.budget import tick
+from haptisym.kernel.budget import spared, tick
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
 from haptisym.verbs.require.feasible import Binding, End, Solved, Span, runs
@@ -43,6 +43,8 @@ class Question:
     beyond: tuple[Expr | None, Expr | None] = (None, None)
     spares: Callable[[Turn], bool] = lambda _: False
     exists: Callable[[Expr], bool] = lambda _: True
+    reasons: list[str] = field(default_factory=list, init=False, compare=False)
+    """Why verdicts stayed open, as they were asked for."""
 
     def solve(self) -> Solved:
         """All values for which the verdict is yes, and those about which it stays open."""
@@ -63,7 +65,7 @@ class Question:
             spans.append(Span(low, low if i == j else end(j, closed=b)))
         left = runs([x is None and places[i] is not None for i, x in enumerate(at)], [x is None for x in cells])
         values = [None if x is None else x.value for x in places]
-        return Solved(tuple(spans), tuple((values[i], values[j]) for i, j, _, _ in left))
+        return Solved(tuple(spans), tuple((values[i], values[j]) for i, j, _, _ in left), _listed(self.reasons))
 
     def _places(self) -> list[Turn | None]:
         """The turns in the domain, in order, with its ends; None without bound."""
@@ -99,7 +101,10 @@ class Question:
         try:
             tick()
             return self.verdict(value)
-        except (LimitError, UndecidedError):
+        except LimitError:
+            return None
+        except UndecidedError as error:
+            self.reasons.append(str(error))
             return None
 
     def _at(self, i: int, places: Sequence[Turn | None], cells: Sequence[bool | None]) -> bool | None:
@@ -131,14 +136,22 @@ def compared(x: RealNumber, y: RealNumber) -> int:
         return int(change > 0) - int(change < 0)
 
 
-def all_open(domain: Domain) -> Solved:
+def _listed(reasons: Iterable[str]) -> str:
+    """Each reason once."""
+    return "; ".join(dict.fromkeys(x for x in reasons if x))
+
+
+def all_open(domain: Domain, reason: str = "") -> Solved:
     """Nothing is known of any value."""
     low, high = (None if x is None else ExactNumber(x) for x in (domain.low, domain.high))
-    return Solved((), ((low, high),))
+    return Solved((), ((low, high),), reason)
 
 
 def together(domain: Domain, found: Sequence[Solved]) -> Solved:
-    """The values that are in every one of some sets; undecided what is in none of them for certain out, and in some open."""
+    """The values that are in every one of some sets; undecided what is in none of them for certain out, and in some open.
+
+    Known ends are put in order, which is done even where the time is over.
+    """
     if len(found) == 1:
         return found[0]
     turns = [Turn(end.value, end.bindings) for x in found for end in _ends(x) if end.value is not None]
@@ -149,7 +162,8 @@ def together(domain: Domain, found: Sequence[Solved]) -> Solved:
         return False if False in answers else None if None in answers else True
 
     question = _Sets(turns, lambda x: verdict(ExactNumber(x)), domain, closed=True, of=verdict)
-    return question.solve()
+    with spared():
+        return replace(question.solve(), reason=_listed(x.reason for x in found))
 
 
 @dataclass(frozen=True)

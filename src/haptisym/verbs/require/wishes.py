@@ -60,5 +60,7 @@ def _or_open(solved: Callable[[], Solved], asked: Domain) -> Solved:
     """The values; all of them undecided where that is not known, or the time does not last."""
     try:
         return solved()
-    except (LimitError, UndecidedError):
+    except LimitError:
         return all_open(asked)
+    except UndecidedError as error:
+        return all_open(asked, str(error))

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from sympy import I
+
 from haptisym.judge.imposed import force_is_stable
 from haptisym.judge.passiveparts import environment_alone
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.rings import Polynomial, RationalFunction
+from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
 from haptisym.kernel.rootcount import RootChain, Roots, count_roots
 from haptisym.kernel.shown import Shown
 from haptisym.kernel.terms import at_least, order_at_0
@@ -47,6 +49,10 @@ def zeros_of(top: Polynomial, bottom: Polynomial, ring: Ring) -> Roots:
     """The zeros of top/bottom in Re s >= 0; what both have at s = 0, as with 1 - exp(-s tau) over s, is none."""
     if top.is_zero():
         raise UndecidedError("the roots of what resists no motion at all")
+    if I in ring.generators and degree_in([top], len(ring.meanings) - 1):
+        raise UndecidedError(
+            "sliding friction stands as a describing function of one amplitude, which has no roots in s"
+        )
     found = count_roots(top, ring)
     order = order_at_0(top, ring)
     shared = min(order, order_at_0(bottom, ring))
