@@ -83,8 +83,8 @@ def question(seed: int) -> tuple[hs.Scene, str]:
     draw = Random(seed)
     chain = [late(draw), *(late(draw) if draw.randrange(5) == 0 else other(draw) for _ in range(draw.randint(0, 2)))]
     draw.shuffle(chain)
-    threshold = hs.Threshold.of(draw.choice(["0.1", "0.2", "0.5", "1"]))
-    scene = hs.Scene(environment(draw), tuple(chain), (0, number(draw, *BAND)), threshold)
+    felt, high = environment(draw), number(draw, *BAND)
+    scene = hs.Scene(felt, tuple(chain), (0, high), hs.Threshold.of(draw.choice(["0.1", "0.2", "0.5", "1"])))
     paths = [p.path for p in scene.parameters if p.value is not None]
     return scene, draw.choice(paths)
 
@@ -141,10 +141,8 @@ def main() -> None:
         wrong = contradictions(scene, found, seed)
         said.update({"undecided": bool(found.undecided), "wrong": wrong, "with an end": bool(found.ends)})
         if taken[-1] > 1 or found.undecided or wrong or asked.only:
-            print(
-                f"{seed:5d} {taken[-1]:7.2f} s  {path}: {told(scene)}: {found}, {found.undecided}, wrong {wrong}",
-                flush=True,
-            )
+            line = f"{seed:5d} {taken[-1]:7.2f} s  {path}: {told(scene)}: {found._line()}"
+            print(f"{line}, {found.rows()['undecided']}, wrong {wrong}", flush=True)
     taken.sort()
     shares = {"half": 0.5, "90 %": 0.9, "95 %": 0.95, "99 %": 0.99, "all": 1}
     within = (f"{x} {taken[max(0, math.ceil(q * len(taken)) - 1)]:.2f} s" for x, q in shares.items())

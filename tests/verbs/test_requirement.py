@@ -530,7 +530,8 @@ def test_undecided_values_are_status_3(tmp_path, capsys, monkeypatch) -> None:  
     held.write_text(
         '[environment]\nmodel = "kelvin-voigt"\nk = 100\nb = 0\n[[effects]]\nmodel = "zero-order-hold"\nT = "1 ms"\n'
     )
-    monkeypatch.setattr("haptisym.verbs.require.cells._MOST_CELLS", 40)
+    monkeypatch.setattr("haptisym.verbs.require.floatcells._MOST", 0)
+    monkeypatch.setattr("haptisym.verbs.require.cells._MOST_CELLS", 2)
     arguments = (str(held), "--free", "T", "--range", "0", "1 ms")
     status, out, _ = call(*arguments, capsys=capsys, monkeypatch=monkeypatch)
     assert status == 3

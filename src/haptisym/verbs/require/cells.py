@@ -9,7 +9,7 @@ neither way is cut in two, down to cells that are 1e-13 of their values wide.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
@@ -31,6 +31,7 @@ from haptisym.verbs.require.corners import Corner, ZeroAt
 from haptisym.verbs.require.feasible import Binding, Kind
 from haptisym.verbs.require.floatcells import Told
 from haptisym.verbs.require.freeparameter import Conditions, pieces
+from haptisym.verbs.require.limits import Limit, long, short
 from haptisym.verbs.require.places import CellVerdict, CriticalPlace, Edge, MaximumAt, Summit
 from haptisym.verbs.require.strips import Shape
 
@@ -42,6 +43,8 @@ _COARSE = Fraction(1, 32)
 _MOST_CELLS = 800
 _TAILS, _STEP = 5, 8
 """How many values without bound are tried, and how many times one is the one before it."""
+_NEARER = {1 << 10: 16, 1 << 20: 16, 1 << 36: 256}
+"""How much nearer its limit than a usual size a parameter is taken first, and later; and parts of the band."""
 _VERDICTS = {True: CellVerdict.KEPT, False: CellVerdict.BROKEN}
 
 
@@ -83,9 +86,7 @@ class ValueSearch:
             end = above.low
         assert start is not None
         assert end is not None
-        for told in self.quick(float(start), float(end)):
-            a, b = Fraction(told.low), Fraction(told.high)
-            found += self._cut(a, b) if told.kept is None else [Leaf(a, b, _VERDICTS[told.kept])]
+        found += self._told(self.quick(float(start), float(end)))
         return [*found, above] if high is None else found
 
     def _cut(self, low: Fraction, high: Fraction) -> list[Leaf]:
@@ -101,6 +102,56 @@ class ValueSearch:
                     waiting.add((a, _middle(a, b)), (_middle(a, b), b))
         found += [Leaf(a, b, CellVerdict.OPEN) for a, b in waiting.rest]
         return sorted(found, key=lambda leaf: leaf.low or 0)
+
+    def _told(self, told: Sequence[Told]) -> Iterator[Leaf]:
+        """What floats tell as leaves; what they leave open by the limit at 0, and by cells."""
+        for x in told:
+            a, b = Fraction(x.low), Fraction(x.high)
+            if x.kept is not None:
+                yield Leaf(a, b, _VERDICTS[x.kept])
+            elif a < 0 < b:
+                yield from self._told([Told(x.low, 0.0, None), Told(0.0, x.high, None)])
+            elif a != 0 != b:
+                yield from self._cut(a, b)
+            else:
+                yield from self._next_to_zero(a, b)
+
+    def _next_to_zero(self, low: Fraction, high: Fraction) -> Iterator[Leaf]:
+        sign = 1 if high else -1
+        verdict, reach = self._limit(sign, abs(high or low), inverse=False)
+        if verdict is CellVerdict.OPEN or reach >= abs(high or low):
+            yield from self._cut(low, high) if verdict is CellVerdict.OPEN else [Leaf(low, high, verdict)]
+        elif sign > 0:
+            yield Leaf(low, reach, verdict)
+            yield from self._told(self.quick(float(reach), float(high)))
+        else:
+            yield from self._told(self.quick(float(low), float(-reach)))
+            yield Leaf(-reach, high, verdict)
+
+    def _limit(self, sign: int, reach: Fraction, *, inverse: bool) -> tuple[CellVerdict, Fraction]:
+        """What is known of t, or of 1/t, next to 0 on one side, up to that number or less."""
+        near = self._near_limit(sign, inverse=inverse)
+        with suppress(LimitError), flint.ctx.workprec(BITS):
+            for n, parts in _NEARER.items():
+                if near is not None:
+                    verdict, far = near.verdict(reach / n, parts)
+                else:
+                    verdict, far = CellVerdict.OPEN if inverse or sign < 0 else self._short(reach / n), reach / n
+                if verdict is not CellVerdict.OPEN:
+                    return verdict, far
+        return CellVerdict.OPEN, reach
+
+    def _short(self, reach: Fraction) -> CellVerdict:
+        return short(self._single, self.free, self.band, reach) if self._single else CellVerdict.OPEN
+
+    def _near_limit(self, sign: int, *, inverse: bool) -> Limit | None:
+        return Limit.of(self._single, self.free, self.band, inverse=inverse, sign=sign) if self._single else None
+
+    @cached_property
+    def _single(self) -> list[RealFunction]:
+        """The conditions, where each is one function; none where not."""
+        own = [pieces(x) for x in self.conditions.values()]
+        return [x[0] for x in own] if all(len(x) == 1 for x in own) else []
 
     def _rank(self, cell: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
         return -max(self._width(*cell), _COARSE), cell[0]
@@ -154,7 +205,10 @@ class ValueSearch:
             turned = self._tail_by_phase(sign)
             if turned is not None:
                 return turned
-            for _ in range(_TAILS):
+            verdict, reach = self._limit(sign, 1 / abs(start), inverse=True)
+            if verdict is not CellVerdict.OPEN:
+                return Leaf(1 / reach, None, verdict) if sign > 0 else Leaf(None, -1 / reach, verdict)
+            for _ in range(_TAILS if self._near_limit(sign, inverse=True) is None else 1):
                 verdict = self._beyond(sign, bound)
                 if verdict is not CellVerdict.OPEN:
                     break
@@ -184,7 +238,9 @@ class ValueSearch:
             bound = _bound_by_phase(pieces(condition), self.free, self.band)
             if bound is not None:
                 return Leaf(bound, None, CellVerdict.BROKEN)
-        return None
+        with flint.ctx.workprec(BITS):
+            far = long(self._single, self.free, self.band) if self._single else None
+        return None if far is None else Leaf(far, None, CellVerdict.BROKEN)
 
 
 def _bound_by_phase(own: Sequence[RealFunction], free: Symbol, band: tuple[Expr, Expr]) -> Fraction | None:

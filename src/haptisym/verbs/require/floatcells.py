@@ -30,8 +30,8 @@ _FIRST = 16
 """Pieces of the band to begin with."""
 _MOST, _BATCH = 30_000, 1024
 """Cells that are looked at, and how many at once at most: fewer cost as much."""
-_NARROW = 1e-3
-"""Of values that are cut no further, relative to them; of a piece of the band, to all of it, a hundredth of that."""
+_NARROW, _FINEST = 1e-3, 1e-7
+"""Of values that are cut no further, relative to them; of a piece of the band, to all of it."""
 
 _THRESHOLDS = ("c", "c_real", "c_imag")
 Range: TypeAlias = tuple[float, float]
@@ -70,7 +70,7 @@ class FloatCells:
         """What is known of the values from one to another, in order."""
         if not self._excesses:
             return [Told(low, high, None)]
-        search = _Search(self._excesses, self.scale)
+        search = _Search(self._excesses, min(abs(low), abs(high)) if low * high > 0 else self.scale * _NARROW)
         search.go(ladder(low, high, self.scale))
         return list(_partition(low, high, search.open, search.broken))
 
@@ -89,8 +89,10 @@ class FloatCells:
 
 @dataclass
 class _Search:
+    """``least``: the size of values below which widths are no longer relative to them."""
+
     excesses: Sequence[Excess]
-    scale: float
+    least: float
     open: list[Range] = field(default_factory=list)
     broken: list[Range] = field(default_factory=list)
     looked: int = 0
@@ -128,18 +130,30 @@ class _Search:
             found = excess.model(own, slopes=False)
             low, high = (x[:, 0] for x in found.bounds())
             self.broken += [(float(a), float(b)) for a, b in own[low > 0, 1]]
+            self._probe(excess, own[(low < 0) & (found.c0[:, 0] > 0)])
             rest = ~(high < 0) & ~(low > 0)
             left.append(own[rest])
             cut.append(_changes(found.c1[rest, 0], found.c2[rest, 0]))
         return self._cut(np.concatenate(left), np.concatenate(cut))
 
+    def _probe(self, excess: Excess, cells: Array) -> None:
+        """At the middle frequencies of some cells, for all of their values."""
+        if len(cells):
+            points = cells.copy()
+            points[:, 0] = cells[:, 0].mean(-1)[:, None]
+            shown = excess.model(points, slopes=False).bounds()[0][:, 0] > 0
+            self.broken += [(float(a), float(b)) for a, b in cells[shown, 1]]
+
     def _cut(self, cells: Array, changes: Array) -> Array:
         """Cells in pieces along what changes most; those that are narrow enough are left open."""
         widths = cells[..., 1] - cells[..., 0]
-        widths[:, 1] /= np.maximum(np.abs(cells[:, 1]).max(-1), self.scale * _NARROW)
-        narrow = widths < np.array([_NARROW / 100, _NARROW])
-        known = np.isfinite(changes).all(-1)
-        wanted = ((changes >= changes.max(-1, keepdims=True) / 4) | ~known[:, None]) & ~narrow
+        widths[:, 1] /= np.maximum(np.abs(cells[:, 1]).max(-1), self.least)
+        narrow = widths < np.array([_FINEST, _NARROW])
+        spread = (cells[..., 1] - cells[..., 0]) / np.maximum(np.abs(cells).max(-1), 1e-300)
+        weights = np.where(
+            np.isfinite(changes).all(-1, keepdims=True), changes, spread
+        )  # what is unknown along the wider
+        wanted = (weights >= weights.max(-1, keepdims=True) / 4) & ~narrow
         stuck = ~wanted.any(-1)
         done = stuck & narrow[:, 1]
         wanted[stuck & ~done, 1] = True  # a piece of the band that is narrow: along the values then
@@ -211,6 +225,6 @@ def _partition(low: float, high: float, left: Sequence[Range], broken: Sequence[
 
 def ladder(low: float, high: float, scale: float) -> list[float]:
     """Numbers from one to another at which cells may begin: at powers of 2 of a usual size, on both sides of 0."""
-    sizes = [scale * 2.0**n for n in range(-20, 60)]
+    sizes = [scale * 2.0**n for n in range(-60 if low * high > 0 else -20, 60)]
     marks = [-x for x in sizes] + [0.0] + sizes
     return sorted({low, high, *(x for x in marks if low < x < high)})

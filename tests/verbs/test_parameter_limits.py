@@ -1,0 +1,96 @@
+"""Parameters that go to 0 or without bound: which sign a condition has there, beside exact sums and beside evaluations."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+from random import Random
+
+import pytest
+from flint import arb, fmpq
+from sympy import Rational
+
+import haptisym as hs
+from haptisym import effects, environments
+from haptisym.verbs.require.blowups import is_negative, positive_along
+
+
+def terms(**given: int) -> dict[tuple[Q, Q], fmpq]:
+    """``x2y1=3`` is 3 x^2 y."""
+    found = {}
+    for name, value in given.items():
+        a, b = name[1:].split("y")
+        found[Q(int(a)), Q(int(b))] = fmpq(value)
+    return found
+
+
+SUMS = [
+    ({"x4y0": -1, "x0y2": -1}, True),
+    ({"x4y0": -1, "x2y1": 1, "x0y2": -1}, True),  # v - 1 - v^2 < 0
+    ({"x4y0": -1, "x2y1": 3, "x0y2": -1}, False),  # 3 v - 1 - v^2 > 0 at v = 1
+    (
+        {"x4y0": -1, "x2y1": 2, "x0y2": -1, "x6y0": -1, "x4y1": -1},
+        True,
+    ),  # -(x^2 - y)^2, and what is left is negative there
+    ({"x4y0": -1, "x2y1": 2, "x0y2": -1, "x4y1": 1}, False),
+    ({"x5y0": -1, "x0y3": -1, "x1y1": -1, "x2y2": 7}, True),  # two slopes
+    ({"x5y0": 1, "x0y3": -1, "x1y1": -1}, False),
+]
+
+
+@pytest.mark.parametrize(("given", "negative"), SUMS)
+def test_the_sign_of_a_sum_next_to_a_corner(given: dict[str, int], *, negative: bool) -> None:
+    own, x, y = terms(**given), arb(1) / 64, arb(1) / 64
+    assert is_negative(own, x, y) is negative
+    reach = positive_along(own, x, y)
+    assert reach is None or not negative
+    if reach is not None:  # at each such y there is an x
+        for n in range(8):
+            v = float(reach) / 4**n
+            values = [sum(float(c.p) * u ** int(a) * v ** int(b) for (a, b), c in own.items()) for u in samples(v)]
+            assert max(values) > 0
+
+
+def samples(y: float) -> list[float]:
+    return [2.0**-6 * 0.97**n for n in range(1500) if 2.0**-6 * 0.97**n > y / 1e3]
+
+
+SCENES = {
+    "mass": ("environment.m", hs.Scene(environments.mass_spring_damper("0.4", 50, 170), (effects.delay("0.49 ms"),), (0, "4.8"), hs.Threshold.of("0.1"))),
+    "link": ("effects.wave-variables.b", hs.Scene(environments.kelvin_voigt(1100, 28), (effects.wave_variables("9.2", "8.5 ms"),), (0, "3.6"), hs.Threshold.of("0.5"))),
+    "hold": ("effects.zero-order-hold.T", hs.Scene(environments.maxwell(13, "4.7"), (effects.zero_order_hold("0.97 ms"),), (0, 15), hs.Threshold.of("0.1"))),
+    "spring": ("environment.k", hs.Scene(environments.maxwell(150, "0.82"), (effects.delay("2.8 ms"),), (0, "3.7"), hs.Threshold.of("0.2"))),
+    "pot": ("environment.k_alpha", hs.Scene(environments.spring_pot(27, "0.5", k=380), (effects.delay("4.6 ms"),), (0, 34), hs.Threshold.of("0.2"))),
+}  # fmt: skip
+
+
+REACH = dict.fromkeys(SCENES, 5) | {"hold": 1}
+"""Powers of ten by which values go to both sides: evaluations at periods that are much longer take long."""
+
+
+@pytest.mark.parametrize("name", [pytest.param(x, marks=pytest.mark.slow) if x == "link" else x for x in SCENES])
+def test_nothing_stays_open_at_0_nor_without_bound(name: str) -> None:
+    path, scene = SCENES[name]
+    found = hs.require(scene, path)
+    assert found.undecided == ()
+    draw = Random(name)
+    for _ in range(5):
+        value = Rational(10 ** draw.uniform(-REACH[name], REACH[name])) * found.free.value
+        e = hs.evaluate(found.free.put(scene, value))
+        said = any(
+            (a is None or float(a) < value) and (b is None or value < float(b))
+            for a, b in ((x.low.value, x.high.value) for x in found.feasible)
+        )
+        assert ([(x.low, x.high) for x in e.transparent] == [(e.chart.points[0], e.chart.points[-1])]) is said
+
+
+def test_a_clock_is_asked_for_all_of_its_periods_also_beyond_the_nyquist_frequency() -> None:
+    found = hs.require("sampled-wall", "effects.sampling.T")
+    assert (found.feasible, found.undecided) == ((), ())
+
+
+@pytest.mark.parametrize(("path", "low"), [("effects.teleoperator.Bs", "14.8962"), ("effects.teleoperator.Ms", "0")])
+def test_a_slave_that_is_heavy_or_damped_without_bound_stays_unnoticed(path: str, low: str) -> None:
+    found = hs.require("four-channel-teleoperation", path)
+    assert found.undecided == ()
+    [span] = found.feasible
+    assert (span.low.value.digits(6), span.high.value) == (low, None)
