@@ -89,6 +89,7 @@ _ON_DEMAND = {
     "sine": "verbs.simulate.motions",
     "stability": "verbs.stability.entry",
     "sweep": "verbs.sweep.entry",
+    "sweep_cost": "verbs.cost.entry",
     "tolerances": "verbs.tolerances.entry",
 }
 """What is loaded only when it is used: simulation needs SciPy (the extra ``simulate``), formulas cost time at start.
@@ -203,6 +204,7 @@ __all__ = [
     "sine",
     "stability",
     "sweep",
+    "sweep_cost",
     "symbols",
     "tolerances",
 ]

@@ -9,6 +9,7 @@ from math import log10
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from marks import often
@@ -24,6 +25,8 @@ from haptisym.verbs.cost.measurement import Measurement, front
 from haptisym.verbs.cost.methods import CROSSINGS, RATIO_METHODS, Method
 from haptisym.verbs.cost.questions import DOUBLE, Crossings, Found
 from haptisym.verbs.cost.stopwatch import interleaved
+from haptisym.verbs.cost.sweeps import SweepQuestion, certified_way
+from haptisym.verbs.cost.sweeps import grid_way as grid_of_sets
 from haptisym.verbs.cost.tasks import approximated
 from haptisym.verbs.cost.usual import RefusedError, companion_way, grid_way
 
@@ -213,13 +216,90 @@ def test_wrong_command_lines_are_refused_before_anything_is_measured(arguments: 
         CliRunner().invoke(app, ["cost", *arguments], catch_exceptions=False, standalone_mode=False)
 
 
-@pytest.mark.parametrize("measure", [hs.cost, hs.simulation_cost])
+@pytest.mark.parametrize("measure", [hs.cost, hs.simulation_cost, hs.sweep_cost])
 def test_a_scene_with_symbols_is_refused(measure: object) -> None:
     scene = hs.Scene(
         hs.environments.mass_spring_damper(k=Symbol("k", positive=True)), (hs.effects.first_order_lag(20),)
     )
     with pytest.raises(SceneError, match="k = k is a symbol"):
         measure(scene)  # type: ignore[operator]
+
+
+# Sweeps: a peak that is narrow beside the spacing of a grid is missed by it, and by nothing that proves.
+
+NARROW = """
+[environment]
+model = "mass-spring-damper"
+m = 1
+b = 0.02
+k = 50
+
+[[effects]]
+model = "shunt"
+b = 0.005
+
+[evaluation]
+band = [0, 15]
+jnd = 0.2
+"""
+
+
+@cache
+def swept() -> Cost:
+    return hs.sweep_cost(hs.parse_scene(NARROW), ["k"], quick=True)
+
+
+def crossings_of(k: float) -> tuple[int, int]:
+    """Sign changes of both excesses, where a million points find the peak at sqrt(k), 0.015 rad/s wide, a thousand times."""
+    omega = np.linspace(1e-3, 15, 1_000_001)
+    H, dH = k - omega**2 + 0.02j * omega, 0.005j * omega
+    return tuple(int(np.count_nonzero(np.diff(np.abs(x) > 0.2 * np.abs(H)))) for x in (dH.real, dH.imag))  # type: ignore[return-value]
+
+
+def test_a_grid_counts_sets_wrong_that_are_proven_right() -> None:
+    ours, coarse, fine = swept().rows
+    assert (ours.proven, ours.wrong, ours.missed, ours.invented) == (True, 0, 0, 0)
+    assert coarse.wrong is not None
+    assert fine.wrong is not None
+    assert coarse.wrong > fine.wrong > 0
+    assert coarse.sets == fine.sets == ours.sets
+    assert [row.proven for row in swept().rows] == [True, False, False]
+    assert ours.digits > 9.9
+
+
+def test_the_truth_of_a_sweep_is_that_of_a_grid_of_a_million_points() -> None:
+    question = SweepQuestion.of(hs.parse_scene(NARROW), ["k"], quick=True)
+    found = certified_way(question)()
+    grid = grid_of_sets(1000, question)()
+    for i in range(5):
+        counts = crossings_of(float(question.values[0, i]))
+        assert (found["crossings_real"][i], found["crossings_imag"][i]) == counts
+        assert grid["crossings_real"][i] + grid["crossings_imag"][i] <= sum(counts)
+
+
+def test_the_page_and_the_document_of_a_swept_cost_say_how_many_are_wrong() -> None:
+    coarse = swept().rows[1]
+    share = f"{100 * coarse.wrong / coarse.sets:.2g} % of {coarse.sets} sets"  # type: ignore[operator]
+    text = " ".join(str(swept()).split())
+    assert text.count(f"{100 * coarse.wrong / coarse.sets:.2g} % of") == 2  # type: ignore[operator]
+    assert share in text
+    told = json.loads(swept().to_json())
+    assert [row["wrong"] for row in told["rows"]] == [row.wrong for row in swept().rows]
+    assert swept().figure() is not None
+
+
+@pytest.mark.slow
+def test_of_a_region_no_grid_is_asked() -> None:
+    scene = hs.parse_scene(NARROW.replace("jnd = 0.2", 'jnd = { shape = "diamond", real = 0.2, imag = 0.2 }'))
+    found = hs.sweep_cost(scene, ["k"], quick=True)
+    assert [row.method for row in found.rows] == ["certified"]
+    assert {x.reason for x in found.left_out} == {"the threshold is more than a number for each part"}
+
+
+@pytest.mark.parametrize(("paths", "told"), [(["c"], "evaluation.jnd: cannot"), (["q"], "q"), (["k", "k"], "k")])
+def test_what_a_swept_cost_cannot_vary_is_refused(paths: list[str], told: str) -> None:
+    with pytest.raises(SceneError, match=told):
+        hs.sweep_cost(hs.parse_scene(NARROW), paths, quick=True)
 
 
 def test_a_scene_that_cannot_be_simulated_says_why() -> None:

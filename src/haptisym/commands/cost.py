@@ -23,6 +23,8 @@ from haptisym.model.scenefile import load_scene
 @figure_option("digits against time")
 @click.option("--quick", is_flag=True, help="Fewer methods and repeats, for a first look.")
 @click.option("--simulation", is_flag=True, help="The simulation in time instead: steps, tolerances, periods, effects.")
+@click.option("--sweep", is_flag=True, help="A sweep instead: time for a set, and how many a grid counts wrong.")
+@click.option("--free", multiple=True, metavar="PATH", help="With --sweep, what varies; all numbers if not given.")
 @click.option("--hard-cases", is_flag=True, help="Cases on which the usual ways fail, instead of a scene.")
 def cost(
     scene: str | None,
@@ -31,6 +33,8 @@ def cost(
     figure: Path | None,
     quick: bool,
     simulation: bool,
+    sweep: bool,
+    free: tuple[str, ...],
     hard_cases: bool,
 ) -> None:
     """Measure what accuracy costs in time, for a scene or on hard cases.
@@ -46,10 +50,17 @@ def cost(
       haptisym cost fu2019
       haptisym cost my-device.toml --quick --figure cost.png
       haptisym cost fu2019 --simulation
+      haptisym cost fu2019 --sweep --free omega_n --free m
       haptisym cost --hard-cases --json
     """
-    if hard_cases and (scene or quick or simulation or environment):
-        raise SceneError("--hard-cases brings its own scenes: leave out SCENE, --environment, --quick and --simulation")
+    if hard_cases and (scene or quick or simulation or sweep or environment):
+        raise SceneError(
+            "--hard-cases brings its own scenes: leave out SCENE, --environment, --quick, --simulation and --sweep"
+        )
+    if free and not sweep:
+        raise SceneError("--free: tells what varies in a sweep: add --sweep")
+    if sweep and simulation:
+        raise SceneError("--sweep and --simulation are two questions: ask one of them")
     if scene is None and not hard_cases:
         raise SceneError("cost: name a SCENE, or ask for --hard-cases")
     with progress() as told:
@@ -57,18 +68,27 @@ def cost(
             load_scene(scene, environment) if scene else None,
             quick,
             simulation,
+            free if sweep else None,
             lambda what, share: told(share, 1.0, what),
         )
     drawn(found, figure)
     show(found, as_json=as_json)
 
 
-def _measured(scene: Scene | None, quick: bool, simulation: bool, told: Callable[[str, float], None]) -> Answer:
+def _measured(
+    scene: Scene | None,
+    quick: bool,
+    simulation: bool,
+    free: tuple[str, ...] | None,
+    told: Callable[[str, float], None],
+) -> Answer:
     if scene is None:
         from haptisym.verbs.cost.hardcosts import hard_costs
 
         return hard_costs(told=told)
-    from haptisym.verbs.cost.entry import cost, simulation_cost
+    from haptisym.verbs.cost.entry import cost, simulation_cost, sweep_cost
 
+    if free is not None:
+        return sweep_cost(scene, free, quick=quick, told=told)
     measure = simulation_cost if simulation else cost
     return measure(scene, quick=quick, told=told)

@@ -35,6 +35,7 @@ _TITLES = {
     "delay": "Approximating the delay",
     "effects": "Leaving an effect out",
     "simulation": "Simulating in time",
+    "sweep": "Sweeping over sets of parameters: time for a set",
 }
 
 

@@ -9,7 +9,7 @@ from haptisym.model.jnd import Part
 from haptisym.pages.words import RATIOS, lead, title
 from haptisym.verbs.cost.entry import Cost
 from haptisym.verbs.cost.measurement import Measurement
-from haptisym.verbs.cost.summary import duration, wrong
+from haptisym.verbs.cost.summary import duration, share_wrong, wrong
 from haptisym.writing.document import Block, Column, Document, Figure, Notes, Number, Paragraph, Phrase, Section, Table
 from haptisym.writing.names import named
 
@@ -19,6 +19,7 @@ TASKS: dict[str, Phrase] = {
     "crossings": "The crossings on the band: time for all of them",
     "delay": "The crossings with approximated delays, against the exact ones",
     "effects": "The crossings with an effect left out, against all effects",
+    "sweep": "A sweep over sets of parameters: time for a set",
     "simulation": (named("H_perc"), " recovered from a simulation in time, against the closed form"),
 }
 """What each task asks."""
@@ -46,10 +47,11 @@ def measured_on(machine: Mapping[str, str]) -> str:
 def _table(found: Cost, task: str) -> Block:
     size = found.condition.get(task)
     condition = "" if size is None else f" (condition number {'infinite: a touch' if isinf(size) else f'{size:.2g}'})"
-    columns = Column("method"), Column("right digits", number=True), Column("time"), Column("proven"), Column("")
+    last = Column("sets with a wrong count" if task == "sweep" else "")
+    columns = Column("method"), Column("right digits", number=True), Column("time"), Column("proven"), last
     return Section((TASKS[task], condition), (Table(columns, tuple(map(_row, found.task(task))), (TASKS[task], ".")),))
 
 
 def _row(row: Measurement) -> tuple[Phrase, ...]:
     digits = Number(f"{row.digits:.{int(row.digits < 20)}f}", row.digits)
-    return row.method, digits, duration(row.seconds), "yes" if row.proven else "no", wrong(row)
+    return row.method, digits, duration(row.seconds), "yes" if row.proven else "no", share_wrong(row) or wrong(row)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import partial
 from math import isinf
@@ -23,7 +23,7 @@ from haptisym.verbs.cost.tasks import Task, crossings_task, delay_tasks, effects
 Progressed = Callable[[str, float], None]
 """Called with what is measured next and the share that is done, from 0 to 1."""
 _ROUNDS = 25
-_BUDGETS = {"evaluate": 4.0, "crossings": 4.0, "delay": 2.0, "effects": 2.0, "simulation": 3.0}
+_BUDGETS = {"evaluate": 4.0, "crossings": 4.0, "delay": 2.0, "effects": 2.0, "simulation": 3.0, "sweep": 6.0}
 """Seconds after which no repeats of a task are begun."""
 
 
@@ -66,7 +66,7 @@ class Cost(Answer):
             "band": [float(x) for x in self.scene.band],
             "summary": self.summary,
             "condition": {task: None if isinf(x) else x for task, x in self.condition.items()},
-            "rows": [asdict(row) for row in self.rows],
+            "rows": [row.row() for row in self.rows],
             "left_out": [asdict(x) for x in self.left_out],
             "machine": dict(self.machine),
         }
@@ -122,6 +122,32 @@ def simulation_cost(
     return _measured(scene, [task], 0.3 if quick else 3.0, told)
 
 
+def sweep_cost(
+    scene: Scene | str | Path,
+    free: Sequence[str] = (),
+    *,
+    quick: bool = False,
+    told: Progressed = lambda what, share: None,
+) -> Cost:
+    """Measure what certainty costs a sweep: time for a set, and how often a grid of frequencies counts crossings wrong.
+
+    ``free`` : paths of the parameters that vary, all numbers of the display if not given; each over its range if the scene states
+    one, else from half of its value to twice, always the same random sets. Wrong is what exact arithmetic tells otherwise, on as
+    many sets as there is time for. SceneError for a scene with symbols, or nothing that varies.
+
+    >>> from haptisym.model.scenefile import load_scene
+    >>> ours, *grids = sweep_cost(load_scene("fu2019"), quick=True).rows
+    >>> ours.wrong, ours.proven, all(row.sets == ours.sets for row in grids)
+    (0, True, True)
+    """
+    from haptisym.verbs.cost.sweeps import sweep_task
+
+    scene = as_scene(scene)
+    scene.knobs.need_numbers()
+    paths = [free] if isinstance(free, str) else list(free)
+    return _measured(scene, [sweep_task(scene, paths, quick=quick)], 0.2 if quick else 3.0, told)
+
+
 def _measured(scene: Scene, tasks: list[Task], patience: float, told: Progressed) -> Cost:
     """All attempts of all tasks, timed and scored; ``patience`` stretches the time that repeats may take."""
     count, done = sum(len(task.attempts) for task in tasks), 0
@@ -148,6 +174,5 @@ def _refused(timed: Timed) -> bool:
 def _row(task: Task, method: Method, timed: Timed) -> Measurement:
     score = task.score(method, timed.answer)
     proven = method.proves and not getattr(timed.answer, "undecided", 0)
-    return Measurement(
-        task.name, method.name, score.digits, timed.seconds / task.per(method), proven, score.missed, score.invented
-    )
+    seconds, counts = timed.seconds / task.per(method), score.wrong or (None, None)
+    return Measurement(task.name, method.name, score.digits, seconds, proven, score.missed, score.invented, *counts)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from math import isinf
 from typing import Any, ClassVar
 
@@ -77,7 +77,7 @@ class HardCosts(Answer):
         return HardCases()
 
     def _body(self) -> dict[str, Any]:
-        rows = [{**asdict(row), "condition": None if isinf(row.condition) else row.condition} for row in self.rows]
+        rows = [{**row.row(), "condition": None if isinf(row.condition) else row.condition} for row in self.rows]
         return {"summary": self.summary, "families": FAMILIES, "rows": rows, "machine": dict(self.machine)}
 
 

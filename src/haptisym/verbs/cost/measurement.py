@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 
 @dataclass(frozen=True)
 class Measurement:
     """One measurement.
 
-    ``task`` : evaluate, crossings, delay, effects or simulation. ``digits`` : right decimal digits of the worst number.
-    ``seconds`` : median time; of ``evaluate`` for one frequency, of the other tasks for the whole answer. ``proven`` : whether
-    the answer is proven. ``missed``, ``invented`` : crossings that are there and not found, found and not there.
+    ``task`` : evaluate, crossings, delay, effects, simulation or sweep. ``digits`` : right decimal digits of the worst number.
+    ``seconds`` : median time; of ``evaluate`` for one frequency, of ``sweep`` for one set, of the other tasks for the whole
+    answer. ``proven`` : whether the answer is proven. ``missed``, ``invented`` : crossings that are there and not found, found
+    and not there. ``wrong``, ``sets`` : of a sweep the sets with a wrong count, of how many held against exact arithmetic.
     """
 
     task: str
@@ -22,6 +24,12 @@ class Measurement:
     proven: bool
     missed: int = 0
     invented: int = 0
+    wrong: int | None = None
+    sets: int | None = None
+
+    def row(self) -> dict[str, Any]:
+        """As documents have it: what is of sweeps alone is left out elsewhere."""
+        return {key: x for key, x in asdict(self).items() if x is not None}
 
     @property
     def complete(self) -> bool:

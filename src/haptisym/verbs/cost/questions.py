@@ -41,12 +41,14 @@ AnswerNumber: TypeAlias = Any  # a float, a flint.arb, or decimal digits as text
 class Score:
     """How right an answer is: right decimal digits of its worst number; crossings that it lacks and that are none.
 
-    A crossing that is missed has no right digits.
+    A crossing that is missed has no right digits. ``wrong`` : of sets of parameters those with a wrong count, and how many
+    were held against the truth.
     """
 
     digits: float
     missed: int = 0
     invented: int = 0
+    wrong: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ matrix.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, TypeAlias
 
@@ -35,16 +35,16 @@ class RefusedError(HaptisymError):
 # The ratios at frequencies: they answer with a pair (r_r, r_i) for each frequency.
 
 
-def naive(distortion: Distortion) -> Callable[[Array], tuple[Any, Any]]:
-    """H_env and H_perc - H_env on s = j omega, in complex floats as the formulas are written."""
+def naive(distortion: Distortion, free: Sequence[Expr] = ()) -> Callable[..., tuple[Any, Any]]:
+    """H_env and H_perc - H_env on s = j omega, in complex floats as the formulas are written; of omega and what is ``free``."""
     chain = distortion.chain
     perceived = chain.rendered
     for a, b, c, d in chain.matrices:
         perceived = (a * perceived + b) / (c * perceived + d)
-    both = lambdify([s], [_with_floats(x) for x in (chain.environment, perceived)], "numpy", cse=True)
+    both = lambdify([s, *free], [_with_floats(x) for x in (chain.environment, perceived)], "numpy", cse=True)
 
-    def functions(omega: Array) -> tuple[Any, Any]:
-        H, G = both(1j * omega)
+    def functions(omega: Array, *values: Array) -> tuple[Any, Any]:
+        H, G = both(1j * omega, *values)
         return H, G - H
 
     return functions

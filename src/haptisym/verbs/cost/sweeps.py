@@ -1,0 +1,216 @@
+"""What certainty costs a sweep: sets of parameters drawn around a scene, answered by grids of frequencies and with proof."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from math import log10
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+from haptisym.judge.criteria import noticed
+from haptisym.kernel.errors import SceneError
+from haptisym.kernel.reals import ExactNumber
+from haptisym.model.distortion import Distortion
+from haptisym.model.jnd import Part
+from haptisym.model.knobs import Knob
+from haptisym.model.parameters import Rule
+from haptisym.model.scene import Scene
+from haptisym.verbs.cost.methods import Method
+from haptisym.verbs.cost.questions import DOUBLE, Attempt, Score
+from haptisym.verbs.cost.tasks import Task, prepared
+from haptisym.verbs.cost.usual import RefusedError, naive
+from haptisym.verbs.sweep.batch import Array
+from haptisym.verbs.sweep.exactly import exact_answers
+from haptisym.verbs.sweep.kernel import Kernel
+from haptisym.verbs.sweep.told import OPEN
+
+_POINTS = 1 << 16
+"""Of all grids of a block of sets, so that they stay near the processor."""
+_HALVINGS = 46
+_SEED = 2019
+
+
+class Answers(dict[str, Array]):
+    """By the names of a sweep's variables a number for each set."""
+
+    @property
+    def undecided(self) -> int:
+        """Sets that were not answered, and say so."""
+        return int((self.get("method", np.zeros(0)) == OPEN).sum())
+
+
+@dataclass(frozen=True)
+class SweepQuestion:
+    """The first crossing of each criterion, and how many there are, for sets of values of some parameters.
+
+    ``values`` : parameters x sets. ``patience`` : seconds of the processor that exact arithmetic may take for the truth of some.
+    """
+
+    scene: Scene
+    knobs: tuple[Knob, ...]
+    values: Array
+    patience: float
+
+    @classmethod
+    def of(cls, scene: Scene, paths: Sequence[str], *, quick: bool) -> SweepQuestion:
+        """Values around those of a scene: evenly in the logarithm, from half to twice, or over the range that a parameter has."""
+        scene = replace(scene, hands=())
+        knobs = _varied(scene, paths)
+        sets = (1024 if quick else 8192) if Kernel.of(scene, knobs).is_polynomial else 64
+        rng = np.random.default_rng(_SEED)
+        values = np.array([_drawn(x, rng, sets) for x in knobs])
+        return cls(scene, knobs, values, 1.0 if quick else 20.0)
+
+    @cached_property
+    def kernel(self) -> Kernel:
+        """What a sweep computes."""
+        return Kernel.of(self.scene, self.knobs)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Of the criteria."""
+        return tuple(x.name for x in noticed(self.scene.threshold))
+
+    @cached_property
+    def truth(self) -> Sequence[dict[str, float]]:
+        """Exact answers of the first sets, as many as there is time for."""
+        found, end = [], process_time() + self.patience
+        for one in self.values.T:
+            found.append(exact_answers(self.scene, self.knobs, one.tolist()))
+            if process_time() > end:
+                break
+        return found
+
+    def score(self, answers: Answers) -> Score:
+        """Sets with a wrong count, crossings missed and invented in them, and the right digits of the others' first crossings."""
+        wrong, sets, missed, invented, digits = 0, 0, 0, 0, DOUBLE
+        for i, true in enumerate(self.truth):
+            pairs = [(int(answers[f"crossings_{x}"][i]), int(true[f"crossings_{x}"])) for x in self.names]
+            if any(count < 0 for _, count in pairs):
+                continue  # not answered, or no dynamics
+            sets += 1
+            wrong += any(own != count for own, count in pairs)
+            missed += sum(max(count - own, 0) for own, count in pairs)
+            invented += sum(max(own - count, 0) for own, count in pairs)
+            if all(own == count for own, count in pairs):
+                digits = min(
+                    digits, *(_digits(answers[k][i], true[k]) for k in self._firsts if not np.isnan(true[k])), DOUBLE
+                )
+        return Score(digits, missed, invented, (wrong, sets))
+
+    @property
+    def _firsts(self) -> Iterator[str]:
+        return (f"first_crossing_{x}" for x in self.names)
+
+
+def _varied(scene: Scene, paths: Sequence[str]) -> tuple[Knob, ...]:
+    """The parameters asked for, or all numbers of the scene that are not 0; SceneError where there are none."""
+    if paths:
+        knobs = scene.knobs.chosen(paths)
+    else:
+        knobs = tuple(
+            x
+            for x in scene.knobs
+            if not (x.parts or x.is_of_hand or x.rule in (Rule.ORDER, Rule.WHOLE)) and x.value != 0
+        )
+    scene.knobs.need_numbers(knobs)
+    for x in knobs:
+        if x.rule in (Rule.ORDER, Rule.WHOLE) or x.value == 0 or x.is_of_hand or x.parts:
+            raise SceneError(f"{x.path}: cannot be varied here: only numbers of the display can, other than 0")
+    if not knobs:
+        raise SceneError("cost --sweep varies parameters, and this scene has none that could be")
+    return knobs
+
+
+def _drawn(x: Knob, rng: np.random.Generator, sets: int) -> Array:
+    """Values over the range of a parameter, evenly in the logarithm where that has one; without a range from half to twice."""
+    value = float(ExactNumber(x.value))
+    low, high = value / 2, min(2 * value, (1 + value) / 2) if x.rule is Rule.FRACTION else 2 * value
+    if x.interval is not None:
+        low, high = (float(ExactNumber(end)) for end in x.interval)
+    if low * high <= 0:
+        return rng.uniform(low, high, sets)
+    found: Array = np.sign(low) * np.exp(rng.uniform(np.log(abs(low)), np.log(abs(high)), sets))
+    return found
+
+
+def _digits(own: float, true: float) -> float:
+    """Right decimal digits."""
+    error = abs(own - true) / true if true else abs(own)
+    return DOUBLE if error == 0 else min(max(-log10(error), 0.0), DOUBLE) if error == error else 0.0
+
+
+# The ways.
+
+
+def certified_way(question: SweepQuestion) -> Attempt:
+    """Ours: floats that prove their counts, and exact arithmetic for the sets that they leave."""
+    kernel = question.kernel
+    return lambda: Answers(kernel.answers(question.values))
+
+
+def grid_way(points: int, question: SweepQuestion) -> Attempt:
+    """Sign changes on a grid, each found by halving; RefusedError where the ratios are not held against numbers."""
+    criteria = noticed(question.scene.threshold)
+    if any(x.region or x.part is None or x.threshold.free_symbols for x in criteria):
+        raise RefusedError("the threshold is more than a number for each part")
+    known = {p.symbol: p.value for p in question.scene.parameters}
+    free = {x.symbol: x.symbol for x in question.knobs}
+    both = naive(Distortion.of(question.scene.chain.at(known | free)), list(free))
+    limits = [float(ExactNumber(x.threshold)) for x in criteria]
+    low, high = (float(x) for x in question.scene.band)
+    at = np.linspace(low, high, points)[:, None]
+
+    def above(omega: Array, some: Array) -> list[Array]:
+        with np.errstate(all="ignore"):
+            H, dH = both(omega, *some)
+            size = np.abs(H)
+            shares: dict[Part | None, Array] = {
+                Part.REAL: np.abs(np.real(dH)) / size,
+                Part.IMAG: np.abs(np.imag(dH)) / size,
+            }
+        shape = np.broadcast_shapes(omega.shape, some.shape[1:])
+        return [np.broadcast_to(shares[x.part] > limit, shape) for x, limit in zip(criteria, limits, strict=True)]
+
+    def attempt() -> Answers:
+        width = max(1, _POINTS // points)
+        parts = [
+            _block(at, question.values[:, i : i + width], above) for i in range(0, question.values.shape[1], width)
+        ]
+        rows = [np.concatenate(x) for x in zip(*parts, strict=True)]
+        keys = [f"{kind}_{x.name}" for x in criteria for kind in ("crossings", "first_crossing")]
+        return Answers(zip(keys, rows, strict=True))
+
+    return attempt
+
+
+def _block(at: Array, some: Array, above: Any) -> list[Array]:
+    """Of some sets for each criterion the counts and the first crossings."""
+    found: list[Array] = []
+    for part, over in enumerate(above(at, some)):
+        row, column = (over[1:] != over[:-1]).nonzero()
+        low, high, before = at[row, 0], at[row + 1, 0], over[row, column]
+        for _ in range(_HALVINGS):
+            middle = (low + high) / 2
+            same = above(middle, some[:, column])[part] == before
+            low, high = np.where(same, middle, low), np.where(same, high, middle)
+        first = np.full(some.shape[1], np.inf)
+        np.minimum.at(first, column, (low + high) / 2)
+        found += [np.bincount(column, minlength=some.shape[1]), np.where(np.isinf(first), np.nan, first)]
+    return found
+
+
+def sweep_task(scene: Scene, paths: Sequence[str], *, quick: bool) -> Task:
+    """All sets, by grids and with proof."""
+    question = SweepQuestion.of(scene, paths, quick=quick)
+    methods = [
+        Method("certified", certified_way, proves=True, ours=True, held=10),
+        *(Method(f"grid of 10^{n}, halved", partial(grid_way, 10**n)) for n in ((2, 3) if quick else (2, 3, 4))),
+    ]
+    attempts, left_out = prepared(methods, question, "sweep")
+    sets = question.values.shape[1]
+    return Task("sweep", attempts, lambda _, answer: question.score(answer), left_out, per=lambda _: sets)
