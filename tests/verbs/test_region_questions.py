@@ -20,7 +20,7 @@ import haptisym as hs
 from haptisym.figures.require import draw_requirement
 from haptisym.judge.criteria import noticed as judged_by
 from haptisym.kernel import symbols as axis
-from haptisym.pages.regionforms import _borders
+from haptisym.pages.regionforms import _borders, _solved
 from haptisym.writing.code.entry import Language, scene_code
 
 PAPER = hs.load_scene("fu2019")
@@ -310,6 +310,37 @@ def test_several_environments_take_a_region() -> None:
     alone = [float(hs.evaluate(x).bandwidth or 0) for x in family.scenes.values()]
     assert float(found.bandwidth or 0) == min(alone)
     assert {x.criterion.name for x in found.binding} == {"joint"}
+
+
+DISC = {"shape": "ellipse", "real": 0.1, "imag": 0.1}
+
+
+def test_a_disc_behind_a_filter_has_its_crossing_as_a_formula() -> None:
+    """The paper's example: 7.922311857140609 rad/s."""
+    d = hs.derive(with_jnd(DISC), ["omega_n", "zeta"])
+    [[line], _] = _solved(judged_by(d.scene.threshold)[0], d)
+    wn, zeta = symbols("omega_n zeta", positive=True)
+    assert float(line.value.subs({wn: 80, zeta: Rational(1, 2)})) == pytest.approx(7.922311857140609, rel=1e-15)
+    assert "ω_joint = ω_n sqrt((1/99) (2 sqrt(9801 zeta^4 + 99 zeta^2 + 25) - 1 - 198 zeta^2))" in str(d)
+    said = " ".join(str(hs.derive(with_jnd(ELLIPSE), ["zeta"])).split())
+    assert "it has no readable formula, the equation is the answer." in said
+
+
+@pytest.mark.parametrize("jnd", [DIAMOND, POLYGON, SIDED, {"real": 0.1, "imag": 0.12, "floor": 3}], ids=str)
+def test_each_crossing_behind_a_delay_is_among_the_solutions_or_where_a_limit_changes(jnd: Any) -> None:
+    spring = hs.environments.mass_spring_damper(k=100)
+    scene = hs.Scene(spring, (hs.effects.delay("10 ms"),), (0, 500), jnd)
+    d = hs.derive(scene)
+    k, tau = symbols("k tau", positive=True)
+    found: list[float] = []
+    for x in judged_by(scene.threshold):
+        lines, notes = _solved(x, d)
+        found += [float(line.value.subs({tau: Rational(1, 100), k: 100})) for line in lines]
+        assert notes
+    assert found
+    for c in hs.evaluate(scene).to_dict()["crossings"]:
+        once = [(c["omega"] - x) / 628.3185307179587 % 1 for x in found]
+        assert c.get("limit") == "changes" or min(min(x, 1 - x) for x in once) < 1e-9, c
 
 
 @pytest.mark.parametrize("jnd", [ELLIPSE, DIAMOND, POLYGON, PENTAGON], ids=["ellipse", "diamond", "polygon", "moving"])

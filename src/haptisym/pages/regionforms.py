@@ -11,7 +11,9 @@ from haptisym.judge.criteria import Criterion, noticed
 from haptisym.judge.regions import Diamond, Ellipse, Joint, Polygon
 from haptisym.kernel.lattices import Lattice, Signed
 from haptisym.kernel.response import RealFunction
+from haptisym.kernel.solutions import solve
 from haptisym.model.regions import Shape
+from haptisym.pages.solved import MOST_STEPS, answers
 from haptisym.pages.words import H_ENV, OMEGA, region
 from haptisym.verbs.derive.derivation import Derivation
 from haptisym.writing.boxes import Absolute, Box, Fraction
@@ -58,10 +60,36 @@ def when(d: Derivation) -> Section:
                 long.append(name)
             else:
                 lines.append(Line(name, form))
+        if d.steps.operations <= MOST_STEPS:
+            solved, told = _solved(x, d)
+            lines += solved
+            notes += told
     if long:
         notes.append(("Too long to be written out unasked: ", listed(long), ". Fewer symbols make them shorter."))
     notes.append("Its crossings, as numbers: `haptisym evaluate`.")
     return Section(("When it is noticed",), (Notes(tuple(notes)), *([Equations(tuple(lines))] if lines else [])))
+
+
+def _solved(x: Criterion, d: Derivation) -> tuple[list[Line], list[Phrase]]:
+    """Where what is judged meets its limit, solved for omega: of one function its crossings, of several where they may lie."""
+    found = x.function(d.distortion)
+    terms: Sequence[Sequence[Signed]] = found.terms if isinstance(found, Lattice) else ((found,),)
+    conditions = [len(term.where) for term in x.region.terms(d.distortion)] if x.region else [0]
+    is_one = len(terms) == len(terms[0]) == 1
+    lines: list[Line] = []
+    notes: list[Phrase] = []
+    for i, row in enumerate(terms):
+        for j, f in enumerate(row[conditions[i] :], conditions[i] + 1):
+            if isinstance(f, RealFunction):
+                place = "" if is_one else f"_{i + 1}{j}"
+                own, said = answers(named(f"omega_{x.name}{place}"), solve(f))
+                lines += [line for line in own if line.value not in [known.value for known in lines]]
+                notes += [note for note in said if note not in notes]
+    if lines and not is_one:
+        notes.insert(
+            0, "each crossing is one of the solutions, or a frequency at which another function changes its sign."
+        )
+    return lines, [(named(x.symbol), ": ", note) for note in notes]
 
 
 def _relative(name: str, part: str) -> Line:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 
-from sympy import Add, Expr, Integer, Symbol, count_ops
+from sympy import Expr, Symbol, count_ops
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.solutions import Solution
@@ -13,10 +13,11 @@ from haptisym.kernel.symbols import omega
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension
 from haptisym.pages import regionforms
+from haptisym.pages.solved import MOST_STEPS, answers
 from haptisym.programs.steps import DISTORTION, Steps
 from haptisym.verbs.derive.derivation import QUANTITIES, Derivation, bare, listed_name
 from haptisym.verbs.derive.groups import Groups
-from haptisym.writing.boxes import Equation, Fraction, Product
+from haptisym.writing.boxes import Fraction, Product
 from haptisym.writing.document import Equations, Line, Notes, Phrase, Section, listed
 from haptisym.writing.equations import quantity
 from haptisym.writing.layout import layout
@@ -24,7 +25,6 @@ from haptisym.writing.names import named
 
 LONGEST = 120  # operations of a closed form that is written out unasked
 _MOST_PARAMETERS = 20  # beyond which groups are many, and take long to prove
-_MOST_STEPS = 150  # operations of the steps beyond which closed forms would fill pages
 _RATIOS = {Part.REAL: "r_r", Part.IMAG: "r_i"}
 _SHOWN = dict(zip(("Re dH", "Im dH", "r_r", "r_i", "Re(dH/H_env)", "Im(dH/H_env)"), DISTORTION, strict=True))
 """Names of quantities, and of the results of ``Steps``."""
@@ -62,7 +62,7 @@ def asked(d: Derivation, names: Iterable[str]) -> tuple[Section, ...]:
             rows.append(_sensitivity(d, slope[1], slope[2]))
             notes += _touches(d, slope[1])
         elif key in _SOLVED:
-            solved, said = _answers(_SOLVED[key], _solutions(d, _SOLVED[key]))
+            solved, said = answers(quantity(_SOLVED[key]), _solutions(d, _SOLVED[key]))
             rows += solved
             notes += [(named(_SOLVED[key]), ": ", x) for x in said]
         else:
@@ -125,7 +125,7 @@ def _dynamics(d: Derivation) -> Section:
     chain = " then ".join(e.name for e in d.scene.effects)
     note = f"From the environment to the hand: {chain}." if chain else "Nothing stands between environment and hand."
     rows = [_named("H_env", d["H_env"])]
-    perceived = d["H_perc"] if d.steps.operations <= _MOST_STEPS else None
+    perceived = d["H_perc"] if d.steps.operations <= MOST_STEPS else None
     if perceived is not None and count_ops(perceived) <= LONGEST:
         rows.append(_named("H_perc", perceived))
     return _section(("Dynamics",), tuple(rows), ((note,),))
@@ -145,7 +145,7 @@ def _steps(steps: Steps) -> Iterator[Line]:
 
 def _written_out(d: Derivation) -> Section:
     """Re dH and Im dH as quotients of polynomials in lowest terms, if they are short."""
-    if d.steps.operations > _MOST_STEPS:
+    if d.steps.operations > MOST_STEPS:
         note = f"Closed forms of this chain are long. Ask for one by its name: {', '.join(QUANTITIES)}."
         return _section(("Written out",), (), ((note,),))
     names = ("Re dH", "Im dH", "|H_env|^2")
@@ -155,7 +155,7 @@ def _written_out(d: Derivation) -> Section:
 
 def _when(d: Derivation) -> Section:
     title = ("When it is noticed",)
-    if d.steps.operations > _MOST_STEPS:
+    if d.steps.operations > MOST_STEPS:
         return _section(title)
     rows: list[Line] = []
     notes: list[Phrase] = [("A ratio exceeds its threshold exactly where its p is positive.",)]
@@ -166,7 +166,7 @@ def _when(d: Derivation) -> Section:
             rows.append(_named(f"p_{letter}", polynomial))
         else:
             notes.append((named(f"p_{letter}"), f" takes {count_ops(polynomial)} operations; ask for it by its name."))
-        solved, said = _answers(f"omega_{letter}", d.crossings(part))
+        solved, said = answers(quantity(f"omega_{letter}"), d.crossings(part))
         rows += solved
         notes += [(named(_RATIOS[part]), ": ", x) for x in said]
     return _section(title, tuple(rows), tuple(notes))
@@ -176,51 +176,20 @@ def _solved(d: Derivation) -> Section:
     """The crossings that have a readable formula."""
     rows: list[Line] = []
     notes: list[Phrase] = []
-    for part in Part if d.steps.operations <= _MOST_STEPS else ():
-        solved, said = _answers(f"omega_{_RATIOS[part][-1]}", [x for x in d.crossings(part) if x.omega is not None])
+    for part in Part if d.steps.operations <= MOST_STEPS else ():
+        solved, said = answers(
+            quantity(f"omega_{_RATIOS[part][-1]}"), [x for x in d.crossings(part) if x.omega is not None]
+        )
         rows += solved
         notes += [(named(_RATIOS[part]), ": ", x) for x in said]
     return _section(("Crossings, solved",), tuple(rows), tuple(notes))
 
 
-def _answers(name: str, solutions: Iterable[Solution]) -> tuple[list[Line], list[Phrase]]:
-    """The formulas among some solutions, and what to say about the others."""
-    rows: list[Line] = []
-    notes: list[Phrase] = []
-    for x in solutions:
-        if x.omega is None:
-            what = f"a solution is a root of a factor {_degree(x.equation)}"
-            notes.append((f"{what}: it has no readable formula, the equation is the answer.",))
-            continue
-        rows.append(_named(name, x.omega))
-        notes += _in_force(x)
-        if x.period:
-            notes.append(("so are these plus any multiple of ", layout(x.period), "."))
-    return rows, list(dict.fromkeys(notes))
-
-
-def _in_force(x: Solution) -> list[Phrase]:
-    """Under which conditions a formula holds, in words."""
-    if not x.conditions:
-        return []
-    if max(map(count_ops, x.conditions)) > 4:
-        return [("a formula is in force where nothing under its roots is negative.",)]
-    bounds = (Equation((layout(y), layout(Integer(0))), ("≥",)) for y in x.conditions)
-    return [("in force where ", listed((x,) for x in bounds), ".")]
-
-
-def _degree(equation: Expr) -> str:
-    if not equation.is_polynomial(omega):
-        return "in omega and its sines and cosines"
-    degree = max(int(term.as_powers_dict().get(omega, 0)) for term in Add.make_args(equation.expand()))
-    return f"of degree {degree} in omega"
-
-
 def _changeovers(d: Derivation) -> Section:
     rows: list[Line] = []
     notes: list[Phrase] = []
-    for system in ("env", "perc") if d.steps.operations <= _MOST_STEPS else ("env",):
-        solved, said = _answers(f"omega_{system}", d.changeovers(system))
+    for system in ("env", "perc") if d.steps.operations <= MOST_STEPS else ("env",):
+        solved, said = answers(quantity(f"omega_{system}"), d.changeovers(system))
         rows += solved
         notes += [(named(f"H_{system}"), ": ", x) for x in said]
     return _section(("Where spring and inertia change over",), tuple(rows), tuple(notes))
@@ -259,7 +228,7 @@ def _in_x(found: Groups, steps: Steps) -> Steps:
 
 
 def _fast(d: Derivation) -> Iterator[Section]:
-    if d.steps.operations > _MOST_STEPS:
+    if d.steps.operations > MOST_STEPS:
         return
     try:
         found = d.expansion()
