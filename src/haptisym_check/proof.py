@@ -122,12 +122,13 @@ def requirement(claim: dict[str, Any], proof: Any, scene: Scene) -> Answer:
     parts = [part for part in PARTS if part in listed(claim.get("parts"), 2, 1)]
     factors, told = linked(polynomials, products, [f"excess.{part}" for part in parts], scene)
     need(all(type(x) is Factor for x in factors), "a factor is no polynomial")
-    found = values(told, factors, slabs, scene)
+    found, binds = values(told, factors, slabs, scene)
     free = listed(claim.get("free"), 9, 1)
     lines = [f"Proven of {'.'.join(map(str, free))}, {' and '.join(parts)} part, on the whole band:"]
     for low, high, holds in found:
         lines += [f"{'transparent' if holds else 'not transparent'} between {low or '-oo'} and {high or 'oo'}"]
-    return {"free": free, "parts": parts, "values": found}, lines
+    lines += [f"what binds: {', '.join(f'{part} part' for part in binds)}"] if binds else []
+    return {"free": free, "parts": parts, "values": found, "binds": binds}, lines
 
 
 MEETS = {"exceeds": "exceeds", "returns": "returns below", "touches": "touches"}

@@ -59,17 +59,18 @@ def verify(
 
 
 def values(told: dict[str, Product], factors: list[Factor], slabs: Any, scene: Scene) -> list[list[Any]]:
-    """Intervals of values, ascending, each with whether the display is transparent for them."""
+    """Intervals of values, ascending, each with whether the display is transparent for them, and which parts bind between."""
     rows = [keyed(x, "from", "to", "points", "part") for x in listed(slabs, 500, 1)]
     size = sum(len(f"{x}{low}{high}") for low, high, points, _ in rows for x in listed(points, 500, 1))
     need(size * sum((len(x.rows) * max(map(len, x.rows))) ** 2 for x in factors) < 2 * 10**9, "the slabs are too many")
     joins = [a[1] == b[0] and (a[3] is None) == (b[3] is None) for a, b in pairwise(rows)]
-    found: list[list[Any]] = []
-    for (low, high, points, part), *closed in zip(rows, [False, *joins], [*joins, False], strict=True):
+    found, binds = list[list[Any]](), list[str]()
+    for i, ((low, high, points, part), *closed) in enumerate(zip(rows, [False, *joins], [*joins, False], strict=True)):
         ends = point(low, -1), point(high, 1)
         need(is_less(*ends) and not (found and is_less(ends[0], point(found[-1][1], 1))), "the slabs do not ascend")
         need(closed[0] or not found or found[-1][2] != (part is None), "between two slabs there is more than an end")
         slices = [(x.step, sliced(x.rows, *ends)) for x in factors]
         verify(told, slices, (closed[0], closed[1]), points, part, scene)
+        binds += [] if closed[0] or not found else [part or rows[i - 1][3]]
         found = [*found[:-1], [found[-1][0], high, part is None]] if closed[0] else [*found, [low, high, part is None]]
-    return found
+    return [found, binds]

@@ -126,6 +126,7 @@ def test_certificates_of_requirements_are_accepted(name: str) -> None:
         None if name == "a parameter of a formula" else "0",
         None,
     )
+    assert claim["binds"] == [end.bindings[0].criterion.name for end in found.ends]
     for (_, high, a), (low, _, b) in pairwise(claim["values"]):
         assert a is not b
         assert 0 <= Fraction(low) - Fraction(high) <= Fraction(1, 10**13) * Fraction(low)
@@ -246,7 +247,8 @@ def test_the_command_about_values_writes_one_too(tmp_path: Path, monkeypatch: py
     assert command(monkeypatch, capsys, *asked) == (0, f"certificate written to {target}\n")
     said = verdict(target.read_text(encoding="utf-8"), text_of("fu2019")).splitlines()
     assert said[0] == "Proven of effects.0.zeta, real and imag part, on the whole band:"
-    assert [line.split(" between ")[0].strip() for line in said[1:]] == ["transparent", "not transparent"]
+    assert [line.split(" between ")[0].strip() for line in said[1:3]] == ["transparent", "not transparent"]
+    assert said[3:] == ["  what binds: imag part"]
     twice = (*asked, "--free", "omega_n", "--range", "0.1", "1", "--range", "60", "90")
     assert "--certificate is about one parameter" in command(monkeypatch, capsys, *twice)[1]
 
@@ -378,6 +380,15 @@ def test_wrong_values_get_no_certificate_that_passes(wrong: int) -> None:
     low = replace(span.low, value=ExactNumber(Rational(wrong, 100)))
     with pytest.raises(hs.UndecidedError):
         replace(found, feasible=(replace(span, low=low),)).certificate()
+
+
+def test_a_wrong_part_that_binds_gets_no_certificate_that_passes() -> None:
+    found = hs.require("fu2019", "omega_n")
+    [span] = found.feasible
+    other = tuple(replace(x, criterion=next(y for y in found.criteria if y.name == "real")) for x in span.low.bindings)
+    wrong = replace(found, feasible=(replace(span, low=replace(span.low, bindings=other)),))
+    assert json.loads(wrong.certificate())["claim"]["binds"] == ["real"]
+    assert verdict(wrong.certificate(), text_of("fu2019")).startswith("refused: binds: ")
 
 
 @pytest.mark.parametrize("seed", often(range(40), (0, 1).__contains__))

@@ -335,6 +335,10 @@ def requirement_mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, 
         yield changed(f"slab {i} of no part", lambda x, i=i: x["proof"]["slabs"][i].update(part="number"))
         if part is not None:
             yield changed(f"slab {i} beyond the band", lambda x, i=i: x["proof"]["slabs"][i].update(points=["1000"]))
+    for i, part in enumerate(proof["claim"]["binds"]):
+        other = {"real": "imag", "imag": "real"}[part]
+        yield changed(f"another part binds at end {i}", lambda x, i=i, y=other: x["claim"]["binds"].__setitem__(i, y))
+        yield changed(f"what binds at end {i} left out", lambda x, i=i: x["claim"]["binds"].pop(i))
     for key, wrong in {"free": ["evaluation", "band", 0], "parts": ["real", "real"]}.items():
         yield changed(f"other {key}", lambda x, key=key, wrong=wrong: x["claim"].update({key: wrong}))
     for wrong in (

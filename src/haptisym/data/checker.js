@@ -1232,7 +1232,7 @@ const haptisymCheck = (function () {
 
   const isLess = (x, y) => x.n * y.d < y.n * x.d;
 
-  /** Intervals of values, ascending, each with whether the display is transparent for them. */
+  /** Intervals of values, ascending, each with whether the display is transparent for them; and which parts bind between them. */
   function valuesOf(told, factors, slabs, scene) {
     const rows = listed(slabs, 500, 1).map((x) => keyed(x, "from", "to", "points", "part"));
     const length = rows.reduce((n, [low, high, points]) => n + listed(points, 500, 1).reduce((m, x) => m + `${x}${low}${high}`.length, 0), 0);
@@ -1241,14 +1241,17 @@ const haptisymCheck = (function () {
     const joined = (i) => i > 0 && i < rows.length && rows[i - 1][1] === rows[i][0] && (rows[i - 1][3] === null) === (rows[i][3] === null);
     const point = (x, infinity) => (x === null ? { n: infinity, d: 0n } : number(x));
     const band = endsOf(scene);
-    return rows.reduce((found, [low, high, points, part], i) => {
+    const binds = [];
+    const values = rows.reduce((found, [low, high, points, part], i) => {
       const [start, end, last] = [point(low, -1n), point(high, 1n), found[found.length - 1]];
       need(isLess(start, end) && !(last && isLess(start, point(last[1], 1n))), "the slabs do not ascend");
       need(joined(i) || !last || last[2] !== (part === null), "between two slabs there is more than an end");
       const slices = factors.map(({ step, rows: p }) => [step, sliced(p, start, end)]);
       verify(told, slices, [joined(i), joined(i + 1)], points, part, band);
+      if (last && !joined(i)) binds.push(part === null ? rows[i - 1][3] : part);
       return joined(i) ? [...found.slice(0, -1), [last[0], high, part === null]] : [...found, [low, high, part === null]];
     }, []);
+    return { values, binds };
   }
 
   // The questions that a certificate may answer, each with what follows from its proof.
@@ -1302,7 +1305,7 @@ const haptisymCheck = (function () {
       const every = functions(scene, onAxis(x, pi));
       return Object.fromEntries(names.map((name) => [name, every[name]]));
     });
-    return { free, parts, values: valuesOf(told, factors, slabs, scene) };
+    return { free, parts, ...valuesOf(told, factors, slabs, scene) };
   }
 
   const QUESTIONS = { evaluation, stability, requirement };

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Sequence
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 from haptisym.kernel.errors import SceneError
@@ -35,18 +37,32 @@ def certificate(found: Requirement) -> str:
     factors, told = rational_products(functions, second)
     problem = Problem(factors, told, _band(scene), _starts(found))
     values = _values(found)
+    slabs = [[*problem.slabs(Ends(low, high), holds=holds)] for low, high, holds in values]
     proof = {
         "factors": [f.told() for f in factors],
         "functions": told,
-        "slabs": [x for low, high, holds in values for x in problem.slabs(Ends(low, high), holds=holds)],
+        "slabs": [x for row in slabs for x in row],
     }
     claim = {
         "question": "requirement",
         "free": path,
         "parts": [name.partition(".")[2] for name in functions],
         "values": [[None if x is None else str(x) for x in row[:2]] + [row[2]] for row in values],
+        "binds": _binds(found, values, slabs),
     }
     return document(scene, environment, claim, proof)
+
+
+def _binds(
+    found: Requirement, values: Sequence[tuple[Value, Value, bool]], slabs: Sequence[Sequence[Any]]
+) -> list[str]:
+    """The part that binds at each end; of several the one that exceeds in the slab beside it."""
+    bindings: dict[Any, list[str]] = {_end(x, found.digits): [b.criterion.name for b in x.bindings] for x in found.ends}
+    beside = (
+        (a[-1]["part"] or b[0]["part"], bindings[x[1], y[0]])
+        for (a, x), (b, y) in pairwise(zip(slabs, values, strict=True))
+    )
+    return [part if part in names else names[0] for part, names in beside]
 
 
 def _refuse(found: Requirement) -> None:
