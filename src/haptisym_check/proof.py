@@ -11,7 +11,7 @@ from haptisym_check.factors import Factor
 from haptisym_check.link import PARTS, Product, functions, link
 from haptisym_check.reading import keyed, listed, number, numbers
 from haptisym_check.requirement import values
-from haptisym_check.scene import MOST_DELAYS, Element, Point, Ratio, RefusedError, Scene, Value, combined, need
+from haptisym_check.scene import MOST_DELAYS, Element, Point, Ratio, Scene, UnreadableError, Value, combined, need
 from haptisym_check.waves import factor_of
 from haptisym_check.zeros import zeros
 
@@ -32,7 +32,7 @@ def check(text: bytes, scene_file: bytes) -> str:
     try:
         told = json.loads(text, object_pairs_hook=unique, parse_constant=small, parse_float=small, parse_int=small)
     except (ValueError, RecursionError) as error:
-        raise RefusedError(f"the certificate is no JSON: {error}") from None
+        raise UnreadableError(f"the certificate is no JSON: {error}") from None
     kind, digest, name, claim, proof = keyed(told, "format", "scene_sha256", "environment", "claim", "proof")
     need(kind == "haptisym.certificate/1", "the format is not haptisym.certificate/1")
     need(digest == hashlib.sha256(scene_file).hexdigest(), "the certificate is that of another scene file")

@@ -15,6 +15,10 @@ class RefusedError(Exception):
     """What a certificate does not prove, or what is not understood."""
 
 
+class UnreadableError(RefusedError):
+    """There is nothing to check: a file is missing, or is no JSON (the certificate), no TOML (the scene)."""
+
+
 def need(condition: object, why: str) -> None:
     """RefusedError, and why, unless the condition holds."""
     if not condition:
@@ -285,7 +289,7 @@ class Scene:
         try:
             table = tomllib.loads(data.decode("utf-8-sig"), parse_float=lambda text: quantity(text).value)
         except (ValueError, RecursionError) as error:
-            raise RefusedError(f"the scene is not understood: {error}") from None
+            raise UnreadableError(f"the scene is no TOML: {error}") from None
         need(table.keys() <= KEYS, f"keys of the scene are not understood: {', '.join(table.keys() - KEYS)}")
         if "environments" in table or name is not None:
             listed = [x for x in table.get("environments", []) if isinstance(x, dict)]

@@ -46,6 +46,7 @@ from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.model.expressions import evaluate
 from haptisym.model.units import read_unit
 from haptisym_check import RefusedError, check
+from haptisym_check.__main__ import main as checker_main
 from haptisym_check.scene import CATALOGUE, ONE, Number, Point, Scene, Value, combined, degree, quantity, unit, units
 from haptisym_check.scene import evaluated as read_formula
 from haptisym_check.waves import SCALE, WaveFactor, circle
@@ -237,8 +238,26 @@ def test_the_commands_write_and_check(tmp_path: Path, monkeypatch: pytest.Monkey
     refused = subprocess.run(checker, capture_output=True, text=True, check=False)
     assert (refused.returncode, refused.stdout) == (1, "NOT proven: the certificate is that of another scene file\n")
     assert subprocess.run(checker[:-1], capture_output=True, check=False).returncode == 2
-    missing = subprocess.run([*checker[:-1], "none.toml"], capture_output=True, text=True, check=False)
-    assert (missing.returncode, missing.stderr, "NOT proven: " in missing.stdout) == (1, "", True)
+
+
+def test_where_there_is_nothing_to_check_a_sentence_says_why(tmp_path: Path, capsys: Any) -> None:
+    proof, scene, other = tmp_path / "proof.json", str(SCENES / "fu2019.toml"), tmp_path / "other.toml"
+    proof.write_text(certificate("fu2019"), encoding="utf-8")
+    other.write_text("[environment", encoding="utf-8")
+    of_other = tmp_path / "of_other.json"
+    digest = hashlib.sha256(other.read_bytes()).hexdigest()
+    of_other.write_text(json.dumps(json.loads(certificate("fu2019")) | {"scene_sha256": digest}), encoding="utf-8")
+    for asked, words in {
+        ("missing.json",): "two files are needed: python -m haptisym_check FILE SCENE.toml",
+        ("missing.json", scene): "missing.json cannot be read: No such file or directory",
+        (str(proof), str(tmp_path)): f"{tmp_path} cannot be read: Is a directory",
+        (str(proof), "a\0b"): "cannot be read: embedded null byte",
+        (scene, str(proof)): "the certificate is no JSON: ",
+        (str(of_other), str(other)): "the scene is no TOML: ",
+    }.items():
+        assert checker_main([*asked]) == 2
+        said = capsys.readouterr()
+        assert (said.out, words in said.err, said.err.count("\n")) == ("", True, 1)
 
 
 def test_the_command_about_values_writes_one_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
@@ -421,8 +440,12 @@ def test_hostile_documents_are_refused_in_bounded_time_and_memory(name: str, tmp
     file.write_text(dict(hostile())[name], encoding="utf-8", errors="surrogatepass")
     code = "import sys\nfrom haptisym_check.__main__ import main\nsys.exit(main(sys.argv[1:]))"
     done = limited(code, str(file), str(SCENES / "fu2019.toml"))
-    assert (done.returncode, done.stderr) == (1, "")
-    assert done.stdout.startswith("NOT proven: ")
+    if name in {"nothing", "deep", "deep objects"}:
+        assert (done.returncode, done.stdout) == (2, "")
+        assert done.stderr.startswith("the certificate is no JSON: ")
+    else:
+        assert (done.returncode, done.stderr) == (1, "")
+        assert done.stdout.startswith("NOT proven: ")
 
 
 @pytest.mark.parametrize(
