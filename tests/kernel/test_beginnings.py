@@ -97,3 +97,67 @@ def test_the_real_part_of_s_is_seen_to_vanish_where_s_is_the_square_of_its_root(
             return abs((felt * felt / (felt + 500)).imag) / abs(felt) - mpmath.mpf("0.1")
 
         assert abs(mpmath.findroot(excess, 0.457) - float(found.crossings[0].omega)) < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("order", "gain"), [("1/2", "1/2"), ("1/3", "2/3"), ("1/4", "3/4"), ("1/7", "6/7"), ("0.37", "0.63")]
+)
+@pytest.mark.parametrize("delay", ["0 ms", "2 ms"])
+def test_what_a_spring_pot_and_a_power_of_s_make_a_damper_has_no_real_part(order: str, gain: str, delay: str) -> None:
+    """80 s^a (s^b/10) is 8 s where a + b = 1, as cos(a pi/2 + b pi/2) is 0: r_i = |omega^b/10 - sin(a pi/2)|, late or not."""
+    a, b = Rational(order), Rational(gain)
+    late = () if delay == "0 ms" else (effects.delay(delay),)
+    found = hs.evaluate(hs.Scene(environments.spring_pot(80, a), (effects.series(hs.s**b / 10), *late), (0, 15)))
+    assert not found.undecided
+    if late:
+        assert [x.part for x in found.crossings] == [Part.IMAG] * len(found.crossings)
+        return
+    assert not found.changeovers_perceived
+    assert {x.property.value for x in found.percepts if x.part is Part.REAL} == {"stiffness"}
+    with mpmath.workdps(30):
+        sine = mpmath.sin(mpmath.pi * a.p / a.q / 2)
+        places = [(10 * (sine + mpmath.mpf(c) / 10)) ** (mpmath.mpf(b.q) / b.p) for c in (-1, 1)]
+        expected = [w for w in places if w <= 15]
+        assert [x.part for x in found.crossings] == [Part.IMAG] * len(expected)
+        assert all(
+            abs(mpmath.mpf(x.omega.digits(25)) / w - 1) < 1e-23 for x, w in zip(found.crossings, expected, strict=True)
+        )
+
+
+def test_orders_that_meet_sixty_times_between_two_powers_of_omega_are_followed_to_the_first_that_stays() -> None:
+    """s^(1/5) and s^(1/4) behind a wave-variable link: what begins there at omega = 0 is found beyond many that cancel."""
+    pot, link = environments.spring_pot(1, "1/5", 50), effects.wave_variables(1, "1 ms")
+    scene = hs.Scene(pot, (link, effects.series(10 / (10 + hs.s ** Rational(1, 4)))), (0, 15))
+    found = hs.evaluate(scene).crossings
+
+    def excess(w: mpmath.mpf, part: Part) -> mpmath.mpf:
+        s = mpmath.mpc(0, w)
+        own = 50 + mpmath.root(s, 5)
+        sent, returned = (own + s) / 2 * mpmath.exp(s / 1000), (s - own) / 2 * mpmath.exp(-s / 1000)
+        d = (sent - returned) * s / (sent + returned) * 10 / (10 + mpmath.root(s, 4)) - own
+        return abs(d.real if part is Part.REAL else d.imag) / abs(own) - mpmath.mpf("0.1")
+
+    with mpmath.workdps(30):
+        grid = [mpmath.mpf(10) ** (mpmath.mpf(n) / 20) for n in range(-160, 24)]
+        for part in Part:
+            signs = [excess(w, part) > 0 for w in grid]
+            turns = [(x, y) for x, y, p, q in zip(grid, grid[1:], signs, signs[1:], strict=False) if p != q]
+            own = [float(x.omega) for x in found if x.part is part]
+            assert len(own) == len(turns)
+            assert all(x <= w <= y for w, (x, y) in zip(own, turns, strict=True))
+
+
+def test_next_to_the_exact_case_the_real_part_is_seen() -> None:
+    """cos(a pi/2 + b pi/2) < 0 where a + b is a little above 1: the real part is that of a mass, however small."""
+    scene = hs.Scene(environments.spring_pot(80, "1/3"), (effects.series(hs.s ** Rational("0.666667") / 10),), (0, 15))
+    found = hs.evaluate(scene)
+    assert {x.property.value for x in found.percepts if x.part is Part.REAL} == {"stiffness-to-mass"}
+
+
+def test_powers_of_s_that_make_up_one_another_are_nothing_or_everything() -> None:
+    """s^(1/2) s^(1/3) s^(1/6)/s is 1, at every frequency: it is seen, although each power is a variable of its own."""
+    chain = [effects.series(hs.s ** Rational(x)) for x in ("1/2", "1/3", "1/6", "-1")]
+    found = hs.evaluate(hs.Scene(environments.spring_pot(80, "1/2"), tuple(chain), (0, 15)))
+    assert (found.crossings, found.percepts, found.undecided) == ((), (), ())
+    [whole] = found.transparent
+    assert (float(whole.low.omega), float(whole.high.omega)) == (0, 15)

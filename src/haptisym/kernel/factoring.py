@@ -7,19 +7,22 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
+import flint
 from flint import arb
 from sympy import Expr, Integer
 
 from haptisym.kernel.analytic import AnalyticFactor
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import tick
+from haptisym.kernel.errors import SceneError
 from haptisym.kernel.levels import Level
 from haptisym.kernel.periodic import PeriodicFactor
 from haptisym.kernel.polynomials import PolynomialFactor, polynomial_factors
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, RationalFunction
+from haptisym.kernel.turns import vanishes
 from haptisym.kernel.wavesums import WaveTerm
-from haptisym.kernel.zeros import Factor
+from haptisym.kernel.zeros import Factor, is_clear
 
 Factored: TypeAlias = tuple[int, Expr, list[tuple[Factor, int]]]
 
@@ -55,10 +58,12 @@ def factored_function(
             found = _factored(polynomial, function.axis, in_square=in_square)
             known.append((polynomial, found))
         own_sign, own_power, factors = found
+        if own_sign == 0 and direction < 0:
+            raise SceneError("division by zero")
         sign, power = sign * own_sign, power + direction * own_power
         for factor, exponent in factors:
             exponents[factor] += direction * exponent
-    return Product(sign, power, {factor: n for factor, n in exponents.items() if n})
+    return Product(sign, power, {factor: n for factor, n in exponents.items() if n} if sign else {})
 
 
 def _denominator(function: RealFunction) -> RationalFunction:
@@ -72,7 +77,10 @@ def is_even_or_odd(function: RealFunction | Level) -> bool:
 
 
 def _factored(polynomial: Polynomial, axis: Axis, *, in_square: bool) -> Factored:
-    """Sign, power of omega and irreducible factors; half-angle tangents made homogeneous in cosine and sine."""
+    """Sign, power of omega and irreducible factors; half-angle tangents made homogeneous in cosine and sine.
+
+    The sign is 0 where a factor is zero at every frequency, as cos(2 pi/4) is, or omega^(1/2) omega^(1/2) - omega.
+    """
     plain = axis.univariate(polynomial)
     if plain is not None and not axis.functions:
         own_sign, lowest, simple = polynomial_factors(plain, in_square=in_square)
@@ -88,12 +96,22 @@ def _factored(polynomial: Polynomial, axis: Axis, *, in_square: bool) -> Factore
             power += exponent * exponents
             continue
         made = _factor(factor, axis)
+        if _seems_to_vanish(made, axis) and vanishes(factor, axis):
+            return 0, Integer(0), []
         if not _changes(factor, axis):
             sign *= made.sign_at(lambda _: arb(1)) ** exponent
         else:
             found.append((made, exponent))
     cosines = [(_cosine(axis, i), -n) for i, n in enumerate(_turning(polynomial, axis)) if n]
     return sign, power, [*found, *cosines]
+
+
+def _seems_to_vanish(factor: Factor, axis: Axis) -> bool:
+    """Whether it may be zero at every frequency, as far as one of them tells: rational powers of omega may cancel."""
+    if not axis.orders or not all(x.is_Rational for x in axis.orders):
+        return False
+    with flint.ctx.workprec(128):
+        return not is_clear(factor.value(arb(1.25)))
 
 
 def _power_of_omega(factor: Polynomial, axis: Axis) -> Expr | None:
