@@ -477,8 +477,7 @@ const haptisymCheck = (function () {
 
     /** Corners counterclockwise at omega = 1. */
     function turned(corners) {
-      const [one, pi] = [1n, 3n];
-      const at1 = corners.map((pair) => pair.map((x) => limitAt(x, one, pi)));
+      const at1 = corners.map((pair) => pair.map((x) => limitAt(x, onAxis(1n, 3n))));
       const area = at1.reduce((found, p, i) => {
         const q = at1[(i + 1) % at1.length];
         return combined("+", found, combined("-", combined("*", p[0], q[1]), combined("*", p[1], q[0])));
