@@ -72,7 +72,7 @@ def is_as_said(name: str, number: float, shares: tuple[float, float], *, kept: b
     return (not hs.evaluate(scene).crossings) == kept
 
 
-UNIT = st.floats(0, 1)
+UNIT = st.integers(0, 997).map(lambda n: n / 997)
 
 
 @pytest.mark.slow
@@ -88,6 +88,13 @@ def test_points_of_rectangles_are_as_they_are_said_to_be(
 def test_some_points_of_rectangles_are_as_they_are_said_to_be(name: str) -> None:
     for number, *shares, side in np.random.default_rng(19).random((12, 4)):
         assert is_as_said(name, number, (shares[0], shares[1]), kept=bool(side < 0.5))
+
+
+def test_what_stays_open_at_an_end_of_the_range_is_as_near_as_that_end() -> None:
+    """A wall's lowest stiffness is undecided on a strip; the boundary far above it is no further off for that."""
+    found = hs.design_map("virtual-wall", MAPS["virtual-wall"][0], [(16, 24), (10, 4000)], slices=3, uniform=True)
+    [bounds] = found.bounds.values()
+    assert all(x is not None and x < 0.01 * 3990 for x in bounds)
 
 
 def test_further_thresholds_are_proven_too() -> None:

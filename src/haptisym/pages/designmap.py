@@ -94,7 +94,7 @@ def _proven(m: DesignMap) -> Iterator[Block]:
         if most:
             share = f" ({rounded_up(100 * most / m.height)}\xa0% of the range)"
             far = Number(rounded_up(most), most), unit_of(m.free[1]), share
-            near = " Where lines join slices, its boundary lies within ", far, " of them."
+            near = " Where lines join slices, its boundary lies within ", far, " of them, or of an end of the range."
         left = f"{rounded_up(100 * x.rectangles.share_left)}\xa0% of the area of the map, in which its boundary lies."
         said = f"Proven for all values of both, between slices too: what is transparent{threshold}, and what is not, but for "
         yield Paragraph((said, left, near))

@@ -64,5 +64,6 @@ def box_of(scene: Scene) -> Box:
     box = Box(scene)
     scene.knobs.need_numbers()
     if not box.sides:
-        raise SceneError('no parameter has a range: write one as "1.8 kg +- 5 %" or as ["1.7 kg", "1.9 kg"]')
+        alone = "; of the hand's alone `haptisym stability` tells" if any(x.has_ranges for x in scene.hands) else ""
+        raise SceneError(f'no parameter has a range: write one as "1.8 kg +- 5 %" or as ["1.7 kg", "1.9 kg"]{alone}')
     return box
