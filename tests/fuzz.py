@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import signal
 import sys
+import tempfile
 import time
 import traceback
 from collections import Counter
@@ -19,6 +21,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
+from statistics import NormalDist
 from typing import Any
 
 sys.path[:0] = [str(Path(__file__).parent / "witnesses")]
@@ -26,11 +29,14 @@ sys.path[:0] = [str(Path(__file__).parent / "witnesses")]
 import mpmath  # noqa: E402
 import strategies  # noqa: E402
 from answers import is_outside_model, is_transparent, of_part, percepts_at  # noqa: E402
+from fits import CHI_95, best_probit, likelihood, polynomial_fit  # noqa: E402
 from oracles import DIGITS, MP, SYMBOLS, Case, Element, Facts, digits_of, excess_roots  # noqa: E402
 from scenetexts import toml  # noqa: E402
 from sympy import I  # noqa: E402
 
 import haptisym as hs  # noqa: E402
+from haptisym.verbs.cost.questions import DOUBLE, RatioQuestion  # noqa: E402
+from haptisym.verbs.cost.sweeps import SweepQuestion, certified_way  # noqa: E402
 from haptisym_check import check as check_certificate  # noqa: E402
 
 PARTS = ("real", "imag")
@@ -281,6 +287,85 @@ def sweep(t: Trial) -> None:
             assert count in (-1, case.counts[part]), (knob.path, value, part, count)
 
 
+def cost(t: Trial) -> None:
+    """80 digits of the equations of motion tell how right floats are, Sturm's theorem what a sweep counts."""
+    question = RatioQuestion(t.scene.distortion(), tuple(float(x) for x in t.frequencies(4)))
+    answer = [t.scene.distortion().compile("fast", of=("ratio_real", "ratio_imag"))(x) for x in question.omegas]
+    told = question.score(
+        [(float(x.ratio_real), float(x.ratio_imag)) for x in answer], question.truth(30), DOUBLE
+    ).digits
+    errors = [
+        abs(MP.mpf(float(x[i])) / true - 1)
+        for x, omega in zip(answer, question.omegas, strict=True)
+        for i, part in enumerate(PARTS)
+        if (true := t.ratio(part, digits_of(Fraction(omega)))) > MP.mpf(10) ** -40
+    ]
+    if errors and len(errors) == 2 * len(answer):  # a ratio of 0 is right or wrong as a whole
+        right = min(DOUBLE, float(-MP.log10(max(*errors, MP.mpf(10) ** -30))))
+        assert abs(told - max(right, 0)) < 0.01, (told, right)
+    knob = next((x for x in t.scene.parameters if t.place(x.path)), None)
+    if knob is None or knob.value == 0:
+        return
+    swept = replace(SweepQuestion.of(t.scene, [knob.path], quick=True), patience=0.2)
+    at = t.place(knob.path)
+    assert at is not None
+    old = [t.case.felt, *t.case.between][at[0]].values[at[1]]
+    for value, true in list(zip(swept.values[0].tolist(), swept.truth, strict=False))[:2]:
+        case = t.moved(knob.path, Fraction(value) / old - 1)
+        assert case is not None
+        for part in PARTS:
+            assert true[f"crossings_{part}"] in (-1, case.counts[part]), (knob.path, value, part)
+    found = swept.score(certified_way(swept)())
+    assert (found.missed, found.invented, found.wrong[0] if found.wrong else 0) == (0, 0, 0)
+    assert found.digits > 9.5, found
+
+
+def jnd(t: Trial) -> None:
+    """Newton's method with 40 digits finds the same curve, and the likelihood falls by as much at the ends of the interval."""
+    pick = strategies.Seeded(t.seed)
+    mu, sigma = pick.whole(50, 150) / 100, pick.whole(10, 100) / 100
+    levels = sorted({pick.whole(1, 200) / 100 for _ in range(pick.whole(3, 8))})
+    shares = [NormalDist(mu, sigma).cdf(x) for x in levels]
+    counts = [(n := pick.whole(5, 40), sum(pick.whole(0, 10**6) < share * 10**6 for _ in range(n))) for share in shares]
+    answers = [(x, k, n) for x, (n, k) in zip(levels, counts, strict=True)]
+    with tempfile.TemporaryDirectory() as folder:
+        table = Path(folder) / "answers.csv"
+        table.write_text("level,k,n\n" + "".join(f"{x},{k},{n}\n" for x, k, n in answers), encoding="utf-8")
+        found = hs.jnd(table)
+    a, b = best_probit(answers)
+    if b <= MP.mpf(1) / 10:
+        return  # hardly rises at all, or falls
+    curve, top = found.fit.curve, likelihood(answers, a, b)
+    assert abs(curve.mu + a / b) < 1e-7 * (1 + abs(a / b)), (curve, answers)
+    assert abs(curve.sigma * b - 1) < 1e-7, (curve, answers)
+    for end in (found.jnd.low, found.jnd.high):
+        if end:
+            held = MP.mpf(NormalDist().inv_cdf(0.75)) / end
+            fallen = 2 * (top - likelihood(answers, *best_probit(answers, held)))
+            assert abs(fallen - CHI_95) < 1e-4, (end, fallen, answers)
+
+
+def identify(t: Trial) -> None:
+    """Of a model that is linear in its parameters: normal equations with 40 digits; of the scene's own H_perc, with noise."""
+    pick = strategies.Seeded(t.seed + 7)
+    low, high = (float(x) for x in t.case.band)
+    begin = low or high / 30
+    omega = [begin * (high / begin) ** (i / 14) for i in range(15)]
+    exact = [complex(t.case.dynamics(MP.mpc(0, digits_of(Fraction(w))), DIGITS)[1]) for w in omega]
+    size = max(map(abs, exact))
+    sigma = [0.01 * size * pick.whole(50, 200) / 100 for _ in omega]
+    H = [h + s * complex(pick.whole(-200, 200), pick.whole(-200, 200)) / 100 for h, s in zip(exact, sigma, strict=True)]
+    count = pick.whole(1, 3)
+    felt = hs.measured(omega, H, radius=[s * math.sqrt(-2 * math.log1p(-0.95)) for s in sigma])
+    found = hs.identify(felt, degrees=(count - 1, 0))
+    values, errors, square = polynomial_fit(omega, H, sigma, count)
+    for x, value, error in zip(found.estimates, values, errors, strict=True):
+        assert abs(x.value - value) < 1e-4 * error, (x.parameter.path, x.value, value)
+        assert abs(x.error / error - 1) < 1e-5, (x.parameter.path, x.error, error)
+    assert abs(found.verdict.square - square) < 1e-6 * (1 + square), (found.verdict.square, square)
+    json.loads(found.to_json(), parse_constant=_refused)
+
+
 def _refused(word: str) -> None:
     raise AssertionError(f"{word} in a document")
 
@@ -300,10 +385,13 @@ VERBS: dict[str, Callable[[Trial], None]] = {
         certificate,
         sweep,
         simulate,
+        cost,
+        jnd,
+        identify,
     )
 }
-"""``cost``, ``jnd``, ``identify``, ``scenes`` and ``schemas`` ask nothing of a random scene that an oracle could tell."""
-EVERY = {"sweep": 4, "simulate": 8, "tolerances": 2, "derive": 2}
+"""``scenes`` and ``schemas`` ask nothing of a random scene that an oracle could tell."""
+EVERY = {"sweep": 4, "cost": 4, "jnd": 2, "identify": 2, "simulate": 8, "tolerances": 2, "derive": 2}
 """What takes longest is asked of every so manieth scene."""
 
 

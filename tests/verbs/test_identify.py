@@ -139,6 +139,25 @@ def test_intervals_hold_the_truth_and_true_models_are_refuted_as_often_as_they_s
     check_coverage(400, 11, averages)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("noise", "least"), [(0.02, 0.935), (0.2, 0.88)])
+def test_boxes_of_a_model_that_bends_hold_the_truth_as_the_docs_say(noise: float, least: float) -> None:
+    asked = wanted("mass-spring-damper:m=1.8,b=15,k=100", ["second-order-lowpass"], None, None)
+    omega, truth = np.geomspace(1, 60, 30), np.array([80, 0.5])
+    held = []
+    for seed in range(400):
+        ends = estimates(fit(asked, noisy("fu2019", noise, seed, omega), [truth]))
+        held.append(all(e.least <= value <= e.most for e, value in zip(ends, truth, strict=True)))
+    assert least < np.mean(held) < 0.985
+
+
+def test_errors_above_a_tenth_are_said_to_make_the_box_less_certain() -> None:
+    for noise, told in ((0.01, False), (0.2, True)):
+        found = hs.identify(noisy("fu2019", noise, 5), "mass-spring-damper:m=1.8,b=15,k=100", ["second-order-lowpass"])
+        assert any(x.error > 0.1 * x.value for x in found.estimates) is told
+        assert ("some percent less" in " ".join(str(found).split())) is told
+
+
 def test_residuals_are_carried_to_chi_square_by_the_quantiles_of_f() -> None:
     noise, sizes = Noise(np.ones(4), 18.0), np.array([0.1, 1.0, 2.0, 5.0])
     tail = f_distribution.sf(sizes**2 / 2, 2, 18)

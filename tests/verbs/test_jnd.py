@@ -7,11 +7,13 @@ import os
 from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
+from statistics import NormalDist
 
 import mpmath as mp
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from fits import CHI_95, best_probit, likelihood
 from marks import required
 
 import haptisym as hs
@@ -76,6 +78,16 @@ def test_the_ends_of_the_interval_are_where_the_profile_of_the_likelihood_has_fa
 
 
 @pytest.mark.slow
+def test_the_interval_reaches_to_curves_whose_middle_is_far_away() -> None:
+    told = [(1.02, 11, 14), (1.23, 14, 22), (1.85, 26, 28)]
+    found = hs.jnd(Answers("flat", tuple(Row(*x) for x in told)))
+    top = likelihood(told, *best_probit(told))
+    for end in (found.jnd.low, found.jnd.high):
+        assert end is not None
+        slope = mp.mpf(NormalDist().inv_cdf(0.75)) / end
+        assert abs(2 * (top - likelihood(told, *best_probit(told, slope))) - CHI_95) < 1e-6
+
+
 def test_a_parametric_bootstrap_gives_about_the_same_interval() -> None:
     found = hs.jnd(DATA)
     counts = np.random.default_rng(2026).binomial(TRIALS, found.fit.curve(np.array(LEVELS)), (200, len(LEVELS)))

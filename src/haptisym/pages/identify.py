@@ -177,13 +177,12 @@ def _told(a: Identification) -> Iterator[Phrase]:
 
 
 def _certain(a: Identification) -> Phrase:
-    share = f"{100 * a.fit.lines.confidence:g}\xa0%"
     start = "Estimated, not proven. Errors are those of the curvature at the least sum of squares, and hold if the model is right"
     if a.verdict.fits is None:
         return start, "; their size is that of the residuals themselves. Nothing is said of other frequencies."
     return (
         start, ", if the discs are, and if neighbouring lines are independent; then the box holds the true values with a ",
-        f"confidence of at least {share}. Nothing is said of frequencies beyond the lines.",
+        f"confidence of {a.confidence_words}. Nothing is said of frequencies beyond the lines.",
     )  # fmt: skip
 
 

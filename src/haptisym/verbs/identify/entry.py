@@ -26,6 +26,9 @@ from haptisym.verbs.identify.judging import Estimate, Verdict, estimates, verdic
 from haptisym.verbs.identify.scenetext import band_value, environment_table, scene_text, threshold_value
 from haptisym.verbs.identify.wanted import Degrees, Free, Wanted, filled, wanted
 
+_LARGE = 0.1
+"""Of a value, the error up to which simulated runs find that intervals hold the truth as often as they say."""
+
 
 @dataclass(frozen=True)
 class About:
@@ -109,6 +112,13 @@ class Identification(Answer):
         """Whether parameters are written as ranges: the model was not refuted, and the lines tell every parameter."""
         return self.verdict.fits is not False and all(x.told for x in self.estimates)
 
+    @property
+    def confidence_words(self) -> str:
+        """Of the box. Intervals of the curvature hold less than they say where errors are large, as simulated runs tell."""
+        share = f"about {100 * self.fit.lines.confidence:g} %"
+        large = any(x.error > _LARGE * abs(x.value) for x in self.estimates)
+        return f"{share}, some percent less as an error is above a tenth of its value" if large else share
+
     def _written(self, x: Estimate) -> Any:
         motion, dimension = self.motion, x.parameter.dimension
         plain = dimension in (Dimension.ANY, Dimension.RATIO) or (motion is None and len(set(dimension.value)) > 1)
@@ -116,7 +126,6 @@ class Identification(Answer):
         return [f"{end!r}{unit}" for end in (x.least, x.value, x.most)] if self.has_ranges else f"{x.value!r}{unit}"
 
     def _remarks(self) -> list[str]:
-        share = f"{100 * self.fit.lines.confidence:g} %"
         if self.verdict.fits is False:
             return [
                 "This model does NOT fit what was measured: its parameters are those nearest to it, and have no ranges."
@@ -124,9 +133,7 @@ class Identification(Answer):
         if not self.has_ranges:
             paths = ", ".join(x.parameter.path for x in self.estimates if not x.told)
             return [f"The lines do not tell {paths}: no parameter has a range. Leave that out, or give a value."]
-        start = (
-            f"Ranges: together they hold the true values with a confidence of at least {share}, if the model is right"
-        )
+        start = f"Ranges: together they hold the true values with a confidence of {self.confidence_words}, if the model is right"
         if self.verdict.fits is None:
             return [f"{start},", "which was not tested: no discs of the lines are known."]
         return [f"{start}", "and the errors are as the discs say. No test of the residuals spoke against it."]

@@ -20,6 +20,8 @@ MOST_LAPSES = 0.1
 """Where a free share of lapses ends."""
 _STEEP, _FLAT = 1e-3, 1e3
 """The least sigma, of the smallest step between levels, and the largest, of the whole range."""
+_FAR = 40
+"""Sigmas beyond the bounds of mu where sigma is held."""
 _ROOT_2_PI = float(np.log(np.sqrt(2 * np.pi)))
 
 Held: TypeAlias = "tuple[int, float, float]"
@@ -158,7 +160,11 @@ class _Way:
     @property
     def _bounds(self) -> list[tuple[float, float]]:
         mu, spread = self.likelihood.bounds
-        own = [mu, spread] if self.held is None else [spread] if self.held[0] else [mu]
+        own = [mu, spread]
+        if self.held is not None:
+            a, z, value = self.held
+            reach = _FAR * abs(value / z) if not a else 0.0  # a flat curve has its middle far beyond the levels
+            own = [spread] if a else [(mu[0] - reach, mu[1] + reach)]
         return [*own, *([(0.0, MOST_LAPSES)] if self.likelihood.lapse is None else [])]
 
     def _loss(self, x: Array) -> tuple[float, Array]:
