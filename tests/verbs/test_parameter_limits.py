@@ -5,13 +5,17 @@ from __future__ import annotations
 from fractions import Fraction as Q
 from random import Random
 
+import flint
 import pytest
 from flint import arb, fmpq
 from sympy import Rational
 
 import haptisym as hs
 from haptisym import effects, environments
+from haptisym.judge.criteria import noticed
 from haptisym.verbs.require.blowups import is_negative, positive_along
+from haptisym.verbs.require.freeparameter import conditions, pieces
+from haptisym.verbs.require.strips import Shape, value_from_zero
 
 
 def terms(**given: int) -> dict[tuple[Q, Q], fmpq]:
@@ -94,3 +98,36 @@ def test_a_slave_that_is_heavy_or_damped_without_bound_stays_unnoticed(path: str
     assert found.undecided == ()
     [span] = found.feasible
     assert (span.low.value.digits(6), span.high.value) == (low, None)
+
+
+POT_BEHIND_A_HOLD = hs.Scene(
+    environments.spring_pot(170, "0.2", k=1200),
+    (effects.shunt(m="0.5", b="6.6"), effects.delay("0.73 ms"), effects.zero_order_hold("1.6 ms")),
+    (0, 74),
+    hs.Threshold.of("0.2"),
+)
+
+
+def test_a_condition_that_vanishes_at_0_with_powers_is_enclosed_over_what_it_vanishes_with() -> None:
+    free = POT_BEHIND_A_HOLD.knobs["environment.k"]
+    for own in conditions(POT_BEHIND_A_HOLD, [free], noticed(POT_BEHIND_A_HOLD.threshold)).values():
+        shape = Shape.of(*pieces(own), free.symbol)
+        assert shape.order_at_zero > 0
+        with flint.ctx.workprec(256):
+            compiled = shape.over(arb(13000))
+            for end in (arb(1) / 8, arb(4)):
+                whole = value_from_zero(compiled, end, shape.order_at_zero)
+                assert whole.is_finite()
+                for n in range(1, 40):
+                    x = (end * n / 40).mid()
+                    assert whole.overlaps(compiled.value(x) / x**shape.order_at_zero)
+
+
+def test_a_spring_pot_behind_a_hold_has_an_end_that_is_known_to_all_digits() -> None:
+    found = hs.require(POT_BEHIND_A_HOLD, "environment.k")
+    assert found.undecided == ()
+    [span] = found.feasible
+    assert span.low.bindings
+    for value, kept in (("13344.8", False), ("13344.9", True)):
+        e = hs.evaluate(found.free.put(POT_BEHIND_A_HOLD, value))
+        assert ([(x.low, x.high) for x in e.transparent] == [(e.chart.points[0], e.chart.points[-1])]) is kept

@@ -106,7 +106,7 @@ class Strip:
     def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
         """Value, slope and half curvature over a ball of frequencies."""
         if self.whole.exponents and not box > 0:
-            return value_from_zero(self.whole, box.upper()), NOTHING, NOTHING
+            return value_from_zero(self.whole, box.upper(), self.shape.order_at_zero), NOTHING, NOTHING
         if self.shape.order_at_zero and not box > 0:
             return self._over_zero(box), NOTHING, NOTHING
         value, slope, bend = self.whole.over(box)

@@ -145,16 +145,25 @@ def _wave(half: Ball | None, k: int, degree: int) -> Ball:
     return sine**k * cosine ** (degree - k)
 
 
-def value_from_zero(compiled: CompiledWaves, end: Ball) -> Ball:
-    """A ball around the values from omega = 0 to a dyadic number, also with powers omega^alpha, which have no slope at 0."""
+def value_from_zero(compiled: CompiledWaves, end: Ball, order: int = 0) -> Ball:
+    """A ball around the values from omega = 0 to a dyadic number, also with powers omega^alpha, which have no slope at 0.
+
+    They are taken over a power of omega that every term holds, by itself or in sines.
+    """
     box = arb(0).union(end)
     powers = [arb(0).union((end.log() * a).exp()) for a in compiled.exponents]
     total = arb(0)
     for turns, own, polynomial in compiled.terms:
-        term = polynomial(box)
+        left = order - sum(turns)
+        term = sum((x * _power(box, n - left) for n, x in enumerate(polynomial.coeffs()) if n >= left), arb(0))
         for rate, k, degree in zip(compiled.rates, turns, compiled.degrees, strict=True):
-            term = term * _wave(rate * box, k, degree)
+            term = term * (rate * (rate * box).sinc()) ** k * (rate * box).cos() ** (degree - k)
         for power, n in zip(powers, own, strict=True):
             term = term * power**n if n else term
         total = total + term
     return total
+
+
+def _power(box: Ball, n: int) -> Ball:
+    """Of a ball from 0 to a number, from 0 on."""
+    return box**n if n == 0 else arb(0).union(box.upper() ** n)
