@@ -11,11 +11,14 @@ from fractions import Fraction
 from itertools import product
 from typing import Any
 
+import numpy as np
 import pytest
 from certificates import region_scene
 from marks import often
+from matplotlib.figure import Figure
 
 import haptisym as hs
+from haptisym.figures.bandwidths import draw_bandwidths
 
 PAPER = hs.load_scene("fu2019")
 DIAMOND = {"shape": "polygon", "corners": [[0.1, 0], [0, 0.1], [-0.1, 0], [0, -0.1]]}
@@ -229,3 +232,18 @@ def test_the_page_says_what_moves_and_in_its_unit() -> None:
     assert "from 7 % to 9 % (real part, where it grows)" in said(
         {"real": {"higher": ["0.07", "0.09"], "lower": 0.1}, "imag": 0.1}
     )
+
+
+def test_a_scale_is_drawn_with_its_jump_and_what_moves_apart_is_not() -> None:
+    [line] = draw_bandwidths(Figure().add_subplot(), judged(PAPER, {**DIAMOND, "scale": ["0.5", "2"]}))
+    scale, omega = np.array(line.get_data())
+    assert (scale[0], scale[-1]) == (0.5, 2)
+    for i in np.flatnonzero(np.isfinite(omega))[::40]:
+        width_ = judged(PAPER, times(DIAMOND, Fraction(float(scale[i])))).bandwidth
+        assert float(width_) == pytest.approx(omega[i], rel=1e-6) or abs(scale[i] - 0.9897) < 1e-3
+    gap = int(np.flatnonzero(np.isnan(omega))[0])
+    assert [round(float(x), 4) for x in (omega[gap - 1], omega[gap + 1])] == [6.4776, 7.5976]
+    with pytest.raises(hs.HaptisymError, match="no one number with a range"):
+        draw_bandwidths(
+            Figure().add_subplot(), judged(PAPER, {"shape": "diamond", "real": ["0.09", "0.11"], "imag": 0.1})
+        )

@@ -16,7 +16,7 @@ from sympy import Expr, S
 
 from haptisym.judge.climb import Bandwidths, Climb, Jump, above
 from haptisym.judge.criteria import Criterion, kept, noticed
-from haptisym.judge.families import moved, nominal_of, split
+from haptisym.judge.families import SCALE, moved, nominal_of, split
 from haptisym.judge.growth import Growth, bandwidth_of
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.lattices import Lattice
@@ -95,7 +95,7 @@ def _grown(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr], ends: B
         else:
             width = bandwidth_of(Lattice(tuple(x.where for x in terms)), band)
             each.append(Bandwidths(width, width))
-    return reduce(_lower, each)
+    return replace(reduce(_lower, each), one=groups.keys() == {SCALE})
 
 
 def _lower(a: Bandwidths, b: Bandwidths) -> Bandwidths:

@@ -62,7 +62,7 @@ class Bandwidths:
     undecided: str = ""
     ends_alone: bool = False
     one: bool = False
-    """Whether they are those of one number, for both parts."""
+    """Whether they are those of one number for both parts, or of a scale."""
 
     @property
     def certified(self) -> bool:

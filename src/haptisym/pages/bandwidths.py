@@ -27,7 +27,7 @@ def bandwidths(e: Evaluation) -> Iterator[Block]:
         return
     yield Paragraph(("For ", _range(threshold), " ", _said(found, threshold), _blocked(found, threshold), _open(found)))
     if found.is_one_curve:
-        caption = "The bandwidth over the range of the threshold; a dot is reached, a ring is not."
+        caption = "The bandwidth over the range; a dot is reached, a ring is not."
         yield Figure("bandwidths", caption, partial(_drawn, e))
 
 
