@@ -350,7 +350,7 @@ def identify(t: Trial) -> None:
     pick = strategies.Seeded(t.seed + 7)
     low, high = (float(x) for x in t.case.band)
     begin = low or high / 30
-    omega = [begin * (high / begin) ** (i / 14) for i in range(15)]
+    omega = [begin * (high / begin) ** ((i + 0.5) / 15) for i in range(15)]  # not at the ends, where poles may lie
     exact = [complex(t.case.dynamics(MP.mpc(0, digits_of(Fraction(w))), DIGITS)[1]) for w in omega]
     size = max(map(abs, exact))
     sigma = [0.01 * size * pick.whole(50, 200) / 100 for _ in omega]
