@@ -23,6 +23,7 @@ from haptisym.kernel.reals import ExactNumber
 from haptisym.model.quantities import Dimension
 from haptisym.model.ranges import ranged
 from haptisym.programs.taylormodels import Model, constant, variable
+from haptisym.verbs.tolerances import single
 from haptisym.verbs.tolerances.box import Box, box_of
 from haptisym.verbs.tolerances.entry import tolerances
 from haptisym.verbs.tolerances.excess import Excess
@@ -810,6 +811,17 @@ def test_thresholds_that_vary_move_the_crossings_of_their_own_part() -> None:
     assert sorted(float(x.low) for x in found.enclosures) == pytest.approx(
         [np.arcsin(0.27) * 100, 2 * np.arcsin(sqrt(0.045)) * 100], rel=1e-13
     )
+
+
+def test_a_set_that_is_noticed_from_the_band_s_beginning_has_no_bandwidth_though_it_is_transparent_later() -> None:
+    """A pole at 0.1 rad/s behind a spring: r_i is 0.1/omega, above 10 % up to 1 rad/s, then below."""
+    spring = hs.environments.mass_spring_damper(k=["99 N/m", "101 N/m"])
+    late = hs.Scene(spring, (hs.effects.series("1 + 1/(10*s)"),), ("0.5", 5))
+    found = single.one(box_of(late), {})
+    assert found.bandwidth is None
+    assert found.transparent is False
+    assert [float(x) for x in found.crossings["imag"]] == [pytest.approx(1)]
+    assert single.one(box_of(late.with_band(2, 5)), {}).transparent is True
 
 
 def one(first: float | None, bandwidth: float | None, transparent: bool | None = False) -> One:  # noqa: FBT001, FBT002

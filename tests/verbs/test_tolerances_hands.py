@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import mpmath
@@ -16,6 +17,7 @@ from sympy import Rational, Symbol, exp
 import haptisym as hs
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.symbols import s
+from haptisym.programs.taylormodels import Model
 from haptisym.verbs.stability.held import held
 from haptisym.verbs.tolerances.heldbox import held_in_box
 from haptisym.verbs.tolerances.onaxis import OnAxis
@@ -86,6 +88,21 @@ def test_a_clock_is_decided_by_examples_alone() -> None:
     told = held_in_box(found, hand)
     assert told.share is None
     assert "sampled loop" in told.reason
+
+
+def bent(at: float, bend: float) -> Model:
+    """at + bend t^2 over one cell, |t| <= 1."""
+    return Model(np.full((1, 1), at), np.zeros((1, 1, 1)), np.full((1, 1, 1, 1), bend), np.zeros((1, 1)))
+
+
+@pytest.mark.parametrize(("real", "imag", "clear"), [(-3, -3, False), (-3, 0, True), (0, -3, True), (-2.9, -2.9, True)])
+def test_a_cell_is_clear_only_if_neither_part_bends_to_zero_with_the_other(
+    real: float, imag: float, *, clear: bool
+) -> None:
+    """3 + 3 j in the middle; with both parts bent by -3 it is 0 at the cell's ends."""
+    form = SimpleNamespace(parts=lambda _: (bent(3, real), bent(3, imag)))
+    found, _ = OnAxis._bounded(form, np.array([[[0.0, 1.0]]]))  # type: ignore[arg-type]
+    assert found.tolist() == [clear]
 
 
 # --- soundness -------------------------------------------------------------------------------------------------------
