@@ -111,8 +111,8 @@ class WaveFactor(Factor):
         ]
         need(len({turns for turns, _ in self.terms}) == len(rows), "a term stands twice in a factor")
         sizes = [max(c.bit_length() for c in row) + len(row) + 40 for _, p in self.terms for row in p]
-        self.cost = (sum(sizes) + 500 * len(rows) * (1 + sum(self.waves))) * ORDER
-        need(self.cost < 10**8, "a factor is too large")
+        self.cost = (sum(sizes) + 500 * len(rows) * (1 + sum(self.waves))) * 2
+        need(self.cost < 10**7, "a factor is too large")
 
     def series(self, at: Place, number: Callable[[list[int]], Ball] = in_pi) -> Series:
         """``number`` : what a coefficient is, with pi in it."""

@@ -28,6 +28,7 @@ from certificates import (
     evaluated,
     hostile,
     known_roots,
+    late_scene,
     mutants,
     of_requirement,
     of_stability,
@@ -102,6 +103,17 @@ def test_certificates_of_random_scenes_are_accepted(first: int) -> None:
     for seed in range(first, first + 20):
         text = random_scene(seed)
         assert verdict(hs.evaluate(hs.parse_scene(text)).certificate(), text).startswith("Proven"), seed
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(30))
+def test_certificates_of_random_scenes_with_delays_are_accepted(seed: int) -> None:
+    text = late_scene(seed)
+    try:
+        proof = hs.evaluate(hs.parse_scene(text)).certificate()
+    except (hs.SceneError, hs.UndecidedError):
+        return  # an environment that is zero somewhere; some thousand cells
+    assert verdict(proof, text).startswith("Proven")
 
 
 @pytest.mark.parametrize("name", HELD)

@@ -89,6 +89,19 @@ def region_scene(seed: int) -> str:
     return text
 
 
+def late_scene(seed: int) -> str:
+    """A random one with a delay or a hold behind it."""
+    source, text = Seeded(seed), random_scene(seed)
+    late = source.choice(
+        [
+            f'model = "delay"\ntau = "{source.whole(1, 60)} ms"',
+            f'model = "zero-order-hold"\nT = "{source.whole(1, 30)} ms"',
+        ]
+    )
+    before, mark, after = text.partition("[evaluation]")
+    return f'{before}[[effects]]\nname = "late"\n{late}\n{mark}{after}'
+
+
 def mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
     """Changes each of which makes the claim false, or the proof incomplete."""
 

@@ -955,8 +955,8 @@ const haptisymCheck = (function () {
     need(new Set(terms.map(([turns]) => turns.join())).size === terms.length, "a term stands twice in a factor");
     const every = terms.flatMap(([, p]) => p);
     const sizes = every.reduce((n, row) => n + Math.max(...row.map((c) => 4 * c.toString(16).length)) + row.length + 40, 0);
-    const cost = (sizes + 500 * terms.length * (1 + waves.reduce((n, k) => n + k, 0))) * ORDER;
-    need(cost < 1e8, "a factor is too large");
+    const cost = (sizes + 500 * terms.length * (1 + waves.reduce((n, k) => n + k, 0))) * 2;
+    need(cost < 1e7, "a factor is too large");
 
     /** `number`: what a coefficient is, with pi in it. */
     const series = (at, number = inPi) => terms.reduce((total, [turns, p]) => {

@@ -25,6 +25,7 @@ from haptisym.verbs.evaluate.zeros import zeros
 
 FORMAT = "haptisym.certificate/1"
 _MOST_DIGITS = 1000  # of an enclosure: a checker need not read many more
+_MOST_AMONG_WAVES = 50  # where there are delays: a checker computes with 80
 
 _NAMES = {
     Curve.ENVIRONMENT: "environment",
@@ -47,7 +48,7 @@ def certificate(e: Evaluation) -> str:
     environment = named(scene)
     functions = _functions(e)
     linked = products(functions)
-    frequencies = _enclosures(e)
+    frequencies = _enclosures(e, _MOST_AMONG_WAVES if linked.delays else _MOST_DIGITS)
     inner = [Sliver(Fraction(x), Fraction(y)) for x, y in frequencies[1:-1]]
     points = breakpoints([e.chart.points[0].omega, *inner, e.chart.points[-1].omega], linked.factors)
     about_poles = _poles(e)
@@ -153,11 +154,11 @@ def _claim(e: Evaluation) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _enclosures(e: Evaluation) -> list[list[str]]:
+def _enclosures(e: Evaluation, most: int) -> list[list[str]]:
     """Of all places, with as many digits as were asked for, or more where that does not tell them apart."""
     digits = e.digits
-    if digits > _MOST_DIGITS:
-        raise SceneError(f"a certificate has room for {_MOST_DIGITS} digits of a frequency, not for {digits}")
+    if digits > most:
+        raise SceneError(f"a certificate has room for {most} digits of a frequency, not for {digits}")
     while True:
         found = [list(point.omega.enclosure(digits)) for point in e.chart.points]
         if all(Fraction(a[1]) < Fraction(b[0]) for a, b in pairwise(found)):

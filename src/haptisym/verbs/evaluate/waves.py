@@ -53,15 +53,17 @@ class WaveFactor:
 
     def _series(self, low: Fraction, high: Fraction, step: Fraction, order: int = ORDER) -> Any:
         """Balls that hold h^n f^(n)/n! for the step h, n up to ``order``, wherever between two numbers."""
-        line = arb_poly([_ball(low).union(_ball(high)), _ball(step)][: order + 1])
-        tables = [_powers(tau, low, high, step, n, order) for tau, n in zip(self.delays, self.waves, strict=True)]
+        place, rows = (low, high, step, order), [rows for _, rows in self.terms]
+        powers = _powers(arb_poly([_about(low, high), _ball(step)][: order + 1]), max(map(len, rows)), order)
+        tables = [_waves(tau, *place, n) for tau, n in zip(self.delays, self.waves, strict=True)]
         total = arb_poly([0])
-        for turns, rows in self.terms:
-            term = arb_poly([0])
-            for row in reversed(rows):
-                term = _cut(term * line, order) + sum((c * arb.pi() ** n for n, c in enumerate(row)), arb(0))
-            for table, k in zip(tables, turns, strict=True):
-                term = _cut(term * table[k], order)
+        for turns, own in self.terms:
+            pairs = zip(own, powers, strict=False)
+            term = sum(
+                (sum((c * arb.pi() ** n for n, c in enumerate(row)), arb(0)) * x for row, x in pairs), arb_poly([0])
+            )
+            for (sines, cosines), k, n in zip(tables, turns, self.waves, strict=True):
+                term = _cut(_cut(term * sines[k], order) * cosines[n - k], order)
             total = total + term
         return total
 
@@ -105,17 +107,31 @@ def _cut(p: Any, order: int) -> Any:
     return p if p.degree() <= order else arb_poly(p.coeffs()[: order + 1])
 
 
+def _about(low: Fraction, high: Fraction) -> Any:
+    return _ball((low + high) / 2) + arb(0, 1) * _ball((high - low) / 2)
+
+
+def _powers(x: Any, degree: int, order: int) -> list[Any]:
+    found = [arb_poly([1])]
+    for _ in range(degree):
+        found.append(_cut(found[-1] * x, order))
+    return found
+
+
 @lru_cache(maxsize=256)
-def _turning(tau: Fraction, low: Fraction, high: Fraction, step: Fraction, order: int) -> tuple[Any, Any]:
-    """The series of cosine and sine of omega tau/2."""
+def _waves(
+    tau: Fraction, low: Fraction, high: Fraction, step: Fraction, order: int, degree: int
+) -> tuple[list[Any], list[Any]]:
+    """Powers of the series of sine and cosine of omega tau/2, bounded as a checker does it: no slope is above 1."""
     rate = _ball(tau / 2)
-    sine, cosine = (_ball(low).union(_ball(high)) * rate).sin_cos()
+    reach = arb(0, 1) * _ball((high - low) / 2) * rate
+    sine, cosine = (x + reach for x in (_ball((low + high) / 2) * rate).sin_cos())
     ahead, weights = _ball(step) * rate, [arb(1)]
     for n in range(order):
         weights.append(weights[-1] * ahead / (n + 1))
     turns = [cosine, -sine, -cosine, sine]
-    found = [arb_poly([turns[(n + i) % 4] * w for n, w in enumerate(weights)]) for i in (0, 3)]
-    return found[0], found[1]
+    found = [arb_poly([turns[(n + i) % 4] * w for n, w in enumerate(weights)]) for i in (3, 0)]
+    return _powers(found[0], degree, order), _powers(found[1], degree, order)
 
 
 def _series(tau: Fraction) -> tuple[fmpq_poly, fmpq_poly]:
@@ -123,17 +139,6 @@ def _series(tau: Fraction) -> tuple[fmpq_poly, fmpq_poly]:
     terms = [rate**n / factorial(n) for n in range(ORDER)]
     found = [fmpq_poly([(1, 0, -1, 0)[(n + i) % 4] * c for n, c in enumerate(terms)]) for i in (0, 3)]
     return found[0], found[1]
-
-
-@lru_cache(maxsize=256)
-def _powers(tau: Fraction, low: Fraction, high: Fraction, step: Fraction, degree: int, order: int) -> list[Any]:
-    """sin^k cos^(degree - k) for k from 0 to the degree."""
-    cosine, sine = _turning(tau, low, high, step, order)
-    cosines, sines = [arb_poly([1])], [arb_poly([1])]
-    for _ in range(degree):
-        cosines.append(_cut(cosines[-1] * cosine, order))
-        sines.append(_cut(sines[-1] * sine, order))
-    return [_cut(sines[k] * cosines[degree - k], order) for k in range(degree + 1)]
 
 
 def _side(model: Sequence[Any]) -> int:
