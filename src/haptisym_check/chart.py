@@ -52,6 +52,7 @@ class Chart:
 
 
 def holds(enclosure: Any, x: list[Fraction]) -> bool:
+    """Whether a place lies in an enclosure."""
     return bool(enclosure[0] <= x[0] and x[1] <= enclosure[1])
 
 

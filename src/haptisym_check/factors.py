@@ -22,6 +22,7 @@ class Factor:
 
     @cached_property
     def slices(self) -> list[list[int]]:
+        """Polynomials whose sum, with positive weights, it is for pi between its bounds."""
         return sliced(self.rows)
 
     def at(self, x: int, pi: int, tangents: tuple[int, ...]) -> Value:
@@ -40,4 +41,5 @@ class Factor:
         return signs(self.slices, (a**self.step).as_integer_ratio(), (b**self.step).as_integer_ratio())
 
     def sign(self, x: Fraction) -> int:
+        """Of its value at a rational number."""
         return sign(self.slices, x**self.step)

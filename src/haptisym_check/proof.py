@@ -17,11 +17,13 @@ from haptisym_check.zeros import zeros
 
 
 def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """An object of JSON in which no key stands twice."""
     need(len(dict(pairs)) == len(pairs), "a key stands twice")
     return dict(pairs)
 
 
 def small(text: str) -> int:
+    """A whole number of JSON, of at most six digits."""
     need(re.fullmatch("-?[0-9]{1,6}", text), f"{text[:40]} is no small whole number")
     return int(text)
 

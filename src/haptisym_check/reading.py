@@ -17,16 +17,19 @@ def keyed(x: Any, *keys: str) -> list[Any]:
 
 
 def listed(x: Any, most: int, least: int = 0) -> list[Any]:
+    """A list of so many entries."""
     need(isinstance(x, list) and least <= len(x) <= most, f"expected a list of {least} to {most} entries")
     return list(x)
 
 
 def whole(x: Any, low: int, high: int) -> int:
+    """A whole number within bounds."""
     need(type(x) is int and low <= x <= high, f"expected a whole number from {low} to {high}")
     return int(x)
 
 
 def number(x: Any) -> Fraction:
+    """A number as the format writes it."""
     pattern = r"-?[0-9]{1,2000}(/[1-9][0-9]{0,1999}|(\.[0-9]{1,2000})?(E[+-]?[0-9]{1,3})?)"
     need(isinstance(x, str) and re.fullmatch(pattern, x), f"{str(x)[:40]!r} is not a number")
     return Fraction(x)
@@ -40,6 +43,7 @@ def numbers(x: Any, most: int, least: int = 0) -> list[Fraction]:
 
 
 def polynomial(x: Any) -> Polynomial:
+    """Its coefficients, ascending, each by powers of pi."""
     rows = [listed(row, 100, 1) for row in listed(x, 300, 1)]
     good = all(isinstance(n, str) and re.fullmatch("-?[0-9]{1,2000}", n) for row in rows for n in row)
     need(good and any(n.strip("-0") for n in rows[-1]), "a polynomial is not one, or its leading coefficient is 0")

@@ -23,10 +23,12 @@ def side(slices: list[list[int]], a: Fraction, b: Fraction, closed: tuple[bool, 
 
 
 def point(x: Any, infinity: int) -> Point:
+    """A value as numerator and denominator; infinity is 1/0 or -1/0."""
     return (infinity, 0) if x is None else number(x).as_integer_ratio()
 
 
 def is_less(x: Point, y: Point) -> bool:
+    """Whether x < y."""
     return x[0] * y[1] < y[0] * x[1]
 
 

@@ -42,13 +42,16 @@ class Value(NamedTuple):
     degrees: Degrees = degree(0, 0)
 
     def plus(self, x: "Value", sign: int = 1) -> "Value":
+        """x + y, or x - y."""
         return Value(self.re + sign * x.re, self.im + sign * x.im, tuple(map(max, self.degrees, x.degrees)))
 
     def times(self, x: "Value") -> "Value":
+        """x y."""
         re, im = self.re * x.re - self.im * x.im, self.re * x.im + self.im * x.re
         return Value(re, im, tuple(map(add, self.degrees, x.degrees)))
 
     def power(self, n: int) -> "Value":
+        """x^n for n >= 0."""
         return reduce(Value.times, [self] * n, ONE)
 
     def conjugate(self) -> "Value":

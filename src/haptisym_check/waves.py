@@ -38,6 +38,7 @@ def times(p: Series, q: Series) -> Series:
 
 
 def plus(p: Series, q: Series) -> Series:
+    """The coefficients of a sum."""
     return [(a + c, b + d) for (a, b), (c, d) in zip(p, q, strict=True)]
 
 
@@ -146,6 +147,7 @@ class WaveFactor(Factor):
         return [strict(model[:1]), strict(model)]
 
     def sign(self, x: Fraction) -> int:
+        """Of its value at a rational number; refused where its bounds do not tell."""
         return strict(self.series(place(self.delays, x, x, Fraction(0))))
 
 
