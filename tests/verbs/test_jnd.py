@@ -15,9 +15,12 @@ import pytest
 from click.testing import CliRunner
 from fits import CHI_95, best_probit, likelihood
 from marks import required
+from scipy.optimize import minimize
+from scipy.special import log_ndtr, ndtr
 
 import haptisym as hs
 from haptisym.cli import app
+from haptisym.programs.values import Array
 from haptisym.verbs.jnd.answers import Answers, Row, collected
 from haptisym.verbs.jnd.curve import Curve
 from haptisym.verbs.jnd.likelihood import Likelihood
@@ -409,3 +412,41 @@ def test_the_command_says_the_same_as_python(file: Callable[..., Path], tmp_path
     assert document == hs.jnd(path, reference=5).to_dict()
     assert (document["schema"], document["certified"]) == ("haptisym.jnd/1", False)
     assert picture.read_text().startswith("<?xml")
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_no_curve_is_likelier_than_the_one_that_is_found(seed: int) -> None:
+    """Without guesses and lapses minus the log-likelihood is convex in a and b of Phi(a + b x): it has one bottom."""
+    draw = np.random.default_rng(seed)
+    for _ in range(8):
+        many = int(draw.integers(2, 9))
+        levels = np.sort(draw.choice(np.arange(1, 300), many, replace=False)) / 100
+        spread = (levels[-1] - levels[0]) * 10 ** draw.uniform(-1.3, 1.2)
+        trials = draw.integers(3, 60, many)
+        shares = ndtr((levels - draw.uniform(levels[0], levels[-1])) / spread)
+        counts = draw.binomial(trials, shares)
+        found = Likelihood(rows_of(levels, counts, trials), 0, 0.0).best()
+        if not (found.steep or found.flat or found.outside):
+            assert found.loss <= convex_bottom(levels, counts, trials) + 1e-7
+
+
+def rows_of(levels: Array, counts: Array, trials: Array) -> tuple[Row, ...]:
+    return tuple(Row(float(x), int(k), int(n)) for x, k, n in zip(levels, counts, trials, strict=True))
+
+
+def convex_bottom(levels: Array, counts: Array, trials: Array) -> float:
+    """The least loss, by a search without slopes."""
+    x = (levels - levels.mean()) / (levels[-1] - levels[0])
+
+    def lost(line: Array) -> float:
+        z = line[0] + line[1] * x
+        return -float((counts * log_ndtr(z) + (trials - counts) * log_ndtr(-z)).sum())
+
+    return float(minimize(lost, [0, 1], method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-11}).fun)
+
+
+def test_a_flat_curve_beside_close_levels_is_found() -> None:
+    rows = (Row(1.15, 6, 14), Row(1.33, 10, 16), Row(1.34, 17, 34))
+    found = Likelihood(rows, 0, 0.0).best()
+    assert found.curve.sigma == pytest.approx(0.7107969972, rel=1e-9)
+    assert found.loss == pytest.approx(44.0902272396582, abs=1e-12)

@@ -381,8 +381,7 @@ REFUSED: dict[str, tuple[Asked, list[Any]]] = {
     "any environment": (lambda s: hs.require(s, "omega_n", any_environment=True), [ELLIPSE, POLYGON, FORMULA]),
     "a formula of the crossings": (lambda s: hs.derive(s)["p_r"], [ELLIPSE, POLYGON, FORMULA]),
     "a certificate": (lambda s: hs.evaluate(s).certificate(), [ELLIPSE, FORMULA]),
-    "a range": (lambda s: s.with_values({"jnd": "0.1 +- 10 %"}), [FLOOR]),
-    "a range of one half width": (lambda s: s.with_values({"jnd.real": "0.1 +- 10 %"}), [ELLIPSE, DIAMOND, FLOOR]),
+    "a range of one half width": (lambda s: hs.evaluate(s.with_values({"jnd.real": "0.1 +- 10 %"})), [ELLIPSE]),
 }
 
 

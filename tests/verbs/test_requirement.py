@@ -499,7 +499,7 @@ def test_the_contract_document(capsys, monkeypatch) -> None:  # type: ignore[no-
 def test_the_page_says_the_value_what_binds_and_the_formula(capsys, monkeypatch) -> None:  # type: ignore[no-untyped-def]
     status, out, _ = call("delayed-spring", "--free", "tau", capsys=capsys, monkeypatch=monkeypatch)
     assert status == 0
-    assert "exactly for 0 ≤ tau ≤ 0.0066778 s" in out
+    assert "exactly for 0 ≤ τ ≤ 0.0066778 s" in out
     assert "r_i (imag)   the band's high end, 15 rad/s" in out
     assert "tau = asin(c)/ω_max" in out
 

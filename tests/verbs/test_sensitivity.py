@@ -273,7 +273,7 @@ def test_one_sided_derivatives_are_said_in_text_and_document() -> None:
     found = sensitivity(filtered(0))
     text = str(found)
     assert "-8.4063 above" in text
-    assert "zeta: from above; below there is no scene." in text
+    assert "ζ: from above; below there is no scene." in text
     row = found.to_dict()["changeovers"]["perceived"][-1]["parameters"][-1]
     assert (row["name"], row["side"], row["reason"]) == ("zeta", "above", "from above; below there is no scene")
     assert row["digits"]["derivative"] == "-8.40630472854641"  # -960/114.2

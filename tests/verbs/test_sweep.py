@@ -182,6 +182,13 @@ def test_numbers_far_beyond_any_device_are_not_trusted_to_floats() -> None:
     assert kernel.answers(np.array([[1e-200, 1.0]]))["method"].tolist() == [1, 0]
 
 
+def test_effects_that_cancel_are_transparent_in_every_set() -> None:
+    damper = hs.environments.mass_spring_damper(b=3)
+    found = hs.sweep(hs.Scene(damper, (hs.effects.series("(1+5*s)/(1+5*s)"),)), {"environment.b": [1.0, 2.0, 3.0]})
+    assert found.bandwidth.values.tolist() == [15.0] * 3
+    assert found.crossings_real.values.tolist() == found.crossings_imag.values.tolist() == [0] * 3
+
+
 def test_units_are_read() -> None:
     found = hs.sweep(PAPER, {NATURAL: ["10 Hz", 80]})
     assert found[NATURAL].values.tolist() == [20 * np.pi, 80.0]

@@ -410,14 +410,14 @@ def test_what_the_excess_does_not_depend_on_is_known() -> None:
 
 
 def test_a_variable_is_known_to_within_roundings_of_its_largest_size() -> None:
-    """Along a side from a negative number on, too: its values as fractions."""
+    """Of its largest in the cell; along a side from a negative number on, too: its values as fractions."""
     scene = hs.Scene(SOFT, (hs.effects.shunt(b=[-5, "-4.9"], m=["0.1", "0.7"]),), ("0.1", 15))
     form = excess_of(box_of(scene), hs.Part.REAL)
     shares = np.random.default_rng(6).uniform(0, 1, (200, form.sides))
     cells = np.stack([shares, shares], -1)
     for i, (low, width) in enumerate(form._intervals):
         model = form._variable(i, cells, slopes=True)
-        assert (model.r[:, 0] >= 4 * 2.0**-53 * (abs(low) + width)).all()
+        assert (model.r[:, 0] >= 4 * 2.0**-53 * (abs(low) + width * shares[:, i])).all()
         least, most = (x[:, 0] for x in model.bounds())
         exact = [Fraction(low) + Fraction(width) * Fraction(x) for x in shares[:, i]]
         assert all(Fraction(a) <= x <= Fraction(b) for a, x, b in zip(least, exact, most, strict=True))

@@ -9,7 +9,7 @@ from itertools import product
 from typing import Any, TypeAlias
 
 import numpy as np
-from scipy.optimize import brentq, minimize, root
+from scipy.optimize import approx_fprime, brentq, minimize
 from scipy.special import log_ndtr, ndtr, xlogy
 
 from haptisym.programs.values import Array
@@ -22,6 +22,10 @@ _STEEP, _FLAT = 1e-3, 1e3
 """The least sigma, of the smallest step between levels, and the largest, of the whole range."""
 _FAR = 40
 """Sigmas beyond the bounds of mu where sigma is held."""
+_MOST_SIGMAS = 1e5
+"""Between the middle of the levels and mu."""
+_NEWTON = 4
+"""Steps to the last digits."""
 _ROOT_2_PI = float(np.log(np.sqrt(2 * np.pi)))
 
 Held: TypeAlias = "tuple[int, float, float]"
@@ -116,7 +120,11 @@ def _times(weight: Array, value: Array) -> Array:
 
 @dataclass(frozen=True)
 class _Way:
-    """Down the loss by the numbers that are free: mu and log sigma, or what is left of them, and perhaps the lapses."""
+    """Down the loss by what is free: log sigma, (m - mu)/sigma with m in the middle of the levels, and perhaps the lapses.
+
+    Over mu itself the valley of a flat curve bends, and a descent stops on its way. Where a quantity is held, mu or log sigma
+    is left.
+    """
 
     likelihood: Likelihood
     held: Held | None
@@ -126,16 +134,22 @@ class _Way:
         known = self.likelihood.lapse
         lapse = float(x[-1]) if known is None else known
         if self.held is None:
-            return float(x[0]), float(x[1]), lapse
+            return self._middle - float(x[0] * np.exp(x[1])), float(x[1]), lapse
         a, z, value = self.held
         if a:
             return value - z * float(np.exp(x[0])), float(x[0]), lapse
         return float(x[0]), float(np.log(value / z)), lapse
 
     def numbers(self, curve: Curve) -> list[float]:
-        own = [curve.mu, float(np.log(curve.sigma))]
-        kept = own if self.held is None else own[1:] if self.held[0] else own[:1]
+        spread = float(np.log(curve.sigma))
+        bent = (self._middle - curve.mu) / curve.sigma
+        kept = [bent, spread] if self.held is None else [spread if self.held[0] else curve.mu]
         return [*kept, *([curve.lapse] if self.likelihood.lapse is None else [])]
+
+    @property
+    def _middle(self) -> float:
+        level = self.likelihood.table[0]
+        return float(level[0] + level[-1]) / 2
 
     def starts(self) -> list[list[float]]:
         level = self.likelihood.table[0]
@@ -146,21 +160,27 @@ class _Way:
     def down(self, start: Sequence[float]) -> tuple[float, Array]:
         """The loss and the numbers at the bottom."""
         found: Any = minimize(
-            self._loss, start, jac=True, method="L-BFGS-B", bounds=self._bounds, options={"ftol": 1e-15}
+            self._loss, start, jac=True, method="SLSQP", bounds=self._bounds, options={"ftol": 1e-15, "maxiter": 500}
         )
         return float(found.fun), found.x
 
     def refined(self, loss: float, x: Array) -> tuple[float, Array]:
         """The same to the last digits, where the bottom is inside the bounds."""
-        found: Any = root(lambda x: self._loss(x)[1], x, tol=1e-13)
-        inside = all(low < x < high for x, (low, high) in zip(found.x, self._bounds, strict=True))
-        lower = self._loss(found.x)[0] if inside and np.isfinite(found.x).all() else np.inf
-        return (lower, found.x) if lower <= loss + 1e-9 * abs(loss) else (loss, x)
+        bottom = np.array(x, float)
+        with np.errstate(all="ignore"):
+            for _ in range(_NEWTON):
+                slopes, bends = self._loss(bottom)[1], np.atleast_2d(approx_fprime(bottom, lambda x: self._loss(x)[1]))
+                if not np.isfinite(bends).all() or np.linalg.matrix_rank(bends) < len(bottom):
+                    return loss, x
+                bottom = bottom - np.linalg.solve(bends, slopes)
+        inside = all(low < x < high for x, (low, high) in zip(bottom, self._bounds, strict=True))
+        lower = self._loss(bottom)[0] if inside and np.isfinite(bottom).all() else np.inf
+        return (lower, bottom) if lower <= loss + 1e-9 * abs(loss) else (loss, x)
 
     @property
     def _bounds(self) -> list[tuple[float, float]]:
         mu, spread = self.likelihood.bounds
-        own = [mu, spread]
+        own = [(-_MOST_SIGMAS, _MOST_SIGMAS), spread]
         if self.held is not None:
             a, z, value = self.held
             reach = _FAR * abs(value / z) if not a else 0.0  # a flat curve has its middle far beyond the levels
@@ -171,7 +191,8 @@ class _Way:
         mu, spread, lapse = self.parameters(x)
         total, (by_mu, by_spread, by_lapse) = self.likelihood.loss(mu, spread, lapse)
         if self.held is None:
-            own = [by_mu, by_spread]
+            sigma = float(np.exp(spread))
+            own = [-sigma * by_mu, by_spread - x[0] * sigma * by_mu]
         else:
             a, z, _ = self.held
             own = [by_spread - by_mu * z * np.exp(spread)] if a else [by_mu]

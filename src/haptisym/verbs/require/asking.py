@@ -66,6 +66,7 @@ class Asked:
     ) -> Asked:  # fmt: skip
         """SceneError where paths, ranges or thresholds are not fit."""
         first, second = scene.knobs.chosen(paths)
+        scene.knobs.need_numbers((first, second))
         judged = asked_of(scene, (first, second), **options) if TRANSPARENT in wanted else ()
         across, along = ((free.number(a), free.number(b)) for free, (a, b) in zip((first, second), ranges, strict=True))
         for free, pair in zip((first, second), (across, along), strict=True):

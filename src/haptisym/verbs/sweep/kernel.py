@@ -99,7 +99,7 @@ class Kernel:
 
 
 def _degree(curves: Curves) -> int:
-    return max(sum(f.degree for f in families) for families in curves.products)
+    return max((sum(f.degree for f in families) for families in curves.products), default=0)
 
 
 def _blank(told: Told, sets: int) -> Columns:
