@@ -295,3 +295,9 @@ def test_a_name_without_its_ending_is_asked_about(tmp_path: Path) -> None:
     (tmp_path / "other.toml").write_text(SMALL, encoding="utf-8")
     with pytest.raises(SceneError, match=r'did you mean "ok.toml"\?'):
         load_scene(tmp_path / "ok")
+
+
+@pytest.mark.parametrize("text", ["omega,real,imag\n1,2,3\n", "# from the bench\nlevel;k;n\n1;2;3\n", "1\t2\t3\n"])
+def test_a_table_of_lines_is_told_where_it_belongs(text: str) -> None:
+    with pytest.raises(SceneError, match=r"^it: a table of lines and no scene: .* \[perceived\]; haptisym identify"):
+        parse_scene(text, "it")

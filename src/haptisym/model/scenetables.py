@@ -44,10 +44,24 @@ _TOML_HINTS = {
 }
 
 
+_MEASURED_LINES = (
+    "a table of lines and no scene: a scene (TOML) names it, as file = ... under [perceived]; haptisym identify fits a model to "
+    "a response, and haptisym jnd a curve to answers"
+)
+
+
+def _is_table_of_lines(text: str) -> bool:
+    """Whether it begins as CSV does: columns, and nothing that TOML begins with."""
+    first = next((x for line in text.splitlines() if (x := line.partition("#")[0].strip())), "")
+    return any(x in first for x in ",;\t") and not any(x in first for x in "=[{")
+
+
 def _toml(text: str) -> Table:
     try:
         return tomllib.loads(text.removeprefix("\N{BYTE ORDER MARK}"), parse_float=Decimal)
     except tomllib.TOMLDecodeError as error:
+        if _is_table_of_lines(text):
+            raise SceneError(_MEASURED_LINES) from None
         hint = next((hint for words, hint in _TOML_HINTS.items() if words in str(error)), "")
         raise SceneError(f"not valid TOML: {error}{hint}") from None
     except RecursionError:
