@@ -351,6 +351,12 @@ def test_what_the_format_has_no_room_for_is_a_sentence(monkeypatch: pytest.Monke
     assert (status, "--environment NAME" in said) == (2, True)
 
 
+def test_a_requirement_of_stability_has_no_certificate_and_says_so() -> None:
+    stable = hs.require("fu2019", "omega_n", that=("stable",), hand="firm-grip")
+    with pytest.raises(hs.SceneError, match="about what is transparent"):
+        stable.certificate()
+
+
 FAR_APART = """[environment]
 model = "kelvin-voigt"
 k = 100

@@ -17,11 +17,13 @@ from marks import QUICK_SCENES, often
 from sympy import Expr, Rational, exp, lambdify, pi
 
 import haptisym as hs
+from haptisym.judge.regions import Sided
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import EFFECTS
 from haptisym.programs.series import series_arithmetic
 from haptisym.verbs.effects.ballchain import TERMS, BallChain, BandPiece, Kept
 from haptisym.verbs.effects.differences import Difference, _down, _Expansion, _up
+from haptisym.verbs.effects.enclosing import levels
 from haptisym.verbs.effects.entry import relevance
 from haptisym.verbs.effects.relevance import Relevance
 from haptisym.verbs.effects.subsets import SubsetSearch
@@ -751,6 +753,18 @@ def test_crossings_lie_between_those_of_both_levels() -> None:
     assert (nextafter(low, inf), nextafter(high, 0)) != (low, high)
     assert high - low < (ends[1] - ends[0]) * (1 + 1e-12)
     assert [x.part for x in found.crossings] == [hs.Part.IMAG, hs.Part.REAL]  # in ascending order
+
+
+@pytest.mark.parametrize(
+    ("gain", "left"), [("-1", True), ("1.05", False), ("1.12", True), ("0.88", False), ("0.7", True)]
+)
+def test_a_part_that_turned_round_has_left_limits_for_growing_and_shrinking_alike(gain: str, *, left: bool) -> None:
+    """Behind a gain g alone x = g - 1, known to 0.01: with -1 it is as large as before, but twice that away, beyond either."""
+    sided = Sided(hs.Part.REAL, higher=Rational("0.1"), lower=Rational("0.2"))
+    scene = hs.Scene(SPRING, (hs.effects.series(gain),), (0, 5))
+    found = levels(sided, scene.distortion(), dict.fromkeys(hs.Part, Rational("0.01")), scene.band)
+    sign = found.must.sign("must", lambda x: 1 if found.must.terms[x.term][x.place].ball(flint.arb(2)) > 0 else -1)
+    assert sign == (1 if left else -1)
 
 
 def test_with_a_tolerance_above_the_threshold_crossings_may_lie_anywhere_below_the_upper_level() -> None:

@@ -1241,6 +1241,10 @@ def test_the_extremum_between_two_frequencies_is_proven_or_not_told() -> None:
         assert found.digits(20) == ExactNumber(sqrt(50)).digits(20)
         assert touch(surface, five, ExactNumber(Integer(8)), ends[1]) is None  # none in between
         assert touch(surface, five, ExactNumber(Integer(1)), ends[1]) is None  # more than one is not excluded
+        assert touch(surface, five, ends[0], ExactNumber(Integer(7))) is None  # it has passed neither end
+        before = ends[0], ExactNumber(sqrt(50) - Rational(1, 5))
+        assert touch(surface, five, *before, beyond=2).digits(20) == found.digits(20)  # 1/4 rad/s outside
+        assert touch(surface, five, *before, beyond=3) is None  # 1/8
     assert touch(Surface.of(condition(OMEGA**2 * T), T), five, *ends) is None
 
 

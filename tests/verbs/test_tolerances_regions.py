@@ -54,6 +54,7 @@ def test_the_ends_of_a_discs_crossing_are_known_by_hand() -> None:
     found = hs.tolerances(lagged({"shape": "ellipse", "real": 0.2, "imag": 0.2}), samples=0)
     assert found.verdict.value == "none"
     assert ends(found) == pytest.approx([36 * t, 44 * t], rel=1e-14)
+    assert found.to_dict()["bandwidth"] == pytest.approx([36 * t, 44 * t], rel=1e-14)
 
 
 def test_the_ends_of_a_diamonds_crossing_are_known_by_hand() -> None:
@@ -72,6 +73,16 @@ def test_a_damper_alone_turns_the_region_by_a_quarter() -> None:
     first = (1 - sqrt(1 - 4 * 0.3**2)) / (2 * 0.3)
     assert first < t
     assert ends(found) == pytest.approx([36 * first, 44 * first], rel=1e-13)
+
+
+def test_a_damper_alone_turns_the_tilt_of_an_ellipse_too() -> None:
+    """x = t/(1 + t^2), y = -t x: within c^2 (1 - r^2) = x^2 - 2 r x y + y^2, a quartic in t."""
+    c, r = 0.2, 0.5
+    disc = {"shape": "ellipse", "real": c, "imag": c, "tilt": r}
+    found = hs.tolerances(lagged(disc, k=0, damper="5 N*s/m", top=30), samples=0)
+    roots = np.roots([1 - c * c * (1 - r * r), 2 * r, 1 - 2 * c * c * (1 - r * r), 0, -c * c * (1 - r * r)])
+    [t] = [x.real for x in roots if abs(x.imag) < 1e-12 and x.real > 0]
+    assert ends(found) == pytest.approx([36 * t, 44 * t], rel=1e-13)
 
 
 def test_a_floor_counts_where_it_is_above_the_limit() -> None:

@@ -109,6 +109,15 @@ def test_every_passive_hand_may_hold_a_lagging_spring_if_its_dampers_make_up_for
     assert "fit for every passive hand exactly for" in str(r)
 
 
+def test_ends_that_are_no_fractions_belong_to_what_suits_every_passive_hand() -> None:
+    """With a^2 for the stiffness Im/omega is 2.5 - a^2/200 at 0, and larger above: -10 sqrt 5 <= a <= 10 sqrt 5."""
+    squared = hs.environments.expression("a^2 + 2*s", parameters={"a": 10})
+    r = hs.require(hs.Scene(squared, LAGGED.effects), "a", that="passive")
+    assert ends(r) == [(pytest.approx(-(500**0.5)), pytest.approx(500**0.5))]
+    [span] = r.feasible
+    assert (span.low.closed, span.high.closed) == (True, True)
+
+
 def test_the_papers_filter_suits_every_passive_hand_from_a_frequency_on() -> None:
     assert ends(hs.require("fu2019", "omega_n", that="passive")) == [(pytest.approx(25 / 3), None)]
     together = hs.require("fu2019", "omega_n", that=["passive", "stable", "transparent"], hand=POSTURAL)

@@ -16,7 +16,6 @@ from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.rootcount import count_roots
 from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand
-from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values as values_of
 from haptisym.model.scene import Scene
 from haptisym.verbs.stability.boxes import Share
@@ -138,7 +137,7 @@ class _Question:
 
     def _everywhere(self, ring: Ring, polynomial: Polynomial) -> int | None:
         """The number of zeros in Re s >= 0, if it is one for all values; None where it may not be."""
-        used = {x.symbol: x.interval for x in self.sides if x.interval and self._is_in(x, ring)}
+        used = {x.symbol: x.interval for x in self.sides if x.interval and x.symbol in ring.symbols}
         known = {x.symbol: x.value for x in self.sides}
         at_nominal = ring.expression(polynomial).xreplace(known)
         own = Ring.of([at_nominal])
@@ -153,10 +152,6 @@ class _Question:
             return count
         self._look(self._middles(list(used), left))
         return None
-
-    @staticmethod
-    def _is_in(x: Knob, ring: Ring) -> bool:
-        return x.symbol in ring.symbols or any(x.symbol in lag.free_symbols for lag in ring.lags)
 
     def _middles(self, symbols: list[Symbol], cells: Any) -> Iterator[dict[str, Expr]]:
         """The values in the middle of some cells."""
