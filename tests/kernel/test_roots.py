@@ -289,6 +289,18 @@ def test_taylor_coefficients_of_an_analytic_factor_are_those_of_mpmath_at_any_or
         assert value != 0
 
 
+def test_beside_powers_a_zero_has_the_least_order_of_what_stands_with_each_power() -> None:
+    """omega^(1/4) sin^k omega + sin omega cos^(k - 1) omega at pi: of order 1; with sin^2 beside both, of order 2."""
+    from haptisym.kernel.analytic import AnalyticFactor
+    from haptisym.kernel.wavesums import WaveTerm
+
+    def order(one: int, other: int, degree: int) -> int:
+        terms = WaveTerm((one,), (1,), ((1,),)), WaveTerm((other,), (0,), ((1,),))
+        return AnalyticFactor(terms, ((Integer(2), False),), (degree,), (Rational(1, 4),)).order_at(pi)
+
+    assert [order(2, 1, 2), order(1, 3, 3), order(2, 2, 2), order(3, 2, 4)] == [1, 1, 2, 2]
+
+
 def test_a_zero_with_a_twin_beside_it_is_not_taken_for_the_other() -> None:
     """Two crossings 6e-11 apart beside a resonance, each where mpmath has it."""
     scene = hs.parse_scene(

@@ -8,13 +8,17 @@ from random import Random
 import flint
 import pytest
 from flint import arb, fmpq
-from sympy import Rational
+from sympy import Rational, pi, symbols
 
 import haptisym as hs
 from haptisym import effects, environments
 from haptisym.judge.criteria import noticed
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.symbols import omega
 from haptisym.verbs.require.blowups import is_negative, positive_along
 from haptisym.verbs.require.freeparameter import conditions, pieces
+from haptisym.verbs.require.limits import _expanded
 from haptisym.verbs.require.strips import Shape, value_from_zero
 
 
@@ -85,6 +89,15 @@ def test_nothing_stays_open_at_0_nor_without_bound(name: str) -> None:
             for a, b in ((x.low.value, x.high.value) for x in found.feasible)
         )
         assert ([(x.low, x.high) for x in e.transparent] == [(e.chart.points[0], e.chart.points[-1])]) is said
+
+
+def test_what_is_not_rational_in_a_coefficient_at_0_stays_in_it() -> None:
+    T = symbols("t", real=True)
+    condition = RealFunction(Ring([T]).axis.convert(pi * omega**2 - 2 * omega**4).reduced())
+    found = dict(_expanded(Shape.of(condition, T), arb("0.1")))
+    assert sorted(found) == [2, 4, 8]
+    assert found[2].overlaps(arb.pi())
+    assert (found[4].overlaps(arb(-2)), found[8].is_zero()) == (True, True)
 
 
 def test_a_clock_is_asked_for_all_of_its_periods_also_beyond_the_nyquist_frequency() -> None:
