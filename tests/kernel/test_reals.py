@@ -14,7 +14,7 @@ from oracles import MP, rounded
 from sympy import Expr, Integer, Rational, pi
 
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.reals import ExactNumber, RealNumber
+from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import chart
 from haptisym.kernel.symbols import omega
@@ -154,3 +154,11 @@ def test_the_working_precision_of_flint_is_left_as_it_was_and_does_not_matter() 
             assert square_root(Fraction(7)).digits(60) == rounded(MP.sqrt(7), 60)
             assert flint.ctx.prec == bits
     assert flint.ctx.prec == before
+
+
+def test_a_number_between_two_others_is_drawn_in_their_middle() -> None:
+    assert [float(Sliver(Fraction(a, 8), Fraction(b, 8))) for a, b in ((2, 6), (-8, 2), (-3, -1))] == [
+        0.5,
+        -0.375,
+        -0.25,
+    ]
