@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
-from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -43,16 +43,47 @@ def room(name: str) -> str:
     return "model" if name in PUBLIC else name.rpartition(".")[0]
 
 
+@dataclass(frozen=True)
+class Told:
+    """What the tests below ask of a module's text, which is parsed once."""
+
+    imports: tuple[tuple[int, str, tuple[str, ...]], ...]
+    """Level, module and names of each ``from ... import``, also inside functions."""
+    calls: frozenset[str]
+    """The last name of whatever is called."""
+    functions: tuple[tuple[str, int], ...]
+    """Each function with its lines, its data sheet not counted."""
+
+
+@cache
+def told(path: Path) -> Told:
+    """What a module says."""
+    nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+    called = [n.func for n in nodes if isinstance(n, ast.Call)]
+    return Told(
+        tuple(
+            (n.level, n.module or "", tuple(x.name for x in n.names)) for n in nodes if isinstance(n, ast.ImportFrom)
+        ),
+        frozenset(f.id if isinstance(f, ast.Name) else f.attr if isinstance(f, ast.Attribute) else "" for f in called),
+        tuple((n.name, lines(n)) for n in nodes if isinstance(n, ast.FunctionDef)),
+    )
+
+
+def lines(function: ast.FunctionDef) -> int:
+    """Those of code with the signature, without the data sheet."""
+    sheet = function.body[0] if ast.get_docstring(function) else None
+    shown = sheet.end_lineno - sheet.lineno + 1 if sheet and sheet.end_lineno else 0
+    return (function.end_lineno or function.lineno) - function.lineno + 1 - shown
+
+
 def imported(name: str) -> set[str]:
     """The sister modules that a module imports, also inside functions."""
-    nodes = [n for n in ast.walk(ast.parse(MODULES[name].read_text(encoding="utf-8"))) if isinstance(n, ast.ImportFrom)]
-    assert not any(node.level for node in nodes), f"{name}: imports are absolute"
     found = set()
-    for node in nodes:
-        base = node.module or ""
+    for level, base, names in told(MODULES[name]).imports:
+        assert not level, f"{name}: imports are absolute"
         if base.split(".")[0] == "haptisym":
             inside = base.removeprefix("haptisym").lstrip(".")
-            found |= {inside} if inside in MODULES else {f"{inside}.{x.name}".lstrip(".") for x in node.names}
+            found |= {inside} if inside in MODULES else {f"{inside}.{x}".lstrip(".") for x in names}
     return found - {"__version__"}
 
 
@@ -141,21 +172,10 @@ def test_the_checker_is_read_in_one_sitting() -> None:
 def test_no_source_evaluates_text_or_simplifies() -> None:
     forbidden = {"eval", "exec", "simplify", "nsimplify", "sympify", "parse_expr"}
     for path in (*SOURCE.rglob("*.py"), *CHECKER.rglob("*.py")):
-        calls = [n.func for n in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(n, ast.Call)]
-        names = {f.id if isinstance(f, ast.Name) else f.attr if isinstance(f, ast.Attribute) else "" for f in calls}
-        assert not names & forbidden, path.name
+        assert not told(path).calls & forbidden, path.name
 
 
 MOST_LINES = 40
-
-
-def functions(path: Path) -> Iterator[tuple[str, int]]:
-    """Each function with its lines, its data sheet not counted."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.FunctionDef) and node.end_lineno:
-            sheet = node.body[0] if ast.get_docstring(node) else None
-            told = sheet.end_lineno - sheet.lineno + 1 if sheet and sheet.end_lineno else 0
-            yield node.name, node.end_lineno - node.lineno + 1 - told
 
 
 def test_a_function_is_seen_whole_on_a_screen() -> None:
@@ -163,7 +183,7 @@ def test_a_function_is_seen_whole_on_a_screen() -> None:
     long = {
         f"{x.relative_to(SOURCE)}: {name}": n
         for x in SOURCE.rglob("*.py")
-        for name, n in functions(x)
+        for name, n in told(x).functions
         if n > MOST_LINES
     }
     assert long == {}

@@ -34,15 +34,11 @@ PAGES = [path for path in sorted((ROOT / "docs").glob("*.md")) if ">>>" in path.
     "functions",
     "index",
     "jnd-regions",
-    "measured",
     "metrics",
     "psychophysics",
-    "relevance",
     "scenes",
     "sensitivity",
     "several-environments",
-    "sweeps",
-    "tolerances",
 )
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: path.stem)
 def test_the_examples_of_a_page_run(page: Path) -> None:
