@@ -7,6 +7,7 @@ With HAPTISYM_EXAMPLES=N there are N examples (where a test wants more, as many 
 from __future__ import annotations
 
 import os
+from typing import Any
 
 os.environ.setdefault("SYMPY_CACHE_SIZE", "20000")  # many scenes in one process
 
@@ -21,7 +22,7 @@ settings.register_profile(
     "drawn" if EXAMPLES else "repeatable",
     derandomize=not EXAMPLES,
     deadline=None,
-    max_examples=EXAMPLES or 10,
+    max_examples=EXAMPLES or 6,
     database=None,
     suppress_health_check=[HealthCheck.too_slow],
 )
@@ -52,6 +53,14 @@ def cases_of(cases: list[pytest.Item], wanted: tuple[object, ...]) -> list[pytes
         return sorted(cases, key=lambda item: cases.index(item) * golden % 1)[: wanted[0]]
     named = {item.nodeid.partition("[")[2][:-1]: item for item in cases}
     return [named[name] for name in map(str, wanted) if name in named]
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Several processes share the files, not the tests: what the tests of a file have in common is computed once."""
+    from xdist.scheduler import LoadFileScheduling
+
+    return LoadFileScheduling(config, log) if config.getvalue("dist") == "load" else None
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:

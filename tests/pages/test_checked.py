@@ -7,7 +7,7 @@ import json
 import re
 import time
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from decimal import Decimal
 from fractions import Fraction
 from functools import cache
@@ -45,9 +45,19 @@ import haptisym as hs
 from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import CrossingKind
 
+EACH_KIND = ("fu2019", "undamped-resonance", "zener-tissue", *OWN, "delayed-spring", "virtual-wall", "a clock")
+"""Scenes of few effects: rational ones, a resonance without damping, delays, a hold, a clock."""
 
-def test_the_certificate_of_every_scene_is_accepted() -> None:
-    names = [*RATIONAL, *OWN, *DELAYED]
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        EACH_KIND,
+        pytest.param([x for x in (*RATIONAL, *DELAYED) if x not in EACH_KIND], marks=pytest.mark.slow),
+    ],
+    ids=["of each kind", "the others"],
+)
+def test_the_certificate_of_every_scene_is_accepted(names: Sequence[str]) -> None:
     for name, (claim, why) in zip(names, verdicts([(certificate(x), text_of(x)) for x in names]), strict=True):
         assert claim == json.loads(certificate(name))["claim"], (name, why)
 

@@ -98,9 +98,9 @@ def test_what_the_witnesses_of_stability_are() -> None:
 
 
 @pytest.mark.few(1)
-@pytest.mark.parametrize("first", often(range(0, 1000, 20), (0, 20).__contains__))
+@pytest.mark.parametrize("first", range(0, 1000, 10))
 def test_certificates_of_random_scenes_are_accepted(first: int) -> None:
-    for seed in range(first, first + 20):
+    for seed in range(first, first + 10):
         text = random_scene(seed)
         assert verdict(hs.evaluate(hs.parse_scene(text)).certificate(), text).startswith("Proven"), seed
 

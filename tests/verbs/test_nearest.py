@@ -20,7 +20,7 @@ def _times(scene: hs.Scene) -> float:
     return float(max(np.max(f.ratio_real) / real, np.max(f.ratio_imag) / imag))
 
 
-@pytest.mark.few("effects.filter.omega_n-asked1-values1", "effects.filter.zeta-asked2-values2")
+@pytest.mark.few("effects.filter.zeta-asked2-values2")
 @pytest.mark.parametrize(
     ("path", "asked", "values"),
     [
@@ -72,7 +72,8 @@ def test_the_nearest_value_is_the_scenes_own_where_others_are_no_better_and_no_e
     assert x.value == Rational(1, 2)
 
 
-@pytest.mark.parametrize(("name", "path"), [("sampled-wall", "rendered.w"), ("virtual-wall", "device.b")])
+@pytest.mark.few(1)
+@pytest.mark.parametrize(("name", "path"), [("virtual-wall", "device.b"), ("sampled-wall", "rendered.w")])
 def test_floats_find_what_comes_nearest_and_balls_prove_that_others_come_hardly_nearer(name: str, path: str) -> None:
     scene = hs.load_scene(name)
     x = require(scene, path).nearest

@@ -22,8 +22,8 @@ WRITTEN_OUT = tuple(name for name in hs.scene_names() if name != "control-stick-
 
 
 def examples(count: int) -> settings:
-    """So many examples of a property, or as many as are asked for, if that is more; every time a third of them."""
-    return settings(max_examples=max(count, EXAMPLES) if EXAMPLES else -(-count // 3), deadline=None)
+    """So many examples of a property, or as many as are asked for, if that is more; every time a fifth of them."""
+    return settings(max_examples=max(count, EXAMPLES) if EXAMPLES else -(-count // 5), deadline=None)
 
 
 def often(cases: Iterable[Any], quick: Callable[[Any], bool]) -> list[Any]:
