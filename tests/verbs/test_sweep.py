@@ -15,7 +15,6 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import distributed
 import mpmath
 import numpy as np
 import pytest
@@ -347,6 +346,8 @@ def test_dask_threads_give_the_same(small: Any) -> None:
 
 @pytest.fixture
 def cluster() -> Iterator[Any]:
+    import distributed  # half a second for each process that collects tests
+
     quiet = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
     with distributed.LocalCluster(**quiet) as found, distributed.Client(found) as client:
         yield client
