@@ -87,6 +87,9 @@ ax = hs.evaluate_all(tissues).plot(kind="real")
 # %%
 ax = hs.evaluate_all(tissues).plot(kind="imag")
 
+# %%
+ax = hs.evaluate_all(tissues, regions=True).plot(kind="regions")
+
 # %% [markdown]
 # ## Measured lines
 
@@ -98,6 +101,13 @@ ax = bench.plot()
 
 # %%
 ax = bench.plot(kind="nyquist")
+
+# %% [markdown]
+# With a stated bound on the slope, what is possible between the lines is a band.
+
+# %%
+bounded = hs.measured(exact.omega, exact.H * 1.02, radius=[4.0] * 20, slope="65 N*s/m")
+ax = hs.evaluate(hs.MeasuredScene(paper.environment, bounded)).plot()
 
 # %%
 joint = hs.evaluate(hs.MeasuredScene(felt.environment, lines, None, felt.threshold))

@@ -150,8 +150,8 @@ def test_what_is_said_after_a_limit_is_true(question: str, ticks: int, clock: Ca
     scale = max(map(abs, ends), default=1.0)
     for x in [x * (1 + e) for x in ends for e in (-1e-6, 1e-6)] + [scale * n / 50 for n in range(1, 100)]:
         low, high = (None if v is None else float(v) for v in (whole.domain.low, whole.domain.high))
-        if (low is not None and x <= low) or (high is not None and x >= high):
-            continue
+        if (low is not None and x <= low) or (high is not None and x >= high) or x in ends:
+            continue  # neighbours share an end
         if not _holds(_open(cut), x):
             assert _holds(_spans(cut), x) == _holds(_spans(whole), x), x
         elif _holds(_spans(cut), x):

@@ -53,7 +53,8 @@ class Model:
 
     def bounds(self) -> tuple[Array, Array]:
         """The least and the greatest that the value and each slope can be, (boxes, m); infinite where nothing is known."""
-        radius = self.deviation * (1 + _ROUNDING) + np.abs(self.c0) * _ROUNDING
+        with np.errstate(over="ignore", invalid="ignore"):  # what is too large is unknown
+            radius = self.deviation * (1 + _ROUNDING) + np.abs(self.c0) * _ROUNDING
         radius = np.where(np.isfinite(radius) & np.isfinite(self.c0), radius, np.inf)
         middle = np.where(np.isfinite(radius), self.c0, 0.0)
         return middle - radius, middle + radius
