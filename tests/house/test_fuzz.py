@@ -33,7 +33,6 @@ def test_every_verb_is_right_about_a_few_scenes_and_a_second_run_goes_on(tmp_pat
 
 
 def test_what_is_wrong_is_found_and_told(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.syspath_prepend(str(ROOT))
     from tests import fuzz as fuzzed
 
     right = hs.Evaluation.crossings.func  # type: ignore[attr-defined]
