@@ -9,7 +9,7 @@ from sympy import Expr
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.hand import Hand
 from haptisym.model.parameters import Parameter
-from haptisym.model.quantities import unit_text
+from haptisym.model.quantities import MotionKind, unit_text
 from haptisym.model.ranges import spread
 from haptisym.pages.words import CHANGE, both, lead, symbol, title
 from haptisym.verbs.stability.boxes import Share
@@ -58,20 +58,24 @@ def page(a: Tolerances) -> Document:
 
 
 def _varying(a: Tolerances) -> Block:
+    """What varies of the display; where nothing of it does, of its hands."""
     nominal = a.nominal.values
-    rows = [
-        (
-            named(x.name), _rounded(float(x.low), 6), _rounded(float(x.high), 6), "" if x.unit == "1" else unit_text(x.unit),
-            spread(nominal[x.name], (x.low, x.high)),
-        )
-        for x in a.box.sides
-    ]  # fmt: skip
+    rows = [_side(named(x.name), nominal[x.name], (x.low, x.high), x.unit) for x in a.box.sides]
+    if not rows:
+        motion = a.box.scene.motion or MotionKind.TRANSLATION
+        varied = [x for found in a.held for x in _ranges(found.hand)]
+        rows = [_side(named(p.symbol.name), p.value, ends, p.dimension.unit(motion)) for p, ends in varied]
     columns = Column("varies"), Column("from", number=True), Column("to", number=True), Column(""), Column("")
     return Table(columns, tuple(rows), "The parameters that vary.")
 
 
+def _side(name: Phrase, nominal: Expr, ends: tuple[Expr, Expr], unit: str) -> tuple[Phrase, ...]:
+    told = "" if unit == "1" else unit_text(unit)
+    return name, *(_rounded(float(x), 6) for x in ends), told, spread(nominal, ends)
+
+
 def _verdict(a: Tolerances) -> Iterator[Block]:
-    yield Paragraph(_VERDICTS[a.verdict])
+    yield Paragraph(_VERDICTS[a.verdict] if a.box.sides else _ALONE[a.verdict])
     examples = (("Transparent", a.transparent), ("Noticed", a.noticed))
     told: list[Phrase] = [
         (f"{how}, for example, with ", values(one.values), ".")
@@ -87,6 +91,12 @@ def _verdict(a: Tolerances) -> Iterator[Block]:
         yield Notes(tuple(told))
 
 
+_ALONE: dict[Verdict, Phrase] = {
+    Verdict.ALL: "Proven: the display, of which nothing varies, is transparent on the whole band.",
+    Verdict.NONE: ("Proven: the display, of which nothing varies, is ", Strong("NOT"), " transparent on the whole band."),
+    Verdict.UNDECIDED: (Strong("UNDECIDED"), ": whether the display, of which nothing varies, is transparent on the band."),
+}  # fmt: skip
+"""Where ranges are of hands alone, which change nothing of what is felt."""
 _SHARES: dict[Share, Phrase] = {
     Share.ALL: ("the display is stable for ", Strong("ALL"), " values within the ranges."),
     Share.NONE: ("for ", Strong("NONE"), " of the values within the ranges is the display stable."),
@@ -145,6 +155,8 @@ def _enclosures(a: Tolerances) -> Block:
     )
     title = f"Guaranteed: {what}, whatever the values"
     said = "An end marked = is reached, at a corner of the ranges; any other is a bound, which crossings may come near or not."
+    if not a.box.sides:
+        title, said = f"Proven: {what}", "An end marked = is a crossing, exactly; any other is a bound."
     shown = (
         "Grey: where crossings may lie, proven for all values. Dots: crossings of the sets that were drawn at random."
     )
@@ -177,13 +189,15 @@ def _series(names: Iterable[Phrase]) -> Phrase:
 
 
 def _end(x: RealNumber, at: Mapping[str, Expr] | None) -> Number:
-    return Number(f"{'=' if at else ''}{x.digits(6)}", float(x))
+    return Number(f"{'' if at is None else '='}{x.digits(6)}", float(x))
 
 
 def _bandwidth(a: Tolerances) -> Phrase:
     if a.bandwidth is None:
         return "That the display is transparent from the low end of the band on is not proven for all values."
     low, high = a.bandwidth
+    if low == high:
+        return "Proven: the bandwidth is ", both(low), "."
     return "Guaranteed: the bandwidth lies between ", both(low), " and ", both(high), "."
 
 

@@ -56,14 +56,13 @@ def _side(x: Knob) -> Side:
 
 
 def box_of(scene: Scene) -> Box:
-    """The box of a scene; SceneError if no parameter of it has a range, or one is still a symbol."""
+    """The box of a scene, without sides where ranges are of its hands alone; SceneError without any, or with a symbol."""
     if not scene.threshold.is_box:
         names = " and ".join(scene.threshold.ranges)
         own = f"the JND has a range of {names}, which is no side of a box"
         raise SceneError(f"{own}: `haptisym evaluate` tells its bandwidths; give it a number here")
     box = Box(scene)
     scene.knobs.need_numbers()
-    if not box.sides:
-        alone = "; of the hand's alone `haptisym stability` tells" if any(x.has_ranges for x in scene.hands) else ""
-        raise SceneError(f'no parameter has a range: write one as "1.8 kg +- 5 %" or as ["1.7 kg", "1.9 kg"]{alone}')
+    if not box.sides and not any(x.has_ranges for x in scene.hands):
+        raise SceneError('no parameter has a range: write one as "1.8 kg +- 5 %" or as ["1.7 kg", "1.9 kg"]')
     return box

@@ -32,7 +32,8 @@ def tolerances(
 
     Guaranteed: the verdict where it is not ``Verdict.UNDECIDED``; that crossings lie in the enclosures and nowhere else; how many
     there are where a count is given; ends said to be reached at a corner are exact. Estimated: quantiles over ``samples`` sets
-    of values, each answered with certainty, drawn uniformly with a seed. SceneError where no parameter has a range.
+    of values, each answered with certainty, drawn uniformly with a seed; none where ranges are of hands alone, which change
+    nothing of what is felt. SceneError where nothing has a range.
 
     ``hand`` : those in which the display is held, as of ``stability``; those of the scene if not given. Of each it is told, in
     ``held``, whether the display is stable in it for all values of display and hand, for some, or for none.
@@ -55,7 +56,7 @@ def tolerances(
         with share(_FOR_HANDS):
             held = tuple(held_in_box(scene, x) for x in scene.hands)
         with share(_FOR_SAMPLES):
-            found = Tolerances(box, drawn(box, samples, seed), seed, budget, held)
+            found = Tolerances(box, drawn(box, samples, seed) if box.sides else (), seed, budget, held)
         found.settle()
     return found
 

@@ -8,7 +8,7 @@ from fractions import Fraction
 from itertools import islice, product
 from typing import Any
 
-from sympy import Expr, Rational, Symbol
+from sympy import Expr, I, Rational, Symbol
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
@@ -44,8 +44,10 @@ class HeldInBox:
         examples = {"stable": self.stable, "unstable": self.unstable}
         shown = {key: x and {name: str(value) for name, value in x.items()} for key, x in examples.items()}
         reason = {"reason": self.reason} if self.reason else {}
+        ranges = {p.key: [float(end) for end in p.interval] for p in self.hand.parameters if p.interval}
         return {
             "hand": self.hand.name,
+            **({"ranges": ranges} if ranges else {}),
             "stable": self.share.value if self.share else None,
             "witnesses": shown,
             **reason,
@@ -128,8 +130,8 @@ class _Question:
         chain = self.scene.chain.at(values_of(p for p in self.scene.parameters if p.symbol not in symbols))
         Z = self.hand.dynamics.xreplace(values_of(p for p in self.hand.parameters if p.symbol not in symbols))
         ring = Ring.of([*chain.entries(), Z])
-        if len(ring.functions) > len(ring.lags):
-            raise UndecidedError("the roots of a display with powers of s or friction, for all values at once")
+        if I in ring.generators:
+            raise UndecidedError("the roots of a display with friction, for all values at once")
         perceived = chain.perceived(range(len(chain.matrices)), ring)
         bottom = perceived.denominator
         lowest = min(int(exponents[0]) for exponents in bottom.monoms())

@@ -1,9 +1,9 @@
 """Whether a characteristic function has zeros on the imaginary axis for some values of a box: excluded by branch and bound.
 
-D(s) is a polynomial in s and delays exp(-s tau), coefficients and delays being functions of the box. Beyond a reach R the highest
-power of s outweighs all others in Re s >= 0, whatever the values. Up to it cells of omega and box are left out where D(j omega)
-lies, proven in Taylor models, on one side of a line through 0. If none is left, no zero comes to the axis anywhere in the box,
-and the number of zeros in Re s >= 0 is one for all values.
+D(s) is a polynomial in s, delays exp(-s tau) and powers s^alpha; coefficients, delays and orders are functions of the box.
+Beyond a reach R the highest power of s outweighs all others in Re s >= 0, whatever the values. Up to it cells of omega and box
+are left out where D(j omega) lies, proven in Taylor models, on one side of a line through 0. If none is left, no zero comes to
+the axis anywhere in the box, and the number of zeros in Re s >= 0 is one for all values.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from math import prod
+from typing import TypeAlias
 
 import numpy as np
 from sympy import Expr, Rational, Symbol, pi
@@ -29,22 +30,29 @@ _PIECES = 512  # of the box, over which coefficients are bounded
 _FARTHEST = 2.0**60
 
 
+_Key: TypeAlias = tuple[tuple[int, ...], tuple[int, ...]]
+"""How often each unit delay, and each power of s, is in a term."""
+_Terms: TypeAlias = dict[int, list[tuple[Rational, tuple[int, ...]]]]
+"""By whole powers of s, numbers and the exponents of the symbols that they multiply."""
+
+
 class OnAxis:
-    """D(j omega) of a polynomial of a ring without powers of s, over the values that some of its symbols may have.
+    """D(j omega) of a polynomial of a ring, over the values that some of its symbols may have.
 
     Cells are arrays (cells, 1 + symbols, 2) of shares, as those of ``search``; omega goes from 0 to the reach.
     """
 
     def __init__(self, ring: Ring, polynomial: Polynomial, ranges: Mapping[Symbol, tuple[Expr, Expr]]) -> None:
-        self._lags = ring.lags
+        self._lags, self._orders = ring.lags, ring.orders
         self._ranges = [(floated(low), floated(high - low)) for low, high in ranges.values()]
         self._symbols, self.sides = list(ranges), 1 + len(ranges)
-        self._groups: dict[tuple[int, ...], dict[int, list[tuple[Rational, tuple[int, ...]]]]] = {}
+        self._groups: dict[_Key, _Terms] = {}
+        first, last = ring.size, ring.size + len(ring.lags)
         for exponents, value in polynomial.to_dict().items():
             own = [int(n) for n in exponents]
-            powers = dict(zip(ring.symbols, own[2 : ring.size], strict=True))
+            powers = dict(zip(ring.symbols, own[2:first], strict=True))
             term = Rational(int(value.p), int(value.q)) * pi ** own[1], tuple(powers.get(x, 0) for x in self._symbols)
-            group = self._groups.setdefault(tuple(own[ring.size : ring.size + len(ring.lags)]), {})
+            group = self._groups.setdefault((tuple(own[first:last]), tuple(own[last:])), {})
             group.setdefault(own[0], []).append(term)
 
     @cached_property
@@ -56,20 +64,30 @@ class OnAxis:
                 cells = halves(cells, np.full(len(cells), 1 + i % (self.sides - 1)))
         with np.errstate(all="ignore"):
             values = self._values(cells, 0.0)
-            found = {turns: self._coefficients(group, values) for turns, group in self._groups.items()}
-        highest = max(power for group in found.values() for power in group)
-        least, more = np.zeros(len(cells)), np.zeros((highest + 1, len(cells)))
-        for turns, group in found.items():
-            for power, model in group.items():
-                low, high = (x[:, 0] for x in model.bounds())
-                if power == highest and not any(turns):
-                    least += np.maximum(np.maximum(low, -high), 0)
-                else:
-                    more[power] += np.maximum(abs(low), abs(high))
-        least = (least - more[highest]) * (1 - 1e-9)
+            found: dict[tuple[Expr, bool], list[Model]] = {}
+            for (turns, powers), group in self._groups.items():
+                for power, model in self._coefficients(group, values).items():
+                    found.setdefault((power + _weighted(powers, self._orders), any(turns)), []).append(model)
+            sizes = {key: _sizes(_total(models)) for key, models in found.items()}
+            return self._prevailing(sizes, values)
+
+    def _prevailing(
+        self, sizes: Mapping[tuple[Expr, bool], tuple[Array, Array]], values: Sequence[Model]
+    ) -> float | None:
+        """From least and largest sizes of the terms, by their power and whether they come late."""
+        zero = np.zeros(len(values[0].c0))
+        for top in {power for power, _ in sizes}:
+            gaps = {power: self._valued(top - power, values).bounds() for power, _ in sizes if power != top}
+            if all((low > 0).all() for low, _ in gaps.values()):
+                break
+        else:
+            return None
+        least = sizes.get((top, False), (zero, zero))[0] - sizes.get((top, True), (zero, zero))[1]
+        more = [(gaps[power], most) for (power, _), (_, most) in sizes.items() if power != top]
         radius = 2.0**-20
         while radius < _FARTHEST:
-            if (least > sum(more[k] * radius ** (k - highest) for k in range(highest)) * (1 + 1e-9)).all():
+            rest = sum((most * np.maximum(*(radius ** -x[:, 0] for x in gap)) for gap, most in more), zero)
+            if (least * (1 - 1e-9) > rest * (1 + 1e-9)).all():
                 return radius
             radius *= 2
         return None
@@ -113,13 +131,21 @@ class OnAxis:
         values = self._values(cells, self.reach)
         omega = values[0]
         real, imag = omega.number(0.0), omega.number(0.0)
-        for turns, group in self._groups.items():
+        for (turns, powers), group in self._groups.items():
             x, y = self._polynomial(self._coefficients(group, values), omega)
+            if any(powers):  # (j omega)^a
+                a = self._valued(_weighted(powers, self._orders), values)
+                size, (c, s) = omega.to_the(a), a.times(np.pi / 2).cosine_and_sine()
+                x, y = (x * c - y * s) * size, (x * s + y * c) * size
             if any(turns):
-                c, s = self._angle(turns, values).cosine_and_sine()
+                c, s = (omega * self._valued(_weighted(turns, self._lags), values)).cosine_and_sine()
                 x, y = x * c + y * s, y * c - x * s
             real, imag = real + x, imag + y
         return real, imag
+
+    def _valued(self, formula: Expr, values: Sequence[Model]) -> Model:
+        """A formula of what varies."""
+        return valued(formula, dict(zip(self._symbols, values[1:], strict=True)), values[0])
 
     def _values(self, cells: Array, reach: float) -> list[Model]:
         found = []
@@ -149,11 +175,17 @@ class OnAxis:
                 found[0] = found[0] + coefficients[power]
         return found[0], found[1]
 
-    def _angle(self, turns: tuple[int, ...], values: Sequence[Model]) -> Model:
-        lag = sum((n * x for n, x in zip(turns, self._lags, strict=True)), Rational(0))
-        return values[0] * valued(lag, dict(zip(self._symbols, values[1:], strict=True)), values[0])
-
 
 def _total(terms: Iterable[Model]) -> Model:
     first, *others = terms
     return sum(others, first)
+
+
+def _weighted(times: Iterable[int], what: Iterable[Expr]) -> Expr:
+    return sum((n * x for n, x in zip(times, what, strict=True)), Rational(0))
+
+
+def _sizes(model: Model) -> tuple[Array, Array]:
+    """The least and the largest absolute value over each cell."""
+    low, high = (x[:, 0] for x in model.bounds())
+    return np.maximum(np.maximum(low, -high), 0), np.maximum(abs(low), abs(high))
