@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
@@ -24,6 +23,7 @@ from haptisym.figures.style import (
     SMALL,
     SOLID,
     TEXT,
+    UNSTABLE,
     dress,
     handle,
     legend,
@@ -36,7 +36,6 @@ from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.verbs.stability.answer import Stability
 from haptisym.verbs.stability.plane import Plane, Window, plane
 
-_UNSTABLE = "#f3dcd8"
 _SMALLER = SMALL - 1
 _ROOM = 1.25  # of the largest number that is shown
 _NARROW, _RIM = 9, 4  # pixels of a cell in which nothing is written, and of its rim
@@ -95,19 +94,18 @@ def _window(found: Stability, shown: Iterable[Hand]) -> Window:
 
 def _ground(ax: Axes, drawn: Plane) -> list[Artist]:
     """Cells by whether they are stable."""
-    image = np.full(drawn.cells[0].pixels.shape if drawn.cells else (1, 1), np.nan)
-    for x in drawn.cells:
-        image[x.pixels] = 0 if x.roots is None else 1 if x.is_stable else 2
     low, high, least, most = drawn.window
-    colors = ListedColormap([SHADE, "white", _UNSTABLE])
-    ax.imshow(
-        image.T, extent=(low, high, least, most), origin="lower", aspect="auto", cmap=colors, vmin=0, vmax=2, zorder=0
+    grounds = (
+        ("not stable", UNSTABLE, [x for x in drawn.cells if x.roots is not None and not x.is_stable]),
+        ("not decided", SHADE, [x for x in drawn.cells if x.roots is None]),
     )
     made: list[Artist] = []
-    if any(x.roots is not None and not x.is_stable for x in drawn.cells):
-        made.append(Patch(facecolor=_UNSTABLE, label="not stable"))
-    if any(x.roots is None for x in drawn.cells):
-        made.append(Patch(facecolor=SHADE, label="not decided"))
+    for label, color, cells in grounds:
+        if cells:
+            where = np.any([x.pixels for x in cells], axis=0).astype(float)
+            x, y = np.linspace(low, high, where.shape[0]), np.linspace(least, most, where.shape[1])
+            ax.contourf(x, y, where.T, levels=[0.5, 1.5], colors=[color], zorder=0)
+            made.append(Patch(facecolor=color, label=label))
     return made
 
 

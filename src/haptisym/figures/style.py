@@ -29,6 +29,7 @@ WIDTH = 3.4
 TEXT, SMALL = 8.0, 7.0
 """Points: labels of axes; ticks, legends and notes."""
 INK, BLUE, RED, GREY, SHADE = "#222222", "#1f4e9e", "#c03028", "#7a7a7a", "#e6e6e6"
+UNSTABLE = "#f3dcd8"  # the ground where a hand is shaken
 SOLID: Any = "-"
 DASHED: Any = (0, (4, 1.6))
 DOTTED: Any = (0, (1, 2))

@@ -46,8 +46,11 @@ def page(m: DesignMap) -> Document:
     last = certain, " ", _between(m)
     shown = "Values that will do, along exact slices, with what binds at their ends."
     figure = Figure("map", shown, m.figure)
+    table = _slices(m)
+    left = len(m.slices) - len(table.rows)
+    more: Phrase = f" Listed here: {len(table.rows)} of the slices; the others are in --json." if left else ""
     beside = *_stiffest(m), *_contours(m), *_classical(m)
-    blocks = Facts(tuple(_wished(m))), Paragraph(said), _slices(m), *beside, figure, Paragraph(last), *_proven(m)
+    blocks = Facts(tuple(_wished(m))), Paragraph((*said, more)), table, *beside, figure, Paragraph(last), *_proven(m)
     return Document(title(m.scene), lead(m.scene, m.asides()), blocks, "Which values will do")
 
 
@@ -143,4 +146,5 @@ def _slices(m: DesignMap) -> Table:
         Column(heading(m.free[0]), number=True),
         Column("will do" if len(m.that) > 1 else f"{_WORDS[m.that[0]]} for"),
     )
-    return Table(columns, tuple((Number(f"{at:.6g}", at), found) for at, found in rows), "Some of the slices, proven.")
+    caption = ("Some of the slices" if len(some) < len(m.slices) else "The slices") + ", proven."
+    return Table(columns, tuple((Number(f"{at:.6g}", at), found) for at, found in rows), caption)

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure as Canvas
 
 from haptisym import __version__
 from haptisym.figures.kinds import checked_report
-from haptisym.figures.style import BLUE, GREY, INK, RED, SHADE
+from haptisym.figures.style import BLUE, GREY, INK, RED, SHADE, UNSTABLE
 from haptisym.judge.answers import Answer
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.pages.pdf import pdf
@@ -59,7 +59,15 @@ def _page(document: Document, record: str) -> str:
     return html(document, _drawn, (name, json.dumps(told)), f"Made by haptisym {__version__}.")
 
 
-_COLOURS = {INK: "ink", BLUE: "env", RED: "perc", GREY: "grey", SHADE: "shade", "#ffffff": "paper"}
+_COLOURS = {
+    INK: "ink",
+    BLUE: "env",
+    RED: "perc",
+    GREY: "grey",
+    SHADE: "shade",
+    UNSTABLE: "unstable",
+    "#ffffff": "paper",
+}
 """The figures' colours, and the names by which the page's style sheet gives them, in the light and in the dark."""
 
 

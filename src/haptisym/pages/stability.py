@@ -130,8 +130,10 @@ def _going(found: Stability, x: Held, rows: tuple[Nearest, ...]) -> Section:
     )
     notes += [(Strong("UNDECIDED"), f": {near.path}: {near.reason}.") for near in rows if near.reason]
     notes += looked_at(rows)
-    if notes:
+    if lines and notes:
         blocks.append(Notes(tuple(notes)))
+    else:
+        blocks += map(Paragraph, notes)
     return Section(f"How far a number may go in the hand {x.hand.name}", tuple(blocks))
 
 

@@ -32,8 +32,10 @@ from haptisym.writing.mathematics import Parts, display, inline
 from haptisym.writing.plain import NUMBER, said
 
 _POLICY = (
-    "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
+    "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; "
+    "base-uri 'none'; form-action 'none'"
 )
+"""Nothing is loaded; ``data:`` are the grounds of figures, which are part of the page."""
 
 
 def html(document: Document, drawn: Callable[[Figure], Html], record: tuple[str, str], made: str) -> str:

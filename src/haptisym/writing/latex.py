@@ -35,6 +35,7 @@ _NONE: Mapping[str, str] = MappingProxyType({})
 _TEMPLATE = r"""\documentclass[a4paper]{article}
 \usepackage[margin=2.5cm]{geometry}
 \usepackage{amsmath}
+\usepackage{array}
 \usepackage{booktabs}
 %s\allowdisplaybreaks
 \emergencystretch=3em
@@ -235,6 +236,7 @@ _MOST = 32  # lines of a table, so that it fits on a page
 _LINE = 88  # characters of a line of a table
 _GAP = 3
 _CHARACTER = 0.175  # cm, as wide as a character is on average
+_PARAGRAPHS = r">{\raggedright\arraybackslash}p{%.2fcm}"  # a narrow column that is justified tears its words apart
 
 
 def _point(shown: Sequence[str], cells: list[list[str]], i: int) -> None:
@@ -260,7 +262,7 @@ def _columns(table: Table) -> tuple[str, list[int]]:
     natural = [max(map(len, column)) for column in zip(*rows, strict=True)]
     room = _LINE - _GAP * (len(natural) - 1)
     wide = widths_of(rows, room) or _narrowed(natural, room)
-    columns = ["l" if w >= n else rf"p{{{w * _CHARACTER:.2f}cm}}" for w, n in zip(wide, natural, strict=True)]
+    columns = ["l" if w >= n else _PARAGRAPHS % (w * _CHARACTER) for w, n in zip(wide, natural, strict=True)]
     lines = [max(-(-len(x) // w) for x, w in zip(row, wide, strict=True)) for row in rows[1:]]
     return " ".join(columns), [max(n, 1) for n in lines]
 
