@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from functools import cache
-from math import log10
+from functools import cache, partial
+from math import inf, log10
 from pathlib import Path
 from typing import Any
 
@@ -261,10 +261,29 @@ def test_a_grid_counts_sets_wrong_that_are_proven_right() -> None:
     assert (ours.proven, ours.wrong, ours.missed, ours.invented) == (True, 0, 0, 0)
     assert coarse.wrong is not None
     assert fine.wrong is not None
-    assert coarse.wrong > fine.wrong  # how many sets are known exactly depends on the machine
+    assert (
+        coarse.wrong > fine.wrong
+    )  # how many of the drawn sets are known exactly depends on the machine: see the next
     assert coarse.sets == fine.sets == ours.sets
     assert [row.proven for row in swept().rows] == [True, False, False]
     assert ours.digits > 9.9
+
+
+def test_a_grid_misses_the_peaks_between_its_points_and_finds_those_at_them() -> None:
+    """Points are 0.01502 rad/s apart, the peak is 0.01500 wide: midway it is missed. Each 111th point is one of the coarse grid."""
+    points = np.linspace(0, 15, 1000)
+    midway, at, shared = (points[400:403] + points[401:404]) / 2, points[[400, 500]], points[[444, 555]]
+    drawn = SweepQuestion.of(hs.parse_scene(NARROW), ["k"], quick=True)
+    question = replace(drawn, values=np.concatenate([midway, at, shared])[None] ** 2, patience=inf)
+    ours, coarse, fine = (
+        x(question)() for x in (certified_way, partial(grid_of_sets, 100), partial(grid_of_sets, 1000))
+    )
+    (right, of), (coarse_wrong, _), (fine_wrong, _) = (
+        question.score(x).wrong or (-1, -1) for x in (ours, coarse, fine)
+    )
+    assert coarse_wrong > fine_wrong > 0
+    assert (right, fine_wrong, coarse_wrong, of) == (0, 3, 5, 7)
+    assert [question.score(x).missed for x in (ours, coarse, fine)] == [0, 10, 6]
 
 
 def test_the_truth_of_a_sweep_is_that_of_a_grid_of_a_million_points() -> None:
