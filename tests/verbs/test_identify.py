@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.stats import binom
 from scipy.stats import f as f_distribution
 
 import haptisym as hs
@@ -140,15 +141,17 @@ def test_intervals_hold_the_truth_and_true_models_are_refuted_as_often_as_they_s
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("noise", "least"), [(0.02, 0.91), (0.2, 0.86)])
-def test_boxes_of_a_model_that_bends_hold_the_truth_as_the_docs_say(noise: float, least: float) -> None:
+@pytest.mark.parametrize(("noise", "said"), [(0.02, (0.944, 0.964)), (0.2, (0.91, 0.94))])
+def test_boxes_of_a_model_that_bends_hold_the_truth_as_the_docs_say(noise: float, said: tuple[float, float]) -> None:
+    """No fewer of 400 than 99 % of all runs would have if each held it with the least share that is said, no more with the largest."""
     asked = wanted("mass-spring-damper:m=1.8,b=15,k=100", ["second-order-lowpass"], None, None)
     omega, truth = np.geomspace(1, 60, 30), np.array([80, 0.5])
-    held = []
-    for seed in range(400):
+    draws, held = 400, 0
+    for seed in range(draws):
         ends = estimates(fit(asked, noisy("fu2019", noise, seed, omega), [truth]))
-        held.append(all(e.least <= value <= e.most for e, value in zip(ends, truth, strict=True)))
-    assert least < np.mean(held) < 0.985
+        held += all(e.least <= value <= e.most for e, value in zip(ends, truth, strict=True))
+    least, most = (binom.ppf(q, draws, share) for q, share in zip((0.01, 0.99), said, strict=True))
+    assert least <= held < most
 
 
 def test_errors_above_a_tenth_are_said_to_make_the_box_less_certain() -> None:
