@@ -143,9 +143,9 @@ FREQUENCIES = (0.0, 1e-6, 1e4)
 
 def points_of(scene, *, symbolic):
     chance = random.Random(str(scene.environment.dynamics))
-    for _ in range(2 if symbolic else 1):
+    for _ in range(3 if symbolic else 1):
         values = [value_near(p, chance) for p in scene.parameters] if symbolic else []
-        for omega in (*FREQUENCIES, *(10 ** chance.uniform(-2, 3) for _ in range(4))):
+        for omega in (*FREQUENCIES, *(10 ** chance.uniform(-2, 3) for _ in range(6))):
             yield (omega, *values)
 
 
