@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import random
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -26,7 +27,7 @@ from haptisym.programs.taylormodels import Model, constant, variable
 from haptisym.verbs.tolerances import single
 from haptisym.verbs.tolerances.box import Box, box_of
 from haptisym.verbs.tolerances.entry import tolerances
-from haptisym.verbs.tolerances.excess import Excess
+from haptisym.verbs.tolerances.excess import Excess, floated
 from haptisym.verbs.tolerances.proofs import One
 from haptisym.verbs.tolerances.quantiles import Quantiles, quantiles
 from haptisym.verbs.tolerances.search import (
@@ -422,6 +423,31 @@ def test_a_variable_is_known_to_within_roundings_of_its_largest_size() -> None:
         exact = [Fraction(low) + Fraction(width) * Fraction(x) for x in shares[:, i]]
         assert all(Fraction(a) <= x <= Fraction(b) for a, x, b in zip(least, exact, most, strict=True))
         assert (most - least <= 1e-12 * (abs(low) + width)).all()
+
+
+def test_a_variable_holds_its_values_and_its_slope_whatever_the_sizes_of_its_ends() -> None:
+    """Ends of 10^-300 to 10^300, of both signs and alike but for a last digit, cells down to 2^-1000: against fractions."""
+    chance = random.Random(20)
+    form = Excess.__new__(Excess)
+    form.sides = 1
+    for _ in range(2000):
+        low = (
+            chance.choice([0, -1, 1]) * Rational(chance.getrandbits(80), 3) * Rational(10) ** chance.randint(-320, 250)
+        )
+        width = Rational(chance.getrandbits(80) + 1, 7) * Rational(10) ** chance.randint(-320, 250)
+        if chance.random() < 0.3:
+            width = (abs(low) or 1) * Rational(1, 10 ** chance.randint(0, 40))
+        form._intervals = [(floated(low), floated(width))]
+        start = chance.random() * 2.0 ** -chance.choice([0, 1, 30, 1000])
+        end = min(1.0, start + chance.random() * 2.0 ** -chance.choice([0, 1, 30, 1000]))
+        model = form._variable(0, np.array([[[start, end]]]), slopes=True)
+        for t in (-1, Fraction(chance.getrandbits(20), 2**20), 1):
+            share = Fraction(start) + (Fraction(end) - Fraction(start)) * (t + 1) / 2
+            exact = Fraction(low.p, low.q) + Fraction(width.p, width.q) * share
+            told = Fraction(float(model.c0[0, 0])) + Fraction(float(model.c1[0, 0, 0])) * t
+            assert abs(exact - told) <= Fraction(float(model.r[0, 0]))
+        slope = Fraction(width.p, width.q) * (Fraction(end) - Fraction(start)) / 2
+        assert abs(slope - Fraction(float(model.c0[0, 1]))) <= Fraction(float(model.r[0, 1]))
 
 
 # --- the search, on functions whose zeros are known ------------------------------------------------------------------

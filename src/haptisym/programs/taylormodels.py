@@ -240,7 +240,7 @@ def variable(middle: Array, radius: Array, size: Array, side: int, sides: int, *
     found = _flat(middle, np.zeros((len(middle), 1 + sides)), sides)
     found.c1[:, 0, side] = radius
     found.c0[:, 1 + side] = radius
-    found.r[:, 0] = found.r[:, 1 + side] = _ROUNDING * size
+    found.r[:, 0] = found.r[:, 1 + side] = _ROUNDING * size + _TINY
     return found if slopes else found._value
 
 
