@@ -14,10 +14,11 @@ from itertools import product
 
 from sympy import Expr, S
 
-from haptisym.judge.climb import Bandwidths, Climb, Jump, above
+from haptisym.judge.climb import Bandwidths, Climb, Jump
 from haptisym.judge.criteria import Criterion, kept, noticed
 from haptisym.judge.families import SCALE, moved, nominal_of, split
 from haptisym.judge.growth import Growth, bandwidth_of
+from haptisym.judge.landings import above
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.lattices import Lattice
 from haptisym.kernel.reals import RealNumber

@@ -7,22 +7,18 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-import flint
-from flint import arb, fmpq, fmpq_poly
+from flint import fmpq, fmpq_poly
 from sympy import Expr, Integer, Rational, sqrt
 
 from haptisym.judge.criteria import Criterion, kept
+from haptisym.judge.landings import Landing, above, settled
 from haptisym.judge.peaks import Largest, Peak, ValueAt
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.levels import Level
-from haptisym.kernel.precision import at_rising_precision
-from haptisym.kernel.reals import Ball, RealNumber, SquareRoot
+from haptisym.kernel.reals import RealNumber, SquareRoot
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import Chart, Key, Point, chart
 from haptisym.model.ranges import ExactRange
-
-_SURE = 400
-"""Bits up to which two numbers are told apart before they are taken for one."""
 
 
 @dataclass(frozen=True)
@@ -152,7 +148,7 @@ class Climb:
         rising = [x for x in self.squares if point.after[_slope(x)] > 0]
         if any(self._is_highest(x, point.omega) for x in rising):
             return point.omega
-        return settled(_Landing(self, SquareRoot(self._start), point.omega))
+        return settled(_LandingOfAll(SquareRoot(self._start), self, point.omega))
 
     def _is_highest(self, x: Criterion, omega: RealNumber) -> bool:
         own = ValueAt(self.squares[x], omega)
@@ -191,7 +187,7 @@ class Climb:
         try:
             if not all(above(own, x) for x in others):
                 return None
-            return settled(_Landing(self, peak.ratio, peak.omega))
+            return settled(_LandingOfAll(peak.ratio, self, peak.omega))
         except UndecidedError:
             return self._exact_landing(peak)
 
@@ -234,49 +230,16 @@ def _rational_value(f: RealFunction, at: Expr) -> Expr | None:
     return None if top is None or not bottom else Rational(int((top / bottom).p), int((top / bottom).q))
 
 
-def settled(x: RealNumber) -> RealNumber:
-    """A number whose enclosures become narrow; UndecidedError where they do not."""
-    if at_rising_precision(lambda bits: x.ball(bits).rel_accuracy_bits() > 50 or None, 64, _SURE) is None:
-        raise UndecidedError("whether two peaks of the ratios are equally high")
-    return x
-
-
 @dataclass(frozen=True, repr=False)
-class _Landing(RealNumber):
-    """The bandwidth for the height of a peak, or of the band's low end: enclosed by those for rational thresholds beside it."""
+class _LandingOfAll(Landing):
+    """That of one threshold for all criteria, beside a peak at ``omega``."""
 
     climb: Climb
-    threshold: RealNumber
     omega: RealNumber
 
-    def ball(self, bits: int) -> Ball:
-        below, above = (Rational(x.numerator, x.denominator) for x in self.threshold.bounds(bits))
-        upper = self.climb.at(above)
-        lower = upper if below == above else self._next(below)
-        with flint.ctx.workprec(bits):
-            if lower is None or upper is None:
-                return arb("nan")
-            return lower.ball(bits).union(upper.ball(bits))
+    def at(self, height: Expr) -> RealNumber | None:
+        return self.climb.at(height)
 
-    def _next(self, c: Expr) -> RealNumber | None:
-        """Where a ratio is above c again, after it has come back below it behind the peak."""
-        return next((x.high.omega for x in kept(self.climb.chart(c)) if above(x.low.omega, self.omega)), None)
-
-
-def above(a: RealNumber, b: RealNumber) -> bool:
-    """Whether a > b; UndecidedError where they are not told apart, unless both are known exactly."""
-
-    if a is b or a == b:
-        return False
-
-    def sign(bits: int) -> bool | None:
-        with flint.ctx.workprec(bits):
-            left, right = a.ball(bits), b.ball(bits)
-            if left.is_exact() and right.is_exact() and left == right:
-                return False
-            return True if left > right else False if left < right else None
-
-    found = at_rising_precision(sign, 64, _SURE)
-    if found is None:
-        raise UndecidedError("which of two numbers is the larger")
-    return found
+    def behind(self, height: Expr) -> RealNumber | None:
+        """Where a ratio is above it again, after it has come back below it behind the peak."""
+        return next((x.high.omega for x in kept(self.climb.chart(height)) if above(x.low.omega, self.omega)), None)

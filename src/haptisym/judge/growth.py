@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from functools import cached_property, reduce
+from functools import cached_property
 
 import flint
-from flint import arb
-from sympy import Expr, Rational
+from sympy import Expr
 
-from haptisym.judge.climb import Bandwidths, Jump, above, settled
+from haptisym.judge.climb import Bandwidths, Jump
 from haptisym.judge.criteria import JOINT, Criterion, level
 from haptisym.judge.envelopes import Envelope, Maximum
+from haptisym.judge.landings import Landing, above, settled
 from haptisym.judge.peaks import Largest, ValueAt
 from haptisym.judge.regions import Term
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.lattices import Lattice
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, SquareRoot, expression_ball
+from haptisym.kernel.reals import Ball, ExactNumber, Negative, RealNumber, SquareRoot, expression_ball
 from haptisym.kernel.roots import Chart, Interval, Point, chart
 from haptisym.model.ranges import ExactRange
 
@@ -86,7 +86,7 @@ class Growth:
         omega, signs = self._table.points[0].omega, self._table.points[0].at
         needed: dict[int, list[RealNumber]] = {1: [], 0: [], -1: []}
         for i, term in enumerate(self.terms):
-            needed[self._envelope.holds(i, signs)].append(Least(tuple(ValueAt(x, omega) for x in term.squares)))
+            needed[self._envelope.holds(i, signs)].append(_least([ValueAt(x, omega) for x in term.squares]))
         found = Largest(tuple(needed[1]))
         if not needed[1] or any(above(x, found) for x in needed[0]):
             raise UndecidedError("which limit holds at the low end of the band")
@@ -98,7 +98,7 @@ class Growth:
         """The bandwidth for that."""
         slope = self._envelope.slope(self._table.points[0].after)
         first = self._table.points[0].omega
-        return first if slope > 0 else settled(_Landing(self, self._start))
+        return first if slope > 0 else settled(_LandingOfOne(self._start, self))
 
     def _jumps(self, least: RealNumber, most: RealNumber) -> Iterator[Jump]:
         """At each peak, of what is judged, that is higher than all before it."""
@@ -109,7 +109,7 @@ class Growth:
             height = SquareRoot(ValueAt(peak.square, omega))
             if top is None or above(height, top):
                 top = height
-                landing = settled(_Landing(self, height))
+                landing = settled(_LandingOfOne(height, self))
                 yield Jump(omega, landing, self._told(height), includes_low=peak.after)
 
     def _peaks(self, least: RealNumber, most: RealNumber) -> Iterator[tuple[RealNumber, Maximum]]:
@@ -128,42 +128,28 @@ class Growth:
         return Times(height, self.nominal)
 
 
+def _least(numbers: Iterable[RealNumber]) -> RealNumber:
+    return Negative(Largest(tuple(Negative(x) for x in numbers)))
+
+
 def _is_between(point: Point, least: RealNumber, most: RealNumber) -> bool:
     return above(point.omega, least) and above(most, point.omega)
 
 
 @dataclass(frozen=True, repr=False)
-class _Landing(RealNumber):
-    """The bandwidth for the height of a peak, or of the band's low end: enclosed by those for rational numbers beside it."""
+class _LandingOfOne(Landing):
+    """That of a multiple of a number."""
 
     growth: Growth
-    height: RealNumber
 
-    def ball(self, bits: int) -> Ball:
-        low, high = (Rational(x.numerator, x.denominator) for x in self.height.bounds(bits))
-        upper = self.growth.at(high)
-        lower = upper if low == high else self._next(low)
-        with flint.ctx.workprec(bits):
-            if lower is None or upper is None:
-                return arb("nan")
-            return lower.ball(bits).union(upper.ball(bits))
+    def at(self, height: Expr) -> RealNumber | None:
+        return self.growth.at(height)
 
-    def _next(self, x: Expr) -> RealNumber | None:
+    def behind(self, height: Expr) -> RealNumber | None:
         """Where more is needed than that again; for numbers close to the height it was too little around the frequency alone."""
-        found = self.growth.kept(x)
+        found = self.growth.kept(height)
         later = [y for first, y in found if y.low is not first and y.low is not y.high]
         return later[0].high.omega if later else None
-
-
-@dataclass(frozen=True, repr=False)
-class Least(RealNumber):
-    """The least of some numbers."""
-
-    numbers: tuple[RealNumber, ...]
-
-    def ball(self, bits: int) -> Ball:
-        with flint.ctx.workprec(bits):
-            return reduce(arb.min, (number.ball(bits) for number in self.numbers))
 
 
 @dataclass(frozen=True, repr=False)
