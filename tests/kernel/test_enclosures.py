@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from math import comb, prod
@@ -165,6 +166,15 @@ def power_series(f: WaveSum, x: Any, length: int) -> list[Any]:
     return (total.coeffs() + [arb(0)] * length)[:length]
 
 
+def check_held(told: Iterable[Sequence[Any]], f: WaveSum, middle: float, reach: float) -> None:
+    """Balls of the first three Taylor coefficients of a sum hold those at points all over a ball of that reach."""
+    for share in (-1, -0.93, -0.6, -0.4, 0.2, 0.3, 0.71, 1):
+        truths = power_series(f, arb(middle) + arb(share) * arb(reach), 3)
+        for balls in told:
+            for ball, true in zip(balls, truths, strict=True):
+                assert (ball + arb(0, 1e-30) * (1 + abs(true))).contains(true), share
+
+
 @examples(60)
 @given(wave_sums(), st.fractions(2, 12, max_denominator=8), st.sampled_from([1e-6, 0.05, 0.4, 1.3]))
 def test_wide_balls_hold_value_slope_and_half_curvature_of_every_point(
@@ -174,11 +184,7 @@ def test_wide_balls_hold_value_slope_and_half_curvature_of_every_point(
     with flint.ctx.workprec(160):
         box = arb(middle, reach)
         whole, naive = f.over(box), f.series(box, 0, 3)
-        for share in (-1, -0.93, -0.4, 0.2, 0.71, 1):
-            truths = power_series(f, arb(middle) + arb(share) * arb(reach), 3)
-            for balls in (whole, naive):
-                for ball, true in zip(balls, truths, strict=True):
-                    assert (ball + arb(0, 1e-30) * (1 + abs(true))).contains(true), share
+        check_held([whole, naive], f, middle, reach)
 
 
 @examples(40)
@@ -198,11 +204,7 @@ def test_what_stands_before_each_power_of_omega_is_held_over_wide_balls(
         ranges = f.ranges(box)
         assert ranges.keys() == alone.keys()
         for powers, own in alone.items():
-            naive = f.before(powers, box, 1, 3)
-            for share in (-1, -0.6, 0.3, 1):
-                truths = power_series(own, arb(middle) + arb(share) * arb(reach), 3)
-                for ball, true in zip((ranges[powers], *naive), truths, strict=True):
-                    assert (ball + arb(0, 1e-30) * (1 + abs(true))).contains(true), share
+            check_held([(ranges[powers], *f.before(powers, box, 1, 3))], own, middle, reach)
 
 
 @examples(60)

@@ -35,6 +35,7 @@ from certificates import (
     stability_mutants,
     text_of,
 )
+from explorers import proven, typed
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from marks import often, required
@@ -371,21 +372,6 @@ def test_a_page_of_a_scene_with_hostile_words_is_checked(shown: Any, tmp_path: P
     file = tmp_path / "x.toml"
     file.write_text('title = "</script><!-- \\" \\u2028 ω"\n' + text_of("nothing between"), encoding="utf-8")
     assert shown(undrawn(hs.evaluate(file))).startswith("Checked here: no crossing")
-
-
-def typed(opened: Browser, identity: str, text: str) -> None:
-    """Replace the number in a box by another one, by the keyboard."""
-    opened.value(f"(() => {{ const box = document.getElementById('{identity}-value'); box.focus(); box.select(); }})()")
-    opened.call("Input.insertText", text=text)
-
-
-def proven(opened: Browser) -> str:
-    """What the explorer has proven once its sliders rest."""
-    for _ in range(200):
-        if said := opened.value("(document.getElementById('explorer-proven') || {textContent: 'none'}).textContent"):
-            return str(said)
-        time.sleep(0.05)
-    return ""
 
 
 def test_the_explorer_proves_the_crossings_at_the_decimals_shown(shown: Any) -> None:

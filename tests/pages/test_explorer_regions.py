@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import time
 from collections.abc import Iterator
 from decimal import Decimal
 from fractions import Fraction
@@ -16,6 +15,7 @@ import numpy as np
 import pytest
 from browser import Browser
 from certificates import region_scene, text_of
+from explorers import proven, typed
 from jnds import inline
 from marks import often, required
 from reports import undrawn
@@ -73,20 +73,6 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
             return opened
 
         yield show
-
-
-def typed(opened: Browser, identity: str, text: str) -> None:
-    opened.value(f"(() => {{ const box = document.getElementById('{identity}-value'); box.focus(); box.select(); }})()")
-    opened.call("Input.insertText", text=text)
-
-
-def proven(opened: Browser) -> str:
-    """What the explorer says in exact arithmetic, a moment after it was moved."""
-    for _ in range(200):
-        if said := opened.value("document.getElementById('explorer-proven').textContent"):
-            return str(said)
-        time.sleep(0.05)
-    return ""
 
 
 def bands(opened: Browser) -> list[list[float]]:

@@ -19,6 +19,7 @@ import browser
 import numpy as np
 import pytest
 from browser import Browser
+from explorers import typed
 from marks import often, required
 from pagereader import Page, equations, value
 from reports import undrawn
@@ -403,12 +404,6 @@ def drawn(opened: Browser, kind: str) -> np.ndarray:
     """The points of a curve of the explorer, in the data's own coordinates."""
     d = opened.value(f"document.querySelector('#explorer-panel path.{kind}').getAttribute('d')")
     return np.array([[float(x) for x in point.split()] for point in re.split("[ML]", d)[1:]])
-
-
-def typed(opened: Browser, identity: str, number: float) -> None:
-    """Replace the number in a box by another one, by the keyboard."""
-    opened.value(f"(() => {{ const box = document.getElementById('{identity}-value'); box.focus(); box.select(); }})()")
-    opened.call("Input.insertText", text=repr(number))
 
 
 def slider(scene: hs.Scene, name: str) -> str:

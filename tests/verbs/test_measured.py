@@ -11,6 +11,7 @@ from pathlib import Path
 import control
 import numpy as np
 import pytest
+from benches import SCENE, bench
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import f as f_distribution
@@ -23,16 +24,6 @@ from haptisym.verbs.measured.rowtext import numerals
 Called = Callable[..., tuple[int, str, str]]
 
 FU = hs.load_scene("fu2019")
-SCENE = """
-title = "On the bench"
-[environment]
-model = "mass-spring-damper"
-m = "1.8 kg"
-b = "15 N*s/m"
-k = "100 N/m"
-[perceived]
-file = "bench.csv"
-"""
 PLAIN = "omega,real,imag\n2,93,30\n8,-30,120\n"
 
 
@@ -41,13 +32,6 @@ def response(omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     s = 1j * omega
     env = 1.8 * s**2 + 15 * s + 100
     return env, env * 6400 / (s**2 + 80 * s + 6400)
-
-
-def bench(folder: Path, table: str, scene: str = SCENE, **keys: float) -> Path:
-    (folder / "bench.csv").write_text(table, encoding="utf-8")
-    path = folder / "bench.toml"
-    path.write_text(scene + "".join(f"{key} = {value}\n" for key, value in keys.items()), encoding="utf-8")
-    return path
 
 
 def verdicts(e: hs.MeasuredEvaluation) -> list[tuple[str, str]]:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from benches import bench
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -228,29 +229,16 @@ def test_limits_that_depend_on_the_frequency_are_followed_between_lines(jnd: Any
 
 # As a user sees it.
 
-SCENE = """
-[environment]
-model = "mass-spring-damper"
-m = "1.8 kg"
-b = "15 N*s/m"
-k = "100 N/m"
-[perceived]
-file = "bench.csv"
-slope = {slope}
-"""
 
-
-def bench(folder: Path, slope: str, unit: str = "N/m") -> Path:
+def steep(folder: Path, slope: str, unit: str = "N/m") -> Path:
     omega = np.linspace(1, 15, 57)
     H = hs.sampled("fu2019", omega).H
     rows = "".join(f"{w!r},{h.real!r},{h.imag!r},1\n" for w, h in zip(omega.tolist(), H.tolist(), strict=True))
-    (folder / "bench.csv").write_text(f"omega,real,imag,radius\nrad/s,{unit},{unit},{unit}\n{rows}", encoding="utf-8")
-    (folder / "bench.toml").write_text(SCENE.format(slope=slope), encoding="utf-8")
-    return folder / "bench.toml"
+    return bench(folder, f"omega,real,imag,radius\nrad/s,{unit},{unit},{unit}\n{rows}", slope=slope)
 
 
 def test_the_command_line_tells_it_in_every_form(tmp_path: Path, call: Callable[..., Any]) -> None:
-    scene = bench(tmp_path, '"65 N*s/m"')
+    scene = steep(tmp_path, '"65 N*s/m"')
     status, out, _ = call("evaluate", str(scene), "--json")
     document = json.loads(out)
     assert status == 0
@@ -268,9 +256,9 @@ def test_the_command_line_tells_it_in_every_form(tmp_path: Path, call: Callable[
 
 
 def test_a_bound_may_be_stated_per_hertz_and_as_a_share(tmp_path: Path) -> None:
-    per_hertz = hs.evaluate(bench(tmp_path, '"408.4070449666731 N/m/Hz"')).to_dict()["between"]
+    per_hertz = hs.evaluate(steep(tmp_path, '"408.4070449666731 N/m/Hz"')).to_dict()["between"]
     assert per_hertz["slope"]["perceived"]["bound"] == pytest.approx(65, rel=1e-12)
-    share = hs.evaluate(bench(tmp_path, '"600 ms"'))
+    share = hs.evaluate(steep(tmp_path, '"600 ms"'))
     assert share.to_dict()["between"]["slope"]["perceived"] == {"bound": 0.6, "unit": "s", "relative": True}
     assert "0.6 s times |H|" in str(share)
 
@@ -290,7 +278,7 @@ def test_a_bound_may_be_stated_per_hertz_and_as_a_share(tmp_path: Path) -> None:
 def test_a_bound_that_is_none_is_refused_in_one_sentence(
     tmp_path: Path, call: Callable[..., Any], slope: str, words: str
 ) -> None:
-    status, out, err = call("evaluate", str(bench(tmp_path, slope)))
+    status, out, err = call("evaluate", str(steep(tmp_path, slope)))
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert words in err
     assert "slope" in err
