@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from abc import abstractmethod
 from collections.abc import Collection, Iterator
 from pathlib import Path
 from pkgutil import resolve_name
@@ -60,9 +61,9 @@ class Answer(Shown):
         """What is to be said beside the answer: which parameters have ranges and are nominal here, and which have a double."""
         return self._about.asides(*self._varied)
 
+    @abstractmethod
     def _body(self) -> dict[str, Any]:
         """What a document holds of this kind of answer alone."""
-        raise NotImplementedError
 
     def _left(self) -> dict[str, Any]:
         """The keys that are there only where something was left open or left out."""

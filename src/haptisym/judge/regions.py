@@ -90,16 +90,12 @@ class Change:
         return RealFunction((x / self.square - self.number(limit) ** 2).reduced())
 
 
-class InTerms(Region):
+class InTerms(Region, Protocol):
     """A region of which all is told by its terms."""
-
-    def terms(self, d: Distortion) -> tuple[Term, ...]:
-        raise NotImplementedError
 
     @property
     def words(self) -> str:
         """What it is called in a sentence, with its article."""
-        raise NotImplementedError
 
     def __call__(self, d: Distortion) -> RealFunction:
         found = self.squares(d)

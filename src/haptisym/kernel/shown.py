@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from textwrap import shorten
 
 _LINE = 150
@@ -28,13 +29,14 @@ class Viewed:
         return found
 
 
-class Shown(Viewed):
+class Shown(Viewed, ABC):
     """A value that a session shows as one short line: its kind, and what ``_line`` says of it."""
 
     __slots__ = ()
 
+    @abstractmethod
     def _line(self) -> str:
-        raise NotImplementedError
+        """What there is to say of it, in a line."""
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {shorten(self._line(), _LINE, placeholder=' ...')}>"
