@@ -165,6 +165,10 @@ ax = hs.sensitivity(paper).plot()
 # %%
 ax = hs.tolerances("fu2019-tolerances", samples=20).plot()
 
+# %%
+late = hs.load_scene("delayed-spring").with_values({"k": "100 N/m +- 20 %", "tau": "36 ms +- 10 %"})
+ax = hs.tolerances(late, samples=0, hand="postural-arm").plot(kind="hands")
+
 # %% [markdown]
 # ## Sweeps
 #

@@ -35,7 +35,7 @@ ANSWERS: dict[str, Callable[[hs.Scene], Any]] = {
     "evaluations": lambda s: hs.evaluate_all(hs.load_scenes("fu2019", ["fu2019", "helicopter-cyclic"]), regions=True),
     "measured": lambda s: hs.evaluate(hs.MeasuredScene(s.environment, measured(s))),
     "identification": lambda s: hs.identify(measured(s), "mass-spring-damper", ["second-order-lowpass"]),
-    "tolerances": lambda s: hs.tolerances(hs.load_scene("fu2019-tolerances").with_values({"zeta": s.knobs["zeta"].value}), samples=2),
+    "tolerances": lambda s: hs.tolerances(hs.load_scene("fu2019-tolerances").with_values({"zeta": s.knobs["zeta"].value}), samples=2, hand="light-touch"),
     "simulation": lambda s: hs.check(s, count=3),
     "release": lambda s: hs.release(s, "1 cm", "postural-arm"),
     "cost": lambda s: hs.cost(s, quick=True),

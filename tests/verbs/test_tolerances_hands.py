@@ -139,7 +139,7 @@ def test_a_cell_is_clear_only_if_neither_part_bends_to_zero_with_the_other(
 ) -> None:
     """3 + 3 j in the middle; with both parts bent by -3 it is 0 at the cell's ends."""
     form = SimpleNamespace(parts=lambda _: (bent(3, real), bent(3, imag)))
-    found, _ = OnAxis._bounded(form, np.array([[[0.0, 1.0]]]))  # type: ignore[arg-type]
+    found, _ = OnAxis.bounded(form, np.array([[[0.0, 1.0]]]))  # type: ignore[arg-type]
     assert found.tolist() == [clear]
 
 

@@ -48,7 +48,7 @@ KINDS: Mapping[str, Mapping[str, Drawing]] = MappingProxyType({
     "designmap": {"map": ("designmap:draw_map",), "wishes": ("wishes:draw_wishes",)},
     "stability": {"hands": ("stability:draw_plane",)},
     "sensitivity": {"elasticities": ("single:draw_first",)},
-    "tolerances": {"enclosures": ("tolerances:draw_tolerances",)},
+    "tolerances": {"enclosures": ("tolerances:draw_tolerances",), "hands": ("heldbox:draw_held",)},
     "metrics": {"measures": ("metrics:draw_measures",), "verdicts": ("metrics:draw_verdicts",)},
     "cost": {"time": ("single:draw_task",)},
     "hardcosts": {"cases": ("single:draw_cases",)},

@@ -37,7 +37,7 @@ from haptisym.verbs.stability.answer import Stability
 from haptisym.verbs.stability.plane import Plane, Window, plane
 
 _SMALLER = SMALL - 1
-_ROOM = 1.25  # of the largest number that is shown
+ROOM = 1.25  # of the largest number that is shown
 _NARROW, _RIM = 9, 4  # pixels of a cell in which nothing is written, and of its rim
 _NEAR = 20  # times that a critical value may be beyond the hands
 
@@ -67,13 +67,23 @@ def draw_plane(ax: Axes, found: Stability, hand: Hand | None = None) -> list[Art
     drawn = plane(found.scene, own, _window(found, [*asked, *shown]))
     low, high, least, most = drawn.window
     ax.set(xlim=(low, high), ylim=(least, most))
-    made = [*_lines(ax, drawn), *_ground(ax, drawn), *_boxes(ax, asked), *_points(ax, asked, shown, drawn)]
-    dress(ax)
-    mass, damping, stiffness = (unit_text(x.unit(found.scene.motion or MotionKind.TRANSLATION)) for x in _KINDS)
-    ax.set_xlabel(rf"$k_\mathrm{{h}}$ ({stiffness}), for a hand of {number(drawn.mass)} {mass}", fontsize=TEXT)
-    ax.set_ylabel(rf"$b_\mathrm{{h}}$ ({damping})", fontsize=TEXT)
+    made = [
+        *draw_boundary(ax, drawn),
+        *_ground(ax, drawn),
+        *draw_boxes(ax, asked),
+        *draw_points(ax, asked, shown, drawn),
+    ]
+    name_axes(ax, found.scene.motion, number(drawn.mass))
     legend(ax, made)
     return made
+
+
+def name_axes(ax: Axes, motion: MotionKind | None, mass: str) -> None:
+    """Of a plane of hands of that mass."""
+    dress(ax)
+    unit, damping, stiffness = (unit_text(x.unit(motion or MotionKind.TRANSLATION)) for x in _KINDS)
+    ax.set_xlabel(rf"$k_\mathrm{{h}}$ ({stiffness}), for a hand of {mass} {unit}", fontsize=TEXT)
+    ax.set_ylabel(rf"$b_\mathrm{{h}}$ ({damping})", fontsize=TEXT)
 
 
 _KINDS = (Dimension.MASS, Dimension.DAMPING, Dimension.STIFFNESS)
@@ -89,7 +99,7 @@ def _window(found: Stability, shown: Iterable[Hand]) -> Window:
     k = max([k, *(v for path, v in near if path.startswith("hand") and path.endswith(".k") and v < _NEAR * k)])
     at_0 = float(found.scene.distortion().compile(of=("perceived_real",))(np.array([0.0])).perceived_real[0])
     low = -1.3 * at_0 if 0 < at_0 < k else -0.05 * k
-    return low, _ROOM * k, -0.05 * b, _ROOM * b
+    return low, ROOM * k, -0.05 * b, ROOM * b
 
 
 def _ground(ax: Axes, drawn: Plane) -> list[Artist]:
@@ -109,19 +119,19 @@ def _ground(ax: Axes, drawn: Plane) -> list[Artist]:
     return made
 
 
-def _lines(ax: Axes, drawn: Plane) -> list[Artist]:
+def draw_boundary(ax: Axes, drawn: Plane, label: str = "boundary") -> list[Artist]:
     """The boundary, and where a root is at 0."""
     ax.plot(drawn.k, drawn.b, color=BLUE, linewidth=1.1)
     low, high, least, most = drawn.window
     is_here = bool(((drawn.k > low) & (drawn.k < high) & (drawn.b > least) & (drawn.b < most)).any())
-    made: list[Artist] = [handle(BLUE, SOLID, "boundary" if is_here else "boundary (elsewhere)")]
+    made: list[Artist] = [handle(BLUE, SOLID, label if is_here else f"{label} (elsewhere)")]
     if drawn.at_0 is not None and low < drawn.at_0 < high:
         ax.axvline(drawn.at_0, color=RED, linewidth=0.9, linestyle=DASHED)
         made.append(handle(RED, DASHED, "root at 0"))
     return made
 
 
-def _boxes(ax: Axes, asked: Iterable[Hand]) -> list[Artist]:
+def draw_boxes(ax: Axes, asked: Iterable[Hand]) -> list[Artist]:
     """The box of each hand with ranges of damping and stiffness."""
     for x in asked:
         if x.k.interval or x.b.interval:
@@ -130,7 +140,7 @@ def _boxes(ax: Axes, asked: Iterable[Hand]) -> list[Artist]:
     return []
 
 
-def _points(ax: Axes, asked: list[Hand], shown: list[Hand], drawn: Plane) -> list[Artist]:
+def draw_points(ax: Axes, asked: list[Hand], shown: list[Hand], drawn: Plane) -> list[Artist]:
     """Hands by their names: filled where their mass is that of the plane; and the number of roots in each cell."""
     room, listed = _room(ax, drawn), (*asked, *shown)
     for x in listed:

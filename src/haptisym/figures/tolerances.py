@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any
 
 from matplotlib.artist import Artist
@@ -10,8 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from haptisym.figures.heldbox import draw_held
 from haptisym.figures.scales import Scale, scale_of
-from haptisym.figures.sheet import one_column
+from haptisym.figures.sheet import legend_height, one_column
 from haptisym.figures.style import (
     BLUE,
     GREY,
@@ -19,6 +21,7 @@ from haptisym.figures.style import (
     SHADE,
     SMALL,
     TEXT,
+    WIDTH,
     Look,
     legend,
     limit,
@@ -31,6 +34,7 @@ from haptisym.kernel.errors import NothingToDrawError
 from haptisym.verbs.tolerances.proofs import Tolerances
 
 _HEIGHT = 0.7
+_PLANE = 2.6  # inches
 
 
 def draw_tolerances(
@@ -99,7 +103,37 @@ def _draw_row(ax: Axes, a: Tolerances, row: int, name: str, look: Look, scale: S
 
 
 def tolerances_figure(a: Tolerances) -> Figure:
-    """The rows of both parts; NothingToDrawError where no values bring a crossing."""
-    if not a.enclosures and not any(any(x.crossings.values()) for x in (a.nominal, *a.samples)):
+    """The rows of both parts, and below them the plane of the hand; NothingToDrawError where there is neither."""
+    if a.held:
+        with suppress(NothingToDrawError):
+            return _with_hands(a) if _has_rows(a) else one_column(_PLANE, lambda ax: draw_held(ax, a))
+    return enclosures_figure(a)
+
+
+def enclosures_figure(a: Tolerances) -> Figure:
+    """The rows alone; NothingToDrawError where no values bring a crossing."""
+    if not _has_rows(a):
         raise NothingToDrawError("nothing is met on the band, for any values within the ranges")
-    return one_column(1.5 if len(a.criteria) > 1 else 1.3, lambda ax: draw_tolerances(ax, a))
+    return one_column(_height(a), lambda ax: draw_tolerances(ax, a))
+
+
+def _has_rows(a: Tolerances) -> bool:
+    return bool(a.enclosures) or any(any(x.crossings.values()) for x in (a.nominal, *a.samples))
+
+
+def _height(a: Tolerances) -> float:
+    return 1.5 if len(a.criteria) > 1 else 1.3
+
+
+def _with_hands(a: Tolerances) -> Figure:
+    """Both on one sheet."""
+    heights = (_height(a), _PLANE)
+    figure = Figure(figsize=(WIDTH, sum(heights)), layout="compressed")
+    upper, lower = figure.subplots(2, 1, height_ratios=heights)
+    draw_tolerances(upper, a)
+    draw_held(lower, a)
+    figure.draw_without_rendering()
+    figure.set_figheight(sum(heights) + legend_height(upper) + legend_height(lower))
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    return figure

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
 
 from sympy import Expr
 
@@ -104,6 +105,27 @@ _SHARES: dict[Share, Phrase] = {
 }
 
 
+def enclosures_figure(a: Tolerances) -> Any:
+    """The rows of the ratios."""
+    from haptisym.figures.tolerances import enclosures_figure as drawn
+
+    return drawn(a)
+
+
+_HANDS = (
+    "Hands of the first one's mass, by stiffness and damping. White: the display is stable for all values within the ranges, "
+    "and red: for none; both proven. Grey: it depends, or was not shown. Line: the boundary for the nominal values, in floats."
+)
+
+
+def hands_figure(a: Tolerances) -> Any:
+    """The plane of the hand."""
+    from haptisym.figures.heldbox import draw_held
+    from haptisym.figures.sheet import one_column
+
+    return one_column(2.6, lambda ax: draw_held(ax, a))
+
+
 def _held(a: Tolerances) -> Iterator[Block]:
     """Of each hand a sentence, with an example of either kind where it depends."""
     for x in a.held:
@@ -119,6 +141,8 @@ def _held(a: Tolerances) -> Iterator[Block]:
         if x.share is not Share.ALL and x.share is not Share.NONE:
             told = [(f"{how}, for example, with ", _at(a, found), ".") for how, found in examples if found]
             yield from [Notes(tuple(told))] if told else []
+    if a.held:
+        yield Figure("hands", _HANDS, lambda: hands_figure(a))
 
 
 def _ranges(hand: Hand) -> list[tuple[Parameter, tuple[Expr, Expr]]]:
@@ -160,7 +184,7 @@ def _enclosures(a: Tolerances) -> Block:
     shown = (
         "Grey: where crossings may lie, proven for all values. Dots: crossings of the sets that were drawn at random."
     )
-    figure = Figure("enclosures", shown, a.figure)
+    figure = Figure("enclosures", shown, lambda: enclosures_figure(a))
     return Section(
         title,
         (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, TypeAlias
 
@@ -55,24 +55,30 @@ class Plane:
     b: Array
     at_0: float | None
     window: Window
-    cells: tuple[Cell, ...]
+    cells: tuple[Cell, ...] = ()
 
 
 def plane(scene: Scene, hand: Hand, window: Window) -> Plane:
     """The plane of a hand's mass."""
+    found = boundary(scene, hand, window)
+    return replace(found, cells=tuple(_cells(scene, hand, _labels(found.k, found.b, found.at_0, window), window)))
+
+
+def boundary(scene: Scene, hand: Hand, window: Window) -> Plane:
+    """The same without its cells."""
     mass = float(hand.m.value)
     response = scene.distortion().compile(of=("perceived_real", "perceived_imag"))
 
-    def boundary(omega: Array) -> tuple[Array, Array]:
+    def at(omega: Array) -> tuple[Array, Array]:
         values = response(omega)
         return mass * omega**2 - values.perceived_real, -values.perceived_imag / omega
 
-    end = _end(boundary, window, [float(x) for x in ring_of(scene.distortion().perc).lags])
+    end = _end(at, window, [float(x) for x in ring_of(scene.distortion().perc).lags])
     grids = np.geomspace(1e-5 * end, end, _FREQUENCIES), np.linspace(1e-5 * end, end, _FREQUENCIES)
-    k, b = boundary(np.unique(np.concatenate(grids)))
+    k, b = at(np.unique(np.concatenate(grids)))
     start = -float(response(np.array([0.0])).perceived_real[0])
     at_0 = start if np.isfinite(start) else None
-    return Plane(mass, k, b, at_0, window, tuple(_cells(scene, hand, _labels(k, b, at_0, window), window)))
+    return Plane(mass, k, b, at_0, window)
 
 
 def _end(boundary: Callable[[Array], tuple[Array, Array]], window: Window, lags: list[float]) -> float:

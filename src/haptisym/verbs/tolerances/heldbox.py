@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice, product
@@ -115,7 +115,7 @@ class _Question:
         """Whether all are stable, or none is; None where there are both, which are then among the examples."""
         if clocks(self.scene):
             raise UndecidedError("the roots of a sampled loop, for all values at once")
-        ring, top, bottom = self._function()
+        ring, top, bottom = quotient(self.scene, self.hand, {x.symbol for x in self.sides})
         number = self._everywhere(ring, top)
         if number is None:
             return None
@@ -124,26 +124,11 @@ class _Question:
         poles = self._everywhere(ring, bottom)  # what top and bottom share is no root
         return False if poles is not None and poles < number else None
 
-    def _function(self) -> tuple[Ring, Polynomial, Polynomial]:
-        """H_perc + Z as a quotient, with what varies as symbols, the denominator without its zeros at 0."""
-        symbols = {x.symbol for x in self.sides}
-        chain = self.scene.chain.at(values_of(p for p in self.scene.parameters if p.symbol not in symbols))
-        Z = self.hand.dynamics.xreplace(values_of(p for p in self.hand.parameters if p.symbol not in symbols))
-        ring = Ring.of([*chain.entries(), Z])
-        if I in ring.generators:
-            raise UndecidedError("the roots of a display with friction, for all values at once")
-        perceived = chain.perceived(range(len(chain.matrices)), ring)
-        bottom = perceived.denominator
-        lowest = min(int(exponents[0]) for exponents in bottom.monoms())
-        return ring, characteristic(perceived, ring.convert(Z)), bottom / ring.variable**lowest
-
     def _everywhere(self, ring: Ring, polynomial: Polynomial) -> int | None:
         """The number of zeros in Re s >= 0, if it is one for all values; None where it may not be."""
         used = {x.symbol: x.interval for x in self.sides if x.interval and x.symbol in ring.symbols}
         known = {x.symbol: x.value for x in self.sides}
-        at_nominal = ring.expression(polynomial).xreplace(known)
-        own = Ring.of([at_nominal])
-        count = count_roots(own.convert(at_nominal).numerator, own).number
+        count = count_at(ring, polynomial, known)
         if count is None:
             return None
         on_axis = OnAxis(ring, polynomial, used)
@@ -166,3 +151,23 @@ class _Question:
                 low, high = x.interval
                 values[x.path] = low + Rational(share.numerator, share.denominator) * (high - low)
             yield values
+
+
+def quotient(scene: Scene, hand: Hand, symbols: Collection[Symbol]) -> tuple[Ring, Polynomial, Polynomial]:
+    """H_perc + Z as a quotient, with what varies as symbols, the denominator without its zeros at 0. UndecidedError: friction."""
+    chain = scene.chain.at(values_of(p for p in scene.parameters if p.symbol not in symbols))
+    Z = hand.dynamics.xreplace(values_of(p for p in hand.parameters if p.symbol not in symbols))
+    ring = Ring.of([*chain.entries(), Z])
+    if I in ring.generators:
+        raise UndecidedError("the roots of a display with friction, for all values at once")
+    perceived = chain.perceived(range(len(chain.matrices)), ring)
+    bottom = perceived.denominator
+    lowest = min(int(exponents[0]) for exponents in bottom.monoms())
+    return ring, characteristic(perceived, ring.convert(Z)), bottom / ring.variable**lowest
+
+
+def count_at(ring: Ring, polynomial: Polynomial, known: Mapping[Symbol, Expr]) -> int | None:
+    """The zeros in Re s >= 0 for one set of values; None where there are infinitely many."""
+    here = ring.expression(polynomial).xreplace(dict(known))
+    own = Ring.of([here])
+    return count_roots(own.convert(here).numerator, own).number

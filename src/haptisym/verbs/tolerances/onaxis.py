@@ -104,12 +104,12 @@ class OnAxis:
             now, later = cells[:_BATCH], cells[_BATCH:]
             looked += len(now)
             tick(min(looked, _MOST_CELLS), _MOST_CELLS, "cells of frequency and ranges")
-            clear, split = self._bounded(now)
-            cells = np.concatenate([later, halves(now[~clear], split[~clear])])
+            clear, rates = self.bounded(now)
+            cells = np.concatenate([later, halves(now[~clear], np.argmax(rates, -1)[~clear])])
         return cells
 
-    def _bounded(self, cells: Array) -> tuple[Array, Array]:
-        """Whether D is nowhere 0 in a cell, proven, and along which side it varies most."""
+    def bounded(self, cells: Array) -> tuple[Array, Array]:
+        """Whether D is nowhere 0 in a cell, proven, and how much it varies along each side, in shares of its size there."""
         with np.errstate(all="ignore"):
             real, imag = self.parts(cells)
             a, b = real.c0, imag.c0
@@ -121,9 +121,10 @@ class OnAxis:
             radius = varies.sum(-1) + np.abs(a) * real.r + np.abs(b) * imag.r
             radius = radius + 1e-13 * (np.abs(a) * real.deviation + np.abs(b) * imag.deviation)
             clear = (size * (1 - 1e-12) > radius * (1 + 1e-12))[:, 0]
+            rates = varies[:, 0] / size
         width = cells[:, :, 1] - cells[:, :, 0]
-        score = np.where(np.isfinite(varies[:, 0]).all(-1, keepdims=True), varies[:, 0], width)
-        return clear, np.argmax(score * (width > 0) + 1e-12 * width, -1)
+        rates = np.where(np.isfinite(rates).all(-1, keepdims=True), rates, width)
+        return clear, rates * (width > 0) + 1e-12 * width
 
     def parts(self, cells: Array) -> tuple[Model, Model]:
         """Real and imaginary part of D(j omega) over cells."""

@@ -70,7 +70,7 @@ def clusters(excess: Excess) -> tuple[Cluster, ...]:
     leaves = _leaves(excess)
     if not len(leaves.cells):
         return ()
-    label = _together(leaves.cells)
+    label = together(leaves.cells)
     found = (_cluster(leaves, label == n) for n in np.unique(label))
     return tuple(_apart(sorted(found, key=lambda x: x.low)))
 
@@ -191,7 +191,7 @@ def _contracted(cells: Array, c0: Array, c1: Array, c2: Array, r: Array, least: 
     return np.stack([middle + radius * low, middle + radius * high], -1) + np.array([-1e-15, 1e-15])
 
 
-def _together(cells: Array) -> Array:
+def together(cells: Array) -> Array:
     """A label for each cell, the same for cells that touch, directly or through others."""
     label = np.full(len(cells), -1)
     low, high = np.ascontiguousarray(cells.T)

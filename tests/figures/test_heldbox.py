@@ -1,0 +1,71 @@
+"""The plane of a hand of tolerances: what is tinted, against sets of values counted one by one."""
+
+from __future__ import annotations
+
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from sympy import Rational
+
+import haptisym as hs
+from haptisym.figures.heldbox import draw_held
+from haptisym.figures.style import UNSTABLE
+from haptisym.verbs.stability.held import unstable_roots
+
+SPRING = hs.load_scene("delayed-spring")
+LATE = SPRING.with_values({"k": "100 N/m +- 20 %", "tau": "36 ms +- 10 %"})
+
+
+def drawn(scene: hs.Scene, hand: hs.Hand) -> Axes:
+    ax: Axes = Figure().add_subplot()
+    draw_held(ax, hs.tolerances(scene, samples=0, hand=hand))
+    return ax
+
+
+def ground(ax: Axes, k: float, b: float) -> str:
+    """The color under a hand."""
+    [found] = {
+        to_hex(x.get_facecolor()[0]) for x in ax.collections if any(p.contains_point((k, b)) for p in x.get_paths())
+    }
+    return str(found)
+
+
+def test_grounds_are_what_is_counted_at_single_values_of_hand_and_display() -> None:
+    hand = hs.Hand("mine", m="0.554 kg", b=["6 N*s/m", "7 N*s/m"], k="135 N/m")
+    ax = drawn(LATE, hand)
+    seen = set()
+    for b in ("1", "2.2", "3.5", "4.9", "8"):
+        color = ground(ax, 50, float(b))
+        seen.add(color)
+        counts = [
+            unstable_roots(
+                LATE.with_values({"k": k, "tau": tau}), hs.Hand("x", m="0.554 kg", b=Rational(b), k=50)
+            ).number
+            for k in (80, 120)
+            for tau in (Rational("0.0324"), Rational("0.0396"))
+        ]
+        if color == "#ffffff":
+            assert counts == [0] * 4
+        elif color == UNSTABLE:
+            assert all(counts)
+    assert len(seen) == 3
+    assert "for a hand of 0.554 kg" in ax.get_xlabel()
+
+
+def test_a_hand_alone_leaves_a_line_between_both_grounds() -> None:
+    """Critical for a mass of 0.5 kg, k = 0: 3.4635997 N s/m."""
+    ax = drawn(SPRING, hs.Hand("mine", m="0.5 kg", b=["4 N*s/m", "7 N*s/m"]))
+    assert (ground(ax, 0, 3.3), ground(ax, 0, 3.6)) == (UNSTABLE, "#ffffff")
+
+
+def test_without_a_hand_or_with_a_clock_there_is_no_plane() -> None:
+    lagged = hs.Scene(hs.environments.mass_spring_damper(k="100 N/m +- 10 %"), (hs.effects.first_order_lag(40),))
+    with pytest.raises(hs.HaptisymError, match="no hand was asked about"):
+        hs.tolerances(lagged, samples=0).plot(Figure().add_subplot(), kind="hands")
+    wall = hs.Scene(
+        hs.environments.mass_spring_damper(k="100 N/m +- 10 %"),
+        (hs.effects.sampled_loop("1 ms", "backward-difference"), hs.effects.shunt(m="40 g", b="0.8 N*s/m")),
+    )
+    with pytest.raises(hs.HaptisymError, match="with a clock"):
+        hs.tolerances(wall, samples=0, hand="firm-grip").plot(Figure().add_subplot(), kind="hands")

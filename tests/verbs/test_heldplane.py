@@ -1,0 +1,101 @@
+"""Stable, or not, all over a plane of two numbers: against roots counted at single values, ends of rectangles among them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+from strategies import Seeded, case, scene
+from sympy import Expr, Rational, Symbol
+
+import haptisym as hs
+from haptisym.kernel.errors import UndecidedError
+from haptisym.programs.taylormodels import Array
+from haptisym.verbs.stability.held import unstable_roots
+from haptisym.verbs.tolerances.heldplane import HeldPlane, held_plane
+
+SPRING = hs.load_scene("delayed-spring")
+ARM = hs.hands["postural-arm"]
+
+
+def of(
+    found: hs.Scene, plane: Mapping[str, tuple[object, object]], others: tuple[str, ...] = (), **how: object
+) -> HeldPlane:
+    """The plane of two numbers by their paths."""
+    knobs = [found.knobs[x] for x in plane]
+    ends: dict[Symbol, tuple[Expr, Expr]] = {
+        x.symbol: (x.number(a), x.number(b)) for x, (a, b) in zip(knobs, plane.values(), strict=True)
+    }
+    more = {found.knobs[x].symbol: found.knobs[x].interval for x in others}
+    return held_plane(found, found.hands[0], ends, more, **how)  # type: ignore[arg-type]
+
+
+def area(cells: Array) -> float:
+    return float((cells[..., 1] - cells[..., 0]).prod(-1).sum())
+
+
+def is_refuted(
+    found: hs.Scene,
+    told: HeldPlane,
+    plane: Mapping[str, tuple[object, object]],
+    others: tuple[str, ...] = (),
+    times: int = 6,
+) -> list[object]:
+    """Sets of values, within rectangles and at their ends, that count otherwise."""
+    rng, wrong = np.random.default_rng(7), list[object]()
+    for cells, is_stable in ((told.stable, True), (told.unstable, False)):
+        for cell in cells[rng.integers(0, len(cells), times)] if len(cells) else ():
+            values: dict[str, Expr] = {}
+            for (path, (a, b)), (low, high) in zip(plane.items(), cell.tolist(), strict=True):
+                share = Rational(low) + Rational(int(rng.integers(0, 5)), 4) * (Rational(high) - Rational(low))
+                start, end = found.knobs[path].number(a), found.knobs[path].number(b)
+                values[path] = start + share * (end - start)
+            for path in others:
+                low, high = found.knobs[path].interval or (0, 0)
+                values[path] = low + Rational(int(rng.integers(0, 5)), 4) * (high - low)
+            now = found.with_values(values)
+            if (unstable_roots(now, now.hands[0]).number == 0) is not is_stable:
+                wrong.append(values)
+    return wrong
+
+
+def test_the_boundary_of_a_late_spring_in_an_arm_lies_in_what_is_left() -> None:
+    """36 ms: up to K = 199.8521; in between less than a hundredth of the area."""
+    held = SPRING.with_hands(ARM)
+    plane = {"tau": ("1 ms", "60 ms"), "environment.k": (10, 1000)}
+    told = of(held, plane)
+    assert area(told.left) < 0.01
+    assert sum(map(area, (told.stable, told.unstable, told.left))) == pytest.approx(1)
+    at = 35 / 59, (199.8521022587101 - 10) / 990
+    assert any((x[:, 0] <= at).all() and (x[:, 1] >= at).all() for x in told.left)
+    assert not is_refuted(held, told, plane)
+
+
+def test_what_else_varies_is_counted_in() -> None:
+    held = SPRING.with_values({"environment.k": "100 N/m +- 20 %"}).with_hands(ARM)
+    plane = {"hand.k": (0, 500), "hand.b": (0, 10)}
+    told = of(held, plane, ("environment.k",), finest=2.0**-6)
+    assert min(area(told.stable), area(told.unstable)) > 0.2
+    assert not is_refuted(held, told, plane, ("environment.k",))
+
+
+def test_a_plane_into_which_roots_come_from_infinity_is_told_as_open() -> None:
+    held = hs.load_scene("satellite-contact").with_hands(ARM)
+    with pytest.raises(UndecidedError, match="infinity"):
+        of(held, {"hand.m": (100, 1000), "hand.b": (0, 10)})
+
+
+@pytest.mark.parametrize("seed", [5, *(pytest.param(n, marks=pytest.mark.slow) for n in range(6, 40))])
+def test_no_set_of_values_of_a_random_plane_is_against_it(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    plain = scene(case(Seeded(7000 + seed), order=4))
+    m, b, k = (Rational(int(x), 8) for x in rng.integers(1, 60, 3))
+    held = plain.with_hands(hs.Hand("mine", m=m, b=b, k=k))
+    free = [p.path for p in plain.parameters if p.value.is_Rational and p.value > 0][:1]
+    plane = {path: (held.knobs[path].value / 2, held.knobs[path].value * 2) for path in [*free, "hand.b", "hand.k"][:2]}
+    try:
+        told = of(held, plane, finest=2.0**-5)
+    except UndecidedError:
+        return
+    assert not is_refuted(held, told, plane, times=3)
