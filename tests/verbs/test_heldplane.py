@@ -28,7 +28,7 @@ def of(
         x.symbol: (x.number(a), x.number(b)) for x, (a, b) in zip(knobs, plane.values(), strict=True)
     }
     more = {found.knobs[x].symbol: found.knobs[x].interval for x in others}
-    return held_plane(found, found.hands[0], ends, more, **how)  # type: ignore[arg-type]
+    return held_plane(found, found.hands, ends, more, **how)  # type: ignore[arg-type]
 
 
 def area(cells: Array) -> float:
@@ -55,7 +55,7 @@ def is_refuted(
                 low, high = found.knobs[path].interval or (0, 0)
                 values[path] = low + Rational(int(rng.integers(0, 5)), 4) * (high - low)
             now = found.with_values(values)
-            if (unstable_roots(now, now.hands[0]).number == 0) is not is_stable:
+            if all(unstable_roots(now, x).number == 0 for x in now.hands) is not is_stable:
                 wrong.append(values)
     return wrong
 
@@ -78,6 +78,14 @@ def test_what_else_varies_is_counted_in() -> None:
     told = of(held, plane, ("environment.k",), finest=2.0**-6)
     assert min(area(told.stable), area(told.unstable)) > 0.2
     assert not is_refuted(held, told, plane, ("environment.k",))
+
+
+def test_stable_in_several_hands_is_stable_in_each() -> None:
+    plane = {"tau": ("1 ms", "60 ms"), "environment.k": (10, 1000)}
+    loose = hs.Hand("loose", m="0.1 kg", b="3 N*s/m")
+    both, one = (of(SPRING.with_hands(*x), plane, finest=2.0**-6) for x in ((ARM, loose), (ARM,)))
+    assert 0 < area(both.stable) < area(one.stable)
+    assert not is_refuted(SPRING.with_hands(ARM, loose), both, plane)
 
 
 def test_a_plane_into_which_roots_come_from_infinity_is_told_as_open() -> None:

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from schemas import faults
 from test_slices import PLANE, RANGES, lag, least
 
 import haptisym as hs
 from haptisym.judge.criteria import noticed
-from haptisym.verbs.require.plane import Rectangles, rectangles
+from haptisym.verbs.require.plane import Rectangles, common, rectangles
 from haptisym.verbs.require.proven import Proof
 
 MAPS: dict[str, tuple[list[str], list[tuple[Any, Any]]]] = {
@@ -106,13 +107,40 @@ def test_further_thresholds_are_proven_too() -> None:
         assert (x.rectangles.broken[:, 0, 1] <= edge).all()
 
 
-def test_what_is_stable_is_not_proven_between_slices_and_what_is_transparent_is() -> None:
+def test_what_is_stable_is_proven_between_slices_too() -> None:
+    """Against exact slices, which are found by another way."""
     paths, ranges = MAPS["delayed-spring"]
-    found = hs.design_map("delayed-spring", paths, ranges, that=["stable"], hand="postural-arm", slices=3, uniform=True)
-    assert found.proofs == ()
-    assert "Proven for all values" not in str(found)
-    proof = proof_of("delayed-spring", paths, ranges, that=["transparent", "stable"], hand="postural-arm")
-    assert proof.set == 1
+    that = ["transparent", "stable"]
+    found = hs.design_map("delayed-spring", paths, ranges, that=that, hand="postural-arm", slices=5)
+    [_, stable] = found.proofs
+    assert [(x.of, x.set) for x in found.proofs] == [("transparent", 1), ("stable", 2)]
+    assert stable.rectangles.share_left < 0.01
+    for x in hs.design_map(
+        "delayed-spring", paths, ranges, that=["stable"], hand="postural-arm", slices=9, uniform=True
+    ).slices:
+        [span] = x.requirement.feasible
+        assert span.high.value is not None
+        at, end = float(x.at), float(span.high.value)
+        for cells, side in ((stable.rectangles.kept, 1), (stable.rectangles.broken, -1)):
+            own = cells[(cells[:, 0, 0] <= at) & (cells[:, 0, 1] >= at)]
+            assert len(own) or side < 0
+            assert (side * (end - own[:, 1, (1 + side) // 2]) >= 0).all()
+    rows = found.to_dict()["proven"]
+    assert [x["of"] for x in rows] == ["transparent", "stable"]
+    assert faults(found.to_dict()) == []
+    assert "what is stable in postural-arm, and what is not, but for" in " ".join(str(found).split())
+
+
+def test_what_is_asked_together_is_what_both_planes_keep() -> None:
+    one = Rectangles(np.array([[[0, 1], [0, 2.0]]]), np.array([[[1, 2], [0, 2.0]]]), np.empty((0, 2, 2)))
+    other = Rectangles(
+        np.array([[[0, 2], [0, 0.5]], [[0.5, 2], [0.5, 1]]]), np.array([[[0, 2], [1, 2.0]]]), np.empty((0, 2, 2))
+    )
+    cells = common([one, other])
+    areas = (cells[..., 1] - cells[..., 0]).prod(-1)
+    assert areas.sum() == pytest.approx(1 * 0.5 + 0.5 * 0.5)
+    assert (cells[:, 0, 1] <= 1).all()
+    assert (cells[:, 1, 1] <= 1).all()
 
 
 @pytest.mark.parametrize("asked", [{"any_environment": True}, {"that": ["passive"]}])

@@ -14,12 +14,14 @@ from haptisym.figures.scales import Scale
 from haptisym.figures.style import SHADE
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.require.designmap import DesignMap
+from haptisym.verbs.require.plane import common
 
 Join = tuple[tuple[float, float], tuple[float, float]]
 """A line between two slices: where they are, and the end of an interval on either."""
 _VISIBLE = 2.5e-3
 """Of the height: what is less is hidden by the line itself."""
 _COLOR = "#f2c14e"
+_LEFT = {"transparent": _COLOR, "stable": "#f0b3a6"}
 
 
 def draw_bands(ax: Axes, found: DesignMap, joins: Iterable[Join], scales: tuple[Scale, Scale]) -> list[Artist]:
@@ -43,12 +45,25 @@ def draw_kept(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale]) -> list[A
     return [Patch(facecolor=SHADE, label="transparent, proven")] if len(proof.rectangles.kept) else []
 
 
-def draw_left(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale], label: str) -> list[Artist]:
-    """The rectangles in which neither is proven: boundaries of what is transparent lie in these."""
-    drawn = [x.rectangles.left for x in found.proofs if len(x.rectangles.left)]
-    for cells in drawn:
-        _draw(ax, cells, scales, (_COLOR, 0.5))
-    return [Patch(facecolor=_COLOR, label=label)] if drawn else []
+def draw_common(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale], label: str) -> list[Artist]:
+    """The same on what is proven to have all that is asked."""
+    cells = common([x.rectangles for x in found.proofs if x.jnd is None])
+    if not len(cells):
+        return []
+    _draw(ax, cells, scales, (SHADE, 0))
+    return [Patch(facecolor=SHADE, label=label)]
+
+
+def draw_left(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale]) -> list[Artist]:
+    """The rectangles in which neither is proven: boundaries of what is transparent, and of what is stable, lie in these."""
+    made: list[Artist] = []
+    for name, color in _LEFT.items():
+        drawn = [x.rectangles.left for x in found.proofs if x.of == name and len(x.rectangles.left)]
+        for cells in drawn:
+            _draw(ax, cells, scales, (color, 0.5))
+        what = f"{name}: boundary in here" if len(found.that) > 1 or found.thresholds else "boundary lies in here"
+        made += [Patch(facecolor=color, label=f"{what}, proven")] if drawn else []
+    return made
 
 
 def _draw(ax: Axes, cells: Array, scales: tuple[Scale, Scale], look: tuple[str, float]) -> None:

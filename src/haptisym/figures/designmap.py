@@ -93,7 +93,7 @@ def _tick_entry(look: Look) -> list[Artist]:
 
 def _draw_bands(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale]) -> list[Artist]:
     if found.proofs:
-        return draw_left(ax, found, scales, "boundary lies in here, proven")
+        return draw_left(ax, found, scales)
     return draw_bands(ax, found, [join for join, _ in _joins(found)], scales)
 
 

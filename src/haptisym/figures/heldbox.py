@@ -74,7 +74,7 @@ def _found(a: Tolerances, hand: Hand, window: Window) -> HeldPlane:
     try:
         return held_plane(
             a.box.scene,
-            hand,
+            [hand],
             {hand.k.symbol: (low, high), hand.b.symbol: (least, most)},
             others,
             finest=finest,

@@ -14,7 +14,7 @@ from matplotlib.colors import to_hex, to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from haptisym.figures.between import Join, draw_bands, draw_left
+from haptisym.figures.between import Join, draw_bands, draw_common, draw_left
 from haptisym.figures.designmap import left_open, scales_of, window_of
 from haptisym.figures.require import HATCH, label_of, limits_of
 from haptisym.figures.scales import Scale
@@ -33,12 +33,13 @@ _GRID = 160
 def draw_wishes(ax: Axes, found: DesignMap) -> list[Artist]:
     """What was asked, each set along its exact slices in its own colour, and what they have in common on a grey ground.
 
-    What joins the slices is interpolation. Of what is transparent a band in which its boundary lies is proven; of other sets one
-    about the lines is as wide as they may be off, as estimated. Classical bounds are thin lines with their names. Returns what
+    What joins the slices is interpolation. Of what is transparent, and mostly of what is stable, a band in which its boundary
+    lies is proven; of other sets one about the lines is as wide as they may be off, as estimated. The ground is proven where all
+    that is asked is, and interpolation elsewhere. Classical bounds are thin lines with their names. Returns what
     the legend tells.
     """
     scales, ((a, b), (low, high)) = scales_of(found), window_of(found)
-    shown, joins = [_ground(ax, found, scales)], list[Join]()
+    shown, joins = _ground(ax, found, scales), list[Join]()
     for i, name in enumerate(found.that):
         rows = [(float(x.at), (x.apart or (x.requirement,))[i]) for x in found.slices]
         shown += _outlined(ax, rows, scales, (low, high), (_COLORS[name], _NAMES[name]))
@@ -49,7 +50,7 @@ def draw_wishes(ax: Axes, found: DesignMap) -> list[Artist]:
         shown += _outlined(ax, rows, scales, (low, high), look)
         joins += [] if _is_proven(found, "transparent") else _joins(rows, (low, high))
     shown += [
-        *draw_left(ax, found, scales, "transparent: boundary in here, proven"),
+        *draw_left(ax, found, scales),
         *draw_bands(ax, found, joins, scales),
         _strokes(ax, found, scales, (low, high)),
         *_hatched(ax, found, scales),
@@ -65,8 +66,8 @@ def draw_wishes(ax: Axes, found: DesignMap) -> list[Artist]:
 
 
 def _is_proven(found: DesignMap, name: str) -> bool:
-    """Whether more than slices of a set is proven: of what is transparent, if of anything."""
-    return bool(found.proofs) and name == "transparent"
+    """Whether more than slices of a set is proven."""
+    return any(x.of == name for x in found.proofs)
 
 
 def _neighbours(
@@ -86,12 +87,15 @@ def _joins(rows: Sequence[tuple[float, Requirement]], window: tuple[float, float
         yield from ((at, pair) for pair in pairs if not all(y in window for y in pair))
 
 
-def _ground(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale]) -> Artist:
+def _ground(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale]) -> list[Artist]:
+    """Proven, where all that is asked is; else interpolated between slices."""
+    if all(_is_proven(found, name) for name in found.that):
+        return draw_common(ax, found, scales, f"{_whole(found)}, proven")
     _, window = window_of(found)
     for at, below, above in _neighbours([(float(x.at), x.requirement) for x in found.slices], window):
         x, bottom, top = scales[0].of(np.array(at)), scales[1].of(np.array(below)), scales[1].of(np.array(above))
         ax.fill_between(x, bottom, top, color=SHADE, linewidth=0, antialiased=False, zorder=0)
-    return Patch(facecolor=SHADE, label=f"{_whole(found)}, interpolated")
+    return [Patch(facecolor=SHADE, label=f"{_whole(found)}, interpolated")]
 
 
 def _whole(found: DesignMap) -> str:

@@ -9,6 +9,7 @@ from haptisym.pages.require import heading, sets, unit_of
 from haptisym.pages.words import lead, rounded_up, rule, short, title
 from haptisym.verbs.require.designmap import DesignMap
 from haptisym.verbs.require.required import Requirement
+from haptisym.verbs.require.wishes import STABLE
 from haptisym.writing.document import (
     Block,
     Column,
@@ -89,8 +90,9 @@ def _between(m: DesignMap) -> Phrase:
 
 
 def _proven(m: DesignMap) -> Iterator[Block]:
-    """Of what is transparent, what is proven between the slices too."""
+    """Of what is transparent, or stable, what is proven between the slices too."""
     for x in m.proofs:
+        what = listed(y.kept for y in m.criteria if y.name == x.of) if x.of == STABLE else x.of
         threshold = "" if x.jnd is None else f" with a threshold of {float(100 * x.jnd):.6g}\xa0%"
         most = m.bound(x)
         near: Phrase = ""
@@ -99,7 +101,12 @@ def _proven(m: DesignMap) -> Iterator[Block]:
             far = Number(rounded_up(most), most), unit_of(m.free[1]), share
             near = " Where lines join slices, its boundary lies within ", far, " of them, or of an end of the range."
         left = f"{rounded_up(100 * x.rectangles.share_left)}\xa0% of the area of the map, in which its boundary lies."
-        said = f"Proven for all values of both, between slices too: what is transparent{threshold}, and what is not, but for "
+        said = (
+            "Proven for all values of both, between slices too: what is ",
+            what,
+            threshold,
+            ", and what is not, but for ",
+        )
         yield Paragraph((said, left, near))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,10 +18,10 @@ from haptisym.model.scene import Scene
 from haptisym.verbs.require.entry import require
 from haptisym.verbs.require.freeparameter import asked_of, domain
 from haptisym.verbs.require.placing import even, first_places, refined
-from haptisym.verbs.require.plane import rectangles
+from haptisym.verbs.require.plane import held_rectangles, rectangles
 from haptisym.verbs.require.proven import Proof
 from haptisym.verbs.require.slices import Slice
-from haptisym.verbs.require.wishes import TRANSPARENT, further
+from haptisym.verbs.require.wishes import STABLE, TRANSPARENT, further
 
 _FOR_PROOFS = 0.3
 """Of the time, at most."""
@@ -83,19 +83,29 @@ class Asked:
         return Slice.of(at, apart, [require(x, path, along, **self.options) for x in others])
 
     def proofs(self) -> tuple[Proof, ...]:
-        """What is proven all over the plane: of what is transparent, with each threshold; none where models are not to be had."""
-        if TRANSPARENT not in self.wanted:
-            return ()
-        several = len(self.wanted) > 1
-        own, first = (1 + self.wanted.index(TRANSPARENT), 1 + len(self.wanted)) if several else (0, 1)
-        asked: list[tuple[int, Expr | None, Scene]] = [(own, None, self.scene)]
-        asked += [(first + i, c, self.scene.with_values({THRESHOLD: c})) for i, c in enumerate(self.thresholds)]
-        found = []
+        """What is proven all over the plane: of what is transparent, with each threshold, and of what is stable."""
         with share(_FOR_PROOFS):
-            for i, jnd, scene in asked:
-                plane = rectangles(scene, self.free, self._window, asked_of(scene, self.free, **self.options))
-                found += [Proof(i, jnd, plane, self._window[1])] if plane and plane.share_left < 1 else []
-        return tuple(found)
+            found = [*self._of_transparent(), *self._of_stable()]
+        return tuple(x for x in found if x.rectangles.share_left < 1)
+
+    def _of_transparent(self) -> Iterator[Proof]:
+        if TRANSPARENT not in self.wanted:
+            return
+        first = 1 + len(self.wanted) if len(self.wanted) > 1 else 1
+        asked: list[tuple[int, Expr | None, Scene]] = [(self._set(TRANSPARENT), None, self.scene)]
+        asked += [(first + i, c, self.scene.with_values({THRESHOLD: c})) for i, c in enumerate(self.thresholds)]
+        for i, jnd, scene in asked:
+            plane = rectangles(scene, self.free, self._window, asked_of(scene, self.free, **self.options))
+            if plane:
+                yield Proof(TRANSPARENT, i, jnd, plane, self._window[1])
+
+    def _of_stable(self) -> Iterator[Proof]:
+        if STABLE in self.wanted and (plane := held_rectangles(self.scene, self.free, self._window)):
+            yield Proof(STABLE, self._set(STABLE), None, plane, self._window[1])
+
+    def _set(self, name: str) -> int:
+        """The number of what is asked among the sets of a slice."""
+        return 1 + self.wanted.index(name) if len(self.wanted) > 1 else 0
 
     @property
     def _window(self) -> tuple[tuple[Expr, Expr], tuple[Expr, Expr]]:

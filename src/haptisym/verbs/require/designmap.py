@@ -37,8 +37,8 @@ class DesignMap(Answer):
     """The transparent region of a scene in two parameters: exact along each slice, the first parameter being constant there.
 
     ``slices``: in ascending order of the first parameter. How far straight lines between them are off is estimated (``gaps``).
-    ``within``: what that was to be, a share of the second range. ``proofs``: of what is transparent, what is proven between the
-    slices too.
+    ``within``: what that was to be, a share of the second range. ``proofs``: of what is transparent, or stable, what is
+    proven between the slices too.
     """
 
     _schema: ClassVar[str] = "haptisym.designmap/1"
@@ -157,7 +157,7 @@ class DesignMap(Answer):
     def _proven(self, x: Proof) -> dict[str, Any]:
         """What is proven of a set between the slices."""
         return {
-            "of": TRANSPARENT,
+            "of": x.of,
             "jnd": None if x.jnd is None else float(x.jnd),
             "open": x.rectangles.share_left,
             "bound": self.bound(x),

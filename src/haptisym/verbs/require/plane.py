@@ -1,7 +1,8 @@
 """What is proven all over the plane of two parameters: rectangles in which conditions are kept, or broken, in Taylor models.
 
-A rectangle is broken where a condition is broken at one frequency for all of its values, and kept where every condition is
-kept on all of the band for all of them. What shows neither is cut along what changes more, down to 1/256 of both ranges.
+Of the JND a rectangle is broken where a condition is broken at one frequency for all of its values, and kept where every
+condition is kept on all of the band for all of them. What shows neither is cut along what changes more, down to 1/256 of both
+ranges. Of a hand roots of the display in it are counted (``held_plane``), down to 1/512.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from sympy import Expr
+from sympy import Dummy, Expr
 
 from haptisym.judge.criteria import Criterion
 from haptisym.kernel.budget import tick
@@ -23,11 +24,12 @@ from haptisym.model.scene import Scene
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.tolerances.box import Box, Side
 from haptisym.verbs.tolerances.excess import Excess
+from haptisym.verbs.tolerances.heldplane import held_plane
 from haptisym.verbs.tolerances.regional import excess_of
 
 _FIRST_RECTANGLES, _FIRST_PIECES = 8, 16
 """Of each range, and of the band, to begin with."""
-_FINEST = 2.0**-8
+_FINEST, _FINEST_HELD = 2.0**-8, 2.0**-9
 _MOST, _BATCH = 60_000, 4096
 """Cells of band and plane that are looked at, and how many at once."""
 
@@ -71,8 +73,48 @@ def rectangles(
         return None
     search = _Search([x for x in excesses if not x.is_zero])
     search.go()
+    return _placed(ranges, *(np.concatenate([_NONE, *x]) for x in (search.kept, search.broken, search.left)))
+
+
+def held_rectangles(scene: Scene, free: tuple[Knob, Knob], ranges: Sequence[tuple[Expr, Expr]]) -> Rectangles | None:
+    """The same of what is stable in the hands of a scene; None where nothing is known of it."""
+    symbols = [Dummy() if x.parts else x.symbol for x in free]  # a threshold moves no root
+    try:
+        found = held_plane(
+            scene, scene.hands, dict(zip(symbols, ranges, strict=True)), finest=_FINEST_HELD, most=2 * _MOST
+        )
+    except HaptisymError:
+        return None
+    return _placed(ranges, found.stable, found.unstable, found.left)
+
+
+def common(planes: Sequence[Rectangles]) -> Array:
+    """Rectangles that are kept in all of several planes of the same ranges; what they fill may be cut otherwise."""
+    count = round(1 / _FINEST_HELD)
+    every = np.ones((count, count), bool)
+    cells = np.concatenate(planes[0].parts)
+    low, high = cells[..., 0].min(0), cells[..., 1].max(0)
+    for plane in planes:
+        own = np.zeros_like(every)
+        shares = (plane.kept - low[:, None]) / (high - low)[:, None] * count
+        for (a, b), (c, d) in np.rint(shares).astype(int):
+            own[a:b, c:d] = True
+        every &= own
+    steps = np.linspace(low, high, count + 1)
+    rows = [[steps[[i, i + 1], 0], steps[[a, b], 1]] for i, row in enumerate(every) for a, b in _runs(row)]
+    return np.array(rows).reshape(-1, 2, 2)
+
+
+def _runs(row: Array) -> list[tuple[int, int]]:
+    """From where to where a row holds."""
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], row, [False]]).astype(int)))
+    return list(zip(ends[::2].tolist(), ends[1::2].tolist(), strict=True))
+
+
+def _placed(ranges: Sequence[tuple[Expr, Expr]], *shares: Array) -> Rectangles:
+    """Rectangles in shares of both ranges where they are."""
     lows, widths = (np.array(x)[:, None] for x in ([float(a) for a, _ in ranges], [float(b - a) for a, b in ranges]))
-    return Rectangles(*(lows + widths * np.concatenate([_NONE, *x]) for x in (search.kept, search.broken, search.left)))
+    return Rectangles(*(lows + widths * x for x in shares))
 
 
 _NONE = np.empty((0, 2, 2))

@@ -24,17 +24,18 @@ _ROUNDING, _SAME = 1e-9, 1e-12
 class Proof(Shown):
     """What is proven of one set of a map, all over its plane: rectangles inside and outside of it, and those left open.
 
-    ``set`` : its number among the sets of a slice; ``jnd`` : the threshold, where it is not the scene's; ``window`` : the range
-    of the second parameter.
+    ``of`` : what was asked; ``set`` : its number among the sets of a slice; ``jnd`` : the threshold, where it is not the scene's;
+    ``window`` : the range of the second parameter.
     """
 
+    of: str
     set: int
     jnd: Expr | None
     rectangles: Rectangles
     window: tuple[Expr, Expr]
 
     def _line(self) -> str:
-        return f"of set {self.set}: {self.rectangles}"
+        return f"{self.of}: {self.rectangles}"
 
     def bounds(self, slices: Sequence[Slice]) -> tuple[float | None, ...]:
         """Between each two slices, how far from the lines that join them the set may differ from what these enclose.

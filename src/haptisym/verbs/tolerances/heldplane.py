@@ -6,9 +6,10 @@ else varies. Clear rectangles that touch have one number of unstable roots, whic
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 
 import numpy as np
 from sympy import Expr, Rational, Symbol
@@ -28,6 +29,7 @@ _FIRST_RECTANGLES, _FIRST_PIECES = 8, 48
 """Of each range, and of the frequencies, to begin with."""
 _BATCH = 4096
 _MOST_PIECES = 48  # of one rectangle before it is cut rather than they
+_AT_LAST = 5  # times that pieces of the smallest ones are cut
 _MOST_COUNTS = 48
 
 Interval = tuple[Expr, Expr]
@@ -48,26 +50,37 @@ class HeldPlane:
 
 def held_plane(
     scene: Scene,
-    hand: Hand,
+    hands: Sequence[Hand],
     plane: Mapping[Symbol, Interval],
     others: Mapping[Symbol, Interval] | None = None,
     *,
     finest: float = 2.0**-8,
     most: int = 60_000,
 ) -> HeldPlane:
-    """The plane of two numbers of display or hand, whatever ``others`` are. UndecidedError where nothing is known of it.
+    """The plane of two numbers of display or hands, whatever ``others`` are. UndecidedError where nothing is known of it.
 
-    ``finest`` : the share of a range down to which rectangles are cut; ``most`` : cells that are looked at.
+    ``hands`` : stable is what is so in all of them. ``finest`` : the share of a range down to which rectangles are cut;
+    ``most`` : cells that are looked at.
     """
     ranges = {**plane, **(others or {})}
-    ring, top, bottom = quotient(scene, hand, set(ranges))
-    form = OnAxis(ring, top, ranges)
-    if form.reach is None:
+    loops = [_Loop(*quotient(scene, x, set(ranges)), ranges) for x in hands]
+    if any(x.form.reach is None for x in loops):
         raise UndecidedError("whether roots come from infinity for some of the values")
-    search = _Search(form, finest, most)
+    search = _Search([x.form for x in loops], finest, most)
     search.go()
-    counted = _Counted(ring, top, bottom, ranges)
-    return counted.told(np.concatenate([_NONE, *search.clear]), np.concatenate([_NONE, *search.left]))
+    return _told(loops, np.concatenate([_NONE, *search.clear]), np.concatenate([_NONE, *search.left]))
+
+
+def _told(loops: Sequence[_Loop], clear: Array, left: Array) -> HeldPlane:
+    """Clear rectangles by the counts of those that touch each other."""
+    label = together(clear)
+    stable, unstable = np.zeros((2, len(clear)), bool)
+    parts = sorted(set(label.tolist()), key=lambda n: -float(_areas(clear[label == n]).sum()))
+    for n in parts[:_MOST_COUNTS]:
+        own = clear[label == n]
+        verdicts = [x.is_stable(own[np.argmax(_areas(own))]) for x in loops]
+        stable[label == n], unstable[label == n] = all(verdicts), False in verdicts
+    return HeldPlane(clear[stable], clear[unstable], np.concatenate([left, clear[~stable & ~unstable]]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +89,15 @@ class _Pieces:
 
     owner: Array
     rest: Array
+
+    @classmethod
+    def all(cls, count: int, sides: int) -> _Pieces:
+        """Of so many rectangles."""
+        edges = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, _FIRST_PIECES)])
+        first = np.zeros((_FIRST_PIECES, sides - 2, 2))
+        first[:, :, 1] = 1.0
+        first[:, 0, 0], first[:, 0, 1] = edges[:-1], edges[1:]
+        return cls(np.repeat(np.arange(count), _FIRST_PIECES), np.tile(first, (count, 1, 1)))
 
     def where(self, which: Array) -> _Pieces:
         return _Pieces(self.owner[which], self.rest[which])
@@ -97,7 +119,7 @@ class _Pieces:
 class _Search:
     """Rectangles, as they are told."""
 
-    form: OnAxis
+    forms: Sequence[OnAxis]
     finest: float
     most: int
     clear: list[Array] = field(default_factory=list)
@@ -109,11 +131,7 @@ class _Search:
         steps = np.arange(_FIRST_RECTANGLES + 1) / _FIRST_RECTANGLES
         sides = np.stack([steps[:-1], steps[1:]], -1)
         plane = np.array([[a, b] for a in sides for b in sides])
-        edges = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, _FIRST_PIECES)])
-        first = np.zeros((_FIRST_PIECES, self.form.sides - 2, 2))
-        first[:, :, 1] = 1.0
-        first[:, 0, 0], first[:, 0, 1] = edges[:-1], edges[1:]
-        pieces = _Pieces(np.repeat(np.arange(len(plane)), _FIRST_PIECES), np.tile(first, (len(plane), 1, 1)))
+        pieces = [_Pieces.all(len(plane), x.sides) for x in self.forms]
         while len(plane):
             try:
                 plane, pieces = self._round(plane, pieces)
@@ -121,79 +139,91 @@ class _Search:
                 self.left.append(plane)
                 break
 
-    def _round(self, plane: Array, pieces: _Pieces) -> tuple[Array, _Pieces]:
+    def _round(self, plane: Array, pieces: Sequence[_Pieces]) -> tuple[Array, list[_Pieces]]:
         """What is left of some rectangles, cut."""
-        pieces, _ = self._judged(plane, pieces, again=True)
-        pieces, rates = self._judged(plane, pieces, again=False)
-        doubtful, changes = np.zeros(len(plane), bool), np.zeros((len(plane), 2))
-        doubtful[pieces.owner] = True
-        np.maximum.at(changes, pieces.owner, rates[:, 1:3])
         widths = plane[..., 1] - plane[..., 0]
-        done = (widths <= self.finest).all(-1) | (self.looked > self.most)
+        small = (widths <= self.finest).all(-1)
+        doubtful, changes, found = np.zeros(len(plane), bool), np.zeros((len(plane), 2)), list[_Pieces]()
+        for form, waiting in zip(self.forms, pieces, strict=True):
+            own, rates = self._judged(form, plane, waiting, small)
+            doubtful[own.owner] = True
+            np.maximum.at(changes, own.owner, rates[:, 1:3])
+            found.append(own)
+        done = small | (self.looked > self.most)
         self.clear.append(plane[~doubtful])
         self.left.append(plane[doubtful & done])
         changes = np.where(widths > self.finest, changes + 1e-300 * widths, -1.0)
-        return _halved(plane, np.flatnonzero(doubtful & ~done), np.argmax(changes, -1), pieces)
+        return _halved(plane, np.flatnonzero(doubtful & ~done), np.argmax(changes, -1), found)
 
-    def _judged(self, plane: Array, pieces: _Pieces, *, again: bool) -> tuple[_Pieces, Array]:
-        """The pieces that stay in doubt, in halves those that vary along themselves more than the rectangle does."""
-        clear, rates = self._bounded(pieces.cells(plane))
-        pieces, rates = pieces.where(~clear), rates[~clear]
-        if not again:
-            return pieces, rates
-        own = np.delete(rates, [1, 2], -1)
-        few = np.bincount(pieces.owner, minlength=len(plane))[pieces.owner] <= _MOST_PIECES
-        return pieces.cut(few & (own.max(-1) >= rates[:, 1:3].max(-1) / 2), np.argmax(own, -1)), rates
+    def _judged(self, form: OnAxis, plane: Array, pieces: _Pieces, small: Array) -> tuple[_Pieces, Array]:
+        """The pieces that stay in doubt, and how much D varies there: cut where it varies more along them than the rectangle.
 
-    def _bounded(self, cells: Array) -> tuple[Array, Array]:
-        found = [(np.zeros(0, bool), np.zeros((0, self.form.sides)))]
+        Of rectangles that are cut no further, pieces are cut some times more, whatever it varies along.
+        """
+        for n in range(1 + _AT_LAST):
+            clear, rates = self._bounded(form, pieces.cells(plane))
+            pieces, rates = pieces.where(~clear), rates[~clear]
+            last = small[pieces.owner]
+            own, many = np.delete(rates, [1, 2], -1), np.bincount(pieces.owner, minlength=len(plane))[pieces.owner]
+            wide = (
+                ~last & (many <= _MOST_PIECES) & (own.max(-1) >= rates[:, 1:3].max(-1) / 2)
+                if n == 0
+                else np.zeros_like(last)
+            )
+            which = wide | (last & (many <= 2 * _MOST_PIECES))
+            if n == _AT_LAST or not which.any():
+                break
+            pieces = pieces.cut(which, np.argmax(own, -1))
+        return pieces, rates
+
+    def _bounded(self, form: OnAxis, cells: Array) -> tuple[Array, Array]:
+        found = [(np.zeros(0, bool), np.zeros((0, form.sides)))]
         for i in range(0, len(cells), _BATCH):
             tick()
-            found.append(self.form.bounded(cells[i : i + _BATCH]))
+            found.append(form.bounded(cells[i : i + _BATCH]))
         self.looked += len(cells)
         clear, rates = (np.concatenate(x) for x in zip(*found, strict=True))
         return clear, rates
 
 
-def _halved(plane: Array, which: Array, side: Array, pieces: _Pieces) -> tuple[Array, _Pieces]:
+def _halved(plane: Array, which: Array, side: Array, pieces: Sequence[_Pieces]) -> tuple[Array, list[_Pieces]]:
     """Some rectangles in halves, each along its side, with the pieces that are theirs."""
     lower, upper, rows = plane[which].copy(), plane[which].copy(), np.arange(len(which))
     middle = plane[which, side[which]].mean(-1)
     lower[rows, side[which], 1], upper[rows, side[which], 0] = middle, middle
     number = np.full(len(plane), -1)
     number[which] = rows
-    owner = number[pieces.owner]
-    owner, rest = owner[owner >= 0], pieces.rest[owner >= 0]
-    found = _Pieces(np.concatenate([owner, owner + len(which)]), np.concatenate([rest, rest]))
+    found = list[_Pieces]()
+    for own in pieces:
+        owner = number[own.owner]
+        owner, rest = owner[owner >= 0], own.rest[owner >= 0]
+        found.append(_Pieces(np.concatenate([owner, owner + len(which)]), np.concatenate([rest, rest])))
     return np.concatenate([lower, upper]), found
 
 
 @dataclass(frozen=True)
-class _Counted:
-    """Counts of roots in clear rectangles."""
+class _Loop:
+    """H_perc + Z of one hand as a quotient, over what varies."""
 
     ring: Ring
     top: Polynomial
     bottom: Polynomial
     ranges: Mapping[Symbol, Interval]
 
-    def told(self, clear: Array, left: Array) -> HeldPlane:
-        """By the count of those that touch each other."""
-        label = together(clear)
-        numbers = np.full(len(clear), -1)
-        parts = sorted(set(label.tolist()), key=lambda n: -_area(clear[label == n]))
-        for n in parts[:_MOST_COUNTS]:
-            own = clear[label == n]
-            try:
-                count = count_at(self.ring, self.top, self._values(own[np.argmax(_areas(own))]))
-            except (UndecidedError, LimitError):
-                continue
-            numbers[label == n] = -1 if count is None else count
-        least = self._shared() if (numbers > 0).any() else 0
-        unstable = (numbers > 0) & (numbers > least if least is not None else False)
-        return HeldPlane(
-            clear[numbers == 0], clear[unstable], np.concatenate([left, clear[(numbers != 0) & ~unstable]])
-        )
+    @cached_property
+    def form(self) -> OnAxis:
+        """What is to have no zero on the axis."""
+        return OnAxis(self.ring, self.top, self.ranges)
+
+    def is_stable(self, rectangle: Array) -> bool | None:
+        """Whether it is for all values of a clear rectangle (and of those that touch it), or for none; None where not known."""
+        try:
+            count = count_at(self.ring, self.top, self._values(rectangle))
+        except (UndecidedError, LimitError):
+            return None
+        if not count:
+            return None if count is None else True
+        return False if self._shared is not None and count > self._shared else None
 
     def _values(self, rectangle: Array) -> dict[Symbol, Expr]:
         """In the middle of a rectangle, and of what else varies."""
@@ -204,6 +234,7 @@ class _Counted:
             for (symbol, (low, high)), x in zip(self.ranges.items(), shares, strict=True)
         }
 
+    @cached_property
     def _shared(self) -> int | None:
         """How many zeros in Re s >= 0 numerator and denominator may share: those of the latter; None where not known."""
         try:
@@ -217,7 +248,3 @@ class _Counted:
 
 def _areas(rectangles: Array) -> Array:
     return (rectangles[..., 1] - rectangles[..., 0]).prod(-1)
-
-
-def _area(rectangles: Array) -> float:
-    return float(_areas(rectangles).sum())
