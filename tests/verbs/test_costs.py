@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
+from itertools import count
 from math import inf, log10
 from pathlib import Path
 from typing import Any
@@ -18,7 +20,9 @@ from sympy import Symbol
 
 import haptisym as hs
 from haptisym.cli import app
+from haptisym.kernel.budget import limited, tick
 from haptisym.kernel.errors import SceneError
+from haptisym.verbs.cost import sweeps
 from haptisym.verbs.cost.entry import Cost
 from haptisym.verbs.cost.hardcases import hard_cases
 from haptisym.verbs.cost.measurement import Measurement, front
@@ -209,6 +213,7 @@ def test_the_verb_prints_one_document_and_writes_the_figure(tmp_path: Path) -> N
         (["fu2019", "--figure", "cost.gif"], r"cost\.gif.* must end in \.svg, \.pdf or \.png"),
         (["fu2019", "--figure", "/no/such/folder/cost.svg"], "cannot be written"),
         (["fu2019", "--hard-cases"], "leave out SCENE"),
+        (["fu2019", "--limit", "60"], "--limit: of what is measured a sweep alone"),
     ],
 )  # fmt: skip
 def test_wrong_command_lines_are_refused_before_anything_is_measured(arguments: list[str], message: str) -> None:
@@ -305,6 +310,57 @@ def test_the_page_and_the_document_of_a_swept_cost_say_how_many_are_wrong() -> N
     told = json.loads(swept().to_json())
     assert [row["wrong"] for row in told["rows"]] == [row.wrong for row in swept().rows]
     assert swept().figure() is not None
+
+
+def over_once_at(nth: int) -> Callable[[], None]:
+    """A clock by which the time is over at one look alone."""
+    looks = count(1)
+
+    def look() -> None:
+        if next(looks) == nth:
+            with limited(1e-9):
+                tick()
+
+    return look
+
+
+def test_sets_that_the_limit_left_open_are_told_and_not_scored(call: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each set of a fractional model is answered exactly, and two were when the time was over."""
+    monkeypatch.setattr(sweeps, "tick", over_once_at(3))
+    status, out, _ = call("cost", "organ-tissue", "--sweep", "--quick", "--json")
+    ours, *grids = json.loads(out)["rows"]
+    assert (status, ours["left_open"], ours["asked"], ours["proven"], ours["wrong"]) == (0, 62, 64, True, 0)
+    assert 0 < ours["sets"] <= 2
+    assert all("left_open" not in row and row["sets"] >= ours["sets"] for row in grids)
+    assert "(62 of 64 sets were not reached within the limit of time)" in json.loads(out)["summary"]
+
+
+def test_a_grid_that_the_limit_cut_short_keeps_the_sets_that_it_answered(monkeypatch: pytest.MonkeyPatch) -> None:
+    question = SweepQuestion.of(hs.parse_scene(NARROW), ["k"], quick=True)
+    whole = grid_of_sets(1000, question)()
+    monkeypatch.setattr(sweeps, "tick", over_once_at(4))
+    cut = grid_of_sets(1000, question)()
+    assert (whole.answered, cut.answered, cut.left_open) == (1024, 3 * 65, frozenset(range(3 * 65, 1024)))
+    for name in cut:
+        np.testing.assert_array_equal(cut[name], whole[name][: 3 * 65])
+
+
+def test_the_page_names_each_way_that_the_limit_cut_short() -> None:
+    rows = tuple(replace(x, left_open=n, asked=1024) for x, n in zip(swept().rows, (None, 1, 1000), strict=True))
+    text = " ".join(str(replace(swept(), rows=rows)).split())
+    told = [
+        f"{row.method}: {n} of 1024 sets were not reached within the limit of time."
+        for row, n in zip(rows[1:], (1, 1000), strict=True)
+    ]
+    assert all(x in text for x in told)
+    assert text.count("not reached") == 2
+
+
+def test_a_limit_that_leaves_no_time_at_all_is_said(call: Any) -> None:
+    status, out, err = call("cost", "organ-tissue", "--sweep", "--quick", "--limit", "1e-9")
+    assert (status, out) == (3, "")
+    assert "not decided within the limit of 1e-09 s" in err
+    assert err.count("\n") == 1
 
 
 @pytest.mark.slow

@@ -7,9 +7,10 @@ from pathlib import Path
 
 import click
 
+from haptisym.commands.limit import limit_option
 from haptisym.commands.options import drawn, environment_option, figure_option, json_option, show
 from haptisym.commands.progress import progress
-from haptisym.commands.verb import verb
+from haptisym.commands.verb import given, verb
 from haptisym.judge.answers import Answer
 from haptisym.kernel.errors import SceneError
 from haptisym.model.scene import Scene
@@ -25,6 +26,7 @@ from haptisym.model.scenefile import load_scene
 @click.option("--simulation", is_flag=True, help="The simulation in time instead: steps, tolerances, periods, effects.")
 @click.option("--sweep", is_flag=True, help="A sweep instead: time for a set, and how many a grid counts wrong.")
 @click.option("--free", multiple=True, metavar="PATH", help="With --sweep, what varies; all numbers if not given.")
+@limit_option
 @click.option("--hard-cases", is_flag=True, help="Cases on which the usual ways fail, instead of a scene.")
 def cost(
     scene: str | None,
@@ -35,6 +37,7 @@ def cost(
     simulation: bool,
     sweep: bool,
     free: tuple[str, ...],
+    limit: float,
     hard_cases: bool,
 ) -> None:
     """Measure what accuracy costs in time, for a scene or on hard cases.
@@ -59,6 +62,10 @@ def cost(
         )
     if free and not sweep:
         raise SceneError("--free: tells what varies in a sweep: add --sweep")
+    if not sweep and given(click.get_current_context(), "--limit"):
+        raise SceneError(
+            "--limit: of what is measured a sweep alone can be cut short: add --sweep, or ask for less with --quick"
+        )
     if sweep and simulation:
         raise SceneError("--sweep and --simulation are two questions: ask one of them")
     if scene is None and not hard_cases:
@@ -68,7 +75,7 @@ def cost(
             load_scene(scene, environment) if scene else None,
             quick,
             simulation,
-            free if sweep else None,
+            (free, limit) if sweep else None,
             lambda what, share: told(share, 1.0, what),
         )
     drawn(found, figure)
@@ -79,7 +86,7 @@ def _measured(
     scene: Scene | None,
     quick: bool,
     simulation: bool,
-    free: tuple[str, ...] | None,
+    swept: tuple[tuple[str, ...], float] | None,
     told: Callable[[str, float], None],
 ) -> Answer:
     if scene is None:
@@ -88,7 +95,8 @@ def _measured(
         return hard_costs(told=told)
     from haptisym.verbs.cost.entry import cost, simulation_cost, sweep_cost
 
-    if free is not None:
-        return sweep_cost(scene, free, quick=quick, told=told)
+    if swept is not None:
+        free, limit = swept
+        return sweep_cost(scene, free, quick=quick, limit=limit, told=told)
     measure = simulation_cost if simulation else cost
     return measure(scene, quick=quick, told=told)

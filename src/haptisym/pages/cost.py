@@ -9,7 +9,7 @@ from haptisym.model.jnd import Part
 from haptisym.pages.words import RATIOS, lead, title
 from haptisym.verbs.cost.entry import Cost
 from haptisym.verbs.cost.measurement import Measurement
-from haptisym.verbs.cost.summary import duration, share_wrong, wrong
+from haptisym.verbs.cost.summary import duration, not_reached, share_wrong, wrong
 from haptisym.writing.document import Block, Column, Document, Figure, Notes, Number, Paragraph, Phrase, Section, Table
 from haptisym.writing.names import named
 
@@ -33,7 +33,8 @@ def page(found: Cost) -> Document:
         "of repeats in turns; the equations are given to all. Ratios of times travel between machines, times do not."
     )
     omitted = (f"Left out: {x.method} ({x.reason})." for x in found.left_out)
-    notes = Notes((proof, *omitted, measured_on(found.machine)))
+    late = (f"{x.method}: {not_reached(x)}." for x in found.rows if x.left_open)
+    notes = Notes((proof, *late, *omitted, measured_on(found.machine)))
     shown = "Right digits against time for each question; filled marks are proven."
     blocks = Paragraph(found.summary), *tables, Figure("cost", shown, found.figure, wide=True), notes
     return Document(f"{title(found.scene)}: what accuracy costs", lead(found.scene, found.asides()), blocks)

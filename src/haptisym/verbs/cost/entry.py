@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
+from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import HaptisymError
 from haptisym.kernel.shown import counted, titled
 from haptisym.model.scene import Scene
@@ -25,6 +26,8 @@ Progressed = Callable[[str, float], None]
 _ROUNDS = 25
 _BUDGETS = {"evaluate": 4.0, "crossings": 4.0, "delay": 2.0, "effects": 2.0, "simulation": 3.0, "sweep": 6.0}
 """Seconds after which no repeats of a task are begun."""
+_FOR_REPEATS = 0.25
+"""The share of a limit after which no repeats are begun."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -127,13 +130,15 @@ def sweep_cost(
     free: Sequence[str] = (),
     *,
     quick: bool = False,
+    limit: float | None = None,
     told: Progressed = lambda what, share: None,
 ) -> Cost:
     """Measure what certainty costs a sweep: time for a set, and how often a grid of frequencies counts crossings wrong.
 
     ``free`` : paths of the parameters that vary, all numbers of the display if not given; each over its range if the scene states
     one, else from half of its value to twice, always the same random sets. Wrong is what exact arithmetic tells otherwise, on as
-    many sets as there is time for. SceneError for a scene with symbols, or nothing that varies.
+    many sets as there is time for. ``limit`` : seconds for all of it; rows say how many sets were not reached (``left_open``).
+    LimitError where none could be answered exactly within it. SceneError for a scene with symbols, or nothing that varies.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> ours, *grids = sweep_cost(load_scene("fu2019"), quick=True).rows
@@ -145,18 +150,25 @@ def sweep_cost(
     scene = as_scene(scene)
     scene.knobs.need_numbers()
     paths = [free] if isinstance(free, str) else list(free)
-    return _measured(scene, [sweep_task(scene, paths, quick=quick)], 0.2 if quick else 3.0, told)
+    patience = 0.2 if quick else 3.0
+    if limit is not None:
+        patience = min(patience, limit * _FOR_REPEATS / _BUDGETS["sweep"])
+    with limited(limit):
+        told("formulas", 0.0)
+        return _measured(scene, [sweep_task(scene, paths, quick=quick)], patience, told)
 
 
 def _measured(scene: Scene, tasks: list[Task], patience: float, told: Progressed) -> Cost:
     """All attempts of all tasks, timed and scored; ``patience`` stretches the time that repeats may take."""
-    count, done = sum(len(task.attempts) for task in tasks), 0
+    count, done = sum(len(task.attempts) + 1 for task in tasks), 0
     rows: list[Measurement] = []
     left_out = [x for task in tasks for x in task.left_out]
     for task in tasks:
         said = partial(_tell, told, task.name, done, count)
         timed = interleaved(task.attempts, patience * _BUDGETS[task.name], rounds=_ROUNDS, told=said)
         done += len(task.attempts)
+        told(f"{task.name}: right digits", done / count)
+        done += 1
         left_out += [Omission(task.name, m.name, str(x.answer)) for m, x in timed.items() if _refused(x)]
         rows += [_row(task, method, x) for method, x in timed.items() if not _refused(x)]
     told("", 1.0)
@@ -174,5 +186,8 @@ def _refused(timed: Timed) -> bool:
 def _row(task: Task, method: Method, timed: Timed) -> Measurement:
     score = task.score(method, timed.answer)
     proven = method.proves and not getattr(timed.answer, "undecided", 0)
-    seconds, counts = timed.seconds / task.per(method), score.wrong or (None, None)
-    return Measurement(task.name, method.name, score.digits, seconds, proven, score.missed, score.invented, *counts)
+    seconds, counts = timed.seconds / task.per(method, timed.answer), score.wrong or (None, None)
+    late = (len(left), timed.answer.asked) if (left := getattr(timed.answer, "left_open", ())) else (None, None)
+    return Measurement(
+        task.name, method.name, score.digits, seconds, proven, score.missed, score.invented, *counts, *late
+    )

@@ -11,6 +11,7 @@ from importlib.metadata import PackageNotFoundError, version
 from time import perf_counter
 from typing import Any, TypeVar
 
+from haptisym.kernel.budget import limited, spared
 from haptisym.kernel.caches import forget
 from haptisym.kernel.errors import HaptisymError
 
@@ -35,25 +36,28 @@ def interleaved(
 ) -> dict[Key, Timed]:
     """Every attempt once to warm up, then in turns: at most so many rounds, and none begun after ``budget`` seconds.
 
-    An attempt whose first run took more than an eighth of the budget is not repeated. ``told`` is called with each key
-    and its place as its first run begins. An attempt that raises a HaptisymError has that
-    for its answer. No attempt profits from certified zeros that another one found.
+    An attempt whose first run took more than an eighth of the budget, or was cut short by a limit in time, is not repeated.
+    ``told`` is called with each key and its place as its first run begins. An attempt that raises a HaptisymError has that for
+    its answer. No attempt profits from certified zeros that another one found.
 
     >>> found = interleaved({"sum": lambda: sum(range(100)), "constant": lambda: 1}, 0.01)
     >>> found["sum"].answer, found["sum"].seconds > found["constant"].seconds
     (4950, True)
     """
-    began, answers, first = perf_counter(), {}, {}
+    began, answers, first, short = perf_counter(), {}, {}, []
     for at, (key, attempt) in enumerate(attempts.items()):
         told(key, at)
-        first[key], answers[key] = _once(attempt)
+        with limited() as within:
+            first[key], answers[key] = _once(attempt)
+        if first[key] <= budget / 8 and not within.reached:
+            short.append(key)
     seconds: dict[Key, list[float]] = {key: [] for key in attempts}
-    for _ in range(rounds):
-        if perf_counter() - began > budget:
-            break
-        for key, attempt in attempts.items():
-            if first[key] <= budget / 8:
-                seconds[key].append(_once(attempt)[0])
+    with spared():
+        for _ in range(rounds):
+            if perf_counter() - began > budget:
+                break
+            for key in short:
+                seconds[key].append(_once(attempts[key])[0])
     return {key: Timed(statistics.median(seconds[key] or [first[key]]), answers[key]) for key in attempts}
 
 

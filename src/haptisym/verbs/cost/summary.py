@@ -34,7 +34,15 @@ def _of_sweep(rows: Sequence[Measurement]) -> str:
         f"a {x.method.partition(',')[0]} points takes {duration(x.seconds)} and counts {share_wrong(x)} wrong"
         for x in grids
     ]
-    return f"Here a set is answered with proof in {duration(ours.seconds)}" + "".join(f"; {x}" for x in told) + "."
+    said = f" ({not_reached(ours)})" if ours.left_open else ""
+    return (
+        f"Here a set is answered with proof in {duration(ours.seconds)}{said}" + "".join(f"; {x}" for x in told) + "."
+    )
+
+
+def not_reached(row: Measurement) -> str:
+    """Of a sweep, for how many sets the time was too short."""
+    return f"{row.left_open} of {row.asked} sets were not reached within the limit of time"
 
 
 def share_wrong(row: Measurement) -> str:

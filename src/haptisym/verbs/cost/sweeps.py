@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from math import log10
+from math import inf, log10
 from time import process_time
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from haptisym.judge.criteria import noticed
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.budget import limited, share, tick
+from haptisym.kernel.errors import LimitError, SceneError
 from haptisym.kernel.reals import ExactNumber
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
@@ -24,7 +25,7 @@ from haptisym.verbs.cost.questions import DOUBLE, Attempt, Score
 from haptisym.verbs.cost.tasks import Task, prepared
 from haptisym.verbs.cost.usual import RefusedError, naive
 from haptisym.verbs.sweep.batch import Array
-from haptisym.verbs.sweep.exactly import exact_answers
+from haptisym.verbs.sweep.exactly import AnswerRow, exact_answers
 from haptisym.verbs.sweep.kernel import Kernel
 from haptisym.verbs.sweep.told import OPEN
 
@@ -32,10 +33,24 @@ _POINTS = 1 << 16
 """Of all grids of a block of sets, so that they stay near the processor."""
 _HALVINGS = 46
 _SEED = 2019
+_FOR_FORMULAS, _FOR_EACH = 0.25, 0.4
+"""Shares of the time that is left."""
+_Item = TypeVar("_Item")
 
 
 class Answers(dict[str, Array]):
-    """By the names of a sweep's variables a number for each set."""
+    """By the names of a sweep's variables a number for each set; of ``asked`` sets ``left_open`` were not reached in time."""
+
+    def __init__(self, columns: Iterable[tuple[str, Array]], asked: int, left_open: Iterable[int] = ()) -> None:
+        super().__init__(columns)
+        self.asked, self.left_open = asked, frozenset(map(int, left_open))
+        if self.answered == 0:
+            raise LimitError("no set was answered within its share of the limit")
+
+    @property
+    def answered(self) -> int:
+        """Sets that were reached."""
+        return self.asked - len(self.left_open)
 
     @property
     def undecided(self) -> int:
@@ -52,6 +67,7 @@ class SweepQuestion:
 
     scene: Scene
     knobs: tuple[Knob, ...]
+    kernel: Kernel
     values: Array
     patience: float
 
@@ -60,15 +76,12 @@ class SweepQuestion:
         """Values around those of a scene: evenly in the logarithm, from half to twice, or over the range that a parameter has."""
         scene = replace(scene, hands=())
         knobs = _varied(scene, paths)
-        sets = (1024 if quick else 8192) if Kernel.of(scene, knobs).is_polynomial else 64
+        with share(_FOR_FORMULAS):  # those that take longer are not used: each set is then answered exactly
+            kernel = Kernel.of(scene, knobs)
+        sets = (1024 if quick else 8192) if kernel.is_polynomial else 64
         rng = np.random.default_rng(_SEED)
         values = np.array([_drawn(x, rng, sets) for x in knobs])
-        return cls(scene, knobs, values, 1.0 if quick else 20.0)
-
-    @cached_property
-    def kernel(self) -> Kernel:
-        """What a sweep computes."""
-        return Kernel.of(self.scene, self.knobs)
+        return cls(scene, knobs, kernel, values, 1.0 if quick else 20.0)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -76,19 +89,32 @@ class SweepQuestion:
         return tuple(x.name for x in noticed(self.scene.threshold))
 
     @cached_property
-    def truth(self) -> Sequence[dict[str, float]]:
-        """Exact answers of the first sets, as many as there is time for."""
-        found, end = [], process_time() + self.patience
-        for one in self.values.T:
-            found.append(exact_answers(self.scene, self.knobs, one.tolist()))
-            if process_time() > end:
-                break
+    def truth(self) -> Sequence[AnswerRow]:
+        """Exact answers of the first sets, as many as there is time for; LimitError where that is none."""
+        found = self.exact(self.values.T, self.patience)
+        if not found:
+            raise LimitError("not decided within the limit: no set was answered exactly, to hold others against")
+        return found
+
+    def exact(self, sets: Iterable[Array], patience: float = inf) -> list[AnswerRow]:
+        """Exact answers of some sets, one after the other until the time is over."""
+        found, end = [], process_time() + patience
+        with limited() as budget:
+            for one in _in_time(sets):
+                row = exact_answers(self.scene, self.knobs, one.tolist())
+                if budget.reached and row["method"] == OPEN:
+                    break
+                found.append(row)
+                if process_time() > end:
+                    break
         return found
 
     def score(self, answers: Answers) -> Score:
         """Sets with a wrong count, crossings missed and invented in them, and the right digits of the others' first crossings."""
         wrong, sets, missed, invented, digits = 0, 0, 0, 0, DOUBLE
         for i, true in enumerate(self.truth):
+            if i in answers.left_open:
+                continue
             pairs = [(int(answers[f"crossings_{x}"][i]), int(true[f"crossings_{x}"])) for x in self.names]
             if any(count < 0 for _, count in pairs):
                 continue  # not answered, or no dynamics
@@ -100,7 +126,7 @@ class SweepQuestion:
                 digits = min(
                     digits, *(_digits(answers[k][i], true[k]) for k in self._firsts if not np.isnan(true[k])), DOUBLE
                 )
-        return Score(digits, missed, invented, (wrong, sets))
+        return Score(digits if sets else 0.0, missed, invented, (wrong, sets))
 
     @property
     def _firsts(self) -> Iterator[str]:
@@ -147,10 +173,39 @@ def _digits(own: float, true: float) -> float:
 # The ways.
 
 
+def _in_time(items: Iterable[_Item]) -> Iterator[_Item]:
+    """Until the time is over."""
+    for x in items:
+        try:
+            tick()
+        except LimitError:
+            return
+        yield x
+
+
+def _shared(attempt: Attempt) -> Attempt:
+    """An attempt that leaves time to those after it."""
+
+    def bounded() -> Any:
+        with share(_FOR_EACH):
+            return attempt()
+
+    return bounded
+
+
 def certified_way(question: SweepQuestion) -> Attempt:
     """Ours: floats that prove their counts, and exact arithmetic for the sets that they leave."""
-    kernel = question.kernel
-    return lambda: Answers(kernel.answers(question.values))
+    values = question.values
+
+    def attempt() -> Answers:
+        columns, left = question.kernel.in_floats(values)
+        rows = question.exact(values[:, left].T)
+        for i, row in zip(left, rows, strict=False):
+            for name, value in row.items():
+                columns[name][i] = value
+        return Answers(columns.items(), values.shape[1], left[len(rows) :])
+
+    return _shared(attempt)
 
 
 def grid_way(points: int, question: SweepQuestion) -> Attempt:
@@ -177,15 +232,13 @@ def grid_way(points: int, question: SweepQuestion) -> Attempt:
         return [np.broadcast_to(shares[x.part] > limit, shape) for x, limit in zip(criteria, limits, strict=True)]
 
     def attempt() -> Answers:
-        width = max(1, _POINTS // points)
-        parts = [
-            _block(at, question.values[:, i : i + width], above) for i in range(0, question.values.shape[1], width)
-        ]
+        width, sets = max(1, _POINTS // points), question.values.shape[1]
+        parts = [_block(at, question.values[:, i : i + width], above) for i in _in_time(range(0, sets, width))]
         rows = [np.concatenate(x) for x in zip(*parts, strict=True)]
         keys = [f"{kind}_{x.name}" for x in criteria for kind in ("crossings", "first_crossing")]
-        return Answers(zip(keys, rows, strict=True))
+        return Answers(zip(keys, rows, strict=bool(parts)), sets, range(len(parts) * width, sets))
 
-    return attempt
+    return _shared(attempt)
 
 
 def _block(at: Array, some: Array, above: Any) -> list[Array]:
@@ -212,5 +265,4 @@ def sweep_task(scene: Scene, paths: Sequence[str], *, quick: bool) -> Task:
         *(Method(f"grid of 10^{n}, halved", partial(grid_way, 10**n)) for n in ((2, 3) if quick else (2, 3, 4))),
     ]
     attempts, left_out = prepared(methods, question, "sweep")
-    sets = question.values.shape[1]
-    return Task("sweep", attempts, lambda _, answer: question.score(answer), left_out, per=lambda _: sets)
+    return Task("sweep", attempts, lambda _, answer: question.score(answer), left_out, per=lambda _, x: x.answered)

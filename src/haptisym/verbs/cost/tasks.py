@@ -36,8 +36,8 @@ class Task:
     score: Callable[[Method, Any], Score]
     left_out: tuple[Omission, ...] = ()
     condition: float | None = None
-    per: Callable[[Method], int] = lambda method: 1
-    """By what the seconds of a method are divided."""
+    per: Callable[[Method, Any], int] = lambda method, answer: 1
+    """By what the seconds of an attempt are divided."""
 
 
 def prepared(methods: Iterable[Method], question: Any, task: str) -> tuple[dict[Method, Attempt], tuple[Omission, ...]]:
@@ -68,7 +68,7 @@ def evaluate_task(scene: Scene, *, quick: bool) -> Task:
         lambda method, answer: few.score(answer[:count], truth, method.held),
         (*groups[0][1], *groups[1][1]),
         few.condition,
-        lambda method: len((many if method.at_once else few).omegas),
+        lambda method, _: len((many if method.at_once else few).omegas),
     )
 
 
