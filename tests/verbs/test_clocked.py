@@ -290,3 +290,14 @@ def test_a_passive_display_is_stable_in_every_hand_that_is_tried() -> None:
         for b in ("0", "2"):
             for k in ("0", "90", "4000"):
                 assert held(scene, Hand("any", m, b, k)).stable
+
+
+def test_a_coefficient_that_vanishes_where_the_walk_ends_is_no_error() -> None:
+    """A sampled wall without damping: at k = 0, where values are looked at last, nothing is left of the controller."""
+    wall = hs.load_scene("sampled-wall").with_values({"environment.b": 0})
+    [span] = hs.require(wall, "environment.k", (10, 4000), that="stable", hand="light-touch").feasible
+    assert span.high.value is not None
+    end = float(span.high.value)
+    for k, is_stable in ((end * 0.999, True), (end * 1.001, False)):
+        now = wall.with_values({"environment.k": k}).with_hands(hs.hands["light-touch"])
+        assert hs.stability(now).held[0].stable is is_stable

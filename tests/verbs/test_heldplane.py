@@ -80,6 +80,22 @@ def test_what_else_varies_is_counted_in() -> None:
     assert not is_refuted(held, told, plane, ("environment.k",))
 
 
+def test_a_sampled_wall_is_told_all_over_its_plane() -> None:
+    """Held by nothing but its device, 0.04 kg and 0.8 N s/m, T = 1 ms: K < 1605.35 for B = 0, 2384.3034697805 for B = 0.4."""
+    wall = hs.environments.kelvin_voigt(1000, "0.4 N*s/m")
+    loop = hs.effects.sampled_loop("1 ms", "backward-difference"), hs.effects.shunt(m="40 g", b="0.8 N*s/m")
+    held = hs.Scene(wall, loop, hands=(hs.Hand("none"),))
+    plane = {"environment.b": (0, 1), "environment.k": (1000, 3000)}
+    told = of(held, plane, finest=2.0**-6)
+    assert area(told.left) < 0.2
+    for at, critical in ((0.0, 1605.35113477512), (0.4, 2384.3034697805)):
+        for cells, side in ((told.stable, 1), (told.unstable, -1)):
+            own = cells[(cells[:, 0, 0] <= at) & (cells[:, 0, 1] >= at)]
+            assert len(own)
+            assert (side * (critical - 1000 - 2000 * own[:, 1, (1 + side) // 2]) > 0).all()
+    assert not is_refuted(held, told, plane)
+
+
 def test_stable_in_several_hands_is_stable_in_each() -> None:
     plane = {"tau": ("1 ms", "60 ms"), "environment.k": (10, 1000)}
     loose = hs.Hand("loose", m="0.1 kg", b="3 N*s/m")

@@ -19,22 +19,22 @@ from haptisym.model.hand import Hand
 from haptisym.model.hand import hands as published
 from haptisym.model.quantities import MotionKind
 from haptisym.programs.taylormodels import Array
-from haptisym.verbs.stability.plane import Window, boundary
+from haptisym.verbs.stability.plane import Plane, Window, boundary
 from haptisym.verbs.tolerances.heldplane import HeldPlane, held_plane
 from haptisym.verbs.tolerances.proofs import Tolerances
 
-_FINEST = (2.0**-8, 2.0**-7, 2.0**-7)
+_FINEST = (2.0**-8, 2.0**-7)
 _COARSE = 2.0**-6
 """Of both ranges, by how many others there are."""
-_MOST = 150_000
+_MOST = 100_000
 
 
 def draw_held(ax: Axes, a: Tolerances) -> list[Artist]:
     """Stiffness against damping of hands of the first one's mass: grounds where a display is stable for all values, and for none.
 
     Both are proven, over rectangles; between them it depends on the values, or was not shown. The line is the boundary for the
-    nominal values, in floats; hollow points are published hands, whatever their mass. NothingToDrawError without a hand, with a
-    clock, and where nothing is known.
+    nominal values, in floats (none with a clock); hollow points are published hands, whatever their mass. NothingToDrawError
+    without a hand, and where nothing is known.
 
     >>> from haptisym import load_scene, tolerances
     >>> from matplotlib.figure import Figure
@@ -45,15 +45,18 @@ def draw_held(ax: Axes, a: Tolerances) -> list[Artist]:
     if not a.held:
         raise NothingToDrawError("no hand was asked about")
     scene, hands = a.box.scene, [x.hand for x in a.held]
-    own, turning = hands[0], scene.motion is MotionKind.ROTATION
+    own, turning, sampled = hands[0], scene.motion is MotionKind.ROTATION, bool(clocks(scene))
     shown = [] if turning else [x for name, x in published.items() if name not in {y.name for y in hands}]
-    window = _window([*hands, *shown])
+    window = _window([*hands, *shown], sampled=sampled)
     found = _found(a, own, window)
     low, high, least, most = window
     ax.set(xlim=(low, high), ylim=(least, most))
-    drawn = boundary(scene, own, window)
+    drawn = (
+        Plane(float(own.m.value), np.empty(0), np.empty(0), None, window) if sampled else boundary(scene, own, window)
+    )
+    lines = [] if sampled else draw_boundary(ax, drawn, "nominal boundary")
     made = [
-        *_grounds(ax, found, window), *draw_boundary(ax, drawn, "nominal boundary"), *draw_boxes(ax, hands),
+        *_grounds(ax, found, window), *lines, *draw_boxes(ax, hands),
         *draw_points(ax, hands, shown, drawn),
     ]  # fmt: skip
     name_axes(ax, scene.motion, " to ".join(number(float(x)) for x in own.m.interval or (own.m.value,)))
@@ -63,8 +66,6 @@ def draw_held(ax: Axes, a: Tolerances) -> list[Artist]:
 
 def _found(a: Tolerances, hand: Hand, window: Window) -> HeldPlane:
     """What is proven of the plane."""
-    if clocks(a.box.scene):
-        raise NothingToDrawError("with a clock the boundary in a hand's plane is none of H_perc")
     low, high, least, most = (Rational(str(x)) for x in window)
     ranges = a.box.scene.ranges().values()
     others: dict[Symbol, tuple[Expr, Expr]] = {x.symbol: x.interval for x in ranges if x.interval and not x.parts}
@@ -84,12 +85,13 @@ def _found(a: Tolerances, hand: Hand, window: Window) -> HeldPlane:
         raise NothingToDrawError(f"of hands held nothing is known: {error}") from None
 
 
-def _window(hands: Sequence[Hand]) -> Window:
-    """From 0 on, with room for the hands and their boxes."""
+def _window(hands: Sequence[Hand], *, sampled: bool) -> Window:
+    """From 0 on, with room for the hands and their boxes; a little less without a clock."""
     ends = [[float((p.interval or (p.value, p.value))[1]) for p in (x.k, x.b)] for x in hands]
     k, b = (max(column) for column in zip(*ends, strict=True))
     k, b = (k or 100.0, b or 1.0)
-    return -0.05 * k, ROOM * k, -0.05 * b, ROOM * b
+    below = 0.0 if sampled else 0.05
+    return -below * k, ROOM * k, -below * b, ROOM * b
 
 
 def _grounds(ax: Axes, found: HeldPlane, window: Window) -> list[Artist]:

@@ -114,7 +114,8 @@ class _Known:
         return found
 
     def coefficient(self, i: int) -> Exact:
-        return self.exact[i]
+        """The exact ones may end before the balls do, at what is 0."""
+        return self.exact[i] if i < len(self.exact) else self.exact[0] - self.exact[0]
 
     def is_zero(self, x: _Lazy) -> bool:
         """_RiseError where only more precision will tell."""

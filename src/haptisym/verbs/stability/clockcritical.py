@@ -7,6 +7,7 @@ vanishes follow each other, as long as they may be, up to one in which the numbe
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -79,6 +80,21 @@ def opened(scene: Scene, hand: Hand, free: Knob) -> Opened:
     return Opened(loop_of(scene.with_values({free.path: symbol}), hand), symbol)
 
 
+def at_one(loop: SampledLoop) -> Expr:
+    """B(1) Q(0) + A(1) N(0): C(1) times what is nowhere 0."""
+    plant = loop.plant
+    return (Add(*loop.below) * plant.denominator[0] + Add(*loop.above) * Add(*(N[0] for _, N in plant.terms))).expand()
+
+
+def circle_tests(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0) -> tuple[Ball, Ball, Ball]:
+    """At z = 1, at z = -1, and where two roots v add up to 0: numbers that vanish where a root is on the circle.
+
+    ``one`` : ``at_one``; ``always`` : how many roots lie at 1 whatever the numbers are.
+    """
+    c, pairs = hurwitz(about_one(loop, known)[always:])
+    return c[0] if always else expression_ball(one, known), c[-1], pairs
+
+
 @dataclass(frozen=True)
 class Opened:
     """A loop in which a symbol stands for one number."""
@@ -120,11 +136,8 @@ class Opened:
 
     @cached_property
     def at_one(self) -> Expr:
-        """B(1) Q(0) + A(1) N(0): C(1) times what is nowhere 0."""
-        plant = self.loop.plant
-        return (
-            Add(*self.loop.below) * plant.denominator[0] + Add(*self.loop.above) * Add(*(N[0] for _, N in plant.terms))
-        ).expand()
+        """C(1) times what is nowhere 0."""
+        return at_one(self.loop)
 
     @cached_property
     def always(self) -> int:
@@ -146,10 +159,7 @@ class Opened:
 
     def tests(self, q: Ball) -> tuple[Ball, Ball, Ball]:
         """At z = 1, at z = -1, and where two roots v add up to 0: numbers that vanish where a root is on the circle."""
-        row = about_one(self.loop, {self.symbol: q})[self.always :]
-        c, pairs = hurwitz(row)
-        one = c[0] if self.always else expression_ball(self.at_one, {self.symbol: q})
-        return one, c[-1], pairs
+        return circle_tests(self.loop, {self.symbol: q}, self.at_one, self.always)
 
     def angle(self, q: Ball, bits: int) -> Ball:
         """Of the pair on the circle: its argument, to so many bits; not finite where balls do not tell."""
@@ -229,10 +239,13 @@ class Walk:
         return Passage(value, Swing(value), below, above)
 
     def _at_0(self, at: Fraction, side: int) -> Passage | None:
-        """At the end of what was looked at: a change at 0 itself, where a root comes to 1."""
+        """At the end of what was looked at: a change at 0 itself, where a root comes to 1; None where that stays open."""
         if side > 0 or self.rule is not Rule.NONNEGATIVE or self.start == 0:
             return None
-        count, _ = self.loop.count(Integer(0))
+        try:
+            count, _ = self.loop.count(Integer(0))
+        except UndecidedError:
+            return None
         left = (self.loop.at_one / self.loop.symbol).expand()
         with flint.ctx.workprec(_BITS):
             q = arb(0).union(_ball(at))

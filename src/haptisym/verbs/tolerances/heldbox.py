@@ -8,6 +8,7 @@ from fractions import Fraction
 from itertools import islice, product
 from typing import Any
 
+import numpy as np
 from sympy import Expr, I, Rational, Symbol
 
 from haptisym.kernel.dynamics import Ring
@@ -21,6 +22,7 @@ from haptisym.model.scene import Scene
 from haptisym.verbs.stability.boxes import Share
 from haptisym.verbs.stability.held import characteristic, unstable_roots
 from haptisym.verbs.tolerances.onaxis import OnAxis
+from haptisym.verbs.tolerances.oncircle import OnCircle
 
 _MOST_CORNERS = 64
 _MOST_MIDDLES = 12  # of cells where roots may meet the axis, that are tried as examples
@@ -114,7 +116,7 @@ class _Question:
     def _for_all(self) -> bool | None:
         """Whether all are stable, or none is; None where there are both, which are then among the examples."""
         if clocks(self.scene):
-            raise UndecidedError("the roots of a sampled loop, for all values at once")
+            return self._with_a_clock()
         ring, top, bottom = quotient(self.scene, self.hand, {x.symbol for x in self.sides})
         number = self._everywhere(ring, top)
         if number is None:
@@ -123,6 +125,17 @@ class _Question:
             return True
         poles = self._everywhere(ring, bottom)  # what top and bottom share is no root
         return False if poles is not None and poles < number else None
+
+    def _with_a_clock(self) -> bool | None:
+        """The same by the roots of the sampled loop."""
+        used = {x.symbol: x.interval for x in self.sides if x.interval}
+        loop = OnCircle.of(self.scene, self.hand, used)
+        left = loop.left()
+        if left:
+            self._look(self._middles(list(used), np.array([[(0, 0), *cell] for cell in left], float)))
+            return None
+        is_stable = True in self.found
+        return True if is_stable else False if loop.hides_none else None
 
     def _everywhere(self, ring: Ring, polynomial: Polynomial) -> int | None:
         """The number of zeros in Re s >= 0, if it is one for all values; None where it may not be."""

@@ -1,7 +1,8 @@
 """Held in a hand, all over the plane of two numbers: rectangles in which a display is stable for all values, or for none.
 
-A rectangle is clear where the characteristic function is nowhere 0 on the imaginary axis, for any of its values nor any of what
-else varies. Clear rectangles that touch have one number of unstable roots, which is counted exactly at one set of values.
+A rectangle is clear where the characteristic function is nowhere 0 on the imaginary axis (with a clock, on the unit circle), for
+any of its values and any of what else varies. Clear rectangles that touch have one number of unstable roots, which is counted
+exactly at one set of values.
 """
 
 from __future__ import annotations
@@ -16,13 +17,17 @@ from sympy import Expr, Rational, Symbol
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.errors import LimitError, UndecidedError
+from haptisym.kernel.errors import HaptisymError, LimitError, UndecidedError
 from haptisym.kernel.rings import Polynomial
+from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
 from haptisym.programs.taylormodels import Array
+from haptisym.verbs.stability.clocked import clocked_roots
+from haptisym.verbs.tolerances.clockplane import ClockPlane
 from haptisym.verbs.tolerances.heldbox import count_at, quotient
 from haptisym.verbs.tolerances.onaxis import OnAxis
+from haptisym.verbs.tolerances.oncircle import OnCircle
 from haptisym.verbs.tolerances.search import together
 
 _FIRST_RECTANGLES, _FIRST_PIECES = 8, 48
@@ -31,6 +36,7 @@ _BATCH = 4096
 _MOST_PIECES = 48  # of one rectangle before it is cut rather than they
 _AT_LAST = 5  # times that pieces of the smallest ones are cut
 _MOST_COUNTS = 48
+_DEARER = 15  # a cell of a loop with a clock
 
 Interval = tuple[Expr, Expr]
 _NONE = np.empty((0, 2, 2))
@@ -63,6 +69,10 @@ def held_plane(
     ``most`` : cells that are looked at.
     """
     ranges = {**plane, **(others or {})}
+    if clocks(scene):
+        sampled = [_Sampled(scene, x, OnCircle.of(scene, x, ranges)) for x in hands]
+        clear, left = ClockPlane([x.form for x in sampled], finest, most // _DEARER).rectangles()
+        return _told(sampled, clear, left)
     loops = [_Loop(*quotient(scene, x, set(ranges)), ranges) for x in hands]
     if any(x.form.reach is None for x in loops):
         raise UndecidedError("whether roots come from infinity for some of the values")
@@ -71,7 +81,7 @@ def held_plane(
     return _told(loops, np.concatenate([_NONE, *search.clear]), np.concatenate([_NONE, *search.left]))
 
 
-def _told(loops: Sequence[_Loop], clear: Array, left: Array) -> HeldPlane:
+def _told(loops: Sequence[_Loop | _Sampled], clear: Array, left: Array) -> HeldPlane:
     """Clear rectangles by the counts of those that touch each other."""
     label = together(clear)
     stable, unstable = np.zeros((2, len(clear)), bool)
@@ -218,21 +228,12 @@ class _Loop:
     def is_stable(self, rectangle: Array) -> bool | None:
         """Whether it is for all values of a clear rectangle (and of those that touch it), or for none; None where not known."""
         try:
-            count = count_at(self.ring, self.top, self._values(rectangle))
+            count = count_at(self.ring, self.top, _middle(self.ranges, rectangle))
         except (UndecidedError, LimitError):
             return None
         if not count:
             return None if count is None else True
         return False if self._shared is not None and count > self._shared else None
-
-    def _values(self, rectangle: Array) -> dict[Symbol, Expr]:
-        """In the middle of a rectangle, and of what else varies."""
-        middles = [Fraction(float(x)) for x in rectangle.mean(-1)]
-        shares = [*middles, *[Fraction(1, 2)] * (len(self.ranges) - 2)]
-        return {
-            symbol: low + Rational(x.numerator, x.denominator) * (high - low)
-            for (symbol, (low, high)), x in zip(self.ranges.items(), shares, strict=True)
-        }
 
     @cached_property
     def _shared(self) -> int | None:
@@ -241,9 +242,39 @@ class _Loop:
             form = OnAxis(self.ring, self.bottom, self.ranges)
             if form.reach is None or len(form.left()):
                 return None
-            return count_at(self.ring, self.bottom, self._values(np.array([[0.0, 1.0], [0.0, 1.0]])))
+            return count_at(self.ring, self.bottom, _middle(self.ranges, np.array([[0.0, 1.0], [0.0, 1.0]])))
         except (UndecidedError, LimitError):
             return None
+
+
+@dataclass(frozen=True)
+class _Sampled:
+    """A loop with a clock in one hand."""
+
+    scene: Scene
+    hand: Hand
+    form: OnCircle
+
+    def is_stable(self, rectangle: Array) -> bool | None:
+        """As of ``_Loop``."""
+        values = _middle(self.form.ranges, rectangle)
+        display = {p.path: values[p.symbol] for p in self.scene.parameters if p.symbol in values}
+        own = {p.symbol.name: values[p.symbol] for p in self.hand.parameters if p.symbol in values}
+        try:
+            count = clocked_roots(self.scene.with_values(display), self.hand.with_values(own)).number
+        except (HaptisymError, LimitError):
+            return None
+        return True if count == 0 else False if self.form.hides_none else None
+
+
+def _middle(ranges: Mapping[Symbol, Interval], rectangle: Array) -> dict[Symbol, Expr]:
+    """The values in the middle of a rectangle, and of what else varies."""
+    middles = [Fraction(float(x)) for x in rectangle.mean(-1)]
+    shares = [*middles, *[Fraction(1, 2)] * (len(ranges) - 2)]
+    return {
+        symbol: low + Rational(x.numerator, x.denominator) * (high - low)
+        for (symbol, (low, high)), x in zip(ranges.items(), shares, strict=True)
+    }
 
 
 def _areas(rectangles: Array) -> Array:
