@@ -17,8 +17,10 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import omega
 from haptisym.verbs.require.blowups import is_negative, positive_along
+from haptisym.verbs.require.feasible import Kind
 from haptisym.verbs.require.freeparameter import conditions, pieces
 from haptisym.verbs.require.limits import _expanded
+from haptisym.verbs.require.monomials import Monomials
 from haptisym.verbs.require.strips import Shape, value_from_zero
 
 
@@ -144,3 +146,49 @@ def test_a_spring_pot_behind_a_hold_has_an_end_that_is_known_to_all_digits() -> 
     for value, kept in (("13344.8", False), ("13344.9", True)):
         e = hs.evaluate(found.free.put(POT_BEHIND_A_HOLD, value))
         assert ([(x.low, x.high) for x in e.transparent] == [(e.chart.points[0], e.chart.points[-1])]) is kept
+
+
+def test_a_sum_over_a_box_holds_its_exact_values_at_each_point() -> None:
+    draw = Random(5)
+    for _ in range(40):
+        given = {(Q(draw.randint(0, 9), 3), Q(draw.randint(0, 4))): fmpq(draw.randint(-9, 9), 7) for _ in range(12)}
+        own = Monomials.of(given)
+        ends = [sorted(Q(draw.randint(0, 8), 8) ** 3 for _ in range(2)) for _ in range(2)]
+        sides = [tuple(arb(x.numerator) / x.denominator for x in pair) for pair in ends]
+        over = own.reduced(*sides).over(*sides)
+        left, low = (min(e[i] for e in given) if pair[0] == 0 else 0 for i, pair in enumerate(ends))
+        for n in range(1, 5):
+            x, y = (a + (b - a) * n / 4 for a, b in ends)
+            if x > 0 and y > 0:
+                cube = fmpq(round(x.numerator ** (1 / 3)), round(x.denominator ** (1 / 3)))
+                if cube**3 != fmpq(x.numerator, x.denominator):
+                    continue
+                exact = sum((c * cube ** int(3 * (a - left)) * fmpq(y.numerator, y.denominator) ** int(b - low) for (a, b), c in given.items()), fmpq(0))  # fmt: skip
+                assert over.contains(exact)
+
+
+LEFT_OPEN = {
+    "overdamped": ("effects.second-order-lowpass.zeta", hs.Scene(environments.spring_pot(25, "0.9", k=320), (effects.second_order_lowpass(36, "0.92"), effects.first_order_lag(300), effects.delay("13 ms")), (0, 18), hs.Threshold.of(1)), [0.781069, 1.93020]),
+    "heavy": ("environment.m", hs.Scene(environments.mass_spring_damper("9.8", "4.5", 170), (effects.first_order_lag(1500), effects.zero_order_hold("31 ms")), (0, "3.7"), hs.Threshold.of("0.5")), []),
+    "stiff": ("environment.k", hs.Scene(environments.mass_spring_damper("0.34", "9.3", 360), (effects.zero_order_hold("3.4 ms"), effects.compliance(8300, "7.7"), effects.compliance(63000, "1.4")), (0, "9.2"), hs.Threshold.of("0.2")), [1833.45]),
+}  # fmt: skip
+"""With the ends of the sets: a limit at omega = 0 and damping without bound; a light resonance; a condition that binds at
+omega = 0 behind a hold, 1/k = (1/8300 + 1/63000) (1/0.2 - 1)."""
+
+
+@pytest.mark.parametrize("name", LEFT_OPEN)
+def test_next_to_a_limit_a_resonance_or_frequency_0_nothing_stays_open(name: str) -> None:
+    path, scene, ends = LEFT_OPEN[name]
+    found = hs.require(scene, path)
+    assert found.undecided == ()
+    assert [float(x.value) for x in found.ends if x.value is not None] == pytest.approx(ends, rel=1e-5)
+
+
+def test_what_binds_at_frequency_0_behind_a_hold_is_known_to_all_digits() -> None:
+    path, scene, _ = LEFT_OPEN["stiff"]
+    found = hs.require(scene, path, (1000, 3000), part=hs.Part.REAL)
+    [span] = found.feasible
+    exact = Rational(1, 4) / (Rational(1, 8300) + Rational(1, 63000))
+    with flint.ctx.workprec(256):
+        assert span.high.value.ball(256).contains(fmpq(exact.p, exact.q))
+    assert [x.kind for x in span.high.bindings] == [Kind.START]

@@ -745,10 +745,14 @@ def test_what_every_term_vanishes_with_at_zero_is_divided_out_there() -> None:
             assert k == 2
             for a, b, end in ((low, high, 0.5), (low, low * 1.001, 0.01)):
                 strip = Strip.of(shape, arb(a), arb(b))
-                value, slope, _ = strip.over(wide(0, end))
+                value, slope, bend = strip.over(wide(0, end))
                 own = [form(part, w, t) / w**k for t in inside(a, b) for w in (FINE.mpf(10) ** -9, *inside(0, end)[1:])]
                 assert not any(misses(value, x) for x in own)
-                assert not slope.is_finite()
+                assert not bend.is_finite()
+                middle = (a + b) / 2
+                rows = [form(part, w, middle) / w**k for w in inside(0, end)[1:]]
+                way = 1 if slope > 0 else -1 if slope < 0 else 0  # that of what is left
+                assert not way or all(way * (y - x) > 0 for x, y in pairwise(rows))
                 if b < low * 1.01:
                     assert exactly(value.rad()) < max(map(abs, own))
     assert Form(*TOLD["a delay"][:2]).shapes[IMAG].order_at_zero == 0
@@ -1422,3 +1426,33 @@ def test_a_requirement_by_balls_over_all_values_does_not_depend_on_the_scenes_ow
     [span] = found.feasible
     assert found.undecided == ()
     assert [float(span.low.value), float(span.high.value)] == pytest.approx([-10 / 36, 10 / 36], rel=1e-3)
+
+
+@pytest.mark.parametrize("later", [(), (effects.delay("1 ms"),)])
+def test_a_parameter_that_has_left_the_conditions_may_have_any_value(later: tuple[hs.Effect, ...]) -> None:
+    gone = effects.series("(g + g*s)/(g + g*s)", parameters={"g": "0.5"})
+    scene = hs.Scene(SPRING, (gone, *later), (0, 15), hs.Threshold.of("0.1"))
+    assert hs.require(scene, "g")._line().endswith("any")
+    late = hs.Scene(SPRING, (gone, effects.delay("100 ms")), (0, 15), hs.Threshold.of("0.1"))
+    assert hs.require(late, "g").feasible == ()
+
+
+@pytest.mark.parametrize("effect", [effects.first_order_lag(700), effects.delay("2 ms")])
+def test_an_environment_that_is_zero_at_one_value_is_none_there(effect: hs.Effect) -> None:
+    scene = hs.Scene(
+        environments.expression("p*(100 + s)", parameters={"p": "0.5"}), (effect,), (0, 15), hs.Threshold.of("0.1")
+    )
+    found = hs.require(scene, "p")
+    spans = [(None if x is None else float(x.value), closed) for y in found.feasible for x, closed in ((y.low.value, y.low.closed), (y.high.value, y.high.closed))]  # fmt: skip
+    assert spans == [(None, False), (0, False), (0, False), (None, False)]
+    with pytest.raises(hs.SceneError, match="zero at every frequency"):
+        hs.evaluate(scene.with_values({"p": 0}))
+
+
+def test_what_comes_nearest_is_told_beside_a_value_without_a_scene() -> None:
+    scene = hs.Scene(
+        environments.expression("p*(100 + s)", parameters={"p": "0.5"}), (effects.first_order_lag(70),), (0, 15)
+    )
+    found = hs.require(scene, "p")
+    assert found.feasible == ()
+    assert json.loads(found.to_json())["feasible"] == []

@@ -35,12 +35,12 @@ from haptisym.verbs.tolerances.search import (
     _apart,
     _Bounded,
     _contracted,
-    _together,
     _unclear,
     beyond,
     bounded,
     clusters,
     halves,
+    together,
 )
 from haptisym.verbs.tolerances.verdicts import Verdict
 
@@ -674,7 +674,7 @@ def test_cells_that_touch_hang_together_and_clusters_that_overlap_in_frequency_a
     cells = np.array(
         [[[a, a + 1], [b, b + 1]] for a, b in ((0, 0), (5, 5), (1, 1), (2, 0), (7, 5), (6, 5), (0, 9))], float
     )
-    assert _together(cells).tolist() == [0, 1, 0, 0, 1, 1, 6]
+    assert together(cells).tolist() == [0, 1, 0, 0, 1, 1, 6]
 
     def cluster(low: float, high: float, *signs: int) -> Cluster:
         return Cluster(np.array([[[low, high], [0, 1]]]), signs, low, high)

@@ -20,6 +20,7 @@ from haptisym.kernel.lattices import Lattice, Signed
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.response import RealFunction, squared_modulus
 from haptisym.kernel.roots import chart
+from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Threshold
 from haptisym.model.regions import Shape
@@ -54,11 +55,15 @@ def relative_square(distortion: Distortion) -> RealFunction | None:
     >>> relative_square(distort(spring, effects.shunt(m=1))) is None
     True
     """
-    chain = distortion.chain
-    series = all(b.is_zero and c.is_zero for _, b, c, _ in chain.matrices)  # a symbol, m s^2 say, is not zero
-    if not series or chain.rendered != chain.environment:
+    if not is_series(distortion.chain):
         return None
     return squared_modulus((distortion.difference / distortion.env).reduced())
+
+
+def is_series(chain: Chain) -> bool:
+    """Whether H_perc is G H_env."""
+    series = all(b.is_zero and c.is_zero for _, b, c, _ in chain.matrices)  # a symbol, m s^2 say, is not zero
+    return series and chain.rendered == chain.environment
 
 
 def _square(distortion: Distortion) -> RealFunction:

@@ -9,40 +9,34 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from math import lcm
-from typing import Any, TypeAlias
 
 from flint import arb, arb_poly, fmpq, fmpq_poly
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.reals import Ball
+from haptisym.verbs.require.monomials import Coefficient, Monomials, Side, Terms, power
 
-Coefficient: TypeAlias = Any
-"""A rational number of FLINT's, or a ball."""
-Terms: TypeAlias = Mapping[tuple[Fraction, Fraction], Coefficient]
-"""Coefficients by the exponents of X and Y."""
-Side: TypeAlias = tuple[Ball, Ball]
-
-_ORIGIN = Fraction(0), Fraction(0)
 _MOST_BOXES, _MOST_CHARTS, _MOST_HALVINGS = 300, 8, 20
 
 
 def is_negative(terms: Terms, x: Ball, y: Ball) -> bool:
     """Whether a sum shows to be negative for all 0 < X <= x and 0 < Y <= y."""
-    return _is_negative(terms, x, y, matching=False) or _is_negative(terms, x, y, matching=True)
+    given = Monomials.of(terms)
+    return _is_negative(given, x, y, matching=False) or _is_negative(given, x, y, matching=True)
 
 
-def _is_negative(terms: Terms, x: Ball, y: Ball, *, matching: bool) -> bool:
+def _is_negative(given: Monomials, x: Ball, y: Ball, *, matching: bool) -> bool:
     """``matching`` : whether charts are taken of a corner whose far end lies on the curve on which they meet."""
-    waiting: list[tuple[Terms, Side, Side, int]] = [(terms, (arb(0), x), (arb(0), y), 0)]
+    waiting: list[tuple[Monomials, Side, Side, int]] = [(given, (arb(0), x), (arb(0), y), 0)]
     for _ in range(_MOST_BOXES):
         if not waiting:
             return True
         tick()
         own, across, up, charts = waiting.pop()
-        own = _reduced(own, across, up)
+        own = own.reduced(across, up)
         if _shows_negative(own, across, up) or _is_negative_above_rows(own, across, up):
             continue
-        if any(_over(own, (a, a), (b, b)) > 0 for a in across for b in up if not _is_bare(own, a, b)):
+        if any(own.over((a, a), (b, b)) > 0 for a in across for b in up if not _is_bare(own, a, b)):
             return False
         if not _is_bare(own, across[0], up[0]):
             waiting += [(own, a, b, charts) for a, b in _halves(own, across, up)]
@@ -55,32 +49,31 @@ def _is_negative(terms: Terms, x: Ball, y: Ball, *, matching: bool) -> bool:
     return False
 
 
-def _is_negative_above_rows(terms: Terms, across: Side, up: Side) -> bool:
+def _is_negative_above_rows(given: Monomials, across: Side, up: Side) -> bool:
     """Whether rows of like powers of X are nowhere positive, exactly so, and the sum of the others is negative on a box."""
     if not across[0].is_zero():
         return False
-    left = dict(terms)
-    while left:
-        least = min(a for a, _ in left)
+    left = dict(given.terms)
+    for least in given.across:
         if not _is_nowhere_positive({b: value for (a, b), value in left.items() if a == least}, up):
             return False
         left = {(a, b): value for (a, b), value in left.items() if a > least}
-        own = _reduced(left, across, up) if left else {}
-        if own and _shows_negative(own, across, up):
+        if left and _shows_negative(Monomials.of(left).reduced(across, up), across, up):
             return True
     return False
 
 
-def _shows_negative(terms: Terms, across: Side, up: Side) -> bool:
+def _shows_negative(own: Monomials, across: Side, up: Side) -> bool:
     """By the values on a box; or by those over the largest negative monomial, as far as it does not vanish there."""
-    if _over(terms, across, up) < 0:
+    if own.over(across, up) < 0:
         return True
-    sizes = {e: value * _to(across[1], e[0]) * _to(up[1], e[1]) for e, value in terms.items() if value < 0}
-    if not sizes or (across[0].is_zero() and up[0].is_zero()):
+    if across[0].is_zero() and up[0].is_zero():
         return False
-    a, b = min(sizes, key=lambda e: float(sizes[e]))
-    left, low = (Fraction(0) if side[0].is_zero() else n for side, n in ((across, a), (up, b)))
-    return bool(_over({(i - left, j - low): value for (i, j), value in terms.items()}, across, up) < 0)
+    largest = own.most_negative(across[1], up[1])
+    if largest is None:
+        return False
+    left, low = (Fraction(0) if side[0].is_zero() else n for side, n in zip((across, up), largest, strict=True))
+    return bool(own.over_power(left, low).over(across, up) < 0)
 
 
 def _is_nowhere_positive(row: Mapping[Fraction, Coefficient], up: Side) -> bool:
@@ -92,7 +85,7 @@ def _is_nowhere_positive(row: Mapping[Fraction, Coefficient], up: Side) -> bool:
     found = fmpq_poly([powers.get(n, fmpq(0)) for n in range(max(powers) + 1)])
     if not found:
         return True
-    low, high = (_to(y, Fraction(1, below)) for y in up)
+    low, high = (power(y, Fraction(1, below)) for y in up)
     odd = (root for f, n in found.factor()[1] if n % 2 for root, _ in f.complex_roots())
     if any(root.imag.contains(0) and not root.real <= low and not root.real >= high for root in odd):
         return False
@@ -103,56 +96,32 @@ def _is_nowhere_positive(row: Mapping[Fraction, Coefficient], up: Side) -> bool:
 def positive_along(terms: Terms, x: Ball, y: Ball) -> Ball | None:
     """A number such that for each 0 < Y <= it the sum is positive at some 0 < X <= x; None where none shows."""
     corner = (arb(0), x), (arb(0), y)
-    own = _reduced(terms, *corner)
-    if _over(own, *corner) > 0:
+    own = Monomials.of(terms).reduced(*corner)
+    if own.over(*corner) > 0:
         return y
     for p, v in _curves(own):
-        along: dict[tuple[Fraction, Fraction], Ball] = {}
-        for (a, b), value in own.items():
+        found: dict[tuple[Fraction, Fraction], Ball] = {}
+        for (a, b), value in own.terms.items():
             place = a + p * b, Fraction(0)
-            along[place] = along.get(place, arb(0)) + value * _to(v, b)
-        along = _reduced(along, *corner)
+            found[place] = found.get(place, arb(0)) + value * power(v, b)
+        along = Monomials.of(found).reduced(*corner)
         reach = x
         for _ in range(_MOST_HALVINGS):
-            if _over(along, (arb(0), reach), (arb(1), arb(1))) > 0:
-                return (v * _to(reach, p)).lower().min(y)
+            if along.over((arb(0), reach), (arb(1), arb(1))) > 0:
+                return (v * power(reach, p)).lower().min(y)
             reach = reach / 4
     return None
 
 
-def _is_bare(terms: Terms, a: Ball, b: Ball) -> bool:
+def _is_bare(own: Monomials, a: Ball, b: Ball) -> bool:
     """Whether a corner of a box is X = Y = 0, and no term is left there."""
-    return a.is_zero() and b.is_zero() and _ORIGIN not in terms
+    return a.is_zero() and b.is_zero() and not own.has_constant
 
 
-def _reduced(terms: Terms, across: Side, up: Side) -> dict[tuple[Fraction, Fraction], Ball]:
-    """Without the powers of X and Y that all terms have, where these may be 0."""
-    left = min(a for a, _ in terms) if across[0].is_zero() else Fraction(0)
-    low = min(b for _, b in terms) if up[0].is_zero() else Fraction(0)
-    return {(a - left, b - low): value for (a, b), value in terms.items()}
-
-
-def _over(terms: Terms, across: Side, up: Side) -> Ball:
-    """The values on a box."""
-    total = arb(0)
-    for (a, b), value in terms.items():
-        total = total + value * _to(across[0], a).union(_to(across[1], a)) * _to(up[0], b).union(_to(up[1], b))
-    return total
-
-
-def _to(x: Ball, a: Fraction) -> Ball:
-    """A number >= 0 to a power >= 0; of a positive one to any."""
-    if a == 0:
-        return arb(1)
-    if a.denominator == 1:
-        return x ** int(a)
-    return arb(0) if x.is_zero() else (x.log() * a.numerator / a.denominator).exp()
-
-
-def _halves(terms: Terms, across: Side, up: Side) -> list[tuple[Side, Side]]:
+def _halves(own: Monomials, across: Side, up: Side) -> list[tuple[Side, Side]]:
     """A box in two pieces, along what changes the values more."""
-    along_x = sum((_over(terms, across, (b, b)).rad() for b in up), arb(0))
-    along_y = sum((_over(terms, (a, a), up).rad() for a in across), arb(0))
+    along_x = sum((own.over(across, (b, b)).rad() for b in up), arb(0))
+    along_y = sum((own.over((a, a), up).rad() for a in across), arb(0))
     if along_x > along_y:
         middle = _middle(*across)
         return [((across[0], middle), up), ((middle, across[1]), up)]
@@ -164,40 +133,40 @@ def _middle(low: Ball, high: Ball) -> Ball:
     return (high / 4 if low.is_zero() else (low * high).sqrt() if high > 2 * low else (low + high) / 2).mid()
 
 
-def _slope(terms: Terms) -> tuple[Fraction, Ball]:
+def _slope(own: Monomials) -> tuple[Fraction, Ball]:
     """The slope p of the edge of Newton's polygon next to X = 0, and about where along Y = X^p v its terms are alike."""
-    b = min(b for a, b in terms if a == 0)
-    others = [(a / (b - other), b - other, value) for (a, other), value in terms.items() if other < b]
+    b = min(b for a, b in own.terms if a == 0)
+    others = [(a / (b - other), b - other, value) for (a, other), value in own.terms.items() if other < b]
     p, rise, value = min(others, key=lambda x: x[:2])
-    first, last = (abs(float(arb(x).mid())) for x in (terms[Fraction(0), b], value))
+    first, last = (abs(float(arb(x).mid())) for x in (own.terms[Fraction(0), b], value))
     return p, arb((last / first) ** (1 / float(rise))) if first and last else arb(1)
 
 
-def _matched(terms: Terms, x: Ball, y: Ball) -> tuple[tuple[Ball, Ball], list[tuple[Side, Side]]]:
+def _matched(own: Monomials, x: Ball, y: Ball) -> tuple[tuple[Ball, Ball], list[tuple[Side, Side]]]:
     """The largest corner whose far end lies on the curve on which charts meet, and the rest of a box."""
-    p, v = _slope(terms)
-    height = (v * _to(x, p)).mid()
+    p, v = _slope(own)
+    height = (v * power(x, p)).mid()
     if height < y:
         return (x, height), [((arb(0), x), (height, y))]
     width = ((y / v).log() * p.denominator / p.numerator).exp().mid()
     return (width, y), ([((width, x), (arb(0), y))] if width < x else [])
 
 
-def _charts(terms: Terms, x: Ball, y: Ball) -> list[tuple[Terms, Side, Side]]:
+def _charts(own: Monomials, x: Ball, y: Ball) -> list[tuple[Monomials, Side, Side]]:
     """The two that take the place of a corner."""
-    p, v = _slope(terms)
+    p, v = _slope(own)
     beyond = (-v.log() * p.denominator / p.numerator).exp().upper()
     return [
-        ({(a + p * b, b): c for (a, b), c in terms.items()}, (arb(0), x), (arb(0), v)),
-        ({(a, b + a / p): c for (a, b), c in terms.items()}, (arb(0), beyond), (arb(0), y)),
+        (Monomials.of({(a + p * b, b): c for (a, b), c in own.terms.items()}), (arb(0), x), (arb(0), v)),
+        (Monomials.of({(a, b + a / p): c for (a, b), c in own.terms.items()}), (arb(0), beyond), (arb(0), y)),
     ]
 
 
-def _curves(terms: Terms) -> Iterator[tuple[Fraction, Ball]]:
+def _curves(own: Monomials) -> Iterator[tuple[Fraction, Ball]]:
     """Curves Y = X^p v into the corner, of each slope of Newton's polygon."""
     corner, total = (arb(0), arb(1)), Fraction(0)
-    while _ORIGIN not in terms:
-        p, v = _slope(terms)
+    while not own.has_constant:
+        p, v = _slope(own)
         total += p
         yield from ((total, v * arb(2) ** n) for n in (0, 1, -1, 2, -2, 3, -3, 6, -6))
-        terms = _reduced({(a + p * b, b): c for (a, b), c in terms.items()}, corner, corner)
+        own = Monomials.of({(a + p * b, b): c for (a, b), c in own.terms.items()}).reduced(corner, corner)

@@ -11,10 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from math import sqrt
+from math import inf, nextafter, sqrt
 
 import flint
 from flint import arb
@@ -72,6 +72,7 @@ class ValueSearch:
     band: tuple[Expr, Expr]
     scale: Fraction
     quick: Callable[[float, float], Sequence[Told]] = lambda low, high: (Told(low, high, None),)
+    _limits: dict[tuple[int, bool], Limit | None] = field(default_factory=dict, init=False, repr=False)
 
     def leaves(self, low: Fraction | None, high: Fraction | None) -> list[Leaf]:
         """The values from ``low`` to ``high``, cut into leaves in order."""
@@ -145,7 +146,11 @@ class ValueSearch:
         return short(self._single, self.free, self.band, reach) if self._single else CellVerdict.OPEN
 
     def _near_limit(self, sign: int, *, inverse: bool) -> Limit | None:
-        return Limit.of(self._single, self.free, self.band, inverse=inverse, sign=sign) if self._single else None
+        if (sign, inverse) not in self._limits:
+            own = self._single
+            found = Limit.of(own, self.free, self.band, inverse=inverse, sign=sign) if own else None
+            self._limits[sign, inverse] = found
+        return self._limits[sign, inverse]
 
     @cached_property
     def _single(self) -> list[RealFunction]:
@@ -207,7 +212,8 @@ class ValueSearch:
                 return turned
             verdict, reach = self._limit(sign, 1 / abs(start), inverse=True)
             if verdict is not CellVerdict.OPEN:
-                return Leaf(1 / reach, None, verdict) if sign > 0 else Leaf(None, -1 / reach, verdict)
+                bound = _not_below(1 / reach)
+                return Leaf(bound, None, verdict) if sign > 0 else Leaf(None, -bound, verdict)
             for _ in range(_TAILS if self._near_limit(sign, inverse=True) is None else 1):
                 verdict = self._beyond(sign, bound)
                 if verdict is not CellVerdict.OPEN:
@@ -271,6 +277,12 @@ def _binding(criterion: Criterion, place: CriticalPlace, value: Edge | Summit | 
         return Binding(criterion, ZeroAt(value) if isinstance(value, Corner) else MaximumAt(value), place.kind)
     assert isinstance(value, Edge)
     return Binding(criterion, ExactNumber(value.place), place.kind)
+
+
+def _not_below(x: Fraction) -> Fraction:
+    """A double that is not smaller."""
+    found = Fraction(float(x))
+    return found if found >= x else Fraction(nextafter(float(x), inf))
 
 
 def _middle(low: Fraction, high: Fraction) -> Fraction:

@@ -16,25 +16,29 @@ from typing import TypeAlias
 import numpy as np
 from sympy import Integer
 
+from haptisym.judge.bounds import is_series
 from haptisym.judge.criteria import Criterion
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import HaptisymError, LimitError
+from haptisym.kernel.symbols import omega
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.tolerances.box import Box, Side
-from haptisym.verbs.tolerances.excess import Excess
+from haptisym.verbs.tolerances.excess import Excess, LargerExcess
 from haptisym.verbs.tolerances.regional import excess_of
 
 _FIRST = 16
 """Pieces of the band to begin with."""
 _MOST, _BATCH = 30_000, 1024
 """Cells that are looked at, and how many at once at most: fewer cost as much."""
-_NARROW, _FINEST = 1e-3, 1e-7
+_NARROW, _FINEST = 1e-3, 1e-10
 """Of values that are cut no further, relative to them; of a piece of the band, to all of it."""
 
 _THRESHOLDS = ("c", "c_real", "c_imag")
 Range: TypeAlias = tuple[float, float]
+Bounds: TypeAlias = tuple[Excess, Excess | None]
+"""An excess, and one that is never smaller, which near a resonance of the environment is told by far larger cells."""
 
 
 @dataclass(frozen=True)
@@ -75,23 +79,28 @@ class FloatCells:
         return list(_partition(low, high, search.open, search.broken))
 
     @cached_property
-    def _excesses(self) -> tuple[Excess, ...]:
+    def _excesses(self) -> tuple[Bounds, ...]:
         """None where one of the criteria is not to be had in floats."""
         is_threshold = self.free.parts or self.free.symbol.name in _THRESHOLDS
         if is_threshold or not all(x.part or x.region for x in self.criteria):
             return ()
         try:
             box = _OneFree(self.scene, self.free.symbol.name)
-            return tuple(excess_of(box, x) for x in self.criteria)
+            series = is_series(self.scene.chain)
+            return tuple((excess_of(box, x), _larger(box, x) if series else None) for x in self.criteria)
         except HaptisymError:
             return ()
+
+
+def _larger(box: Box, x: Criterion) -> Excess | None:
+    return None if x.region or x.threshold.has(omega) else LargerExcess(box, x)
 
 
 @dataclass
 class _Search:
     """``least``: the size of values below which widths are no longer relative to them."""
 
-    excesses: Sequence[Excess]
+    excesses: Sequence[Bounds]
     least: float
     open: list[Range] = field(default_factory=list)
     broken: list[Range] = field(default_factory=list)
@@ -99,11 +108,11 @@ class _Search:
 
     def go(self, ends: Sequence[float]) -> None:
         """Cut until all is told, or told well enough, or too much was looked at."""
-        waiting = [self._start(ends) for x in self.excesses if not x.is_zero]
-        which = [x for x in self.excesses if not x.is_zero]
+        which = [(x, larger) for x, larger in self.excesses if not x.is_zero]
+        waiting = [self._start(ends) for _ in which]
         try:
             while any(map(len, waiting)) and self.looked < _MOST:
-                waiting = [self._round(x, cells) for x, cells in zip(which, waiting, strict=True)]
+                waiting = [self._round(*x, cells) for x, cells in zip(which, waiting, strict=True)]
                 union = _union(self.broken)
                 self.broken = [(float(a), float(b)) for a, b in union]
                 waiting = [_outside(cells, union) for cells in waiting]
@@ -119,7 +128,7 @@ class _Search:
         cells[:, :, 1, 0], cells[:, :, 1, 1] = listed[:-1, None], listed[1:, None]
         return cells.reshape(-1, 2, 2)
 
-    def _round(self, excess: Excess, cells: Array) -> Array:
+    def _round(self, excess: Excess, larger: Excess | None, cells: Array) -> Array:
         """What is left of some cells, cut."""
         if not len(cells):
             return cells
@@ -132,8 +141,10 @@ class _Search:
             self.broken += [(float(a), float(b)) for a, b in own[low > 0, 1]]
             self._probe(excess, own[(low < 0) & (found.c0[:, 0] > 0)])
             rest = ~(high < 0) & ~(low > 0)
+            if larger and rest.any():
+                rest[rest] = ~(larger.model(own[rest], slopes=False).bounds()[1][:, 0] < 0)
             left.append(own[rest])
-            cut.append(_changes(found.c1[rest, 0], found.c2[rest, 0]))
+            cut.append(_changes(found.c1[rest, 0], found.c2[rest, 0], found.r[rest, 0]))
         return self._cut(np.concatenate(left), np.concatenate(cut))
 
     def _probe(self, excess: Excess, cells: Array) -> None:
@@ -155,7 +166,8 @@ class _Search:
         )  # what is unknown along the wider
         wanted = (weights >= weights.max(-1, keepdims=True) / 4) & ~narrow
         stuck = ~wanted.any(-1)
-        done = stuck & narrow[:, 1]
+        beside_0 = (cells[:, 1] == 0).any(-1) & ~np.isfinite(changes).all(-1)
+        done = (stuck | beside_0) & narrow[:, 1]
         wanted[stuck & ~done, 1] = True  # a piece of the band that is narrow: along the values then
         self.open += [(float(a), float(b)) for a, b in cells[done, 1]]
         cells, wanted = cells[~done], wanted[~done]
@@ -165,9 +177,9 @@ class _Search:
         return cells
 
 
-def _changes(c1: Array, c2: Array) -> Array:
-    """How much a model changes along each side."""
-    return np.abs(c1) + np.abs(c2).sum(-1)
+def _changes(c1: Array, c2: Array, rest: Array) -> Array:
+    """How much a model changes along each side; what is left of it may be due to either."""
+    return np.abs(c1) + np.abs(c2).sum(-1) + rest[:, None]
 
 
 def _in_parts(cells: Array, wanted: Array, side: int, parts: int) -> tuple[Array, Array]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from sympy import Expr, Rational
+from sympy import Expr, Rational, S
 
 from haptisym.judge.criteria import Criterion
 from haptisym.kernel.reals import ExactNumber, rational_between
@@ -17,6 +17,7 @@ from haptisym.model.parameters import values
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array, Compiled
 from haptisym.verbs.require.freeparameter import Domain
+from haptisym.verbs.require.solving import allowed
 
 _FREQUENCIES, _VALUES, _ZOOMS, _EACH = 257, 241, 5, 17
 _DECADES = 6
@@ -78,13 +79,21 @@ class Guesses:
         return above and (high is None or bool(x < high) or (self.domain.holds_high and bool(x == high)))
 
     def times(self, t: Array) -> Array:
-        """The largest ratio over its threshold at each of some values, over a grid of the band."""
+        """The largest ratio over its threshold at each of some values, over a grid of the band; nan where there is no scene."""
+        if not self._exists_at_0 and (t == 0).any():
+            found = np.full(t.shape, np.nan)
+            found[t != 0] = self.times(t[t != 0])
+            return found
         low, high = (float(x) for x in self.scene.band)
         omega = np.linspace(low, high, _FREQUENCIES)[:, None]
         with np.errstate(all="ignore"):
             at = self._compiled(omega, **{self.free.symbol.name: t[None, :]})
             listed = [x.sampled(at) / float(x.threshold) for x in self.criteria if x.sampled]
         return np.asarray(np.fmax.reduce([np.fmax.reduce(x, axis=0) for x in listed], axis=0))
+
+    @cached_property
+    def _exists_at_0(self) -> bool:
+        return allowed(self.scene, self.free, S.Zero)
 
     @cached_property
     def _compiled(self) -> Compiled:

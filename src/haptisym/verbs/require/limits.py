@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import groupby, pairwise
 
+import flint
 from flint import arb, fmpq
 from sympy import Expr, Rational, Symbol
 
@@ -20,13 +21,16 @@ from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import Ball, dyadic, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial
-from haptisym.verbs.require.blowups import Coefficient, Terms, is_negative, positive_along
+from haptisym.verbs.require.blowups import is_negative, positive_along
 from haptisym.verbs.require.clusters import Strips, places
 from haptisym.verbs.require.lowest import beginning
+from haptisym.verbs.require.monomials import Coefficient, Terms
 from haptisym.verbs.require.places import CellVerdict, Strip
 from haptisym.verbs.require.strips import Shape
 
 _SAMPLES, _KNOWN = 8, 6
+_NEARER = 5
+"""How often u is taken four times as small for the band away from omega = 0."""
 _TANGENTS = (0, 1, -1, 3, -3)
 """Of half a phase, that are tried."""
 _PIECES, _FAR = 16, (16, 64, 256, 1024)
@@ -67,7 +71,7 @@ class Limit:
         if broken:
             return CellVerdict.BROKEN, max(broken)
         is_kept = all(verdict is CellVerdict.KEPT for verdict, _ in found)
-        return CellVerdict.KEPT if is_kept else CellVerdict.OPEN, reach
+        return CellVerdict.KEPT if is_kept else CellVerdict.OPEN, min([reach, *(u for _, u in found)])
 
     def _of(self, shape: Shape, reach: Ball, parts: int) -> tuple[CellVerdict, Fraction]:
         whole = Strip(shape, shape.over(arb(0).union(reach)))
@@ -86,7 +90,12 @@ class Limit:
             return CellVerdict.BROKEN, _exact(broken)
         if not is_negative(terms, near, reach):
             return CellVerdict.OPEN, _exact(reach)
-        return _alone(places(Strips((whole,)), (self.band[1] / parts, self.band[1]))), _exact(reach)
+        for n in range(_NEARER):  # all that is left is the band beyond
+            own = Strip(shape, shape.over(arb(0).union(reach / 4**n)))
+            found = _alone(places(Strips((own,)), (self.band[1] / parts, self.band[1])))
+            if found is not CellVerdict.OPEN:
+                return found, _exact(reach / 4**n)
+        return CellVerdict.OPEN, _exact(reach)
 
 
 def short(functions: Sequence[RealFunction], free: Symbol, band: tuple[Expr, Expr], reach: Fraction) -> CellVerdict:
@@ -154,7 +163,9 @@ def _alone(found: CellVerdict | Sequence[object]) -> CellVerdict:
 
 
 def _exact(x: Ball) -> Fraction:
-    return Fraction(float(x))
+    """A double that is not larger."""
+    with flint.ctx.workprec(53):
+        return Fraction(float(x.lower()))
 
 
 def _turned(polynomial: Polynomial, index: int, *, inverse: bool, sign: int) -> Polynomial:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from flint import fmpq, fmpq_series
 from sympy import Expr, Rational
@@ -28,15 +28,18 @@ def beginning(axis: Axis, polynomial: Polynomial, degrees: Sequence[int]) -> lis
     """
     turning = [i for i, angle in enumerate(axis.angles, axis.size) if not angle.constant]
     waves = {i: _waves(axis.angles[i - axis.size].rate, degrees[i - axis.size]) for i in turning}
-    found: list[dict[tuple[int, ...], fmpq]] = [{} for _ in range(_LENGTH)]
+    rows: dict[tuple[tuple[int, ...], tuple[int, ...]], list[fmpq]] = {}
     for exponents, value in polynomial.to_dict().items():
         own = [int(n) for n in exponents]
-        key = tuple(0 if i == 0 or i in waves else n for i, n in enumerate(own))
-        series = _product(waves, own) * value
-        for n in range(_LENGTH - own[0]):
-            row = found[own[0] + n]
-            row[key] = row.get(key, fmpq(0)) + series[n]
-    return found
+        if own[0] < _LENGTH:
+            key = tuple(0 if i == 0 or i in waves else n for i, n in enumerate(own))
+            row = rows.setdefault((key, tuple(own[i] for i in turning)), [fmpq(0)] * _LENGTH)
+            row[own[0]] += value
+    total: dict[tuple[int, ...], fmpq_series] = {}
+    for (key, turns), row in rows.items():
+        series = _product([waves[i][k] for i, k in zip(turning, turns, strict=True)]) * fmpq_series(row, prec=_LENGTH)
+        total[key] = total[key] + series if key in total else series
+    return [{key: series[n] for key, series in total.items()} for n in range(_LENGTH)]
 
 
 def _waves(rate: Expr, degree: int) -> list[fmpq_series]:
@@ -55,8 +58,8 @@ def _power(x: fmpq_series, n: int) -> fmpq_series:
     return found
 
 
-def _product(waves: Mapping[int, Sequence[fmpq_series]], own: Sequence[int]) -> fmpq_series:
+def _product(series: Sequence[fmpq_series]) -> fmpq_series:
     found = fmpq_series([1], prec=_LENGTH)
-    for i, row in waves.items():
-        found = found * row[own[i]]
+    for x in series:
+        found = found * x
     return found

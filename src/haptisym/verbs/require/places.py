@@ -108,7 +108,7 @@ class Strip:
         if self.whole.exponents and not box > 0:
             return value_from_zero(self.whole, box.upper(), self.shape.order_at_zero), NOTHING, NOTHING
         if self.shape.order_at_zero and not box > 0:
-            return self._over_zero(box), NOTHING, NOTHING
+            return self._over_zero(box)
         value, slope, bend = self.whole.over(box)
         if value < 0 or not self._rows:
             return value, slope, bend
@@ -116,13 +116,23 @@ class Strip:
         value, slope, bend = (_both(x, self._together(y)) for x, y in zip((value, slope, bend), rows, strict=True))
         return value, slope, bend
 
-    def _over_zero(self, box: Ball) -> Ball:
-        """The values over a power of omega that is a factor: f(x)/x^k is a k-th Taylor coefficient in between."""
+    def _over_zero(self, box: Ball) -> tuple[Ball, Ball, Ball]:
+        """Of f(x)/x^k, k a power of omega that is a factor: a k-th Taylor coefficient in between, and its slope the next one.
+
+        The slope of an even function is 2 x times half a curvature in between: that has its sign, and stands for it.
+        """
         k = self.shape.order_at_zero
-        value = self.whole.taylor(box, k)
-        if value < 0 or not self._rows:
+        value = self._coefficient(box, k)
+        if value < 0:
+            return value, NOTHING, NOTHING
+        return value, self._coefficient(box, k + (2 if self.shape.is_even else 1)), NOTHING
+
+    def _coefficient(self, box: Ball, n: int) -> Ball:
+        """Taylor's in omega, over a ball of frequencies, for all values of the parameter."""
+        value = self.whole.taylor(box, n)
+        if value < 0 or value > 0 or not self._rows:
             return value
-        return _both(value, self._together([f.taylor(box, k) for f in self._rows]))
+        return _both(value, self._together([f.taylor(box, n) for f in self._rows]))
 
     def broken_in_the_middle(self, x: Ball) -> bool:
         """Whether the condition is broken at a frequency for the middle of the cell; without bound, for all of it."""
@@ -137,8 +147,10 @@ class Strip:
             return (sign, sign) if sign else None
         if self.change is None:
             return None
-        at = expression_ball(place.omega) if place.omega is not None else place.low.union(place.high)
-        steep = self.change.value(at) if place.omega is not None else self.change.over(at)[0]
+        if place.omega is not None:
+            steep = self.shape.seen_at(self.change, expression_ball(place.omega))
+        else:
+            steep = self.change.over(place.low.union(place.high))[0]
         if not (steep > 0 or steep < 0):
             return None
         found = [self._sign(place, end) for end in self.ends]
@@ -146,7 +158,7 @@ class Strip:
 
     def _sign(self, place: CriticalPlace, value: Ball) -> int:
         if place.omega is not None:
-            ball = self.shape.over(value).value(expression_ball(place.omega))
+            ball = self.shape.seen_at(self.shape.over(value), expression_ball(place.omega))
         else:
             x = maximum(self.shape, value, (place.low, place.high), flint.ctx.prec)
             ball = self.shape.over(value).over(x)[0]
@@ -183,7 +195,7 @@ class Edge(RealNumber):
             at = expression_ball(self.place)
 
             def jet(t: Ball, count: int) -> list[Ball]:
-                return [f.over(t).value(at) for f in (self.shape, change)[:count]]
+                return [self.shape.seen_at(f.over(t), at) for f in (self.shape, change)[:count]]
 
             return tightened(self.low, self.high, bits, jet)
 

@@ -16,6 +16,7 @@ from haptisym.kernel.budget import share
 from haptisym.kernel.errors import LimitError, SceneError
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, expression_ball
 from haptisym.kernel.response import RealFunction
+from haptisym.kernel.roots import chart
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
 from haptisym.model.knobs import THRESHOLD, Knob
@@ -27,6 +28,7 @@ from haptisym.verbs.require.floatcells import FloatCells
 from haptisym.verbs.require.freeparameter import Conditions, Domain, conditions, each, pieces
 from haptisym.verbs.require.places import CellVerdict
 from haptisym.verbs.require.thresholds import ThresholdProblem
+from haptisym.verbs.require.verdicts import compared
 
 _SLIVER = Fraction(1, 10**9)
 """Relative width of values that may be given as an end by their enclosure alone."""
@@ -38,6 +40,8 @@ def solve(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]
         if free.parts and not any(_has_floor(x) for x in criteria if x.depends_on(free.parts)):
             return Solved(_threshold_problem(scene, free, asked, criteria).solve())
         found = conditions(scene, [free], criteria)
+        if not any(free.symbol in f.axis.meanings for own in found.values() for f in pieces(own)):
+            return _all_alike(scene, free, asked, found)
         return (_by_balls if _has_functions(found) else _exactly)(scene, free, asked, criteria, found)
     except LimitError:
         return Solved((), ((_exact(asked.low), _exact(asked.high)),))
@@ -49,6 +53,32 @@ def _has_floor(x: Criterion) -> bool:
 
 def _has_functions(found: Conditions) -> bool:
     return any(f.axis.functions for own in found.values() for f in pieces(own))
+
+
+def _all_alike(scene: Scene, free: Knob, asked: Domain, found: Conditions) -> Solved:
+    """Of a parameter that has left the conditions: all values at which the scene exists, or none."""
+    for own in found.values():
+        tops = [RealFunction(f.axis.function(f.function.numerator)) for f in pieces(own)]
+        if chart(dict(enumerate(tops)), *scene.band).where(lambda signs: min(signs.values()) > 0):
+            return Solved(())
+    line = ValueLine([Leaf(None, None, CellVerdict.KEPT)], asked, partial(allowed, scene, free))
+    return Solved(_existing(line.spans(), scene, free))
+
+
+def _existing(spans: tuple[Span, ...], scene: Scene, free: Knob) -> tuple[Span, ...]:
+    """Without 0 inside of an interval, where the scene does not exist there: as with an environment that is zero."""
+    zero = ExactNumber(S.Zero)
+    if not free.rule.allows(S.NegativeOne):
+        return spans
+    inside = [x for x in spans if _beyond(zero, x.high) and _beyond(zero, x.low, side=-1)]
+    if not inside or allowed(scene, free, S.Zero):
+        return spans
+    return tuple(y for x in spans for y in ((Span(x.low, End(zero)), Span(End(zero), x.high)) if x in inside else (x,)))
+
+
+def _beyond(x: RealNumber, end: End, side: int = 1) -> bool:
+    """Whether an end is higher (1) or lower (-1) than a number."""
+    return end.value is None or compared(x, end.value) == side
 
 
 def _exactly(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion], found: Conditions) -> Solved:
@@ -109,7 +139,7 @@ def _by_balls(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criter
     search = ValueSearch(found, free.symbol, scene.band, Fraction(usual or 1.0), quick.told)
     low, high = _outward(asked)
     line = ValueLine(search.leaves(low, high), asked, exists.__getitem__)
-    return Solved(line.spans(), line.undecided)
+    return Solved(_existing(line.spans(), scene, free), line.undecided)
 
 
 def _outward(asked: Domain) -> tuple[Fraction | None, Fraction | None]:

@@ -77,6 +77,17 @@ class Shape:
         turning = [i for i, angle in enumerate(axis.angles, axis.size) if not angle.constant]
         return min(int(e[0]) + sum(int(e[i]) for i in turning) for e in self.polynomial.monoms())
 
+    @cached_property
+    def is_even(self) -> bool:
+        """Whether the function over that power of omega is one of omega^2."""
+        axis, k = self.axis, self.order_at_zero
+        turning = [i for i, angle in enumerate(axis.angles, axis.size) if not angle.constant]
+        return not any((int(e[0]) + sum(int(e[i]) for i in turning) - k) % 2 for e in self.polynomial.monoms())
+
+    def seen_at(self, compiled: CompiledWaves, at: Ball) -> Ball:
+        """The value of the function, or of its derivative in the parameter, at a frequency; over that power of omega at 0."""
+        return compiled.taylor(at, self.order_at_zero) if at.is_zero() else compiled.value(at)
+
     def over(self, value: Ball) -> CompiledWaves:
         """The function of omega for a ball of values of the parameter, at the current working precision."""
         known = {self.free: value}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -59,10 +60,13 @@ class Excess:
         """The excess over each cell; t_i goes from -1 to 1 along its side i. Unknown where a pole may lie in the cell."""
         with np.errstate(all="ignore"):  # what is not finite is unknown, which every caller asks about
             inputs = [self._variable(i, cells, slopes=slopes) for i in self._inputs]
-            square = Modelled(self._program).run(inputs)[self._name]
+            square = self._square(inputs)
             c = inputs[0].number(self._c) if self._limit is None else self._variable(self._limit, cells, slopes=slopes)
             minus = -(c * c)
             return minus + square if isinstance(square, Model) else minus.plus(square)
+
+    def _square(self, inputs: Sequence[Model]) -> Model | float:
+        return Modelled(self._program).run(inputs)[self._name]
 
     @cached_property
     def matters(self) -> Array:
@@ -83,6 +87,23 @@ class Excess:
         middle, radius = low + width * (start + end) / 2, width * (end - start) / 2
         size = abs(low) + width * np.maximum(np.abs(start), np.abs(end))
         return variable(middle, radius, size, i, self.sides, slopes=slopes)
+
+
+class LargerExcess(Excess):
+    """|G - 1|^2 - c^2 of a criterion of one part, for effects in series: r is never larger, whatever the environment."""
+
+    def __init__(self, box: Box, criterion: Criterion) -> None:
+        super().__init__(box, criterion)
+        self._program = box.scene.chain.at(self._fixed).program(_RELATIVE)
+        self._inputs = self._places(self._program)
+
+    def _square(self, inputs: Sequence[Model]) -> Model:
+        found = Modelled(self._program).run(inputs)
+        x, y = (v if isinstance(v, Model) else inputs[0].number(v) for v in (found[name] for name in _RELATIVE))
+        return x * x + y * y
+
+
+_RELATIVE = ("relative_real", "relative_imag")
 
 
 def floated(value: Expr) -> float:
