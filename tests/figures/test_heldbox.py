@@ -59,6 +59,7 @@ def test_a_hand_alone_leaves_a_line_between_both_grounds() -> None:
     assert (ground(ax, 0, 3.3), ground(ax, 0, 3.6)) == (UNSTABLE, "#ffffff")
 
 
+@pytest.mark.slow
 def test_with_a_clock_grounds_are_those_of_the_sampled_loop() -> None:
     """T = 1 ms, a device of 0.04 kg and 0.8 N s/m, no mass of the hand: about 2 (0.8 + b_h)/T."""
     wall = hs.Scene(

@@ -301,3 +301,14 @@ def test_a_coefficient_that_vanishes_where_the_walk_ends_is_no_error() -> None:
     for k, is_stable in ((end * 0.999, True), (end * 1.001, False)):
         now = wall.with_values({"environment.k": k}).with_hands(hs.hands["light-touch"])
         assert hs.stability(now).held[0].stable is is_stable
+
+
+@pytest.mark.parametrize(
+    ("k", "b", "share"), [(1000, (0, 1), "all"), (1700, (0, 1), "some"), (9000, (0, 1), "none"), (3000, (2, 4), "all")]
+)
+def test_a_box_of_hands_holds_a_sampled_wall_or_does_not(k: int, b: tuple[int, int], share: str) -> None:
+    """T = 1 ms, 0.04 kg, 0.8 N s/m: up to 1605.35 N/m with nothing, about 2 (0.8 + b_h)/T in a hand."""
+    loop = hs.effects.sampled_loop("1 ms", "backward-difference"), hs.effects.shunt(m="40 g", b="0.8 N*s/m")
+    wall = hs.Scene(hs.environments.mass_spring_damper(k=k), loop)
+    [row] = hs.stability(wall, hs.Hand("mine", b=list(b))).to_dict()["held"]
+    assert row["whole_box"] == share

@@ -27,7 +27,9 @@ from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand
 from haptisym.model.parameters import Parameter
 from haptisym.model.scene import Scene
+from haptisym.verbs.stability.clocked import clocked_roots
 from haptisym.verbs.stability.held import ring_of, roots_in_hand
+from haptisym.verbs.stability.oncircle import OnCircle
 
 
 class Share(Enum):
@@ -56,10 +58,25 @@ def whole_box(scene: Scene, hand: Hand) -> Box | None:
         return None
     try:
         if clocks(scene):
-            raise UndecidedError("the roots of a sampled loop")
+            return _sampled(scene, hand)
         return _decided(scene.distortion().perc, hand)
     except UndecidedError as error:
         return Box(None, reason=str(error))
+
+
+def _sampled(scene: Scene, hand: Hand) -> Box:
+    """With a clock: corners counted, and no root on the unit circle anywhere in the box, or both kinds among the corners."""
+    verdicts = {clocked_roots(scene, x).number == 0 for x in _corners(hand)}
+    if len(verdicts) > 1:
+        return Box(Share.SOME)
+    loop = OnCircle.of(scene, hand, {p.symbol: p.interval for p in hand.parameters if p.interval})
+    if loop.left():
+        raise UndecidedError("whether roots of the sampled loop come to the unit circle for some hand of the box")
+    if True in verdicts:
+        return Box(Share.ALL)
+    if not loop.hides_none:
+        raise UndecidedError("whether what does not decay is hidden in some hand of the box")
+    return Box(Share.NONE)
 
 
 def _decided(perceived: RationalFunction, hand: Hand) -> Box:

@@ -24,10 +24,10 @@ from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.stability.clocked import clocked_roots
+from haptisym.verbs.stability.oncircle import OnCircle
 from haptisym.verbs.tolerances.clockplane import ClockPlane
 from haptisym.verbs.tolerances.heldbox import count_at, quotient
 from haptisym.verbs.tolerances.onaxis import OnAxis
-from haptisym.verbs.tolerances.oncircle import OnCircle
 from haptisym.verbs.tolerances.search import together
 
 _FIRST_RECTANGLES, _FIRST_PIECES = 8, 48
@@ -36,7 +36,7 @@ _BATCH = 4096
 _MOST_PIECES = 48  # of one rectangle before it is cut rather than they
 _AT_LAST = 5  # times that pieces of the smallest ones are cut
 _MOST_COUNTS = 48
-_DEARER = 15  # a cell of a loop with a clock
+_DEARER, _FINEST_SAMPLED = 15, 2.0**-8  # a cell of a loop with a clock
 
 Interval = tuple[Expr, Expr]
 _NONE = np.empty((0, 2, 2))
@@ -71,7 +71,7 @@ def held_plane(
     ranges = {**plane, **(others or {})}
     if clocks(scene):
         sampled = [_Sampled(scene, x, OnCircle.of(scene, x, ranges)) for x in hands]
-        clear, left = ClockPlane([x.form for x in sampled], finest, most // _DEARER).rectangles()
+        clear, left = ClockPlane([x.form for x in sampled], max(finest, _FINEST_SAMPLED), most // _DEARER).rectangles()
         return _told(sampled, clear, left)
     loops = [_Loop(*quotient(scene, x, set(ranges)), ranges) for x in hands]
     if any(x.form.reach is None for x in loops):
