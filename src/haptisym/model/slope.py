@@ -11,6 +11,7 @@ from haptisym.kernel.errors import SceneError, quoted
 from haptisym.model.quantities import Dimension, MotionKind, Number, number
 
 _WAYS = 'give |dH/domega| with its unit, as in "40 N*s/m" or "250 N/m/Hz", or as a share of |H|, as in "20 ms"'
+_UP = 1 + 2e-15  # more than some roundings
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,12 +37,14 @@ class Slope:
     def grown(self, size: Any, radius: Any, apart: Any) -> Any:
         """The radius of a disc around H, ``size`` = ``|H|``, that holds the truth so many rad/s beside the line.
 
-        radius + bound apart; or radius + (size + radius) (exp(bound apart) - 1), as ``|H|`` itself may grow on the way.
+        radius + bound apart; or radius + (size + radius) (exp(bound apart) - 1), as ``|H|`` itself may grow on the way. Rounded
+        up.
         """
+        way = self.bound * apart * _UP
         if not self.relative:
-            return radius + self.bound * apart
+            return (radius + way) * _UP
         with np.errstate(over="ignore"):
-            return radius + (size + radius) * np.expm1(self.bound * apart)
+            return (radius + (size + radius) * np.expm1(way)) * _UP
 
     def nearest(self, sizes: tuple[Any, Any], apart: Any) -> Any:
         """How far after the first of two lines, ``sizes`` = ``|H|`` + radius, both grown radii together are least."""

@@ -22,7 +22,7 @@ from haptisym.verbs.measured.judging import Lines
 from haptisym.verbs.measured.spread import spread
 
 _ROUNDING = 1e-13
-"""Of what is computed around the discs, relative to 1 and to the change."""
+"""Of what is computed around the discs, relative to 1, to the change and to its radius."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +77,7 @@ class Swept:
             with np.errstate(all="ignore"):
                 change, share = (felt.centre - env.centre) / size, env.radius / size
                 radius = ((env.radius + felt.radius) / size + np.abs(change) * share) / (1 - share)
-                radius = np.where(share < 1, radius + more + _ROUNDING * (1 + np.abs(change)), np.inf)
+                radius = np.where(share < 1, radius + more + _ROUNDING * (1 + np.abs(change) + radius), np.inf)
             own = self._felt.measurement
             yield Lines(middle, env.centre, felt.centre, env.radius, felt.radius, change, radius, own, None)
 
@@ -130,12 +130,20 @@ class _Response:
 
 
 def _common(x: Discs, y: Discs) -> Discs:
-    """The smallest disc around what two discs have in common: one of them, or that over their common chord."""
-    step = y.centre - x.centre
+    """A disc around what two discs have in common, hardly larger than the smallest: that over their common chord, or one of them.
+
+    From the smaller one's centre the chord is no further than that of the other, and so its place known to roundings of that:
+    with them the chord is made longer, and its disc larger.
+    """
+    first = x.radius <= y.radius
+    own, other = np.where(first, x.centre, y.centre), np.where(first, y.centre, x.centre)
+    small, large = np.minimum(x.radius, y.radius), np.maximum(x.radius, y.radius)
+    step = other - own
     apart = np.abs(step)
     with np.errstate(all="ignore"):
-        foot = (apart + (x.radius - y.radius) * (x.radius + y.radius) / apart) / 2
-        chord = np.sqrt(np.maximum((x.radius - foot) * (x.radius + foot), 0) + 1e-14 * x.radius**2)
-        between = (foot > 0) & (foot < apart) & np.isfinite(chord)
-        centre = np.where(between, x.centre + step * (foot / apart), np.where(x.radius <= y.radius, x.centre, y.centre))
-    return Discs(centre, np.where(between, chord, np.minimum(x.radius, y.radius)))
+        foot = (apart - (large - small) * (large + small) / apart) / 2
+        centre = own + step * (foot / apart)
+        chord = np.sqrt(np.maximum((small - foot) * (small + foot), 0) + 1e-14 * small * (small + apart))
+        chord += 1e-14 * (apart + np.abs(centre))
+        between = (foot > 0) & (chord < small)
+    return Discs(np.where(between, centre, own), np.where(between, chord, small))
