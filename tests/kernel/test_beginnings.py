@@ -4,14 +4,77 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable
+from math import comb
 
 import mpmath
 import pytest
-from sympy import Rational
+from flint import arb
+from sympy import Rational, pi
 
 import haptisym as hs
 from haptisym import effects, environments
+from haptisym.kernel.beginnings import beginning, clear_of_zero
+from haptisym.kernel.wavesums import WaveSum, WaveTerm
 from haptisym.model.jnd import Part
+
+MEETING = {"1/2": 8, "2/3": 6, "4/3": 3, "4/5": 5}
+"""Orders, and of how many half angles alpha pi/4 the sum is a whole number of half turns: there Im (cos + j sin)^m is 0."""
+
+
+def _sum(draw: random.Random) -> tuple[WaveSum, Callable[[mpmath.mpf], mpmath.mpf]]:
+    """Sums of powers omega^(alpha l) of which some begin with what cancels, behind a delay; and the same in mpmath."""
+    order, m = draw.choice(list(MEETING.items()))
+    alpha, lag = Rational(order), Rational(draw.randint(1, 9), 7)
+    nothing = [(-1) ** (k // 2) * comb(m, k) if k % 2 else 0 for k in range(m + 1)]
+    terms: dict[tuple[tuple[int, int], int], list[int]] = {}
+    for power in range(draw.randint(1, 3)):
+        for _ in range(2):
+            low, late, size = draw.randint(0, 2), draw.randint(0, 1), draw.choice([-3, 1, 2])
+            for k in range(m + 1):
+                row = terms.setdefault(((k, late), power), [0] * 5)
+                row[low] += size * nothing[k]
+                row[low + draw.randint(0, 2)] += draw.randint(-2, 2) * (draw.random() < 0.2 and low > 0)
+    kept = {key: row for key, row in terms.items() if any(row)}
+    found = WaveSum(
+        tuple(WaveTerm(turns, (power,), tuple((c,) for c in row)) for (turns, power), row in kept.items()),
+        ((pi * alpha / 2, True), (lag, False)),
+        (m, 1),
+        (alpha,),
+    )
+
+    def value(w: mpmath.mpf) -> mpmath.mpf:
+        exponent = mpmath.mpf(alpha.p) / alpha.q
+        (c, s), late = (f(mpmath.pi * exponent / 4) for f in (mpmath.cos, mpmath.sin)), w * lag.p / lag.q / 2
+        delayed, raised = (mpmath.cos(late), mpmath.sin(late)), w**exponent
+        return mpmath.fsum(
+            mpmath.polyval(row[::-1], w) * raised**power * s**k * c ** (m - k) * delayed[turn]
+            for ((k, turn), power), row in kept.items()
+        )
+
+    return found, value
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("seed", range(20))
+def test_the_first_term_that_stays_is_found_and_no_zero_lies_before_the_place_that_is_said_to_be_clear(
+    seed: int,
+) -> None:
+    draw, seen = random.Random(seed), 0
+    for _ in range(6):
+        f, value = _sum(draw)
+        with mpmath.workdps(260):
+            near = [value(mpmath.mpf(10) ** n) for n in (-20, -25)]
+            if abs(near[0]) < mpmath.mpf(10) ** -200:
+                continue  # nothing at all
+            exponent = mpmath.log(abs(near[0] / near[1]), 10) / 5
+            assert abs(exponent - float(beginning(f).exponent)) < 1e-2
+            reach = mpmath.mpf(float(clear_of_zero(f, arb(2))))
+            points = [reach * mpmath.mpf(10) ** -n for n in (20, 5, 2, 1)] + [reach * n / 12 for n in range(1, 13)]
+            assert {value(x) > 0 for x in points} == {near[0] > 0}
+            assert reach > 0
+            seen += bool(beginning(f).exponent > 0)
+    assert seen > 1
+
 
 Dynamics = Callable[[mpmath.mpc, mpmath.mpc], mpmath.mpc]
 """What is felt of a dynamics, and s."""

@@ -20,6 +20,7 @@ from sympy import Expr, Integer
 
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.exactwaves import exact_waves, taylor_coefficients
+from haptisym.kernel.precision import at_rising_precision
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction
 from haptisym.kernel.turns import is_zero
@@ -94,16 +95,21 @@ def _order(rise: Expr) -> int:
 
 
 def _cancels(f: WaveSum, meeting: list[tuple[Powers, int]]) -> bool:
-    """Whether Taylor coefficients at 0 add up to zero: balls first, then exact."""
-    with flint.ctx.workprec(128):
+    """Whether Taylor coefficients at 0 add up to zero: balls first, then exact, finer balls where that is not told exactly."""
+
+    def in_balls(_: int) -> bool | None:
         total = sum((f.before(powers, arb(0), n, n + 1)[0] for powers, n in meeting), arb(0))
-        if is_clear(total) or total.is_zero():
-            return not is_clear(total)
+        return False if is_clear(total) else True if total.is_zero() else None
+
+    if (told := at_rising_precision(in_balls, 128, 128)) is not None:
+        return told
     waves, parts = exact_waves(f, Integer(0)), by_powers(f)
     assert waves is not None
     exact = [next(islice(taylor_coefficients(parts[powers], Integer(0), waves), n, None)) for powers, n in meeting]
     top = reduce(lambda x, y: RationalFunction(x.ring, *_sum(x, y)), exact).numerator
     found = is_zero(top, [rate for rate, _ in f.rates])
+    if found is None:
+        found = at_rising_precision(in_balls, 256)
     if found is None:
         raise UndecidedError("whether a function vanishes near omega = 0")
     return found

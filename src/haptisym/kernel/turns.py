@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from math import lcm
 from typing import TypeAlias
 
@@ -17,14 +17,15 @@ from haptisym.kernel.symbols import omega
 from haptisym.kernel.zeros import is_clear
 
 _FINEST = 20_000  # parts of a turn, of which exact cosines are added up
+_HALF = fmpq(1, 2)
 
 
 def is_zero(polynomial: Polynomial, angles: Sequence[Expr]) -> bool | None:
     """Whether a polynomial in pi and the cosines and sines of half of some angles is the number zero: exact.
 
-    The variables are those of a ring ``omega, pi, cos, sin, cos, sin, ...``. None where a turn would have too many parts. With z
-    a root of unity, cos = (z^k + z^-k)/2 and sin = (z^k - z^-k)/(2 i): each coefficient of a power of pi, which is
-    transcendental, must be a multiple of z's cyclotomic polynomial.
+    The variables are those of a ring ``omega, pi, cos, sin, cos, sin, ...``. None where a turn would have too many parts, and
+    where an angle is no part of a turn. With z a root of unity, cos = (z^k + z^-k)/2 and sin = (z^k - z^-k)/(2 i): each
+    coefficient of a power of pi, which is transcendental, must be a multiple of z's cyclotomic polynomial.
     """
     if polynomial.is_zero():
         return True
@@ -32,7 +33,7 @@ def is_zero(polynomial: Polynomial, angles: Sequence[Expr]) -> bool | None:
     used = [i for i in range(len(angles)) if any(e[2 + 2 * i] or e[3 + 2 * i] for e in exponents)]
     turns = {i: angles[i] / (4 * pi) for i in used}  # half an angle, as parts of a turn
     if not all(x.is_Rational for x in turns.values()):
-        return False  # of an angle that is no part of a turn, they are taken to be independent
+        return None
     whole = lcm(4, *(int(x.q) for x in turns.values()))
     if whole > _FINEST:
         return None
@@ -41,21 +42,21 @@ def is_zero(polynomial: Polynomial, angles: Sequence[Expr]) -> bool | None:
         product = {0: value}
         for i in used:
             k = int(turns[i] * whole)
-            product = _times(product, {k: fmpq(1, 2), -k: fmpq(1, 2)}, exponent[2 + 2 * i], whole)
+            product = _times(product, ((k, _HALF), (-k, _HALF)), exponent[2 + 2 * i], whole)
             quarter = whole // 4  # 1/i = -i
-            product = _times(product, {k - quarter: fmpq(1, 2), -k - quarter: fmpq(-1, 2)}, exponent[3 + 2 * i], whole)
+            product = _times(product, ((k - quarter, _HALF), (-k - quarter, -_HALF)), exponent[3 + 2 * i], whole)
         row = rows.setdefault(exponent[1], {})
         for n, x in product.items():
             row[n] = row.get(n, fmpq(0)) + x
     return all(_is_multiple(row, whole) for row in rows.values())
 
 
-def _times(x: dict[int, fmpq], y: dict[int, fmpq], count: int, whole: int) -> dict[int, fmpq]:
+def _times(x: dict[int, fmpq], y: Iterable[tuple[int, fmpq]], count: int, whole: int) -> dict[int, fmpq]:
     """A sum of powers of a root of unity times another one, that many times."""
     for _ in range(count):
         found: dict[int, fmpq] = {}
         for i, a in x.items():
-            for j, b in y.items():
+            for j, b in y:
                 found[(i + j) % whole] = found.get((i + j) % whole, fmpq(0)) + a * b
         x = found
     return x
