@@ -128,6 +128,33 @@ def sampled_passivity(scene: Scene) -> SampledPassivity | None:
     """
     if not any(x.model in CLOCKS for x in scene.effects):
         return None
+    loop = loop_of(scene)
+    if isinstance(loop, SampledPassivity):
+        return loop
+    ring = Ring()
+    inner = ring.convert(loop.C).reduced()
+    settled = is_stable(inner) is True and inner.numerator.degrees()[0] <= inner.denominator.degrees()[0]
+    reason = "" if settled else "the controller has a pole on or outside the unit circle"
+    return SampledPassivity(loop.T, loop.damping, loop.sides(ring), settled, reason)
+
+
+@dataclass(frozen=True)
+class ColgateLoop:
+    """Period, controller as a function of s = (z - 1)/(z + 1), and the device's damping; in numbers, or with a symbol."""
+
+    T: Expr
+    C: Expr
+    damping: Expr
+
+    def sides(self, ring: Ring) -> tuple[RealFunction, RealFunction]:
+        """The right-hand side as a function of tan(theta/2), and of cot(theta/2)."""
+        found = [self.T / 2 * (s - 1) / s * self.C, self.T / 2 * (1 - s) * self.C.xreplace({s: 1 / s})]
+        near, far = (on_axis(ring.convert(f).reduced()).real for f in found)
+        return near, far
+
+
+def loop_of(scene: Scene) -> ColgateLoop | SampledPassivity:
+    """Of a scene with a clock; what is said where the condition does not apply."""
     place = next(i for i, x in enumerate(scene.effects) if x.model in CLOCKS)
     clock = scene.effects[place]
     behind: Sequence[Effect] = scene.effects[place + 1 :]
@@ -141,14 +168,7 @@ def sampled_passivity(scene: Scene) -> SampledPassivity | None:
     device = _device(behind)
     if device is None:
         return SampledPassivity(T, reason=_TEN)
-    C = C.xreplace({BACK: (1 - s) / (1 + s)})
-    ring = Ring()
-    inner = ring.convert(C).reduced()
-    settled = is_stable(inner) is True and inner.numerator.degrees()[0] <= inner.denominator.degrees()[0]
-    sides = [ring.convert(T / 2 * (s - 1) / s * C), ring.convert(T / 2 * (1 - s) * C.xreplace({s: 1 / s}))]
-    near, far = (on_axis(f.reduced()).real for f in sides)
-    reason = "" if settled else "the controller has a pole on or outside the unit circle"
-    return SampledPassivity(T, device, (near, far), settled, reason)
+    return ColgateLoop(T, C.xreplace({BACK: (1 - s) / (1 + s)}), device)
 
 
 def _held(scene: Scene, T: Expr, behind: Sequence[Effect]) -> tuple[Expr, Sequence[Effect]]:
@@ -160,11 +180,15 @@ def _held(scene: Scene, T: Expr, behind: Sequence[Effect]) -> tuple[Expr, Sequen
 
 
 def _device(effects: Sequence[Effect]) -> Expr | None:
-    """The damping between clock and hand; None where there is something other than mass, spring and damper, none negative."""
+    """The damping between clock and hand; None where there is something other than mass, spring and damper, none negative.
+
+    Of a symbol it is not asked whether it is negative.
+    """
     total = dict.fromkeys("mbk", Integer(0))
     for effect in effects:
         if effect.model != "shunt" or any(p.key not in total for p in effect.parameters):
             return None
         for p in effect.parameters:
             total[p.key] += p.value
-    return None if any(sign_of_number(total[key]) < 0 for key in "mk") else total["b"]
+    known = [total[key] for key in "mk" if not total[key].free_symbols]
+    return None if any(sign_of_number(x) < 0 for x in known) else total["b"]

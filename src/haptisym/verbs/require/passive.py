@@ -12,7 +12,7 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.eliminants import resultant
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial
+from haptisym.kernel.rings import Polynomial, RationalFunction
 from haptisym.model.caveats import clocks
 from haptisym.model.distortion import Distortion
 from haptisym.model.knobs import Knob
@@ -26,11 +26,11 @@ from haptisym.verbs.require.verdicts import Question, Turn
 
 
 def solve_passive(scene: Scene, free: Knob, asked: Domain) -> Solved:
-    """All values with which every passive hand may hold the display. UndecidedError with delays or a clock."""
+    """All values with which every passive hand may hold the display. UndecidedError with delays, powers of s or a clock."""
     [condition] = pieces(conditions(scene, [free], [PASSIVE])[PASSIVE])
     if condition.axis.functions or clocks(scene):
         raise UndecidedError(
-            "whether every passive hand may hold it, with delays, powers of s or a clock, is told of single values, by stability"
+            "whether every passive hand may hold it, with delays or powers of s, is told of single values, by stability"
         )
     turns = [*_of_signs(condition, free), *_of_poles(scene, free)]
 
@@ -69,15 +69,20 @@ def _leading(polynomial: Polynomial) -> Polynomial:
 def _of_poles(scene: Scene, free: Knob) -> Iterator[Turn]:
     """Where poles of H_perc cross the axis, or poles or zeros come from infinity or to 0."""
     d = Distortion.of(scene.chain.at(values(x for x in scene.parameters if x.path != free.path)))
-    ring = d.perc.ring
+    yield from turns_of_poles(d.perc, free)
+
+
+def turns_of_poles(function: RationalFunction, free: Knob) -> Iterator[Turn]:
+    """Where poles of a function cross the axis, or poles or zeros come from infinity or to 0."""
+    ring = function.ring
     assert isinstance(ring, Ring)
     if free.symbol not in ring.meanings:
         return
     index, found = ring.meanings.index(free.symbol), list[tuple[Kind, Polynomial]]()
-    for polynomial in (d.perc.numerator, d.perc.denominator):
+    for polynomial in (function.numerator, function.denominator):
         for f, _ in polynomial.factor()[1]:
             found += [(Kind.FAR, _leading(f)), (Kind.START, _end(f, min(int(e[0]) for e in f.monoms())))]
-    for f, _ in d.perc.denominator.factor()[1]:
+    for f, _ in function.denominator.factor()[1]:
         [(real, imag)] = ring.axis.parts([f])
         common = real.gcd(imag)
         if real and imag and f.degrees()[0]:

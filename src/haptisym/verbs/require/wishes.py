@@ -8,12 +8,14 @@ from functools import partial
 
 from haptisym.judge.criteria import PASSIVE, Criterion
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError, meant
+from haptisym.model.caveats import clocks
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.feasible import Solved
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.held import solve_stable, stable_in
 from haptisym.verbs.require.passive import solve_passive
+from haptisym.verbs.require.sampledpassive import solve_sampled
 from haptisym.verbs.require.solving import solve
 from haptisym.verbs.require.verdicts import all_open, together
 
@@ -52,7 +54,7 @@ def solve_all(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criter
     if any(x.name == STABLE for x in criteria):
         others += [partial(solve_stable, scene, hand, free, asked) for hand in scene.hands]
     if any(x.name == SUITS_ALL for x in criteria):
-        others.append(partial(solve_passive, scene, free, asked))
+        others.append(partial(solve_sampled if clocks(scene) else solve_passive, scene, free, asked))
     return together(asked, [*found, *(_or_open(x, asked) for x in others)])
 
 
