@@ -179,6 +179,7 @@ def test_ctrl_c_ends_a_verb_from_the_first_moment_on_without_a_traceback(seconds
     assert "Traceback" not in shown.text
 
 
+@pytest.mark.slow
 def test_a_sweep_that_is_interrupted_says_how_it_is_continued(tmp_path: Path) -> None:
     out = tmp_path / "swept.zarr"
     words = ("sweep", "delayed-spring", "--vary", "effects.delay.tau=0.001:0.1:100000", "--out", str(out))

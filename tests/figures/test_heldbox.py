@@ -31,6 +31,7 @@ def ground(ax: Axes, k: float, b: float) -> str:
     return str(found)
 
 
+@pytest.mark.slow
 def test_grounds_are_what_is_counted_at_single_values_of_hand_and_display() -> None:
     hand = hs.Hand("mine", m="0.554 kg", b=["6 N*s/m", "7 N*s/m"], k="135 N/m")
     ax = drawn(LATE, hand)

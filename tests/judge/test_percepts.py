@@ -405,6 +405,7 @@ def test_the_words_for_a_percept(given: Property, change: Change, words: str) ->
 EXCHANGED = hs.Scene(mass_spring_damper(m=1, k=100), (hs.effects.series("-1"),), (0, 15))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "scene",
     often(["fu2019", SPRING_BEHIND_DELAY, EXCHANGED, "undamped-resonance"], lambda x: x == "fu2019"),

@@ -305,6 +305,7 @@ def test_a_proportion_converts_the_threshold_of_all_environments() -> None:
         hs.evaluate_all(hs.load_scenes("palpation-device"), proportion=0.84)
 
 
+@pytest.mark.slow
 def test_the_command_compares_regions_of_all_environments(call, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     status, out, _ = call("evaluate", "palpation-device", "--regions", "--figures", str(tmp_path))
     assert (status, "By these regions the common bandwidth lies between" in out) == (0, True)

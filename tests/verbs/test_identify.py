@@ -319,6 +319,7 @@ def test_a_record_in_time_is_named_as_what_it_is(call: Called) -> None:
     assert "Parameters" in out
 
 
+@pytest.mark.slow
 def test_the_command_line_says_the_same_in_every_form(tmp_path: Path, call: Called) -> None:
     noisy("fu2019", 0.01, 5).to_csv(tmp_path / "bench.csv")
     words = (

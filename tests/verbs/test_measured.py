@@ -372,6 +372,7 @@ def test_an_environment_that_is_measured_too_is_compared_line_by_line(tmp_path: 
 # Out, and beside.
 
 
+@pytest.mark.slow
 def test_the_command_line_says_the_same_in_every_form(tmp_path: Path, call: Called) -> None:
     omega = np.linspace(1, 15, 60)
     _, perc = response(omega)

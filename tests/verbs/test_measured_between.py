@@ -237,6 +237,7 @@ def steep(folder: Path, slope: str, unit: str = "N/m") -> Path:
     return bench(folder, f"omega,real,imag,radius\nrad/s,{unit},{unit},{unit}\n{rows}", slope=slope)
 
 
+@pytest.mark.slow
 def test_the_command_line_tells_it_in_every_form(tmp_path: Path, call: Callable[..., Any]) -> None:
     scene = steep(tmp_path, '"65 N*s/m"')
     status, out, _ = call("evaluate", str(scene), "--json")
