@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -185,6 +186,45 @@ def test_wide_balls_hold_value_slope_and_half_curvature_of_every_point(
         box = arb(middle, reach)
         whole, naive = f.over(box), f.series(box, 0, 3)
         check_held([whole, naive], f, middle, reach)
+
+
+def far_apart(chance: random.Random) -> tuple[WaveSum, float, float]:
+    """A sum, a place and a reach of sizes far apart: rates of 10^-6 to 50, coefficients up to 10^12, places of 10^-6 to 10^4."""
+    angles = chance.randint(0, 3)
+    rates = tuple(
+        (Rational(chance.choice([-1, 1]) * chance.randint(1, 50), chance.choice([1, 7, 1000, 10**6])) * chance.choice([1, 1, pi]),
+         chance.random() < 0.3)
+        for _ in range(angles)
+    )  # fmt: skip
+    degrees = tuple(chance.randint(0, 4) for _ in rates)
+    orders = chance.choice([(), (Rational(1, 3),), (Rational(chance.randint(1, 9), 7), Rational(5, 2)), (pi / 5,)])
+    keys = {
+        (tuple(chance.randint(0, n) for n in degrees), tuple(chance.randint(0, 3) for _ in orders)) for _ in range(4)
+    }
+    terms = tuple(
+        WaveTerm(*key, tuple(tuple(chance.randint(-(10 ** chance.randint(0, 12)), 10**12) for _ in range(chance.randint(1, 3)))
+                             for _ in range(chance.randint(1, 5))))
+        for key in sorted(keys)
+    )  # fmt: skip
+    middle = 10 ** chance.uniform(-6, 4)
+    return WaveSum(terms, rates, degrees, orders), middle, middle * 10 ** chance.uniform(-12, -0.05 if orders else 1)
+
+
+@pytest.mark.few(1)
+@pytest.mark.parametrize("seed", range(12))
+def test_balls_of_sizes_far_apart_hold_value_and_derivatives_at_any_precision(seed: int) -> None:
+    chance = random.Random(seed)
+    for _ in range(20):
+        f, middle, reach = far_apart(chance)
+        with flint.ctx.workprec(chance.choice([53, 64, 128, 300])):
+            box = arb(middle, reach)
+            told = [f.over(box), f.series(box, 0, 5), (f.value(box),)]
+            late = f.series(box, 2, 5)
+        with flint.ctx.workprec(3000):
+            for share in (-1, -0.99, -0.5, 0, 0.3, 0.8, 1):
+                true = power_series(f, box.mid() + arb(share) * box.rad(), 5)
+                for balls, truths in ((told[0], true), (told[1], true), (told[2], true), (late, true[2:])):
+                    assert all(ball.overlaps(x) for ball, x in zip(balls, truths, strict=False)), (f, middle, reach)
 
 
 @examples(40)
