@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import json
+import random
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import haptisym as hs
+from haptisym.model.jndtables import read_threshold
+from haptisym.verbs.measured.regions import _from_ellipse
 
 FU = hs.load_scene("fu2019")
 HEXAGON = [[0.1, 0.01], [0.05, 0.09], [-0.05, 0.12], [-0.1, 0], [-0.05, -0.09], [0.05, -0.07]]
@@ -177,3 +181,47 @@ def test_where_the_environment_is_zero_the_floor_is_what_is_noticed() -> None:
     felt = hs.measured([10.0], [5 + 12j], radius=[2.0])
     e = hs.evaluate(hs.MeasuredScene(spring_and_mass, felt, threshold=_threshold("floor")))
     assert [(x.real.value, x.imag.value) for x in e.rows] == [("below", "exceeds")]
+
+
+# The distance from an ellipse, with sixty digits.
+
+
+def from_ellipse(a: float, b: float, tilt: float, x: float, y: float) -> mpmath.mpf:
+    """By the foot of the perpendicular in the principal axes, on them in closed form; negative inside."""
+    a, b, tilt, x, y = map(mpmath.mpf, (a, b, tilt, x, y))
+    mixed, apart = tilt * a * b, (a * a - b * b) / 2
+    turned, size = mpmath.atan2(mixed, apart) / 2, mpmath.hypot(mixed, apart)
+    long, short = mpmath.sqrt((a * a + b * b) / 2 + size), mpmath.sqrt((a * a + b * b) / 2 - size)
+    u, v = abs(x * mpmath.cos(turned) + y * mpmath.sin(turned)), abs(y * mpmath.cos(turned) - x * mpmath.sin(turned))
+    if v < mpmath.mpf(10) ** -50:
+        known = [abs(u - long)] + [short * mpmath.sqrt(1 - u * u / (2 * size))] * (u * long < 2 * size)
+        found = min(known)
+    else:
+        low, high = short * v, mpmath.hypot(long * u, short * v)
+        for _ in range(250):
+            t = (low + high) / 2
+            low, high = (t, high) if (long * u / (t + 2 * size)) ** 2 + (short * v / t) ** 2 > 1 else (low, t)
+        found = mpmath.hypot(u - long**2 * u / (t + 2 * size), v - short**2 * v / t)
+    return -found if (u / long) ** 2 + (v / short) ** 2 <= 1 else found
+
+
+def test_the_distance_from_an_ellipse_has_its_digits_on_and_beside_its_axes_too() -> None:
+    chance = random.Random(3)
+    for _ in range(150):
+        a, b = (10 ** chance.uniform(-3, 1) for _ in range(2))
+        tilt = chance.choice([0, 0, chance.uniform(-0.999, 0.999), 1 - 10 ** chance.uniform(-8, -1)])
+        x, y = (10 ** chance.uniform(-4, 1) * chance.choice([-1, 0, 1, 1, 1e-9]) for _ in range(2))
+        [found] = _from_ellipse(*(np.array([float(z)]) for z in (a, b, tilt, x, y)))
+        with mpmath.workdps(60):
+            assert abs(found - from_ellipse(a, b, tilt, x, y)) < 2e-14 * (1 + abs(complex(x, y)))
+
+
+@pytest.mark.parametrize(("radius", "verdict"), [(0.099595, "below"), (0.099603, "unresolved")])
+def test_a_change_along_an_axis_of_an_ellipse_is_told_up_to_its_depth(radius: float, verdict: str) -> None:
+    """0.01 along the long axis of an ellipse of 0.15 by 0.1: sqrt(0.00992) = 0.0995992 deep."""
+    felt = hs.measured([2.0], [101.0], radius=[100 * radius])
+    jnd = read_threshold({"shape": "ellipse", "real": "0.15", "imag": "0.1"})
+    spring = hs.environments.mass_spring_damper(k=100)
+    [row] = hs.evaluate(hs.MeasuredScene(spring, felt, threshold=jnd)).rows
+    assert row.joint is not None
+    assert row.joint.value == verdict

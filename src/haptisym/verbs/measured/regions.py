@@ -19,6 +19,7 @@ from haptisym.model.regions import Shape
 
 Corners: TypeAlias = Sequence[tuple[Reals, Reals]]
 _HALVINGS = 60
+_NEAR = 1e-30  # of its half axis: beside an axis of an ellipse in place of on it
 
 
 def values_of(formula: Expr, at: Reals) -> Reals:
@@ -159,20 +160,24 @@ def _from_polygon(corners: Corners, x: Reals, y: Reals) -> Reals:
 
 
 def _from_ellipse(a: Reals, b: Reals, tilt: Reals, x: Reals, y: Reals) -> Reals:
-    """Of (x/a)^2 - 2 t (x/a)(y/b) + (y/b)^2 <= 1 - t^2: the foot of the perpendicular, by bisection in the principal axes."""
-    mixed, apart = tilt * a * b, (a**2 - b**2) / 2
+    """Of (x/a)^2 - 2 t (x/a)(y/b) + (y/b)^2 <= 1 - t^2: the foot of the perpendicular, by bisection in the principal axes.
+
+    It is (long^2 u/(t + long^2 - short^2), short^2 v/t); t may be close to 0, and is found to its last digits.
+    """
+    mixed, apart = tilt * a * b, (a - b) * (a + b) / 2
     spread, turned = np.hypot(apart, mixed), 0.5 * np.arctan2(mixed, apart)
-    long, short = (np.sqrt((a**2 + b**2) / 2 + s) for s in (spread, -spread))
+    long = np.sqrt((a**2 + b**2) / 2 + spread)
+    short = a * b * np.sqrt((1 - tilt) * (1 + tilt)) / long
     cos, sin = np.cos(turned), np.sin(turned)
-    u = np.maximum(np.abs(x * cos + y * sin), 1e-12 * long)
-    v = np.maximum(np.abs(y * cos - x * sin), 1e-12 * short)
-    low, high = short * v - short**2, np.hypot(long * u, short * v) - short**2
+    u = np.maximum(np.abs(x * cos + y * sin), _NEAR * long)
+    v = np.maximum(np.abs(y * cos - x * sin), _NEAR * short)
+    low, high = short * v, np.hypot(long * u, short * v)
     for _ in range(_HALVINGS):
-        t = (low + high) / 2
-        beyond = (long * u / (t + long**2)) ** 2 + (short * v / (t + short**2)) ** 2 > 1
+        t = np.sqrt(low) * np.sqrt(high)
+        beyond = (long * u / (t + 2 * spread)) ** 2 + (short * v / t) ** 2 > 1
         low, high = np.where(beyond, t, low), np.where(beyond, high, t)
-    t = (low + high) / 2
-    found: Any = np.hypot(u - long**2 * u / (t + long**2), v - short**2 * v / (t + short**2))
+    t = np.sqrt(low) * np.sqrt(high)
+    found: Any = np.abs(t - short**2) * np.hypot(u / (t + 2 * spread), v / t)
     inside = (u / long) ** 2 + (v / short) ** 2 <= 1
     signed: Reals = np.where(inside, -found, found)
     return signed
