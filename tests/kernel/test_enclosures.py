@@ -6,6 +6,7 @@ import random
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from itertools import islice
 from math import comb, prod
 from typing import Any
 
@@ -412,3 +413,44 @@ def test_what_cancels_at_zero_for_long_is_followed_order_by_order() -> None:
     turned = WaveSum((WaveTerm((1,), (), ((1,),)),), ((pi / 3, True),), (1,), ())
     assert order_at_0(turned) is None
     assert order_at_0(WaveSum((WaveTerm((1,), (), ((1,),)),), ((pi / 3, False),), (1,), ())) is None
+
+
+@pytest.mark.few(1)
+@pytest.mark.parametrize("seed", range(8))
+def test_exact_taylor_coefficients_at_eighths_of_a_turn_are_those_of_power_series_times_one_number(seed: int) -> None:
+    chance, seen, zero = random.Random(seed), 0, 0
+    for _ in range(20):
+        base, turning = Rational(chance.randint(1, 9), chance.choice([1, 2, 7, 1000])), chance.choice([Integer(1), pi])
+        rates = tuple((base * turning * chance.randint(1, 4), False) for _ in range(chance.randint(1, 2)))
+        degrees = tuple(chance.randint(1, 4) for _ in rates)
+        keys = sorted({tuple(chance.randint(0, n) for n in degrees) for _ in range(4)})
+        f = WaveSum(
+            tuple(
+                WaveTerm(key, (), tuple((chance.randint(-9, 9), chance.randint(-1, 1)) for _ in range(3)))
+                for key in keys
+            ),
+            rates,
+            degrees,
+            (),
+        )
+        place = chance.choice([Integer(0), chance.randint(-9, 30) * pi / (2 * base * turning)])
+        waves = exact_waves(f, place)
+        if waves is None:
+            continue
+        found = list(islice(taylor_coefficients(f, place, waves), 4))
+        with flint.ctx.workprec(600):
+            true = power_series(f, expression_ball(place), 4)
+            own = [in_pi(x.numerator) / in_pi(x.denominator) for x in found]
+            for x, a, b in zip(found, own, true, strict=True):
+                assert x.is_zero == (abs(b) < arb(2) ** -400)
+                assert all((a * d).overlaps(b * c) for c, d in zip(own, true, strict=True))
+                zero += x.is_zero
+        seen += 1
+    assert seen > 15
+    assert zero > 0
+
+
+def in_pi(polynomial: Any) -> Any:
+    """The value of a polynomial of which pi is the only variable that is there."""
+    assert all(not any(n for i, n in enumerate(map(int, e)) if i != 1) for e in polynomial.monoms())
+    return sum((arb(c) * arb.pi() ** int(e[1]) for e, c in polynomial.to_dict().items()), arb(0))

@@ -43,7 +43,7 @@ def ends_of(c: Threshold, part: Part, at: Reals) -> tuple[Reals, Reals]:
         return _axis(_corners(c, at), i)
     limit = values_of(c[part], at)
     if own.shape is Shape.ELLIPSE:
-        limit = limit * np.sqrt(1 - values_of(own.tilt, at) ** 2)
+        limit = limit * upright(values_of(own.tilt, at))
     return -limit, limit
 
 
@@ -76,6 +76,12 @@ def part_distance(c: Threshold, part: Part, at: Reals, x: Reals, env: Reals, siz
     outer, inner = (_either(moved, grown, np.maximum(high, f), np.maximum(below, f)) for f in (least, largest))
     worst = np.where(outer > 0, outer, np.minimum(inner, 0))
     return np.where(uncertain, worst, exact)
+
+
+def upright(tilt: Reals) -> Reals:
+    """sqrt(1 - t^2), to its last digits where t is close to 1, too."""
+    found: Reals = np.sqrt((1 - tilt) * (1 + tilt))
+    return found
 
 
 def depth_of(c: Threshold, at: Reals) -> Reals:
@@ -167,7 +173,7 @@ def _from_ellipse(a: Reals, b: Reals, tilt: Reals, x: Reals, y: Reals) -> Reals:
     mixed, apart = tilt * a * b, (a - b) * (a + b) / 2
     spread, turned = np.hypot(apart, mixed), 0.5 * np.arctan2(mixed, apart)
     long = np.sqrt((a**2 + b**2) / 2 + spread)
-    short = a * b * np.sqrt((1 - tilt) * (1 + tilt)) / long
+    short = a * b * upright(tilt) / long
     cos, sin = np.cos(turned), np.sin(turned)
     u = np.maximum(np.abs(x * cos + y * sin), _NEAR * long)
     v = np.maximum(np.abs(y * cos - x * sin), _NEAR * short)

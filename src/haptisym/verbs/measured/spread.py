@@ -14,7 +14,7 @@ from haptisym.model.regions import Shape
 from haptisym.programs.modelled import Modelled
 from haptisym.programs.program import Writer
 from haptisym.programs.taylormodels import Model, variable
-from haptisym.verbs.measured.regions import depth_of, values_of
+from haptisym.verbs.measured.regions import depth_of, upright, values_of
 
 
 def spread(c: Threshold, low: Reals, high: Reals, least: Reals) -> Reals:
@@ -64,8 +64,8 @@ def _modelled(formula: Expr) -> Modelled:
 def _of_ellipse(c: Threshold, moves: _Moves, sides: Reals) -> Reals:
     """Its support function is the length of M u with M = [[a, t b], [0, b sqrt(1 - t^2)]]: M moves by no more than this."""
     tilt, turned = np.abs(values_of(c.region.tilt, moves.middle)), moves(c.region.tilt)
-    root = np.sqrt(1 - tilt**2)
-    roots = [np.abs(root - np.sqrt(1 - np.clip(x, 0, 1) ** 2)) for x in (tilt - turned, tilt + turned)]
+    root = upright(tilt)
+    roots = [np.abs(root - upright(np.clip(x, 0, 1))) for x in (tilt - turned, tilt + turned)]
     size = values_of(c.real, moves.middle) + values_of(c.imag, moves.middle) + sides
     found: Reals = 2 * sides + size * (turned + np.maximum(*roots))
     return found
