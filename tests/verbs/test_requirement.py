@@ -390,7 +390,7 @@ def test_a_map_shows_each_exact_slice_and_says_what_is_interpolated() -> None:
         "transparent on the slice",
         "transparent, proven",
         "imaginary part, band-edge",
-        "boundary lies in here, proven",
+        "left open, holds the boundary",
         "exact slices",
     ]
     ax = Figure().add_subplot()

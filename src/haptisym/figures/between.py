@@ -55,14 +55,17 @@ def draw_common(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale], label: 
 
 
 def draw_left(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale]) -> list[Artist]:
-    """The rectangles in which neither is proven: boundaries of what is transparent, and of what is stable, lie in these."""
+    """The rectangles in which neither is proven: boundaries of what is transparent, and of what is stable, lie in these.
+
+    Where a second pair of roots crosses the axis neither side is stable: such rectangles are left open without a boundary.
+    """
     made: list[Artist] = []
     for name, color in _LEFT.items():
         drawn = [x.rectangles.left for x in found.proofs if x.of == name and len(x.rectangles.left)]
         for cells in drawn:
             _draw(ax, cells, scales, (color, 0.5))
-        what = f"{name}: boundary in here" if len(found.that) > 1 or found.thresholds else "boundary lies in here"
-        made += [Patch(facecolor=color, label=f"{what}, proven")] if drawn else []
+        what = f"{name}: left open" if len(found.that) > 1 or found.thresholds else "left open"
+        made += [Patch(facecolor=color, label=f"{what}, holds the boundary")] if drawn else []
     return made
 
 

@@ -97,10 +97,11 @@ def _proven(m: DesignMap) -> Iterator[Block]:
         most = m.bound(x)
         near: Phrase = ""
         if most:
-            share = f" ({rounded_up(100 * most / m.height)}\xa0% of the range)"
-            far = Number(rounded_up(most), most), unit_of(m.free[1]), share
+            part = f" ({rounded_up(100 * most / m.height)}\xa0% of the range)"
+            far = Number(rounded_up(most), most), unit_of(m.free[1]), part
             near = " Where lines join slices, its boundary lies within ", far, " of them, or of an end of the range."
-        left = f"{rounded_up(100 * x.rectangles.share_left)}\xa0% of the area of the map, in which its boundary lies."
+        share = rounded_up(100 * x.rectangles.share_left)
+        left = f"{share}\xa0% of the area of the map, which is left open and holds its boundary."
         said = (
             "Proven for all values of both, between slices too: what is ",
             what,
