@@ -841,7 +841,10 @@ def test_signs_are_told_only_where_the_condition_changes_one_way_with_the_parame
             assert strip_of(rising, 2, 2.5).signs(at) == (-1, -1)
             assert strip_of(rising, 3, 4).signs(at) is None  # zero at an end
             assert strip_of((T - 3) ** 2 - 1, 1.5, 4.5).signs(at) is None  # there and back
-        for pivot in (45, 55):  # along the place what changes with the parameter turns round, at either side of the maximum
+        for pivot in (
+            45,
+            55,
+        ):  # along the place what changes with the parameter turns round, at either side of the maximum
             turning = T * (OMEGA**2 - pivot) / 10_000 - 10 + PEAK
             assert strip_of(turning, 2, 4).signs(top) is None
         assert Strip.beyond(Shape.of(condition(T - 3), T), wide(0, 1)).signs(place) is None

@@ -32,8 +32,9 @@ _FIRST = 16
 """Pieces of the band to begin with."""
 _MOST, _BATCH = 30_000, 1024
 """Cells that are looked at, and how many at once at most: fewer cost as much."""
-_NARROW, _FINEST = 1e-3, 1e-10
-"""Of values that are cut no further, relative to them; of a piece of the band, to all of it."""
+_NARROW, _FINEST, _SMALL = 1e-3, 1e-10, 1e-3
+"""Of values that are cut no further, relative to them; of a piece of the band, to all of it; and of one on which nothing is known
+for values down to 0."""
 
 _THRESHOLDS = ("c", "c_real", "c_imag")
 Range: TypeAlias = tuple[float, float]
@@ -166,8 +167,8 @@ class _Search:
         )  # what is unknown along the wider
         wanted = (weights >= weights.max(-1, keepdims=True) / 4) & ~narrow
         stuck = ~wanted.any(-1)
-        beside_0 = (cells[:, 1] == 0).any(-1) & ~np.isfinite(changes).all(-1)
-        done = (stuck | beside_0) & narrow[:, 1]
+        small = (cells[:, 1] == 0).any(-1) & (widths[:, 0] < _SMALL) & (cells[:, 0, 0] > 0)
+        done = (stuck | (small & ~np.isfinite(changes).all(-1))) & narrow[:, 1]
         wanted[stuck & ~done, 1] = True  # a piece of the band that is narrow: along the values then
         self.open += [(float(a), float(b)) for a, b in cells[done, 1]]
         cells, wanted = cells[~done], wanted[~done]

@@ -9,7 +9,7 @@ monomials with balls for coefficients (``blowups``), however omega and u go to 0
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import groupby, pairwise
 
@@ -45,6 +45,7 @@ class Limit:
     band: tuple[Expr, Expr]
     inverse: bool
     sign: int
+    _terms: dict[tuple[Shape, int], Terms] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @classmethod
     def of(
@@ -66,23 +67,29 @@ class Limit:
 
         ``parts`` : of the band, of which the first one is taken as that near omega = 0.
         """
-        found = [self._of(shape, dyadic(reach), parts) for shape in self.shapes]
+        wholes = [Strip(shape, shape.over(arb(0).union(dyadic(reach)))) for shape in self.shapes]
+        if any(map(self._is_broken, wholes)):
+            return CellVerdict.BROKEN, _exact(dyadic(reach))
+        found = [self._of(whole, dyadic(reach), parts) for whole in wholes]
         broken = [u for verdict, u in found if verdict is CellVerdict.BROKEN]
         if broken:
             return CellVerdict.BROKEN, max(broken)
         is_kept = all(verdict is CellVerdict.KEPT for verdict, _ in found)
         return CellVerdict.KEPT if is_kept else CellVerdict.OPEN, min([reach, *(u for _, u in found)])
 
-    def _of(self, shape: Shape, reach: Ball, parts: int) -> tuple[CellVerdict, Fraction]:
-        whole = Strip(shape, shape.over(arb(0).union(reach)))
+    def _is_broken(self, whole: Strip) -> bool:
+        """Whether some frequency shows it at once."""
         low, high = (expression_ball(x) for x in self.band)
-        if any(whole.value((low + (high - low) * i / _SAMPLES).mid()) > 0 for i in range(1, _SAMPLES)):
-            return CellVerdict.BROKEN, _exact(reach)
+        return any(whole.value((low + (high - low) * i / _SAMPLES).mid()) > 0 for i in range(1, _SAMPLES))
+
+    def _of(self, whole: Strip, reach: Ball, parts: int) -> tuple[CellVerdict, Fraction]:
         if self.band[0] != 0:
             return _alone(places(Strips((whole,)), self.band)), _exact(reach)
-        near = (high / parts).upper()
+        shape, near = whole.shape, (expression_ball(self.band[1]) / parts).upper()
         try:
-            terms = _terms(shape, near)
+            if (shape, parts) not in self._terms:
+                self._terms[shape, parts] = _terms(shape, near)
+            terms = self._terms[shape, parts]
         except UndecidedError:
             return CellVerdict.OPEN, _exact(reach)
         broken = positive_along(terms, near, reach)
