@@ -359,7 +359,7 @@ def test_sets_are_put_together_even_where_the_time_is_over() -> None:
             {"that": ["stable"], "hand": "postural-arm"},
             "sliding friction stands as a describing",
         ),
-        ("delayed-spring", ("tau", "1 ms", "2 ms"), {"that": ["passive"]}, "of single values, by stability"),
+        ("sampled-wall", ("environment.b", 1, 2), {"that": ["passive"]}, "the clock samples a force"),
     ],
 )
 def test_what_is_undecided_for_a_reason_says_it(

@@ -10,10 +10,8 @@ from haptisym.judge.criteria import PASSIVE
 from haptisym.judge.passivity import passivity
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.eliminants import resultant
-from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, RationalFunction
-from haptisym.model.caveats import clocks
 from haptisym.model.distortion import Distortion
 from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
@@ -21,17 +19,16 @@ from haptisym.model.scene import Scene
 from haptisym.verbs.require.boundary import critical, irreducible, real_roots
 from haptisym.verbs.require.feasible import Binding, Kind, Solved
 from haptisym.verbs.require.freeparameter import Domain, conditions, pieces
+from haptisym.verbs.require.passivecells import solve_by_cells
 from haptisym.verbs.require.solving import allowed
 from haptisym.verbs.require.verdicts import Question, Turn
 
 
 def solve_passive(scene: Scene, free: Knob, asked: Domain) -> Solved:
-    """All values with which every passive hand may hold the display. UndecidedError with delays, powers of s or a clock."""
+    """All values with which every passive hand may hold a display without a clock; with delays, as far as cells tell."""
     [condition] = pieces(conditions(scene, [free], [PASSIVE])[PASSIVE])
-    if condition.axis.functions or clocks(scene):
-        raise UndecidedError(
-            "whether every passive hand may hold it, with delays or powers of s, is told of single values, by stability"
-        )
+    if condition.axis.functions:
+        return solve_by_cells(scene, free, asked)
     turns = [*_of_signs(condition, free), *_of_poles(scene, free)]
 
     def verdict(value: Expr) -> bool | None:

@@ -1,0 +1,253 @@
+"""The sign of Im H_perc over cells of frequency and one parameter, with delays and powers of s: proven in Taylor models.
+
+Im H, H = N/D, has the sign of Im(N conj D) on the axis: a sum of powers of omega, omega^p c_p, each coefficient made of the
+parameter and of cos and sinc of delays. Divided by the lowest power it is G(omega, q), bounded down to omega = 0; beyond a reach
+its highest power outweighs the others whatever the phases are.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TypeAlias
+
+import flint
+import numpy as np
+from sympy import Expr, I, Integer, Poly, Rational, Symbol
+
+from haptisym.kernel.budget import tick
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import Negative, expression_ball
+from haptisym.kernel.rings import RationalFunction
+from haptisym.programs.taylormodels import Array, Model
+from haptisym.verbs.require.energyterms import (
+    Parts,
+    Term,
+    add_to,
+    beginnings,
+    bent_sinc,
+    ends_of,
+    imaginary,
+    powered,
+    terms_in,
+    variables,
+)
+from haptisym.verbs.stability.loops import zeros
+from haptisym.verbs.tolerances.excess import floated
+from haptisym.verbs.tolerances.search import halves
+from haptisym.verbs.tolerances.valued import valued
+
+_FARTHEST = 2.0**60
+_MOST = 800  # cells of frequency and parameter
+_FIRST = 48
+_BITS = 256
+
+Span: TypeAlias = tuple[float, float]
+
+
+class Energy:
+    """Im(N conj D) of a dynamics with one symbol."""
+
+    def __init__(self, H: RationalFunction, symbol: Symbol) -> None:
+        ring = H.ring
+        assert isinstance(ring, Ring)
+        if I in ring.generators:
+            raise UndecidedError("whether every passive hand may hold it, with friction beside delays or powers of s")
+        if any(x.free_symbols for x in ring.orders):
+            raise UndecidedError("whether every passive hand may hold it, as a power of s changes")
+        self.symbol = symbol
+        self._rows = [list(terms_in(ring, p)) for p in (H.numerator, H.denominator)]
+
+    def clear(self, q: Span, start: float = 0.0) -> bool:
+        """Whether Im H > 0 from a frequency on (of 0 just above it) for all values of a range, proven."""
+        reach = self._reach(q)
+        if reach is None:
+            return False
+        edges = np.concatenate([[start], np.geomspace(max(start, 1e-4 * reach), max(reach, 2 * start), _FIRST)])
+        cells = np.empty((_FIRST, 2, 2))
+        cells[:, 0, 0], cells[:, 0, 1], cells[:, 1] = edges[:-1], edges[1:], q
+        looked = 0
+        while len(cells):
+            tick()
+            looked += len(cells)
+            if looked > _MOST:
+                return False
+            model = self._function(*variables(cells))
+            low, high = (x[:, 0] for x in model.bounds())
+            if (high < 0).any():
+                return False
+            left = ~(low > 0)
+            rates = np.abs(model.c1[left, 0]) + np.abs(model.c2[left, 0]).sum(-1)
+            cells = halves(cells[left], np.argmax(np.nan_to_num(rates, nan=0.0, posinf=0.0), -1))
+        return True
+
+    def active_at(self, q: Span) -> float | None:
+        """A frequency at which Im H < 0 for all values of a range, proven; None where none was found."""
+        reach = self._reach(((q[0] + q[1]) / 2,) * 2) or self._turns(q)
+        grid = np.unique(np.concatenate([np.geomspace(1e-4 * reach, reach, 150), np.linspace(0, reach, 150)[1:]]))
+        middle = (q[0] + q[1]) / 2
+        low = self._bounds(grid, (middle, middle))[1]
+        for i in np.argsort(low)[:3]:
+            if low[i] < 0 and self._bounds(grid[i : i + 1], q)[1][0] < 0:
+                return float(grid[i])
+        return None
+
+    def rises(self, q: Span) -> float | None:
+        """A frequency up to which G(omega, q) > G(0, q), for all values of a range; None where that is not shown."""
+        end = self._reach(q) or 0.0
+        while end > 1e-6:
+            omega, value = variables(np.array([[[0.0, end], q]]))
+            found = self._coefficients(omega, value, expanded=True)
+            powers = sorted(found, key=floated)
+            if len(powers) < 2:
+                return None
+            low, high = (x[0, 0] for x in found[powers[1]].bounds())
+            rest = sum(max(map(abs, ends_of(found[p]))) * end ** floated(p - powers[1]) for p in powers[2:])
+            if low > rest * (1 + 1e-9):
+                return end
+            if high < 0:
+                return None
+            end /= 4
+        return None
+
+    def beyond(self, end: float, side: int) -> bool | None:
+        """Whether all values above (1) or below an end are as it is: True: passive, False: active; None: not known."""
+        if any(x.lag.has(self.symbol) or x.number.diff(self.symbol, 2) != 0 for x in self._rows[0]):
+            return None
+        if any(x.has(self.symbol) for row in self._rows[1:] for term in row for x in (term.lag, term.number)):
+            return None
+        more = [(x, x.number.diff(self.symbol) * side) for x in self._rows[0] if x.number.has(self.symbol)]
+        if len(self._rows[1]) == 1 and all(x.lag == 0 and x.power in (0, 1, 2) and y.is_positive for x, y in more):
+            return (self._rows[1][0].number.is_positive and self._rows[1][0].power == 0) or None
+        omega = self.active_at((end, end))
+        if omega is None:
+            return None
+        grid = np.array([omega])
+        (_, here), (_, there) = (self._bounds(grid, (x, x)) for x in (end, end + side * (1 + abs(end))))
+        (here_low, _) = self._bounds(grid, (end, end))
+        return False if here[0] < 0 and there[0] < here_low[0] else None
+
+    def has_steady_top(self, low: Expr, high: Expr) -> bool:
+        """Whether the highest power of N is never late, and its coefficient has one sign between two values."""
+        top = max((x.power for x in self._rows[0]), key=floated)
+        terms = [x for x in self._rows[0] if x.power == top]
+        return all(x.lag == 0 for x in terms) and keeps_sign(sum(x.number for x in terms), self.symbol, low, high)
+
+    @cached_property
+    def at_0(self) -> Expr:
+        """G(0, q), exactly."""
+        total: dict[Expr, Expr] = {}
+        above, below = (list(beginnings(row)) for row in self._rows)
+        for p, (a, b) in above:
+            for n, (c, d) in below:
+                total[p + n] = total.get(p + n, Integer(0)) + b * c - a * d
+        found = {p: x.expand() for p, x in total.items()}
+        lowest = min((p for p, x in found.items() if x != 0), key=floated, default=None)
+        if lowest is None or floated(lowest) > floated(self._lowest):
+            raise UndecidedError("whether every passive hand may hold it, near frequency 0")
+        return found[lowest]
+
+    @cached_property
+    def _lowest(self) -> Expr:
+        omega, q = variables(np.array([[[0.0, 1.0], [1.0, 1.0]]]))
+        return min(self._coefficients(omega, q), key=floated)
+
+    def _bounds(self, omega: Array, q: Span) -> tuple[Array, Array]:
+        cells = np.empty((len(omega), 2, 2))
+        cells[:, 0, 0] = cells[:, 0, 1] = omega
+        cells[:, 1] = q
+        low, high = (x[:, 0] for x in self._function(*variables(cells)).bounds())
+        return low, high
+
+    def _function(self, omega: Model, q: Model) -> Model:
+        """G over cells."""
+        with np.errstate(all="ignore"):
+            found = self._coefficients(omega, q)
+            total = omega.number(0.0)
+            for p, model in found.items():
+                total = total + model * powered(omega, p - self._lowest)
+            return total
+
+    def _coefficients(self, omega: Model, q: Model, *, expanded: bool = False) -> dict[Expr, Model]:
+        """Of each power of omega; ``expanded``: with cos and sinc as 1 and omega^2 times the rest."""
+        with np.errstate(all="ignore"):
+            above, below = (self._parts(row, omega, q, expanded=expanded) for row in self._rows)
+            return imaginary(above, below)
+
+    def _parts(self, row: list[Term], omega: Model, q: Model, *, expanded: bool) -> Parts:
+        found: Parts = {}
+        for x in row:
+            C, S = x.turned
+            number = valued(x.number, {self.symbol: q}, q)
+            if x.lag == 0:
+                add_to(found, x.power, number, C, S)
+                continue
+            lag = valued(x.lag, {self.symbol: q}, q)
+            angle = omega * lag
+            late = number * lag
+            if not expanded:
+                add_to(found, x.power, number * angle.cosine_and_sine()[0], C, S)
+                add_to(found, x.power + 1, late * angle.sinc(), S, -C)
+                continue
+            half = angle.times(0.5).sinc()
+            add_to(found, x.power, number, C, S)
+            add_to(found, x.power + 2, (number * lag * lag * half * half).times(-0.5), C, S)
+            add_to(found, x.power + 1, late, S, -C)
+            add_to(found, x.power + 3, late * lag * lag * bent_sinc(angle), S, -C)
+        return found
+
+    def _reach(self, q: Span) -> float | None:
+        """From where on Im H > 0 for all values of a range; None where that is not shown."""
+        omega, value = variables(np.array([[[0.0, 0.0], q]]))
+        sure, others = list[Parts](), list[dict[Expr, float]]()
+        for row in self._rows:
+            sure.append(self._parts([x for x in row if x.lag == 0], omega, value, expanded=False))
+            sizes: dict[Expr, float] = {}
+            for x in row:
+                if x.lag != 0:
+                    most = max(map(abs, ends_of(valued(x.number, {self.symbol: value}, value))))
+                    sizes[x.power] = sizes.get(x.power, 0.0) + most
+            others.append(sizes)
+        known = imaginary(*sure)
+        doubt: dict[Expr, float] = {}
+        whole = [{p: sum(max(map(abs, ends_of(y))) for y in pair if y) for p, pair in x.items()} for x in sure]
+        for one, other in ((whole[0], others[1]), (others[0], whole[1]), (others[0], others[1])):
+            for p, a in one.items():
+                for n, b in other.items():
+                    doubt[p + n] = doubt.get(p + n, 0.0) + a * b
+        top = max({*known, *doubt}, key=floated)
+        if top not in known:
+            return None
+        least = ends_of(known[top])[0] - doubt.get(top, 0.0)
+        rest = {
+            p: doubt.get(p, 0.0) + (max(map(abs, ends_of(known[p]))) if p in known else 0.0) for p in {*known, *doubt}
+        }
+        radius = 2.0**-20
+        while radius < _FARTHEST and least > 0:
+            others_there = sum(x * radius ** floated(p - top) for p, x in rest.items() if p != top)
+            if least * (1 - 1e-9) > others_there * (1 + 1e-9):
+                return radius
+            radius *= 2
+        return None
+
+    def _turns(self, q: Span) -> float:
+        """Some turns of the longest delay, where nothing settles the sign far out."""
+        known = {self.symbol: Rational((q[0] + q[1]) / 2)}
+        lags = [floated(x.lag.xreplace(known)) for row in self._rows for x in row if x.lag != 0]
+        return 20 / max([x for x in lags if x > 0], default=1.0)
+
+
+def keeps_sign(form: Expr, symbol: Symbol, low: Expr, high: Expr) -> bool:
+    """Whether a polynomial has no zero between two values; at them it may have one."""
+    if not form.is_polynomial(symbol):
+        return False
+    row = Poly(form, symbol).all_coeffs()[::-1]
+    while len(row) > 1 and row[0] == 0:
+        row = row[1:]
+    if low < 0 < high and len(row) < len(Poly(form, symbol).all_coeffs()):
+        return False
+    mirrored = [-x if i % 2 else x for i, x in enumerate(row)]
+    with flint.ctx.workprec(_BITS):
+        start, end = (expression_ball(x) for x in (low, high))
+        places = [x.ball(_BITS) for x in (*zeros(row), *(Negative(x) for x in zeros(mirrored)))]
+        return not any(bool(start < x) and bool(x < end) for x in places)

@@ -1,0 +1,116 @@
+"""What Im H_perc is made of: terms of numerator and denominator, and their parts over cells by powers of omega."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import cos, sin
+from math import pi as half_turn
+from typing import TypeAlias
+
+import numpy as np
+from sympy import Expr, Integer, Rational, pi
+
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.rings import Polynomial
+from haptisym.programs.taylormodels import Array, Model, between, variable
+from haptisym.verbs.tolerances.excess import floated
+
+Parts: TypeAlias = dict[Expr, list[Model | None]]
+"""By powers of omega real and imaginary part; None for 0."""
+_QUARTERS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
+
+
+@dataclass(frozen=True)
+class Term:
+    """number(q) s^power exp(-s lag(q))."""
+
+    power: Expr
+    lag: Expr
+    number: Expr
+
+    @property
+    def turned(self) -> tuple[float, float]:
+        """Cosine and sine of a quarter turn for each power."""
+        if isinstance(self.power, Integer):
+            return _QUARTERS[int(self.power) % 4]
+        return cos(half_turn / 2 * floated(self.power)), sin(half_turn / 2 * floated(self.power))
+
+
+def terms_in(ring: Ring, polynomial: Polynomial) -> Iterator[Term]:
+    """A polynomial term by term."""
+    first, last = ring.size, ring.size + len(ring.lags)
+    for exponents, value in polynomial.to_dict().items():
+        own = [int(n) for n in exponents]
+        number = Rational(int(value.p), int(value.q)) * pi ** own[1]
+        for symbol, n in zip(ring.symbols, own[2:first], strict=True):
+            number *= symbol**n
+        lag = sum((n * x for n, x in zip(own[first:last], ring.lags, strict=True)), Integer(0))
+        more = sum((n * x for n, x in zip(own[last:], ring.orders, strict=False)), Integer(0))
+        yield Term(own[0] + more, lag, number)
+
+
+def beginnings(row: list[Term]) -> Iterator[tuple[Expr, tuple[Expr, Expr]]]:
+    """Of each term what is left with delays as 1 - s lag: powers of omega with real and imaginary part."""
+    for x in row:
+        if not isinstance(x.power, Integer):
+            raise UndecidedError("whether every passive hand may hold it, with powers of s near frequency 0")
+        C, S = (Integer(int(y)) for y in x.turned)
+        yield x.power, (x.number * C, x.number * S)
+        if x.lag != 0:
+            yield x.power + 1, (x.number * x.lag * S, -x.number * x.lag * C)
+
+
+def add_to(found: Parts, power: Expr, model: Model, C: float, S: float) -> None:
+    pair = found.setdefault(power, [None, None])
+    for i, factor in enumerate((C, S)):
+        if factor:
+            more, known = model.times(factor), pair[i]
+            pair[i] = more if known is None else known + more
+
+
+def imaginary(above: Parts, below: Parts) -> dict[Expr, Model]:
+    """Of above times the conjugate of below."""
+    found: dict[Expr, Model] = {}
+
+    def add(power: Expr, x: Model | None, y: Model | None, sign: float) -> None:
+        if x is not None and y is not None:
+            more = (x * y).times(sign)
+            found[power] = found[power] + more if power in found else more
+
+    for p, (a, b) in above.items():
+        for n, (c, d) in below.items():
+            add(p + n, b, c, 1.0)
+            add(p + n, a, d, -1.0)
+    return found
+
+
+def powered(omega: Model, p: Expr) -> Model:
+    if not isinstance(p, Integer):
+        return omega.to_the(omega.number(floated(p)))
+    found = omega.number(1.0)
+    for _ in range(int(p)):
+        found = found * omega
+    return found
+
+
+def bent_sinc(angle: Model) -> Model:
+    """(sinc x - 1)/x^2, which lies between -1/6 and -1/6 + x^2/120."""
+    most = np.abs(np.stack(angle.bounds()))[:, :, 0].max(0)
+    low = np.full(len(most), -1 / 6 * (1 + 1e-12))
+    return between(low, np.maximum(low, -1 / 6 + most**2 / 120 + 1e-12), 1, angle.c1.shape[-1])
+
+
+def variables(cells: Array) -> tuple[Model, Model]:
+    """Frequency and parameter, over cells of their values."""
+    found = []
+    for i in (0, 1):
+        low, high = cells[:, i].T
+        found.append(variable((low + high) / 2, (high - low) / 2, np.maximum(abs(low), abs(high)), i, 2, slopes=False))
+    return found[0], found[1]
+
+
+def ends_of(model: Model) -> tuple[float, float]:
+    low, high = model.bounds()
+    return float(low.min()), float(high.max())
