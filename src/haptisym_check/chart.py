@@ -6,62 +6,59 @@ from itertools import groupby, pairwise
 from math import prod
 from typing import Any
 
-from haptisym_check.factors import Factor
 from haptisym_check.link import PARTS, Product
-from haptisym_check.polynomials import PI, turns
+from haptisym_check.polynomials import PI, Factor, affordable, order, turns
 from haptisym_check.scene import Scene, need
 
 
 def ends_of_band(scene: Scene) -> list[list[Fraction]]:
     """Bounds of its low end, and of its high end."""
-    return [sorted(x.value * Fraction(*pi) ** x.pi for pi in PI) for x in scene.band]
+    low, high = (sorted(x.value * Fraction(*pi) ** x.pi for pi in PI) for x in scene.band)
+    need(low[1] < high[0], "the band is empty")
+    return [low, high]
 
 
 class Chart:
     """The places of the band in order, with the orders of all factors there, and their signs in between."""
 
-    def __init__(self, scene: Scene, points: list[Fraction], factors: list[Factor], told: list[Any]) -> None:
+    def __init__(self, scene: Scene, points: list[Fraction], factors: list[Factor], told: list[list[Fraction]]) -> None:
         """``told``: the enclosures of the places."""
         low, high = ends_of_band(scene)
         need(0 <= points[0] <= low[0] and low[1] <= points[1], "the first cell does not hold the low end of the band")
         need(points[-2] <= high[0] and high[1] <= points[-1], "the last cell does not hold the high end of the band")
-        need(low[1] < high[0] and holds(told[0], low), "the low end of the band is not in its enclosure")
-        size = sum(x.denominator.bit_length() + x.numerator.bit_length() for x in points)
-        need(size * sum(x.cost for x in factors) < 2 * 10**9, "the cells are too many, or too fine")
-        self.from_0, self.orders, self.signs = low[1] == 0, [dict[int, int]()], list[list[int]]()
-        enclosures = iter(told[1:-1])
+        need(holds(told[0], low), "the low end of the band is not in its enclosure")
+        need(holds(told[-1], high), "the high end of the band is not in its enclosure")
+        affordable(points, sum(x.cost for x in factors))
+        self.from_0, self.orders, self.signs = low[1] == 0, list[list[int]](), list[list[int]]()
         for a, b in pairwise(points):
-            starts, stops = low == [a, a], high == [b, b]
             found = [x.signs(a, b) for x in factors]
-            inner, count = [[x for x in row if x] for row in found], list(map(turns, found))
-            leads = {i: row.index(inner[i][0]) for i, row in enumerate(found) if not row[0]}
-            last = {i: row[::-1].index(inner[i][-1]) for i, row in enumerate(found) if not row[-1]}
-            need((starts or not leads) and (stops or not last), "a factor is zero at a breakpoint")
-            beside = (a == points[0] and not starts) or (b == points[-1] and not stops)
-            need(sum(count) <= (0 if beside else 1), "a cell may hold two zeros, or one beside an end of the band")
-            self.orders[0] |= leads
-            self.signs = self.signs or [[x[0] for x in inner]]
-            if any(count):
-                own, (x, y) = factors[count.index(1)], next(enclosures, (a, a - 1))
-                need(a <= x <= y <= b and own.sign(x) * own.sign(y) <= 0, "an enclosure holds no zero")
-                self.orders.append({count.index(1): 1})
+            inner, counts = [[x for x in row if x] for row in found], list(map(turns, found))
+            leads, last = [order(row) for row in found], [order(row[::-1]) for row in found]
+            fits = (low == [a, a] or not any(leads)) and (high == [b, b] or not any(last))
+            need(fits, "a factor is zero at a breakpoint")
+            most = 1 if low[1] <= a and b <= high[0] else 0
+            need(sum(counts) <= most, "a cell may hold two zeros, or one beside an end of the band")
+            self.orders, self.signs = self.orders or [leads], self.signs or [[x[0] for x in inner]]
+            if any(counts):
+                own, (x, y) = factors[counts.index(1)], told[min(len(self.orders), len(told) - 1)]
+                affordable((x, y), own.cost)
+                need(a < x <= y < b and own.sign(x) * own.sign(y) <= 0, "an enclosure holds no zero")
+                self.orders.append(counts)
                 self.signs.append([x[-1] for x in inner])
         self.orders.append(last)
-        need(holds(told[-1], high), "the high end of the band is not in its enclosure")
         need(len(told) == len(self.orders), "there are not as many frequencies as places")
 
 
-def holds(enclosure: Any, x: list[Fraction]) -> bool:
+def holds(enclosure: list[Fraction], x: list[Fraction]) -> bool:
     """Whether a place lies in an enclosure."""
-    return bool(enclosure[0] <= x[0] and x[1] <= enclosure[1])
+    return enclosure[0] <= x[0] and x[1] <= enclosure[1]
 
 
 class Curve:
     """The orders of a function at the places, and its signs before, at and after each."""
 
     def __init__(self, x: Product, chart: Chart) -> None:
-        self.order = [sum(n * found.get(i, 0) for i, n in x.powers.items()) for found in chart.orders]
-        self.order[0] += x.omega if chart.from_0 else 0
+        self.order = [sum(n * found[i] for i, n in x.powers.items()) for found in chart.orders]
         own = (x.number > 0) - (x.number < 0)
         self.between = [own * prod(row[i] ** abs(n) for i, n in x.powers.items()) for row in chart.signs]
         self.before = [self.between[0] * (-1) ** self.order[0], *self.between]
@@ -114,5 +111,4 @@ def percepts(part: str, env: Curve, perc: Curve, excess: Curve, change: Curve, b
             kind = PROPERTIES[x or y, y or x] if part == "real" else "damping"
             felt = kind, ("equal", "higher", "lower")[change.between[i] * n]
         line += [felt if line and felt == line[-1] and excess.at[i] > 0 else None, felt]
-    told = [(a, b, felt) for a, b, felt in runs(line)]
-    return [{"part": part, "from": a, "to": b, "property": x, "change": y} for a, b, (x, y) in told]
+    return [{"part": part, "from": a, "to": b, "property": x, "change": y} for a, b, (x, y) in runs(line)]

@@ -1,10 +1,13 @@
-"""Pi, and the signs of polynomials (rule 2)."""
+"""Pi, the signs of polynomials (rule 2), and the factors that are polynomials in omega."""
 
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
+from functools import cached_property
 from itertools import pairwise
+from math import prod
 
 from haptisym_check.reading import Polynomial
-from haptisym_check.scene import need
+from haptisym_check.scene import MOST_DELAYS, Value, need
 
 Point = tuple[int, int]  # numerator and denominator; (1, 0) is infinity
 
@@ -47,11 +50,58 @@ def signs(slices: list[list[int]], low: Point, high: Point) -> list[int]:
     return found[0]
 
 
-def sign(rows: list[list[int]], x: Fraction) -> int:
-    """The sign at a number >= 0."""
-    return signs(rows, x.as_integer_ratio(), (1, 0))[0]
+def order(row: Sequence[object]) -> int:
+    """How many zeros stand before all else: a polynomial's order at 0."""
+    return [bool(x) for x in row].index(True)
 
 
 def turns(found: list[int]) -> int:
     """How often signs change, zeros left out."""
     return sum(x != y for x, y in pairwise([x for x in found if x]))
+
+
+def affordable(numbers: Iterable[Fraction], cost: int) -> None:
+    """That signs, with that cost where numbers have one bit, are soon found at all of some numbers."""
+    bits = sum(x.denominator.bit_length() + x.numerator.bit_length() for x in numbers)
+    need(bits * cost < 2 * 10**9, "the cells are too many, or too fine")
+
+
+class Factor:
+    """A polynomial in omega^step, as sum of one term; others have sines in their terms."""
+
+    step = 1
+
+    def __init__(self, rows: Polynomial, step: int = 1, delays: int = 0) -> None:
+        self.rows, self.step, self.waves = rows, step, (0,) * delays
+        self.terms = [(self.waves, rows)]
+        self.cost = len(rows) ** 3 * max(map(len, rows))
+
+    @cached_property
+    def slices(self) -> list[list[int]]:
+        """Polynomials whose sum, with positive weights, it is for pi between its bounds."""
+        return sliced(self.rows)
+
+    @cached_property
+    def size(self) -> int:
+        """The words of all coefficients."""
+        return sum(1 + c.bit_length() // 64 for _, p in self.terms for row in p for c in row)
+
+    def at(self, x: int, pi: int, tangents: tuple[int, ...]) -> Value:
+        """The value, over cos(omega tau/2)^n for each delay, where its tangent is a whole number."""
+        total, power = 0, x**self.step
+        for turns, rows in self.terms:
+            own = 0
+            for row in reversed(rows):
+                own = own * power + (row[0] if len(row) == 1 else sum(c * pi**i for i, c in enumerate(row)))
+            total += own * prod(t**k for t, k in zip(tangents, turns, strict=True))
+        high = self.step * max(len(p) - 1 for _, p in self.terms), max(len(row) - 1 for _, p in self.terms for row in p)
+        return Value(total, 0, (*high, *self.waves, *[0] * (MOST_DELAYS - len(self.waves))))
+
+    def signs(self, a: Fraction, b: Fraction) -> list[int]:
+        """Of which the changes are the zeros between a and b, and zeros in front and behind the orders at them."""
+        found = signs(self.slices, (a**self.step).as_integer_ratio(), (b**self.step).as_integer_ratio())
+        return [0] * (0 if a else (self.step - 1) * order(found)) + found  # at 0 the order is one in omega
+
+    def sign(self, x: Fraction) -> int:
+        """Of its value at a rational number."""
+        return signs(self.slices, (x**self.step).as_integer_ratio(), (1, 0))[0]

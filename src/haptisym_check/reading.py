@@ -31,7 +31,7 @@ def whole(x: Any, low: int, high: int) -> int:
 def number(x: Any) -> Fraction:
     """A number as the format writes it."""
     pattern = r"-?[0-9]{1,2000}(/[1-9][0-9]{0,1999}|(\.[0-9]{1,2000})?(E[+-]?[0-9]{1,3})?)"
-    need(isinstance(x, str) and re.fullmatch(pattern, x), f"{str(x)[:40]!r} is not a number")
+    need(isinstance(x, str) and re.fullmatch(pattern, x), "a number is not written as one")
     return Fraction(x)
 
 

@@ -5,9 +5,8 @@ from itertools import pairwise
 from typing import Any
 
 from haptisym_check.chart import ends_of_band
-from haptisym_check.factors import Factor
 from haptisym_check.link import Product
-from haptisym_check.polynomials import Point, moved, sliced
+from haptisym_check.polynomials import Factor, Point, moved, sliced
 from haptisym_check.reading import keyed, listed, number, numbers
 from haptisym_check.scene import Scene, need
 
@@ -52,12 +51,10 @@ def verify(
     if part is None:
         need(0 <= at[0] <= first and last <= at[-1], "the cells do not hold the band")
         for x in told.values():
-            need(x.omega >= 0 or at[0] > 0, "a ratio is infinite at 0")
             need(all(sign(x, a, b, firm=False) <= 0 for a, b in pairwise(at)), "an excess may be positive")
     else:
         need(f"excess.{part}" in told and low <= at[0] == at[-1] <= high, "a point is not on the band")
-        x = told[f"excess.{part}"]
-        need((at[0] > 0 or not x.omega) and sign(x, at[0], at[0], firm=True) > 0, "an excess may not be positive")
+        need(sign(told[f"excess.{part}"], at[0], at[0], firm=True) > 0, "an excess may not be positive")
 
 
 def values(told: dict[str, Product], factors: list[Factor], slabs: Any, scene: Scene) -> list[list[Any]]:
@@ -69,7 +66,8 @@ def values(told: dict[str, Product], factors: list[Factor], slabs: Any, scene: S
     found, binds = list[list[Any]](), list[str]()
     for i, ((low, high, points, part), *closed) in enumerate(zip(rows, [False, *joins], [*joins, False], strict=True)):
         ends = point(low, -1), point(high, 1)
-        need(is_less(*ends) and not (found and is_less(ends[0], point(found[-1][1], 1))), "the slabs do not ascend")
+        after = not found or (low is not None and not is_less(ends[0], point(found[-1][1], 1)))
+        need(is_less(*ends) and after, "the slabs do not ascend")
         need(closed[0] or not found or found[-1][2] != (part is None), "between two slabs there is more than an end")
         slices = [(x.step, sliced(x.rows, *ends)) for x in factors]
         verify(told, slices, (closed[0], closed[1]), points, part, scene)

@@ -25,7 +25,7 @@ def need(condition: object, why: str) -> None:
         raise RefusedError(why)
 
 
-MOST_DELAYS = 4
+MOST_DELAYS, MOST_BITS = 4, 30_000
 Degrees = tuple[int, ...]
 
 
@@ -47,6 +47,7 @@ class Value(NamedTuple):
 
     def times(self, x: "Value") -> "Value":
         """x y."""
+        need(sum(map(int.bit_length, (*self[:2], *x[:2]))) < MOST_BITS, "a number is too large")
         re, im = self.re * x.re - self.im * x.im, self.re * x.im + self.im * x.re
         return Value(re, im, tuple(map(add, self.degrees, x.degrees)))
 
@@ -82,8 +83,6 @@ class Point(NamedTuple):
 
 def combined(sign: str, x: Ratio, y: Ratio) -> Ratio:
     """x + y, x - y, x * y or x / y."""
-    high, size = sum(max(*v.degrees, 0) for v in (*x, *y)), sum(v.re.bit_length() for v in (*x, *y))
-    need(high < 1000 and size < 10**5, "a formula is too large")
     if sign in "*/":
         top, bottom = y if sign == "*" else y[::-1]
         return x[0].times(top), x[1].times(bottom)
@@ -208,10 +207,11 @@ def row(model: str, given: dict[str, Any]) -> list[str]:
         k, b = given.pop("k", None), given.pop("b", None)
         need(isinstance(k, list) and isinstance(b, list) and 0 < len(k) == len(b) <= 20, "k and b must be lists alike")
         given.update({f"{key}_{i}": x for key, xs in (("k", k), ("b", b)) for i, x in enumerate(xs, 1)})
-        return [" ".join(given), "k0" + "".join(f" + k_{i}*b_{i}*s/(k_{i} + b_{i}*s)" for i in range(1, len(k) + 1))]
+        own = "".join(f" + k_{i}*b_{i}*s/(k_{i} + b_{i}*s)" for i in range(1, len(k) + 1))
+        return [" ".join(["k0", *set(re.findall(r"[kb]_\d+", own))]), f"k0{own}"]
     if model == "pade-delay":
         n = given.pop("order", 0)
-        need(isinstance(n, int) and 1 <= n <= 10, "the order must be a whole number from 1 to 10")
+        need(type(n) is int and 1 <= n <= 10, "the order must be a whole number from 1 to 10")
         weights = [comb(n, i) * factorial(2 * n - i) for i in range(n + 1)]
         back, forth = (" + ".join(f"{c}*({x}s*tau)^{i}" for i, c in enumerate(weights)) for x in ("-", ""))
         return ["tau", back, "0", "0", forth]
@@ -271,9 +271,17 @@ class Element:
         return [evaluated(x, leaf, combined) for x in self.texts]
 
 
-def leave_free(table: Any, path: list[str | int]) -> None:
-    """Put FREE for a number of a file."""
+def tables(x: Any) -> list[dict[str, Any]]:
+    """A list of tables, of a file."""
+    fits = isinstance(x, list) and len(x) <= 100 and all(isinstance(y, dict) for y in x)
+    need(fits, "a list of at most 100 tables is none")
+    return list(x)
+
+
+def leave_free(table: Any, path: Any) -> None:
+    """Put FREE for a number of a file: its path has keys, and places in lists from 0."""
     try:
+        need(all(type(x) is str or (type(x) is int and x >= 0) for x in path), "a path is not understood")
         place = reduce(getitem, path[:-1], table)
         quantity(place[path[-1]])
         place[path[-1]] = FREE
@@ -295,18 +303,16 @@ class Scene:
             raise UnreadableError(f"the scene is no TOML: {error}") from None
         need(table.keys() <= KEYS, f"keys of the scene are not understood: {', '.join(table.keys() - KEYS)}")
         if "environments" in table or name is not None:
-            listed = [x for x in table.get("environments", []) if isinstance(x, dict)]
-            every = [x for x in listed if x.get("name", x.get("model")) == name]
-            need(len(every) == 1 and "environment" not in table, f"there is not one environment {name!r}")
+            every = [x for x in tables(table.get("environments")) if x.get("name", x.get("model")) == name]
+            fits = isinstance(name, str) and len(every) == 1 and table.keys().isdisjoint({"environment", "rendered"})
+            need(fits, f"there is not one environment {name!r}")
             table["environment"] = {key: x for key, x in every[0].items() if key != "rendered"}
             table |= {key: x for key, x in every[0].items() if key == "rendered"}
         if free is not None:
             leave_free(table, free)
         self.felt = Element(table.get("environment"), 1)
         self.rendered = Element(table["rendered"], 1, self.felt) if "rendered" in table else self.felt
-        effects, told = table.get("effects", []), table.get("evaluation", {})
-        need(isinstance(effects, list) and len(effects) <= 100, "the effects are not a list of at most 100")
-        self.effects = [Element(x, 4) for x in effects]
+        self.effects, told = [Element(x, 4) for x in tables(table.get("effects", []))], table.get("evaluation", {})
         need(isinstance(told, dict) and told.keys() <= {"band", "jnd"}, "[evaluation] is not understood")
         band, jnd = told.get("band", [0, 15]), told.get("jnd", Fraction(1, 10))
         need(isinstance(band, list) and len(band) == 2, "the band is not a pair")
@@ -319,8 +325,13 @@ class Scene:
             own = [*self.threshold.values(), *(x for element in elements for x in element.numbers.values())]
             there = any("pi" in words_of(text) for element in elements for text in element.texts)
             need(not there and all(x is FREE or not x.pi for x in own) and FREE in own, "a parameter is free beside pi")
-        hands = [{"name": "hand", **table["hand"]}] if "hand" in table else table.get("hands", [])
-        self.hands = {x.get("name"): {key: y for key, y in x.items() if key != "source"} for x in hands}
+        self.hands = tables([table["hand"]] if "hand" in table else table.get("hands", []))
+
+    def hand(self, name: str) -> dict[str, Any]:
+        """Mass, damping and stiffness in the file."""
+        found = [x for x in self.hands if x.get("name", "hand") == name]
+        need(len(found) == 1 and "model" not in found[0], f"the scene has not one hand {name!r}")
+        return {key: x for key, x in found[0].items() if key not in ("name", "source")}
 
     def at(self, point: Point) -> tuple[Ratio, Ratio]:
         """H_env and H_perc, each numerator and denominator; what is rendered with a clock, at the s of its method."""

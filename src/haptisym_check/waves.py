@@ -6,8 +6,7 @@ from functools import cache, cached_property, lru_cache
 from math import ceil, factorial, lcm
 from typing import Any
 
-from haptisym_check.factors import Factor
-from haptisym_check.polynomials import PI, moved
+from haptisym_check.polynomials import PI, Factor, moved
 from haptisym_check.reading import keyed, listed, polynomial, whole
 from haptisym_check.scene import need
 
@@ -164,9 +163,12 @@ def strict(model: Series) -> int:
     return 1 if middle > 0 else -1
 
 
-def factor_of(x: Any, delays: tuple[Fraction, ...]) -> Factor:
-    """Of a proof."""
-    if isinstance(x, dict) and "waves" in x:
-        return WaveFactor(x, delays)
+def polynomial_factor(x: Any, delays: tuple[Fraction, ...] = ()) -> Factor:
+    """One without sines."""
     step, rows = keyed(x, "step", "polynomial")
     return Factor(polynomial(rows), whole(step, 1, 2), len(delays))
+
+
+def factor_of(x: Any, delays: tuple[Fraction, ...]) -> Factor:
+    """Of a proof."""
+    return (WaveFactor if isinstance(x, dict) and "waves" in x else polynomial_factor)(x, delays)

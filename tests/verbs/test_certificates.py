@@ -331,6 +331,7 @@ def test_what_the_format_has_no_room_for_is_a_sentence(monkeypatch: pytest.Monke
         lambda: judged('"0.08 + 0.004*omega"'): "depends on omega",
         lambda: judged('{ like = "weight" }'): "as a number in the scene file",
         lambda: hs.evaluate("fu2019", digits=1001): "room for 1000 digits",
+        lambda: hs.evaluate("zener-tissue", digits=91): "room for 90 digits",
         lambda: hs.stability(with_jnd('{ shape = "diamond", real = 0.1, imag = 0.1 }')): "the JND is a diamond",
         lambda: hs.require(
             with_jnd('{ shape = "ellipse", real = 0.1, imag = 0.1 }'), "omega_n"
@@ -379,6 +380,12 @@ band = [0, 1]
 def test_a_certificate_has_room_for_forty_sines() -> None:
     with pytest.raises(hs.SceneError, match="about 40 times a common one"):
         hs.evaluate(hs.parse_scene(FAR_APART)).certificate()
+
+
+@pytest.mark.parametrize(("name", "digits"), often([("fu2019", 1000), ("zener-tissue", 90)], lambda x: x[1] == 90))
+def test_digits_that_a_certificate_has_room_for_are_accepted(name: str, digits: int) -> None:
+    proof = hs.evaluate(hs.parse_scene(text_of(name)), digits=digits).certificate()
+    assert verdict(proof, text_of(name)).startswith("Proven")
 
 
 # What is false is refused.
@@ -458,7 +465,7 @@ def test_hostile_documents_are_refused_in_bounded_time_and_memory(name: str, tmp
     file.write_text(dict(hostile())[name], encoding="utf-8", errors="surrogatepass")
     code = "import sys\nfrom haptisym_check.__main__ import main\nsys.exit(main(sys.argv[1:]))"
     done = limited(code, str(file), str(SCENES / "fu2019.toml"))
-    if name in {"nothing", "deep", "deep objects"}:
+    if name in {"nothing", "deep", "deep objects", "a huge whole number"}:
         assert (done.returncode, done.stdout) == (2, "")
         assert done.stderr.startswith("the certificate is no JSON: ")
     else:
@@ -520,7 +527,7 @@ def test_a_scene_that_is_not_understood_is_refused(change: tuple[str, str]) -> N
     text = text_of("fu2019")
     assert change[0] in text
     with pytest.raises(RefusedError):
-        Scene(text.replace(*change).encode(), None).at(Point((Value(0, 1, degree(0)), ONE), 1))
+        Scene(text.replace(*change).encode(), None).at(Point((Value(0, 2, degree(0)), ONE), 1))
 
 
 def test_formulas_are_read_as_haptisym_reads_them() -> None:

@@ -138,10 +138,6 @@ def mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
                 lambda x, own=own, n=told["number"]: own(x).update(number=str(Fraction(n) * 2)),
             )
             yield changed(f"{name} zero", lambda x, own=own: own(x).update(number="0"))
-        yield changed(
-            f"{name} times omega^2",
-            lambda x, own=own, n=told["omega"] + 2 if told["number"] != "0" else 501: own(x).update(omega=n),
-        )
         for i in range(len(told["powers"])):
             yield changed(f"{name} without a factor", lambda x, own=own, i=i: own(x)["powers"].pop(i))
             yield changed(
@@ -235,7 +231,6 @@ def zeros_mutants(zeros: dict[str, Any], *, stable: bool) -> Iterator[tuple[str,
     for i, (_, n) in enumerate(zeros["function"]["powers"]):
         yield f"power {i} left out", lambda x, i=i: x["function"]["powers"].pop(i)
         yield f"power {i} of another exponent", lambda x, i=i, n=n: x["function"]["powers"][i].__setitem__(1, n + 1)
-    yield "another power of s", lambda x: x["function"].update(omega=x["function"]["omega"] + 1)
     yield "another number", lambda x: x["function"].update(number=str(2 * Fraction(x["function"]["number"])))
     for i, cells in enumerate(zeros["cells"]):
         yield f"cells of factor {i} left out", lambda x, i=i: x["cells"].pop(i)
@@ -454,6 +449,17 @@ def _hostile() -> Iterator[tuple[str, str]]:
     yield "null", with_proof(functions=None)
     yield "other digits", with_proof(breakpoints=["٣", "15"])
     yield from _hostile_waves(with_proof)
+    root = {"step": 1, "polynomial": [[str(-(7**200))], *[["0"]] * 199, ["1"]]}
+    long = [
+        ["6." + "9" * 1990, "7." + "0" * 1990 + "1"] if i == 1 else x
+        for i, x in enumerate(good["claim"]["frequencies"])
+    ]
+    factors = {**good["proof"], "factors": [*good["proof"]["factors"], root]}
+    yield (
+        "long enclosures of a zero",
+        json.dumps({**good, "claim": {**good["claim"], "frequencies": long}, "proof": factors}),
+    )
+    yield from _hostile_powers(good)
     held = json.loads(of_stability("a hand")[0])
     cells = [[str(n) for n in range(1, 301)] for _ in held["proof"]["imposed"]["cells"]]
     yield (
@@ -478,6 +484,28 @@ def _hostile() -> Iterator[tuple[str, str]]:
         yield f"the path {free}", json.dumps({**values, "claim": {**values["claim"], "free": free}})
 
 
+def _hostile_powers(good: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """Factors that cancel."""
+    for name, rows, count, n in (
+        ("long numbers to high powers", [["9" * 2000]], 200, 100),
+        ("a high degree to high powers", [["1"]] * 150, 1, 8),
+        ("many coefficients, with pi", [["1"] * 20] * 60, 2, 1),
+    ):
+        other = copy.deepcopy(good)
+        first = len(other["proof"]["factors"])
+        other["proof"]["factors"] += [{"step": 1, "polynomial": rows}] * 2 * count
+        own = other["proof"]["functions"]["sum.imag"]["powers"]
+        own += [[first + i, n if i % 2 else -n] for i in range(2 * count)]
+        yield name, json.dumps(other)
+    held = json.loads(of_stability("a hand")[0])
+    own = held["proof"]["imposed"]
+    first = len(own["factors"])
+    own["factors"] += [[["1"]] * 299] * 2
+    own["cells"] += [[f"{n}/1{'0' * 1900}" for n in range(1, 300)], []]
+    own["function"]["powers"] += [[first, 1], [first + 1, -1]]
+    yield "long cells of a factor that cancels", json.dumps(held)
+
+
 def _hostile_waves(with_proof: Callable[..., str]) -> Iterator[tuple[str, str]]:
     """The same with sines and cosines."""
     known = list(product(range(17), range(17)))
@@ -490,7 +518,7 @@ def _hostile_waves(with_proof: Callable[..., str]) -> Iterator[tuple[str, str]]:
     ):
         factor = {"waves": waves, "terms": terms}
         functions = {
-            f"{x}.{part}": {"number": "1", "omega": 0, "powers": [[0, 1], [1, -1]]}
+            f"{x}.{part}": {"number": "1", "powers": [[0, 1], [1, -1]]}
             for x in ("environment", "perceived", "difference", "sum", "excess")
             for part in ("real", "imag")
         }

@@ -10,6 +10,8 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
+from sympy import pi
+
 from haptisym.judge.crossings import Curve, curves
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.errors import SceneError, UndecidedError
@@ -20,11 +22,12 @@ from haptisym.kernel.roots import Interval, Point
 from haptisym.model.scene import Scene
 from haptisym.model.scenetables import read_scenes
 from haptisym.verbs.evaluate.breakpoints import breakpoints
-from haptisym.verbs.evaluate.products import products
+from haptisym.verbs.evaluate.products import Factor, Linked, products
 from haptisym.verbs.evaluate.zeros import zeros
 
 FORMAT = "haptisym.certificate/1"
 _MOST_DIGITS = 1000  # of an enclosure: a checker need not read many more
+_MOST_BESIDE_PI = 90  # a checker knows 100 of pi
 _MOST_AMONG_WAVES = 50  # where there are delays: a checker computes with 80
 
 _NAMES = {
@@ -48,7 +51,7 @@ def certificate(e: Evaluation) -> str:
     environment = named(scene)
     functions = _functions(e)
     linked = products(functions)
-    frequencies = _enclosures(e, _MOST_AMONG_WAVES if linked.delays else _MOST_DIGITS)
+    frequencies = _enclosures(e, _room(e, linked))
     inner = [Sliver(Fraction(x), Fraction(y)) for x, y in frequencies[1:-1]]
     points = breakpoints([e.chart.points[0].omega, *inner, e.chart.points[-1].omega], linked.factors)
     about_poles = _poles(e)
@@ -61,6 +64,14 @@ def certificate(e: Evaluation) -> str:
         "poles": about_poles,
     }
     return document(scene, environment, {"question": "evaluation"} | claim, proof)
+
+
+def _room(e: Evaluation, linked: Linked) -> int:
+    """How many digits of a frequency may have."""
+    if linked.delays:
+        return _MOST_AMONG_WAVES
+    has_pi = any(isinstance(f, Factor) and len(f.bounds) > 1 for f in linked.factors)
+    return _MOST_BESIDE_PI if has_pi or any(x.has(pi) for x in e.scene.band) else _MOST_DIGITS
 
 
 def _poles(e: Evaluation) -> dict[str, Any] | None:

@@ -77,23 +77,20 @@ class Factors:
     """The place in the ring of what stands beside the variable."""
 
     def product(self, x: RealFunction, *, in_square: bool) -> dict[str, Any]:
-        """``number * omega^omega * product of factor^exponent``."""
+        """``number * product of factor^exponent``."""
         return self.quotient(x.axis, x.function.numerator, x.function.denominator, in_square=in_square)
 
     def quotient(self, ring: PolynomialRing, top: Polynomial, bottom: Polynomial, *, in_square: bool) -> dict[str, Any]:
         """The same of a quotient of polynomials."""
         if top.is_zero():
-            return {"number": "0", "omega": 0, "powers": []}
-        number, omega, powers = Rational(1), 0, Counter[int]()
+            return {"number": "0", "powers": []}
+        number, powers = Rational(1), Counter[int]()
         for polynomial, sign in ((top, 1), (bottom, -1)):
             unit, factors = self._taken(ring, polynomial, in_square=in_square)
             number *= unit**sign
             for factor, n in factors:
-                if factor == ring.variable:
-                    omega += sign * n
-                else:
-                    powers[self._index(factor, in_square=in_square)] += sign * n
-        return {"number": str(number), "omega": omega, "powers": [[i, n] for i, n in sorted(powers.items()) if n]}
+                powers[self._index(factor, in_square=in_square)] += sign * n
+        return {"number": str(number), "powers": [[i, n] for i, n in sorted(powers.items()) if n]}
 
     def _taken(self, ring: PolynomialRing, polynomial: Polynomial, *, in_square: bool) -> Any:
         found = next((taken for other, taken in self.known if other == polynomial), None)
@@ -181,40 +178,38 @@ class WaveProducts:
         self.known: list[tuple[Polynomial, Any]] = []
 
     def product(self, x: RealFunction) -> dict[str, Any]:
-        """``number * omega^omega * product of factor^exponent``."""
+        """``number * product of factor^exponent``."""
         if x.is_zero:
-            return {"number": "0", "omega": 0, "powers": []}
-        number, omega, found = Rational(1), 0, Counter[Factor | WaveFactor]()
+            return {"number": "0", "powers": []}
+        number, found = Rational(1), Counter[Factor | WaveFactor]()
         for polynomial, sign in ((x.function.numerator, 1), (x.function.denominator, -1)):
-            unit, own, factors = self._taken(polynomial)
-            number, omega = number * unit**sign, omega + sign * own
+            unit, factors = self._taken(polynomial)
+            number *= unit**sign
             for factor, n in factors:
                 found[factor] += sign * n
         powers = {self.listed.setdefault(factor, len(self.listed)): n for factor, n in found.items() if n}
-        return {"number": str(number), "omega": omega, "powers": [list(x) for x in sorted(powers.items())]}
+        return {"number": str(number), "powers": [list(x) for x in sorted(powers.items())]}
 
-    def _taken(self, polynomial: Polynomial) -> tuple[Rational, int, list[tuple[Factor | WaveFactor, int]]]:
+    def _taken(self, polynomial: Polynomial) -> tuple[Rational, list[tuple[Factor | WaveFactor, int]]]:
         found = next((taken for other, taken in self.known if other == polynomial), None)
         if found is None:
             found = self._factors(polynomial)
             self.known.append((polynomial, found))
         return found
 
-    def _factors(self, polynomial: Polynomial) -> tuple[Rational, int, list[tuple[Factor | WaveFactor, int]]]:
-        """A number, the power of omega, and the others: tangents made homogeneous in cosine and sine."""
+    def _factors(self, polynomial: Polynomial) -> tuple[Rational, list[tuple[Factor | WaveFactor, int]]]:
+        """A number, and factors with their exponents: tangents made homogeneous in cosine and sine."""
         size, count = self.axis.size, len(self.delays)
         number, factors = self.axis.factors(self.axis.without_circles(polynomial)[0], in_square=False)
-        omega, found = 0, list[tuple[Factor | WaveFactor, int]]()
+        found = list[tuple[Factor | WaveFactor, int]]()
         for factor, n in factors:
-            if factor == self.axis.variable:
-                omega += n
-            elif any(factor.degrees()[size:]):
+            if any(factor.degrees()[size:]):
                 found.append((wave_factor(factor, size, self.delays), n))
             else:
                 found.append((Factor(rows_of(factor), 1), n))
         turning = [int(n) for n in polynomial.degrees()[size : size + count]][::-1]
         cosines = [(cosine_factor(i, self.delays), -n) for i, n in enumerate(turning) if n]
-        return number, omega, [*found, *cosines]
+        return number, [*found, *cosines]
 
 
 def rational_products(

@@ -50,6 +50,8 @@ def zeros(function: RationalFunction) -> dict[str, Any]:
 
 def _cells(rows: Rows) -> list[Fraction]:
     """Numbers of omega^2, ascending, between which E or O of p(j omega) = E + j omega O has one zero, or E none."""
+    if not any(rows[0]):
+        return []  # s itself
     halves = (tuple(tuple(n * (-1) ** k for n in row) for k, row in enumerate(rows[i::2])) for i in (0, 1))
     even, odd = (Factor(x or ((0,),), 1) for x in halves)
     places = sorted([*_positive(even), *_positive(odd)], key=lambda x: x.bounds(0)[0])

@@ -121,14 +121,11 @@ class Slab:
 
     def fails(self, name: str, x: Fraction) -> bool:
         """Whether an excess is positive at a point of the band for all values."""
-        told = self.problem.functions[name]
-        return (x > 0 or told["omega"] == 0) and self._sign(told, x, x, firm=True) == 1
+        return self._sign(self.problem.functions[name], x, x, firm=True) == 1
 
     def cells(self) -> list[Fraction] | None:
         """Points between which no excess is positive; None where so many as a slab may have do not suffice."""
         low, *_, high = self.problem.band
-        if any(told["omega"] < 0 for told in self.problem.functions.values()) and low <= 0:
-            return None
         inner = sorted({x for x in self.problem.starts if low < x < high})
         found, waiting = [low], [high, *inner[::-1]]
         while waiting:
