@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
@@ -53,29 +53,42 @@ class WaveFactor:
 
     def _series(self, low: Fraction, high: Fraction, step: Fraction, order: int = ORDER) -> Any:
         """Balls that hold h^n f^(n)/n! for the step h, n up to ``order``, wherever between two numbers."""
-        place, rows = (low, high, step, order), [rows for _, rows in self.terms]
-        powers = _powers(arb_poly([_about(low, high), _ball(step)][: order + 1]), max(map(len, rows)), order)
-        tables = [_waves(tau, *place, n) for tau, n in zip(self.delays, self.waves, strict=True)]
+        omega, tables = _place(self.delays, low, high, step, order)
         total = arb_poly([0])
-        for turns, own in self.terms:
-            pairs = zip(own, powers, strict=False)
-            term = sum(
-                (sum((c * arb.pi() ** n for n, c in enumerate(row)), arb(0)) * x for row, x in pairs), arb_poly([0])
-            )
+        for turns, own in self._balls:
+            term = sum((x * omega[n] for n, x in own), arb_poly([0]))
             for (sines, cosines), k, n in zip(tables, turns, self.waves, strict=True):
-                term = _cut(_cut(term * sines[k], order) * cosines[n - k], order)
+                for wave, power in ((sines, k), (cosines, n - k)):
+                    term = (term * wave[power]).truncate(order + 1) if power else term
             total = total + term
         return total
+
+    @cached_property
+    def _balls(self) -> list[tuple[Turns, list[tuple[int, Any]]]]:
+        """The coefficients that are not zero, with pi in them, and their powers of omega."""
+        with flint.ctx.workprec(_BITS):
+            powers = Powers(arb.pi())
+            return [
+                (
+                    turns,
+                    [
+                        (n, sum((c * powers[k] for k, c in enumerate(row)), arb(0)))
+                        for n, row in enumerate(own)
+                        if any(row)
+                    ],
+                )
+                for turns, own in self.terms
+            ]
 
     @cached_property
     def order_at_0(self) -> int:
         """The order of the zero at 0, from Taylor's series with exact coefficients."""
         total: dict[int, fmpq_poly] = {}
+        tables = [[Powers(x, lambda p: p.truncate(ORDER)) for x in _series(tau)] for tau in self.delays]
         for turns, rows in self.terms:
             wave = fmpq_poly([1])
-            for tau, k, n in zip(self.delays, turns, self.waves, strict=True):
-                cosine, sine = _series(tau)
-                wave = (wave * cosine ** (n - k) * sine**k).truncate(ORDER)
+            for (cosines, sines), k, n in zip(tables, turns, self.waves, strict=True):
+                wave = (wave * cosines[n - k] * sines[k]).truncate(ORDER)
             for q in range(max(map(len, rows))):
                 column = fmpq_poly([row[q] if q < len(row) else 0 for row in rows])
                 total[q] = total.get(q, fmpq_poly([0])) + (column * wave).truncate(ORDER)
@@ -103,35 +116,43 @@ def _ball(x: Fraction) -> Any:
     return arb(fmpq(x.numerator, x.denominator))
 
 
-def _cut(p: Any, order: int) -> Any:
-    return p if p.degree() <= order else arb_poly(p.coeffs()[: order + 1])
-
-
 def _about(low: Fraction, high: Fraction) -> Any:
     return _ball((low + high) / 2) + arb(0, 1) * _ball((high - low) / 2)
 
 
-def _powers(x: Any, degree: int, order: int) -> list[Any]:
-    found = [arb_poly([1])]
-    for _ in range(degree):
-        found.append(_cut(found[-1] * x, order))
-    return found
+class Powers:
+    """Those of something, each computed once; ``cut`` : what becomes of a product."""
+
+    def __init__(self, x: Any, cut: Callable[[Any], Any] = lambda x: x) -> None:
+        self._x, self._cut, self._found = x, cut, [x**0]
+
+    def __getitem__(self, n: int) -> Any:
+        while len(self._found) <= n:
+            self._found.append(self._cut(self._found[-1] * self._x))
+        return self._found[n]
 
 
-@lru_cache(maxsize=256)
-def _waves(
-    tau: Fraction, low: Fraction, high: Fraction, step: Fraction, order: int, degree: int
-) -> tuple[list[Any], list[Any]]:
-    """Powers of the series of sine and cosine of omega tau/2, bounded as a checker does it: no slope is above 1."""
-    rate = _ball(tau / 2)
-    reach = arb(0, 1) * _ball((high - low) / 2) * rate
-    sine, cosine = (x + reach for x in (_ball((low + high) / 2) * rate).sin_cos())
-    ahead, weights = _ball(step) * rate, [arb(1)]
-    for n in range(order):
-        weights.append(weights[-1] * ahead / (n + 1))
-    turns = [cosine, -sine, -cosine, sine]
-    found = [arb_poly([turns[(n + i) % 4] * w for n, w in enumerate(weights)]) for i in (3, 0)]
-    return _powers(found[0], degree, order), _powers(found[1], degree, order)
+@lru_cache(maxsize=16)
+def _place(
+    delays: tuple[Fraction, ...], low: Fraction, high: Fraction, step: Fraction, order: int
+) -> tuple[Powers, list[tuple[Powers, Powers]]]:
+    """Series of omega, and of sine and cosine of each omega tau/2, bounded as a checker does it: no slope is above 1."""
+
+    def powers(terms: list[Any]) -> Powers:
+        return Powers(arb_poly(terms[: order + 1]), lambda p: p.truncate(order + 1))
+
+    tables = []
+    for tau in delays:
+        rate = _ball(tau / 2)
+        reach = arb(0, 1) * _ball((high - low) / 2) * rate
+        sine, cosine = (x + reach for x in (_ball((low + high) / 2) * rate).sin_cos())
+        ahead, weights = _ball(step) * rate, [arb(1)]
+        for n in range(order):
+            weights.append(weights[-1] * ahead / (n + 1))
+        turns = [cosine, -sine, -cosine, sine]
+        sines, cosines = (powers([turns[(n + i) % 4] * w for n, w in enumerate(weights)]) for i in (3, 0))
+        tables.append((sines, cosines))
+    return powers([_about(low, high), _ball(step)]), tables
 
 
 def _series(tau: Fraction) -> tuple[fmpq_poly, fmpq_poly]:
