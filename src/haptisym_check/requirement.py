@@ -6,7 +6,7 @@ from typing import Any
 
 from haptisym_check.chart import ends_of_band
 from haptisym_check.link import Product
-from haptisym_check.polynomials import Factor, Point, moved, sliced
+from haptisym_check.polynomials import Factor, Point, affordable, moved, sliced
 from haptisym_check.reading import keyed, listed, number, numbers
 from haptisym_check.scene import Scene, need
 
@@ -60,8 +60,9 @@ def verify(
 def values(told: dict[str, Product], factors: list[Factor], slabs: Any, scene: Scene) -> list[list[Any]]:
     """Intervals of values, ascending, each with whether the display is transparent for them, and which parts bind between."""
     rows = [keyed(x, "from", "to", "points", "part") for x in listed(slabs, 500, 1)]
-    size = sum(len(f"{x}{low}{high}") for low, high, points, _ in rows for x in listed(points, 500, 1))
-    need(size * sum((len(x.rows) * max(map(len, x.rows))) ** 2 for x in factors) < 2 * 10**9, "the slabs are too many")
+    cost = sum((len(x.rows) * max(map(len, x.rows))) ** 2 for x in factors)
+    triples = ((low, high, x) for low, high, points, _ in rows for x in listed(points, 500, 1))
+    affordable((number(x) for triple in triples for x in triple if x is not None), cost)
     joins = [a[1] == b[0] and (a[3] is None) == (b[3] is None) for a, b in pairwise(rows)]
     found, binds = list[list[Any]](), list[str]()
     for i, ((low, high, points, part), *closed) in enumerate(zip(rows, [False, *joins], [*joins, False], strict=True)):

@@ -475,9 +475,11 @@ def _hostile() -> Iterator[tuple[str, str]]:
     values = json.loads(of_requirement("from a value on")[0])
     slab = values["proof"]["slabs"][-1]
     points = [f"{n}/3{'0' * 1000}" for n in range(500)]
+    far = ["0", "15", *(f"{n}E999" for n in range(1, 400))]
     for name, slabs in {
         "slabs without end": [slab] * 20_000,
         "fine slabs": [{**slab, "points": points}] * 7,
+        "slabs of far points": [{**slab, "from": str(n), "to": str(n + 1), "points": far} for n in range(100, 500)],
     }.items():
         yield name, json.dumps({**values, "proof": {**values["proof"], "slabs": slabs}})
     for free in (["effects"] * 9, ["environment", 10**5], [[], {}]):

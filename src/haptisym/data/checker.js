@@ -1261,9 +1261,9 @@ const haptisymCheck = (function () {
   /** Intervals of values, ascending, each with whether the display is transparent for them; and which parts bind between them. */
   function valuesOf(told, factors, slabs, scene) {
     const rows = listed(slabs, 500, 1).map((x) => keyed(x, "from", "to", "points", "part"));
-    const length = rows.reduce((n, [low, high, points]) => n + listed(points, 500, 1).reduce((m, x) => m + `${x}${low}${high}`.length, 0), 0);
+    const triples = rows.flatMap(([low, high, points]) => listed(points, 500, 1).map((x) => [low, high, x]));
     const cost = factors.reduce((n, { rows: p }) => n + (p.length * Math.max(...p.map((row) => row.length))) ** 2, 0);
-    need(length * cost < 2e9, "the slabs are too many");
+    affordable(triples.flat().filter((x) => x !== null).map(number), cost);
     const joined = (i) => i > 0 && i < rows.length && rows[i - 1][1] === rows[i][0] && (rows[i - 1][3] === null) === (rows[i][3] === null);
     const point = (x, infinity) => (x === null ? { n: infinity, d: 0n } : number(x));
     const band = endsOf(scene);
