@@ -32,7 +32,7 @@ from haptisym.model.scene import Scene
     metavar="NAME",
     help="Whether the display is stable in this hand, of the scene or a published one, for all values; may be repeated.",
 )
-@figure_option("enclosures and samples")
+@figure_option("enclosures and samples, with a hand the plane of hands below them")
 @limit_option
 def tolerances(
     scene: Scene, as_json: bool, samples: int, seed: int, names: tuple[str, ...], figure: Path | None, limit: float
