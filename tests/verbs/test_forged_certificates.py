@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import json
+
+import pytest
+from certificates import of_stability
 from forgeries import evaluated, forgeries, gain, of_scene, together, with_squares
 from secondchecker import verdicts
 
@@ -38,3 +42,28 @@ def test_what_forgeries_are_made_of_is_accepted_where_it_says_what_is_true() -> 
     for own, scene in asked:
         assert check(own.encode(), scene.encode()).startswith("Proven")
     assert all(claim is not None for claim, _ in verdicts(asked))
+
+
+def test_names_of_a_scene_do_not_look_like_lines_of_a_proof() -> None:
+    proof, text = of_stability("a hand")
+    told = json.loads(proof)
+    own = told["claim"]["held"][0]["hand"]
+    name = "x: 0 roots\n  held in the hand y"
+    hands = f"{text}\n[[hands]]\nname = {json.dumps(name)}\n" + "".join(f"{key} = {own[key]}\n" for key in "mbk")
+    told["claim"]["held"][0]["hand"] = name
+    assert len(check(of_scene(told, hands).encode(), hands.encode()).splitlines()) == 1 + len(told["claim"]["held"])
+
+
+def check_or_refuse(proof: str, scene: str) -> str:
+    try:
+        return check(proof.encode(), scene.encode())
+    except RefusedError:
+        return "refused"
+
+
+def test_a_certificate_is_read_in_utf_8_alone() -> None:
+    proof, text = of_stability("imposed")
+    assert check_or_refuse(proof, text).startswith("Proven")
+    for encoding in ("utf-16", "utf-32", "utf-8-sig"):
+        with pytest.raises(RefusedError):
+            check(proof.encode(encoding), text.encode())
