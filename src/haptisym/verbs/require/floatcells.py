@@ -33,8 +33,8 @@ _FIRST = 16
 _MOST, _BATCH = 30_000, 1024
 """Cells that are looked at, and how many at once at most: fewer cost as much."""
 _NARROW, _FINEST, _SMALL = 1e-3, 1e-10, 1e-3
-"""Of values that are cut no further, relative to them; of a piece of the band, to all of it; and of one on which nothing is known
-for values down to 0."""
+"""Of values that are cut no further, relative to them; of a piece of the band, to all of it; and of one on which
+small values leave open what is known."""
 
 _THRESHOLDS = ("c", "c_real", "c_imag")
 Range: TypeAlias = tuple[float, float]
@@ -167,8 +167,9 @@ class _Search:
         )  # what is unknown along the wider
         wanted = (weights >= weights.max(-1, keepdims=True) / 4) & ~narrow
         stuck = ~wanted.any(-1)
-        small = (cells[:, 1] == 0).any(-1) & (widths[:, 0] < _SMALL) & (cells[:, 0, 0] > 0)
-        done = (stuck | (small & ~np.isfinite(changes).all(-1))) & narrow[:, 1]
+        small = (np.abs(cells[:, 1]).max(-1) < self.least) & (widths[:, 0] < _SMALL) & (cells[:, 0, 0] > 0)
+        lost = ~np.isfinite(changes).all(-1) | (weights[:, 1] >= weights[:, 0] / 4)
+        done = (stuck | (small & lost)) & narrow[:, 1]
         wanted[stuck & ~done, 1] = True  # a piece of the band that is narrow: along the values then
         self.open += [(float(a), float(b)) for a, b in cells[done, 1]]
         cells, wanted = cells[~done], wanted[~done]
