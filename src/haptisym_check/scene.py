@@ -47,13 +47,13 @@ class Value(NamedTuple):
 
     def times(self, x: "Value") -> "Value":
         """x y."""
-        need(sum(map(int.bit_length, (*self[:2], *x[:2]))) < MOST_BITS, "a number is too large")
         re, im = self.re * x.re - self.im * x.im, self.re * x.im + self.im * x.re
+        need(re.bit_length() + im.bit_length() < MOST_BITS, "a number is too large")
         return Value(re, im, tuple(map(add, self.degrees, x.degrees)))
 
     def power(self, n: int) -> "Value":
         """x^n for n >= 0."""
-        return reduce(Value.times, [self] * n, ONE)
+        return reduce(Value.times, [self] * n) if n else ONE
 
     def conjugate(self) -> "Value":
         """For s = j omega a polynomial in omega, of the same degree."""
