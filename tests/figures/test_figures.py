@@ -23,12 +23,18 @@ import haptisym as hs
 from haptisym import Part
 from haptisym.effects import first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import mass_spring_damper
+from haptisym.figures.effects import draw_dominance
 from haptisym.figures.files import save_figures
+from haptisym.figures.hardcosts import draw_table
 from haptisym.figures.nyquist import draw_nyquist
 from haptisym.figures.projections import draw_projections
 from haptisym.figures.ratios import draw_ratios
+from haptisym.figures.release import draw_release
 from haptisym.figures.square import draw_jnd_square
+from haptisym.figures.sweep import swept_figure
 from haptisym.judge.percepts import felt
+from haptisym.verbs.cost.measurement import HardRow
+from haptisym.verbs.sweep.swept import Swept
 
 PAPER = hs.Scene(mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m"), (second_order_lowpass("80 rad/s", "0.5"),))
 UNDAMPED = hs.Scene(mass_spring_damper(m=1, k=100), (shunt(m="0.1"),))
@@ -464,3 +470,59 @@ def test_no_figure_needs_pyplot() -> None:
         "assert 'matplotlib.pyplot' not in sys.modules\n"
     )
     subprocess.run([sys.executable, "-W", "error", "-c", probe], check=True)
+
+
+# Numbers and words of figures, held against the answers that they draw.
+
+
+def test_a_hand_that_is_let_go_is_drawn_in_millimetres_from_where_it_was() -> None:
+    run = hs.release("delayed-spring", "1 cm", hs.Hand("own", m="0.5 kg", b="3.6 N*s/m"))
+    ax = Figure().add_subplot()
+    motion, *_ = draw_release(ax, run)
+    assert motion.get_ydata()[0] == pytest.approx(10)  # type: ignore[index]
+    assert ax.get_ylabel() == "motion (mm)"
+
+
+def test_the_method_of_the_package_alone_is_bold_in_the_table_of_hard_cases() -> None:
+    rows = [
+        HardRow(
+            "evaluate",
+            method,
+            15,
+            1e-3,
+            proven=ours,
+            family="cancelled",
+            case="s",
+            condition=1,
+            ours=ours,
+            verdict="right",
+        )
+        for method, ours in (("proof", True), ("grid", False))
+    ]
+    ax = Figure().add_subplot()
+    draw_table(ax, rows)
+    assert {x.get_text(): x.get_fontweight() for x in ax.texts if x.get_text() in ("proof", "grid")} == {
+        "proof": "bold", "grid": "normal",
+    }  # fmt: skip
+
+
+def test_the_legend_of_a_swept_plane_tells_where_the_whole_band_is_transparent() -> None:
+    swept = Swept(PAPER, hs.sweep(PAPER, {"omega_n": [50.0, 90.0, 150.0], "zeta": [0.3, 0.5, 0.7]}))
+    assert float(swept.data["bandwidth"].max()) == 15
+    words = [text.get_text() for text in swept_figure(swept).findobj(Text)]
+    assert "whole band, 15 rad/s" in words
+
+
+def test_over_each_piece_of_the_band_stands_the_effect_that_dominates_it() -> None:
+    """By its name where there is room, else by a number that the title explains."""
+    found = hs.relevance("control-stick-in-detail")
+    ax = Figure().add_subplot()
+    pieces = draw_dominance(ax, found)
+    assert len(pieces) == len(found.dominance)
+    start, end = (float(x) for x in found.scene.band)
+    for x in found.dominance:
+        low, high = float(x.low), float(x.high)
+        [name] = [t.get_text() for t in ax.texts if low < t.get_position()[0] < high]
+        if (high - low) > 0.5 * (end - start):
+            assert name == x.effect.name
+        assert name in ("", x.effect.name) or f"{name} {x.effect.name}" in ax.get_title(loc="left")

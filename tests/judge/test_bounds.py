@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import cmath
 
+import numpy as np
 import pytest
 from mpmath import mp, mpf
 
 import haptisym as hs
+from haptisym.judge.bounds import ANY_ENVIRONMENT
 
 E, F = hs.environments, hs.effects
 
@@ -121,3 +123,12 @@ def test_effects_that_are_not_all_in_series_and_another_rendering_have_no_such_b
     assert hs.evaluate(rendered).any_environment is None
     same = hs.Scene(spring, (lag,), rendered=E.mass_spring_damper(k=100))
     assert float(hs.evaluate(same).any_environment.transparent_below) == pytest.approx(20 / 99**0.5)
+
+
+def test_what_is_drawn_for_any_environment_is_how_far_the_effects_are_from_one() -> None:
+    s = 9j
+    values = hs.load_scene("fu2019").distortion().compile()(np.array([9.0]))
+    assert ANY_ENVIRONMENT.sampled is not None
+    found = ANY_ENVIRONMENT.sampled(values)
+    assert found[0] == pytest.approx(abs(6400 / (s**2 + 80 * s + 6400) - 1), rel=1e-14)
+    assert not np.iscomplexobj(found)

@@ -5,17 +5,25 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import assume, given
+from hypothesis import strategies as st
 from jnds import jnds
 from oracles import DIGITS, MP, Case
 from regions import margin, outside
 from strategies import cases, scene
+from sympy import Rational
 
 import haptisym as hs
+from haptisym.judge.criteria import noticed
 from haptisym.judge.percepts import Property
+from haptisym.judge.spread import half_widths
+from haptisym.model.jndtables import read_threshold
+from haptisym.programs.formulas import floats_of
 
 PAPER = hs.load_scene("fu2019")
+UNEQUAL = [["0.2", 0], [0, "0.3"], ["-0.2", 0], [0, "-0.05"]]
 
 
 def judged(jnd: Any, plain: hs.Scene = PAPER) -> hs.Evaluation:
@@ -252,3 +260,32 @@ def test_a_region_that_is_none_is_refused_in_a_sentence(name: str) -> None:
     jnd, why = WRONG[name]
     with pytest.raises(hs.SceneError, match=why):
         judged(jnd)
+
+
+def test_of_a_polygon_with_unequal_limits_the_part_nearer_its_own_corner_is_last() -> None:
+    """The limit downwards is not that of a change upwards."""
+    found = judged({"shape": "polygon", "corners": UNEQUAL}, hs.Scene(PAPER.environment, PAPER.effects, (0, 30)))
+    together = [p for p in found.percepts if p.part is None]
+    assert together
+    for p in together:
+        low, high = (float(x.omega) for x in (p.band.low, p.band.high))
+        v = found.distortion.compile()(np.array([(low + high) / 2]))
+        x, y = (v.perceived_real - v.environment_real)[0], (v.perceived_imag - v.environment_imag)[0]
+        is_real = bool(max(x / 0.2, -x / 0.2) > max(y / 0.3, -y / 0.05))
+        assert (p.property is not Property.DAMPING) == is_real
+
+
+def test_a_polygon_reaches_along_the_axes_as_far_as_its_nearer_corners() -> None:
+    region = read_threshold({"shape": "polygon", "corners": UNEQUAL})
+    assert half_widths(region) == (Rational(1, 5), Rational(1, 20))
+
+
+@given(jnds(), st.floats(-1, 1), st.floats(-1, 1))
+def test_enlarged_as_much_as_is_said_a_region_has_the_change_on_its_border(
+    jnd: dict[str, Any], x: float, y: float
+) -> None:
+    assume(jnd.get("shape") and abs(x) + abs(y) > 1e-3)
+    [criterion] = noticed(read_threshold(jnd))
+    assert criterion.joint is not None
+    much = float(criterion.joint.enlarged(x, y, lambda c: float(floats_of(c, 2.0))))
+    assert outside(jnd, x / much, y / much, 2) == pytest.approx(0, abs=1e-12)

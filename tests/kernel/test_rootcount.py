@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+import flint
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -13,7 +14,8 @@ from sympy import Expr, I, Rational, exp, expand, lambdify, pi, sqrt
 
 import haptisym as hs
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.rootcount import RootChain, Roots, count_roots
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.rootcount import RootChain, Roots, _whole, count_roots
 from haptisym.kernel.symbols import s
 
 E = exp(-s)
@@ -146,3 +148,10 @@ def test_a_delayed_spring_in_a_hand_is_stable_from_the_damping_that_the_field_kn
             spring(MP.nstr(critical - MP.mpf(10) ** -12, 25)),
             spring(MP.nstr(critical + MP.mpf(10) ** -12, 25)),
         ) == (2, 0)
+
+
+@pytest.mark.parametrize("turns", [("1.6", 0), ("2.4", 0), (2, "0.4")])
+def test_a_turn_that_is_near_no_whole_number_is_not_counted(turns: tuple[object, object]) -> None:
+    with pytest.raises(UndecidedError, match="a turn"):
+        _whole(flint.arb(*turns))
+    assert [_whole(flint.arb(*x)) for x in (("1.7", 0), ("2.3", 0), (2, "0.3"))] == [2, 2, 2]

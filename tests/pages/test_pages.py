@@ -10,6 +10,7 @@ import pytest
 from marks import often
 
 import haptisym as hs
+from haptisym.commands.spelling import spelt
 from haptisym.verbs.cost.hardcases import hard_cases
 from haptisym.verbs.jnd.answers import Answers, Row
 from haptisym.verbs.sweep.swept import Swept
@@ -102,3 +103,12 @@ def test_tables_are_as_wide_as_their_headings_and_called_something(page: Documen
                 assert float(shown) == pytest.approx(n.value, rel=0.1, abs=1e-12), n
         if isinstance(x, Equations):
             assert x.lines
+
+
+def test_a_requirement_says_what_was_asked_of_the_display() -> None:
+    said = " ".join(str(hs.require("fu2019", "zeta")).split())
+    assert "condition r_r ≤ c_real and r_i ≤ c_imag on the whole band" in said
+
+
+def test_a_greek_letter_stands_apart_from_a_word_but_not_from_a_bracket() -> None:
+    assert spelt("(τ), cos ωτ", "ascii") == "(tau), cos omega tau"

@@ -45,7 +45,7 @@ from haptisym.programs.doubled import Doubled
 from haptisym.programs.floats import Floats
 from haptisym.programs.pointvalues import PointValue
 from haptisym.programs.program import Operation, Program, Writer
-from haptisym.programs.values import Values
+from haptisym.programs.values import Values, _decimal
 
 RATIOS = ("ratio_real", "ratio_imag")
 m, b, k, omega_n, zeta = hs.symbols("m b k omega_n zeta")
@@ -741,3 +741,10 @@ def test_the_examples_of_the_page_run() -> None:
     result = doctest.testfile(str(page), module_relative=False)
     assert result.attempted >= 8
     assert result.failed == 0
+
+
+def test_digits_are_given_only_where_both_ends_of_what_is_known_have_them() -> None:
+    """1.2449 +- 0.0002 is 1.24 or 1.25 to three digits, and 1.2449 +- 0.00005 is 1.24."""
+    assert _decimal((1.2449, 0.0, 2e-4), 3) is None
+    assert _decimal((1.2451, 0.0, 2e-4), 3) is None
+    assert _decimal((1.2449, 0.0, 5e-5), 3) == "1.24"
