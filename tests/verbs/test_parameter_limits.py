@@ -192,3 +192,10 @@ def test_what_binds_at_frequency_0_behind_a_hold_is_known_to_all_digits() -> Non
     with flint.ctx.workprec(256):
         assert span.high.value.ball(256).contains(fmpq(exact.p, exact.q))
     assert [x.kind for x in span.high.bindings] == [Kind.START]
+
+
+def test_where_a_hold_is_kept_at_frequency_0_the_ends_are_found_beyond() -> None:
+    found = hs.require("virtual-wall", "environment.b")
+    [span] = found.feasible
+    assert found.undecided == ()
+    assert (span.low.value.digits(6), span.high.value.digits(6)) == ("14.2773", "35.4501")

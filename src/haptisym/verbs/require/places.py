@@ -123,7 +123,7 @@ class Strip:
         """
         k = self.shape.order_at_zero
         value = self._coefficient(box, k)
-        if value < 0:
+        if value < 0 or self._coefficient(arb(0), k) < 0:  # of a piece that shows to be kept when it is cut
             return value, NOTHING, NOTHING
         return value, self._coefficient(box, k + (2 if self.shape.is_even else 1)), NOTHING
 
