@@ -150,6 +150,10 @@ ax = hs.design_map(paper, *pairs, slices=9).plot()
 # %%
 ax = hs.design_map(paper, *pairs, slices=9, that=("transparent", "passive")).plot()
 
+# %%
+late = ["k", "tau"], [(20, 1000), ("0.001", "0.05")]
+ax = hs.design_map("delayed-spring", *late, slices=9, that=("transparent", "stable"), hand="postural-arm").plot()
+
 # %% [markdown]
 # ## Stability in a hand
 

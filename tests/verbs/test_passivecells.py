@@ -7,12 +7,13 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from sympy import Rational
+from sympy import Integer, Rational
 
 import haptisym as hs
 from haptisym.model.distortion import Distortion
 from haptisym.model.parameters import values
 from haptisym.verbs.require.energy import Energy
+from haptisym.verbs.require.energyterms import Term
 
 LATE = hs.Scene(
     hs.environments.mass_spring_damper(k=100), (hs.effects.delay("5 ms"), hs.effects.shunt(m="0.1 kg", b="1 N*s/m"))
@@ -136,3 +137,13 @@ def test_the_function_of_the_cells_has_the_sign_of_the_imaginary_part() -> None:
                 assert low[0] * exact > 0 or high[0] * exact > 0 or low[0] <= 0 <= high[0]
                 assert (low[0] <= 0) or exact > 0
                 assert (high[0] >= 0) or exact < 0
+
+
+@pytest.mark.parametrize("power", ["999999999/1000000000", "1/2", "13/3", "-7/5", "1000000001/1000000000"])
+def test_the_turn_of_a_power_is_known_to_the_last_digits_near_an_odd_one_too(power: str) -> None:
+    """cos(pi p/2) is some 1.6e-9 there, of which floats that come from pi p/2 have nine digits."""
+    with mpmath.workdps(40):
+        angle = mpmath.pi * mpmath.mpf(Rational(power).p) / Rational(power).q / 2
+        expected = float(mpmath.cos(angle)), float(mpmath.sin(angle))
+    found = Term(Rational(power), Integer(0), Integer(1)).turned
+    assert found == pytest.approx(expected, rel=4e-16, abs=0)

@@ -4,21 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import cos, sin
-from math import pi as half_turn
 from typing import TypeAlias
 
+import flint
 import numpy as np
 from sympy import Expr, Integer, Rational, pi
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import expression_ball
 from haptisym.kernel.rings import Polynomial
 from haptisym.programs.taylormodels import Array, Model, between, variable
 from haptisym.verbs.tolerances.excess import floated
 
 Parts: TypeAlias = dict[Expr, list[Model | None]]
 """By powers of omega real and imaginary part; None for 0."""
+_BITS = 160
 _QUARTERS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 
 
@@ -35,7 +36,11 @@ class Term:
         """Cosine and sine of a quarter turn for each power."""
         if isinstance(self.power, Integer):
             return _QUARTERS[int(self.power) % 4]
-        return cos(half_turn / 2 * floated(self.power)), sin(half_turn / 2 * floated(self.power))
+        with flint.ctx.workprec(
+            _BITS
+        ):  # near an odd power a cosine in floats loses digits, which Model.times takes for known
+            half = expression_ball(self.power) / 2
+            return float(half.cos_pi()), float(half.sin_pi())
 
 
 def terms_in(ring: Ring, polynomial: Polynomial) -> Iterator[Term]:
@@ -63,6 +68,7 @@ def beginnings(row: list[Term]) -> Iterator[tuple[Expr, tuple[Expr, Expr]]]:
 
 
 def add_to(found: Parts, power: Expr, model: Model, C: float, S: float) -> None:
+    """Add a model times C to the real part of what stands at a power of omega, and times S to the imaginary part."""
     pair = found.setdefault(power, [None, None])
     for i, factor in enumerate((C, S)):
         if factor:
@@ -87,6 +93,7 @@ def imaginary(above: Parts, below: Parts) -> dict[Expr, Model]:
 
 
 def powered(omega: Model, p: Expr) -> Model:
+    """omega^p, for p >= 0."""
     if not isinstance(p, Integer):
         return omega.to_the(omega.number(floated(p)))
     found = omega.number(1.0)
@@ -112,5 +119,6 @@ def variables(cells: Array) -> tuple[Model, Model]:
 
 
 def ends_of(model: Model) -> tuple[float, float]:
+    """The least and the largest that a model is in any of its cells."""
     low, high = model.bounds()
     return float(low.min()), float(high.max())
