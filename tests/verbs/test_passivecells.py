@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import Any
 
 import mpmath
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from sympy import Integer, Rational
 
 import haptisym as hs
@@ -14,6 +17,7 @@ from haptisym.model.distortion import Distortion
 from haptisym.model.parameters import values
 from haptisym.verbs.require.energy import Energy
 from haptisym.verbs.require.energyterms import Term
+from haptisym.verbs.require.passivecells import _span
 
 LATE = hs.Scene(
     hs.environments.mass_spring_damper(k=100), (hs.effects.delay("5 ms"), hs.effects.shunt(m="0.1 kg", b="1 N*s/m"))
@@ -147,3 +151,11 @@ def test_the_turn_of_a_power_is_known_to_the_last_digits_near_an_odd_one_too(pow
         expected = float(mpmath.cos(angle)), float(mpmath.sin(angle))
     found = Term(Rational(power), Integer(0), Integer(1)).turned
     assert found == pytest.approx(expected, rel=4e-16, abs=0)
+
+
+@given(st.fractions(), st.fractions())
+def test_the_floats_of_a_cell_hold_all_its_values_and_hardly_more(x: Fraction, y: Fraction) -> None:
+    low, high = (Rational(z.numerator, z.denominator) for z in sorted((x, y)))
+    a, b = (Fraction(z) for z in _span(low, high))
+    assert a <= min(x, y) <= max(x, y) <= b
+    assert min(x, y) - a <= abs(min(x, y)) * Fraction(1, 1 << 52)

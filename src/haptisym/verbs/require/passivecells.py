@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from math import inf, nextafter
 
 from sympy import Expr, Integer, Poly, Rational
 
@@ -24,7 +25,7 @@ from haptisym.model.distortion import Distortion
 from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
 from haptisym.model.scene import Scene
-from haptisym.verbs.require.energy import Energy, keeps_sign
+from haptisym.verbs.require.energy import Energy, Span, keeps_sign
 from haptisym.verbs.require.feasible import Binding, Kind, Solved
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.solving import allowed
@@ -103,6 +104,12 @@ def _window(free: Knob, asked: Domain) -> tuple[Rational, Rational]:
     return low, high
 
 
+def _span(low: Rational, high: Rational) -> Span:
+    """The ends as floats, rounded outward."""
+    a, b = float(low), float(high)
+    return a if Rational(a) <= low else nextafter(a, -inf), b if Rational(b) >= high else nextafter(b, inf)
+
+
 class _Search:
     """One parameter of one scene."""
 
@@ -144,7 +151,7 @@ class _Search:
         return found if found == here else None
 
     def _told(self, low: Rational, high: Rational) -> _Cell:
-        q = float(low), float(high)
+        q = _span(low, high)
         if self.energy.active_at(q) is not None:
             return _Cell(low, high, verdict=False)
         if not self.energy.clear(q):
@@ -162,7 +169,7 @@ class _Search:
     def _turn(self, low: Rational, high: Rational) -> RealNumber | None:
         """The one value at which Im H_perc ceases to be negative just above frequency 0, and so everywhere; None: not shown."""
         try:
-            form, q = self.energy.at_0, (float(low), float(high))
+            form, q = self.energy.at_0, _span(low, high)
         except UndecidedError:
             return None
         if not form.is_polynomial(self.free.symbol) or not form.has(self.free.symbol):
@@ -170,7 +177,7 @@ class _Search:
         if low < 0 and Poly(form, self.free.symbol).degree() > 1:
             return None
         row = Poly(form, self.free.symbol).all_coeffs()[::-1]
-        inside = [x for x in zeros(row) if q[0] < float(x) < q[1]]
+        inside = [x for x in zeros(row) if float(low) < float(x) < float(high)]
         ends = [sign_of_number(form.xreplace({self.free.symbol: x})) for x in (low, high)]
         if len(inside) != 1 or ends[0] * ends[1] >= 0:
             return None
