@@ -487,11 +487,11 @@ def _hostile() -> Iterator[tuple[str, str]]:
 
 
 def _hostile_powers(good: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Factors that cancel."""
+    """Factors that cancel: what is claimed is true, and dearer to check than a checker need work."""
     for name, rows, count, n in (
         ("long numbers to high powers", [["9" * 2000]], 200, 100),
-        ("a high degree to high powers", [["1"]] * 150, 1, 8),
-        ("many coefficients, with pi", [["1"] * 20] * 60, 2, 1),
+        ("a high degree to high powers", [["1"]] * 150, 1, 40),
+        ("many coefficients, with pi", [["1"] * 20] * 60, 5, 1),
     ):
         other = copy.deepcopy(good)
         first = len(other["proof"]["factors"])
