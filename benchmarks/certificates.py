@@ -1,4 +1,4 @@
-"""What certificates cost: writing one against answering, and checking it, for every shipped rational scene.
+"""What certificates cost: writing one against answering, and checking it, for every shipped scene that has one.
 
     python benchmarks/certificates.py
 

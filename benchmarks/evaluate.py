@@ -114,13 +114,13 @@ def main() -> None:
 
 
 def ready(name: str) -> Callable[[], object]:
-    """The whole evaluation of a scene that has just been read, with empty caches."""
+    """The whole evaluation of a scene that has just been read, with empty caches, and the crossings as doubles."""
     forget()
     scene = hs.load_scene(name)
 
     def run() -> object:
         found = hs.evaluate(scene)
-        return found.crossings, found.percepts, found.transparent
+        return [float(c.omega) for c in found.crossings], found.percepts, found.transparent
 
     return run
 

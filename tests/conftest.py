@@ -6,6 +6,7 @@ With HAPTISYM_EXAMPLES=N there are N examples (where a test wants more, as many 
 
 from __future__ import annotations
 
+import gc
 import os
 from typing import Any
 
@@ -17,6 +18,8 @@ from marks import EXAMPLES
 from schemas import IS_THERE, faults, parsed
 
 from haptisym.cli import main
+
+gc.set_threshold(50_000, 20, 50)  # the collector of garbage walked through ten thousand tests again and again
 
 settings.register_profile(
     "drawn" if EXAMPLES else "repeatable",
@@ -57,9 +60,14 @@ def cases_of(cases: list[pytest.Item], wanted: tuple[object, ...]) -> list[pytes
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """Several processes share the files, not the tests: what the tests of a file have in common is computed once."""
+    """Several processes share the files, not the tests: what the tests of a file have in common is computed once.
+
+    The quick ones in their own order, in which the small ones come last, so that all processes end together; of the slow
+    ones those files first that have the most.
+    """
     from xdist.scheduler import LoadFileScheduling
 
+    config.option.loadscopereorder = config.option.markexpr != "not slow"
     return LoadFileScheduling(config, log) if config.getvalue("dist") == "load" else None
 
 
@@ -69,6 +77,11 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
         seed = config.getoption("--hypothesis-seed") or "that of the failure above"
         again = f"HAPTISYM_EXAMPLES={EXAMPLES} pytest -m hypothesis --hypothesis-seed={seed}"
         terminalreporter.write_line(f"The same examples once more: {again}")
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """What was collected stays, and is not looked through for garbage any more."""
+    gc.freeze()
 
 
 @pytest.fixture

@@ -1,6 +1,6 @@
 """Checks certificates of haptisym against scene files: written from docs/certificates.md alone, with nothing of haptisym."""
 
 from haptisym_check.proof import check
-from haptisym_check.scene import RefusedError, UnreadableError
+from haptisym_check.values import RefusedError, UnreadableError
 
 __all__ = ["RefusedError", "UnreadableError", "check"]

@@ -22,7 +22,7 @@ def main(arguments: list[str]) -> int:
     except RefusedError as error:
         said, status = f"NOT proven: {error}", 1
     try:
-        print(said, flush=True)
+        print(said.encode("ascii", "backslashreplace").decode(), flush=True)  # whatever the terminal knows
     except BrokenPipeError:  # whoever read has gone
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return status

@@ -2,13 +2,14 @@
 
 from collections.abc import Callable, Iterable
 from fractions import Fraction
-from itertools import groupby, pairwise
-from math import prod
+from itertools import chain, groupby, pairwise
+from math import ceil, floor, prod
 from typing import Any
 
 from haptisym_check.link import PARTS, Product
 from haptisym_check.polynomials import PI, Factor, affordable, order, turns
-from haptisym_check.scene import Scene, need
+from haptisym_check.scene import Scene
+from haptisym_check.values import need
 
 
 def ends_of_band(scene: Scene) -> list[list[Fraction]]:
@@ -29,19 +30,20 @@ class Chart:
         need(holds(told[0], low), "the low end of the band is not in its enclosure")
         need(holds(told[-1], high), "the high end of the band is not in its enclosure")
         affordable(points, sum(x.cost for x in factors))
-        self.from_0, self.orders, self.signs = low[1] == 0, list[list[int]](), list[list[int]]()
+        affordable(chain(*told), max((x.cost for x in factors), default=0) // 10)
+        self.from_0, self.orders, self.signs = low[1] == 0, list[list[Any]](), list[list[int]]()
+        self.powers = [x.powers for x in factors]
         for a, b in pairwise(points):
-            found = [x.signs(a, b) for x in factors]
+            leads, found = zip(*(x.signs(a, b) for x in factors), strict=True) if factors else ((), ())
             inner, counts = [[x for x in row if x] for row in found], list(map(turns, found))
-            leads, last = [order(row) for row in found], [order(row[::-1]) for row in found]
+            last = [order(row[::-1]) for row in found]
             fits = (low == [a, a] or not any(leads)) and (high == [b, b] or not any(last))
             need(fits, "a factor is zero at a breakpoint")
             most = 1 if low[1] <= a and b <= high[0] else 0
             need(sum(counts) <= most, "a cell may hold two zeros, or one beside an end of the band")
-            self.orders, self.signs = self.orders or [leads], self.signs or [[x[0] for x in inner]]
+            self.orders, self.signs = self.orders or [list(leads)], self.signs or [[x[0] for x in inner]]
             if any(counts):
                 own, (x, y) = factors[counts.index(1)], told[min(len(self.orders), len(told) - 1)]
-                affordable((x, y), own.cost)
                 need(a < x <= y < b and own.sign(x) * own.sign(y) <= 0, "an enclosure holds no zero")
                 self.orders.append(counts)
                 self.signs.append([x[-1] for x in inner])
@@ -54,15 +56,21 @@ def holds(enclosure: list[Fraction], x: list[Fraction]) -> bool:
     return enclosure[0] <= x[0] and x[1] <= enclosure[1]
 
 
+def away(order: Fraction | int) -> int:
+    """A whole number, rounded away from 0."""
+    return ceil(order) if order > 0 else floor(order)
+
+
 class Curve:
     """The orders of a function at the places, and its signs before, at and after each."""
 
     def __init__(self, x: Product, chart: Chart) -> None:
-        self.order = [sum(n * found[i] for i, n in x.powers.items()) for found in chart.orders]
+        self.order = [away(sum(n * found[i] for i, n in x.powers.items())) for found in chart.orders]
         own = (x.number > 0) - (x.number < 0)
         self.between = [own * prod(row[i] ** abs(n) for i, n in x.powers.items()) for row in chart.signs]
-        self.before = [self.between[0] * (-1) ** self.order[0], *self.between]
-        self.after = [*self.between, self.between[-1] * (-1) ** self.order[-1]]
+        one_sided = chart.from_0 and any(chart.powers[i] for i in x.powers)  # a power of omega has no other side
+        self.before = [self.between[0] * (-1) ** (0 if one_sided else abs(self.order[0])), *self.between]
+        self.after = [*self.between, self.between[-1] * (-1) ** abs(self.order[-1])]
         self.at = [0 if n > 0 or a != b else b for n, a, b in zip(self.order, self.before, self.after, strict=True)]
         self.line = [x for pair in zip(self.at, self.after, strict=True) for x in pair][:-1]  # places and pieces
 

@@ -2,16 +2,18 @@
 
 from collections.abc import Callable
 from fractions import Fraction
-from itertools import product
+from itertools import chain, product
 from math import prod
-from operator import add
 from typing import Any
 
 from haptisym_check.polynomials import Factor
 from haptisym_check.reading import keyed, listed, number, whole
-from haptisym_check.scene import ONE, Point, Ratio, Scene, Value, combined, degree, need
+from haptisym_check.scene import Scene
+from haptisym_check.values import ONE, Point, Ratio, Value, combined, degree, need
 
 PARTS = "real", "imag"
+Sides = tuple[Value, Value, Value, Value]
+Numbers = tuple[Fraction, ...]
 
 
 class Product:
@@ -36,9 +38,9 @@ class Product:
         return found[0], found[1]
 
 
-def functions(scene: Scene, delays: tuple[Fraction, ...], x: Value, pi: int, *tangents: int) -> dict[str, Ratio]:
+def functions(scene: Scene, delays: Numbers, orders: Numbers, x: Value, pi: int, *others: Any) -> dict[str, Ratio]:
     """The ten functions, numerator and denominator, at a frequency."""
-    h, g = scene.at(Point((x.times(Value(0, 1)), ONE), pi, delays, tangents))
+    h, g = scene.at(Point((x.times(Value(0, 1)), ONE), pi, delays, orders, others))
     pairs = {"environment": h, "perceived": g, "difference": combined("-", g, h), "sum": combined("+", g, h)}
     found: dict[str, Ratio] = {}
     for name, (u, v) in pairs.items():
@@ -53,30 +55,73 @@ def functions(scene: Scene, delays: tuple[Fraction, ...], x: Value, pi: int, *ta
     return found
 
 
+Values = Callable[..., dict[str, Ratio]]
+Counts = tuple[int, int]
+
+
+class Grid:
+    """Functions of a scene, and as told, at whole numbers in place of omega (or s), pi, tangents and powers."""
+
+    def __init__(
+        self, told: dict[str, Product], factors: list[Factor], scene: Values, delays: int, orders: int
+    ) -> None:
+        self.told, self.factors, self.scene, self.delays, self.orders = told, factors, scene, delays, orders
+        self.start = self.sides(0, 1, *[0] * delays, *[(0, 0)] * orders)
+
+    def sides(self, x: int, pi: int, *others: Any) -> dict[str, Sides]:
+        """Numerator and denominator of each function in the scene, and as told."""
+        circles = [Value(1 + t * t, 0, degree(2 + i, 2)) for i, t in enumerate(others[: self.delays])]
+        values = [own.at(x, pi, [*others[: self.delays], *chain(*others[self.delays :])]) for own in self.factors]
+        functions = self.scene(Value(x, 0, degree(0)), pi, *others)
+        return {name: (*functions[name], *told.at(values, circles)) for name, told in self.told.items()}
+
+    def elsewhere(self, k: int) -> dict[str, Sides]:
+        """The same at a place that differs from others in all numbers."""
+        powers = ((k + 3 + i, k + 4) for i in range(self.orders))
+        return self.sides(k, k + 1, *range(k + 2, k + 2 + self.delays), *powers)
+
+    def zero(self, names: set[str], rests: Callable[[str, Sides], list[Value]], cost: int) -> set[str]:
+        """Those of which polynomials vanish on a grid that shows that they are zero; on it left bottom must be right top."""
+        rows = (x.degrees for name in names for x in rests(name, self.start[name]))
+        n, m, *size = [max(0, *column) + 1 for column in zip(*rows, strict=True)][: 2 + self.delays + self.orders]
+        tangents, powers = size[: self.delays], size[self.delays :]
+        corners = [k * (k + 1) // 2 for k in powers]  # of Re and Im together, as their degrees are
+        need(n <= 3000 and n * m * prod(tangents + corners) * cost <= 3 * 10**7, "the degrees are too high")
+        triangles = ([(i, k) for i in range(most) for k in range(most - i)] for most in powers)
+        for at in product(*map(list[Any], (range(n), range(1, m + 1), *map(range, tangents), *triangles))):
+            found = self.sides(*at) if names else {}
+            wrong = [name for name in names if across(name, found[name])[0][:2] != (0, 0)]
+            need(not wrong, f"{', '.join(sorted(wrong))}: not that of the scene")
+            names = {name for name in names if all(x[:2] == (0, 0) for x in rests(name, found[name]))}
+        return names
+
+
+def across(_: str, x: Sides) -> list[Value]:
+    """left bottom - right top: zero where both fractions are one function."""
+    return [x[2].times(x[1]).plus(x[3].times(x[0]), -1)]
+
+
 def link(
-    x: Any, names: list[str], factors: list[Factor], scene: Callable[..., dict[str, Ratio]], delays: int = 0
+    x: Any, names: list[str], factors: list[Factor], scene: Values, length: int, waves: Counts = (0, 0), share: int = 1
 ) -> dict[str, Product]:
-    """Products, proven to be functions of a scene, which it gives for omega (or s), pi and tangents: on a grid."""
+    """Products, proven to be functions of a scene, which it gives for omega (or s), pi, tangents and powers: on a grid.
+
+    ``length``: of the scene's formulas. ``waves``: how many delays and how many orders there are. ``share``: one of how many such
+    questions it is, which together may take so long as one.
+    """
     told = {name: Product(y, factors) for name, y in zip(names, keyed(x, *names), strict=True)}
+    cost = share * (sum(x.size for x in factors) + sum(x.size for x in told.values()) + 5 * length + 100)
+    grid, fixed = Grid(told, factors, scene, *waves), dict[str, tuple[Value, Value]]()
+    for k in range(17, 25):
+        other = grid.elsewhere(k) if len(fixed) < len(told) else {}
+        fixed |= {name: (x[3], x[1]) for name, x in other.items() if x[3].re and x[1][:2] != (0, 0)}
+    need(len(fixed) == len(told), "a function is nowhere defined")
 
-    def gaps(x: int, pi: int, *tangents: int) -> dict[str, tuple[Value, bool]]:
-        """left * bottom - right * top of functions, and whether right and bottom are none of them zero."""
-        circles = [Value(1 + t * t, 0, degree(2 + i, 2)) for i, t in enumerate(tangents)]
-        values = [factor.at(x, pi, tangents) for factor in factors]
-        found, functions = {}, scene(Value(x, 0, degree(0)), pi, *tangents)
-        for name in names:
-            (top, bottom), (left, right) = functions[name], told[name].at(values, circles)
-            found[name] = left.times(bottom).plus(right.times(top), -1), right.re != 0 and bottom[:2] != (0, 0)
-        return found
+    def multiples(name: str, x: Sides) -> list[Value]:
+        """What vanishes where the scene's numerator and denominator are those told, times one number."""
+        u, v = (y._replace(degrees=degree(0, 0)) for y in fixed[name])
+        return [x[i].times(u).plus(x[i + 2].times(v), -1) for i in range(2)]
 
-    start, defined = [0, 1, *[0] * delays], set[str]()
-    degrees = zip(*(gap.degrees for gap, _ in gaps(*start).values()), strict=True)
-    size = [max(0, *column) + 1 for column in degrees][: len(start)]
-    work = sum(x.size for x in factors) + sum(x.size for x in told.values()) + 500
-    need(size[0] <= 3000 and prod(size) * work <= 10**8, "the degrees are too high")
-    for steps in product(*map(range, size)):
-        for name, (gap, there) in gaps(*map(add, start, steps)).items():
-            need(gap[:2] == (0, 0), f"{name} is not that of the scene")
-            defined |= {name} if there else set()
-    need(len(defined) == len(told), "a function is nowhere defined")
+    left = set(names) - grid.zero(set(names), multiples, cost)
+    need(not left or grid.zero(left, across, cost) == left, "a function is not that of the scene")
     return told

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from math import prod
 
 from haptisym_check.reading import Polynomial
-from haptisym_check.scene import MOST_DELAYS, Value, need
+from haptisym_check.values import MOST_OTHERS, Value, need
 
 Point = tuple[int, int]  # numerator and denominator; (1, 0) is infinity
 
@@ -60,6 +60,11 @@ def turns(found: list[int]) -> int:
     return sum(x != y for x, y in pairwise([x for x in found if x]))
 
 
+def pairs(row: Sequence[int]) -> list[tuple[int, int]]:
+    """The first two of a list, the next two, and so on."""
+    return list(zip(row[::2], row[1::2], strict=True))
+
+
 def affordable(numbers: Iterable[Fraction], cost: int) -> None:
     """That signs, with that cost where numbers have one bit, are soon found at all of some numbers."""
     bits = sum(x.denominator.bit_length() + x.numerator.bit_length() for x in numbers)
@@ -69,12 +74,12 @@ def affordable(numbers: Iterable[Fraction], cost: int) -> None:
 class Factor:
     """A polynomial in omega^step, as sum of one term; others have sines in their terms."""
 
-    step = 1
+    step, powers = 1, False
 
-    def __init__(self, rows: Polynomial, step: int = 1, delays: int = 0) -> None:
+    def __init__(self, rows: Polynomial, step: int = 1, delays: int = 0, orders: int = 0) -> None:
         self.rows, self.step, self.waves = rows, step, (0,) * delays
-        self.terms = [(self.waves, rows)]
-        self.cost = len(rows) ** 3 * max(map(len, rows))
+        self.terms = [((0,) * (delays + 2 * orders), rows)]
+        self.cost = len(rows) ** 3 * max(map(len, rows)) + 1000
 
     @cached_property
     def slices(self) -> list[list[int]]:
@@ -83,24 +88,34 @@ class Factor:
 
     @cached_property
     def size(self) -> int:
-        """The words of all coefficients."""
-        return sum(1 + c.bit_length() // 64 for _, p in self.terms for row in p for c in row)
+        """The words of all coefficients, and what it costs however few they are."""
+        return 10 + sum(1 + c.bit_length() // 64 for _, p in self.terms for row in p for c in row)
 
-    def at(self, x: int, pi: int, tangents: tuple[int, ...]) -> Value:
-        """The value, over cos(omega tau/2)^n for each delay, where its tangent is a whole number."""
-        total, power = 0, x**self.step
-        for turns, rows in self.terms:
-            own = 0
-            for row in reversed(rows):
-                own = own * power + (row[0] if len(row) == 1 else sum(c * pi**i for i, c in enumerate(row)))
-            total += own * prod(t**k for t, k in zip(tangents, turns, strict=True))
-        high = self.step * max(len(p) - 1 for _, p in self.terms), max(len(row) - 1 for _, p in self.terms for row in p)
-        return Value(total, 0, (*high, *self.waves, *[0] * (MOST_DELAYS - len(self.waves))))
+    @cached_property
+    def degrees(self) -> tuple[int, ...]:
+        """In omega, in pi, in each tangent, and in Re and Im of each power together."""
+        count, every = len(self.waves), [row for _, p in self.terms for row in p]
+        high = self.step * max(len(p) - 1 for _, p in self.terms), max(map(len, every)) - 1
+        both = zip(*([sum(x) for x in pairs(turns[count:])] for turns, _ in self.terms), strict=True)
+        found = (*high, *self.waves, *map(max, both))
+        return (*found, *[0] * (MOST_OTHERS + 2 - len(found)))
 
-    def signs(self, a: Fraction, b: Fraction) -> list[int]:
-        """Of which the changes are the zeros between a and b, and zeros in front and behind the orders at them."""
+    @lru_cache(maxsize=500)  # noqa: B019 - a grid asks for the same ones often
+    def values(self, x: int, pi: int) -> list[int]:
+        """Those of the polynomials of all terms."""
+        power = x**self.step
+        return [sum(c * pi**k * power**n for n, row in enumerate(p) for k, c in enumerate(row)) for _, p in self.terms]
+
+    def at(self, x: int, pi: int, others: list[int]) -> Value:
+        """The value, over cos(omega tau/2)^n for each delay, where tangents, and Re and Im of powers, are whole numbers."""
+        each = zip(self.terms, self.values(x, pi), strict=True)
+        return Value(sum(own * prod(map(pow, others, turns)) for (turns, _), own in each), 0, self.degrees)
+
+    def signs(self, a: Fraction, b: Fraction) -> tuple[Fraction | int, list[int]]:
+        """The order of the zero at a; signs whose changes are the zeros between a and b, then as many zeros as the order at b."""
         found = signs(self.slices, (a**self.step).as_integer_ratio(), (b**self.step).as_integer_ratio())
-        return [0] * (0 if a else (self.step - 1) * order(found)) + found  # at 0 the order is one in omega
+        n = order(found)
+        return n * (1 if a else self.step), found[n:]  # at 0 the order is one in omega
 
     def sign(self, x: Fraction) -> int:
         """Of its value at a rational number."""

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-from decimal import Decimal
 from functools import partial
 from typing import Any
 
@@ -10,8 +9,10 @@ from haptisym_check.chart import CURVES, Chart, Curve, claimed
 from haptisym_check.link import PARTS, functions, link
 from haptisym_check.reading import keyed, listed, number, numbers
 from haptisym_check.requirement import values
-from haptisym_check.scene import MOST_DELAYS, Element, Scene, UnreadableError, combined, need
+from haptisym_check.scene import Element, Scene
+from haptisym_check.values import MOST_OTHERS, UnreadableError, combined, need
 from haptisym_check.waves import factor_of, polynomial_factor
+from haptisym_check.words import words
 from haptisym_check.zeros import zeros
 
 
@@ -40,76 +41,62 @@ def check(text: bytes, scene_file: bytes) -> str:
     need(digest == hashlib.sha256(scene_file).hexdigest(), "the certificate is that of another scene file")
     known = [answer for x, answer in QUESTIONS.items() if isinstance(claim, dict) and claim.get("question") == x]
     need(known, "the claim answers no question that is known")
-    follows, words = known[0](claim, proof, Scene(scene_file, name, claim.get("free")))
+    follows = known[0](claim, proof, Scene(scene_file, name, claim.get("free")))
     keyed(claim, "question", *follows)
     for key, x in follows.items():
         same = json.dumps(claim[key], sort_keys=True) == json.dumps(x, sort_keys=True)
         need(same, f"{key}: proven is {x}, and that is not claimed")
-    return "\n  ".join(words)
+    return "\n  ".join(words(claim))
 
 
-Answer = tuple[dict[str, Any], list[str]]  # what follows from a proof, and the same in words
-
-
-def evaluation(claim: dict[str, Any], proof: Any, scene: Scene) -> Answer:
+def evaluation(claim: dict[str, Any], proof: Any, scene: Scene) -> dict[str, Any]:
     """All that happens on the band."""
-    lags, points, told, products, poles = keyed(proof, "delays", "breakpoints", "factors", "functions", "poles")
-    own = tuple(number(x) for x in listed(lags, MOST_DELAYS))
-    need(all(0 < x < 2**100 and x.denominator < 2**100 for x in own), "a delay is not positive, or too long")
-    factors = [factor_of(x, own) for x in listed(told, 500)]
-    proven = link(products, NAMES, factors, partial(functions, scene, own), len(own))
+    lags, powers, points, told, products, poles = keyed(proof, *EVALUATION)
+    delays, orders = (tuple(number(x) for x in listed(row, MOST_OTHERS)) for row in (lags, powers))
+    fits = all(0 < x < 2**100 and x.denominator < 2**100 for x in delays + orders) and all(x < 1 for x in orders)
+    need(fits and len(delays + orders) <= MOST_OTHERS, "delays or orders are not positive, too large, or too many")
+    factors = [factor_of(x, delays, orders) for x in listed(told, 500)]
+    at_point = partial(functions, scene, delays, orders)
+    proven = link(products, NAMES, factors, at_point, scene.length, (len(delays), len(orders)))
     enclosures = [[number(x) for x in listed(pair, 2, 2)] for pair in listed(claim.get("frequencies"), 2000, 2)]
     chart = Chart(scene, numbers(points, 2000, 2), factors, enclosures)
     found = claimed({key: Curve(x, chart) for key, x in proven.items()}, from_0=chart.from_0)
-    count = None if poles is None else zeros(poles, lambda point: scene.at(point)[1][::-1])
-    at = [f"{Decimal(x.numerator) / x.denominator:.10g}" for x, _ in enclosures]
-    lines = [f"Proven on the band from {at[0]} to {at[-1]} rad/s: {len(found['crossings'])} crossings, none missed."]
-    for x in found["crossings"]:
-        between = " and ".join(claim["frequencies"][x["at"]])
-        lines += [f"{x['part']} part {MEETS[x['kind']]} its threshold between {between} rad/s"]
-    lines += [f"transparent from {at[x]} to {at[y]} rad/s" for x, y in found["transparent"]]
-    for x in found["percepts"]:
-        lines += [f"{x['change']} {x['property']} ({x['part']} part) from {at[x['from']]} to {at[x['to']]} rad/s"]
-    lines += [f"imposed motion: {'nothing is said of' if count is None else count} poles of H_perc in Re s >= 0"]
-    return {"frequencies": claim["frequencies"], **found, "stable": None if count is None else count == 0}, lines
+    count = None if poles is None else zeros(poles, lambda point: scene.at(point)[1][::-1], scene.length)
+    return {"frequencies": claim["frequencies"], **found, "stable": None if count is None else count == 0}
 
 
-def stability(claim: dict[str, Any], proof: Any, scene: Scene) -> Answer:
+def stability(claim: dict[str, Any], proof: Any, scene: Scene) -> dict[str, Any]:
     """Poles under imposed motion, and roots in hands, in Re s >= 0."""
     poles, held = keyed(proof, "imposed", "held")
-    count, found = zeros(poles, lambda point: scene.at(point)[1][::-1]), []
-    lines, rows = [f"Proven: {count} poles of H_perc in Re s >= 0 (imposed motion)."], listed(claim.get("held"), 100)
+    rows, found = listed(claim.get("held"), 100), []
+    count = zeros(poles, lambda point: scene.at(point)[1][::-1], scene.length, 1 + len(rows))
     for told, own in zip(rows, listed(held, len(rows), len(rows)), strict=True):
         hand, _ = keyed(told, "hand", "unstable")
-        z = in_hand(hand, scene)
-        roots = zeros(own, lambda point, z=z: combined("+", scene.at(point)[1], z.at(point)[0]))  # type: ignore[misc]
+        roots = zeros(own, in_hand(hand, scene), scene.length, 1 + len(rows))
         found.append({"hand": hand, "unstable": roots})
-        words = ascii(hand) if isinstance(hand, str) else ", ".join(f"{key} = {hand[key]}" for key in "mbk")
-        lines += [f"held in the hand {words}: {roots} roots in Re s >= 0"]
-    return {"imposed": count, "held": found}, lines
+    return {"imposed": count, "held": found}
 
 
-def in_hand(hand: Any, scene: Scene) -> Element:
-    """m s^2 + b s + k: of a hand of the scene file by its name, or as claimed."""
+def in_hand(hand: Any, scene: Scene) -> Any:
+    """What H_perc + m s^2 + b s + k is at a point: of a hand of the scene file by its name, or as claimed."""
     own = scene.hand(hand) if isinstance(hand, str) else dict(zip("mbk", map(number, keyed(hand, *"mbk")), strict=True))
-    return Element({**own, "model": "mass-spring-damper"}, 1)
+    z = Element({**own, "model": "mass-spring-damper"}, 1)
+    return lambda point: combined("+", scene.at(point)[1], z.at(point)[0])
 
 
-def requirement(claim: dict[str, Any], proof: Any, scene: Scene) -> Answer:
+def requirement(claim: dict[str, Any], proof: Any, scene: Scene) -> dict[str, Any]:
     """For which values of a free parameter the display is transparent on the band."""
     polynomials, products, slabs = keyed(proof, "factors", "functions", "slabs")
     parts = [part for part in PARTS if part in listed(claim.get("parts"), 2, 1)]
     factors = [polynomial_factor(x) for x in listed(polynomials, 500)]
-    told = link(products, [f"excess.{part}" for part in parts], factors, partial(functions, scene, ()))
+    need(parts, "the claim is of no part")
+    names, at_point = [f"excess.{part}" for part in parts], partial(functions, scene, (), ())
+    told = link(products, names, factors, at_point, scene.length)
     found, binds = values(told, factors, slabs, scene)
     free = listed(claim.get("free"), 9, 1)
-    lines = [f"Proven of {ascii('.'.join(map(str, free)))[1:-1]}, {' and '.join(parts)} part, on the whole band:"]
-    for low, high, holds in found:
-        lines += [f"{'transparent' if holds else 'not transparent'} between {low or '-oo'} and {high or 'oo'}"]
-    lines += [f"what binds: {', '.join(f'{part} part' for part in binds)}"] if binds else []
-    return {"free": free, "parts": parts, "values": found, "binds": binds}, lines
+    return {"free": free, "parts": parts, "values": found, "binds": binds}
 
 
-MEETS = {"exceeds": "exceeds", "returns": "returns below", "touches": "touches"}
+EVALUATION = "delays", "orders", "breakpoints", "factors", "functions", "poles"
 NAMES = [f"{x}.{part}" for x in CURVES for part in PARTS]
 QUESTIONS = {"evaluation": evaluation, "stability": stability, "requirement": requirement}

@@ -5,7 +5,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from haptisym_check.scene import need
+from haptisym_check.values import need
 
 Polynomial = list[list[int]]  # coefficients, ascending, each ascending powers of pi
 

@@ -8,7 +8,8 @@ from haptisym_check.chart import ends_of_band
 from haptisym_check.link import Product
 from haptisym_check.polynomials import Factor, Point, affordable, moved, sliced
 from haptisym_check.reading import keyed, listed, number, numbers
-from haptisym_check.scene import Scene, need
+from haptisym_check.scene import Scene
+from haptisym_check.values import need
 
 
 def side(slices: list[list[int]], a: Fraction, b: Fraction, closed: tuple[bool, bool] | None) -> int:
@@ -60,7 +61,7 @@ def verify(
 def values(told: dict[str, Product], factors: list[Factor], slabs: Any, scene: Scene) -> list[list[Any]]:
     """Intervals of values, ascending, each with whether the display is transparent for them, and which parts bind between."""
     rows = [keyed(x, "from", "to", "points", "part") for x in listed(slabs, 500, 1)]
-    cost = sum((len(x.rows) * max(map(len, x.rows))) ** 2 for x in factors)
+    cost = sum((len(x.rows) * max(map(len, x.rows))) ** 2 + 1000 for x in factors)
     triples = ((low, high, x) for low, high, points, _ in rows for x in listed(points, 500, 1))
     affordable((number(x) for triple in triples for x in triple if x is not None), cost)
     joins = [a[1] == b[0] and (a[3] is None) == (b[3] is None) for a, b in pairwise(rows)]

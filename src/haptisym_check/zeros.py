@@ -8,7 +8,7 @@ from typing import Any
 from haptisym_check.link import link
 from haptisym_check.polynomials import Factor, affordable, order, signs, sliced, turns
 from haptisym_check.reading import Polynomial, keyed, listed, numbers, polynomial
-from haptisym_check.scene import ONE, Point, Ratio, need
+from haptisym_check.values import ONE, Point, Ratio, need
 
 PRIME = 2**61 - 1
 
@@ -42,16 +42,17 @@ def to_the_right(p: Polynomial, points: list[Fraction]) -> int:
     return at_0 + (n - left - n % 2 * last) // 2
 
 
-def zeros(x: Any, function: Callable[[Point], Ratio]) -> int:
-    """Those in Re s >= 0 of a function of s and pi, counted with multiplicity."""
+def zeros(x: Any, function: Callable[[Point], Ratio], length: int, share: int = 1) -> int:
+    """Those in Re s >= 0 of a function of s and pi, counted with multiplicity; ``length``, ``share``: as ``link`` has them."""
     told, product, cells = keyed(x, "factors", "function", "cells")
     factors = [Factor(polynomial(p)) for p in listed(told, 100)]
-    own = link({"it": product}, ["it"], factors, lambda s, pi: {"it": function(Point((s, ONE), pi))})["it"]
+    values = lambda s, pi: {"it": function(Point((s, ONE), pi))}  # noqa: E731
+    own = link({"it": product}, ["it"], factors, values, length, share=share)["it"]
     need(own.number, "a function is zero everywhere")
     rows, count = listed(cells, len(factors), len(factors)), 0
     points = [numbers(["0", *listed(row, 300)], 301) for row in rows]
     for i, n in own.powers.items():
-        affordable(points[i], factors[i].cost)
+        affordable(points[i], factors[i].cost * len(factors) * share)
         found = to_the_right(factors[i].rows, points[i]) if n > 0 else 0
         below = [factors[k].rows for k, m in own.powers.items() if m < 0 and found]
         need(all(coprime(factors[i].rows, q) for q in below), "a zero may be none: the denominator may share it")

@@ -150,6 +150,7 @@ def test_a_shipped_scene_can_be_copied_and_is_the_same(call, tmp_path: Path) -> 
     assert call("scenes", "no-such-scene")[0] == 2
 
 
+@pytest.mark.slow
 def test_a_package_that_a_verb_needs_and_that_is_missing_is_named_with_its_extra() -> None:
     probe = "import sys; sys.modules['scipy'] = None; sys.argv = ['haptisym', 'simulate', 'fu2019']; from haptisym.cli import main; main()"
     done = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=False)
@@ -175,6 +176,7 @@ def test_options_that_contradict_each_other_are_refused(call, words: list[str], 
 TRANSPARENT = '[environment]\nmodel = "mass-spring-damper"\nk = {k}\n[[effects]]\nmodel = "delay"\ntau = "1 us"\n'
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("verb", "k"), [("sensitivity", "100"), ("tolerances", '"100 N/m +- 5 %"')])
 def test_an_answer_with_nothing_to_draw_is_given_all_the_same(call, tmp_path: Path, verb: str, k: str) -> None:  # type: ignore[no-untyped-def]
     scene, figure = tmp_path / "clear.toml", tmp_path / "figure.svg"

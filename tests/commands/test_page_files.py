@@ -59,7 +59,8 @@ def opened() -> Iterator[Browser]:
         yield started
 
 
-@pytest.mark.parametrize("name", often(CALLS, {"stability", "sweep over two"}.__contains__))
+@pytest.mark.slow
+@pytest.mark.parametrize("name", often(CALLS, "stability".__eq__))
 def test_a_browser_shows_all_that_a_report_holds(name: str, call: Call, opened: Browser, tmp_path: Path) -> None:
     """Drawings with a ground of pixels too, which the page's own policy once forbade."""
     html = tmp_path / "x.html"
@@ -69,6 +70,7 @@ def test_a_browser_shows_all_that_a_report_holds(name: str, call: Call, opened: 
     assert len(opened.requests()) == 1
 
 
+@pytest.mark.slow
 def test_what_is_drawn_of_a_hand_takes_the_colours_of_the_page(call: Call, tmp_path: Path) -> None:
     """In the dark too: no ground of white pixels under light ink."""
     html = tmp_path / "x.html"

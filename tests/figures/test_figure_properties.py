@@ -283,7 +283,7 @@ def colours(artists: list[Artist]) -> set[str]:
     return {to_hex(x) for x in (*own, *faces) if not isinstance(x, str) or x != "none"}
 
 
-@pytest.mark.few(7)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", PAIRS)
 def test_two_scenes_are_drawn_on_one_axes(name: str) -> None:
     ax, (first, second) = drawn_twice(name, {"label": "quick"}, {"label": "slow", "color": "#009900"})

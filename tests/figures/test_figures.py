@@ -359,7 +359,7 @@ def test_a_frequency_off_the_band_or_at_a_pole_has_no_square() -> None:
 # All of them.
 
 
-@pytest.mark.few(16)
+@pytest.mark.few(8)
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
 def test_no_text_is_cut_off_or_lies_on_another(scene: hs.Scene, name: str) -> None:
@@ -506,6 +506,7 @@ def test_the_method_of_the_package_alone_is_bold_in_the_table_of_hard_cases() ->
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_legend_of_a_swept_plane_tells_where_the_whole_band_is_transparent() -> None:
     swept = Swept(PAPER, hs.sweep(PAPER, {"omega_n": [50.0, 90.0, 150.0], "zeta": [0.3, 0.5, 0.7]}))
     assert float(swept.data["bandwidth"].max()) == 15

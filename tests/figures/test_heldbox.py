@@ -12,6 +12,7 @@ import haptisym as hs
 from haptisym.figures.heldbox import draw_held
 from haptisym.figures.style import UNSTABLE
 from haptisym.verbs.stability.held import unstable_roots
+from haptisym.writing.document import figures_of
 
 SPRING = hs.load_scene("delayed-spring")
 LATE = SPRING.with_values({"k": "100 N/m +- 20 %"})
@@ -75,3 +76,10 @@ def test_without_a_hand_there_is_no_plane() -> None:
     lagged = hs.Scene(hs.environments.mass_spring_damper(k="100 N/m +- 10 %"), (hs.effects.first_order_lag(40),))
     with pytest.raises(hs.HaptisymError, match="no hand was asked about"):
         hs.tolerances(lagged, samples=0).plot(Figure().add_subplot(), kind="hands")
+
+
+@pytest.mark.parametrize(("name", "line"), [("delayed-spring", True), ("sampled-wall", False)])
+def test_the_caption_speaks_of_a_line_where_there_is_one(name: str, *, line: bool) -> None:
+    found = hs.tolerances(name, samples=0, hand=hs.Hand("mine", m="45 g", b=["3 N*s/m", "3.1 N*s/m"], k=100))
+    [figure] = [x for x in figures_of(found.document().blocks) if x.name == "hands"]
+    assert ("Line: " in str(figure.caption)) is line

@@ -52,7 +52,7 @@ def test_there_is_a_reason_for_every_family_and_a_case_in_it() -> None:
 # What is proven is right.
 
 
-@pytest.mark.few(25)
+@pytest.mark.few(12)
 @pytest.mark.parametrize("case", cases(VALUES))
 def test_certified_values_are_right_to_the_last_bit(case: HardCase) -> None:
     [row] = put(case, [RATIO_METHODS["certified"]])
@@ -60,7 +60,7 @@ def test_certified_values_are_right_to_the_last_bit(case: HardCase) -> None:
     assert row.digits >= DOUBLE - 0.01
 
 
-@pytest.mark.few(30)
+@pytest.mark.few(15)
 @pytest.mark.parametrize("case", cases(COUNTS))
 def test_no_certified_crossing_is_missed_or_invented_at_any_number_of_digits(case: HardCase) -> None:
     short, long = put(case, [CROSSINGS["certified, 15 digits"], CROSSINGS["certified, 50 digits"]])

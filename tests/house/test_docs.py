@@ -81,6 +81,7 @@ def test_every_document_that_the_readme_links_is_there() -> None:
         assert (ROOT / target).exists(), target
 
 
+@pytest.mark.slow
 def test_the_picture_of_the_house_is_that_of_the_source() -> None:
     spec = importlib.util.spec_from_file_location("house", ROOT / "docs" / "house.py")
     assert spec is not None

@@ -215,7 +215,7 @@ def test_a_grid_search_finds_no_crossing_that_the_certified_answer_lacks(block: 
                     assert inside % 2 == 1, (part, grid[i], case)
 
 
-@pytest.mark.few(20)
+@pytest.mark.few(10)
 @pytest.mark.parametrize("seed", range(40))
 def test_where_zeros_poles_and_ends_coincide_the_evaluation_is_still_right(seed: int) -> None:
     case = strategies.coincident_case(Seeded(seed))
@@ -246,7 +246,7 @@ def with_pi(seed: int) -> tuple[Case, hs.Evaluation]:
     return case, evaluate(case)
 
 
-@pytest.mark.few(10)
+@pytest.mark.few(5)
 @pytest.mark.parametrize("seed", range(24))
 def test_scenes_with_pi_have_the_crossings_of_mpmath(seed: int) -> None:
     case, result = with_pi(seed)

@@ -48,7 +48,7 @@ def test_activity_just_above_the_band_is_found_and_said(name: str) -> None:
     assert verdict.endswith("every passive hand: does not hold")
 
 
-@pytest.mark.few(10)
+@pytest.mark.few(5)
 @pytest.mark.parametrize("name", SCENES)
 def test_signs_are_those_of_a_scan_beyond_the_band(name: str) -> None:
     scene = hs.load_scene(name)

@@ -46,7 +46,7 @@ def test_a_threshold_at_the_very_peak_is_touched_there_and_nowhere_crossed() -> 
     ]
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("part", [hs.Part.REAL, hs.Part.IMAG])
 @pytest.mark.parametrize("seed", range(6))
 def test_every_peak_of_a_random_scene_is_touched_by_a_threshold_of_its_height(part: hs.Part, seed: int) -> None:

@@ -178,7 +178,7 @@ def test_square_disc_and_diamond_stand_beside_the_scenes_own_region() -> None:
     assert "regions" not in hs.evaluate(PAPER).to_dict()
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", FACTS)
 def test_side_by_side_each_region_says_what_it_says_alone(name: str) -> None:
     jnd = FACTS[name][0]

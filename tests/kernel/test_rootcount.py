@@ -7,15 +7,18 @@ from fractions import Fraction
 import flint
 import numpy as np
 import pytest
+import windings
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from oracles import MP
 from sympy import Expr, I, Rational, exp, expand, lambdify, pi, sqrt
+from windings import late_mass
 
 import haptisym as hs
+from haptisym.kernel import contour
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.rootcount import RootChain, Roots, _whole, count_roots
+from haptisym.kernel.rootcount import RootChain, Roots, count_roots
 from haptisym.kernel.symbols import s
 
 E = exp(-s)
@@ -128,6 +131,18 @@ def test_a_delayed_mass_is_held_by_no_lighter_one(hand: str) -> None:
     assert found.chain is expected
 
 
+@pytest.mark.parametrize(("gap", "number"), [("0.5", 4), ("2", 2), ("9.8", 2), ("9.9", 0), ("652", 2)])
+def test_beside_a_chain_roots_are_counted_up_to_where_the_late_terms_are_outweighed(gap: str, number: int) -> None:
+    """500 kg late by 0.108 s in a slightly heavier hand: A + B exp(-s tau) turns with A from where |A| > |B| on."""
+    late = (500 * s**2 + Rational("131.4") * s + 11691) * exp(-s * Rational("0.108"))
+    loop = late + (500 + Rational(gap)) * s**2 + 100 * s + 20000
+    sampled = late_mass((500, 131.4, 11691), (500 + float(gap), 100, 20000), 0.108)
+    assert sampled is not None
+    assert (roots(loop).number, windings.winding(*sampled)) == (number, number)
+    placed = roots(expand(loop * s * (s**2 + 49) ** 2))  # three roots more, on the axis, two of them double
+    assert (placed.number, placed.right, [float(x) for x in placed.on_axis]) == (number + 5, number, [0, 7])
+
+
 def test_what_is_not_counted_says_so() -> None:
     for loop in (s + 2 + I, s + 3 + E + exp(-1000 * pi * s), s * (1 + E + E * LATE) + 1):
         with pytest.raises(hs.UndecidedError):
@@ -153,5 +168,5 @@ def test_a_delayed_spring_in_a_hand_is_stable_from_the_damping_that_the_field_kn
 @pytest.mark.parametrize("turns", [("1.6", 0), ("2.4", 0), (2, "0.4")])
 def test_a_turn_that_is_near_no_whole_number_is_not_counted(turns: tuple[object, object]) -> None:
     with pytest.raises(UndecidedError, match="a turn"):
-        _whole(flint.arb(*turns))
-    assert [_whole(flint.arb(*x)) for x in (("1.7", 0), ("2.3", 0), (2, "0.3"))] == [2, 2, 2]
+        contour.whole(flint.arb(*turns))
+    assert [contour.whole(flint.arb(*x)) for x in (("1.7", 0), ("2.3", 0), (2, "0.3"))] == [2, 2, 2]

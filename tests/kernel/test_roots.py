@@ -22,10 +22,11 @@ import haptisym as hs
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.isolation import SeriesFactor, clear_of, isolated
 from haptisym.kernel.levels import Level, algebraic
+from haptisym.kernel.ordering import in_order
 from haptisym.kernel.precision import at_rising_precision
 from haptisym.kernel.reals import ExactNumber, bounds, dyadic
 from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
-from haptisym.kernel.roots import Chart, _whole, chart, in_order, sign_of_number
+from haptisym.kernel.roots import Chart, _whole, chart, sign_of_number
 from haptisym.kernel.symbols import omega, s
 from haptisym.kernel.zeros import Undecided, around, is_clear, rounded_up, sign_of, tightened
 from haptisym.kernel.zeros import Zero as SimpleZero
@@ -381,6 +382,9 @@ def test_a_zero_between_two_numbers_is_enclosed_as_tightly_as_asked_and_its_twin
         with flint.ctx.workprec(bits):
             found = tightened(dyadic(low), dyadic(high), bits, f.jet)
             first, last = bounds(found)
+            fewer = len(f.looks)
+            assert found.overlaps(tightened(dyadic(low), dyadic(high), bits, f.jet, terms=4))
+            del f.looks[fewer:]
         assert first <= root <= last
         assert low <= first
         assert last <= high
@@ -397,6 +401,9 @@ def test_newton_from_point_to_point_needs_a_look_for_each_doubling_of_the_digits
         with flint.ctx.workprec(4096):
             tightened(*map(dyadic, ends), 4096, f.jet)
         assert len(f.looks) <= 14
+        with flint.ctx.workprec(4096):
+            tightened(*map(dyadic, ends), 4096, f.jet, terms=4)  # the digits grow fourfold
+        assert len(f.looks) <= 14 + 9
 
 
 def test_where_the_working_precision_shows_no_more_the_enclosure_is_as_wide_as_that() -> None:
@@ -429,6 +436,21 @@ def test_a_zero_knows_more_digits_by_those_it_has() -> None:
     first, last = bounds(slope.ball(200))  # of x^3 - 24 x^2 + 83 x - 60, whose slope is 3 x^2 - 48 x + 83
     assert (3 * first**2 - 48 * first + 83) * (3 * last**2 - 48 * last + 83) < 0
     assert last - first < Fraction(1, 2**160)
+
+
+def test_numbers_are_put_in_order_whether_their_brackets_meet_or_not() -> None:
+    """Brackets far apart, one inside the other, and zeros 2^-200 apart."""
+    near = Fraction(1, 2) + Fraction(1, 2**200)
+    brackets = [
+        (Fraction(5), "4", "6"), (Fraction(1, 2), "0.25", "3"), (Fraction(7, 8), "0.75", "1"), (near, "0.25", "0.75"),
+        (Fraction(2), "1.5", "9"), (Fraction(1, 8), "0", "0.25"),
+    ]  # fmt: skip
+    numbers = {
+        SimpleZero(Placed((root,)), arb(low), arb(high), i): root for i, (root, low, high) in enumerate(brackets)
+    }
+    for seed in range(20):
+        listed = random.Random(seed).sample(list(numbers), len(numbers))
+        assert [numbers[x] for x in in_order(listed)] == sorted(numbers.values())
 
 
 def test_precision_rises_by_doubling_and_ends_at_its_limit() -> None:

@@ -133,7 +133,7 @@ def winding(scene: hs.Scene) -> int:
     return round(np.sum(np.diff(np.unwrap(np.angle(D(np.append(path, path[0])))))) / (2 * np.pi))
 
 
-@pytest.mark.few(10)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("seed", range(24))
 def test_the_closed_form_of_a_hold_in_a_loop_is_judged_as_the_winding_number_says(seed: int) -> None:
     """Its pole at 0 is removable: 1 - exp(-s T) vanishes there as well. (An evaluation leaves the sampled loop open.)"""
@@ -179,7 +179,7 @@ def test_delayed_loops_are_judged_as_the_literature_does(denominator: Expr, expe
     assert delayed(denominator) is expected
 
 
-@pytest.mark.few(30)
+@pytest.mark.few(15)
 @pytest.mark.parametrize("a", range(-3, 12))
 @pytest.mark.parametrize("b", [-6, -1, 2, 7])
 def test_first_order_loops_with_a_delay_are_judged_by_their_rightmost_root(a: int, b: int) -> None:

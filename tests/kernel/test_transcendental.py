@@ -18,7 +18,7 @@ PAPER = E.mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m")
 FILTER = F.second_order_lowpass("80 rad/s", "0.5")
 
 
-@pytest.mark.few(20)
+@pytest.mark.few(10)
 @pytest.mark.parametrize("turn", often(range(20), lambda turn: turn < 3))
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_scan_in_floats_and_mpmath_finds_nothing_to_deny(family: str, turn: int) -> None:

@@ -66,7 +66,7 @@ def test_both_paths_agree_on_every_shipped_rational_scene(name: str, request: py
     both(hs.load_scene(name), request)
 
 
-@pytest.mark.few(15)
+@pytest.mark.few(7)
 @pytest.mark.parametrize("seed", often(range(120), lambda seed: seed < 30))
 def test_both_paths_agree_on_random_rational_scenes(seed: int, request: pytest.FixtureRequest) -> None:
     both(strategies.scene(strategies.case(Seeded(1000 + seed), order=3)), request)

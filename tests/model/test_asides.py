@@ -243,7 +243,7 @@ ASKED: dict[str, tuple[Callable[[hs.Scene], Any], bool]] = {
 }
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("what", ASKED)
 def test_what_varies_one_of_two_parameters_of_a_name_says_so(what: str) -> None:
     ask, told = ASKED[what]

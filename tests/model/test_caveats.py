@@ -65,6 +65,7 @@ def test_a_band_beyond_the_nyquist_frequency_and_a_threshold_without_its_per_cen
     assert [re.search(r"the (\w+) part is 1200 %", x)[1] for x in both] == ["real", "imaginary"]  # type: ignore[index]
 
 
+@pytest.mark.slow
 def test_caveats_stand_in_every_output() -> None:
     found = hs.evaluate(scene(HOLD, hs.effects.compliance(k=5000)))
     assert json.loads(found.to_json())["caveats"] == list(found.caveats)

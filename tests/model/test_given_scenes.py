@@ -49,7 +49,6 @@ def test_what_takes_a_scene_says_that_a_name_or_a_path_will_do(name: str) -> Non
 @pytest.mark.few(
     "check",
     "derive",
-    "design_map",
     "evaluate",
     "metrics",
     "peaks",
@@ -92,7 +91,7 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
 }
 
 
-@pytest.mark.few(60)
+@pytest.mark.few(30)
 @pytest.mark.parametrize("name", CALLS)
 @pytest.mark.parametrize("what", WRONG)
 def test_what_is_no_scene_is_refused_with_what_to_call(name: str, what: str) -> None:

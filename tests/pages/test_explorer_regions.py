@@ -94,6 +94,7 @@ def says(opened: Browser, e: hs.Evaluation) -> None:
     assert opened.complaints() == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", often(JNDS, "ellipse".__eq__))
 def test_the_explorer_draws_what_is_proven_of_a_region_and_of_one_with_other_numbers(name: str, shown: Any) -> None:
     opened = shown(name)
@@ -112,6 +113,7 @@ def region(opened: Browser) -> list[np.ndarray]:
     return [np.array([[float(x) for x in p.split()] for p in re.split("[ML]", d.rstrip("Z"))[1:]]) for d in listed]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", often(JNDS, "ellipse".__eq__))
 def test_the_region_is_drawn_as_it_is_at_the_frequency_that_is_asked_about(name: str, shown: Any) -> None:
     """Just inside of each of its lines nothing is noticed, by the formulas of the region, just outside something is."""
@@ -200,6 +202,7 @@ def test_all_crossings_of_random_regions_are_found_exactly(first: int) -> None:
         assert [x[0] for x in found] == pytest.approx([x[0] for x in inside(e)], rel=1e-8), text
 
 
+@pytest.mark.slow
 def test_crossings_of_a_region_with_other_numbers_are_those_of_a_scene_that_has_them() -> None:
     given = {
         "ellipse": {"real": "0.08", "tilt": "-0.3"},

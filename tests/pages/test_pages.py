@@ -82,7 +82,7 @@ def test_a_page_fits_its_columns(page: Document, columns: int) -> None:
     assert not [x for x in lines if x != x.rstrip()]
 
 
-@pytest.mark.few(7)
+@pytest.mark.few(2)
 def test_figures_of_a_page_can_be_drawn_and_have_names_of_their_own(page: Document) -> None:
     figures = [x for x in inside(chosen(page.blocks, full=True)) if isinstance(x, Figure)]
     assert len({x.name for x in figures}) == len(figures)

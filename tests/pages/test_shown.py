@@ -51,7 +51,7 @@ def answer(request: pytest.FixtureRequest) -> tuple[str, Any]:
     return request.param, ANSWERS[request.param]()
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(3)
 def test_print_shows_the_command_lines_page(answer: tuple[str, Any], call: Callable[..., tuple[int, str, str]]) -> None:
     words, found = answer
     status, out, _ = call(*words.split())
@@ -75,7 +75,7 @@ def test_a_notebook_shows_an_answer_as_its_page_or_better(answer: tuple[str, Any
         assert unescape(re.fullmatch(r'<pre class="haptisym">([^<>]*)</pre>', html)[1]) == str(found)  # type: ignore[index]
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(3)
 def test_every_answer_has_its_document(answer: tuple[str, Any]) -> None:
     _, found = answer
     assert found.to_dict()["schema"].startswith("haptisym.")
@@ -122,7 +122,7 @@ def ours(value: Any) -> bool:
     )
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(3)
 def test_everything_that_can_be_reached_in_an_answer_is_shown_in_a_few_characters(answer: tuple[str, Any]) -> None:
     seen = set()
     for x in parts(answer[1]):

@@ -80,7 +80,7 @@ def felt(scene: hs.Scene, values: dict[Expr, Expr]) -> dict[str, object]:
     }  # fmt: skip
 
 
-@pytest.mark.few(9)
+@pytest.mark.few(4)
 @pytest.mark.parametrize(("environment", "effect"), PAIRS)
 def test_every_formula_of_every_pair_of_models_has_the_value_of_its_chain(environment: str, effect: str) -> None:
     """In steps with symbols for all parameters, and in lowest terms with numbers, at random values of the parameters."""
@@ -147,7 +147,7 @@ def test_steps_name_nothing_of_an_effect_that_is_absent() -> None:
     assert {x.name for x in lag.free_symbols} == {"m", "b", "k", "w", "omega"}
 
 
-@pytest.mark.few(10)
+@pytest.mark.few(5)
 @pytest.mark.parametrize("name", hs.scene_names())
 def test_every_shipped_scene_in_symbols_has_short_steps(name: str) -> None:
     scene = hs.load_scene(name)

@@ -639,7 +639,7 @@ CHAINS: dict[str, tuple[hs.Environment, tuple[hs.Effect, ...], hs.Environment | 
 }  # fmt: skip
 
 
-@pytest.mark.few(9)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("name", CHAINS)
 def test_every_shape_of_a_chain_has_all_its_values_whatever_computes_them(name: str) -> None:
     environment, chain, rendered = CHAINS[name]

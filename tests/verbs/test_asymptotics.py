@@ -28,7 +28,7 @@ def test_each_order_of_a_delayed_spring_is_that_of_the_exponential_series() -> N
     assert found.part(hs.Part.IMAG).expand() == (-k * x + k * x**3 / 6 - k * x**5 / 120).expand()
 
 
-@pytest.mark.few(9)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("name", NAMES)
 def test_no_frequency_of_the_band_has_a_larger_error_than_the_bound(name: str) -> None:
     scene = hs.load_scene(name)

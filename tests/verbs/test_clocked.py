@@ -292,6 +292,7 @@ def test_a_passive_display_is_stable_in_every_hand_that_is_tried() -> None:
                 assert held(scene, Hand("any", m, b, k)).stable
 
 
+@pytest.mark.slow
 def test_a_coefficient_that_vanishes_where_the_walk_ends_is_no_error() -> None:
     """A sampled wall without damping: at k = 0, where values are looked at last, nothing is left of the controller."""
     wall = hs.load_scene("sampled-wall").with_values({"environment.b": 0})

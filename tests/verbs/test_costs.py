@@ -58,6 +58,7 @@ def test_what_is_proven_keeps_its_promise() -> None:
             assert row.digits >= promised - 0.01, row
 
 
+@pytest.mark.slow
 def test_only_what_can_prove_is_called_proven() -> None:
     assert {row.method for row in found().task("evaluate") if row.proven} == {"certified", "30 digits", "100 digits"}
     assert {row.method for row in found().task("crossings") if not row.proven} == {
@@ -71,6 +72,7 @@ def test_a_line_through_two_points_of_a_grid_gains_two_digits_for_ten_times_the_
     assert all(1.7 < x < 2.5 for x in gained)
 
 
+@pytest.mark.slow
 def test_the_naive_form_loses_twice_the_decades_below_the_filter() -> None:
     # Re dH/H goes as (omega/omega_n)^2: at 1.5e-5 rad/s of 80, the lowest frequency asked, floats keep 16 - 2 log10(5.3e6)
     lost = 2 * log10(80 / 1.5e-5)
@@ -98,6 +100,7 @@ def test_a_lead_is_approximated_by_the_inverse_of_a_lag() -> None:
     assert not approximated(waves, 2).perc.ring.lags
 
 
+@pytest.mark.slow
 def test_without_its_only_effect_a_scene_has_no_crossing_to_find() -> None:
     [row] = [row for row in found().task("effects") if row.method == "without filter"]
     assert (row.missed, row.invented, row.digits, row.proven) == (2, 0, 0.0, False)
@@ -152,6 +155,7 @@ def test_the_page_and_the_document_say_the_same() -> None:
 # Figures.
 
 
+@pytest.mark.slow
 def test_marks_are_filled_exactly_where_an_answer_is_proven() -> None:
     rows = found().rows
     axes = [ax for ax in found().figure().axes if ax.get_title(loc="left")]
@@ -188,6 +192,7 @@ def test_the_figure_of_the_hard_cases_has_a_cell_for_every_family_and_method() -
     assert "identities" in str(costs)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ending", often([".svg", ".pdf", ".png"], ".svg".__eq__))
 def test_figures_are_written_as_the_ending_says(tmp_path: Path, ending: str) -> None:
     place = tmp_path / f"cost{ending}"
@@ -198,6 +203,7 @@ def test_figures_are_written_as_the_ending_says(tmp_path: Path, ending: str) -> 
 # The verb.
 
 
+@pytest.mark.slow
 def test_the_verb_prints_one_document_and_writes_the_figure(tmp_path: Path) -> None:
     run = CliRunner().invoke(app, ["cost", "fu2019", "--quick", "--json", "--figure", str(tmp_path / "x.svg")])
     assert run.exit_code == 0
@@ -261,6 +267,7 @@ def crossings_of(k: float) -> tuple[int, int]:
     return tuple(int(np.count_nonzero(np.diff(np.abs(x) > 0.2 * np.abs(H)))) for x in (dH.real, dH.imag))  # type: ignore[return-value]
 
 
+@pytest.mark.slow
 def test_a_grid_counts_sets_wrong_that_are_proven_right() -> None:
     ours, coarse, fine = swept().rows
     assert (ours.proven, ours.wrong, ours.missed, ours.invented) == (True, 0, 0, 0)
@@ -301,6 +308,7 @@ def test_the_truth_of_a_sweep_is_that_of_a_grid_of_a_million_points() -> None:
         assert grid["crossings_real"][i] + grid["crossings_imag"][i] <= sum(counts)
 
 
+@pytest.mark.slow
 def test_the_page_and_the_document_of_a_swept_cost_say_how_many_are_wrong() -> None:
     coarse = swept().rows[1]
     share = f"{100 * coarse.wrong / coarse.sets:.2g} % of {coarse.sets} sets"  # type: ignore[operator]
@@ -324,6 +332,7 @@ def over_once_at(nth: int) -> Callable[[], None]:
     return look
 
 
+@pytest.mark.slow
 def test_sets_that_the_limit_left_open_are_told_and_not_scored(call: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each set of a fractional model is answered exactly, and two were when the time was over."""
     monkeypatch.setattr(sweeps, "tick", over_once_at(3))

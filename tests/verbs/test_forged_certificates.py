@@ -23,6 +23,7 @@ def test_forgeries_are_refused() -> None:
     assert passed == []
 
 
+@pytest.mark.slow
 def test_the_second_checker_refuses_forgeries() -> None:
     said = verdicts([*forgeries().values()])
     assert [name for name, (claim, _) in zip(forgeries(), said, strict=True) if claim is not None] == []

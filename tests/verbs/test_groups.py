@@ -45,7 +45,7 @@ def test_the_ratios_of_the_dimensionless_scene_are_the_scenes_own_at_other_value
     )
 
 
-@pytest.mark.few(10)
+@pytest.mark.few(5)
 @pytest.mark.parametrize("name", hs.scene_names())
 def test_there_are_as_many_groups_as_buckingham_counts(name: str) -> None:
     scene = hs.load_scene(name)

@@ -72,6 +72,7 @@ def test_the_boundary_of_a_late_spring_in_an_arm_lies_in_what_is_left() -> None:
     assert not is_refuted(held, told, plane)
 
 
+@pytest.mark.slow
 def test_what_else_varies_is_counted_in() -> None:
     held = SPRING.with_values({"environment.k": "100 N/m +- 20 %"}).with_hands(ARM)
     plane = {"hand.k": (0, 500), "hand.b": (0, 10)}
@@ -80,6 +81,7 @@ def test_what_else_varies_is_counted_in() -> None:
     assert not is_refuted(held, told, plane, ("environment.k",))
 
 
+@pytest.mark.slow
 def test_a_sampled_wall_is_told_all_over_its_plane() -> None:
     """Held by nothing but its device, 0.04 kg and 0.8 N s/m, T = 1 ms: K < 1605.35 for B = 0, 2384.3034697805 for B = 0.4."""
     wall = hs.environments.kelvin_voigt(1000, "0.4 N*s/m")
@@ -94,6 +96,37 @@ def test_a_sampled_wall_is_told_all_over_its_plane() -> None:
             assert len(own)
             assert (side * (critical - 1000 - 2000 * own[:, 1, (1 + side) // 2]) > 0).all()
     assert not is_refuted(held, told, plane)
+
+
+@pytest.mark.slow
+def test_a_late_filtered_wall_is_told_in_hands_of_a_mass_that_varies() -> None:
+    """Five roots, whose coefficients all vary with the mass: it is stable in all such hands."""
+    held = hs.load_scene("sampled-wall").with_hands(hs.Hand("soft", m="45 g +- 10 %", b=1, k=100))
+    plane = {"hand.k": (90, 110), "hand.b": (2, 4)}
+    told = of(held, plane, ("hand.m",), finest=2.0**-3)
+    assert area(told.stable) > 0.9
+    assert not len(told.unstable)
+    assert not is_refuted(held, told, plane, ("hand.m",))
+
+
+def test_two_delays_that_cancel_at_0_add_up_far_from_it() -> None:
+    """m s^2 + b s + k + 20 s (e^(-s (1 + tau)) - e^(-s)): stable at 1 ms; not at 100 ms, by roots at tens of rad/s."""
+    loop = hs.effects.delay("1 ms"), hs.effects.shunt(b="-20 N*s/m"), hs.effects.delay("1 s")
+    held = hs.Scene(hs.environments.mass_spring_damper(b="20 N*s/m"), loop, hands=(hs.Hand("mine", m=1, b=1, k=1),))
+    plane = {"effects.delay.tau": ("1 ms", "100 ms"), "hand.b": (1, 2)}
+    told = of(held, plane, finest=2.0**-4)
+    assert min(area(told.stable), area(told.unstable)) > 0.1
+    assert not is_refuted(held, told, plane)
+
+
+def test_what_is_hidden_at_one_value_alone_does_not_make_its_neighbours_stable() -> None:
+    """s^2 - c s + 4 over s^2 - s + 4 between hold and sampler: at c = 1, the middle of the first rectangles, alone it cancels."""
+    wall = hs.environments.expression("k*(s^2 - c*s + 4)/(s + 3)^2", parameters={"k": 1, "c": 1})
+    device = hs.effects.shunt(Z="(s^2 - s + 4)*(s + 5)/(s + 1)", parameters={})
+    held = hs.Scene(wall, (hs.effects.zero_order_hold("10 ms"), device), hands=(hs.Hand("none"),))
+    plane = {"environment.c": ("0.9875", "1.1875"), "environment.k": (1, 2)}
+    assert [unstable_roots(held.with_values({"environment.c": c}), held.hands[0]).number for c in (1, "1.1")] == [0, 2]
+    assert not is_refuted(held, of(held, plane, finest=2.0**-3), plane)
 
 
 def test_stable_in_several_hands_is_stable_in_each() -> None:

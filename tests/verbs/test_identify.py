@@ -55,7 +55,7 @@ def test_a_linear_model_is_that_of_linear_least_squares() -> None:
     assert found.verdict.fits is False
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("own", "environment", "effects"),
     [
@@ -154,6 +154,7 @@ def test_boxes_of_a_model_that_bends_hold_the_truth_as_the_docs_say(noise: float
     assert least <= held < most
 
 
+@pytest.mark.slow
 def test_errors_above_a_tenth_are_said_to_make_the_box_less_certain() -> None:
     for noise, told in ((0.01, False), (0.2, True)):
         found = hs.identify(noisy("fu2019", noise, 5), "mass-spring-damper:m=1.8,b=15,k=100", ["second-order-lowpass"])
@@ -167,6 +168,7 @@ def test_residuals_are_carried_to_chi_square_by_the_quantiles_of_f() -> None:
     assert noise.squares(sizes.astype(complex)) == pytest.approx(-2 * np.log(tail), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_without_discs_the_model_is_untested_and_errors_are_those_of_the_residuals() -> None:
     felt = noisy("fu2019", 0.01, 5)
     found = hs.identify(hs.measured(felt.omega, felt.H), "mass-spring-damper", ["second-order-lowpass"])
@@ -218,7 +220,7 @@ def test_environments_of_every_kind_are_written_as_they_were(name: str) -> None:
     assert found.estimates[0].value == pytest.approx(0.005, rel=1e-6)
 
 
-@pytest.mark.few(20)
+@pytest.mark.few(10)
 @pytest.mark.parametrize(
     ("words", "told"),
     [

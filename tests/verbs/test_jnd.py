@@ -91,6 +91,7 @@ def test_the_interval_reaches_to_curves_whose_middle_is_far_away() -> None:
         assert abs(2 * (top - likelihood(told, *best_probit(told, slope))) - CHI_95) < 1e-6
 
 
+@pytest.mark.slow
 def test_a_parametric_bootstrap_gives_about_the_same_interval() -> None:
     found = hs.jnd(DATA)
     counts = np.random.default_rng(2026).binomial(TRIALS, found.fit.curve(np.array(LEVELS)), (200, len(LEVELS)))
@@ -126,6 +127,7 @@ def test_a_forced_choice_has_its_threshold_at_the_proportion_asked_for(alternati
     assert float(curve(np.array([higher.jnd.value]))[0]) == pytest.approx(0.9, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_lapses_that_are_there_are_found_where_they_may_be() -> None:
     curve = Curve(5.0, 0.3, 0.0, 0.05)
     level = np.linspace(4, 6.5, 9)
@@ -181,6 +183,7 @@ def test_very_many_levels_are_put_together_and_give_the_same_curve() -> None:
     assert found.jnd.low < 0.6744897501960817 * 0.6 < found.jnd.high
 
 
+@pytest.mark.slow
 def test_a_table_too_small_for_an_interval_has_no_upper_end() -> None:
     found = hs.jnd(Answers("few", (Row(1.0, 1, 4), Row(2.0, 2, 4), Row(3.0, 3, 4))), reference=2)
     assert found.jnd.high is None
@@ -211,7 +214,7 @@ SAME = {
 }  # fmt: skip
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("text", SAME.values(), ids=SAME)
 def test_tables_that_say_the_same_are_read_the_same(text: str, file: Callable[..., Path]) -> None:
     assert hs.jnd(file(text)).answers.rows == ROWS
@@ -414,7 +417,8 @@ def test_the_command_says_the_same_as_python(file: Callable[..., Path], tmp_path
     assert picture.read_text().startswith("<?xml")
 
 
-@pytest.mark.few(2)
+@pytest.mark.slow
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", range(6))
 def test_no_curve_is_likelier_than_the_one_that_is_found(seed: int) -> None:
     """Without guesses and lapses minus the log-likelihood is convex in a and b of Phi(a + b x): it has one bottom."""

@@ -136,7 +136,7 @@ def _holds(spans: list[tuple[float, float]], x: float) -> bool:
     return any(a <= x <= b for a, b in spans)
 
 
-@pytest.mark.few(16)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("ticks", SHORT)
 @pytest.mark.parametrize("question", QUESTIONS)
 def test_what_is_said_after_a_limit_is_true(question: str, ticks: int, clock: Callable[[float], None]) -> None:
@@ -189,7 +189,7 @@ RANGES = hs.Scene(
 )
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("ticks", [30, 100, 300, 1000, 3000, 10_000])
 def test_enclosures_after_a_limit_hold_all_crossings(ticks: int, clock: Callable[[float], None]) -> None:
     whole = tolerances(RANGES, samples=20)

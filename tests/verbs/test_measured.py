@@ -334,6 +334,7 @@ def test_a_scene_that_cannot_be_is_refused_in_one_sentence(
     assert words in err
 
 
+@pytest.mark.slow
 def test_a_threshold_may_be_a_formula_in_omega(tmp_path: Path) -> None:
     omega = np.linspace(0.1, 15, 200)
     env, perc = response(omega)

@@ -208,6 +208,7 @@ def test_an_environment_that_is_measured_too_needs_a_bound_of_its_own() -> None:
             hs.MeasuredScene(one, other)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "jnd", ["0.08 + 0.004*omega", {"shape": "ellipse", "real": "0.08 + 0.004*omega", "imag": 0.1, "tilt": "0.05*omega"}]
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +14,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from sympy import Rational
 
 import haptisym as hs
+from haptisym.kernel.symbols import omega as OMEGA  # noqa: N812
 from haptisym.model.jndtables import read_threshold
-from haptisym.verbs.measured.regions import _from_ellipse
+from haptisym.verbs.measured.regions import _from_ellipse, values_of
 
 FU = hs.load_scene("fu2019")
 HEXAGON = [[0.1, 0.01], [0.05, 0.09], [-0.05, 0.12], [-0.1, 0], [-0.05, -0.09], [0.05, -0.07]]
@@ -132,6 +135,7 @@ def test_exact_lines_are_judged_as_the_proven_crossings_say(name: str) -> None:
         assert (p.property, p.change, p.other) == (own.property, own.change, own.other)
 
 
+@pytest.mark.slow
 @given(st.integers(0, 10_000), st.sampled_from(sorted(REGIONS)))
 def test_what_is_told_between_lines_holds_for_all_that_swept_discs_have_in_common(seed: int, name: str) -> None:
     rng = np.random.default_rng(seed)
@@ -225,3 +229,17 @@ def test_a_change_along_an_axis_of_an_ellipse_is_told_up_to_its_depth(radius: fl
     [row] = hs.evaluate(hs.MeasuredScene(spring, felt, threshold=jnd)).rows
     assert row.joint is not None
     assert row.joint.value == verdict
+
+
+def test_a_formula_is_known_to_its_last_digits_where_its_terms_cancel() -> None:
+    """(omega - 15)^8 written out has terms of 10^11, of which floats keep 10^-5: as much as a change is off its threshold here."""
+    formula = (Rational(1, 10) + (OMEGA - 15) ** 8 / (OMEGA + 1)).expand()
+    at = np.concatenate([np.linspace(14, 16, 41), [0.0, 15.0, 300.0]])
+    exact = [Fraction(1, 10) + (Fraction(x) - 15) ** 8 / (Fraction(x) + 1) for x in at.tolist()]
+    assert values_of(formula, at).tolist() == pytest.approx(list(map(float, exact)), rel=1e-13, abs=0)
+    omega, env = np.array([14.95, 15.0, 15.05]), np.full(3, 100 + 0j)
+    c = read_threshold({"real": "0.1 + (omega - 15)^8", "imag": 0.1})
+    for change, verdict in ((0.100001, "exceeds"), (0.099999, "below")):
+        felt = hs.measured(omega, env * (1 + change), radius=np.full(3, 1e-9))
+        rows = hs.evaluate(hs.MeasuredScene(hs.measured(omega, env), felt, threshold=c)).rows
+        assert [row.real.value for row in rows] == [verdict] * 3

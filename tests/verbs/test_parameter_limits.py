@@ -77,6 +77,7 @@ REACH = dict.fromkeys(SCENES, 5) | {"hold": 1}
 """Powers of ten by which values go to both sides: evaluations at periods that are much longer take long."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [pytest.param(x, marks=pytest.mark.slow) if x == "link" else x for x in SCENES])
 def test_nothing_stays_open_at_0_nor_without_bound(name: str) -> None:
     path, scene = SCENES[name]
@@ -102,6 +103,7 @@ def test_what_is_not_rational_in_a_coefficient_at_0_stays_in_it() -> None:
     assert (found[4].overlaps(arb(-2)), found[8].is_zero()) == (True, True)
 
 
+@pytest.mark.slow
 def test_a_clock_is_asked_for_all_of_its_periods_also_beyond_the_nyquist_frequency() -> None:
     found = hs.require("sampled-wall", "effects.sampling.T")
     assert (found.feasible, found.undecided) == ((), ())
@@ -167,6 +169,18 @@ def test_a_sum_over_a_box_holds_its_exact_values_at_each_point() -> None:
                 assert over.contains(exact)
 
 
+def test_a_sum_over_one_of_its_monomials_is_what_it_is_when_that_is_divided_out_first() -> None:
+    draw = Random(7)
+    for _ in range(40):
+        given = {(Q(draw.randint(0, 9), 3), Q(draw.randint(0, 4))): fmpq(draw.randint(-9, 9), 7) for _ in range(9)}
+        own, (a, b) = Monomials.of(given), draw.choice(list(given))
+        x, y = ((arb(n), arb(n) + draw.randint(0, 3)) for n in (2, 5))
+        for less in ((a, b), (a, Q(0)), (Q(0), b), (Q(0), Q(0))):
+            found, divided = own.over(x, y, less), own.over_power(*less).over(x, y)
+            assert abs(found.mid() - divided.mid()) < abs(divided).upper() * 1e-9
+            assert abs(found.rad() - divided.rad()) <= divided.rad() * 1e-6 + abs(divided).upper() * 1e-9
+
+
 LEFT_OPEN = {
     "overdamped": ("effects.second-order-lowpass.zeta", hs.Scene(environments.spring_pot(25, "0.9", k=320), (effects.second_order_lowpass(36, "0.92"), effects.first_order_lag(300), effects.delay("13 ms")), (0, 18), hs.Threshold.of(1)), [0.781069, 1.93020]),
     "heavy": ("environment.m", hs.Scene(environments.mass_spring_damper("9.8", "4.5", 170), (effects.first_order_lag(1500), effects.zero_order_hold("31 ms")), (0, "3.7"), hs.Threshold.of("0.5")), []),
@@ -176,6 +190,7 @@ LEFT_OPEN = {
 omega = 0 behind a hold, 1/k = (1/8300 + 1/63000) (1/0.2 - 1)."""
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", LEFT_OPEN)
 def test_next_to_a_limit_a_resonance_or_frequency_0_nothing_stays_open(name: str) -> None:
     path, scene, ends = LEFT_OPEN[name]
@@ -184,6 +199,7 @@ def test_next_to_a_limit_a_resonance_or_frequency_0_nothing_stays_open(name: str
     assert [float(x.value) for x in found.ends if x.value is not None] == pytest.approx(ends, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_what_binds_at_frequency_0_behind_a_hold_is_known_to_all_digits() -> None:
     path, scene, _ = LEFT_OPEN["stiff"]
     found = hs.require(scene, path, (1000, 3000), part=hs.Part.REAL)

@@ -91,6 +91,7 @@ def test_some_points_of_rectangles_are_as_they_are_said_to_be(name: str) -> None
         assert is_as_said(name, number, (shares[0], shares[1]), kept=bool(side < 0.5))
 
 
+@pytest.mark.slow
 def test_what_stays_open_at_an_end_of_the_range_is_as_near_as_that_end() -> None:
     """A wall's lowest stiffness is undecided on a strip; the boundary far above it is no further off for that."""
     found = hs.design_map("virtual-wall", MAPS["virtual-wall"][0], [(16, 24), (10, 4000)], slices=3, uniform=True)
@@ -107,6 +108,7 @@ def test_further_thresholds_are_proven_too() -> None:
         assert (x.rectangles.broken[:, 0, 1] <= edge).all()
 
 
+@pytest.mark.slow
 def test_what_is_stable_is_proven_between_slices_too() -> None:
     """Against exact slices, which are found by another way."""
     paths, ranges = MAPS["delayed-spring"]

@@ -86,6 +86,7 @@ def test_where_two_limits_meet_a_requirement_binds_at_a_corner_that_no_slope_tel
     assert m * w**2 / abs(100 - w**2 + 15j * w) == pytest.approx(1 / 20, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_with_a_delay_a_corner_is_known_to_any_digits() -> None:
     jnd = {"real": {"higher": 0.3, "lower": "1/20"}, "imag": 5}
     late = hs.Scene(
@@ -272,7 +273,7 @@ def test_a_peak_where_the_limit_changes_is_said_to_be_one() -> None:
 LEFT_OUT = {**REQUIRED, "far floor": {"real": 0.1, "imag": {"higher": 0.1, "lower": 0.05}, "floor": "8 + omega"}}
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", LEFT_OUT)
 def test_crossings_of_the_full_scene_lie_where_a_few_effects_with_a_bound_say(name: str) -> None:
     fast = (hs.effects.first_order_lag(20000, name="amplifier"), hs.effects.delay("10 us"))

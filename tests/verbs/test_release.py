@@ -59,7 +59,7 @@ def test_at_the_critical_damping_the_root_is_on_the_axis() -> None:
     assert run.closed.omega == pytest.approx(13.320697368492448, rel=1e-14)
 
 
-@pytest.mark.few(7)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     "name",
     [

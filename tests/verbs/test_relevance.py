@@ -213,6 +213,7 @@ def test_an_unbounded_influence_is_told_and_never_left_out_but_a_bounded_differe
     assert "unbounded" in str(found)
 
 
+@pytest.mark.slow
 def test_a_bounded_difference_of_ratios_that_are_unbounded_at_omega_0_takes_few_pieces(monkeypatch) -> None:  # type: ignore[no-untyped-def]
     lags = (hs.effects.first_order_lag(20), hs.effects.pade_delay("100 ms", 1), hs.effects.first_order_lag(2))
     scene = hs.Scene(hs.environments.mass_spring_damper(m=2), lags, (0, 2), rendered=hs.environments.kelvin_voigt(9, 1))
@@ -329,7 +330,7 @@ def test_the_examples_are_the_catalogue() -> None:
     assert EXAMPLES.keys() == EFFECTS.keys()
 
 
-@pytest.mark.few(8)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("model", EXAMPLES)
 def test_nothing_of_an_effect_that_a_scene_does_not_name_appears_anywhere(model: str) -> None:
     effect = EFFECTS[model].build(**EXAMPLES[model], name="guest")

@@ -88,3 +88,13 @@ def test_single_verdicts_agree_with_the_set(seed: int) -> None:
         scene = found.with_values({free: value})
         answer = hs.stability(scene).every_passive_hand.passivity.holds
         assert answer is inside or (answer is None and r.undecided)
+
+
+@pytest.mark.parametrize(("key", "least"), [("m", -0.4), ("k", -3)])
+def test_of_two_devices_one_may_lack_what_the_other_has(key: str, least: float) -> None:
+    """What is not negative is the mass, and the stiffness, of both together."""
+    loop, device = hs.effects.sampled_loop("1 ms", "backward-difference"), hs.effects.shunt(m="400 g", b="0.8", k=3)
+    found = hs.Scene(hs.environments.kelvin_voigt(500, "0.4"), (loop, device, hs.effects.shunt(m="10 g", k=1)))
+    r = hs.require(found, f"effects.shunt-2.{key}", (Rational(str(least)) * Rational(9, 8), 10), that="passive")
+    assert ends(r) == [(least, 10)]
+    assert len(r.undecided) == 1

@@ -45,6 +45,7 @@ def test_a_sensitivity_is_the_slope_of_certified_crossings(name: str) -> None:
         )
 
 
+@pytest.mark.slow
 def test_changeovers_move_as_certified_changeovers_do() -> None:
     scene = hs.load_scene("fu2019")
     found = sensitivity(scene)

@@ -129,7 +129,7 @@ def test_simulation_and_closed_form_agree_for_every_model(model: str) -> None:
     agree(hs.check(CATALOGUE[model], count=3), 1e-7)
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", often(LOOPS, lambda name: name not in ("two links in a row", "half a derivative")))
 def test_simulation_and_closed_form_agree_where_the_environment_is_in_a_loop(name: str) -> None:
     agree(hs.check(hs.Scene(MSD, LOOPS[name]), count=3), 1e-7)
@@ -584,7 +584,7 @@ REST = {
 }  # fmt: skip
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", REST)
 def test_a_recording_that_begins_at_2_mm_goes_on_as_one_that_has_long_rested_there(name: str) -> None:
     scene = hs.Scene(*REST[name])

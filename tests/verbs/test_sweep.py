@@ -102,7 +102,7 @@ def test_thresholds_are_swept_together_or_apart() -> None:
         assert all(float(diagonal[name]) == float(together[name][i]) for name in TOLD.counts)
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("seed", range(8))
 def test_random_scenes_agree_with_the_exact_answers(seed: int) -> None:
     pick = Seeded(1000 + seed)
@@ -121,6 +121,7 @@ def test_random_scenes_agree_with_the_exact_answers(seed: int) -> None:
         agrees({name: column[i] for name, column in columns.items()}, truth)
 
 
+@pytest.mark.slow
 def test_hard_parameters_are_never_counted_wrong() -> None:
     rng = np.random.default_rng(3)
     spans = {MASS: (1e-3, 1e3), "environment.b": (1e-6, 1e3), NATURAL: (1.0, 1e4), "effects.filter.zeta": (1e-3, 1.0)}
@@ -203,7 +204,7 @@ LIMITS = [0.07, 3.0, 0.02, 0.61, 0.4, 0.11, 1.2]
 """The first set crosses many times, the next never."""
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("band", "pieces"),
     [
@@ -366,6 +367,7 @@ def test_two_processes_of_a_cluster_give_the_same(small: Any, cluster: Any, tmp_
 # --- files -----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.few(1)
 @pytest.mark.parametrize("name", ["a.zarr", "a.nc"])
 def test_a_file_holds_the_same(small: Any, tmp_path: Path, name: str) -> None:
@@ -551,6 +553,7 @@ def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *wo
     return int(ended.value.code or 0), out, err
 
 
+@pytest.mark.slow
 def test_the_command_writes_document_store_and_chart(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

@@ -111,7 +111,7 @@ def test_a_change_that_is_the_same_at_all_frequencies_is_noticed_on_all_or_on_no
     )
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", JNDS)
 def test_a_delayed_scene_is_answered_in_floats_in_its_region_too(name: str) -> None:
     asked = with_jnd(JNDS[name], hs.load_scene("delayed-spring"))
@@ -156,6 +156,7 @@ jnd = { shape = "diamond", real = 0.10, imag = 0.10 }
 """
 
 
+@pytest.mark.slow
 def test_the_command_tells_of_both_parts_at_once(call, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     file = tmp_path / "diamond.toml"
     file.write_text(TEXT, encoding="utf-8")

@@ -714,6 +714,7 @@ def test_when_the_time_is_over_crossings_may_be_anywhere_in_what_is_left(questio
     assert beyond(Hurried(BENT.of, 1, questions=questions), cells, 0.32, highest=False) <= 0.3
 
 
+@pytest.mark.slow
 def test_a_frequency_noticed_for_all_values_is_sought_between_the_clusters() -> None:
     def between(form: Made, *ends: tuple[float, float]) -> float | None:
         own = tuple(Cluster(np.array([[[a, b], [0, 1]]]), (0, 0), a, b) for a, b in ends)

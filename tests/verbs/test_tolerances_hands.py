@@ -17,6 +17,7 @@ from sympy import Rational, Symbol, exp
 
 import haptisym as hs
 from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import LimitError
 from haptisym.kernel.symbols import s
 from haptisym.programs.taylormodels import Model
 from haptisym.verbs.stability.held import held
@@ -70,6 +71,18 @@ def test_a_box_of_the_hand_alone_is_told_of_beside_the_display_as_it_is() -> Non
         hs.tolerances(spring, hand="postural-arm")
 
 
+def test_what_nothing_of_varies_is_told_by_its_nominal_values_however_short_the_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def over(*_: object) -> None:
+        raise LimitError("the time is over")
+
+    monkeypatch.setattr("haptisym.verbs.tolerances.search.tick", over)
+    found = hs.tolerances("delayed-spring", hand=hs.Hand("mine", m="0.5 kg", b=[4, 5]))
+    assert found.verdict.value == "none"
+    assert "NOT transparent" in str(found)
+
+
 def test_examples_of_either_kind_are_what_they_are_called() -> None:
     [hand] = (found := lagged([5, 60], hs.Hand("mine", m=1, b=[1, 2]), [1, 10])).hands
     told = held_in_box(found, hand)
@@ -92,6 +105,13 @@ def test_a_delayed_spring_is_held_by_more_damping_than_published() -> None:
     spring = hs.load_scene("delayed-spring").with_values({"tau": ["30 ms", "36 ms"], "k": ["90 N/m", "100 N/m"]})
     hands = [hs.Hand(f"b{i}", m="0.5 kg", b=b) for i, b in enumerate([["3.4636", 5], ["3.4", 4], [1, 2]])]
     assert shares(spring.with_hands(*hands)) == ["all", "some", "none"]
+
+
+def test_a_hand_that_may_weigh_nothing_is_decided_where_it_damps() -> None:
+    """m s^2 + b s outweighs the delayed spring wherever b s does."""
+    spring = hs.load_scene("delayed-spring").with_values({"tau": ["30 ms", "36 ms"]})
+    hands = [hs.Hand(f"b{i}", m=["0 kg", "0.5 kg"], b=b) for i, b in enumerate([[4, 5], [3, 5], [0, 5]])]
+    assert shares(spring.with_hands(*hands)) == ["all", "some", "some"]
 
 
 @pytest.mark.parametrize(
@@ -256,6 +276,7 @@ band = ["0 rad/s", "3 rad/s"]
 """
 
 
+@pytest.mark.slow
 def test_the_command_says_so_beside_the_verdict(call: Any, tmp_path: Path) -> None:
     file = tmp_path / "held.toml"
     file.write_text(TEXT.format(k="20, 25"), encoding="utf-8")

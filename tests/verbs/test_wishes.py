@@ -18,10 +18,13 @@ from sympy import Rational
 import haptisym as hs
 from haptisym.judge.passivity import passivity
 from haptisym.kernel.budget import limited
+from haptisym.pages.require import page
 from haptisym.verbs.require.classical import lines
 from haptisym.verbs.require.feasible import Solved
 from haptisym.verbs.require.verdicts import together
 from haptisym.verbs.require.wishes import WISHES
+from haptisym.writing.document import Figure
+from haptisym.writing.html import phrase
 
 
 def put(scene: hs.Scene, values: dict[str, object]) -> hs.Scene:
@@ -226,6 +229,7 @@ def test_samples_of_computation_are_counted_as_delay() -> None:
     assert line.name == "Gil and Hulin"
 
 
+@pytest.mark.slow
 def test_a_sampled_wall_has_both_classical_lines_beside_the_exact_set() -> None:
     """Colgate's bound is safe; to first order Gil and Hulin's is exact, and not safe with much virtual damping."""
     free = ["effects.device.b", "environment.k"]
@@ -257,6 +261,7 @@ FILTERED = hs.Scene(
 )
 
 
+@pytest.mark.slow
 def test_a_map_of_several_things_has_each_set_and_what_they_have_in_common() -> None:
     found = hs.design_map(
         FILTERED,
@@ -378,3 +383,23 @@ def test_what_is_undecided_for_a_reason_says_it(
     chart = hs.design_map(scene, [other[0], "environment.k"], [other[1:], (10, 1000)], slices=2, **asked)
     assert all(why in x["reason"] for x in chart.to_dict()["slices"])
     assert why in " ".join(str(chart).split())
+
+
+@pytest.mark.parametrize(
+    ("that", "said"),
+    [
+        (
+            ["transparent"],
+            "The worst case over the band against the parameter, with the threshold; grey: transparent on the whole band.",
+        ),
+        (["passive"], "Grey: fit for every passive hand."),
+        (
+            ["transparent", "passive"],
+            "with the threshold; grey: transparent on the whole band and fit for every passive hand.",
+        ),
+    ],
+)
+def test_a_figure_is_said_to_show_what_was_asked(that: list[str], said: str) -> None:
+    r = hs.require(hs.load_scene("fu2019"), "omega_n", (50, 500), that=that)
+    [figure] = [x for x in page(r).blocks if isinstance(x, Figure)]
+    assert str(phrase(figure.caption)).endswith(said)

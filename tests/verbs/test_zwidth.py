@@ -35,6 +35,7 @@ def abbott(scene: hs.Scene, free: list[str]) -> list[Line]:
     return [x for x in lines(scene, [scene.knobs[y] for y in free], encoder) if x.name == "Abbott and Okamura"]
 
 
+@pytest.mark.slow
 def test_the_boundary_of_an_undamped_device_is_the_closed_form() -> None:
     """alpha = 2 beta (2 - beta)/(2 + beta) with alpha = K T^2/m and beta = B T/m; the largest is 12 - 8 sqrt 2, at 2 sqrt 2 - 2."""
     scene = wall(b=0, B=1)

@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import cache
-from itertools import product
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,8 @@ DELAYED = (
     "wave-variable-link", "two delays", "a clock", "a delay, and pi",
 )  # fmt: skip
 """Scenes with delays and holds."""
+RAISED = ("a spring-pot", "powers alone", "orders of a formula", "organ-tissue")
+"""Scenes with powers of s that are not whole, the cheapest to check first."""
 OWN = {
     "unstable": '[environment]\nmodel = "mass-spring-damper"\nm = 1\nb = 5\nk = 100\n[[effects]]\nmodel = "series"\n'
                 'G = "100/(s^2 - 0.1*s + 100)"\n[evaluation]\nband = [0, 30]\n',
@@ -52,10 +54,18 @@ LATE = {
                'method = "tustin"\ndelay = 1\n[[effects]]\nmodel = "shunt"\nm = "45 g"\n[evaluation]\nband = [5, 60]\n',
     "a delay, and pi": _LATE + '[[effects]]\nmodel = "first-order-lag"\nomega_c = "10 Hz"\n[evaluation]\nband = ["0 Hz", "2 Hz"]\n',
 }  # fmt: skip
+_LAGGED = '[[effects]]\nmodel = "first-order-lag"\nomega_c = 60\n'
+FRACTIONAL = {
+    "a spring-pot": '[environment]\nmodel = "spring-pot"\nk_alpha = "80 N*s^0.3/m"\nalpha = 0.3\nk = 20\n' + _LAGGED,
+    "powers alone": '[environment]\nmodel = "spring-pot"\nk_alpha = "80 mN*s^0.5/mm"\nalpha = "1/2"\n[[effects]]\nmodel = "shunt"\nm = "1/2"\n'
+                    '[evaluation]\nband = [0, 30]\n',
+    "orders of a formula": '[environment]\nmodel = "expression"\nH = "30 + s^(1.3) + 5*s^-.7"\n' + _LAGGED + '[evaluation]\nband = [1, 30]\n',
+}  # fmt: skip
 
 
 def text_of(name: str) -> str:
-    return (OWN | LATE)[name] if name in OWN or name in LATE else (SCENES / f"{name}.toml").read_text(encoding="utf-8")
+    own = OWN | LATE | FRACTIONAL
+    return own[name] if name in own else (SCENES / f"{name}.toml").read_text(encoding="utf-8")
 
 
 @cache
@@ -102,6 +112,28 @@ def late_scene(seed: int) -> str:
     return f'{before}[[effects]]\nname = "late"\n{late}\n{mark}{after}'
 
 
+def fractional_scene(seed: int) -> str:
+    """A random one with powers of s, every other one with a delay behind them."""
+    pick = Seeded(seed)
+    order, k, c = pick.choice(["0.2", "0.3", '"1/2"', '"2/3"', "0.37", '"1/7"']), pick.whole(0, 200), pick.whole(1, 90)
+    tissue = pick.choice([
+        f'model = "spring-pot"\nk_alpha = {c}\nalpha = {order}\nk = {k}',
+        f'model = "expression"\nH = "{k} + {c}*s^{pick.choice([1.3, 0.7, -0.4])} + {pick.whole(0, 3)}*s"',
+        f'model = "expression"\nH = "{k + 1} + {c}*s^0.4/(1 + s^0.4/{pick.whole(1, 20)})"',
+    ])  # fmt: skip
+    between = [
+        f'model = "shunt"\nm = "{pick.whole(1, 900)} g"',
+        f'model = "first-order-lag"\nomega_c = {pick.whole(10, 200)}',
+        f'model = "series"\nG = "1/(1 + s^0.5/{pick.whole(10, 90)})"',
+        f'model = "delay"\ntau = "{pick.whole(1, 60)} ms"',
+    ]
+    first = between[pick.whole(0, 2)]
+    own = [x for x in (first, *between[3:]) if x is first or seed % 2]
+    band, jnd = [pick.choice([0, 0, 1]), pick.whole(5, 40)], f"{pick.whole(2, 30)}/100"
+    listed = "".join(f'[[effects]]\nname = "e{i}"\n{x}\n' for i, x in enumerate(own))
+    return f'[environment]\n{tissue}\n{listed}[evaluation]\nband = {band}\njnd = "{jnd}"\n'
+
+
 def mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
     """Changes each of which makes the claim false, or the proof incomplete."""
 
@@ -113,7 +145,7 @@ def mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
     factors, functions = proof["proof"]["factors"], proof["proof"]["functions"]
     inner = len(proof["proof"]["breakpoints"]) - 1
     for i in (
-        range(1, inner) if inner < 12 and not proof["proof"]["delays"] else ()
+        range(1, inner) if inner < 12 and not proof["proof"]["delays"] + proof["proof"]["orders"] else ()
     ):  # some cells are finer than they must be
         yield changed(f"breakpoint {i} left out", lambda x, i=i: x["proof"]["breakpoints"].pop(i))
     yield changed("the last cell left out", lambda x: x["proof"]["breakpoints"].pop())
@@ -121,11 +153,14 @@ def mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
     for i, factor in enumerate(factors):
         for what, change in factor_mutants(factor):
             yield changed(f"{what} of factor {i}", lambda x, i=i, change=change: change(x["proof"]["factors"][i]))
-    for i, tau in enumerate(proof["proof"]["delays"]):
-        yield changed(f"delay {i} left out", lambda x, i=i: x["proof"]["delays"].pop(i))
-        for by in (Fraction(1, 2), 2, -1, 0, 10**100):
-            other = str(Fraction(tau) * by)
-            yield changed(f"delay {i} times {by}", lambda x, i=i, n=other: x["proof"]["delays"].__setitem__(i, n))
+    others = [(key, i, n) for key in ("delays", "orders") for i, n in enumerate(proof["proof"][key])]
+    for key, i, n in others:
+        yield changed(f"{key} without {i}", lambda x, key=key, i=i: x["proof"][key].pop(i))
+        for by in (Fraction(1, 2), Fraction(10**9 + 1, 10**9), 2, -1, 0, 10**100):
+            yield changed(
+                f"{key}: {i} times {by}",
+                lambda x, key=key, i=i, m=str(Fraction(n) * by): x["proof"][key].__setitem__(i, m),
+            )
     for name, told in functions.items():
         own = lambda x, name=name: x["proof"]["functions"][name]  # noqa: E731
         if told["number"] != "0":
@@ -195,7 +230,10 @@ def factor_mutants(factor: dict[str, Any]) -> Iterator[tuple[str, Callable[[dict
         yield f"term {n} left out", lambda x, n=n: x["terms"].pop(n)
         yield f"term {n} twice", lambda x, n=n: x["terms"].append(x["terms"][n])
         for k, turn in enumerate(turns):
-            yield f"a sine more in term {n}", lambda x, n=n, k=k, m=turn + 1: x["terms"][n][0].__setitem__(k, m)
+            yield (
+                f"a sine or a power more in term {n}",
+                lambda x, n=n, k=k, m=turn + 1: x["terms"][n][0].__setitem__(k, m),
+            )
     for k, most in enumerate(factor.get("waves", ())):
         yield "a cosine more", lambda x, k=k, m=most + 1: x["waves"].__setitem__(k, m)
 
@@ -482,8 +520,46 @@ def _hostile() -> Iterator[tuple[str, str]]:
         "slabs of far points": [{**slab, "from": str(n), "to": str(n + 1), "points": far} for n in range(100, 500)],
     }.items():
         yield name, json.dumps({**values, "proof": {**values["proof"], "slabs": slabs}})
+    yield from many_small_ones()
     for free in (["effects"] * 9, ["environment", 10**5], [[], {}]):
         yield f"the path {free}", json.dumps({**values, "claim": {**values["claim"], "free": free}})
+
+
+def many_small_ones(times: float = 1) -> Iterator[tuple[str, str]]:
+    """Each step is quick, and there are that many times too many of them: what is claimed is true all the same."""
+    good = json.loads(certificate("fu2019"))
+    own = good["proof"]
+    first, n = len(own["factors"]), int(50 * times)
+    own["factors"] += [{"step": 1, "polynomial": x} for x in ([["0"], ["1"]], [["0", "1"]]) for _ in range(2)]
+    for told in own["functions"].values():
+        told["powers"] += [[first + i, k] for i, k in enumerate((20, -20, n, -n))] if told["powers"] else []
+    yield "many points of a grid", json.dumps(good)
+    good = json.loads(certificate("fu2019"))
+    own = good["proof"]
+    own["factors"] += [{"step": 1, "polynomial": [["1"]]}] * (500 - len(own["factors"]))
+    steps = int(1900 * times)
+    every = {Fraction(x) for x in own["breakpoints"]} | {Fraction(15 * n, steps) for n in range(1, steps)}
+    own["breakpoints"] = [str(x) for x in sorted(every)]
+    yield "many cells of many factors", json.dumps(good)
+    held = json.loads(of_stability("a hand")[0])
+    rows, proofs = held["claim"]["held"], held["proof"]["held"]
+    first = len(proofs[0]["factors"])
+    proofs[0]["factors"] += [[["1"], ["1"]]] * 2
+    proofs[0]["cells"] += [[], []]
+    proofs[0]["function"]["powers"] += [[first, int(100 * times)], [first + 1, -int(100 * times)]]
+    held["claim"]["held"], held["proof"]["held"] = rows[:1] * 100, proofs[:1] * 100
+    yield "many hands", json.dumps(held)
+    values = json.loads(of_requirement("a threshold")[0])
+    values["proof"]["factors"] += [{"step": 1, "polynomial": [["1"]]}] * 150
+    count = len(values["proof"]["factors"])
+    for told in values["proof"]["functions"].values():
+        told["powers"] += [[i, 1] for i in range(count - 150, count)]
+    points = [f"{n}/{int(10 * times)}" for n in range(int(150 * times) + 1)]
+    ends = [f"{n}" for n in range(100, 100 + int(200 * times))]
+    slabs = [{"from": a, "to": b, "points": points, "part": None} for a, b in pairwise(ends)]
+    values["proof"]["slabs"] = slabs
+    values["claim"] |= {"values": [[ends[0], ends[-1], True]], "binds": []}
+    yield "many slabs of many points", json.dumps(values)
 
 
 def _hostile_powers(good: dict[str, Any]) -> Iterator[tuple[str, str]]:
@@ -528,3 +604,28 @@ def _hostile_waves(with_proof: Callable[..., str]) -> Iterator[tuple[str, str]]:
         yield name, with_proof(**own, breakpoints=["0", *(f"1/{n}" for n in range(1500, 1, -1)), "15"])
     yield "delays without end", with_proof(delays=[f"1/{n}" for n in range(1, 100_000)])
     yield "no delays", with_proof(delays=None)
+    yield from _hostile_orders(with_proof)
+
+
+def _hostile_orders(with_proof: Callable[..., str]) -> Iterator[tuple[str, str]]:
+    """The same with powers: of a scene that has none, so that every factor cancels."""
+    many = [[list(x), [["1"]]] for x in product(range(17), range(17))]
+    curves = ("environment", "perceived", "difference", "sum", "excess")
+    functions = {f"{x}.{y}": {"number": "1", "powers": [[0, 1], [1, -1]]} for x in curves for y in ("real", "imag")}
+    points = ["0", *(f"1/{n}" for n in range(1500, 1, -1)), "15"]
+    for name, orders, terms in (
+        ("many powers", ["1/3"], many),
+        ("a long order", [f"1/{2**99 + 1}"], many),
+        ("an order with a huge denominator", [f"1/{10**1000 + 1}"], many),
+        ("an order above 1", [f"{10**9}/7"], many),
+        ("high powers of two orders", ["1/3", "1/7"], [[[40, 40, 40, 40], [["1"] * 100] * 300]]),
+        ("many orders", [f"1/{n}" for n in range(2, 7)], [[[1] * 10, [["1"]]]]),
+        ("orders without end", [f"1/{n}" for n in range(2, 100_000)], many),
+    ):
+        yield (
+            name,
+            with_proof(
+                orders=orders, factors=[{"waves": [], "terms": terms}] * 2, functions=functions, breakpoints=points
+            ),
+        )
+    yield "no orders", with_proof(orders=None)

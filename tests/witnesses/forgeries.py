@@ -46,6 +46,7 @@ def forgeries() -> dict[str, tuple[str, str]]:
         _prime,
         _scene_of_another_kind,
         _claims_of_another_kind,
+        _powers,
     ]
     return {f"{f.__name__.strip('_')} {i}": pair for f in every for i, pair in enumerate(f())}
 
@@ -200,6 +201,41 @@ def _scene_of_another_kind() -> Iterator[tuple[str, str]]:
         yield of_scene(told, other), other
     other = text.replace("[environment]", '[[environments]]\nname = ["a"]')
     yield of_scene(told | {"environment": ["a"]}, other), other
+
+
+def _powers() -> Iterator[tuple[str, str]]:
+    """The functions of x + j y are those of every order, and what follows is not; a power of omega has no other side at 0."""
+    for old, new in (("0.3", "0.31"), ("0.3", "0.300000001"), ("0.3", "0.7")):
+        other = text_of("a spring-pot").replace(f"alpha = {old}", f"alpha = {new}")
+        for orders in ([old], [new], [old, new], [new, old]):
+            told = json.loads(certificate("a spring-pot"))
+            told["proof"]["orders"] = orders
+            yield of_scene(told, other), other
+    text = text_of("powers alone")
+    told = json.loads(certificate("powers alone"))
+    for key in ("environment", "perceived"):
+        own = copy.deepcopy(told)
+        own["claim"]["changeovers"][key] = [0, *own["claim"]["changeovers"][key]]
+        yield json.dumps(own), text
+    for old, new in (
+        ("mm", "mm^0.5"),
+        ("s^0.5", "ms^0.5"),
+        ("s^0.5", "s^.5*(m)^0.5"),
+        ('"1/2"', '"1/2 m"'),
+        ('"1/2"', "[0.4, 0.6, 0.8]"),
+    ):
+        assert old in text
+        yield of_scene(told, text.replace(old, new)), text.replace(old, new)
+    text = text_of("orders of a formula")
+    told = json.loads(certificate("orders of a formula"))
+    for old, new in (
+        ("s^(1.3)", "s^1.4"),
+        ("s^(1.3)", "s^0.3"),
+        ("s^(1.3)", "(s)^1.3"),
+        ("s^(1.3)", "s*z"),
+        ("s^(1.3)", "30^0.3*s"),
+    ):
+        yield of_scene(told, text.replace(old, new)), text.replace(old, new)
 
 
 def _claims_of_another_kind() -> Iterator[tuple[str, str]]:

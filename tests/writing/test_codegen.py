@@ -386,7 +386,7 @@ def test_there_is_no_code_for_an_effect_that_is_absent(language):
     assert not re.search(r"sinc|\bcos\b|tau", friction)
 
 
-@pytest.mark.few(30)
+@pytest.mark.few(15)
 @pytest.mark.parametrize("language", Language, ids=lambda x: x.name)
 @pytest.mark.parametrize("name", NAMES)
 def test_the_documentation_lists_every_argument_with_meaning_and_unit(name, language):

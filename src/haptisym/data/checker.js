@@ -12,9 +12,16 @@ const haptisymCheck = (function () {
   // Exact fractions.
 
   const size = (n) => (n < 0n ? -n : n);
-  const bitsOf = (n) => 4 * size(n).toString(16).length;
+
+  /** Binary digits; none of 0. */
+  function bitsOf(n) {
+    const text = size(n).toString(16);
+    return 4 * text.length - Math.clz32(parseInt(text[0], 16)) + 28;
+  }
+
   const wordsOf = (n) => Math.ceil(bitsOf(n) / 64);
   const MOST_WORDS = 500;
+  const down = (n, d) => n / d - (n % d < 0n ? 1n : 0n);
   const signOf = (n) => (n > 0n ? 1 : n < 0n ? -1 : 0);
 
   function divisor(a, b) {
@@ -185,9 +192,12 @@ const haptisymCheck = (function () {
         closed.add(table);
         return table;
       }
-      const number = take(/[+-]?(?:0|[1-9][0-9]*)(\.[0-9]+)?([eE][+-]?[0-9]{1,3})?(?![\w.:-])/);
+      const other = take(/0(?:x[0-9a-fA-F](?:_?[0-9a-fA-F])*|o[0-7](?:_?[0-7])*|b[01](?:_?[01])*)(?![\w.:-])/);
+      if (other) return { whole: new Fraction(BigInt(other[0].replace(/_/g, ""))) };
+      const number = take(/[+-]?(?:0|[1-9](?:_?[0-9])*)(\.[0-9](?:_?[0-9])*)?([eE][+-]?[0-9]{1,3})?(?![\w.:-])/);
       if (!number) fail();
-      return number[1] || number[2] ? decimal(number[0]) : { whole: decimal(number[0]) };
+      const found = decimal(number[0].replace(/_/g, ""));
+      return number[1] || number[2] ? found : { whole: found };
     }
 
     let here = root;
@@ -213,10 +223,11 @@ const haptisymCheck = (function () {
     return root;
   }
 
-  // Values: Gaussian integers, each that of a polynomial, with bounds on its degrees: in s or omega, in pi, in tan(omega tau/2) of delays.
+  // Values: Gaussian integers, each that of a polynomial, with bounds on its degrees: in s or omega, in pi, in tan(omega tau/2) of delays, in Re and Im
+  // of (j omega)^alpha of orders alpha together.
 
-  const MOST_DELAYS = 4;
-  const degree = (place, n) => Array.from({ length: MOST_DELAYS + 2 }, (_, i) => (i === place ? n : 0));
+  const MOST_OTHERS = 4;
+  const degree = (place, n) => Array.from({ length: MOST_OTHERS + 2 }, (_, i) => (i === place ? n : 0));
   const CONSTANT = degree(0, 0);
 
   const value = (re, im = 0n, own = CONSTANT) => ({ re, im, degrees: own });
@@ -225,18 +236,33 @@ const haptisymCheck = (function () {
   const conjugate = (x) => ({ ...x, im: -x.im });
   const UNIT = value(1n);
   const NOTHING = value(0n, 0n, CONSTANT.map(() => -1e6));
-  const raised = (x, n) => Array.from({ length: n }).reduce((y) => times(y, x), UNIT);
+  const multiple = (x, n) => Array.from({ length: n }).reduce((y) => times(y, x), UNIT);
 
-  /** Where a chain is computed: s, a ratio, and whole numbers in place of pi and of the tangents of some delays. */
-  const point = (s, pi, delays = [], tangents = []) => ({ s, pi, delays, tangents });
-  const onAxis = (x, pi, delays, tangents) => point([value(0n, x, degree(0, 1)), UNIT], pi, delays, tangents);
+  /**
+   * Where a chain is computed: s, a ratio, and whole numbers in place of pi and of what depends on omega otherwise: `others` has the
+   * tangents of delays, then Re and Im of the powers of orders.
+   */
+  const point = (s, pi, delays = [], orders = [], others = []) => ({ s, pi, delays, orders, others });
+  const onAxis = (x, pi, delays, orders, others) => point([value(0n, x, degree(0, 1)), UNIT], pi, delays, orders, others);
+
+  /** s to a power: a whole one, times that of an order. */
+  function raised(where, exponent) {
+    const n = down(exponent.n, exponent.d);
+    const order = exponent.minus(new Fraction(n));
+    const i = where.orders.findIndex((x) => x.compare(order) === 0);
+    need(size(n) < 100n && (!order.n || i >= 0), "a power of s: the proof has no such order");
+    const [top, bottom] = (n < 0n ? [...where.s].reverse() : where.s).map((x) => multiple(x, Number(size(n))));
+    if (!order.n) return [top, bottom];
+    const place = where.delays.length + i;
+    return [times(top, value(...where.others[place], degree(2 + place, 1))), bottom];
+  }
 
   /** (1 - j t)^n, where exp(-s lag) = ((1 - j t)/(1 + j t))^n. */
   function delayed(where, lag) {
     if (!lag.n) return UNIT;
     const i = where.delays.findIndex((tau) => lag.over(tau).d === 1n);
     need(i >= 0 && lag.over(where.delays[i]).n <= 64n, "a delay: the proof has none that it is a multiple of");
-    return raised(value(1n, -where.tangents[i], degree(2 + i, 1)), Number(lag.over(where.delays[i]).n));
+    return multiple(value(1n, -where.others[i], degree(2 + i, 1)), Number(lag.over(where.delays[i]).n));
   }
 
   /** x + y, x - y, x * y or x / y of pairs of numerator and denominator. */
@@ -276,7 +302,8 @@ const haptisymCheck = (function () {
     }
     function power() {
       let tree;
-      if (sign("(")) {
+      const isInner = sign("(");
+      if (isInner) {
         tree = sum();
         need(sign(")"), why);
       } else {
@@ -286,10 +313,13 @@ const haptisymCheck = (function () {
       if (!sign("^", "**")) return tree;
       const bracket = sign("(");
       const minus = sign("+", "-") === "-";
-      need(at < tokens.length && /^[0-9]{1,2}$/.test(tokens[at][0]), why);
-      const n = Number(tokens[at++][0]);
+      need(at < tokens.length && /^([0-9]{1,2}(\.[0-9]{0,12})?|\.[0-9]{1,12})$/.test(tokens[at][0]), why);
+      const size = decimal(tokens[at++][0]);
       need((!bracket || sign(")")) && !sign("^", "**"), why);
-      return ["^", tree, minus ? -n : n];
+      const n = minus ? ZERO.minus(size) : size;
+      if (n.d === 1n) return ["^", tree, Number(n.n)];
+      need(!isInner && !/^[.0-9]/.test(tree), why);
+      return `${tree}^${n.n}/${n.d}`; // a name with its broken power
     }
     const tree = sum();
     need(at === tokens.length, why);
@@ -305,7 +335,9 @@ const haptisymCheck = (function () {
     return result;
   }
 
-  // Quantities: value * pi^pi, and powers of kg, m and s (null without a unit).
+  // Quantities: value * pi^pi, and powers of kg, m and s in trillionths, as broken ones have twelve decimals (null without a unit).
+
+  const TRILLION = 10n ** 12n;
 
   const quantityOf = (x, pi = 0, dimension = null) => ({ value: x, pi, dimension });
 
@@ -327,30 +359,35 @@ const haptisymCheck = (function () {
   function reader(catalogue) {
     const own = (table, name) => Object.prototype.hasOwnProperty.call(table, name);
 
-    function unit(name) {
+    function unit(word) {
+      const [name, power] = word.split("^");
       const whole = own(catalogue.units, name);
       const [prefix, base] = whole ? ["", name] : [name.slice(0, 1), name.slice(1)];
       need(own(catalogue.units, base) && (!prefix || (own(catalogue.prefixes, prefix) && catalogue.units[base][3])), `the unit ${name.slice(0, 40)} is not understood`);
       const [factor, pi, dimension] = catalogue.units[base];
       const [n, d] = factor.split("/");
       const scale = new Fraction(10n).power(prefix ? catalogue.prefixes[prefix] : 0);
-      return quantityOf(new Fraction(BigInt(n), BigInt(d || 1)).times(scale), pi, dimension);
+      const x = new Fraction(BigInt(n), BigInt(d || 1)).times(scale);
+      const [up, below] = (power || "1").split("/").map(BigInt);
+      need(power === undefined || (x.n === 1n && x.d === 1n && pi === 0), `the power ${word.slice(0, 40)} is not rational`);
+      return quantityOf(x, pi, dimension.map((k) => (BigInt(k) * TRILLION * up) / (below || 1n)));
     }
 
     function units(sign, x, y) {
       need(sign === "*" || sign === "/", "a unit is a product of powers");
       const n = sign === "*" ? 1 : -1;
-      return quantityOf(x.value.times(y.value.power(n)), x.pi + n * y.pi, x.dimension.map((k, i) => k + n * y.dimension[i]));
+      return quantityOf(x.value.times(y.value.power(n)), x.pi + n * y.pi, x.dimension.map((k, i) => k + BigInt(n) * y.dimension[i]));
     }
 
-    const same = (x, y) => JSON.stringify(x) === JSON.stringify(y);
+    /** Whether a quantity is of a kind; of an empty list any may be. */
+    const isOf = (kind, { dimension }) => !kind.length || kind.some((d) => d.every((k, i) => BigInt(k) * TRILLION === dimension[i]));
 
     function quantity(given, kind) {
       if (Array.isArray(given)) {
         need(given.length === 2 || given.length === 3, "a range has two ends, and perhaps its nominal value between them");
         const [low, ...more] = given.map((x) => quantity(x, kind));
         const high = more[more.length - 1];
-        need(low.pi === high.pi && same(low.dimension, high.dimension), "the ends of a range have different units");
+        need(low.pi === high.pi && String(low.dimension) === String(high.dimension), "the ends of a range have different units");
         return more.length === 2 ? more[0] : { ...low, value: low.value.plus(high.value).over(new Fraction(2n)) };
       }
       if (given === FREE) return FREE;
@@ -364,7 +401,7 @@ const haptisymCheck = (function () {
       if (!found[3]) return quantityOf(number);
       const plain = found[3].replace(/[·×⋅]/g, "*").replace(/²/g, "^2").replace(/³/g, "^3");
       const x = evaluated(parsed(plain.replace(/(?<=[\p{L}\p{N}_)°%])\s+(?=[\p{L}_(°%])/gu, "*")), unit, units);
-      need(!kind || catalogue.dimensions[kind].some((d) => same(d, x.dimension)), `${given.slice(0, 60)} has the wrong dimension`);
+      need(!kind || isOf(catalogue.dimensions[kind], x), `${given.slice(0, 60)} has the wrong dimension`);
       return { ...x, value: x.value.times(number) };
     }
 
@@ -408,7 +445,7 @@ const haptisymCheck = (function () {
       const given = new Map([...table].filter(([key]) => !["model", "name", "parameters"].includes(key)));
       const free = table.get("parameters") || new Map();
       const [signature, ...texts] = row(model, given);
-      const names = new Map(signature.split(" ").map((x) => [x.replace(/[=?@].*$/, ""), x]));
+      const names = new Map(signature.split(" ").map((x) => [x.replace(/[=?@^].*$/, ""), x]));
       const complete = [...names].every(([key, x]) => x.includes("?") || given.has(key));
       const fits = Math.min(texts.length, 4) === count && complete && [...given.keys()].every((key) => names.has(key)) && free instanceof Map;
       const formulas = signature.includes("=");
@@ -419,15 +456,17 @@ const haptisymCheck = (function () {
         need(felt.numbers.has(name), `${x.slice(0, 60)} is no parameter of the environment`);
         return felt.numbers.get(name);
       };
-      const written = (x) => (typeof x === "string" ? x : x.whole || x instanceof Fraction ? `${(x.whole || x).n}/${(x.whole || x).d}` : "?");
-      const trees = texts.map((text) => parsed(formulas ? text.replace(/\b[A-Z]\b/, (x) => written(given.get(x))) : text));
-      const values = formulas ? [...free].map(([key, x]) => [key, referred(x, "")]) : [...names.keys()].map((key) => [key, referred(given.has(key) ? given.get(key) : ZERO, key[0].toLowerCase())]);
+      const written = (x) => (typeof x === "string" ? x : x.whole ? `${x.whole.n}` : x instanceof Fraction ? `${x.n}${x.d === 1n ? "" : `/${x.d}`}` : "?");
+      const formulasOf = texts.map((text) => (formulas ? text.replace(/\b[A-Z]\b/, (x) => written(given.get(x))) : text));
+      const trees = formulasOf.map(parsed);
+      const values = formulas ? [...free].map(([key, x]) => [key, referred(x, "")]) : [...names.keys()].map((key) => [key, referred(given.has(key) ? given.get(key) : ZERO, own(catalogue.dimensions, key) ? key : key[0].toLowerCase())]);
       const numbers = new Map(values);
       const lags = formulas ? [] : [...names].filter(([, x]) => x.includes("@")).map(([key, x]) => [key, new Fraction(BigInt(x.split("@")[1]))]);
-      return { trees, numbers, lags };
+      const order = [...names.keys()].find((key) => names.get(key).includes("^"));
+      return { trees, numbers, lags, order, length: formulasOf.reduce((n, text) => n + [...text].length, 0) };
     }
 
-    /** The formulas' values; u/v is exp(-s lag). */
+    /** The formulas' values; u/v is exp(-s lag), z is s^alpha. */
     function evaluatedElement(x, where) {
       const { pi } = where;
       const known = new Map([...x.numbers].map(([name, number]) => [name, at(number, pi)]));
@@ -438,7 +477,14 @@ const haptisymCheck = (function () {
         const u = delayed(where, lag.value.times(n));
         known.set("u", [u, UNIT]).set("v", [conjugate(u), UNIT]);
       });
+      if (x.order) {
+        const order = x.numbers.get(x.order);
+        need(order.pi === 0 && order.value.n > 0n && order.value.compare(ONE) < 0, "an order is not a number between 0 and 1");
+        known.set("z", raised(where, order.value));
+      }
       const leaf = (word) => {
+        const [name, power] = word.split("^");
+        if (name === "s" && power) return raised(where, new Fraction(...power.split("/").map(BigInt)));
         if (known.has(word)) return known.get(word);
         need(/^[.0-9]/.test(word), `the name ${word.slice(0, 40)} is not known`);
         return at(quantityOf(decimal(word)), pi);
@@ -544,6 +590,7 @@ const haptisymCheck = (function () {
         band: band.map((x) => quantity(x, "o")),
         region,
         elements: { environment: own, rendered: source, effects: between },
+        length: [own, source, ...between].reduce((n, x) => n + x.length, 0),
         /** The dynamics of a hand: one of the file by its name, or of mass, damping and stiffness. */
         hand(which, numbers) {
           const every = hands.filter((x) => (x.has("name") ? x.get("name") : "hand") === which);
@@ -558,7 +605,7 @@ const haptisymCheck = (function () {
           const clocks = effects.flatMap((x) => x.slice(4));
           need(!clocks.length || (clocks.length === 1 && effects[0].length > 4), "a clock that is not the first effect");
           const [env] = evaluatedElement(own, where);
-          let [[top, bottom]] = evaluatedElement(source, clocks.length ? { ...where, s: clocks[0] } : where);
+          let [[top, bottom]] = evaluatedElement(source, clocks.length ? { ...where, s: clocks[0], orders: [] } : where);
           effects.forEach(([[a, x], [b, y], [c, z], [d, w]]) => {
             const above = plus(times(times(a, y), top), times(times(b, x), bottom));
             const below = plus(times(times(c, w), top), times(times(d, z), bottom));
@@ -611,12 +658,12 @@ const haptisymCheck = (function () {
 
   /** JSON in which no key stands twice, and all numbers are small and whole: written again it is the same. */
   function json(text) {
-    need(text.length <= 4e6, "the certificate is too large");
+    need(new TextEncoder().encode(text).length <= 4e6, "the certificate is too large");
     let found;
     try {
       found = JSON.parse(text);
-      const plain = text.replace(/("(?:[^"\\]|\\.)*")|\s+/g, (_, told) => told || "");
-      need(JSON.stringify(found) === plain, "the certificate is not plain JSON: a key twice, a float, an escape");
+      const plain = text.replace(/"(?:[^"\\]|\\.)*"|-0(?![.eE])|\s+/g, (told) => (told === "-0" ? "0" : told[0] === '"' ? JSON.stringify(JSON.parse(told)) : ""));
+      need(JSON.stringify(found) === plain, "a key stands twice in the certificate, or a number is not whole");
     } catch (error) {
       throw new Refused(error instanceof Refused ? error.message : "the certificate is no JSON");
     }
@@ -751,40 +798,73 @@ const haptisymCheck = (function () {
 
   const sum = (list) => list.reduce((x, y) => x + y, 0n);
 
-  /** All points of a grid of that size, the last coordinate the quickest. */
-  function* grid(size, start = []) {
-    if (start.length === size.length) yield start;
-    else for (let k = 0; k < size[start.length]; k += 1) yield* grid(size, [...start, k]);
+  /** All points of a grid of that size, the last coordinate the quickest; those that are `paired` are two, of that sum at most. */
+  function* grid(size, paired, start = []) {
+    const place = start.length;
+    if (place === size.length) yield start;
+    else for (let k = 0; k < size[place]; k += 1) {
+      for (let m = 0; m <= (place < paired ? 0 : k); m += 1) yield* grid(size, paired, [...start, place < paired ? k : [k - m, m]]);
+    }
   }
 
-  /** Refused unless the products are the functions of a scene at (x, pi, tangents): on a grid that decides it. */
-  function link(told, factors, scene, delays = []) {
-    const places = Array.from({ length: 2 + delays.length }, (_, i) => i);
-    const bounds = Object.entries(scene(0n, 1n, delays.map(() => 0n))).map(([name, [top, bottom]]) => [name, places.map((i) => {
-      const [up, down] = degrees(told[name], i, factors, delays.length);
-      return Math.max(top.degrees[i] + down, bottom.degrees[i] + up, 0);
-    })]);
-    const size = places.map((i) => Math.max(...bounds.map(([, most]) => most[i])) + 1);
-    const work = [...factors, ...Object.values(told)].reduce((n, x) => n + x.words, 500);
-    need(size[0] <= 3000 && size.reduce((x, y) => x * y) * work <= 1e8, "the degrees are too high");
-    const vanishing = new Set(Object.keys(told));
+  /**
+   * Refused unless the products are the functions of a scene at (x, pi, tangents and powers): on a grid that decides it. `length` is that of
+   * the scene's formulas; of `share` such questions none may take longer than so much of what one may.
+   */
+  function link(told, factors, scene, length, delays = [], orders = [], share = 1) {
+    const places = Array.from({ length: 2 + delays.length + orders.length }, (_, i) => i);
+    const paired = 2 + delays.length;
+    const work = [...factors, ...Object.values(told)].reduce((n, x) => n + x.words, 5 * length + 100);
     let [rows, before] = [[], ""];
-    for (const steps of grid(size)) {
-      const own = bounds.filter(([, most]) => steps.every((k, i) => k <= most[i]));
-      if (!own.length) continue;
-      const [x, pi, ...tangents] = steps.map((k, i) => BigInt(i === 1 ? k + 1 : k));
+
+    /** Numerator and denominator of each function, of the scene and as told. */
+    function sidesAt(names, x, pi, others) {
       if (before !== `${x} ${pi}`) rows = factors.map((f) => f.at(x, pi));
       before = `${x} ${pi}`;
-      const values = rows.map((terms) => sum(terms.map(([turns, y]) => turns.reduce((z, k, i) => z * tangents[i] ** BigInt(k), y))));
-      const found = scene(x, pi, tangents);
-      own.forEach(([name]) => {
-        const [top, bottom] = found[name];
-        const [left, right] = sides(told[name], values, tangents.map((t) => 1n + t * t));
-        need(left * bottom.re === right * top.re && left * bottom.im === right * top.im, `${name} is not that of the scene`);
-        if ((bottom.re || bottom.im) && right) vanishing.delete(name);
+      const [circles, flat] = [others.slice(0, delays.length).map((t) => 1n + t * t), others.flat()];
+      const values = rows.map((terms) => sum(terms.map(([turns, y]) => turns.reduce((z, k, i) => z * flat[i] ** BigInt(k), y))));
+      const found = scene(x, pi, others);
+      return new Map(names.map((name) => [name, [...found[name], ...sides(told[name], values, circles)]]));
+    }
+
+    /** The functions of which what is to be zero is zero on a grid; `degreesOf`: bounds of its degrees, of those of four sides. */
+    function proven(names, degreesOf, isZero) {
+      const bounds = names.map((name) => [name, degreesOf(start.get(name))]);
+      const size = places.map((i) => Math.max(0, ...bounds.map(([, most]) => most[i])) + 1);
+      const points = size.reduce((n, k, i) => n * (i < paired ? k : (k * (k + 1)) / 2), 1);
+      need(size[0] <= 3000 && points * work * share <= 3e7, "the degrees are too high");
+      const left = new Set(names);
+      for (const steps of grid(size, paired)) {
+        const own = bounds.filter(([name, most]) => left.has(name) && steps.every((k, i) => (i < paired ? k : k[0] + k[1]) <= most[i]));
+        if (!own.length) continue;
+        const [x, pi, ...others] = steps.map((k, i) => (i < paired ? BigInt(i === 1 ? k + 1 : k) : k.map(BigInt)));
+        sidesAt(own.map(([name]) => name), x, pi, others).forEach((found, name) => {
+          const [top, bottom, above, below] = found;
+          need(above * bottom.re === below * top.re && above * bottom.im === below * top.im, `${name} is not that of the scene`);
+          if (!isZero(name, found)) left.delete(name);
+        });
+      }
+      return left;
+    }
+
+    const every = Object.keys(told);
+    const first = scene(0n, 1n, [...delays.map(() => 0n), ...orders.map(() => [0n, 0n])]);
+    const start = new Map(every.map((name) => [name, [...first[name].map((x) => x.degrees), ...[0, 1].map((k) => places.map((i) => degrees(told[name], i, factors, delays.length)[k]))]]));
+    const fixed = new Map();
+    for (let k = 17n; k < 25n && fixed.size < every.length; k += 1n) {
+      sidesAt(every, k, k + 1n, [...delays.map((_, i) => k + 2n + BigInt(i)), ...orders.map((_, i) => [k + 3n + BigInt(i), k + 4n])]).forEach(([, bottom, , right], name) => {
+        if ((bottom.re || bottom.im) && right) fixed.set(name, [right, bottom]);
       });
     }
-    need(!vanishing.size, `${[...vanishing].join(", ")} is nowhere defined`);
+    need(fixed.size === every.length, "a function is nowhere defined");
+    const largest = (...lists) => places.map((i) => Math.max(...lists.map((x) => x[i])));
+    const total = (x, y) => places.map((i) => x[i] + y[i]);
+    const plain = proven(every, (four) => largest(...four), (name, [top, bottom, left, right]) => {
+      const [u, v] = fixed.get(name);
+      return [[top, left], [bottom, right]].every(([x, y]) => x.re * u === y * v.re && x.im * u === y * v.im);
+    });
+    const others = every.filter((name) => !plain.has(name));
+    proven(others, ([top, bottom, left, right]) => largest(total(left, bottom), total(right, top)), () => true); // refused where one is not zero
   }
 
   // Rules 2 and 3: zeros and signs of polynomials, and the chart.
@@ -837,25 +917,31 @@ const haptisymCheck = (function () {
   const changes = (signs) => signs.slice(1).filter((x, i) => x !== signs[i]).length;
 
   /** A polynomial in x^step; `waves`: its degree in sine and cosine for each delay. */
-  function factor(step, rows, delays = []) {
-    const none = delays.map(() => 0);
+  function factor(step, rows, delays = [], orders = []) {
+    const none = [...delays, ...orders, ...orders].map(() => 0);
     let own = null;
     const slices = () => (own = own || bounds(rows));
     const signs = (a, b) => {
       const found = agreed(slices().map((p) => moved(p, a.power(step), b.power(step))));
-      return a.n ? found : [...Array((step - 1) * leading(found)).fill(0), ...found]; // at 0 the order is one in omega
+      const n = leading(found);
+      return [new Fraction(BigInt(a.n ? n : step * n)), found.slice(n)]; // at 0 the order is one in omega
     };
-    const cost = rows.length ** 3 * Math.max(...rows.map((row) => row.length));
-    return { ...summed(step, none, [[none, rows]]), step, rows, cost, signs, sign: (x) => sign(slices(), x.power(step)) };
+    const cost = rows.length ** 3 * Math.max(...rows.map((row) => row.length)) + 1000;
+    return { ...summed(step, none.slice(0, delays.length), [[none, rows]]), step, rows, cost, signs, sign: (x) => sign(slices(), x.power(step)) };
   }
+
+  /** The first two of a list, the next two, and so on. */
+  const pairs = (list) => Array.from({ length: list.length / 2 }, (_, i) => [list[2 * i], list[2 * i + 1]]);
 
   /** What a sum of terms has in common with a polynomial: degrees, and the values of its polynomials. */
   function summed(step, waves, terms) {
     const inPi = Math.max(...terms.map(([, p]) => Math.max(...p.map((row) => row.length)))) - 1;
+    const powers = terms.map(([turns]) => pairs(turns.slice(waves.length)).map(([x, y]) => x + y));
     return {
       waves,
-      words: terms.reduce((n, [, p]) => n + p.flat().reduce((m, c) => m + wordsOf(c), 0), 0),
-      degrees: [step * (Math.max(...terms.map(([, p]) => p.length)) - 1), inPi, ...waves],
+      isRaised: powers.some((row) => row.some((n) => n)),
+      words: terms.reduce((n, [, p]) => n + p.flat().reduce((m, c) => m + 1 + Math.floor(bitsOf(c) / 64), 0), 10),
+      degrees: [step * (Math.max(...terms.map(([, p]) => p.length)) - 1), inPi, ...waves, ...powers[0].map((_, i) => Math.max(...powers.map((row) => row[i])))],
       at: (x, pi) => terms.map(([turns, p]) => [turns, p.reduceRight((y, row) => y * x ** BigInt(step) + row.reduceRight((z, c) => z * pi + c, 0n), 0n)]),
     };
   }
@@ -867,7 +953,6 @@ const haptisymCheck = (function () {
   const factorial = (n) => (n > 1 ? BigInt(n) * factorial(n - 1) : 1n);
   const PARTS_OF_ONE = factorial(ORDER) * 10n ** 70n;
   const NONE = [0n, 0n];
-  const down = (n, d) => n / d - (n % d < 0n ? 1n : 0n);
   const up = (n, d) => -down(-n, d);
   const rounded = (middle, radius, by) => [down(middle, by), up(radius, by) + (middle % by ? 1n : 0n)];
   const ballOf = (x) => rounded(x.n * PARTS_OF_ONE, 0n, x.d);
@@ -902,8 +987,63 @@ const haptisymCheck = (function () {
     return [c, s];
   }
 
-  /** Powers of omega (0), of sines (1, 3, ...) and their cosines (2, 4, ...), as series with the step h, wherever from low to high. */
-  function placed(delays, low, high, step) {
+  const FINER = PARTS_OF_ONE * 10n ** 20n;
+
+  /** The sum of x^n/n, n odd, |x| <= 1/3, to a thousand parts of FINER. */
+  function artanh(x) {
+    let y = (x.n * FINER) / x.d;
+    const square = (y * y) / FINER;
+    let total = y;
+    for (let n = 3n; n < 221n; n += 2n) {
+      y = (y * square) / FINER;
+      total += y / n;
+    }
+    return total;
+  }
+
+  const LN_2 = 2n * artanh(new Fraction(1n, 3n));
+
+  /** x^alpha = exp(alpha ln x), x > 0 and 0 < alpha < 1; ln (1 + y)/(1 - y) = 2 artanh y. */
+  function powerOf(x, alpha) {
+    const bits = (k) => k.toString(2).length;
+    const n = bits(x.n) - bits(x.d);
+    need(x.n > 0n && Math.abs(n) < 1e5, "a number is too large, or too small");
+    const m = x.over(new Fraction(2n).power(n)); // between 1/2 and 2
+    const y = down((2n * artanh(m.minus(ONE).over(m.plus(ONE))) + BigInt(n) * LN_2) * alpha.n, alpha.d);
+    const k = down(y, LN_2);
+    let [total, term] = [FINER, FINER];
+    for (let i = 1n; i < 80n; i += 1n) {
+      term = (term * (y - k * LN_2)) / (FINER * i);
+      total += term;
+    }
+    const [above, below] = [k > 0n ? k : 0n, k < 0n ? -k : 0n];
+    return rounded(total << above, 10n ** 12n << above, 10n ** 20n << below); // 2^k exp(y - k ln 2)
+  }
+
+  const scaledBall = ([m, r], by) => rounded(m * by.n, r * size(by.n), by.d);
+
+  /** h^n/n! times the n-th derivative of omega^alpha at x. */
+  function binomial(alpha, step, x) {
+    const own = powerOf(x, alpha);
+    const found = [own];
+    let weight = ONE;
+    for (let n = 0n; n < ORDER; n += 1n) {
+      weight = weight.times(alpha.minus(new Fraction(n))).times(step).over(x.times(new Fraction(n + 1n)));
+      found.push(scaledBall(own, weight));
+    }
+    return found;
+  }
+
+  const larger = (x, y) => (x > y ? x : y);
+
+  /** What holds two balls, and all between. */
+  const hull = ([a, b], [c, d]) => [down(a + c, 2n), (size(a - c) + 1n) / 2n + larger(b, d) + 1n];
+
+  /**
+   * Powers of omega (0), of sines (1, 3, ...) and their cosines (2, 4, ...), then of Re and Im of each (j omega)^alpha, as series with the
+   * step h, wherever from low to high. From 0 on the last two are those of h: what is before them is a power of omega/h.
+   */
+  function placed(delays, orders, low, high, step) {
     const two = new Fraction(2n);
     const [middle, reach] = [low.plus(high).over(two), high.minus(low).over(two)];
     const radius = up(reach.n * PARTS_OF_ONE, reach.d);
@@ -916,23 +1056,30 @@ const haptisymCheck = (function () {
       const turns = [[c, d], [-s, t], [-c, d], [s, t]];
       const weights = [ONE];
       for (let n = 1n; n <= ORDER; n += 1n) weights.push(weights[weights.length - 1].times(step.times(rate)).over(new Fraction(n)));
-      [3, 0].forEach((i) => own.push(weights.map((w, n) => rounded(turns[(n + i) % 4][0] * w.n, turns[(n + i) % 4][1] * w.n, w.d))));
+      [3, 0].forEach((i) => own.push(weights.map((w, n) => scaledBall(turns[(n + i) % 4], w))));
+    });
+    orders.forEach((alpha) => {
+      const [start, end] = low.n ? [low, high].map((x) => binomial(alpha, step, x)) : [];
+      const sizes = low.n ? start.map((x, n) => hull(x, end[n])) : [powerOf(step, alpha), ...Array(ORDER).fill(NONE)];
+      const angle = alpha.times(new Fraction(PI[0], 2n * SCALE));
+      circle(angle).forEach(([m, r]) => own.push(multiplied(sizes, [[m, r + 1n], ...Array(ORDER).fill(NONE)])));
     });
     const known = own.map(() => [first]);
-    return (i, n) => {
+    const power = (i, n) => {
       while (known[i].length <= n) known[i].push(multiplied(own[i], known[i][known[i].length - 1]));
       return known[i][n];
     };
+    return { power, count: own.length };
   }
 
   /** The last few of them, as many factors ask for the same ones. */
   const places = new Map();
 
-  function placeOf(delays, low, high, step) {
-    const key = [...delays, low, high, step].map((x) => `${x.n}/${x.d}`).join();
+  function placeOf(delays, orders, low, high, step) {
+    const key = [delays, orders, [low, high, step]].map((list) => list.map((x) => `${x.n}/${x.d}`).join()).join(";");
     if (!places.has(key)) {
       if (places.size > 7) places.delete(places.keys().next().value);
-      places.set(key, placed(delays, low, high, step));
+      places.set(key, placed(delays, orders, low, high, step));
     }
     return places.get(key);
   }
@@ -962,62 +1109,101 @@ const haptisymCheck = (function () {
 
   const inPi = (row) => [sum(row.map((c, n) => c * powerOfPi(n)[0])), sum(row.map((c, n) => size(c) * powerOfPi(n)[1]))];
 
-  /** A sum of polynomials in omega times powers of sines, and of cosines with what is missing to a degree, of omega tau/2. */
-  function waveFactor(x, delays) {
+  /**
+   * A sum of polynomials in omega times powers of sines, of cosines with what is missing to a degree, of omega tau/2, and of Re and Im of
+   * (j omega)^alpha.
+   */
+  function waveFactor(x, delays, orders) {
     const [told, rows] = keyed(x, "waves", "terms");
     const waves = listed(told, delays.length, delays.length).map((n) => whole(n, 0, 40));
+    const most = [...waves, ...orders.flatMap(() => [40, 40])];
     const terms = listed(rows, 300, 1).map((row) => {
       const [turns, p] = listed(row, 2, 2);
-      return [listed(turns, delays.length, delays.length).map((k, i) => whole(k, 0, waves[i])), polynomial(p)];
+      return [listed(turns, most.length, most.length).map((k, i) => whole(k, 0, most[i])), polynomial(p)];
     });
     need(new Set(terms.map(([turns]) => turns.join())).size === terms.length, "a term stands twice in a factor");
     const every = terms.flatMap(([, p]) => p);
-    const sizes = every.reduce((n, row) => n + Math.max(...row.map((c) => 4 * c.toString(16).length)) + row.length + 40, 0);
-    const cost = (sizes + 500 * terms.length * (1 + waves.reduce((n, k) => n + k, 0))) * 2;
+    const common = summed(1, waves, terms);
+    const sizes = every.reduce((n, row) => n + Math.max(...row.map(bitsOf)) + row.length + 40, 0);
+    const cost = (sizes + 500 * terms.length * common.degrees.slice(2).reduce((n, k) => n + k, 1)) * 2;
     need(cost < 1e7, "a factor is too large");
 
+    /** Exponents of sines and cosines, and of real and imaginary parts. */
+    const exponents = (turns) => [...waves.flatMap((n, i) => [turns[i], n - turns[i]]), ...turns.slice(waves.length)];
+
     /** `number`: what a coefficient is, with pi in it. */
-    const series = (at, number = inPi) => terms.reduce((total, [turns, p]) => {
+    const series = (some, at, number = inPi) => some.reduce((total, [turns, p]) => {
       const inOmega = p.reduce((term, row, n) => {
         const own = number(row);
-        return added(term, at(0, n).map((y) => rounded(own[0] * y[0], sizeOf(own, y), PARTS_OF_ONE)));
+        return added(term, at.power(0, n).map((y) => rounded(own[0] * y[0], sizeOf(own, y), PARTS_OF_ONE)));
       }, Array(ORDER + 1).fill(NONE));
-      return added(total, turns.reduce((term, k, i) => multiplied(multiplied(term, at(2 * i + 1, k)), at(2 * i + 2, waves[i] - k)), inOmega));
+      return added(total, exponents(turns).slice(0, at.count - 1).reduce((term, n, i) => multiplied(term, at.power(i + 1, n)), inOmega));
     }, Array(ORDER + 1).fill(NONE));
 
-    /** With a step that makes all angles whole numbers coefficients are exact; each power of pi in them is looked at alone. */
-    function orderAt0() {
+    /** The coefficients of a sum of c_n v^n, v from 0 to 1, that is the sum of terms from a to b (Lagrange). */
+    function modelOf(some, a, b) {
+      const [here, there] = [a, b].map((end) => series(some, placeOf(delays, orders, a, end, b.minus(a))));
+      return [...here.slice(0, -1), there[ORDER]];
+    }
+
+    /**
+     * The terms with each power of omega that is not whole, and which of Taylor's coefficients are not zero beside it at 0. With a step that
+     * makes all angles whole numbers coefficients are exact; each power of pi in them is looked at alone.
+     */
+    function beginnings() {
       const step = new Fraction(2n * delays.reduce((n, { d }) => (n / divisor(n, d)) * d, 1n));
-      const here = placeOf(delays, ZERO, ZERO, step);
-      const width = Math.max(...every.map((row) => row.length));
-      const found = Array.from({ length: width }, (_, i) => series(here, (row) => [(row[i] || 0n) * PARTS_OF_ONE, 0n]));
-      const order = found[0].findIndex((_, n) => n < ORDER && found.some((row) => row[n][0] || row[n][1]));
-      need(order >= 0, "the order of a zero at 0 stays open");
-      return order;
+      const here = placeOf(delays, [], ZERO, ZERO, step);
+      const groups = new Map();
+      terms.forEach((term) => {
+        const key = term[0].slice(waves.length).join();
+        groups.set(key, [...(groups.get(key) || []), term]);
+      });
+      return [...groups.values()].map((some) => {
+        const width = Math.max(...some.flatMap(([, p]) => p).map((row) => row.length));
+        const alone = Array.from({ length: width }, (_, i) => series(some, here, (row) => [(row[i] || 0n) * PARTS_OF_ONE, 0n]));
+        const exponent = pairs(some[0][0].slice(waves.length)).reduce((n, [k, m], i) => n.plus(orders[i].times(new Fraction(BigInt(k + m)))), ZERO);
+        return { exponent, some, there: alone[0].map((_, n) => alone.some((row) => row[n][0] || row[n][1])) };
+      });
+    }
+
+    /** A sum of c v^e, v from 0 to 1, has one sign if all of its partial sums have, from the lowest e on (Abel). */
+    function signsFrom0(b) {
+      first = first || beginnings();
+      const total = [];
+      first.forEach(({ exponent, some, there }) => modelOf(some, ZERO, b).forEach(([c, d], n) => {
+        if (!there[n] && n < ORDER) return;
+        const own = exponent.plus(new Fraction(BigInt(n)));
+        const known = total.find((x) => x.own.compare(own) === 0);
+        if (known) known.ball = [known.ball[0] + c, known.ball[1] + d];
+        else total.push({ own, ball: [c, d] });
+      }));
+      total.sort((x, y) => x.own.compare(y.own));
+      let partial = [];
+      const found = total.map(({ ball }) => strict((partial = [...partial, ball])));
+      need(found.every((x) => x === found[0]), "a sign stays open");
+      return [total[0].own, [found[0]]];
     }
 
     let first = null;
     return {
-      ...summed(1, waves, terms),
+      ...common,
       cost,
       signs(a, b) {
-        const [here, there] = [a, b].map((end) => series(placeOf(delays, a, end, b.minus(a))));
-        const model = [...here.slice(0, -1), there[ORDER]]; // the sum of c_n v^n from 0 to 1 (Lagrange)
-        if (!a.n && first === null) first = orderAt0();
-        const lead = a.n ? 0 : first;
-        const found = steady(model.slice(lead));
-        if (found) return [...Array(lead).fill(0), found];
-        need(!lead && steady(model.map(([c, d], n) => [BigInt(n) * c, BigInt(n) * d]).slice(1)), "a sign stays open");
-        return [strict(model.slice(0, 1)), strict(model)];
+        if (!a.n) return signsFrom0(b);
+        const model = modelOf(terms, a, b);
+        const found = steady(model);
+        if (found) return [ZERO, [found]];
+        need(steady(model.map(([c, d], n) => [BigInt(n) * c, BigInt(n) * d]).slice(1)), "a sign stays open");
+        return [ZERO, [strict(model.slice(0, 1)), strict(model)]];
       },
-      sign: (at) => strict(series(placeOf(delays, at, at, ZERO))),
+      sign: (at) => strict(series(terms, placeOf(delays, orders, at, at, ZERO))),
     };
   }
 
-  function factorOf(x, delays) {
-    if (x && typeof x === "object" && "waves" in x) return waveFactor(x, delays);
+  function factorOf(x, delays, orders) {
+    if (x && typeof x === "object" && "waves" in x) return waveFactor(x, delays, orders);
     const [step, p] = keyed(x, "step", "polynomial");
-    return factor(whole(step, 1, 2), polynomial(p), delays);
+    return factor(whole(step, 1, 2), polynomial(p), delays, orders);
   }
 
   /** Bounds of the low end of the band, and of the high end. */
@@ -1042,7 +1228,8 @@ const haptisymCheck = (function () {
     need(ascend(ZERO, points[0], low) && ascend(lowTop, points[1]), "the first cell does not hold the low end of the band");
     need(ascend(points[last - 1], high) && ascend(highTop, points[last]), "the last cell does not hold the high end of the band");
     affordable(points, factors.reduce((n, { cost }) => n + cost, 0));
-    const chart = { from0: lowTop.n === 0n, orders: [new Map()], signs: [] };
+    affordable(told.flat(), Math.floor(Math.max(0, ...factors.map(({ cost }) => cost)) / 10));
+    const chart = { from0: lowTop.n === 0n, isRaised: factors.map((x) => x.isRaised), orders: [new Map()], signs: [] };
     const trailing = new Map();
     let used = 1;
     need(told.length > 1 && ascend(told[0][0], low) && ascend(lowTop, told[0][1]), "the low end of the band is not in its enclosure");
@@ -1050,13 +1237,14 @@ const haptisymCheck = (function () {
       const [a, b] = [points[k], points[k + 1]];
       const starts = low.compare(a) === 0 && lowTop.compare(a) === 0;
       const stops = high.compare(b) === 0 && highTop.compare(b) === 0;
-      const found = factors.map((f) => f.signs(a, b));
+      const both = factors.map((f) => f.signs(a, b));
+      const [leads, found] = [0, 1].map((i) => both.map((x) => x[i]));
       const inner = found.map((signs) => signs.filter((x) => x));
       found.forEach((signs, i) => {
-        const [lead, trail] = [leading(signs), leading([...signs].reverse())];
-        need((starts || !lead) && (stops || !trail), "a factor is zero at a breakpoint");
-        if (lead) chart.orders[0].set(i, lead);
-        if (trail) trailing.set(i, trail);
+        const [lead, trail] = [leads[i], leading([...signs].reverse())];
+        need((starts || !lead.n) && (stops || !trail), "a factor is zero at a breakpoint");
+        if (lead.n) chart.orders[0].set(i, lead);
+        if (trail) trailing.set(i, new Fraction(BigInt(trail)));
       });
       if (!chart.signs.length) chart.signs.push(inner.map((x) => x[0]));
       const turns = inner.map(changes);
@@ -1067,9 +1255,8 @@ const haptisymCheck = (function () {
         need(used < told.length, "there are more places than frequencies");
         const [x, y] = told[used];
         used += 1;
-        affordable([x, y], factors[i].cost);
         need(a.compare(x) < 0 && ascend(x, y) && y.compare(b) < 0 && factors[i].sign(x) * factors[i].sign(y) <= 0, "an enclosure holds no zero");
-        chart.orders.push(new Map([[i, 1]]));
+        chart.orders.push(new Map([[i, ONE]]));
         chart.signs.push(inner.map((s) => s[s.length - 1]));
       }
     }
@@ -1081,11 +1268,15 @@ const haptisymCheck = (function () {
 
   // Rule 4: what follows.
 
+  /** A whole number, rounded away from 0. */
+  const away = (x) => Number(x.n > 0n ? up(x.n, x.d) : down(x.n, x.d));
+
   function curve(p, chart) {
-    const order = chart.orders.map((found) => [...p.powers].reduce((x, [f, n]) => x + n * (found.get(f) || 0), 0));
+    const order = chart.orders.map((found) => away([...p.powers].reduce((x, [f, n]) => x.plus((found.get(f) || ZERO).times(new Fraction(BigInt(n)))), ZERO)));
+    const isOneSided = chart.from0 && [...p.powers.keys()].some((f) => chart.isRaised[f]); // a power of omega has no other side
     const between = chart.signs.map((row) => [...p.powers].reduce((x, [f, n]) => x * (n % 2 ? row[f] : 1), signOf(p.number.n)));
     const flip = (x, n) => (n % 2 ? -x : x) || 0;
-    const before = [flip(between[0], order[0]), ...between];
+    const before = [flip(between[0], isOneSided ? 0 : order[0]), ...between];
     const after = [...between, flip(between[between.length - 1], order[order.length - 1])];
     return { order, before, after, at: order.map((n, i) => (n > 0 || before[i] !== after[i] ? 0 : after[i])) };
   }
@@ -1198,18 +1389,18 @@ const haptisymCheck = (function () {
   }
 
   /** The zeros in Re s >= 0 of a function of s and pi, counted with multiplicity. */
-  function zeros(x, ratio) {
+  function zeros(x, ratio, length, share = 1) {
     const [told, own, cells] = keyed(x, "factors", "function", "cells");
     const factors = listed(told, 100).map(polynomial);
     const linked = factors.map((rows) => factor(1, rows));
     const p = product(own, linked);
-    link({ it: p }, linked, (s, pi) => ({ it: ratio(point([value(s, 0n, degree(0, 1)), UNIT], pi)) }));
+    link({ it: p }, linked, (s, pi) => ({ it: ratio(point([value(s, 0n, degree(0, 1)), UNIT], pi)) }), length, [], [], share);
     need(p.number.n, "a function is zero everywhere");
     const points = listed(cells, factors.length, factors.length).map((row) => ascending(row, 300));
     need(points.every((row) => !row.length || row[0].n > 0n), "a cell is empty");
+    p.powers.forEach((_, i) => affordable([ZERO, ...points[i]], linked[i].cost * linked.length * share));
     const below = [...p.powers].filter(([, n]) => n < 0).map(([i]) => factors[i]);
     return [...p.powers].filter(([, n]) => n > 0).reduce((count, [i, n]) => {
-      affordable(points[i], linked[i].cost);
       const found = toTheRight(factors[i], points[i]);
       need(!found || below.every((q) => coprime(factors[i], q)), "a zero may be none: the denominator may share it");
       return count + n * found;
@@ -1262,7 +1453,7 @@ const haptisymCheck = (function () {
   function valuesOf(told, factors, slabs, scene) {
     const rows = listed(slabs, 500, 1).map((x) => keyed(x, "from", "to", "points", "part"));
     const triples = rows.flatMap(([low, high, points]) => listed(points, 500, 1).map((x) => [low, high, x]));
-    const cost = factors.reduce((n, { rows: p }) => n + (p.length * Math.max(...p.map((row) => row.length))) ** 2, 0);
+    const cost = factors.reduce((n, { rows: p }) => n + (p.length * Math.max(...p.map((row) => row.length))) ** 2 + 1000, 0);
     affordable(triples.flat().filter((x) => x !== null).map(number), cost);
     const joined = (i) => i > 0 && i < rows.length && rows[i - 1][1] === rows[i][0] && (rows[i - 1][3] === null) === (rows[i][3] === null);
     const point = (x, infinity) => (x === null ? { n: infinity, d: 0n } : number(x));
@@ -1282,24 +1473,26 @@ const haptisymCheck = (function () {
 
   // The questions that a certificate may answer, each with what follows from its proof.
 
-  function delaysOf(told) {
-    const found = listed(told, MOST_DELAYS).map(number);
+  function othersOf(told) {
+    const found = listed(told, MOST_OTHERS).map(number);
     need(found.every((x) => x.n > 0n && x.n < x.d << 100n && x.d < 1n << 100n), "a delay is not positive, or too long");
     return found;
   }
 
   function evaluation(claim, proof, scene) {
-    const [lags, points, told, products, poles] = keyed(proof, "delays", "breakpoints", "factors", "functions", "poles");
-    const delays = delaysOf(lags);
-    const factors = listed(told, 500).map((x) => factorOf(x, delays));
+    const [lags, powers, points, told, products, poles] = keyed(proof, "delays", "orders", "breakpoints", "factors", "functions", "poles");
+    const [delays, orders] = [lags, powers].map(othersOf);
+    const fits = delays.length + orders.length <= MOST_OTHERS && orders.every((x) => x.compare(ONE) < 0);
+    need(fits, "there are too many delays and orders, or an order is not below 1");
+    const factors = listed(told, 500).map((x) => factorOf(x, delays, orders));
     need(isSquare(scene.region), "the JND is a region of its own");
     const names = CURVES.flatMap((x) => PARTS.map((part) => `${x}.${part}`));
     const written = keyed(products, ...names).map((x) => product(x, factors));
-    link(Object.fromEntries(names.map((x, i) => [x, written[i]])), factors, (x, pi, tangents) => functions(scene, onAxis(x, pi, delays, tangents)), delays);
+    link(Object.fromEntries(names.map((x, i) => [x, written[i]])), factors, (x, pi, others) => functions(scene, onAxis(x, pi, delays, orders, others)), scene.length, delays, orders);
     const enclosures = listed(claim.frequencies, 2000, 2).map((pair) => listed(pair, 2, 2).map(number));
     const chart = charted(scene, ascending(points, 2000, 2), factors, enclosures);
     const curves = Object.fromEntries(names.map((x, i) => [x, curve(written[i], chart)]));
-    const count = poles === null ? null : zeros(poles, (where) => [...scene.at(where)[1]].reverse());
+    const count = poles === null ? null : zeros(poles, (where) => [...scene.at(where)[1]].reverse(), scene.length);
     return { frequencies: claim.frequencies, ...claimed(curves, chart.from0), stable: count === null ? null : count === 0 };
   }
 
@@ -1307,12 +1500,13 @@ const haptisymCheck = (function () {
     const [poles, held] = keyed(proof, "imposed", "held");
     const told = listed(claim.held, 100);
     const proofs = listed(held, told.length, told.length);
-    const count = zeros(poles, (where) => [...scene.at(where)[1]].reverse());
+    const asked = [scene.length, 1 + told.length];
+    const count = zeros(poles, (where) => [...scene.at(where)[1]].reverse(), ...asked);
     const found = told.map((row, i) => {
       const [hand] = keyed(row, "hand", "unstable");
       const numbers = typeof hand === "string" ? null : keyed(hand, "m", "b", "k").map(number);
       const z = scene.hand(hand, numbers);
-      return { hand, unstable: zeros(proofs[i], (where) => combined("+", scene.at(where)[1], z(where))) };
+      return { hand, unstable: zeros(proofs[i], (where) => combined("+", scene.at(where)[1], z(where)), ...asked) };
     });
     return { imposed: count, held: found };
   }
@@ -1323,14 +1517,14 @@ const haptisymCheck = (function () {
     const parts = PARTS.filter((part) => asked.includes(part));
     need(isSquare(scene.region), "the JND is a region of its own");
     const [free, names] = [listed(claim.free, 9, 1), parts.map((part) => `excess.${part}`)];
-    const factors = listed(polynomials, 500).map((x) => factorOf(x, []));
+    const factors = listed(polynomials, 500).map((x) => factorOf(x, [], []));
     need(factors.every((x) => x.rows), "a factor is no polynomial");
     const written = keyed(products, ...names).map((x) => product(x, factors));
     const told = Object.fromEntries(names.map((x, i) => [x, written[i]]));
     link(told, factors, (x, pi) => {
       const every = functions(scene, onAxis(x, pi));
       return Object.fromEntries(names.map((name) => [name, every[name]]));
-    });
+    }, scene.length);
     return { free, parts, ...valuesOf(told, factors, slabs, scene) };
   }
 
@@ -1342,7 +1536,7 @@ const haptisymCheck = (function () {
   function check(text, sceneText, catalogue) {
     const [kind, digest, name, claim, proof] = keyed(json(text), "format", "scene_sha256", "environment", "claim", "proof");
     need(kind === "haptisym.certificate/1", "the format is not haptisym.certificate/1");
-    need(sceneText.length <= 1e6, "the scene is too large");
+    need(new TextEncoder().encode(sceneText).length <= 1e6, "the scene is too large");
     need(digest === sha256(sceneText), "the certificate is that of another scene file");
     need(name === null || typeof name === "string", "the environment has no name");
     const asked = claim && typeof claim === "object" && Object.keys(QUESTIONS).includes(claim.question);

@@ -140,11 +140,13 @@ def sampled_passivity(scene: Scene) -> SampledPassivity | None:
 
 @dataclass(frozen=True)
 class ColgateLoop:
-    """Period, controller as a function of s = (z - 1)/(z + 1), and the device's damping; in numbers, or with a symbol."""
+    """Period, controller as a function of s = (z - 1)/(z + 1), and the device; in numbers, or with a symbol."""
 
     T: Expr
     C: Expr
     damping: Expr
+    mass: Expr = Integer(0)
+    stiffness: Expr = Integer(0)
 
     def sides(self, ring: Ring) -> tuple[RealFunction, RealFunction]:
         """The right-hand side as a function of tan(theta/2), and of cot(theta/2)."""
@@ -168,7 +170,7 @@ def loop_of(scene: Scene) -> ColgateLoop | SampledPassivity:
     device = _device(behind)
     if device is None:
         return SampledPassivity(T, reason=_TEN)
-    return ColgateLoop(T, C.xreplace({BACK: (1 - s) / (1 + s)}), device)
+    return ColgateLoop(T, C.xreplace({BACK: (1 - s) / (1 + s)}), device["b"], device["m"], device["k"])
 
 
 def _held(scene: Scene, T: Expr, behind: Sequence[Effect]) -> tuple[Expr, Sequence[Effect]]:
@@ -179,8 +181,8 @@ def _held(scene: Scene, T: Expr, behind: Sequence[Effect]) -> tuple[Expr, Sequen
     return C, left
 
 
-def _device(effects: Sequence[Effect]) -> Expr | None:
-    """The damping between clock and hand; None where there is something other than mass, spring and damper, none negative.
+def _device(effects: Sequence[Effect]) -> dict[str, Expr] | None:
+    """Mass, damping and stiffness between clock and hand; None where there is something else, or a negative mass or stiffness.
 
     Of a symbol it is not asked whether it is negative.
     """
@@ -191,4 +193,4 @@ def _device(effects: Sequence[Effect]) -> Expr | None:
         for p in effect.parameters:
             total[p.key] += p.value
     known = [total[key] for key in "mk" if not total[key].free_symbols]
-    return None if any(sign_of_number(x) < 0 for x in known) else total["b"]
+    return None if any(sign_of_number(x) < 0 for x in known) else total

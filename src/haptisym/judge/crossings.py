@@ -10,8 +10,6 @@ from haptisym.judge.criteria import Criterion, Judged, judged
 from haptisym.judge.regions import Sided
 from haptisym.kernel.lattices import Signed
 from haptisym.kernel.reals import ExactNumber, RealNumber
-from haptisym.kernel.response import on_axis
-from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import Chart, Key, Point
 from haptisym.kernel.shown import Shown
 from haptisym.model.distortion import Distortion, part_of
@@ -69,19 +67,20 @@ NEARER = "real nearer"
 
 def curves(d: Distortion, criteria: Iterable[Criterion]) -> dict[Key, Signed]:
     """All real functions that an evaluation asks about."""
-    both = RationalFunction(d.env.ring, d.env.numerator, d.env.denominator) + d.perc
     responses = {
         Curve.ENVIRONMENT: d.env_response,
         Curve.PERCEIVED: d.perc_response,
         Curve.DIFFERENCE: d.difference_response,
-        Curve.SUM: on_axis(both.reduced()),
     }
     listed = list(criteria)
     found: dict[Key, Signed] = {x: x.function(d) for x in listed}
     for region in (x.joint for x in listed if x.joint):
         found |= {(Curve.OUTSIDE, part): region.projected(d, part) for part in Part}
         found[NEARER] = region.nearer(d)
-    return found | {(name, part): part_of(x, part) for part in Part for name, x in responses.items()}
+    for part in Part:
+        found |= {(name, part): part_of(x, part) for name, x in responses.items()}
+        found[Curve.SUM, part] = part_of(d.env_response, part) + part_of(d.perc_response, part)
+    return found
 
 
 def find_crossings(chart: Chart) -> tuple[Crossing, ...]:

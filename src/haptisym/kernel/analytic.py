@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import lru_cache
 from typing import Any
 
@@ -24,11 +25,16 @@ class AnalyticFactor(WaveSum, SeriesFactor):
 
     def steady_sign(self, low: Expr, high: Expr) -> int:
         with flint.ctx.workprec(128):
-            box = arb.union(*around(low, high))
-            ranges = self.ranges(box) if self.orders else {(): self.value(box)}
-        signs = {sign_of(x) for x in ranges.values()}
-        at_low = low != 0 or any(not any(powers) for powers in ranges)  # else it is 0 at omega = 0
-        return signs.pop() if len(signs) == 1 and at_low else 0
+            ends = around(low, high)
+            box = arb.union(*ends)
+            if not self.orders:
+                return sign_of(self.value(box))
+            if low == 0 and not any(not any(term.powers) for term in self.terms):
+                return 0  # at omega = 0
+            if sign := _common(self.parts(box)):
+                return sign
+            seen = {sign_of(x) for place in (*ends, ((ends[0] + ends[1]) / 2).mid()) for x in self.parts(place)}
+            return 0 if {1, -1} <= seen else _common(self.ranges(box).values())
 
     @property
     def farthest(self) -> float | None:
@@ -53,6 +59,12 @@ class AnalyticFactor(WaveSum, SeriesFactor):
 
     def order_at(self, place: Expr) -> Any:
         return _order_at(self, place)
+
+
+def _common(balls: Iterable[Ball]) -> int:
+    """The sign that all have; 0 where they have none."""
+    signs = {sign_of(x) for x in balls}
+    return signs.pop() if len(signs) == 1 else 0
 
 
 @lru_cache(maxsize=1024)

@@ -15,6 +15,7 @@ from typing import TypeAlias
 from flint import fmpq
 from sympy import Expr, Symbol, cos, pi, sin, sinc
 
+from haptisym.kernel.monomials import monomials
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in
 from haptisym.kernel.symbols import omega
 
@@ -61,7 +62,7 @@ class Axis(PolynomialRing):
 
     def _even_and_odd(self, polynomial: Polynomial) -> ComplexPolynomial:
         split: tuple[dict[object, object], dict[object, object]] = ({}, {})
-        for exponents, coefficient in polynomial.to_dict().items():
+        for exponents, coefficient in monomials(polynomial):
             power = int(exponents[0])
             split[power % 2][exponents] = -coefficient if power % 4 >= 2 else coefficient
         return self.context.from_dict(split[0]), self.context.from_dict(split[1])
@@ -69,23 +70,29 @@ class Axis(PolynomialRing):
     def _turned(self, polynomial: Polynomial, highest: Sequence[int]) -> ComplexPolynomial:
         """Each monomial s^n E^k A^l j^i is j^(n+i) times all-passes in the half-angle tangents."""
         real, imag = self.constant(0), self.constant(0)
-        gens = self.context.gens()
-        for exponents, coefficient in polynomial.to_dict().items():
-            own = [int(n) for n in exponents]
-            turns = own[self.size : self.size + len(self.angles)]
-            base = self.context.from_dict({(*own[: self.size], *[0] * (len(gens) - self.size)): coefficient})
-            quarter = own[0] + (own[-1] if self.complex else 0)
-            x, y = (base, self.constant(0)) if quarter % 2 == 0 else (self.constant(0), base)
-            if quarter % 4 >= 2:
-                x, y = -x, -y
-            for i, (turn, most) in enumerate(zip(turns, highest, strict=True)):
+        gens, first = self.context.gens(), self.size + len(self.angles)
+        for turns, (x, y) in self._alike(polynomial).items():
+            for i, (turn, most) in enumerate(zip(turns, highest, strict=False)):
                 a, b = self._all_pass(i, turn, most)
                 x, y = x * a - y * b, x * b + y * a
-            for i, turn in enumerate(turns[self.delays :]):
-                power = gens[self.size + len(self.angles) + i] ** turn
+            for i, turn in enumerate(turns[self.delays : len(highest)]):
+                power = gens[first + i] ** turn
                 x, y = x * power, y * power
             real, imag = real + x, imag + y
         return real, imag
+
+    def _alike(self, polynomial: Polynomial) -> dict[tuple[int, ...], ComplexPolynomial]:
+        """By the exponents of the delays and powers, what stands before them, at s = j omega."""
+        groups: dict[tuple[int, ...], tuple[dict[object, object], dict[object, object]]] = {}
+        rest = (0,) * (len(self.meanings) - self.size)
+        for exponents, coefficient in monomials(polynomial):
+            own = tuple(map(int, exponents))
+            quarter = own[0] + (own[-1] if self.complex else 0)
+            sides = groups.setdefault(own[self.size : self.size + len(self.angles)], ({}, {}))
+            side, place = sides[quarter % 2], own[: self.size] + rest
+            turned = -coefficient if quarter % 4 >= 2 else coefficient
+            side[place] = side.get(place, 0) + turned
+        return {turns: tuple(map(self.context.from_dict, sides)) for turns, sides in groups.items()}
 
     @lru_cache(maxsize=256)  # noqa: B019 - a ring lives as long as its functions
     def _all_pass(self, index: int, turn: int, most: int) -> ComplexPolynomial:
@@ -128,7 +135,7 @@ class Axis(PolynomialRing):
         total = target.constant(0)
         gens = target.context.gens()
         first = target.size + len(self.orders)
-        for exponents, coefficient in polynomial.to_dict().items():
+        for exponents, coefficient in monomials(polynomial):
             own = [int(n) for n in exponents]
             turns, powers = own[self.size : self.size + len(even)], own[self.size + len(even) :]
             term = target.context.from_dict({(*own[: self.size], *powers, *[0] * (len(gens) - first)): coefficient})
@@ -165,7 +172,7 @@ class Axis(PolynomialRing):
             polynomial, circles = self.without_circles(polynomial)
             tops = [n - 2 * circle for n, circle in zip(degrees, circles, strict=True)]
             terms = {}
-            for exponents, coefficient in polynomial.to_dict().items():
+            for exponents, coefficient in monomials(polynomial):
                 own = [int(n) for n in exponents]
                 turns, powers = own[self.size : self.size + len(degrees)], own[self.size + len(degrees) :]
                 own[0] += sum(k for k, angle in zip(turns, self.angles, strict=True) if not angle.constant)

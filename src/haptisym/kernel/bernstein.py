@@ -19,9 +19,25 @@ def range_of(row: Sequence[Ball], reach: Sequence[Ball]) -> Ball:
     >>> range_of(balls, [arb(1), arb(2), arb(4)])     # 3 + h^2 for -2 <= h <= 2: by Bernstein not below -1
     [+/- 7.01]
     """
+    return reduce(arb.union, _converted([c * power for c, power in zip(row, reach, strict=False)]).entries())
+
+
+def coefficients(row: Sequence[Ball], reach: Ball) -> arb_mat:
+    """The Bernstein coefficients of c_0 + c_1 h + ... between h = -r and h = r, in a column.
+
+    >>> coefficients([arb(3), arb(0), arb(1)], arb(2)).entries()
+    [7.00000000000000, -1.00000000000000, 7.00000000000000]
+    """
+    scaled, power = [row[0]], arb(1)
+    for c in row[1:]:
+        power = power * reach
+        scaled.append(c * power)
+    return _converted(scaled)
+
+
+def _converted(row: Sequence[Ball]) -> arb_mat:
     degree = len(row) - 1
-    scaled = arb_mat(degree + 1, 1, [c * power for c, power in zip(row, reach, strict=False)])
-    return reduce(arb.union, (_conversion(degree, flint.ctx.prec) * scaled).entries())
+    return _conversion(degree, flint.ctx.prec) * arb_mat(degree + 1, 1, row)
 
 
 @lru_cache(maxsize=64)

@@ -10,6 +10,7 @@ from typing import TypeAlias
 from flint import fmpq, fmpq_poly
 from sympy import Expr, Integer, Symbol, pi
 
+from haptisym.kernel.monomials import monomials
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
 from haptisym.kernel.symbols import omega
 from haptisym.kernel.wavesums import WaveSum
@@ -119,7 +120,7 @@ def _in_waves(f: WaveSum, ring: PolynomialRing) -> Polynomial:
 def _at(ring: PolynomialRing, polynomial: Polynomial, place: Expr, waves: list[Wave]) -> RationalFunction:
     """The value at an exact place, a polynomial in pi (and the constant angles' waves)."""
     where, total = ring.convert(place), ring.zero
-    for (power, of_pi, *turns), value in polynomial.to_dict().items():
+    for (power, of_pi, *turns), value in monomials(polynomial):
         if power and place == 0:
             continue
         known, kept = value, [0, int(of_pi)]

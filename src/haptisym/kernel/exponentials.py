@@ -16,6 +16,7 @@ import flint
 from flint import Ordering, acb, arb, fmpq, fmpq_mpoly_ctx, fmpz_poly
 
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.monomials import monomials
 
 Element: TypeAlias = Any  # flint.fmpq_mpoly, which ships no types
 Exponent: TypeAlias = tuple[fmpq, ...]
@@ -80,7 +81,7 @@ class Exponentials:
     def _terms(self, x: Element) -> Iterator[tuple[int, Exponent, Element]]:
         """Power of pi, exponent over the roots and what stands before it, of each term."""
         count, size = len(self.owner), len(self.times)
-        for powers, value in x.to_dict().items():
+        for powers, value in monomials(x):
             own = [int(n) for n in powers]
             late = own[2 + count :]
             exponent = tuple(
@@ -126,7 +127,7 @@ class Exponentials:
     def _value(self, f: Element) -> Any:
         roots = self._roots(flint.ctx.prec)
         total = acb(0)
-        for powers, value in f.to_dict().items():
+        for powers, value in monomials(f):
             total += acb(arb(value)) * prod(
                 (z ** int(n) for z, n in zip(roots, powers[2:], strict=False) if n), start=acb(1)
             )

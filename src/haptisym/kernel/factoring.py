@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from operator import ge
 from typing import TypeAlias
 
 import flint
@@ -16,6 +17,7 @@ from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.levels import Level
+from haptisym.kernel.monomials import monomials
 from haptisym.kernel.periodic import PeriodicFactor
 from haptisym.kernel.polynomials import PolynomialFactor, polynomial_factors
 from haptisym.kernel.response import RealFunction
@@ -36,10 +38,30 @@ class Product:
     exponents: Mapping[Factor, int]
 
 
-def factored_function(
-    function: RealFunction | Level, known: list[tuple[Polynomial, Factored]], *, in_square: bool = True
-) -> Product:
-    """The function taken apart; ``known`` gathers polynomials that are, as denominators are mostly alike.
+@dataclass(frozen=True, eq=False)
+class Known:
+    """What has been taken apart for one chart: denominators are mostly alike, or products of others' factors."""
+
+    polynomials: list[tuple[Polynomial, Factored]] = field(default_factory=list)
+    factors: list[tuple[Polynomial, Factor]] = field(default_factory=list)
+
+    def divided(self, polynomial: Polynomial) -> tuple[list[tuple[Polynomial, int]], Polynomial]:
+        """The known factors of a polynomial, how often each is in it, and what is left."""
+        found = []
+        for factor, _ in self.factors:
+            if len(factor) > 1 and all(map(ge, polynomial.degrees(), factor.degrees())):
+                often = 0
+                quotient, rest = divmod(polynomial, factor)
+                while rest.is_zero():
+                    polynomial, often = quotient, often + 1
+                    quotient, rest = divmod(polynomial, factor)
+                if often:
+                    found.append((factor, often))
+        return found, polynomial
+
+
+def factored_function(function: RealFunction | Level, known: Known, *, in_square: bool = True) -> Product:
+    """The function taken apart; ``known`` gathers what was on the way.
 
     ``in_square`` : whether even polynomials may be taken apart in omega^2. Of functions on one chart that must be the same, and
     only where all are even or odd: else one frequency might be the zero of two different factors.
@@ -53,14 +75,16 @@ def factored_function(
         return Product(0, Integer(0), {})
     sign, power, exponents = 1, Integer(0), Counter[Factor]()
     for polynomial, direction in ((top, 1), (bottom, -1)):
-        found = next((taken for other, taken in known if other == polynomial), None)
+        found = next((taken for other, taken in known.polynomials if other == polynomial), None)
         if found is None:
-            found = _factored(polynomial, function.axis, in_square=in_square)
-            known.append((polynomial, found))
+            found = _factored(polynomial, function.axis, known, in_square=in_square, is_below=direction < 0)
+            known.polynomials.append((polynomial, found))
         own_sign, own_power, factors = found
         if own_sign == 0 and direction < 0:
             raise SceneError("division by zero")
-        sign, power = sign * own_sign, power + direction * own_power
+        sign *= own_sign
+        if own_power:
+            power += direction * own_power
         for factor, exponent in factors:
             exponents[factor] += direction * exponent
     return Product(sign, power, {factor: n for factor, n in exponents.items() if n} if sign else {})
@@ -73,10 +97,10 @@ def _denominator(function: RealFunction) -> RationalFunction:
 def is_even_or_odd(function: RealFunction | Level) -> bool:
     """Whether above and below the line there are even powers of omega alone, or odd ones alone."""
     f = function.function if isinstance(function, RealFunction) else function.function.function
-    return all(len({int(powers[0]) % 2 for powers in p.monoms()}) <= 1 for p in (f.numerator, f.denominator))
+    return all(int(p.deflation_index()[0][0]) % 2 == 0 for p in (f.numerator, f.denominator))
 
 
-def _factored(polynomial: Polynomial, axis: Axis, *, in_square: bool) -> Factored:
+def _factored(polynomial: Polynomial, axis: Axis, known: Known, *, in_square: bool, is_below: bool) -> Factored:
     """Sign, power of omega and irreducible factors; half-angle tangents made homogeneous in cosine and sine.
 
     The sign is 0 where a factor is zero at every frequency, as cos(2 pi/4) is, or omega^(1/2) omega^(1/2) - omega.
@@ -87,17 +111,23 @@ def _factored(polynomial: Polynomial, axis: Axis, *, in_square: bool) -> Factore
         return own_sign, Integer(lowest), [*simple]
     # where sines meet odd powers of omega not all functions are even
     in_square = in_square and not axis.functions
-    number, factors = axis.factors(axis.without_circles(polynomial)[0], in_square=in_square)
-    sign, power = (1 if number > 0 else -1), Integer(0)
+    apart, rest = axis.without_circles(polynomial)[0], list[tuple[Polynomial, int]]()
+    if is_below and axis.functions:
+        rest, apart = known.divided(apart)
+    number, factors = axis.factors(apart, in_square=in_square)
+    sign, power = (1 if number.p > 0 else -1), Integer(0)
     found: list[tuple[Factor, int]] = []
-    for factor, exponent in factors:
+    for factor, exponent in [*rest, *factors]:
         exponents = _power_of_omega(factor, axis)
         if exponents is not None:
             power += exponent * exponents
             continue
-        made = _factor(factor, axis)
-        if _seems_to_vanish(made, axis) and vanishes(factor, axis):
-            return 0, Integer(0), []
+        made = next((made for other, made in known.factors if other == factor), None)
+        if made is None:
+            made = _factor(factor, axis)
+            if _seems_to_vanish(made, axis) and vanishes(factor, axis):
+                return 0, Integer(0), []
+            known.factors.append((factor, made))
         if not _changes(factor, axis):
             sign *= made.sign_at(lambda _: arb(1)) ** exponent
         else:
@@ -116,6 +146,8 @@ def _seems_to_vanish(factor: Factor, axis: Axis) -> bool:
 
 def _power_of_omega(factor: Polynomial, axis: Axis) -> Expr | None:
     """The exponent of a factor that is omega or omega^alpha itself; None for any other factor."""
+    if len(factor) > 1:
+        return None
     if factor == axis.variable:
         return Integer(1)
     for order, generator in zip(axis.orders, axis.context.gens()[axis.size + len(axis.angles) :], strict=True):
@@ -143,30 +175,31 @@ def _factor(factor: Polynomial, axis: Axis) -> Factor:
 
 
 def _polynomial_factor(factor: Polynomial) -> PolynomialFactor:
-    rows = _rows([((int(e[0]), int(e[1])), int(c.p)) for e, c in factor.to_dict().items()])
+    rows = _rows([(int(e[0]), int(e[1]), int(c.p)) for e, c in monomials(factor)])
     even = not any(any(row) for row in rows[1::2])
     return PolynomialFactor(rows[::2] if even else rows, 2 if even else 1)
 
 
-def _rows(terms: Iterable[tuple[tuple[int, int], int]]) -> tuple[tuple[int, ...], ...]:
-    """Coefficients of ascending powers of omega, each as the coefficients of ascending powers of pi."""
-    listed = list(terms)
-    rows: list[list[int]] = [[0] for _ in range(max(power for (power, _), _ in listed) + 1)]
-    for (power, of_pi), value in listed:
-        rows[power].extend([0] * (of_pi + 1 - len(rows[power])))
-        rows[power][of_pi] = value
-    return tuple(tuple(row) for row in rows)
+def _rows(terms: Sequence[tuple[int, int, int]]) -> tuple[tuple[int, ...], ...]:
+    """Coefficients of ascending powers of omega, each as the coefficients of ascending powers of pi; given are both powers."""
+    rows: list[list[int]] = [[0] for _ in range(max(power for power, _, _ in terms) + 1)]
+    for power, of_pi, value in terms:
+        row = rows[power]
+        if of_pi >= len(row):
+            row += [0] * (of_pi + 1 - len(row))
+        row[of_pi] = value
+    return tuple(map(tuple, rows))
 
 
 def _analytic_factor(factor: Polynomial, axis: Axis) -> AnalyticFactor:
-    angles, first = len(axis.angles), axis.size - 2
-    groups: dict[tuple[int, ...], list[tuple[tuple[int, int], int]]] = {}
+    angles, first = len(axis.angles), axis.size
+    groups: dict[tuple[int, ...], list[tuple[int, int, int]]] = {}
     tick()
-    for exponents, value in zip(factor.monoms(), factor.coeffs(), strict=True):
+    for exponents, value in monomials(factor):
         power, of_pi, *own = map(int, exponents)
-        groups.setdefault(tuple(own[first:]), []).append(((power, of_pi), int(value.p)))
-    terms = tuple(WaveTerm(waves[:angles], waves[angles:], _rows(found)) for waves, found in sorted(groups.items()))
-    return _made(terms, tuple(int(n) for n in factor.degrees()[axis.size : axis.size + angles]), axis)
+        groups.setdefault(tuple(own[first - 2 :]), []).append((power, of_pi, int(value.p)))
+    terms = tuple([WaveTerm(waves[:angles], waves[angles:], _rows(found)) for waves, found in sorted(groups.items())])
+    return _made(terms, tuple(map(int, factor.degrees()[first : first + angles])), axis)
 
 
 def _cosine(axis: Axis, index: int) -> AnalyticFactor:

@@ -20,6 +20,7 @@ from sympy import Integer, Rational, tan
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import tick
+from haptisym.kernel.monomials import monomials
 from haptisym.kernel.polynomials import polynomial_factors
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction
@@ -116,7 +117,7 @@ class _Waves:
 
     def _terms(self) -> Iterator[tuple[Rational, tuple[int, ...], tuple[int, dict[int, int]], fmpq]]:
         axis, angles = self.axis, len(self.axis.angles)
-        for exponents, value in self.polynomial.to_dict().items():
+        for exponents, value in monomials(self.polynomial):
             own = [int(n) for n in exponents]
             turns, powers = own[axis.size : axis.size + angles], own[axis.size + angles :]
             power = sum((n * order for n, order in zip(powers, axis.orders, strict=False)), Integer(own[0]))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
+from collections.abc import Sequence
 from itertools import pairwise
 from math import ceil, log
 
@@ -12,6 +12,7 @@ from sympy import Expr
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.precision import at_rising_precision
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
+from haptisym.kernel.stretches import Stretch
 from haptisym.kernel.subdivision import Waiting
 from haptisym.kernel.zeros import SmoothFactor, Undecided, Zero, is_clear, sign_of
 
@@ -19,9 +20,7 @@ from haptisym.kernel.zeros import SmoothFactor, Undecided, Zero, is_clear, sign_
 class SeriesFactor(SmoothFactor):
     """A factor that has all its Taylor coefficients."""
 
-    @abstractmethod
-    def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
-        """Enclosures of value, slope and half curvature over a ball of frequencies, tight for a short one."""
+    known_terms = 4
 
     @property
     def farthest(self) -> float | None:
@@ -32,15 +31,25 @@ class SeriesFactor(SmoothFactor):
 def isolated(f: SeriesFactor, low: Ball, high: Ball) -> list[RealNumber]:
     """All zeros between two dyadic numbers: subdivision until each piece is clear, monotone or bent one way only."""
     found: list[RealNumber] = []
-    waiting = Waiting(_pieces(f, low, high) if low < high else [])
-    for a, b in waiting:
-        answer = _judged(f, a, b, len(found))
-        if answer is None:
-            middle = _cut(f, a, b)
-            waiting.add((a, middle), (middle, b))
-        else:
-            found += answer
+    waiting: Waiting[Stretch | tuple[Ball, Ball]] = Waiting(_pieces(f, low, high) if low < high else [])
+    for cell in waiting:
+        with flint.ctx.workprec(128):
+            piece = cell if isinstance(cell, Stretch) else Stretch.of(f.series, *cell)
+            answer = _judged(f, piece, len(found))
+            if answer is None:
+                waiting.add(*_parts(f, piece))
+            else:
+                found += answer
     return found
+
+
+def _parts(f: SeriesFactor, piece: Stretch) -> Sequence[Stretch | tuple[Ball, Ball]]:
+    """The two parts of a piece, which end where the function is not zero."""
+    parts = piece.cut() if piece.is_sharp else None
+    if parts:
+        return parts
+    middle = _cut(f, piece.low, piece.high)
+    return (piece.low, middle), (middle, piece.high)
 
 
 def _pieces(f: SeriesFactor, low: Ball, high: Ball) -> list[tuple[Ball, Ball]]:
@@ -54,53 +63,54 @@ def _pieces(f: SeriesFactor, low: Ball, high: Ball) -> list[tuple[Ball, Ball]]:
         return list(pairwise([low, *(_clear(f, x, x / 64) for x in places), high]))
 
 
-def _judged(f: SeriesFactor, a: Ball, b: Ball, index: int) -> list[RealNumber] | None:
+def _judged(f: SeriesFactor, piece: Stretch, index: int) -> list[RealNumber] | None:
     """The zeros in a piece, if it is clear enough to tell."""
-    with flint.ctx.workprec(128):
-        box = a.union(b)
-        value, slope, bend = f.over(box)
-        if is_clear(value):
-            return []
-        if is_clear(slope):
-            return _between(f, a, b, index)
-        if is_clear(bend):
-            return _on_a_bend(f, a, b, sign_of(bend), index)
-        if box.rel_accuracy_bits() > 60:
-            raise UndecidedError(f"how often a function vanishes near omega = {float(box.mid()):.17g} rad/s")
+    if piece.sign():
+        return []
+    if piece.sign(1):
+        return _between(f, piece, index)
+    if bend := piece.sign(2):
+        return _on_a_bend(f, piece, bend, index)
+    box = piece.low.union(piece.high)
+    if box.rel_accuracy_bits() > 60:
+        raise UndecidedError(f"how often a function vanishes near omega = {float(box.mid()):.17g} rad/s")
     return None
 
 
-def _sign(f: SeriesFactor, x: Ball, derivative: int = 0) -> int:
-    """The sign of the function, or of its slope, at a dyadic number; UndecidedError if it stays open."""
+def _sign(f: SeriesFactor, piece: Stretch, end: int, derivative: int = 0) -> int:
+    """The sign of the function, or of its slope, at an end of a piece; UndecidedError if it stays open."""
+    if shown := piece.sign_at(end, derivative):
+        return shown
+    x = (piece.low, piece.high)[end]
     if sign := at_rising_precision(lambda _: sign_of(f.taylor(x, derivative)) or None):
         return sign
     raise UndecidedError(f"the sign of a function at omega = {float(x.mid()):.17g} rad/s")
 
 
-def _between(f: SeriesFactor, a: Ball, b: Ball, index: int) -> list[RealNumber]:
+def _between(f: SeriesFactor, piece: Stretch, index: int) -> list[RealNumber]:
     """On a monotone piece: one zero or none."""
-    return [Zero(f, a, b, index)] if _sign(f, a) != _sign(f, b) else []
+    return [Zero(f, piece.low, piece.high, index)] if _sign(f, piece, 0) != _sign(f, piece, -1) else []
 
 
-def _on_a_bend(f: SeriesFactor, a: Ball, b: Ball, bend: int, index: int) -> list[RealNumber]:
+def _on_a_bend(f: SeriesFactor, piece: Stretch, bend: int, index: int) -> list[RealNumber]:
     """On a piece that bends one way only: the extremum decides between no zero and two, or stays undecided."""
-    left, right = _sign(f, a), _sign(f, b)
+    left, right = _sign(f, piece, 0), _sign(f, piece, -1)
     if left != right:
-        return [Zero(f, a, b, index)]
-    if left != bend or _sign(f, a, 1) == _sign(f, b, 1):
+        return [Zero(f, piece.low, piece.high, index)]
+    if left != bend or _sign(f, piece, 0, 1) == _sign(f, piece, -1, 1):
         return []
-    extremum = Zero(f, a, b, index, derivative=1)
+    extremum = Zero(f, piece.low, piece.high, index, derivative=1)
 
     def extreme(bits: int) -> tuple[Ball, int] | None:
         at = extremum.ball(bits)
-        sign = sign_of(f.over(at)[0])
+        sign = Stretch.of(f.series, at.lower(), at.upper()).sign()
         return (at.mid(), sign) if sign else None
 
     found = at_rising_precision(extreme)
     if found is None:
         return [Undecided(f, extremum)]
     middle, sign = found
-    return [] if sign == left else [Zero(f, a, middle, index), Zero(f, middle, b, index + 1)]
+    return [] if sign == left else [Zero(f, piece.low, middle, index), Zero(f, middle, piece.high, index + 1)]
 
 
 def _cut(f: SeriesFactor, a: Ball, b: Ball) -> Ball:

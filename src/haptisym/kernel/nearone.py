@@ -6,7 +6,8 @@ of z^n have not. Roots with |z| < 1 are those with Re v < 0, so that Hurwitz' de
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import deque
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from math import comb
 from typing import Any
@@ -17,6 +18,8 @@ from sympy import Expr, Integer
 from haptisym.kernel.pulse import SampledLoop
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.states import States, matrix
+
+_MOST_PIECES = 200  # of the axis, that are looked at for one polynomial
 
 
 def about_one(loop: SampledLoop, known: Mapping[Expr, Ball]) -> list[Ball]:
@@ -43,22 +46,48 @@ def about_one(loop: SampledLoop, known: Mapping[Expr, Ball]) -> list[Ball]:
     return [*(below_z * den * _power(longest) + above_z * total).coeffs()]
 
 
-def hurwitz(row: list[Ball]) -> tuple[list[Ball], Ball]:
-    """The coefficients in v, ascending, of a polynomial in z - 1 = 2 v/(1 - v), and the last determinant but one of Hurwitz.
-
-    The determinant vanishes where two roots v add up to 0: a pair on the axis, or a real root and its negative.
-    """
+def about_axis(row: Sequence[Ball]) -> list[Ball]:
+    """The coefficients in v, ascending, of a polynomial in z - 1 = 2 v/(1 - v)."""
     n = len(row) - 1
     turned = arb_poly([])
     for k, x in enumerate(row):
         turned += x * arb_poly([0] * k + [2**k]) * arb_poly([(-1) ** i * comb(n - k, i) for i in range(n - k + 1)])
     c = [*turned.coeffs()]
-    c += [arb(0)] * (n + 1 - len(c))
+    return c + [arb(0)] * (n + 1 - len(c))
+
+
+def hurwitz(c: Sequence[Ball]) -> Ball:
+    """The last determinant but one of Hurwitz: 0 where two roots v add up to 0, a pair on the axis among them."""
+    n = len(c) - 1
     if n < 2:
-        return c, arb(1)
+        return arb(1)
     down = c[::-1]
     places = [[2 * (j + 1) - (i + 1) for j in range(n - 1)] for i in range(n - 1)]
-    return c, arb_mat([[down[k] if 0 <= k <= n else arb(0) for k in line] for line in places]).det()
+    return arb_mat([[down[k] if 0 <= k <= n else arb(0) for k in line] for line in places]).det()
+
+
+def has_no_pair(c: Sequence[Ball]) -> bool:
+    """Whether no polynomial with coefficients in these balls has roots v = +-j nu, nu > 0, proven.
+
+    They would be zeros of c_0 - c_2 x + c_4 x^2 - ... and of c_1 - c_3 x + ..., x = nu^2. In wide balls that says more than the
+    determinant, in which their widths are multiplied.
+    """
+    if len(c) < 3:
+        return True
+    if not all(x.is_finite() for x in c):
+        return False
+    halves = [[x * (-1) ** i for i, x in enumerate(c[start::2])] for start in (0, 1)]
+    both = [arb_poly(x) for x in halves], [arb_poly(x[::-1]) for x in halves]  # in x, and in 1/x
+    waiting = deque((parts, 0.0, 1.0) for parts in both)
+    for _ in range(_MOST_PIECES):
+        if not waiting:
+            return True
+        parts, low, high = waiting.popleft()
+        at = arb(low).union(arb(high))
+        if all(p(at).contains(0) for p in parts):
+            middle = (low + high) / 2
+            waiting += [(parts, low, middle), (parts, middle, high)]
+    return not waiting
 
 
 def _leverrier(M: Any) -> tuple[Any, list[Any]]:

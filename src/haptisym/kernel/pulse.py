@@ -16,7 +16,7 @@ from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from flint import arb, arb_poly
-from sympy import Expr
+from sympy import Expr, Symbol
 
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.exponentials import Element, Exponentials
@@ -59,6 +59,21 @@ class SampledLoop:
     T: Expr
     above: tuple[Expr, ...]
     below: tuple[Expr, ...]
+
+    def at(self, values: Mapping[Symbol, Expr]) -> SampledLoop:
+        """With numbers in place of symbols, nothing cancelled."""
+
+        def put(row: Numbers) -> tuple[Expr, ...]:
+            known = [x.xreplace(values) for x in row]
+            while len(known) > 1 and known[-1] == 0:
+                known.pop()
+            return tuple(known)
+
+        plant = self.plant
+        terms = tuple((lag.xreplace(values), put(N)) for lag, N in plant.terms)
+        return SampledLoop(
+            Plant(put(plant.denominator), terms), self.T.xreplace(values), put(self.above), put(self.below)
+        )
 
     def balls(self, known: Mapping[Expr, Ball] = MappingProxyType({})) -> list[Ball]:
         """The coefficients at the current working precision; ``known`` : balls that symbols in the loop stand for."""

@@ -36,6 +36,10 @@ class RealNumber(Viewed, ABC):
     def ball(self, bits: int) -> Ball:
         """A ball (flint ``arb``) that contains the number, computed with about that many bits."""
 
+    def rough(self) -> Ball:
+        """A ball that contains the number, as tight as is had for nothing."""
+        return self.ball(64)
+
     def __repr__(self) -> str:
         """Its digits; an interval where so many are not known."""
         try:

@@ -10,6 +10,7 @@ from flint import fmpq, fmpq_poly
 from sympy import Expr, pi
 
 from haptisym.kernel.exponentials import Element, Exponentials
+from haptisym.kernel.monomials import monomials
 
 Numbers: TypeAlias = Sequence[Expr]
 """Coefficients, ascending: rational numbers times powers of pi, and sums of such."""
@@ -142,6 +143,6 @@ def _whole(factor: fmpq_poly) -> tuple[int, ...]:
 
 def _by_power(ring: Exponentials, polynomial: Element) -> list[Element]:
     rows: dict[int, dict[tuple[int, ...], Any]] = {}
-    for (n, *rest), value in polynomial.to_dict().items():
+    for (n, *rest), value in monomials(polynomial):
         rows.setdefault(int(n), {})[(0, *map(int, rest))] = value
     return [ring.context.from_dict(rows.get(n, {})) for n in range(max(rows) + 1)]

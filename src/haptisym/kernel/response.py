@@ -70,6 +70,9 @@ class RealFunction:
 
     function: RationalFunction
 
+    def __add__(self, other: RealFunction) -> RealFunction:
+        return RealFunction((self.function + other.function).reduced())
+
     def __mul__(self, other: RealFunction) -> RealFunction:
         return RealFunction((self.function * other.function).reduced())
 
@@ -78,6 +81,18 @@ class RealFunction:
 
     def __sub__(self, other: RealFunction) -> RealFunction:
         return RealFunction((self.function - other.function).reduced())
+
+    def square_over(self, other: RealFunction) -> RealFunction:
+        """f^2/g, in lowest terms.
+
+        >>> f, g = (RealFunction(Ring().axis.convert(x)) for x in (omega, omega**2 + omega**4))
+        >>> f.square_over(g).expression()
+        1/(omega**2 + 1)
+        """
+        f, g = self.function, other.function
+        found = f * f / g
+        apart = f.numerator.gcd(g.numerator).is_constant() and f.denominator.gcd(g.denominator).is_constant()
+        return RealFunction(found.monic() if apart else found.reduced())
 
     @property
     def is_zero(self) -> bool:

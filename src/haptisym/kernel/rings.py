@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
-from itertools import count
 from math import gcd, lcm
 from operator import add, mul
 from typing import Any, TypeAlias
@@ -20,6 +19,8 @@ from sympy import Add, Expr, Integer, Mul, Rational, Symbol, pi
 
 from haptisym.kernel.budget import afford
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.irreducible import irreducible
+from haptisym.kernel.monomials import monomials
 from haptisym.kernel.symbols import conflicting
 
 Polynomial: TypeAlias = Any  # flint.fmpq_mpoly, which ships no types
@@ -103,7 +104,7 @@ class PolynomialRing:
         known: list[Any] = [values.get(x) for x in self.meanings]
         powers: dict[tuple[int, int], Any] = {}
         total = arb(0)
-        for exponents, coefficient in polynomial.to_dict().items():
+        for exponents, coefficient in monomials(polynomial):
             term = arb(coefficient)
             for place in enumerate(exponents):
                 if place[1]:
@@ -124,7 +125,7 @@ class PolynomialRing:
 
     def _powers(self, polynomial: Polynomial) -> dict[int, Expr]:
         powers: dict[int, list[Expr]] = {}
-        for (power, *rest), coefficient in polynomial.to_dict().items():
+        for (power, *rest), coefficient in monomials(polynomial):
             factors = [x ** int(n) for x, n in zip(self.meanings[1:], rest, strict=True) if n]
             powers.setdefault(int(power), []).append(Mul(Rational(int(coefficient.p), int(coefficient.q)), *factors))
         return {power: Add(*terms) for power, terms in powers.items()}
@@ -161,44 +162,21 @@ class PolynomialRing:
         used = [i for i, n in enumerate(degrees) if n]
         if len(used) != 1:
             afford(len(polynomial), len(polynomial))
-            return (self._irreducible(polynomial, used) if used else None) or polynomial.factor()
-        terms = {int(exponents[used[0]]): value for exponents, value in polynomial.to_dict().items()}
+            is_short = len(polynomial) <= _SHORT and max(degrees) <= _SHORT
+            return (None if is_short else irreducible(polynomial, used)) or polynomial.factor()
+        terms = {int(exponents[used[0]]): value for exponents, value in monomials(polynomial)}
         unit, factors = fmpq_poly([terms.get(n, fmpq(0)) for n in range(max(terms) + 1)]).factor()
         place = [tuple(n if i == used[0] else 0 for i in range(len(degrees))) for n in range(max(terms) + 1)]
         return unit, [(self.context.from_dict(dict(zip(place, f.coeffs(), strict=False))), n) for f, n in factors]
 
-    def _irreducible(self, polynomial: Polynomial, used: list[int]) -> tuple[fmpq, list[tuple[Polynomial, int]]] | None:
-        """A polynomial as its only factor, where that is quickly proven; None where it is not.
-
-        At numbers for all variables but one it keeps its degree and is irreducible: of two factors one would be free of that
-        variable. At two numbers for that variable it has no factor in common: there is none that is free of it. Most numbers
-        show both (Hilbert), in a fraction of the time that factoring takes.
-        """
-        degrees = polynomial.degrees()
-        main, *others = sorted(used, key=lambda i: int(degrees[i]))  # the shortest is the cheapest
-        special = polynomial.subs({f"x{i}": number for i, number in zip(others, count(2))}).to_dict()
-        row = {int(exponents[main]): value for exponents, value in special.items()}
-        if max(row, default=0) < int(degrees[main]):
-            return None
-        _, factors = fmpq_poly([row.get(n, 0) for n in range(max(row) + 1)]).factor()
-        if len(factors) != 1 or factors[0][1] != 1:
-            return None
-        one, other = (polynomial.subs({f"x{main}": number}) for number in (2, 3))
-        if not one.gcd(other).is_constant():
-            return None
-        values = polynomial.coeffs()
-        unit = fmpq(gcd(*(int(c.p) for c in values)), lcm(*(int(c.q) for c in values))) * (1 if values[0] > 0 else -1)
-        return unit, [(polynomial / unit, 1)]
-
     def without_common_functions(self, polynomial: Polynomial) -> tuple[Expr, Polynomial]:
         """A polynomial without the further functions that all its terms share, and those in front."""
-        monomials = [tuple(map(int, e)) for e in polynomial.monoms()]
-        shared = [min(column) if i >= self.size else 0 for i, column in enumerate(zip(*monomials, strict=True))]
+        terms = list(monomials(polynomial))
+        columns = zip(*(e for e, _ in terms), strict=True)
+        shared = [min(map(int, column)) if i >= self.size else 0 for i, column in enumerate(columns)]
         if not any(shared):
             return Integer(1), polynomial
-        rest = {
-            tuple(n - m for n, m in zip(map(int, e), shared, strict=True)): c for e, c in polynomial.to_dict().items()
-        }
+        rest = {tuple(n - m for n, m in zip(map(int, e), shared, strict=True)): c for e, c in terms}
         return Mul(*(x**n for x, n in zip(self.meanings, shared, strict=True))), self.context.from_dict(rest)
 
 
@@ -254,8 +232,12 @@ class RationalFunction:
         common = top.gcd(bottom)
         if not common.is_one():
             top, bottom = top / common, bottom / common
-        leading = bottom.leading_coefficient()
-        return self._new(top, bottom) if leading == 1 else self._new(top / leading, bottom / leading)
+        return self._new(top, bottom).monic()
+
+    def monic(self) -> RationalFunction:
+        """The same function, the denominator with leading coefficient 1."""
+        leading = self.denominator.leading_coefficient()
+        return self if leading == 1 else self._new(self.numerator / leading, self.denominator / leading)
 
     def cleared(self) -> RationalFunction:
         """The same function with whole coefficients, as small as they can be, in numerator and denominator."""
@@ -274,6 +256,9 @@ class RationalFunction:
         """A SymPy quotient, in lowest terms, both numerator and denominator in factors."""
         reduced = self.reduced().cleared()
         return self.ring.factored_expression(reduced.numerator) / self.ring.factored_expression(reduced.denominator)
+
+
+_SHORT = 12  # terms and degree of a polynomial that is factored sooner than proven irreducible
 
 
 def _times(x: Polynomial, y: Polynomial) -> Polynomial:

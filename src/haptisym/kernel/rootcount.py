@@ -2,7 +2,8 @@
 
 D(s) is a polynomial in s, delays exp(-s tau) and powers s^alpha. As omega goes from 0 to a reach R beyond which one power of s
 prevails, the turns of D(j omega) are read off the signs of its real and imaginary part; what is left of the contour is known
-from that power alone. Roots on the axis are passed on their left, so that they count.
+from that power alone. Of A + B exp(-s tau) it is known from A, a polynomial, from where on |A| > |B|. Roots on the axis are
+passed on their left, so that they count.
 """
 
 from __future__ import annotations
@@ -10,25 +11,26 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from itertools import pairwise
 from math import ceil
 
 import flint
-from flint import acb, arb
+from flint import arb
 from sympy import Expr, I, Integer, Rational, pi
 
+from haptisym.kernel.contour import BITS, factor_at, parts_of, times, turned, value_at, whole
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.monomials import monomials
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, degree_in
-from haptisym.kernel.roots import Chart, Point, chart, sign_of_number
+from haptisym.kernel.roots import chart, sign_of_number
+from haptisym.kernel.squares import late_turns, positive_from
 from haptisym.kernel.symbols import s
 from haptisym.kernel.terms import Terms, at_least, beginning_at_0, size, terms_of
 
 _MOST_TURNING = 2000  # radians that the delays turn up to the reach: thousands of zeros take minutes
 _FINEST = 64  # times that a bound is halved before it is given up
-_BITS = 128
 
 
 class RootChain(Enum):
@@ -76,21 +78,42 @@ def count_roots(polynomial: Polynomial, ring: Ring) -> Roots:
     floor = floor_of(terms[degree], ring)
     if isinstance(floor, RootChain):
         return Roots(None, None, chain=floor)
-    reach = _reach(terms, floor, ring)
-    parts = _parts(polynomial, ring)
-    if any(part.is_zero for part in parts):  # as of s^2 + 1: another root on the left turns the function off both axes
-        return count_roots(polynomial * (ring.variable + 1), ring)
-    curve = chart(dict(zip(("real", "imag"), parts, strict=True)), Integer(0), reach)
+    reach, own = _reach(polynomial, terms, floor, ring)
+    parts = parts_of(polynomial, ring)
+    if any(part.is_zero for x in (polynomial, own) if x is not None for part in parts_of(x, ring)):
+        return count_roots(
+            polynomial * (ring.variable + 1), ring
+        )  # as of s^2 + 1: another root on the left turns it off both axes
     order, sign = beginning_at_0(terms, ring)
     start = 0 if sign > 0 else 2
-    turned = _lifted(_last_quadrant(curve, order + start), parts, reach)
-    with flint.ctx.workprec(_BITS):
-        lacking = (expression_ball(degree + start) + _own_turn(terms[degree], reach, ring) - turned) / 2
-    passed = [p for p in curve.points[1:] if _times(p)]
-    left_of_it = _whole(lacking)  # the contour passes roots on the axis on their left, but that at 0 on its right
+    curve, angle = turned(parts, terms, order + start, reach, ring)
+    with flint.ctx.workprec(BITS):
+        settled = (
+            expression_ball(degree) + _own_turn(terms[degree], reach, ring)
+            if own is None
+            else _turn_of_own(own, terms, reach, ring)
+        )
+        lacking = (start + settled - angle) / 2
+    passed = [p for p in curve.points[1:] if times(p)]
+    left_of_it = whole(lacking)  # the contour passes roots on the axis on their left, but that at 0 on its right
     at_0 = [curve.points[0].omega] if order else []
-    right = left_of_it - 2 * sum(map(_times, passed))
+    right = left_of_it - 2 * sum(map(times, passed))
     return Roots(left_of_it + at_least(order), right, (*at_0, *(p.omega for p in passed)))
+
+
+def _turn_of_own(own: Polynomial, terms: Terms, reach: Expr, ring: Ring) -> Ball:
+    """The angle of A + B exp(-s tau) at j R, in quarters, that it would have from there on with no root on the right.
+
+    That of A, by twice its roots there more, and the angle from A on, less than a quarter turn: |A| > |B| there.
+    """
+    alone = terms_of(own, ring)
+    order, sign = beginning_at_0(alone, ring)
+    start = 0 if sign > 0 else 2
+    number = count_roots(own, ring).number
+    assert number is not None
+    angle = turned(parts_of(own, ring), alone, order + start, reach, ring)[1]
+    beyond = (value_at(terms, reach, ring) / value_at(alone, reach, ring)).arg() * 2 / arb.pi()
+    return 2 * (number - at_least(order)) - start + angle + beyond
 
 
 def _without_shared_delays(polynomial: Polynomial, ring: Ring) -> Polynomial:
@@ -139,7 +162,7 @@ def _floor_of_one(group: Mapping[tuple[int, ...], Expr], place: int) -> Expr | R
     inside = count_roots(w, ring)
     if inside.number or int(w.degrees()[0]) < n:
         return RootChain.RIGHT if inside.right else RootChain.NEAR
-    real, imag = _parts(w, ring)
+    real, imag = parts_of(w, ring)
     square = real.function * real.function + imag.function * imag.function
     circle = ring.axis.convert((1 + _omega(ring) ** 2) ** n)
     bound = Rational(1)
@@ -159,7 +182,7 @@ def _is_positive(even: Polynomial, ring: Ring, degree: int) -> bool:
     """Whether a polynomial in omega is positive on [0, infinity], as is its coefficient of that degree, the highest it has."""
     axis = ring.axis
     reverse = {}
-    for exponents, value in even.to_dict().items():
+    for exponents, value in monomials(even):
         reverse[(degree - int(exponents[0]), *exponents[1:])] = value
     sides = {"near": even, "far": axis.context.from_dict(reverse)}
     table = chart({name: RealFunction(axis.function(p)) for name, p in sides.items()}, Integer(0), Integer(1))
@@ -169,96 +192,58 @@ def _is_positive(even: Polynomial, ring: Ring, degree: int) -> bool:
 # The contour
 
 
-def _reach(terms: Terms, floor: Expr, ring: Ring) -> Expr:
-    """R such that for |s| >= R, Re s >= 0 all lower powers are at most half the highest, L at its least."""
+def _reach(polynomial: Polynomial, terms: Terms, floor: Expr, ring: Ring) -> tuple[Expr, Polynomial | None]:
+    """R such that for |s| >= R, Re s >= 0 all lower powers are at most half the highest, L at its least, and None.
+
+    Or a much smaller R from which on |A| > |B| on the axis, of A + B exp(-s tau), and A: it turns with A then, and never about 0.
+    """
     degree = max(terms)
     weights = {p: 2 * sum(map(size, group.values()), Integer(0)) for p, group in terms.items() if p < degree}
-    radius = Rational(1, 1 << 20)
-    while not prevails(radius, degree, floor, weights):
-        radius *= 2
-    if any(sign_of_number(radius * lag - _MOST_TURNING) > 0 for lag in ring.lags):
-        raise UndecidedError("the roots of a function that its delays turn thousands of times")
+    radius = prevailing(degree, floor, weights)
+    late = late_turns({x for group in terms.values() for x in group}, [*terms])
+    nearer = None if late is None else positive_from(terms, late)
+    if nearer is not None and 2 * nearer < radius:
+        _need_few_turns(nearer, ring)
+        return nearer, _undelayed(polynomial, ring)
+    _need_few_turns(radius, ring)
     [*own] = _delays_of(terms[degree], ring)
     if len(own) != 1:
-        return radius
-    return (
-        2 * pi * ceil(float(radius * own[0]) / 6.28) / own[0]
-    )  # whole turns of the one delay in L, which is real there
+        return radius, None
+    turns = ceil(float(radius * own[0]) / 6.28)  # whole ones of the one delay in L, which is real there
+    return 2 * pi * turns / own[0], None
+
+
+def _need_few_turns(radius: Rational, ring: Ring) -> None:
+    if any(sign_of_number(radius * lag - _MOST_TURNING) > 0 for lag in ring.lags):
+        raise UndecidedError("the roots of a function that its delays turn thousands of times")
+
+
+def _undelayed(polynomial: Polynomial, ring: Ring) -> Polynomial:
+    """The terms that no delay is in."""
+    lags = range(ring.size, ring.size + len(ring.lags))
+    kept = {x: c for x, c in polynomial.to_dict().items() if not any(int(x[i]) for i in lags)}
+    return polynomial.context().from_dict(kept)
 
 
 def _delays_of(group: Mapping[tuple[int, ...], Expr], ring: Ring) -> list[Expr]:
     return [lag for i, lag in enumerate(ring.lags) if any(turns[i] for turns in group)]
 
 
-def prevails(radius: Rational, degree: Rational, floor: Expr, weights: Mapping[Rational, Expr]) -> bool:
-    """Whether floor radius^degree exceeds the weighted lower powers; beyond a radius where it does, it does."""
-    with flint.ctx.workprec(_BITS):
-        base = arb(radius.p) / arb(radius.q)
-        left = expression_ball(floor)
-        for p, weight in weights.items():
-            left -= expression_ball(weight) * base ** expression_ball(p - degree)
-        return bool(left > 0)
-
-
-def _parts(polynomial: Polynomial, ring: Ring) -> tuple[RealFunction, RealFunction]:
-    """D(j omega) times a factor > 0: exact real and imaginary part."""
-    axis = ring.axis
-    (a, b), (c, d) = axis.parts([polynomial, polynomial.context().constant(1)])
-    modulus = c * c + d * d
-    return (
-        RealFunction(axis.function(a * c + b * d, modulus).reduced()),
-        RealFunction(axis.function(b * c - a * d, modulus).reduced()),
-    )
-
-
-def _times(point: Point) -> int:
-    """How often D vanishes at a point: real and imaginary part at once."""
-    return max(min(point.orders.get(name, 0) for name in ("real", "imag")), 0)
-
-
-_QUADRANT = {(1, 1): 0, (-1, 1): 1, (-1, -1): 2, (1, -1): 3}
-
-
-def _last_quadrant(curve: Chart, start: Expr) -> int:
-    """Quarter turns, counted on from the direction ``start`` of D just above omega = 0, at which the last quadrant begins."""
-    if curve.undecided:
-        raise UndecidedError("whether a characteristic function vanishes on the imaginary axis")
-    quadrants = [_QUADRANT[p.after["real"], p.after["imag"]] for p in curve.points[:-1]]
-    now = next(n for n in (int(start // 1), int(-(-start // 1)) - 1) if n % 4 == quadrants[0])
-    for point, (before, after) in zip(curve.points[1:], pairwise(quadrants), strict=False):
-        passed = -2 * _times(point)
-        step = (after - before - passed) % 4
-        if step == 2:
-            raise UndecidedError("a turn of a characteristic function")
-        now += passed + {0: 0, 1: 1, 3: -1}[step]
-    return now
-
-
-def _lifted(quarter: int, parts: Sequence[RealFunction], reach: Expr) -> Ball:
-    """The whole turn of D up to j R, in quarters: its angle there, which lies in the quadrant that begins at ``quarter``."""
-    with flint.ctx.workprec(_BITS):
-        at = expression_ball(reach)
-        x, y = (part.ball(at) for part in parts)
-        middle = acb(0, -1) ** (quarter % 4) * acb(1, -1)  # turns the quadrant's middle onto the positive real axis
-        return quarter + arb(1) / 2 + (acb(x, y) * middle).arg() * 2 / arb.pi()
+def prevailing(degree: Rational, floor: Expr, weights: Mapping[Rational, Expr]) -> Rational:
+    """A radius from which on floor radius^degree exceeds the weighted lower powers."""
+    with flint.ctx.workprec(BITS):
+        least = expression_ball(floor)
+        lower = [(expression_ball(p - degree), expression_ball(weight)) for p, weight in weights.items()]
+        n = -20
+        while not least > sum((weight * arb(2) ** (n * p) for p, weight in lower), arb(0)):
+            n += 1
+    return Rational(2) ** n
 
 
 def _own_turn(group: Mapping[tuple[int, ...], Expr], reach: Expr, ring: Ring) -> Ball:
     """The angle of L at j R, in quarters, beyond that of its undelayed term: 0 where one delay has made whole turns."""
     if len(_delays_of(group, ring)) <= 1:
         return arb(0)
-    with flint.ctx.workprec(_BITS):
-        total = acb(0)
-        for turns, c in group.items():
-            lag = sum((n * x for n, x in zip(turns, ring.lags, strict=True)), Integer(0))
-            total += expression_ball(c) * (acb(0, -1) * expression_ball(lag * reach)).exp()
+    with flint.ctx.workprec(BITS):
         own = next(c for turns, c in group.items() if not any(turns))
-        return (total * sign_of_number(own)).arg() * 2 / arb.pi()
-
-
-def _whole(lacking: Ball) -> int:
-    """The whole number that is less than 1/2 away, as this is known to be but for 1/6."""
-    found = round(float(lacking))
-    if not abs(lacking - found) < arb(1) / 3:
-        raise UndecidedError("a turn of a characteristic function")
-    return found
+        return (factor_at(group, reach, ring) * sign_of_number(own)).arg() * 2 / arb.pi()

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass
-from itertools import pairwise
 from math import prod
 from typing import Any, TypeAlias
 
@@ -18,17 +17,18 @@ from sympy import Expr, Rational
 from haptisym.kernel.analytic import AnalyticFactor
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.factoring import Factored, Product, factored_function, is_even_or_odd
+from haptisym.kernel.factoring import Known, Product, factored_function, is_even_or_odd
 from haptisym.kernel.lattices import Lattice, Signed, met
 from haptisym.kernel.levels import Level
+from haptisym.kernel.ordering import in_order
 from haptisym.kernel.polynomials import PolynomialFactor
-from haptisym.kernel.precision import MOST_BITS, SURE_BITS, at_rising_precision
+from haptisym.kernel.precision import SURE_BITS, at_rising_precision
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball, is_in_pi
 from haptisym.kernel.response import RealFunction
-from haptisym.kernel.rings import Polynomial, PolynomialRing
+from haptisym.kernel.rings import PolynomialRing
 from haptisym.kernel.shown import Viewed
 from haptisym.kernel.symbols import omega
-from haptisym.kernel.zeros import Factor, Undecided, Zero, sign_of
+from haptisym.kernel.zeros import Factor, Undecided, sign_of
 
 Key: TypeAlias = Hashable
 """What a function of a chart is called."""
@@ -156,9 +156,8 @@ def _joined(names: Iterable[Key], lattices: Mapping[Key, Lattice], point: Point)
 
 def _charted(functions: Mapping[Key, RealFunction | Level], low: Expr, high: Expr) -> tuple[Point, ...]:
     """The points of a chart of single functions."""
-    known: list[tuple[Polynomial, Factored]] = []
     even = all(is_even_or_odd(function) for function in functions.values())
-    products = {name: factored_function(function, known, in_square=even) for name, function in functions.items()}
+    products = _products(functions, in_square=even)
     factors = {factor for product in products.values() for factor in product.exponents}
     steady = {f: sign for f in factors if (sign := f.steady_sign(low, high))}
     places = _places(factors - steady.keys(), low, high)
@@ -174,6 +173,19 @@ def _charted(functions: Mapping[Key, RealFunction | Level], low: Expr, high: Exp
         points.append(Point(place.omega, orders, before, after, _undecided(products, place)))
         signs = after
     return tuple(points)
+
+
+def _products(functions: Mapping[Key, RealFunction | Level], *, in_square: bool) -> dict[Key, Product]:
+    """The functions taken apart, short ones first: their factors are those of others' denominators."""
+    known, found = Known(), dict[Key, Product]()
+    for name in sorted(functions, key=lambda x: _length(functions[x])):
+        found[name] = factored_function(functions[name], known, in_square=in_square)
+    return {name: found[name] for name in functions}
+
+
+def _length(function: RealFunction | Level) -> int:
+    f = function.function if isinstance(function, RealFunction) else function.function.function
+    return len(f.denominator)
 
 
 def _turned(signs: Signs, products: Mapping[Key, Product], orders: Mapping[Key, int], place: _Place) -> dict[Key, int]:
@@ -236,34 +248,13 @@ def _places(factors: set[Factor], low: Expr, high: Expr) -> list[_Place]:
     return [_Place(ends[0], at_ends[0], is_zero=low == 0), *middle, _Place(ends[1], at_ends[1])]
 
 
-def in_order(numbers: list[RealNumber]) -> list[RealNumber]:
-    """Different numbers in ascending order, told apart by enclosures as tight as it takes."""
-    close: list[Ball] = []
-
-    def told_apart(bits: int) -> list[RealNumber] | None:
-        enclosed = sorted(((x.ball(bits), x) for x in numbers), key=lambda pair: pair[0].mid())
-        close[:] = [a for (a, _), (b, _) in pairwise(enclosed) if not a < b]
-        return None if close else [number for _, number in enclosed]
-
-    tick()
-    most = MOST_BITS if any(isinstance(x, Undecided) or _may_coincide(x) for x in numbers) else SURE_BITS
-    found = at_rising_precision(told_apart, 64, most)
-    if found is None:
-        raise UndecidedError(f"whether two frequencies near {float(close[0].mid()):.17g} rad/s are the same")
-    return found
-
-
-def _may_coincide(x: RealNumber) -> bool:
-    """Whether it is a zero of a function that is no polynomial: zeros of different irreducible polynomials differ."""
-    return isinstance(x, Zero) and not isinstance(x.factor, PolynomialFactor)
-
-
 def _first_signs(products: Mapping[Key, Product], places: list[_Place], steady: Mapping[Factor, int]) -> dict[Key, int]:
     """The sign of each function between the first two places."""
     first, second = places[0].omega, places[1].omega
+    ends = first.rough().upper(), second.rough().lower()
 
     def between(bits: int) -> Ball:
-        return (first.ball(bits) + second.ball(bits)) / 2
+        return ((ends[0] + ends[1]) / 2).mid() if ends[0] < ends[1] else (first.ball(bits) + second.ball(bits)) / 2
 
     signs = dict(steady)
     for factor in {f for p in products.values() for f in p.exponents} - steady.keys():

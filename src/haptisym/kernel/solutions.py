@@ -14,6 +14,7 @@ from typing import TypeAlias
 from sympy import Expr, Integer, Pow, S, acos, asin, atan, cos, factor, factor_terms, pi, sqrt
 
 from haptisym.kernel.axis import Axis
+from haptisym.kernel.monomials import monomials
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, PolynomialRing
 from haptisym.kernel.shown import Shown
@@ -156,7 +157,7 @@ def _row(polynomial: Polynomial, axis: Axis, index: int) -> list[Expr]:
 
 def _plain_row(polynomial: Polynomial, ring: PolynomialRing, index: int) -> list[Expr]:
     gathered: dict[int, dict[tuple[int, ...], object]] = {}
-    for exponents, value in polynomial.to_dict().items():
+    for exponents, value in monomials(polynomial):
         own = list(map(int, exponents))
         power, own[index] = own[index], 0
         gathered.setdefault(power, {})[tuple(own)] = value

@@ -6,6 +6,7 @@ from math import ceil, prod
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.monomials import monomials
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in
 from haptisym.kernel.rootcount import RootChain, count_roots
 from haptisym.kernel.roots import sign_of_number
@@ -62,7 +63,7 @@ def _by_power(polynomial: Polynomial, of: RationalFunction) -> list[RationalFunc
     """The coefficients of ascending powers of s, as elements of the same ring."""
     ring = of.ring
     rows: list[dict[tuple[int, ...], object]] = [{} for _ in range(int(polynomial.degrees()[0]) + 1)]
-    for (power, *others), value in polynomial.to_dict().items():
+    for (power, *others), value in monomials(polynomial):
         rows[int(power)][(0, *others)] = value
     return [ring.function(ring.context.from_dict(row)) for row in rows]
 

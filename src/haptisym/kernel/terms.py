@@ -11,6 +11,7 @@ from sympy import Expr, Integer, Rational, factorial, pi
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.monomials import monomials
 from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.roots import sign_of_number
 
@@ -24,7 +25,7 @@ def terms_of(polynomial: Polynomial, ring: Ring) -> Terms:
     """A polynomial by its powers of s, each with a number for every product of unit delays; none of them 0."""
     found: Terms = {}
     lags = len(ring.lags)
-    for exponents, value in polynomial.to_dict().items():
+    for exponents, value in monomials(polynomial):
         own = [int(n) for n in exponents]
         turns, powers = tuple(own[ring.size : ring.size + lags]), own[ring.size + lags :]
         power = sum((n * order for n, order in zip(powers, ring.orders, strict=False)), Integer(own[0]))

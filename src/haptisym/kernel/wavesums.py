@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from operator import add
-from typing import TypeAlias
+from itertools import accumulate, repeat
+from math import factorial
+from operator import add, mul
+from typing import NamedTuple, TypeAlias
 
 import flint
-from flint import arb, arb_mat, arb_poly, fmpz_poly
+from flint import arb, arb_mat, arb_poly
 from sympy import Expr
 
 from haptisym.kernel.bernstein import range_of
@@ -19,8 +21,7 @@ from haptisym.kernel.reals import Ball, expression_ball
 _TAYLOR_ORDER = 8
 
 
-@dataclass(frozen=True)
-class WaveTerm:
+class WaveTerm(NamedTuple):
     """Part of a sum: a polynomial in omega times sines, cosines and powers.
 
     ``coefficients``: of ascending powers of omega, each a polynomial in pi over the integers. ``turns``: the power of the
@@ -67,8 +68,12 @@ class WaveSum:
         """As ``series``, of what stands before a product of powers of omega^alpha."""
         return _compiled(self, flint.ctx.prec).before(powers, x, start, stop)
 
+    def parts(self, x: Ball) -> list[Ball]:
+        """Balls around the values at a ball of frequencies of what stands before each product of powers of omega^alpha."""
+        return _compiled(self, flint.ctx.prec).parts(x)
+
     def ranges(self, box: Ball) -> dict[tuple[int, ...], Ball]:
-        """Enclosures over a ball of frequencies of what stands before each product of powers of omega^alpha."""
+        """The same, tight for a short ball."""
         return _compiled(self, flint.ctx.prec).ranges(box)
 
 
@@ -129,6 +134,11 @@ class CompiledWaves:
         """As ``series``, of what stands before a product of powers of omega^alpha."""
         return self._sums[powers].series(self._place(x), start, stop)
 
+    def parts(self, x: Ball) -> list[Ball]:
+        """Balls around the values at a ball of frequencies of what stands before each product of powers of omega^alpha."""
+        place = self._place(x)
+        return [sums.series(place, 0, 1)[0] for sums in self._sums.values()]
+
     def ranges(self, box: Ball) -> dict[tuple[int, ...], Ball]:
         """Enclosures over a ball of frequencies of what stands before each product of powers of omega^alpha, as in ``over``."""
         n, reach = _TAYLOR_ORDER, _powers(box.rad(), _TAYLOR_ORDER + 1)
@@ -145,7 +155,7 @@ class CompiledWaves:
 
     def _place(self, x: Ball) -> _Place:
         *others, last = [_waves(rate * x, degree) for rate, degree in self._angles]
-        outer: dict[_Turns, Ball] = {(): arb(1)}
+        outer: dict[_Turns, Ball] = {(): _ONE}
         for waves in others:
             outer = {(*turns, k): known * wave for turns, known in outer.items() for k, wave in enumerate(waves)}
         return outer, arb_mat(1, len(last), last), arb_mat(self._width, 1, _powers(x, self._width))
@@ -164,7 +174,7 @@ class CompiledWaves:
 
 
 class _Derivatives:
-    """A sum of polynomials times waves and its derivatives over n!, which are of the same kind: exact, and no longer.
+    """A sum of polynomials times waves and its derivatives, which are of the same kind: exact, and no longer.
 
     d sin(a)^k cos(a)^(n - k) = (k sin(a)^(k - 1) cos(a)^(n - k + 1) - (n - k) sin(a)^(k + 1) cos(a)^(n - k - 1)) da.
     """
@@ -174,7 +184,7 @@ class _Derivatives:
         self._turn, self._shift = _turning(rate, degree), _shift(width)
         entries: dict[_Turns, list[Ball]] = {}
         for (*others, k), polynomial in terms.items():
-            block = entries.setdefault(tuple(others), [arb(0)] * (width * (degree + 1)))
+            block = entries.setdefault(tuple(others), [_NOTHING] * (width * (degree + 1)))
             own = polynomial.coeffs()
             block[k * width : k * width + len(own)] = own
         self._known: list[_Blocks] = [{o: arb_mat(degree + 1, width, block) for o, block in entries.items()}]
@@ -183,16 +193,17 @@ class _Derivatives:
         """The Taylor coefficients of these orders."""
         outer, last, columns = place
         while len(self._known) < stop:
-            self._known.append(self._derived(self._known[-1], len(self._known)))
-        known = self._known[start:stop]
+            self._known.append(self._derived(self._known[-1]))
         if () in outer:
-            return [(last * blocks[()] * columns)[0, 0] for blocks in known]
-        return [
-            sum((outer[turns] * (last * block * columns)[0, 0] for turns, block in blocks.items()), arb(0))
-            for blocks in known
-        ]
+            found = [(last * (blocks[()] * columns))[0, 0] for blocks in self._known[start:stop]]
+        else:
+            found = [
+                sum((outer[turns] * (last * (block * columns))[0, 0] for turns, block in blocks.items()), _NOTHING)
+                for blocks in self._known[start:stop]
+            ]
+        return [value / factorial(n) for n, value in enumerate(found, start)] if stop > 2 else found
 
-    def _derived(self, blocks: _Blocks, order: int) -> _Blocks:
+    def _derived(self, blocks: _Blocks) -> _Blocks:
         found: dict[_Turns, arb_mat] = {}
         for others, block in blocks.items():
             tick()
@@ -205,7 +216,7 @@ class _Derivatives:
                     parts.append(((*others[:i], k + 1, *others[i + 1 :]), block * (rate * (k - degree))))
             for turns, part in parts:
                 found[turns] = found[turns] + part if turns in found else part
-        return {turns: block * (arb(1) / order) for turns, block in found.items()}
+        return found
 
 
 @lru_cache(maxsize=64)
@@ -228,10 +239,7 @@ def _turning(rate: Ball, degree: int) -> arb_mat:
 
 def _powers(x: Ball, count: int) -> list[Ball]:
     """1, x, x^2, ..."""
-    found = [arb(1)]
-    for _ in range(count - 1):
-        found.append(found[-1] * x)
-    return found
+    return list(accumulate(repeat(x, count - 1), mul, initial=_ONE))
 
 
 def _waves(half: Ball, degree: int) -> list[Ball]:
@@ -241,8 +249,7 @@ def _waves(half: Ball, degree: int) -> list[Ball]:
         return [cosine, sine]
     if degree == 2:
         return [cosine**2, sine * cosine, sine**2]
-    sines, cosines = (_powers(wave, degree + 1) for wave in (sine, cosine))
-    return [a * b for a, b in zip(sines, reversed(cosines), strict=True)]
+    return list(map(mul, _powers(sine, degree + 1), reversed(_powers(cosine, degree + 1))))
 
 
 def _power_series(x: Ball, exponent: Ball, length: int) -> list[Ball]:
@@ -265,22 +272,25 @@ def _compiled(waves: WaveSum, bits: int) -> CompiledWaves:
     with flint.ctx.workprec(bits):
         halves = [expression_ball(rate) / 2 for rate, _ in waves.rates]
         turning = [i for i, (_, constant) in enumerate(waves.rates) if not constant]
-        fixed = {i: _waves(halves[i], waves.degrees[i]) for i, (_, constant) in enumerate(waves.rates) if constant}
-        terms: dict[_Key, arb_poly] = {}
-        for term in waves.terms:
-            polynomial = arb_poly([_in_pi(c) for c in term.coefficients])
-            for i, wave in fixed.items():
-                polynomial = polynomial * wave[term.turns[i]]
-            key = tuple(term.turns[i] for i in turning), term.powers
-            terms[key] = terms[key] + polynomial if key in terms else polynomial
+        fixed = [(i, _waves(halves[i], waves.degrees[i])) for i, (_, constant) in enumerate(waves.rates) if constant]
+        width = max(len(term.coefficients) for term in waves.terms)
+        pis = _powers(arb.pi(), max(len(c) for term in waves.terms for c in term.coefficients))
+        terms: dict[_Key, list[Ball]] = {}
+        for turns, powers, coefficients in waves.terms:
+            scale = _ONE
+            for i, wave in fixed:
+                scale = scale * wave[turns[i]]
+            row = terms.setdefault((tuple([turns[i] for i in turning]), powers), [_NOTHING] * width)
+            for n, c in enumerate(coefficients):
+                for k, whole in enumerate(c):
+                    if whole:
+                        row[n] = row[n] + pis[k] * scale * whole
         return CompiledWaves(
             tuple(halves[i] for i in turning),
             tuple(waves.degrees[i] for i in turning),
             tuple(expression_ball(order) for order in waves.orders),
-            tuple((*key, polynomial) for key, polynomial in terms.items()),
+            tuple((*key, arb_poly(row)) for key, row in terms.items()),
         )
 
 
-def _in_pi(row: Sequence[int]) -> Ball:
-    """The value of a polynomial in pi."""
-    return arb(row[0]) if len(row) == 1 else fmpz_poly(list(row))(arb.pi())
+_NOTHING, _ONE = arb(0), arb(1)

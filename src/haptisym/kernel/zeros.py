@@ -11,6 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from math import comb
 from typing import Any, TypeAlias
 
 import flint
@@ -88,6 +89,9 @@ class Factor(ABC):
 class SmoothFactor(Factor):
     """A factor whose Taylor coefficients are known."""
 
+    known_terms = 2
+    """How many of them are had for little more than the value, 2 or 4."""
+
     @abstractmethod
     def series(self, x: Ball, start: int, stop: int) -> list[Ball]:
         """Balls around the Taylor coefficients of orders from ``start`` to before ``stop`` about every point of a ball."""
@@ -111,6 +115,9 @@ class Zero(RealNumber):
     def ball(self, bits: int) -> Ball:
         return _refined(self, self.low, self.high, rounded_up(bits))
 
+    def rough(self) -> Ball:
+        return self.low.union(self.high)
+
 
 @dataclass(frozen=True, repr=False)
 class Undecided(RealNumber):
@@ -130,7 +137,7 @@ def _refined(zero: Zero, low: Ball, high: Ball, bits: int) -> Ball:
 
     def jet(x: Ball, count: int) -> Sequence[Ball]:
         row = zero.factor.series(x, k, k + count)
-        return [c * (k + 1) ** n for n, c in enumerate(row)]
+        return [c * comb(k + n, k) for n, c in enumerate(row)] if k else row
 
     with flint.ctx.workprec(bits):
         if bits > 128:
@@ -138,20 +145,20 @@ def _refined(zero: Zero, low: Ball, high: Ball, bits: int) -> Ball:
             closer = low.max(rough.lower()), high.min(rough.upper())
             if all(is_clear(jet(x, 1)[0]) for x in closer):
                 low, high = closer
-        return tightened(low, high, bits, jet)
+        return tightened(low, high, bits, jet, zero.factor.known_terms)
 
 
 Jet: TypeAlias = Callable[[Ball, int], Sequence[Ball]]
-"""The value of a function at a ball, or value and slope, as the number asks for."""
+"""As many Taylor coefficients of a function at a ball as the number asks for."""
 
 
-def tightened(low: Ball, high: Ball, bits: int, jet: Jet) -> Ball:
+def tightened(low: Ball, high: Ball, bits: int, jet: Jet, terms: int = 2) -> Ball:
     """The enclosure of the one simple zero between two exact numbers, as tight as that many bits allow.
 
-    Interval Newton where the slope is clear of 0, bisection elsewhere. The ends stay exact numbers: a ball around them
-    reaches a little beyond, where a twin of the zero may lie.
+    ``terms``: how many coefficients the jet knows, 2 or 4. Interval Newton where the slope is clear of 0, bisection elsewhere.
+    The ends stay exact numbers: a ball around them reaches a little beyond, where a twin of the zero may lie.
     """
-    near = _approached(low, high, bits, jet)
+    near = _approached(low, high, bits, jet, terms)
     if near is not None:
         return near
     left = sign_of(jet(low, 1)[0])
@@ -170,22 +177,31 @@ def tightened(low: Ball, high: Ball, bits: int, jet: Jet) -> Ball:
     return low.union(high)
 
 
-def _approached(low: Ball, high: Ball, bits: int, jet: Jet) -> Ball | None:
+def _approached(low: Ball, high: Ball, bits: int, jet: Jet, terms: int) -> Ball | None:
     """The same where Newton's steps from point to point, which prove nothing, find it, and signs beside it prove it."""
     x = ((low + high) / 2).mid()
     for _ in range(_MOST_STEPS):
         tick()
-        value, slope = jet(x, 2)
-        step = (value / slope).mid()
-        x = (x - step).mid()
+        step = _step(jet(x, terms))
+        x = (x + step).mid()
         if not low < x < high:
             return None
-        if (step / x) ** 2 < arb(2) ** -bits:  # the next step would be at most about the square of it
+        if (step / x) ** terms < arb(2) ** -bits:  # the next step would be at most about that
             reach = x * arb(2) ** -(bits - 22)
             ends = (x - reach).mid(), (x + reach).mid()
             signs = [sign_of(jet(end, 1)[0]) for end in ends]
             return ends[0].union(ends[1]) if low < ends[0] and ends[1] < high and signs[0] * signs[1] < 0 else None
     return None
+
+
+def _step(row: Sequence[Ball]) -> Ball:
+    """From a point with those Taylor coefficients to a zero near it: Newton's step, or one to where a cubic vanishes."""
+    value, slope, *rest = (c.mid() for c in row)
+    step = -(value / slope).mid()
+    if rest:
+        for _ in range(2):
+            step = -(value / (slope + step * (rest[0] + step * rest[1]))).mid()
+    return step
 
 
 _MOST_STEPS = 12

@@ -100,8 +100,7 @@ class Distortion(Shown):
     @cached_property
     def squared_ratios(self) -> dict[Part, RealFunction]:
         """r_r^2 and r_i^2 in lowest terms: limits at zeros of H_env are values, damping-free resonances cancel."""
-        parts = {part: part_of(self.difference_response, part).function for part in Part}
-        return {part: RealFunction((f * f / self.squared_modulus.function).reduced()) for part, f in parts.items()}
+        return {part: part_of(self.difference_response, part).square_over(self.squared_modulus) for part in Part}
 
     @property
     def free_symbols(self) -> frozenset[Symbol]:

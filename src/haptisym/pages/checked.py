@@ -26,9 +26,10 @@ def is_provable(e: Evaluation) -> bool:
                 return False
     except HaptisymError:
         return False
+    ring = ring_of(e.distortion.difference)
     if e.scene.threshold.is_plain:
-        return not ring_of(e.distortion.difference).lags
-    return not (e.relevance or e.distortion.difference.ring.functions)
+        return not ring.lags and not ring.orders
+    return not (e.relevance or ring.functions)
 
 
 def checked(answer: Answer, scene: Scene) -> Html:

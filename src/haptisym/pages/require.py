@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
+from haptisym.judge.criteria import Criterion
+from haptisym.kernel.decimals import outward
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver
 from haptisym.model.knobs import Knob
 from haptisym.model.quantities import unit_text
@@ -39,9 +41,9 @@ _OF_ALL = {Kind.START: "at low frequencies", Kind.TOUCH: "a touch", Kind.FAR: "a
 
 def page(r: Requirement) -> Document:
     """The page of one parameter."""
-    caption = (
-        "The worst case over the band against the parameter, with the threshold; grey: transparent on the whole band."
-    )
+    kept = listed(dict.fromkeys(x.kept for x in r.criteria))
+    worst = "The worst case over the band against the parameter, with the threshold; grey: " if _judged(r) else "Grey: "
+    caption = (worst, kept, "; hatched: undecided." if r.undecided else ".")
     blocks = (
         Facts(tuple(_question(r))), Paragraph(_answer(r)), *_nearest(r), *_ends(r), *_formulas(r),
         Figure("requirement", caption, r.figure), Paragraph(_certain(r)), Live(lambda: _checked(r)),
@@ -59,10 +61,15 @@ def _question(r: Requirement) -> Iterator[tuple[str, Phrase]]:
 
 
 def _condition(r: Requirement) -> Phrase:
-    judged = [x for x in r.criteria if x.name not in ("stable", "passive")]
+    judged = _judged(r)
     others = [x.rule for x in r.criteria if x not in judged]
     first = (listed(map(rule, judged)), " on the whole band") if judged else ""
     return first, "; " if judged and others else "", "; ".join(others)
+
+
+def _judged(r: Requirement) -> list[Criterion]:
+    """What is asked of each frequency of the band."""
+    return [x for x in r.criteria if x.name not in ("stable", "passive")]
 
 
 def _asked(r: Requirement) -> str:
@@ -83,22 +90,36 @@ def _answer(r: Requirement) -> Phrase:
 
 
 def sets(r: Requirement) -> Phrase:
-    """The values, as in a sentence: ``omega_n ≥ 122.36 rad/s``; ``no value`` for none."""
-    return listed((_span(x, r.free) for x in r.feasible), "or") if r.feasible else "no value"
+    """The values, as in a sentence: ``omega_n ≥ 122.36 rad/s``; ``no value`` for none.
+
+    An end behind which nothing is proven is rounded inward.
+    """
+    doubtful = {x for pair in r.undecided for x in pair if x is not None}
+    return listed((_span(x, r.free, doubtful) for x in r.feasible), "or") if r.feasible else "no value"
 
 
-def _span(x: Span, free: Knob) -> Phrase:
+def _span(x: Span, free: Knob, doubtful: Collection[RealNumber]) -> Phrase:
     name, unit = named(free.symbol.name), unit_of(free)
     low, high = x.low.value, x.high.value
     if low is None and high is None:
         return "every value of ", name
     if low is not None and low is high:
         return name, " = ", short(low), unit, " alone"
+
+    def end(y: RealNumber) -> Number:
+        return _directed(y, 5, up=y is low) if y in doubtful else short(y)
+
     if low is not None and high is None:
-        return name, " ≥ " if x.low.closed else " > ", short(low), unit
-    left = () if low is None else (short(low), _below(x.low))
-    right = () if high is None else (_below(x.high), short(high))
+        return name, " ≥ " if x.low.closed else " > ", end(low), unit
+    left = () if low is None else (end(low), _below(x.low))
+    right = () if high is None else (_below(x.high), end(high))
     return left, name, right, unit
+
+
+def _directed(x: RealNumber, digits: int, *, up: bool) -> Number:
+    """So many digits of a number that is not less, or not larger."""
+    low, high = (float(y) for y in outward(*x.bounds(64), digits))
+    return Number(f"{high if up else low:.{digits}g}", float(x))
 
 
 def _below(end: End) -> str:
@@ -164,17 +185,22 @@ def _checked(r: Requirement) -> str:
     return checked(r, r.scene)
 
 
+def _is_all(r: Requirement) -> bool:
+    """Whether all that was asked about is undecided."""
+    [(low, high), *others] = r.undecided
+    ends = [None if x is None else float(x) for x in (low, high, r.domain.low, r.domain.high)]
+    return not others and ends[:2] == ends[2:]
+
+
 def _certain(r: Requirement) -> Phrase:
     if r.undecided:
-        where = listed(f"{_limit(a)} to {_limit(b)}" for a, b in r.undecided)
+        where = listed((_limit(a, up=False), " to ", _limit(b, up=True)) for a, b in r.undecided)
         why = "" if r.limit is None else f" within the limit of {r.limit:g} s"
         why += f": {r.reason}" if r.reason else ""
         return (
-            Strong("UNDECIDED"),
-            ": for the values from ",
-            where,
-            f" neither was proven{why}. About all others everything is.",
-        )
+            Strong("UNDECIDED"), ": for the values from ", where, f" neither was proven{why}.",
+            "" if _is_all(r) else " About all others everything is.",
+        )  # fmt: skip
     if not r.feasible:
         return "Certain: none that will do was missed; that is proven, not sampled."
     if any(isinstance(end.value, Sliver) for span in r.feasible for end in (span.low, span.high)):
@@ -182,5 +208,7 @@ def _certain(r: Requirement) -> Phrase:
     return "Certain: these are all such values, none is missed and none invented; every digit is proven, not sampled."
 
 
-def _limit(x: RealNumber | None) -> str:
-    return "infinity" if x is None else f"{float(x):.6g}"
+def _limit(x: RealNumber | None, *, up: bool) -> Phrase:
+    if x is None:
+        return "infinity" if up else "minus infinity"
+    return _directed(x, 6, up=up)

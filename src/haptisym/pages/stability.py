@@ -140,7 +140,7 @@ def _going(found: Stability, x: Held, rows: tuple[Nearest, ...]) -> Section:
 def _critical(found: Stability, x: Critical) -> tuple[Phrase, ...]:
     unit = unit_text(found.scene.knobs[x.path].unit)
     place: Phrase = "from infinity" if x.omega is None else short(x.omega)
-    side = f"not {x.chain_side}" if x.chain_side else x.stable_side or "on neither side"
+    side = x.stable_side or (f"not {x.chain_side}" if x.is_crowded else "on neither side")
     return x.path, exactly(x.value, 8), "" if unit == "1" else unit, side, place
 
 

@@ -8,6 +8,7 @@ from typing import Any
 from sympy import Expr
 
 from haptisym.kernel.reals import RealNumber
+from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand
 from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import MotionKind, unit_text
@@ -114,8 +115,9 @@ def enclosures_figure(a: Tolerances) -> Any:
 
 _HANDS = (
     "Hands of the first one's mass, by stiffness and damping. White: the display is stable for all values within the ranges, "
-    "and red: for none; both proven. Grey: it depends, or was not shown. Line: the boundary for the nominal values, in floats."
+    "and red: for none; both proven. Grey: it depends, or was not shown."
 )
+_LINE = " Line: the boundary for the nominal values, in floats."
 
 
 def hands_figure(a: Tolerances) -> Any:
@@ -142,7 +144,8 @@ def _held(a: Tolerances) -> Iterator[Block]:
             told = [(f"{how}, for example, with ", _at(a, found), ".") for how, found in examples if found]
             yield from [Notes(tuple(told))] if told else []
     if a.held:
-        yield Figure("hands", _HANDS, lambda: hands_figure(a))
+        line = "" if clocks(a.box.scene) else _LINE
+        yield Figure("hands", _HANDS + line, lambda: hands_figure(a))
 
 
 def _ranges(hand: Hand) -> list[tuple[Parameter, tuple[Expr, Expr]]]:

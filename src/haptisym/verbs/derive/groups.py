@@ -117,6 +117,8 @@ def _exponents(dimension: Dimension, motion: MotionKind | None) -> _Size:
 
 def _check(chain: Chain, sizes: Mapping[Symbol, _Size], motion: MotionKind | None) -> None:
     """SceneError unless other units of mass, length and time change the dynamics as they should: exact."""
+    if irrational := [order for order in chain.ring.orders if not order.is_Rational]:
+        raise SceneError(f"natural groups need powers of s that are rational numbers, not {irrational[0]}")
     roots = {n.q for size in sizes.values() for n in size.values()} | {order.q for order in chain.ring.orders}
     units = {name: Dummy(name, positive=True) ** prod(map(int, roots)) for name in ("mass", "length", "time")}
     scale = {x: x * Mul(*(units[name] ** n for name, n in size.items())) for x, size in sizes.items()}

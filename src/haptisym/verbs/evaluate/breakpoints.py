@@ -30,10 +30,10 @@ def breakpoints(places: Sequence[RealNumber], factors: Sequence[Factor | WaveFac
         last = [] if ends[1] is not None else [_fraction(rational_between(places[-2], places[-1]))]
         inner = sorted({*first, *inner, *last})
     low, high = _beside(places[0], -1), _beside(places[-1], 1)
-    found, waiting = [low], [high, *inner[::-1]]
+    found, waiting, asked = [low], [high, *inner[::-1]], [*factors]
     while waiting:
         tick()
-        if _is_told(factors, found[-1], waiting[-1]):
+        if _is_told(asked, found[-1], waiting[-1]):
             found.append(waiting.pop())
         elif len(found) + len(waiting) < _MOST:
             waiting.append(_between(factors, found[-1], waiting[-1]))
@@ -55,12 +55,13 @@ def _beside(end: RealNumber, side: int) -> Fraction:
     return Fraction(end.enclosure()[side > 0])
 
 
-def _is_told(factors: Sequence[Factor | WaveFactor], low: Fraction, high: Fraction) -> bool:
-    """Whether the signs show that there is at most one zero in a cell, of one factor."""
+def _is_told(factors: list[Factor | WaveFactor], low: Fraction, high: Fraction) -> bool:
+    """Whether signs show that there is at most one zero in a cell, of one factor; one that fails is asked first again."""
     turns = 0
-    for factor in factors:
+    for i, factor in enumerate(factors):
         signs = factor.moved(low, high)
         if signs is None:
+            factors.insert(0, factors.pop(i))
             return False
         turns += sum(a != b for a, b in pairwise(x for x in signs if x))
     return turns < 2

@@ -22,13 +22,16 @@ from haptisym.kernel.roots import Interval, Point
 from haptisym.model.scene import Scene
 from haptisym.model.scenetables import read_scenes
 from haptisym.verbs.evaluate.breakpoints import breakpoints
+from haptisym.verbs.evaluate.checkable import need_checkable
+from haptisym.verbs.evaluate.powers import rectangular
 from haptisym.verbs.evaluate.products import Factor, Linked, products
 from haptisym.verbs.evaluate.zeros import zeros
 
 FORMAT = "haptisym.certificate/1"
+_MOST_WORK = 2 * 10**9  # of a checker, in bits times cost
 _MOST_DIGITS = 1000  # of an enclosure: a checker need not read many more
 _MOST_BESIDE_PI = 90  # a checker knows 100 of pi
-_MOST_AMONG_WAVES = 50  # where there are delays: a checker computes with 80
+_MOST_AMONG_WAVES = 50  # where there are delays or powers: a checker computes with 80
 
 _NAMES = {
     Curve.ENVIRONMENT: "environment",
@@ -54,10 +57,12 @@ def certificate(e: Evaluation) -> str:
     frequencies = _enclosures(e, _room(e, linked))
     inner = [Sliver(Fraction(x), Fraction(y)) for x, y in frequencies[1:-1]]
     points = breakpoints([e.chart.points[0].omega, *inner, e.chart.points[-1].omega], linked.factors)
+    _afford(points, [x for pair in frequencies for x in pair], [f.cost for f in linked.factors])
     about_poles = _poles(e)
     claim = {"frequencies": frequencies} | _claim(e) | {"stable": None if about_poles is None else e.stable}
     proof = {
         "delays": [str(x) for x in linked.delays],
+        "orders": [str(x) for x in linked.orders],
         "breakpoints": [str(x) for x in points],
         "factors": [f.told() for f in linked.factors],
         "functions": linked.told,
@@ -68,10 +73,18 @@ def certificate(e: Evaluation) -> str:
 
 def _room(e: Evaluation, linked: Linked) -> int:
     """How many digits of a frequency may have."""
-    if linked.delays:
+    if linked.delays or linked.orders:
         return _MOST_AMONG_WAVES
     has_pi = any(isinstance(f, Factor) and len(f.bounds) > 1 for f in linked.factors)
     return _MOST_BESIDE_PI if has_pi or any(x.has(pi) for x in e.scene.band) else _MOST_DIGITS
+
+
+def _afford(points: Sequence[Fraction], ends: Sequence[str], costs: Sequence[int]) -> None:
+    """SceneError where a checker would refuse to find so many signs."""
+    for numbers, cost in ((points, sum(costs)), (map(Fraction, ends), max(costs, default=0) // 10)):
+        bits = sum(x.numerator.bit_length() + x.denominator.bit_length() for x in numbers)
+        if bits * cost >= _MOST_WORK:
+            raise SceneError("a certificate of this scene would take a checker too long")
 
 
 def _poles(e: Evaluation) -> dict[str, Any] | None:
@@ -88,7 +101,7 @@ def inverse(x: RationalFunction) -> RationalFunction:
 
 
 def document(scene: Scene, environment: str | None, claim: dict[str, Any], proof: dict[str, Any]) -> str:
-    """A certificate of any question, as JSON."""
+    """A certificate of any question, as JSON. SceneError where no checker would accept it."""
     told = {
         "format": FORMAT,
         "scene_sha256": hashlib.sha256(scene.text.encode()).hexdigest(),
@@ -96,7 +109,9 @@ def document(scene: Scene, environment: str | None, claim: dict[str, Any], proof
         "claim": claim,
         "proof": proof,
     }
-    return json.dumps(told, ensure_ascii=False)
+    text = json.dumps(told, ensure_ascii=False)
+    need_checkable(text, proof, scene.text)
+    return text
 
 
 def named(scene: Scene) -> str | None:
@@ -121,7 +136,7 @@ def named_in_file(scene: Scene) -> str | None:
 
 def _functions(e: Evaluation) -> dict[str, RealFunction]:
     found: dict[str, RealFunction] = {}
-    for key, f in curves(e.distortion, e.criteria).items():
+    for key, f in curves(rectangular(e.distortion), e.criteria).items():
         if not isinstance(f, RealFunction):
             raise SceneError("a certificate needs thresholds that are rational, or rational in pi")
         if isinstance(key, tuple):

@@ -17,6 +17,7 @@ from haptisym.kernel.axis import Axis
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, PolynomialRing
+from haptisym.verbs.evaluate.powers import RectangularAxis
 from haptisym.verbs.evaluate.waves import Rows, WaveFactor, cosine_factor, wave_factor
 
 PI = 1  # the place of pi among what a polynomial is in
@@ -40,6 +41,11 @@ class Factor:
             return tuple(
                 fmpq_poly([x.fmpq() for x in ends]) for ends in ([b.lower() for b in balls], [b.upper() for b in balls])
             )
+
+    @property
+    def cost(self) -> int:
+        """Of a sign of it, as the limits of the format have it."""
+        return len(self.rows) ** 3 * max(map(len, self.rows)) + 1000
 
     def told(self) -> dict[str, Any]:
         """As a certificate tells it."""
@@ -141,39 +147,46 @@ def are_even(functions: Sequence[RealFunction]) -> bool:
 
 @dataclass(frozen=True)
 class Linked:
-    """Functions as products of factors; ``delays`` : tau of the half angles omega tau/2 in factors, the longest first."""
+    """Functions as products of factors; ``delays`` : tau of the half angles omega tau/2 in factors, the longest first.
+
+    ``orders`` : of the powers (j omega)^alpha.
+    """
 
     factors: list[Factor | WaveFactor]
     told: dict[str, dict[str, Any]]
     delays: tuple[Fraction, ...] = ()
+    orders: tuple[Fraction, ...] = ()
 
 
 def products(functions: Mapping[str, RealFunction]) -> Linked:
     """The factors of real functions, and each function as the product of them."""
     axis = next(iter(functions.values())).axis
-    if not axis.functions:
+    powers = axis.powers if isinstance(axis, RectangularAxis) else ()
+    if not axis.functions and not powers:
         factors, told = rational_products(functions)
         return Linked([*factors], told)
-    if axis.orders or len(axis.lags) > _MOST_DELAYS or not all(x.is_Rational for x in axis.lags):
+    others = [*axis.lags[::-1], *powers]
+    if len(others) > _MOST_OTHERS or not all(x.is_Rational and max(x.p, x.q) < _LARGEST for x in others):
         raise SceneError(NO_ROOM)
-    delays = tuple(Fraction(int(x.p), int(x.q)) for x in axis.lags[::-1])
-    waves = WaveProducts(axis, delays)
+    exact = tuple(Fraction(int(x.p), int(x.q)) for x in others)
+    delays, orders = exact[: len(axis.lags)], exact[len(axis.lags) :]
+    waves = WaveProducts(axis, delays, orders)
     told = {name: waves.product(f) for name, f in functions.items()}
-    return Linked(list(waves.listed), told, delays)
+    return Linked(list(waves.listed), told, delays, orders)
 
 
-_MOST_DELAYS = 4
+_MOST_OTHERS, _LARGEST = 4, 2**100
 NO_ROOM = (
-    f"a certificate of a scene with delays has room for {_MOST_DELAYS} that are no multiples of each other, each rational "
-    "in seconds, and for no fractional power of s"
+    f"a certificate of a scene with delays or powers of s has room for {_MOST_OTHERS} delays that are no multiples of each "
+    "other and orders together, each a rational number (a delay in seconds) of at most 30 digits"
 )
 
 
 class WaveProducts:
-    """The factors of functions with delays, each of them once."""
+    """The factors of functions with delays or powers, each of them once."""
 
-    def __init__(self, axis: Axis, delays: tuple[Fraction, ...]) -> None:
-        self.axis, self.delays = axis, delays
+    def __init__(self, axis: Axis, delays: tuple[Fraction, ...], orders: tuple[Fraction, ...]) -> None:
+        self.axis, self.delays, self.orders = axis, delays, orders
         self.listed: dict[Factor | WaveFactor, int] = {}
         self.known: list[tuple[Polynomial, Any]] = []
 
@@ -203,12 +216,12 @@ class WaveProducts:
         number, factors = self.axis.factors(self.axis.without_circles(polynomial)[0], in_square=False)
         found = list[tuple[Factor | WaveFactor, int]]()
         for factor, n in factors:
-            if any(factor.degrees()[size:]):
-                found.append((wave_factor(factor, size, self.delays), n))
+            if any(factor.degrees()[size - 2 * len(self.orders) :]):
+                found.append((wave_factor(factor, size, self.delays, self.orders), n))
             else:
                 found.append((Factor(rows_of(factor), 1), n))
         turning = [int(n) for n in polynomial.degrees()[size : size + count]][::-1]
-        cosines = [(cosine_factor(i, self.delays), -n) for i, n in enumerate(turning) if n]
+        cosines = [(cosine_factor(i, self.delays, self.orders), -n) for i, n in enumerate(turning) if n]
         return number, [*found, *cosines]
 
 

@@ -1,4 +1,4 @@
-"""Factors with sines and cosines, as delays bring them: their signs between two frequencies, as a certificate shows them."""
+"""Factors with sines and cosines, as delays bring them, and powers: their signs in a cell, as a certificate shows them."""
 
 from __future__ import annotations
 
@@ -6,66 +6,103 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from math import comb, factorial
+from itertools import accumulate
+from math import factorial
+from operator import add
 from typing import Any, TypeAlias
 
 import flint
 from flint import arb, arb_poly, fmpq, fmpq_poly
 
-from haptisym.kernel.errors import SceneError, UndecidedError
+from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import Polynomial
 
 Rows: TypeAlias = tuple[tuple[int, ...], ...]
 """The coefficients of a polynomial, ascending, each as those of ascending powers of pi."""
 Turns: TypeAlias = tuple[int, ...]
+Balls: TypeAlias = list[tuple[Turns, list[tuple[int, Any]]]]
+"""Terms: the coefficients that are not zero, with pi in them, and their powers of omega."""
 
 ORDER = 14  # of Taylor's sums in a cell, as a checker has it
-_MOST = 40
+_MOST, _MOST_TERMS = 40, 300
 _MARGIN = 1e-6  # so that a checker that rounds otherwise finds the same signs
+_LEAST = 1e-60  # as it knows numbers to 80 digits behind the point
 _BITS = 280  # a checker computes with 80 digits
 
 
 @dataclass(frozen=True)
 class WaveFactor:
-    """The sum over ``terms`` of p(omega) prod sin(omega tau_i/2)^k_i cos(omega tau_i/2)^(n_i - k_i), the n_i being ``waves``."""
+    """The sum over ``terms`` of p(omega) prod sin(omega tau_i/2)^k_i cos(omega tau_i/2)^(n_i - k_i) prod x_i^a_i y_i^b_i.
+
+    The n_i are ``waves``, x_i + j y_i is (j omega)^alpha_i, the alpha_i being ``orders``; turns are the k_i, then a_0, b_0, ....
+    """
 
     terms: tuple[tuple[Turns, Rows], ...]
     waves: Turns
     delays: tuple[Fraction, ...]
+    orders: tuple[Fraction, ...] = ()
 
     def moved(self, low: Fraction, high: Fraction) -> tuple[int, ...] | None:
-        """Signs whose changes are the zeros between two numbers, behind as many zeros as the order at 0; None where not shown."""
+        """Signs whose changes are the zeros between two numbers; None where not shown."""
         with flint.ctx.workprec(_BITS):
-            first, step = 0 if low else self.order_at_0, high - low
-            here, there = self._series(low, low, step), self._series(low, high, step)
-            model = [*(here[n] for n in range(ORDER)), there[ORDER] * arb(1, _MARGIN)]
-            if side := _side(model[first:]):
-                return (*[0] * first, side)
-            if first or not _side([n * c for n, c in enumerate(model)][1:]):
+            if not low:
+                return self._moved_from_0(high)
+            model = self._model(self._balls, low, high)
+            if side := _side(model):
+                return (side,)
+            if not _side([n * c for n, c in enumerate(model)][1:]):
                 return None
-            ends = model[0], sum(model, arb(0))
-            return None if any(x.contains(0) for x in ends) else tuple(1 if x > 0 else -1 for x in ends)
+            ends = _sides([model[0], sum(model, arb(0))])
+            return ends if all(ends) else None
+
+    def _moved_from_0(self, high: Fraction) -> tuple[int, ...] | None:
+        """All partial sums of coefficients have one sign, from the lowest power of omega on (Abel)."""
+        total: dict[Fraction, Any] = {}
+        for (powers, there), balls in zip(self._beginnings.items(), self._apart, strict=True):
+            exponent = sum((a * sum(pair) for a, pair in zip(self.orders, _pairs(powers), strict=True)), Fraction(0))
+            for n, c in enumerate(self._model(balls, Fraction(0), high)):
+                if n == ORDER or there[n]:
+                    total[exponent + n] = total.get(exponent + n, arb(0)) + c
+        sides = _sides([*accumulate(total[e] for e in sorted(total))])
+        return sides[:1] if sides[0] and len({*sides}) == 1 else None
 
     def sign_at(self, x: Fraction) -> int:
-        """The sign at a number >= 0; 0 where it is zero, or open."""
+        """The sign at a number > 0; 0 where it is zero, or open."""
         with flint.ctx.workprec(_BITS):
-            return _side([self._series(x, x, Fraction(0), order=0)[0]])
+            return _sides([self._series(self._balls, x, x, Fraction(0), order=0)[0]])[0]
 
-    def _series(self, low: Fraction, high: Fraction, step: Fraction, order: int = ORDER) -> Any:
+    def _model(self, balls: Balls, low: Fraction, high: Fraction) -> list[Any]:
+        """Balls c_n of which the sum of c_n v^n, v from 0 to 1, is that of terms between two numbers."""
+        here, there = (self._series(balls, low, x, high - low) for x in (low, high))
+        return [*(here[n] for n in range(ORDER)), there[ORDER] * arb(1, _MARGIN)]
+
+    def _series(self, balls: Balls, low: Fraction, high: Fraction, step: Fraction, order: int = ORDER) -> Any:
         """Balls that hold h^n f^(n)/n! for the step h, n up to ``order``, wherever between two numbers."""
-        omega, tables = _place(self.delays, low, high, step, order)
+        omega, tables = _place(self.delays, self.orders, low, high, step, order)
         total = arb_poly([0])
-        for turns, own in self._balls:
+        for turns, own in balls:
             term = sum((x * omega[n] for n, x in own), arb_poly([0]))
-            for (sines, cosines), k, n in zip(tables, turns, self.waves, strict=True):
-                for wave, power in ((sines, k), (cosines, n - k)):
-                    term = (term * wave[power]).truncate(order + 1) if power else term
+            for table, n in zip(tables, self._exponents[turns], strict=True):
+                term = (term * table[n]).truncate(order + 1) if n else term  # one by one: radii depend on the order
             total = total + term
         return total
 
     @cached_property
-    def _balls(self) -> list[tuple[Turns, list[tuple[int, Any]]]]:
-        """The coefficients that are not zero, with pi in them, and their powers of omega."""
+    def _exponents(self) -> dict[Turns, Turns]:
+        """By turns, of each sine and its cosine, then of each real part and its imaginary part."""
+        count, found = len(self.waves), dict[Turns, Turns]()
+        for turns, _ in self.terms:
+            own = [n for k, most in zip(turns, self.waves, strict=False) for n in (k, most - k)]
+            found[turns] = (*own, *turns[count:])
+        return found
+
+    @cached_property
+    def _apart(self) -> list[Balls]:
+        """The terms of each product of powers."""
+        return [[x for x in self._balls if x[0][len(self.waves) :] == powers] for powers in self._beginnings]
+
+    @cached_property
+    def _balls(self) -> Balls:
         with flint.ctx.workprec(_BITS):
             powers = Powers(arb.pi())
             return [
@@ -81,21 +118,27 @@ class WaveFactor:
             ]
 
     @cached_property
-    def order_at_0(self) -> int:
-        """The order of the zero at 0, from Taylor's series with exact coefficients."""
-        total: dict[int, fmpq_poly] = {}
+    def _beginnings(self) -> dict[Turns, list[bool]]:
+        """Which of Taylor's coefficients at 0 are not zero, exactly, beside each product of powers."""
+        total: dict[Turns, dict[int, fmpq_poly]] = {}
         tables = [[Powers(x, lambda p: p.truncate(ORDER)) for x in _series(tau)] for tau in self.delays]
         for turns, rows in self.terms:
-            wave = fmpq_poly([1])
-            for (cosines, sines), k, n in zip(tables, turns, self.waves, strict=True):
+            wave, own = fmpq_poly([1]), total.setdefault(turns[len(self.waves) :], {})
+            for (cosines, sines), k, n in zip(tables, turns, self.waves, strict=False):
                 wave = (wave * cosines[n - k] * sines[k]).truncate(ORDER)
             for q in range(max(map(len, rows))):
                 column = fmpq_poly([row[q] if q < len(row) else 0 for row in rows])
-                total[q] = total.get(q, fmpq_poly([0])) + (column * wave).truncate(ORDER)
-        found = [n for n in range(ORDER) if any(p[n] for p in total.values())]
-        if not found:
-            raise UndecidedError("the order of a zero at omega = 0, of a function in a certificate")
-        return found[0]
+                own[q] = own.get(q, fmpq_poly([0])) + (column * wave).truncate(ORDER)
+        return {powers: [any(p[n] for p in own.values()) for n in range(ORDER)] for powers, own in total.items()}
+
+    @property
+    def cost(self) -> int:
+        """Of a sign of it, as the limits of the format have it."""
+        rows = [row for _, own in self.terms for row in own]
+        sizes = sum(max(abs(n).bit_length() for n in row) + len(row) + 40 for row in rows)
+        powers = zip(*([sum(x) for x in _pairs(turns[len(self.waves) :])] for turns, _ in self.terms), strict=True)
+        widths: int = 1 + sum(self.waves) + sum(map(max, powers))
+        return 2 * (sizes + 500 * len(self.terms) * widths)
 
     def told(self) -> dict[str, Any]:
         """As a certificate tells it."""
@@ -132,16 +175,28 @@ class Powers:
         return self._found[n]
 
 
+def _pairs(row: Turns) -> list[Turns]:
+    return [row[i : i + 2] for i in range(0, len(row), 2)]
+
+
 @lru_cache(maxsize=16)
 def _place(
-    delays: tuple[Fraction, ...], low: Fraction, high: Fraction, step: Fraction, order: int
-) -> tuple[Powers, list[tuple[Powers, Powers]]]:
-    """Series of omega, and of sine and cosine of each omega tau/2, bounded as a checker does it: no slope is above 1."""
+    delays: tuple[Fraction, ...],
+    orders: tuple[Fraction, ...],
+    low: Fraction,
+    high: Fraction,
+    step: Fraction,
+    order: int,
+) -> tuple[Powers, list[Powers]]:
+    """Series of omega, of sine and cosine of each omega tau/2, and of powers, bounded as a checker does it.
+
+    No slope of a sine is above 1; from 0 on powers are those of the step.
+    """
 
     def powers(terms: list[Any]) -> Powers:
         return Powers(arb_poly(terms[: order + 1]), lambda p: p.truncate(order + 1))
 
-    tables = []
+    tables = list[Powers]()
     for tau in delays:
         rate = _ball(tau / 2)
         reach = arb(0, 1) * _ball((high - low) / 2) * rate
@@ -150,9 +205,26 @@ def _place(
         for n in range(order):
             weights.append(weights[-1] * ahead / (n + 1))
         turns = [cosine, -sine, -cosine, sine]
-        sines, cosines = (powers([turns[(n + i) % 4] * w for n, w in enumerate(weights)]) for i in (3, 0))
-        tables.append((sines, cosines))
+        tables += [powers([turns[(n + i) % 4] * w for n, w in enumerate(weights)]) for i in (3, 0)]
+    for alpha in orders:
+        ends = (_binomial(alpha, step, x, order) for x in (low, high) if low)
+        own = [x.union(y) for x, y in zip(*ends, strict=True)] if low else [_raised(step, alpha)]
+        sine, cosine = (_ball(alpha / 2) * arb.pi()).sin_cos()
+        tables += [powers([x * wave for x in own]) for wave in (cosine, sine)]
     return powers([_about(low, high), _ball(step)]), tables
+
+
+def _raised(x: Fraction, alpha: Fraction) -> Any:
+    """x^alpha, x > 0."""
+    return (_ball(alpha) * _ball(x).log()).exp()
+
+
+def _binomial(alpha: Fraction, step: Fraction, x: Fraction, order: int) -> list[Any]:
+    """h^n/n! times the n-th derivative of omega^alpha at x."""
+    weights, ahead = [_raised(x, alpha)], _ball(step / x)
+    for n in range(order):
+        weights.append(weights[-1] * _ball((alpha - n) / (n + 1)) * ahead)
+    return weights
 
 
 def _series(tau: Fraction) -> tuple[fmpq_poly, fmpq_poly]:
@@ -164,24 +236,40 @@ def _series(tau: Fraction) -> tuple[fmpq_poly, fmpq_poly]:
 
 def _side(model: Sequence[Any]) -> int:
     """The sign for all v from 0 to 1, if Bernstein's coefficients show it."""
-    n = len(model) - 1
-    found = [sum((comb(n - i, j - i) * model[i] for i in range(j + 1)), arb(0)) for j in range(n + 1)]
+    found = [model[0]]
+    for c in model[1:]:  # (1 + u) f + c u^n
+        found = [found[0], *map(add, found[1:], found), found[-1] + c]
     return all(x > 0 for x in found) - all(x < 0 for x in found)
 
 
-def wave_factor(factor: Polynomial, first: int, delays: tuple[Fraction, ...]) -> WaveFactor:
-    """A polynomial made homogeneous in cosine and sine of half angles. Tangents begin at ``first``, the last one's first."""
+def _sides(balls: Sequence[Any]) -> tuple[int, ...]:
+    """The signs of numbers; 0 where one is zero, or so small that it is open."""
+    return tuple((x > _LEAST) - (x < -_LEAST) for x in balls)
+
+
+def wave_factor(
+    factor: Polynomial, first: int, delays: tuple[Fraction, ...], orders: tuple[Fraction, ...] = ()
+) -> WaveFactor:
+    """A polynomial made homogeneous in cosine and sine of half angles. Tangents begin at ``first``, the last one's first.
+
+    Before them are Re and Im of powers.
+    """
     places, terms = slice(first, first + len(delays)), dict[Turns, dict[tuple[int, int], int]]()
+    raised = slice(first - 2 * len(orders), first)
     waves = tuple(int(n) for n in factor.degrees()[places][::-1])
-    if max(waves) > _MOST:
+    if max(waves, default=0) > _MOST:
         raise SceneError(f"a certificate has room for delays that are at most about {_MOST} times a common one")
     for exponents, value in factor.to_dict().items():
         own = [int(n) for n in exponents]
-        terms.setdefault(tuple(own[places][::-1]), {})[own[0], own[1]] = int(value.p)
-    return WaveFactor(tuple((turns, _rows(own)) for turns, own in sorted(terms.items())), waves, delays)
+        terms.setdefault((*own[places][::-1], *own[raised]), {})[own[0], own[1]] = int(value.p)
+    if len(terms) > _MOST_TERMS or any(n > _MOST for n in factor.degrees()[raised]):
+        raise SceneError(
+            f"a certificate has room for {_MOST_TERMS} products of sines and powers in a factor, to at most {_MOST}"
+        )
+    return WaveFactor(tuple((turns, _rows(own)) for turns, own in sorted(terms.items())), waves, delays, orders)
 
 
-def cosine_factor(i: int, delays: tuple[Fraction, ...]) -> WaveFactor:
+def cosine_factor(i: int, delays: tuple[Fraction, ...], orders: tuple[Fraction, ...] = ()) -> WaveFactor:
     """cos(omega tau/2) of one of the delays."""
-    turns = tuple(0 for _ in delays)
-    return WaveFactor(((turns, ((1,),)),), tuple(int(k == i) for k in range(len(delays))), delays)
+    turns = (0,) * (len(delays) + 2 * len(orders))
+    return WaveFactor(((turns, ((1,),)),), tuple(int(k == i) for k in range(len(delays))), delays, orders)

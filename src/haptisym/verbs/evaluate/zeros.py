@@ -38,6 +38,10 @@ def zeros(function: RationalFunction) -> dict[str, Any]:
         raise SceneError(
             "a certificate about poles needs real coefficients: the describing function of friction has none"
         )
+    if function.denominator.is_zero() or function.numerator.is_zero():
+        raise SceneError(
+            "a certificate about poles and roots needs a display that is felt: its force is zero everywhere"
+        )
     factors = Factors()
     product = factors.quotient(ring, function.numerator, function.denominator, in_square=False)
     above = {i for i, n in product["powers"] if n > 0}

@@ -9,31 +9,47 @@ from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from typing import Any, TypeAlias
 
+import flint
 import numpy as np
+from flint import arb, arb_poly
 from sympy import Expr, Poly, fraction, together
 
+from haptisym.kernel.reals import expression_ball
 from haptisym.kernel.symbols import omega
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.measured import Reals
 from haptisym.model.regions import Shape
 
 Corners: TypeAlias = Sequence[tuple[Reals, Reals]]
+_LOST, _BITS = 1e-14, 400
+"""Of a value that may be lost in floats; and with how many bits it is computed where more is."""
 _HALVINGS = 60
 _NEAR = 1e-30  # of its half axis: beside an axis of an ellipse in place of on it
 
 
 def values_of(formula: Expr, at: Reals) -> Reals:
-    """A number, or a rational formula in omega, at frequencies."""
+    """A number, or a rational formula in omega, at frequencies, to within some roundings of the values themselves."""
     if not formula.has(omega):
         return np.full(len(at), float(formula))
-    above, below = (np.polyval(x, at) for x in _coefficients(formula))
+    above, below = (_polynomial(x, at) for x in _coefficients(formula))
     return np.asarray(above / below)
 
 
+def _polynomial(row: tuple[Expr, ...], at: Reals) -> Reals:
+    """In floats; where these lose digits, as terms cancel, in balls."""
+    floats = np.array(row, float)
+    found, terms = np.polyval(floats, at), np.polyval(np.abs(floats), np.abs(at))
+    lost = np.flatnonzero(len(row) * 2.3e-16 * terms > _LOST * np.abs(found))
+    if len(lost):
+        with flint.ctx.workprec(_BITS):
+            exact = arb_poly([expression_ball(x) for x in row[::-1]])
+            found[lost] = [float(exact(arb(x)).mid()) for x in at[lost].tolist()]
+    return np.asarray(found)
+
+
 @lru_cache(maxsize=64)
-def _coefficients(formula: Expr) -> tuple[list[float], list[float]]:
-    above, below = ([float(c) for c in Poly(x, omega).all_coeffs()] for x in fraction(together(formula)))
-    return above, below
+def _coefficients(formula: Expr) -> tuple[tuple[Expr, ...], ...]:
+    return tuple(tuple(Poly(x, omega).all_coeffs()) for x in fraction(together(formula)))
 
 
 def ends_of(c: Threshold, part: Part, at: Reals) -> tuple[Reals, Reals]:

@@ -73,7 +73,7 @@ def _shows_negative(own: Monomials, across: Side, up: Side) -> bool:
     if largest is None:
         return False
     left, low = (Fraction(0) if side[0].is_zero() else n for side, n in zip((across, up), largest, strict=True))
-    return bool(own.over_power(left, low).over(across, up) < 0)
+    return bool(own.over(across, up, (left, low)) < 0)
 
 
 def _is_nowhere_positive(row: Mapping[Fraction, Coefficient], up: Side) -> bool:

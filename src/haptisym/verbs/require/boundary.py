@@ -14,6 +14,7 @@ from haptisym.judge.criteria import Criterion
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.eliminants import discriminant, resultant
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.monomials import monomials
 from haptisym.kernel.polynomials import PolynomialFactor
 from haptisym.kernel.reals import ExactNumber, Negative, RealNumber
 from haptisym.kernel.response import RealFunction
@@ -57,7 +58,7 @@ def real_roots(factor: Polynomial, index: int, *, negative: bool) -> Iterator[Re
     if not own[index]:
         return
     rows = [[0] * (own[1] + 1) for _ in range(own[index] + 1)]
-    for exponents, value in factor.to_dict().items():
+    for exponents, value in monomials(factor):
         rows[int(exponents[index])][int(exponents[1])] = int(value.p)
     if len(rows) == 2:
         value = -_in_pi(rows[0]) / _in_pi(rows[1])
@@ -96,7 +97,7 @@ def substituted(polynomial: Polynomial, index: int, value: RationalFunction) -> 
     degree += degree % 2  # an even power of the denominator keeps the sign
     context = polynomial.context()
     powers: dict[int, dict[tuple[int, ...], fmpq]] = {}
-    for exponents, coefficient in polynomial.to_dict().items():
+    for exponents, coefficient in monomials(polynomial):
         own = [int(n) for n in exponents]
         power, own[index] = own[index], 0
         powers.setdefault(power, {})[tuple(own)] = coefficient

@@ -10,6 +10,7 @@ from sympy import Abs, Expr, Float, Symbol
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.monomials import monomials
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.solutions import Solution, solve
@@ -47,7 +48,7 @@ class _Posed:
     @classmethod
     def of(cls, function: RealFunction) -> _Posed:
         axis, parts = function.axis, (function.function.numerator, function.function.denominator)
-        terms = (frozenset((tuple(map(int, e)), x) for e, x in p.to_dict().items()) for p in parts)
+        terms = (frozenset((tuple(map(int, e)), x) for e, x in monomials(p)) for p in parts)
         return cls((axis.meanings, tuple(axis.angles), tuple(axis.orders), *terms), function)
 
 
@@ -77,7 +78,7 @@ def _exchanged(polynomial: Polynomial, axis: Axis, target: Axis, free: Symbol, p
     where = [target.meanings.index(names.get(x, x)) for x in axis.meanings[: axis.size]]
     where += [target.size + i for i in range(len(axis.angles))]
     terms = {}
-    for exponents, value in polynomial.to_dict().items():
+    for exponents, value in monomials(polynomial):
         own = [0] * len(target.meanings)
         for i, n in zip(where, exponents, strict=True):
             own[i] = int(n)

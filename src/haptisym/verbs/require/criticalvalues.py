@@ -21,9 +21,10 @@ from sympy import Expr, Integer, Symbol
 from haptisym.judge.criteria import Criterion
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import LimitError
+from haptisym.kernel.ordering import in_order
 from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
 from haptisym.kernel.rings import Polynomial
-from haptisym.kernel.roots import in_order, sign_of_number
+from haptisym.kernel.roots import sign_of_number
 from haptisym.verbs.require.boundary import Reason, critical, in_square, irreducible, is_even, real_roots
 from haptisym.verbs.require.breaking import Breaking, BrokenInterval, Cell, approached
 from haptisym.verbs.require.feasible import Binding, End, Kind, Solved, Span, runs

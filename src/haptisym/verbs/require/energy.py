@@ -17,7 +17,7 @@ from sympy import Expr, I, Integer, Poly, Rational, Symbol
 from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import Negative, expression_ball
+from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, expression_ball
 from haptisym.kernel.rings import RationalFunction
 from haptisym.programs.taylormodels import Array, Model
 from haptisym.verbs.require.energyterms import (
@@ -56,7 +56,7 @@ class Energy:
         if any(x.free_symbols for x in ring.orders):
             raise UndecidedError("whether every passive hand may hold it, as a power of s changes")
         self.symbol = symbol
-        self._rows = [list(terms_in(ring, p)) for p in (H.numerator, H.denominator)]
+        self._rows = [terms_in(ring, p) for p in (H.numerator, H.denominator)]
 
     def clear(self, q: Span, start: float = 0.0) -> bool:
         """Whether Im H > 0 from a frequency on (of 0 just above it) for all values of a range, proven."""
@@ -98,7 +98,7 @@ class Energy:
         while end > 1e-6:
             omega, value = variables(np.array([[[0.0, end], q]]))
             found = self._coefficients(omega, value, expanded=True)
-            powers = sorted(found, key=floated)
+            powers = sorted(found)
             if len(powers) < 2:
                 return None
             low, high = (x[0, 0] for x in found[powers[1]].bounds())
@@ -118,7 +118,8 @@ class Energy:
             return None
         more = [(x, x.number.diff(self.symbol) * side) for x in self._rows[0] if x.number.has(self.symbol)]
         if len(self._rows[1]) == 1 and all(x.lag == 0 and x.power in (0, 1, 2) and y.is_positive for x, y in more):
-            return (self._rows[1][0].number.is_positive and self._rows[1][0].power == 0) or None
+            [below] = self._rows[1]
+            return (below.number.is_positive and below.power == 0 and below.lag == 0) or None
         omega = self.active_at((end, end))
         if omega is None:
             return None
@@ -127,11 +128,12 @@ class Energy:
         (here_low, _) = self._bounds(grid, (end, end))
         return False if here[0] < 0 and there[0] < here_low[0] else None
 
-    def has_steady_top(self, low: Expr, high: Expr) -> bool:
-        """Whether the highest power of N is never late, and its coefficient has one sign between two values."""
-        top = max((x.power for x in self._rows[0]), key=floated)
+    @cached_property
+    def top(self) -> Expr | None:
+        """What stands before the highest power of N; None where some of that comes late."""
+        top = max(x.power for x in self._rows[0])
         terms = [x for x in self._rows[0] if x.power == top]
-        return all(x.lag == 0 for x in terms) and keeps_sign(sum(x.number for x in terms), self.symbol, low, high)
+        return sum((x.number for x in terms), Integer(0)) if all(x.lag == 0 for x in terms) else None
 
     @cached_property
     def at_0(self) -> Expr:
@@ -142,15 +144,15 @@ class Energy:
             for n, (c, d) in below:
                 total[p + n] = total.get(p + n, Integer(0)) + b * c - a * d
         found = {p: x.expand() for p, x in total.items()}
-        lowest = min((p for p, x in found.items() if x != 0), key=floated, default=None)
-        if lowest is None or floated(lowest) > floated(self._lowest):
+        lowest = min((p for p, x in found.items() if x != 0), default=None)
+        if lowest is None or bool(lowest > self._lowest):
             raise UndecidedError("whether every passive hand may hold it, near frequency 0")
         return found[lowest]
 
     @cached_property
     def _lowest(self) -> Expr:
         omega, q = variables(np.array([[[0.0, 1.0], [1.0, 1.0]]]))
-        return min(self._coefficients(omega, q), key=floated)
+        return min(self._coefficients(omega, q))
 
     def _bounds(self, omega: Array, q: Span) -> tuple[Array, Array]:
         cells = np.empty((len(omega), 2, 2))
@@ -215,7 +217,7 @@ class Energy:
             for p, a in one.items():
                 for n, b in other.items():
                     doubt[p + n] = doubt.get(p + n, 0.0) + a * b
-        top = max({*known, *doubt}, key=floated)
+        top = max({*known, *doubt})
         if top not in known:
             return None
         least = ends_of(known[top])[0] - doubt.get(top, 0.0)
@@ -237,17 +239,30 @@ class Energy:
         return 20 / max([x for x in lags if x > 0], default=1.0)
 
 
+def zeros_of(form: Expr, symbol: Symbol) -> list[RealNumber]:
+    """The real zeros of a polynomial that is not 0 everywhere, each once."""
+    row = Poly(form, symbol).all_coeffs()[::-1]
+    later = next(i for i, x in enumerate(row) if x != 0)
+    row = row[later:]
+    mirrored = (
+        [-x if i % 2 else x for i, x in enumerate(row)] if len(row) > 2 else []
+    )  # a linear one has its zero anyway
+    below = (ExactNumber(-x.value) if isinstance(x, ExactNumber) else Negative(x) for x in zeros(mirrored))
+    return [*[ExactNumber(Integer(0))] * (later > 0), *zeros(row), *below]
+
+
 def keeps_sign(form: Expr, symbol: Symbol, low: Expr, high: Expr) -> bool:
     """Whether a polynomial has no zero between two values; at them it may have one."""
-    if not form.is_polynomial(symbol):
+    if not form.is_polynomial(symbol) or form.expand() == 0:
         return False
-    row = Poly(form, symbol).all_coeffs()[::-1]
-    while len(row) > 1 and row[0] == 0:
-        row = row[1:]
-    if low < 0 < high and len(row) < len(Poly(form, symbol).all_coeffs()):
-        return False
-    mirrored = [-x if i % 2 else x for i, x in enumerate(row)]
+    return not any(is_between(low, x, high) for x in zeros_of(form, symbol))
+
+
+def is_between(low: Expr | None, x: RealNumber, high: Expr | None) -> bool:
+    """Whether a number lies between two others (None: without bound), or so near to one that some hundred bits do not tell."""
+    if isinstance(x, ExactNumber) and x.value.is_Rational:
+        return (low is None or bool(low < x.value)) and (high is None or bool(x.value < high))
     with flint.ctx.workprec(_BITS):
-        start, end = (expression_ball(x) for x in (low, high))
-        places = [x.ball(_BITS) for x in (*zeros(row), *(Negative(x) for x in zeros(mirrored)))]
-        return not any(bool(start < x) and bool(x < end) for x in places)
+        place = x.ball(_BITS)
+        below = low is not None and bool(place <= expression_ball(low))
+        return not below and not (high is not None and bool(place >= expression_ball(high)))

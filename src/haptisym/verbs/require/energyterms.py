@@ -12,6 +12,7 @@ from sympy import Expr, Integer, Rational, pi
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.monomials import monomials
 from haptisym.kernel.reals import expression_ball
 from haptisym.kernel.rings import Polynomial
 from haptisym.programs.taylormodels import Array, Model, between, variable
@@ -43,17 +44,20 @@ class Term:
             return float(half.cos_pi()), float(half.sin_pi())
 
 
-def terms_in(ring: Ring, polynomial: Polynomial) -> Iterator[Term]:
-    """A polynomial term by term."""
+def terms_in(ring: Ring, polynomial: Polynomial) -> list[Term]:
+    """A polynomial as terms, of each power and delay one."""
+    found: dict[tuple[Expr, Expr], Expr] = {}
     first, last = ring.size, ring.size + len(ring.lags)
-    for exponents, value in polynomial.to_dict().items():
+    for exponents, value in monomials(polynomial):
         own = [int(n) for n in exponents]
         number = Rational(int(value.p), int(value.q)) * pi ** own[1]
         for symbol, n in zip(ring.symbols, own[2:first], strict=True):
             number *= symbol**n
         lag = sum((n * x for n, x in zip(own[first:last], ring.lags, strict=True)), Integer(0))
         more = sum((n * x for n, x in zip(own[last:], ring.orders, strict=False)), Integer(0))
-        yield Term(own[0] + more, lag, number)
+        place = own[0] + more, lag
+        found[place] = found.get(place, Integer(0)) + number
+    return [Term(*place, number) for place, number in found.items()]
 
 
 def beginnings(row: list[Term]) -> Iterator[tuple[Expr, tuple[Expr, Expr]]]:
@@ -114,7 +118,9 @@ def variables(cells: Array) -> tuple[Model, Model]:
     found = []
     for i in (0, 1):
         low, high = cells[:, i].T
-        found.append(variable((low + high) / 2, (high - low) / 2, np.maximum(abs(low), abs(high)), i, 2, slopes=False))
+        size = np.maximum(abs(low), abs(high))
+        with np.errstate(all="ignore"):  # what is not finite is unknown
+            found.append(variable((low + high) / 2, (high - low) / 2, size, i, 2, slopes=False))
     return found[0], found[1]
 
 

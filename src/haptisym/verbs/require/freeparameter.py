@@ -13,6 +13,7 @@ from haptisym.judge.bounds import for_any_environment
 from haptisym.judge.criteria import Criterion, noticed, opened
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.lattices import Lattice
+from haptisym.kernel.monomials import monomials
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.roots import sign_of_number
@@ -137,7 +138,7 @@ def _is_positive(polynomial: Polynomial) -> bool:
 
 def _is_modulus(polynomial: Polynomial) -> bool:
     """Whether an irreducible polynomial is that of omega which f(s) f(-s) becomes, and not one in s^2 that is its own f."""
-    rows = polynomial.to_dict()
+    rows = dict(monomials(polynomial))
     if any(row[0] % 2 for row in rows) or polynomial.leading_coefficient() < 0:
         return False
     in_s = polynomial.context().from_dict({row: -x if row[0] % 4 else x for row, x in rows.items()})

@@ -16,8 +16,8 @@ from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array, Compiled
+from haptisym.verbs.require.existing import allowed
 from haptisym.verbs.require.freeparameter import Domain
-from haptisym.verbs.require.solving import allowed
 
 _FREQUENCIES, _VALUES, _ZOOMS, _EACH = 257, 241, 5, 17
 _DECADES = 6

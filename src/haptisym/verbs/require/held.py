@@ -11,20 +11,22 @@ from sympy import Expr, Rational, exp, pi
 
 from haptisym.judge.criteria import Criterion
 from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.reals import RealNumber, expression_ball
+from haptisym.kernel.reals import ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.symbols import s
 from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand, hands
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
+from haptisym.verbs.require.existing import allowed, missing
 from haptisym.verbs.require.feasible import Binding, Kind, Solved
 from haptisym.verbs.require.freeparameter import Domain
-from haptisym.verbs.require.solving import allowed
 from haptisym.verbs.require.verdicts import Question, Turn
-from haptisym.verbs.stability.boundary import Meetings, meetings
+from haptisym.verbs.stability.boundary import meetings
 from haptisym.verbs.stability.clockrange import passages_in
+from haptisym.verbs.stability.curves import Gap, Meetings, ordered
 from haptisym.verbs.stability.entry import chosen
 from haptisym.verbs.stability.loops import Loop
+from haptisym.verbs.stability.rightroot import RightRoots
 
 _MOST_WINDOWS = 8
 """Of values about the scene's own, each about four times as wide as the one before it."""
@@ -69,7 +71,8 @@ def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
 
     return Question(
         turns, verdict, asked, closed=False, beyond=(window.above, window.below), spares=lambda x: _is_clear(loop, x),
-        exists=lambda x: allowed(scene, free, x),
+        exists=lambda x: allowed(scene, free, x), gone=missing(scene, free), gaps=window.gaps,
+        fails=RightRoots(loop).everywhere,
     ).solve()  # fmt: skip
 
 
@@ -82,7 +85,7 @@ def _with_a_clock(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved
     def verdict(value: Expr) -> bool | None:
         return loop.count(Rational(value))[0] == 0
 
-    return Question(turns, verdict, asked, closed=False, beyond=(low, high)).solve()
+    return Question(turns, verdict, asked, closed=False, beyond=(low, high), gone=missing(scene, free)).solve()
 
 
 def _is_clear(loop: Loop, turn: Turn) -> bool:
@@ -106,6 +109,8 @@ def window_of(loop: Loop, free: Knob, asked: Domain) -> Meetings:
     last: Meetings | None = None
     for found in islice(meetings(loop, free.value), _MOST_WINDOWS):
         last = found if last is None else _wider(last, found)
+        if any(_meets(gap, asked) for gap in last.gaps):
+            continue
         low = last.above is None or (asked.low is not None and bool(last.above <= asked.low))
         high = last.below is None or (asked.high is not None and bool(last.below >= asked.high))
         if low and high:
@@ -115,8 +120,15 @@ def window_of(loop: Loop, free: Knob, asked: Domain) -> Meetings:
     return last
 
 
+def _meets(gap: Gap, asked: Domain) -> bool:
+    """Whether a gap holds values that are asked about."""
+    low, high = (None if x is None else ExactNumber(x) for x in (asked.low, asked.high))
+    below = low is not None and gap.high is not None and ordered(gap.high, low) >= 0
+    return not below and not (high is not None and gap.low is not None and ordered(high, gap.low) >= 0)
+
+
 def _wider(one: Meetings, other: Meetings) -> Meetings:
     """Two windows that both hold the scene's own value, as one."""
     above = None if one.above is None or other.above is None else min(one.above, other.above)
     below = None if one.below is None or other.below is None else max(one.below, other.below)
-    return Meetings((*one.found, *other.found), above, below)
+    return Meetings((*one.found, *other.found), above, below, other.gaps)

@@ -18,6 +18,7 @@ from flint import arb, fmpq
 from sympy import Expr, Rational, Symbol
 
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.monomials import monomials
 from haptisym.kernel.reals import Ball, dyadic, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial
@@ -177,7 +178,7 @@ def _exact(x: Ball) -> Fraction:
 
 def _turned(polynomial: Polynomial, index: int, *, inverse: bool, sign: int) -> Polynomial:
     """A polynomial in t as one in u, without the powers of u that all terms have: of the same sign."""
-    rows = polynomial.to_dict()
+    rows = dict(monomials(polynomial))
     powers = [int(e[index]) for e in rows]
     least, most = min(powers), max(powers)
     found = {}
@@ -194,7 +195,7 @@ def _terms(shape: Shape, near: Ball) -> Terms:
     axis, index = shape.axis, shape.axis.meanings.index(shape.free)
     first = axis.size + len(axis.angles)
     groups: dict[tuple[int, ...], dict[tuple[int, ...], fmpq]] = {}
-    for e, value in shape.polynomial.to_dict().items():
+    for e, value in monomials(shape.polynomial):
         own = [int(n) for n in e]
         key = (own[index], *own[first:])
         bare = tuple(0 if i == index or i >= first else n for i, n in enumerate(own))

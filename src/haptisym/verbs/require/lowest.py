@@ -9,6 +9,7 @@ from sympy import Expr, Rational
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.monomials import monomials
 from haptisym.kernel.rings import Polynomial
 
 _LENGTH = 40
@@ -29,7 +30,7 @@ def beginning(axis: Axis, polynomial: Polynomial, degrees: Sequence[int]) -> lis
     turning = [i for i, angle in enumerate(axis.angles, axis.size) if not angle.constant]
     waves = {i: _waves(axis.angles[i - axis.size].rate, degrees[i - axis.size]) for i in turning}
     rows: dict[tuple[tuple[int, ...], tuple[int, ...]], list[fmpq]] = {}
-    for exponents, value in polynomial.to_dict().items():
+    for exponents, value in monomials(polynomial):
         own = [int(n) for n in exponents]
         if own[0] < _LENGTH:
             key = tuple(0 if i == 0 or i in waves else n for i, n in enumerate(own))

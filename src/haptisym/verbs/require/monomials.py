@@ -90,20 +90,24 @@ class Monomials:
             self.across[0] if across[0].is_zero() else Fraction(0), self.up[0] if up[0].is_zero() else Fraction(0)
         )
 
-    def over(self, across: Side, up: Side) -> Ball:
-        """The values on a box."""
-        xs = arb_mat(1, len(self.across), _ranges(self._lattices[0], across))
-        ys = arb_mat(len(self.up), 1, _ranges(self._lattices[1], up))
+    def over(self, across: Side, up: Side, less: tuple[Fraction, Fraction] = (Fraction(0), Fraction(0))) -> Ball:
+        """The values on a box, of the sum over X^a Y^b where such are given: exponents of its terms, or 0."""
+        xs = arb_mat(1, len(self.across), _ranges(self._lattices[0], across, less[0]))
+        ys = arb_mat(len(self.up), 1, _ranges(self._lattices[1], up, less[1]))
         return (xs * (self.table.matrix * ys))[0, 0]
 
     @cached_property
     def _lattices(self) -> tuple[_Lattice, _Lattice]:
         return _on_lattice(self.across), _on_lattice(self.up)
 
+    @cached_property
+    def _floats(self) -> tuple[Any, Any]:
+        """The exponents, rounded."""
+        return np.array(self.across, float)[:, None], np.array(self.up, float)
+
     def most_negative(self, x: Ball, y: Ball) -> tuple[Fraction, Fraction] | None:
         """The exponents of about the largest negative monomial at a point; None where none is negative."""
-        a, b = np.array(self.across, float), np.array(self.up, float)
-        sizes = self.table.sizes + a[:, None] * float(x.log()) + b * float(y.log())
+        sizes = self.table.sizes + self._floats[0] * float(x.log()) + self._floats[1] * float(y.log())
         i, j = np.unravel_index(int(np.argmax(sizes)), sizes.shape)
         return (self.across[i], self.up[j]) if sizes[i, j] > -np.inf else None
 
@@ -117,14 +121,17 @@ def _on_lattice(exponents: Sequence[Fraction]) -> _Lattice:
     return below, tuple(int(x * below) for x in exponents)
 
 
-def _ranges(lattice: _Lattice, side: Side) -> list[Ball]:
-    """Powers of all numbers between two, which are not negative."""
-    low, high = (power(x, Fraction(1, lattice[0])) for x in side)
+def _ranges(lattice: _Lattice, side: Side, less: Fraction) -> list[Ball]:
+    """Powers of all numbers between two, which are not negative, with exponents less by one of them."""
+    below, exponents = lattice
+    if less:
+        exponents = tuple([n - int(less * below) for n in exponents])
+    low, high = (x if below == 1 else power(x, Fraction(1, below)) for x in side)
     if side[0] is side[1]:
-        return [low**n for n in lattice[1]]
+        return [low**n for n in exponents]
     if side[0].is_zero():
-        return [arb(0).union(high**n) if n else arb(1) for n in lattice[1]]
-    return [(low**n).union(high**n) for n in lattice[1]]
+        return [arb(0).union(high**n) if n else arb(1) for n in exponents]
+    return [(low**n).union(high**n) for n in exponents]
 
 
 def power(x: Ball, a: Fraction) -> Ball:

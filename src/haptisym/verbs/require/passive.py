@@ -10,6 +10,7 @@ from haptisym.judge.criteria import PASSIVE
 from haptisym.judge.passivity import passivity
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.eliminants import resultant
+from haptisym.kernel.monomials import monomials
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, RationalFunction
 from haptisym.model.distortion import Distortion
@@ -17,24 +18,29 @@ from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.boundary import critical, irreducible, real_roots
+from haptisym.verbs.require.existing import allowed, missing
 from haptisym.verbs.require.feasible import Binding, Kind, Solved
 from haptisym.verbs.require.freeparameter import Domain, conditions, pieces
 from haptisym.verbs.require.passivecells import solve_by_cells
-from haptisym.verbs.require.solving import allowed
 from haptisym.verbs.require.verdicts import Question, Turn
 
 
 def solve_passive(scene: Scene, free: Knob, asked: Domain) -> Solved:
     """All values with which every passive hand may hold a display without a clock; with delays, as far as cells tell."""
-    [condition] = pieces(conditions(scene, [free], [PASSIVE])[PASSIVE])
-    if condition.axis.functions:
-        return solve_by_cells(scene, free, asked)
-    turns = [*_of_signs(condition, free), *_of_poles(scene, free)]
+    perceived = _perceived(scene, free)
+    turns = list[Turn]()
+    if free.symbol in perceived.expression().free_symbols:
+        [condition] = pieces(conditions(scene, [free], [PASSIVE])[PASSIVE])
+        if condition.axis.functions:
+            return solve_by_cells(scene, free, asked)
+        turns = [*_of_signs(condition, free), *turns_of_poles(perceived, free)]
 
     def verdict(value: Expr) -> bool | None:
         return passivity(free.put(scene, value)).holds
 
-    return Question(turns, verdict, asked, closed=True, exists=lambda x: allowed(scene, free, x)).solve()
+    return Question(
+        turns, verdict, asked, closed=True, exists=lambda x: allowed(scene, free, x), gone=missing(scene, free)
+    ).solve()
 
 
 def _of_signs(condition: RealFunction, free: Knob) -> Iterator[Turn]:
@@ -55,7 +61,7 @@ def _of_signs(condition: RealFunction, free: Knob) -> Iterator[Turn]:
 
 def _end(polynomial: Polynomial, power: int) -> Polynomial:
     """The coefficient of one power of the ring's variable."""
-    terms = {(0, *e[1:]): value for e, value in polynomial.to_dict().items() if int(e[0]) == power}
+    terms = {(0, *e[1:]): value for e, value in monomials(polynomial) if int(e[0]) == power}
     return polynomial.context().from_dict(terms)
 
 
@@ -63,10 +69,8 @@ def _leading(polynomial: Polynomial) -> Polynomial:
     return _end(polynomial, int(polynomial.degrees()[0]))
 
 
-def _of_poles(scene: Scene, free: Knob) -> Iterator[Turn]:
-    """Where poles of H_perc cross the axis, or poles or zeros come from infinity or to 0."""
-    d = Distortion.of(scene.chain.at(values(x for x in scene.parameters if x.path != free.path)))
-    yield from turns_of_poles(d.perc, free)
+def _perceived(scene: Scene, free: Knob) -> RationalFunction:
+    return Distortion.of(scene.chain.at(values(x for x in scene.parameters if x.path != free.path))).perc
 
 
 def turns_of_poles(function: RationalFunction, free: Knob) -> Iterator[Turn]:

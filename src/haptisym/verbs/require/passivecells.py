@@ -7,17 +7,19 @@ turns first at frequency 0, it turns at a root of a polynomial: an exact end. Wh
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import count, pairwise
 from math import inf, nextafter
 
-from sympy import Expr, Integer, Poly, Rational
+from sympy import Expr, Integer, Rational
 
 from haptisym.judge.criteria import PASSIVE
 from haptisym.judge.passivity import passivity
-from haptisym.kernel.budget import tick
+from haptisym.kernel.budget import spared, tick
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.errors import LimitError, UndecidedError
+from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import sign_of_number
@@ -25,18 +27,18 @@ from haptisym.model.distortion import Distortion
 from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
 from haptisym.model.scene import Scene
-from haptisym.verbs.require.energy import Energy, Span, keeps_sign
+from haptisym.verbs.require.energy import Energy, Span, is_between, keeps_sign, zeros_of
+from haptisym.verbs.require.existing import allowed, missing
 from haptisym.verbs.require.feasible import Binding, Kind, Solved
 from haptisym.verbs.require.freeparameter import Domain
-from haptisym.verbs.require.solving import allowed
 from haptisym.verbs.require.verdicts import Question, Turn
-from haptisym.verbs.stability.loops import zeros
 from haptisym.verbs.tolerances.heldbox import count_at
 from haptisym.verbs.tolerances.onaxis import OnAxis
 
 _FAR = 1000  # times the value that a parameter has, where the range has no end
 _FINEST, _LEAST = Rational(1, 1 << 11), Rational(1, 1 << 24)  # of the values, and of the range
 _MOST = 200
+_BITS = 64
 
 
 @dataclass(frozen=True)
@@ -58,20 +60,17 @@ def solve_by_cells(scene: Scene, free: Knob, asked: Domain) -> Solved:
     """All values with which every passive hand may hold the display, as far as cells tell."""
     search = _Search(scene, free)
     start, end = _window(free, asked)
-    if not any(search.is_told(x) for x in (Rational(free.value), start + (end - start) / 3, end)):
-        raise UndecidedError(
-            "whether every passive hand may hold it: Im H_perc comes too near to 0 somewhere to be told by cells"
-        )
+    if not any(search.is_told(x) for x in (_near(free.value), start + (end - start) / 3, end)):
+        raise UndecidedError(_TOO_NEAR)
     cells = list(search.cells(start, end))
-    turns = [Turn(x.turn, (Binding(PASSIVE, ExactNumber(Integer(0)), Kind.START),)) for x in cells if x.turn]
-    turns += [Turn(ExactNumber(end), ()) for x in cells if x.verdict is None and not x.turn for end in (x.low, x.high)]
-
-    alone = {end for x in cells for end in x.alone}
-    turns += [Turn(ExactNumber(end), ()) for end in alone]
+    alone = {x: search.holds_at(x) for x in _alone(search, cells)}
+    turns = [*_turns(search, cells), *(Turn(ExactNumber(end), ()) for end in alone)]
 
     def verdict(value: Expr) -> bool | None:
         if value in alone:
-            return passivity(free.put(scene, value)).holds
+            return alone[value]
+        if search.begins_active(value):
+            return False
         if not start <= value <= end:
             return further[value > end]
         own = [x for x in cells if x.low <= value <= x.high]
@@ -85,23 +84,63 @@ def solve_by_cells(scene: Scene, free: Knob, asked: Domain) -> Solved:
     above = asked.high is None and search.beyond(end, 1, here=last)
     further = {False: below, True: above}
     beyond = (start if below is None else None, end if above is None else None)
-    found = Question(
-        turns, verdict, asked, closed=True, beyond=beyond, exists=lambda x: allowed(scene, free, x)
-    ).solve()
+    question = Question(
+        turns,
+        verdict,
+        asked,
+        closed=True,
+        beyond=beyond,
+        exists=lambda x: allowed(scene, free, x),
+        gone=search.gone,
+    )
+    with spared():  # what is told is put in order even where the time is over
+        found = question.solve()
     return Solved(found.feasible, found.undecided, found.reason or (_LEFT if found.undecided else ""))
 
 
+def _turns(search: _Search, cells: Sequence[_Cell]) -> Iterator[Turn]:
+    """Where verdicts may change: at the ends of cells that are left, and where the sign just above frequency 0 does."""
+    for value in (*(x.turn for x in cells if x.turn), *search.openings):
+        yield Turn(value, (Binding(PASSIVE, ExactNumber(Integer(0)), Kind.START),))
+    for mark, kind in search.marks.items():
+        yield Turn(
+            ExactNumber(mark), (Binding(PASSIVE, ExactNumber(Integer(0)) if kind is Kind.START else None, kind),)
+        )
+    for x in cells:
+        if x.verdict is None and not x.turn:
+            yield from (Turn(ExactNumber(end), ()) for end in (x.low, x.high))
+
+
+def _alone(search: _Search, cells: Sequence[_Cell]) -> set[Rational]:
+    """The values that are asked about by themselves."""
+    here = {x.value for x in search.openings if isinstance(x, ExactNumber) and x.value.is_Rational}
+    return {end for x in cells for end in x.alone} | here - {
+        x.turn.value for x in cells if isinstance(x.turn, ExactNumber)
+    }
+
+
+_TOO_NEAR = "whether every passive hand may hold it: Im H_perc comes too near to 0 somewhere to be told by cells"
 _LEFT = "whether Im H_perc is negative somewhere is not shown for values so near to each other, or so far out"
 
 
 def _window(free: Knob, asked: Domain) -> tuple[Rational, Rational]:
-    """As far as cells go."""
-    own = abs(Rational(free.value)) or Rational(1)
-    low = -_FAR * own if asked.low is None else asked.low
-    high = _FAR * own if asked.high is None else asked.high
-    if not (low.is_Rational and high.is_Rational):
-        raise UndecidedError("whether every passive hand may hold it, in a range whose ends are no rational numbers")
+    """As far as cells go: beyond ends that are not rational by hardly more than a rounding."""
+    own = abs(_near(free.value)) or Rational(1)
+    low = -_FAR * own if asked.low is None else _enclosed(asked.low)[0]
+    high = _FAR * own if asked.high is None else _enclosed(asked.high)[1]
     return low, high
+
+
+def _enclosed(value: Expr) -> tuple[Rational, Rational]:
+    """Rational numbers between which one lies."""
+    if value.is_Rational:
+        return value, value
+    low, high = ExactNumber(value).bounds(_BITS)
+    return Rational(low.numerator, low.denominator), Rational(high.numerator, high.denominator)
+
+
+def _near(value: Expr) -> Rational:
+    return _enclosed(value)[0]
 
 
 def _span(low: Rational, high: Rational) -> Span:
@@ -119,10 +158,12 @@ class _Search:
         self.H: RationalFunction = Distortion.of(display).perc
         assert isinstance(self.H.ring, Ring)
         self.ring, self.energy = self.H.ring, Energy(self.H, free.symbol)
+        self.gone = missing(scene, free)
 
     def cells(self, start: Rational, end: Rational) -> Iterator[_Cell]:
         """Cells that fill a range, in order."""
-        waiting, looked = [(start, end)], 0
+        places = sorted({start, end, *(x for x in self.marks if start < x < end)})
+        waiting, looked = [*pairwise(places)][::-1], 0
         while waiting:
             low, high = waiting.pop()
             looked += 1
@@ -147,10 +188,15 @@ class _Search:
 
     def beyond(self, end: Rational, side: int, *, here: bool | None) -> bool | None:
         """Of all values from an end on, where the last cell is told; None where it is not known."""
-        found = self.energy.beyond(float(end), side)
+        low, high = (None, end) if side < 0 else (end, None)
+        if self.begins_active(end + side) and not any(is_between(low, x, high) for x in self.openings):
+            return False
+        found = self.energy.beyond(_span(end, end)[side < 0], side)
         return found if found == here else None
 
     def _told(self, low: Rational, high: Rational) -> _Cell:
+        if self.begins_active((low + high) / 2) and not any(is_between(low, x, high) for x in self.openings):
+            return _Cell(low, high, verdict=False, alone=tuple(x for x in (low, high) if not self.begins_active(x)))
         q = _span(low, high)
         if self.energy.active_at(q) is not None:
             return _Cell(low, high, verdict=False)
@@ -158,39 +204,66 @@ class _Search:
             return _Cell(low, high, None, self._turn(low, high))
         if not self._has_steady_poles(low, high):
             return _Cell(low, high, None)
-        if count_at(self.ring, self.H.denominator, {self.free.symbol: (low + high) / 2}):
+        if not self._has_no_pole_right((low + high) / 2):
             return _Cell(low, high, None, is_last=True)  # of poles on the right some may be hidden at single values
         if not self._is_steady(low, high):
             return _Cell(low, high, None)
-        if self._holds((low + high) / 2):
-            return _Cell(low, high, verdict=True)
-        return _Cell(low, high, verdict=False, alone=(low, high))
+        holds = self._holds(low, high)
+        return _Cell(low, high, holds, alone=(low, high) if holds is False else ())
+
+    @cached_property
+    def _opening(self) -> Expr | None:
+        """The sign of Im H_perc just above frequency 0, where it is that of a polynomial."""
+        try:
+            form = self.energy.at_0
+        except UndecidedError:
+            return None
+        return form if form.is_polynomial(self.free.symbol) else None
+
+    @cached_property
+    def openings(self) -> tuple[RealNumber, ...]:
+        """The values at which that sign may change."""
+        form = self._opening
+        return () if form is None or not form.has(self.free.symbol) else tuple(zeros_of(form, self.free.symbol))
+
+    def begins_active(self, value: Expr) -> bool:
+        """Whether Im H_perc < 0 just above frequency 0, proven."""
+        return self._opening is not None and sign_of_number(self._opening.xreplace({self.free.symbol: value})) < 0
 
     def _turn(self, low: Rational, high: Rational) -> RealNumber | None:
         """The one value at which Im H_perc ceases to be negative just above frequency 0, and so everywhere; None: not shown."""
-        try:
-            form, q = self.energy.at_0, _span(low, high)
-        except UndecidedError:
+        form, q = self._opening, _span(low, high)
+        inside = {x.digits(30): x for x in self.openings if is_between(low, x, high)}
+        if form is None or len(inside) != 1:
             return None
-        if not form.is_polynomial(self.free.symbol) or not form.has(self.free.symbol):
-            return None
-        if low < 0 and Poly(form, self.free.symbol).degree() > 1:
-            return None
-        row = Poly(form, self.free.symbol).all_coeffs()[::-1]
-        inside = [x for x in zeros(row) if float(low) < float(x) < float(high)]
         ends = [sign_of_number(form.xreplace({self.free.symbol: x})) for x in (low, high)]
-        if len(inside) != 1 or ends[0] * ends[1] >= 0:
+        if ends[0] * ends[1] >= 0:
             return None
+        [turn] = inside.values()
         risen = self.energy.rises(q)
         if risen is None or not self.energy.clear(q, risen) or not self._has_steady_poles(low, high):
             return None
-        if count_at(self.ring, self.H.denominator, {self.free.symbol: low}) or not self._is_steady(low, high):
+        if not self._has_no_pole_right(low) or not self._is_steady(low, high):
             return None
         passive = low if ends[0] > 0 else high
-        return inside[0] if self._holds(passive + (Rational(float(inside[0])) - passive) / 2) else None
+        return turn if self._holds(passive, Rational(float(turn))) else None
 
-    def _holds(self, value: Rational) -> bool:
-        return passivity(self.free.put(self.scene, value)).holds is True
+    def holds_at(self, value: Rational) -> bool | None:
+        """Of one value; None also where the time is over, and where there is no scene."""
+        try:
+            tick()
+            return passivity(self.free.put(self.scene, value)).holds
+        except (LimitError, SceneError, UndecidedError):
+            return None
+
+    def _holds(self, low: Rational, high: Rational) -> bool | None:
+        """Of a value between two, at which the scene exists."""
+        shares = (low + (high - low) / n for n in count(2))
+        value = next(x for x in shares if not any(isinstance(y, ExactNumber) and y.value == x for y in self.gone))
+        return passivity(self.free.put(self.scene, value)).holds
+
+    def _has_no_pole_right(self, value: Rational) -> bool:
+        return count_at(self.ring, self.H.denominator, {self.free.symbol: value}) == 0
 
     def _has_steady_poles(self, low: Rational, high: Rational) -> bool:
         """Whether no pole comes to the axis, nor from infinity, for all values."""
@@ -199,10 +272,25 @@ class _Search:
 
     def _is_steady(self, low: Rational, high: Rational) -> bool:
         """Whether H_perc(0) keeps its sign and no highest power of its numerator is lost, but at an end, for all values."""
+        if self._at_0 != 0 and not keeps_sign(self._at_0, self.free.symbol, low, high):
+            return False
+        top = self.energy.top
+        steady = top is not None and keeps_sign(top, self.free.symbol, low, high)
+        return steady or OnAxis(self.ring, self.H.numerator, {self.free.symbol: (low, high)}).reach is not None
+
+    @cached_property
+    def _at_0(self) -> Expr:
+        """What has the sign of H_perc(0) where no pole is there, to a factor that is nowhere 0."""
         first = self.ring.size + len(self.ring.lags)
         powers = dict.fromkeys(range(first, first + len(self.ring.orders)), 0)
-        at_0 = self.ring.expression(self.ring.at_0(self.H.numerator).subs(powers))
-        if at_0 != 0 and not keeps_sign(at_0, self.free.symbol, low, high):
-            return False
-        steady = self.energy.has_steady_top(low, high)
-        return steady or OnAxis(self.ring, self.H.numerator, {self.free.symbol: (low, high)}).reach is not None
+        return self.ring.expression(self.ring.at_0(self.H.numerator).subs(powers))
+
+    @cached_property
+    def marks(self) -> dict[Rational, Kind]:
+        """Fractions at which that, or the highest power of the numerator, may change its sign: cells end there."""
+        found: dict[Rational, Kind] = {}
+        for form, kind in ((self.energy.top, Kind.FAR), (self._at_0, Kind.START)):
+            if form is not None and form.has(self.free.symbol) and form.is_polynomial(self.free.symbol):
+                zeros = (x for x in zeros_of(form, self.free.symbol) if isinstance(x, ExactNumber))
+                found |= {x.value: kind for x in zeros if x.value.is_Rational}
+        return found

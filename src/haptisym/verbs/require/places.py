@@ -20,6 +20,7 @@ from haptisym.verbs.require.feasible import Kind
 from haptisym.verbs.require.strips import Shape, value_from_zero
 
 _MOST_ROWS = 4  # of a Taylor series in the parameter: conditions are squares of what is mostly linear in it
+_NARROWED = 6  # times that the frequencies around a maximum are cut from both sides
 NOTHING = arb(0, "inf")
 
 
@@ -142,19 +143,28 @@ class Strip:
         """The signs at a place for both ends of the cell, if it changes one way only in between; None if that is not sure."""
         if self.ends is None:
             return None
-        if self.shape.is_fixed:
+        at_edge = place.omega is not None
+        near = expression_ball(place.omega) if at_edge else self._around_maximum(place)
+        sign = _sign(self.shape.seen_at(self.whole, near) if at_edge else self.over(near)[0])
+        if not sign and self.shape.is_fixed:
             sign = self._sign(place, self.ends[0])
-            return (sign, sign) if sign else None
-        if self.change is None:
+        if sign:
+            return sign, sign
+        if self.shape.is_fixed or self.change is None:
             return None
-        if place.omega is not None:
-            steep = self.shape.seen_at(self.change, expression_ball(place.omega))
-        else:
-            steep = self.change.over(place.low.union(place.high))[0]
-        if not (steep > 0 or steep < 0):
+        if not _sign(self.shape.seen_at(self.change, near) if at_edge else self.change.over(near)[0]):
             return None
         found = [self._sign(place, end) for end in self.ends]
         return None if 0 in found else (found[0], found[1])
+
+    def _around_maximum(self, place: CriticalPlace) -> Ball:
+        """Frequencies among which the maximum at a place is, for all values of the parameter: there the slope falls through 0."""
+        low, high = place.low, place.high
+        for share in (4, 2, 4 / 3) * _NARROWED:
+            x = (low + (high - low) / share).mid()
+            slope = self.whole.taylor(x, 1)
+            low, high = (x, high) if slope > 0 else (low, x) if slope < 0 else (low, high)
+        return low.union(high)
 
     def _sign(self, place: CriticalPlace, value: Ball) -> int:
         if place.omega is not None:
@@ -162,7 +172,7 @@ class Strip:
         else:
             x = maximum(self.shape, value, (place.low, place.high), flint.ctx.prec)
             ball = self.shape.over(value).over(x)[0]
-        return 1 if ball > 0 else -1 if ball < 0 else 0
+        return _sign(ball)
 
     def crossing(self, place: CriticalPlace) -> Edge | Summit:
         """The value of the parameter at which the condition binds at a place."""
@@ -170,6 +180,10 @@ class Strip:
         if place.omega is not None:
             return Edge(self.shape, place.omega, *self.ends)
         return Summit(self.shape, (place.low, place.high), *self.ends)
+
+
+def _sign(x: Ball) -> int:
+    return 1 if x > 0 else -1 if x < 0 else 0
 
 
 def _both(a: Ball, b: Ball) -> Ball:

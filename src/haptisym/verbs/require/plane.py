@@ -16,7 +16,7 @@ from sympy import Dummy, Expr
 
 from haptisym.judge.criteria import Criterion
 from haptisym.kernel.budget import tick
-from haptisym.kernel.errors import HaptisymError, LimitError
+from haptisym.kernel.errors import HaptisymError
 from haptisym.kernel.shown import Shown
 from haptisym.kernel.symbols import omega
 from haptisym.model.knobs import Knob
@@ -25,10 +25,10 @@ from haptisym.programs.taylormodels import Array
 from haptisym.verbs.tolerances.box import Box, Side
 from haptisym.verbs.tolerances.excess import Excess
 from haptisym.verbs.tolerances.heldplane import held_plane
+from haptisym.verbs.tolerances.rectangles import Pieces, RectangleSearch
 from haptisym.verbs.tolerances.regional import excess_of
 
-_FIRST_RECTANGLES, _FIRST_PIECES = 8, 16
-"""Of each range, and of the band, to begin with."""
+_FIRST_PIECES = 16  # of the band, to begin with
 _FINEST, _FINEST_HELD = 2.0**-8, 2.0**-9
 _MOST, _BATCH = 60_000, 4096
 """Cells of band and plane that are looked at, and how many at once."""
@@ -71,7 +71,7 @@ def rectangles(
         excesses = [excess_of(box, x) for x in criteria]
     except HaptisymError:
         return None
-    search = _Search([x for x in excesses if not x.is_zero])
+    search = _Search(_FINEST, _MOST, [x for x in excesses if not x.is_zero])
     search.go()
     return _placed(ranges, *(np.concatenate([_NONE, *x]) for x in (search.kept, search.broken, search.left)))
 
@@ -144,80 +144,38 @@ def _is_modelled(box: Box, free: Sequence[Knob], criteria: Sequence[Criterion]) 
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Pieces:
-    """Pieces of the band, in shares of it, on which a condition did not show to be kept; ``owner`` : in which rectangle."""
-
-    owner: Array
-    band: Array
-
-    @classmethod
-    def all(cls, count: int) -> _Pieces:
-        """The whole band, of so many rectangles."""
-        steps = np.arange(_FIRST_PIECES + 1) / _FIRST_PIECES
-        pieces = np.stack([steps[:-1], steps[1:]], -1)
-        return cls(np.repeat(np.arange(count), _FIRST_PIECES), np.tile(pieces, (count, 1)))
-
-    def where(self, which: Array) -> _Pieces:
-        return _Pieces(self.owner[which], self.band[which])
-
-    def cells(self, plane: Array) -> Array:
-        """Of band and plane."""
-        return np.concatenate([self.band[:, None], plane[self.owner]], 1)
-
-    def points(self) -> _Pieces:
-        """One frequency of each: the end of the band where it reaches there."""
-        at = np.where(self.band[:, 1] == 1, 1.0, self.band.mean(-1))
-        return _Pieces(self.owner, np.stack([at, at], -1))
-
-    def cut(self, which: Array) -> _Pieces:
-        """Some of them in halves."""
-        low, high = self.band[which].T
-        middle, twice = (low + high) / 2, np.concatenate([self.owner[~which], *[self.owner[which]] * 2])
-        halves = np.stack([low, middle], -1), np.stack([middle, high], -1)
-        return _Pieces(twice, np.concatenate([self.band[~which], *halves]))
+def _points(pieces: Pieces) -> Pieces:
+    """One frequency of each piece of the band: the end of the band where it reaches there."""
+    band = pieces.rest[:, 0]
+    at = np.where(band[:, 1] == 1, 1.0, band.mean(-1))
+    return Pieces(pieces.owner, np.stack([at, at], -1)[:, None])
 
 
 @dataclass
-class _Search:
-    """Rectangles in shares of both ranges, as they are told."""
+class _Search(RectangleSearch):
+    """Rectangles in which conditions are kept, or broken; behind each are the pieces of the band on which that is open."""
 
     excesses: Sequence[Excess]
     kept: list[Array] = field(default_factory=list)
     broken: list[Array] = field(default_factory=list)
-    left: list[Array] = field(default_factory=list)
-    looked: int = 0
 
     def go(self) -> None:
-        """Cut until all is told, is small, or too much was looked at."""
-        steps = np.arange(_FIRST_RECTANGLES + 1) / _FIRST_RECTANGLES
-        sides = np.stack([steps[:-1], steps[1:]], -1)
-        plane = np.array([[a, b] for a in sides for b in sides])
-        pieces = [_Pieces.all(len(plane)) for _ in self.excesses]
-        while len(plane):
-            try:
-                plane, pieces = self._round(plane, pieces)
-            except LimitError:
-                self.left.append(plane)
-                break
+        """Tell all rectangles."""
+        steps = np.arange(_FIRST_PIECES + 1) / _FIRST_PIECES
+        self._search([np.stack([steps[:-1], steps[1:]], -1)[:, None]] * len(self.excesses))
 
-    def _round(self, plane: Array, pieces: Sequence[_Pieces]) -> tuple[Array, list[_Pieces]]:
-        """What is left of some rectangles, cut."""
+    def _round(self, plane: Array, pieces: Sequence[Pieces]) -> tuple[Array, list[Pieces]]:
         broken, changes = np.zeros(len(plane), bool), np.zeros((len(plane), 2))
-        pieces = [self._judged(x, plane, own, broken, changes) for x, own in zip(self.excesses, pieces, strict=True)]
+        found = [self._judged(x, plane, own, broken, changes) for x, own in zip(self.excesses, pieces, strict=True)]
         doubtful = np.zeros(len(plane), bool)
-        for own in pieces:
+        for own in found:
             doubtful[own.owner] = True
         doubtful &= ~broken
-        widths = plane[..., 1] - plane[..., 0]
-        done = (widths <= _FINEST).all(-1) | (self.looked > _MOST)
         self.kept.append(plane[~doubtful & ~broken])
         self.broken.append(plane[broken])
-        self.left.append(plane[doubtful & done])
-        changes = np.where(widths > _FINEST, changes + 1e-300 * widths, -1.0)
-        return _halved(plane, np.flatnonzero(doubtful & ~done), np.argmax(changes, -1), pieces)
+        return self._cut(plane, doubtful, changes, found)
 
-    def _judged(self, excess: Excess, plane: Array, own: _Pieces, broken: Array, changes: Array) -> _Pieces:
+    def _judged(self, excess: Excess, plane: Array, own: Pieces, broken: Array, changes: Array) -> Pieces:
         """The pieces of the band that stay in doubt; what is ``broken``, and along what it changes, is noted."""
         for again in (True, False):
             own = own.where(~broken[own.owner])
@@ -225,9 +183,10 @@ class _Search:
             broken[own.owner[low > 0]] = True
             doubt = ~(high < 0)
             own, rates = own.where(doubt), rates[doubt]
-            broken[own.owner[self._bounds(excess, own.points().cells(plane))[0] > 0]] = True
+            broken[own.owner[self._bounds(excess, _points(own).cells(plane))[0] > 0]] = True
             if again:
-                own = own.cut(rates[:, 0] >= rates[:, 1:].max(-1) / 2)
+                wide = rates[:, 0] >= rates[:, 1:].max(-1) / 2
+                own = own.cut(wide, np.zeros(len(wide), int))
             else:
                 np.maximum.at(changes, own.owner, rates[:, 1:])
         return own
@@ -243,18 +202,3 @@ class _Search:
             rates[part] = np.abs(model.c1[:, 0]) + np.abs(model.c2[:, 0]).sum(-1)
         self.looked += len(cells)
         return low, high, np.nan_to_num(rates, nan=0.0, posinf=0.0)
-
-
-def _halved(plane: Array, which: Array, side: Array, pieces: Sequence[_Pieces]) -> tuple[Array, list[_Pieces]]:
-    """Some rectangles in halves, each along its side, with the pieces of the band that are theirs."""
-    lower, upper, rows = plane[which].copy(), plane[which].copy(), np.arange(len(which))
-    middle = plane[which, side[which]].mean(-1)
-    lower[rows, side[which], 1], upper[rows, side[which], 0] = middle, middle
-    number = np.full(len(plane), -1)
-    number[which] = rows
-    found = list[_Pieces]()
-    for own in pieces:
-        owner = number[own.owner]
-        owner, band = owner[owner >= 0], own.band[owner >= 0]
-        found.append(_Pieces(np.concatenate([owner, owner + len(which)]), np.concatenate([band, band])))
-    return np.concatenate([lower, upper]), found

@@ -16,15 +16,16 @@ from haptisym.judge.colgate import SampledPassivity, loop_of, sampled_passivity
 from haptisym.judge.criteria import PASSIVE
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import ExactNumber, RealNumber
+from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.response import RealFunction
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.boundary import critical, real_roots
+from haptisym.verbs.require.energy import zeros_of
+from haptisym.verbs.require.existing import allowed, missing
 from haptisym.verbs.require.feasible import Binding, Kind, Solved
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.passive import turns_of_poles
-from haptisym.verbs.require.solving import allowed
 from haptisym.verbs.require.verdicts import Question, Turn
 
 _BITS, _PIECES, _MOST_PIECES = 256, 16, 2000
@@ -42,14 +43,15 @@ def solve_sampled(scene: Scene, free: Knob, asked: Domain) -> Solved:
         raise UndecidedError("whether every passive hand may hold it, with a delay that is free beside a clock")
     margins = [RealFunction((f.axis.convert(loop.damping) - f.function).reduced()) for f in loop.sides(ring)]
     turns = [*_of_margins(margins, free), *turns_of_poles(ring.convert(loop.C).reduced(), free)]
-    turns.append(Turn(ExactNumber(Integer(0)), ()))  # of a mass or stiffness that may be negative
+    for held in (loop.mass, loop.stiffness):  # of a device they may be negative
+        turns += [Turn(x, ()) for x in zeros_of(held, free.symbol)] if held.has(free.symbol) else []
 
     def verdict(value: Expr) -> bool | None:
         return sampled_verdict(free.put(scene, value))
 
     return Question(
         turns, verdict, asked, closed=False, spares=lambda x: _is_positive(margins, free, x.value),
-        exists=lambda x: allowed(scene, free, x),
+        exists=lambda x: allowed(scene, free, x), gone=missing(scene, free),
     ).solve()  # fmt: skip
 
 

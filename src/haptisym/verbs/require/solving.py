@@ -23,12 +23,12 @@ from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.cells import Leaf, ValueSearch
 from haptisym.verbs.require.criticalvalues import Problem
+from haptisym.verbs.require.existing import allowed, missing, without
 from haptisym.verbs.require.feasible import End, Solved, Span, bound_ends, runs
 from haptisym.verbs.require.floatcells import FloatCells
 from haptisym.verbs.require.freeparameter import Conditions, Domain, conditions, each, pieces
 from haptisym.verbs.require.places import CellVerdict
 from haptisym.verbs.require.thresholds import ThresholdProblem
-from haptisym.verbs.require.verdicts import compared
 
 _SLIVER = Fraction(1, 10**9)
 """Relative width of values that may be given as an end by their enclosure alone."""
@@ -39,10 +39,12 @@ def solve(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]
     try:
         if free.parts and not any(_has_floor(x) for x in criteria if x.depends_on(free.parts)):
             return Solved(_threshold_problem(scene, free, asked, criteria).solve())
-        found = conditions(scene, [free], criteria)
+        found, gone = conditions(scene, [free], criteria), missing(scene, free)
         if not any(free.symbol in f.axis.meanings for own in found.values() for f in pieces(own)):
-            return _all_alike(scene, free, asked, found)
-        return (_by_balls if _has_functions(found) else _exactly)(scene, free, asked, criteria, found)
+            solved = _all_alike(scene, free, asked, found)
+        else:
+            solved = (_by_balls if _has_functions(found) else _exactly)(scene, free, asked, criteria, found)
+        return replace(solved, feasible=without(solved.feasible, gone))
     except LimitError:
         return Solved((), ((_exact(asked.low), _exact(asked.high)),))
 
@@ -62,23 +64,7 @@ def _all_alike(scene: Scene, free: Knob, asked: Domain, found: Conditions) -> So
         if chart(dict(enumerate(tops)), *scene.band).where(lambda signs: min(signs.values()) > 0):
             return Solved(())
     line = ValueLine([Leaf(None, None, CellVerdict.KEPT)], asked, partial(allowed, scene, free))
-    return Solved(_existing(line.spans(), scene, free))
-
-
-def _existing(spans: tuple[Span, ...], scene: Scene, free: Knob) -> tuple[Span, ...]:
-    """Without 0 inside of an interval, where the scene does not exist there: as with an environment that is zero."""
-    zero = ExactNumber(S.Zero)
-    if not free.rule.allows(S.NegativeOne):
-        return spans
-    inside = [x for x in spans if _beyond(zero, x.high) and _beyond(zero, x.low, side=-1)]
-    if not inside or allowed(scene, free, S.Zero):
-        return spans
-    return tuple(y for x in spans for y in ((Span(x.low, End(zero)), Span(End(zero), x.high)) if x in inside else (x,)))
-
-
-def _beyond(x: RealNumber, end: End, side: int = 1) -> bool:
-    """Whether an end is higher (1) or lower (-1) than a number."""
-    return end.value is None or compared(x, end.value) == side
+    return Solved(line.spans())
 
 
 def _exactly(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion], found: Conditions) -> Solved:
@@ -123,15 +109,6 @@ def _squares(x: Criterion, d: Distortion, free: Knob) -> dict[Criterion, RealFun
     return {each(x, i) if len(squares) > 1 else x: f for i, f in enumerate(squares, 1)}
 
 
-def allowed(scene: Scene, free: Knob, value: Expr) -> bool:
-    """Whether the scene exists at a value of the parameter."""
-    try:
-        free.put(scene, value).distortion()
-    except SceneError:
-        return False
-    return True
-
-
 def _by_balls(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion], found: Conditions) -> Solved:
     exists = {x: allowed(scene, free, x) for x in (asked.low, asked.high) if x is not None}
     usual = 0.0 if free.value.free_symbols else abs(float(free.value))  # a limit may be a formula
@@ -139,7 +116,7 @@ def _by_balls(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criter
     search = ValueSearch(found, free.symbol, scene.band, Fraction(usual or 1.0), quick.told)
     low, high = _outward(asked)
     line = ValueLine(search.leaves(low, high), asked, exists.__getitem__)
-    return Solved(_existing(line.spans(), scene, free), line.undecided)
+    return Solved(line.spans(), line.undecided)
 
 
 def _outward(asked: Domain) -> tuple[Fraction | None, Fraction | None]:

@@ -18,6 +18,7 @@ from sympy import Symbol
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.monomials import monomials
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial
@@ -139,11 +140,11 @@ def _coefficients(shape: Shape, bits: int) -> _Rows:
     first, highest = axis.size + len(axis.angles), int(shape.polynomial.degrees()[index])
     found: dict[tuple[_Waves, _Waves], list[list[Ball]]] = {}
     with flint.ctx.workprec(bits):
-        for exponents, value in shape.polynomial.to_dict().items():
+        for exponents, value in monomials(shape.polynomial):
             own = [int(n) for n in exponents]
             rows = found.setdefault((tuple(own[axis.size : first]), tuple(own[first:])), [])
             rows += [[arb(0)] * (highest + 1) for _ in range(own[0] + 1 - len(rows))]
-            rows[own[0]][own[index]] += arb(value) * arb.pi() ** own[1]
+            rows[own[0]][own[index]] += arb(value) * arb.pi() ** own[1] if own[1] else value
         return {key: [arb_poly(row) for row in rows] for key, rows in found.items()}
 
 

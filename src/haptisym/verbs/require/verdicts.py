@@ -14,6 +14,7 @@ from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
 from haptisym.verbs.require.feasible import Binding, End, Solved, Span, runs
 from haptisym.verbs.require.freeparameter import Domain
+from haptisym.verbs.stability.curves import Gap
 
 _BITS = 600
 """With which values are told apart; what is alike so far counts as one."""
@@ -32,8 +33,10 @@ class Question:
     """A verdict on the values of a domain: ``turns`` all values inside at which it may change, ``verdict`` that of a number.
 
     ``closed`` : whether a turn beside a value that will do will do itself; ``spares`` : whether one of them does, if not.
-    ``exists`` : whether the scene does at a turn or an end, where formulas may divide by 0.
-    ``beyond`` : from where on turns are not known, None where they all are.
+    ``exists`` : whether the scene does at a turn or an end, where formulas may divide by 0; ``gone`` : all values at which it
+    does not.
+    ``beyond`` : from where on turns are not known, None where they all are; ``gaps`` : between which values they are not.
+    ``fails`` : whether all values between two are known to have the verdict no.
     """
 
     turns: Sequence[Turn]
@@ -43,6 +46,9 @@ class Question:
     beyond: tuple[Expr | None, Expr | None] = (None, None)
     spares: Callable[[Turn], bool] = lambda _: False
     exists: Callable[[Expr], bool] = lambda _: True
+    gone: Sequence[RealNumber] = ()
+    gaps: Sequence[Gap] = ()
+    fails: Callable[[RealNumber | None, RealNumber | None], bool] = lambda _low, _high: False
     reasons: list[str] = field(default_factory=list, init=False, compare=False)
     """Why verdicts stayed open, as they were asked for."""
 
@@ -71,7 +77,9 @@ class Question:
         """The turns in the domain, in order, with its ends; None without bound."""
         low, high = self.domain.low, self.domain.high
         ends = [Turn(ExactNumber(x), ()) for x in (low, high, *self.beyond) if x is not None and self._holds(x)]
-        inside = [x for x in self.turns if x.value.ball(_BITS).is_finite() and self._within(x.value)]
+        edges = [x for gap in self.gaps for x in (gap.low, gap.high) if x is not None]
+        turns = [*self.turns, *(Turn(x, ()) for x in (*self.gone, *edges))]
+        inside = [x for x in turns if x.value.ball(_BITS).is_finite() and self._within(x.value)]
         found: list[Turn] = []
         for x in sorted([*ends, *inside], key=lambda x: x.value.ball(_BITS).mid()):
             if found and not compared(found[-1].value, x.value):
@@ -95,7 +103,25 @@ class Question:
             return None
         if last is not None and (high is None or compared(ExactNumber(last), high) > 0):
             return None
-        return self._asked(rational_between(low, high))
+        if any(gap.holds(low, high) for gap in self.gaps):
+            return self._failed(low, high, "critical values come as near to one as one likes")
+        return self._told(rational_between(low, high), low, high)
+
+    def _told(self, value: Expr, low: RealNumber | None, high: RealNumber | None) -> bool | None:
+        """The verdict on a value, and so on all between two."""
+        known = len(self.reasons)
+        told = self._asked(value)
+        if told is None and self.gaps and self._failed(low, high, "") is False:
+            del self.reasons[known:]
+            return False
+        return told
+
+    def _failed(self, low: RealNumber | None, high: RealNumber | None, reason: str) -> bool | None:
+        """Whether no value of a cell will do, in another way than by a verdict on one."""
+        if self.fails(low, high):
+            return False
+        self.reasons.append(reason)
+        return None
 
     def _asked(self, value: Expr) -> bool | None:
         try:
@@ -110,10 +136,10 @@ class Question:
     def _at(self, i: int, places: Sequence[Turn | None], cells: Sequence[bool | None]) -> bool | None:
         """At one of the places: as exact numbers tell; else as its neighbours do."""
         here = places[i]
-        if here is None or not self._belongs(here.value):
+        if here is None or not self._belongs(here.value) or any(not compared(here.value, x) for x in self.gone):
             return False
         if isinstance(here.value, ExactNumber) and isinstance(here.value.value, Rational):
-            return self.exists(here.value.value) and self._asked(here.value.value)
+            return self.exists(here.value.value) and self._told(here.value.value, here.value, here.value)
         near = cells[max(i - 1, 0) : i + 1]
         if True not in near:
             return None if None in near else False

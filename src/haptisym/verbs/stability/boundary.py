@@ -1,12 +1,9 @@
-"""At which values of one open number roots lie on the imaginary axis, and at which frequencies: all of them, certified.
-
-C(s; q) = A + q B is real on the axis where q = -Re(A/B) and Im(A/B) = 0: one equation in omega. Of a higher degree in q, real and
-imaginary part have a root q in common where their resultant vanishes; their last remainder before it, linear in q, tells it.
-"""
+"""At which values of one open number roots lie on the imaginary axis, and at which frequencies: all of them, certified."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 
 import flint
@@ -19,9 +16,12 @@ from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
-from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
+from haptisym.kernel.rings import degree_in
 from haptisym.kernel.roots import chart
+from haptisym.verbs.stability.curves import Curve, Meeting, Meetings, curve_of, minus
+from haptisym.verbs.stability.farout import from_infinity, is_neutral
 from haptisym.verbs.stability.loops import Loop, coefficients
+from haptisym.verbs.stability.neutral import neutral_meetings
 
 _WINDOWS = 12
 _MOST_TURNING = 400  # radians that a delay turns up to where roots are looked for
@@ -30,55 +30,16 @@ _LOWS = (Rational(15, 16), Rational(1, 2))
 _SETTLED = (Sense.POSITIVE, Sense.NEGATIVE)
 
 
-@dataclass(frozen=True)
-class Meeting:
-    """A ``value`` of the open number with roots on the axis at ``omega``, rad/s; None where they come from infinity."""
-
-    value: RealNumber
-    omega: RealNumber | None
-
-
-@dataclass(frozen=True)
-class Meetings:
-    """All of them ``above`` one value and ``below`` another; None where nothing bounds them on that side."""
-
-    found: tuple[Meeting, ...]
-    above: Expr | None = None
-    below: Expr | None = None
-
-
-@dataclass(frozen=True)
-class Curve:
-    """Frequencies where ``condition`` vanishes, and the ``value`` of the open number there: functions of omega, over squares.
-
-    ``square`` : of that value, there.
-    """
-
-    condition: RationalFunction
-    value: RationalFunction
-    square: RationalFunction
-
-    def meetings(self, reach: Expr) -> tuple[Meeting, ...]:
-        """All up to a frequency."""
-        value = RealFunction(self.value.reduced())
-        table = chart({"0": RealFunction(self.condition.reduced()), "q": value}, Integer(0), reach)
-        if any("0" in point.undecided for point in table.points):
-            raise UndecidedError("whether a root touches the imaginary axis")
-        places = [x for x in table.points if x.orders.get("0", 0) > 0 and x.orders.get("q", 0) >= 0]
-        first = table.points[0]
-        if first not in places and first.orders.get("q", 0) >= 0:
-            places.append(first)  # at omega = 0 every characteristic function is real
-        zero = ExactNumber(Integer(0))
-        return tuple(Meeting(zero if x.orders.get("q") else ValueAt(value, x.omega), x.omega) for x in places)
-
-
 def meetings(loop: Loop, value: Expr) -> Iterator[Meetings]:
     """Where an open number puts roots on the axis: all, or in windows that grow. UndecidedError where that is open."""
     far_out = from_infinity(loop)
     if loop.turns:
-        yield _of_a_delay(loop, value, far_out)
+        if _has_chain(loop, value):  # whatever the delay, as long as there is one
+            yield Meetings((*far_out, Meeting(ExactNumber(Integer(0)), None)))
+        else:
+            yield _of_a_delay(loop, value, far_out)
         return
-    curve = _curve(loop)
+    curve = curve_of(loop)
     if curve is None:
         yield Meetings(far_out)
         return
@@ -90,7 +51,10 @@ def meetings(loop: Loop, value: Expr) -> Iterator[Meetings]:
     if settled.sense in _SETTLED:
         yield Meetings((*far_out, *curve.meetings(_near(settled.radius, loop))))
         return
-    yield from _windows(loop, curve, value, far_out)
+    if is_neutral(loop):
+        yield from neutral_meetings(loop, curve, far_out)
+    else:
+        yield from _windows(loop, curve, value, far_out)
 
 
 def _near(radius: Expr, loop: Loop) -> Expr:
@@ -98,11 +62,6 @@ def _near(radius: Expr, loop: Loop) -> Expr:
     if any(float(radius * lag) > _MOST_TURNING for lag in loop.ring.lags):
         raise UndecidedError("where roots meet the imaginary axis: its delays turn very often")
     return max(radius, Integer(1))
-
-
-def from_infinity(loop: Loop) -> tuple[Meeting, ...]:
-    """The values at which a root, or a chain of them, comes from infinity."""
-    return tuple(Meeting(x, None) for x in loop.far_out())
 
 
 def _windows(loop: Loop, curve: Curve, value: Expr, far_out: tuple[Meeting, ...]) -> Iterator[Meetings]:
@@ -114,7 +73,7 @@ def _windows(loop: Loop, curve: Curve, value: Expr, far_out: tuple[Meeting, ...]
             value * _LOWS[min(j, 1)] / 4 ** max(j - 1, 0),
         )
         for end, sense in ((high, Sense.POSITIVE), (low, Sense.NEGATIVE)):
-            ahead = far(_minus(curve.square, end**2))
+            ahead = far(minus(curve.square, end**2))
             if ahead.sense is sense and end > 0:
                 found = (*far_out, *curve.meetings(_near(ahead.radius, loop)))
                 done = True
@@ -123,68 +82,14 @@ def _windows(loop: Loop, curve: Curve, value: Expr, far_out: tuple[Meeting, ...]
         raise UndecidedError("where roots meet the imaginary axis at ever higher frequencies")
 
 
-def _minus(f: RationalFunction, number: Expr) -> RationalFunction:
-    shift = f.ring.convert(number)
-    top = f.numerator * shift.denominator - shift.numerator * f.denominator
-    return f.ring.function(top, f.denominator * shift.denominator)
-
-
-def _curve(loop: Loop) -> Curve | None:
-    """Of values other than delays; None where the open number moves no root."""
-    powers = loop.powers
-    if len(powers) < 2:
-        return None
-    if len(powers) == 2:
-        ratio = RationalFunction(loop.ring, powers[0], powers[1]).reduced()
-        below = on_axis(ratio)
-        curve = Curve(below.raw_imag, -below.raw_real, squared_modulus(ratio).function)
-    else:
-        curve = _eliminated(loop)
-    if not curve.condition.is_zero:
-        return curve
-    slope = (
-        RealFunction(curve.value.reduced()).derivative().function
-    )  # on the axis at all of its values: where these turn
-    return Curve(
-        slope.ring.function(slope.numerator * slope.denominator, slope.denominator**2), curve.value, curve.square
-    )
-
-
-def _eliminated(loop: Loop) -> Curve:
-    axis = loop.ring.axis
-    [(real, imag)] = axis.parts([loop.top])
-    index = axis.meanings.index(loop.symbol)
-    common = real.gcd(imag)
-    real, imag = real / common, imag / common
-    resultant = real.resultant(imag, f"x{index}")
-    linear = _remainder(real, imag, index)
-    if resultant.is_zero() or linear is None:
-        raise UndecidedError("where roots meet the imaginary axis")
-    c0, c1 = linear
-    return Curve(axis.function(resultant), axis.function(-c0 * c1, c1 * c1), axis.function(c0 * c0, c1 * c1))
-
-
-def _remainder(f: Polynomial, g: Polynomial, index: int) -> tuple[Polynomial, Polynomial] | None:
-    """Of Euclid's algorithm in one variable, the remainder that is linear in it; None where there is none."""
-    while True:
-        a, b = coefficients(f, index), coefficients(g, index)
-        if len(a) < len(b):
-            f, g = g, f
-            continue
-        if len(b) == 2:
-            return b[0], b[1]
-        if len(b) < 2:
-            return None
-        x = f.context().gens()[index]
-        while len(a) >= len(b) and not f.is_zero():
-            f = b[-1] * f - a[-1] * x ** (len(a) - len(b)) * g
-            a = coefficients(f, index)
-        if f.is_zero():
-            return None
-        f, g = g, f
-
-
 # A delay that is open
+
+
+def _has_chain(loop: Loop, value: Expr) -> bool:
+    """Whether infinitely many roots lie on the right, or come to the axis, at a delay > 0: at all of them, or at none."""
+    with suppress(UndecidedError):
+        return loop.at(Rational(value) if value.is_Rational and value else Integer(1)).chain is not None
+    return False
 
 
 @dataclass(frozen=True, repr=False)
@@ -210,15 +115,18 @@ def _of_a_delay(loop: Loop, value: Expr, far_out: tuple[Meeting, ...]) -> Meetin
     if len(units) != 1 or any(symbol in x.free_symbols for x in ring.orders):
         raise UndecidedError("a number that is in several delays")
     rows = coefficients(loop.top, ring.size + units[0])
-    multiple = ring.lags[units[0]] / symbol
-    if len(rows) != 2 or multiple.free_symbols or degree_in([loop.top], ring.meanings.index(symbol)):
+    late = [n for n, row in enumerate(rows) if n and row]
+    if len(late) != 1:
         raise UndecidedError("a delay that comes back several times")
-    plain = [ring.expression(x) for x in rows]
+    multiple = late[0] * ring.lags[units[0]] / symbol
+    if multiple.free_symbols or degree_in([loop.top], ring.meanings.index(symbol)):
+        raise UndecidedError("a delay that comes back several times")
+    plain = [ring.expression(x) for x in (rows[0], rows[-1])]
     target = Ring.of(plain)
     above, below = map(target.convert, plain)
     ratio = (-above / below).reduced()
     size = squared_modulus(ratio).function
-    condition = _minus(size, Integer(1))
+    condition = minus(size, Integer(1))
     settled = far(condition)
     if settled.sense not in _SETTLED:
         raise UndecidedError("where roots meet the imaginary axis")

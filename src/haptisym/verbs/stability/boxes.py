@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import Enum
 from itertools import product
 
-from sympy import Expr, Integer
+from sympy import Expr, Integer, Rational
 
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.far import Sense, far
@@ -20,7 +20,7 @@ from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.rootcount import RootChain, Roots
-from haptisym.kernel.roots import chart
+from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.kernel.symbols import omega
 from haptisym.kernel.terms import terms_of
 from haptisym.model.caveats import clocks
@@ -28,7 +28,7 @@ from haptisym.model.hand import Hand
 from haptisym.model.parameters import Parameter
 from haptisym.model.scene import Scene
 from haptisym.verbs.stability.clocked import clocked_roots
-from haptisym.verbs.stability.held import ring_of, roots_in_hand
+from haptisym.verbs.stability.held import characteristic, ring_of, roots_in_hand
 from haptisym.verbs.stability.oncircle import OnCircle
 
 
@@ -72,17 +72,16 @@ def _sampled(scene: Scene, hand: Hand) -> Box:
     loop = OnCircle.of(scene, hand, {p.symbol: p.interval for p in hand.parameters if p.interval})
     if loop.left():
         raise UndecidedError("whether roots of the sampled loop come to the unit circle for some hand of the box")
-    if True in verdicts:
-        return Box(Share.ALL)
-    if not loop.hides_none:
+    is_stable = loop.is_stable({p.symbol: p.value for p in hand.parameters if p.interval})
+    if is_stable is None:
         raise UndecidedError("whether what does not decay is hidden in some hand of the box")
-    return Box(Share.NONE)
+    return Box(Share.ALL if is_stable else Share.NONE)
 
 
 def _decided(perceived: RationalFunction, hand: Hand) -> Box:
     counts = [roots_in_hand(perceived, x) for x in _corners(hand)]
-    if all(x.chain is RootChain.RIGHT for x in counts) and _is_single(perceived):
-        return Box(Share.NONE)  # of the masses that one delayed term outweighs, none between two is without its chain
+    if all(x.chain is RootChain.RIGHT for x in counts) and _is_outweighed(perceived, hand):
+        return Box(Share.NONE)
     meeting = _meeting(perceived, hand)
     stable = [x.number == 0 for x in counts]
     if meeting is not None:
@@ -94,10 +93,19 @@ def _decided(perceived: RationalFunction, hand: Hand) -> Box:
     return Box(Share.ALL if all(stable) else Share.SOME if any(stable) else Share.NONE)
 
 
-def _is_single(perceived: RationalFunction) -> bool:
-    """Whether one delayed term stands in the highest power of s."""
-    terms = terms_of(perceived.numerator, ring_of(perceived))
-    return sum(any(turns) for turns in terms[max(terms)]) == 1
+def _is_outweighed(perceived: RationalFunction, hand: Hand) -> bool:
+    """Whether one delayed term outweighs what else stands with the highest power of s in all hands, if it does at the corners.
+
+    Both are linear in the mass: where c + m e keeps its sign, the masses of |c + m e| > |a + m d| hang together.
+    """
+    ring, signs = ring_of(perceived), dict[Rational, set[tuple[object, ...]]]()
+    for corner in _corners(hand):
+        terms = terms_of(characteristic(perceived, ring.convert(corner.Z)), ring)
+        degree = max(terms)
+        signs.setdefault(degree, set()).add(
+            tuple((turns, sign_of_number(c)) for turns, c in terms[degree].items() if any(turns))
+        )
+    return all(len(found) == 1 and all(len(delayed) == 1 for delayed in found) for found in signs.values())
 
 
 def _kind(x: Roots) -> tuple[object, object]:

@@ -18,8 +18,8 @@ from flint import acb_poly, arb
 from sympy import Add, Expr, Integer, Rational, Symbol
 
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.nearone import about_one, hurwitz
-from haptisym.kernel.pulse import Plant, SampledLoop
+from haptisym.kernel.nearone import about_axis, about_one, hurwitz
+from haptisym.kernel.pulse import SampledLoop
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.schurcohn import count_on_circle
 from haptisym.model.hand import Hand
@@ -91,8 +91,8 @@ def circle_tests(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, alway
 
     ``one`` : ``at_one``; ``always`` : how many roots lie at 1 whatever the numbers are.
     """
-    c, pairs = hurwitz(about_one(loop, known)[always:])
-    return c[0] if always else expression_ball(one, known), c[-1], pairs
+    c = about_axis(about_one(loop, known)[always:])
+    return c[0] if always else expression_ball(one, known), c[-1], hurwitz(c)
 
 
 @dataclass(frozen=True)
@@ -117,17 +117,7 @@ class Opened:
 
     def at(self, value: Rational) -> SampledLoop:
         """The loop at a number."""
-
-        def put(row: tuple[Expr, ...]) -> tuple[Expr, ...]:
-            known = [x.xreplace({self.symbol: value}) for x in row]
-            while len(known) > 1 and known[-1] == 0:
-                known.pop()
-            return tuple(known)
-
-        plant = self.loop.plant
-        terms = tuple((lag.xreplace({self.symbol: value}), put(N)) for lag, N in plant.terms)
-        T = self.loop.T.xreplace({self.symbol: value})
-        return SampledLoop(Plant(put(plant.denominator), terms), T, put(self.loop.above), put(self.loop.below))
+        return self.loop.at({self.symbol: value})
 
     def count(self, value: Rational) -> tuple[int, int]:
         """The roots with |z| >= 1 at a number, and those on the circle that are not there at any number."""

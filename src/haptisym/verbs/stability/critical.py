@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
-import flint
-from sympy import Expr, Integer, Rational
+from sympy import Expr, Rational
 
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
@@ -18,13 +16,11 @@ from haptisym.kernel.shown import Shown
 from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand
 from haptisym.model.knobs import Knob
-from haptisym.model.parameters import Rule
 from haptisym.model.scene import Scene
-from haptisym.verbs.stability.boundary import Meeting, Meetings, from_infinity, meetings
+from haptisym.verbs.stability.boundary import meetings
 from haptisym.verbs.stability.clockcritical import passages
-from haptisym.verbs.stability.loops import Loop
-
-_BITS = 600  # at which values that are still alike count as one
+from haptisym.verbs.stability.curves import BITS, Gap, Meeting, Meetings, ordered
+from haptisym.verbs.stability.loops import ALLOWED, Loop
 
 Count: TypeAlias = tuple[int | None, RootChain | None]
 
@@ -33,8 +29,8 @@ Count: TypeAlias = tuple[int | None, RootChain | None]
 class Critical(Shown):
     """A value of a number at which the count of roots in Re s >= 0 changes: ``below`` and ``above`` it, None if infinite.
 
-    ``omega`` : the frequency at which roots then lie on the axis, rad/s; None where they come from infinity. Beside a chain
-    of infinitely many the count is that of one value only: as a chain leaves, more and more of its roots may stay behind.
+    ``omega`` : the frequency at which roots then lie on the axis, rad/s; None where they come from infinity.
+    ``is_crowded`` : whether the count is that of one value only, as more and more roots of a chain that leaves may stay behind.
     """
 
     path: str
@@ -42,6 +38,7 @@ class Critical(Shown):
     omega: RealNumber | None
     below: int | None
     above: int | None
+    is_crowded: bool = False
 
     def _line(self) -> str:
         return f"{self.path} = {self.value.digits(6)}"
@@ -54,7 +51,7 @@ class Critical(Shown):
     @property
     def stable_side(self) -> str | None:
         """``above``, ``below``, or None where it is stable on neither side, or a chain leaves that open."""
-        if self.chain_side:
+        if self.is_crowded:
             return None
         return "above" if self.above == 0 else "below" if self.below == 0 else None
 
@@ -80,36 +77,38 @@ def critical(scene: Scene, hand: Hand, free: Knob) -> Nearest:
             found = passages(scene, hand, free)
             rows = tuple(Critical(free.path, x.value, x.omega, x.below, x.above) for x in found.found)
             return Nearest(free.path, rows, low=found.low, high=found.high)
-        return Nearest(free.path, _Walk(Loop.of(scene, hand, free), free).found())
+        return _Walk(Loop.of(scene, hand, free), free).nearest()
     except UndecidedError as error:
         return Nearest(free.path, reason=str(error))
-
-
-_ENDS: dict[Rule, tuple[Expr | None, Expr | None, bool]] = {
-    Rule.POSITIVE: (Integer(0), None, False),
-    Rule.NONNEGATIVE: (Integer(0), None, True),
-    Rule.ANY: (None, None, True),
-    Rule.FRACTION: (Integer(0), Integer(1), False),
-}
-"""The values that a rule allows, and whether its ends belong to them."""
 
 
 @dataclass(frozen=True)
 class _Line:
     """Different meetings in order, between two ends; None where nothing bounds them.
 
-    ``is_whole`` : whether nothing is allowed beyond the low end, and beyond the high one.
+    ``is_whole`` : whether nothing is allowed beyond the low end, and beyond the high one. ``gaps`` : in which others may lie.
     """
 
     places: list[Meeting]
     low: RealNumber | None
     high: RealNumber | None
     is_whole: tuple[bool, bool]
+    gaps: tuple[Gap, ...]
 
     def cell(self, i: int) -> tuple[RealNumber | None, RealNumber | None]:
         """Before the i-th meeting."""
         low = self.places[i - 1].value if i else self.low
         return low, self.places[i].value if i < len(self.places) else self.high
+
+    def gap(self, i: int) -> Gap | None:
+        """The one in which the cell before the i-th meeting lies, whole as they are."""
+        low, high = self.cell(i)
+        return next((x for x in self.gaps if x.holds(low, high)), None)
+
+    def is_bare(self, i: int) -> bool:
+        """Whether one count does not hold for all of the cell before the i-th meeting: in a gap, or of an end alone."""
+        low, high = self.cell(i)
+        return self.gap(i) is not None or (low is not None and high is not None and not ordered(low, high))
 
 
 class _Walk:
@@ -117,63 +116,86 @@ class _Walk:
 
     def __init__(self, loop: Loop, free: Knob) -> None:
         self.loop, self.free, self.start = loop, free, ExactNumber(free.value)
-        self.low, self.high, self.closed = _ENDS[free.rule]
+        self.low, self.high, self.closed = ALLOWED[free.rule]
         self.counts: dict[Expr, Count] = {}
 
-    def found(self) -> tuple[Critical, ...]:
-        """The nearest below and the nearest above, as far as they are there."""
+    def nearest(self) -> Nearest:
+        """Below and above, as far as they are there."""
         sides: dict[int, Critical | None] = {}
-        for line in map(self._line, self._windows()):
+        gaps: dict[int, Gap] = {}
+        for line in map(self._line, meetings(self.loop, self.free.value)):
             if (here := self._here(line)) is not None:
-                return (here,)
-            sides |= {side: x[0] for side in (-1, 1) if side not in sides and (x := self._side(line, side))}
+                return Nearest(self.free.path, (here,))
+            gaps = {}
+            for side in (x for x in (-1, 1) if x not in sides):
+                found = self._side(line, side)
+                if isinstance(found, Gap):
+                    gaps[side] = found
+                elif found is not None:
+                    sides[side] = found[0]
             if len(sides) == 2:
-                return tuple(x for x in (sides[-1], sides[1]) if x is not None)
-        raise UndecidedError("where roots meet the imaginary axis at ever higher frequencies")
-
-    def _windows(self) -> Iterator[Meetings]:
-        value = self.free.value
-        if isinstance(value, Rational) and self._at(value)[1]:  # a chain is there until a chain is lost
-            yield Meetings(from_infinity(self.loop))
-        else:
-            yield from meetings(self.loop, value)
+                break
+        rows = tuple(x for side in (-1, 1) if (x := sides.get(side)) is not None)
+        left = [_crowded(gaps[side]) if side in gaps else _ENDLESS for side in (-1, 1) if side not in sides]
+        return Nearest(self.free.path, rows, "; ".join(dict.fromkeys(left)))
 
     def _line(self, window: Meetings) -> _Line:
-        known = [x for x in window.found if x.value.ball(_BITS).is_finite()]
-        known.sort(key=lambda x: x.value.ball(_BITS).mid())
-        apart = [x for i, x in enumerate(known) if i == 0 or _order(known[i - 1].value, x.value)]
+        ends = [Meeting(x, None) for gap in window.gaps for x in (gap.low, gap.high) if x is not None]
+        known = [x for x in (*window.found, *ends) if x.value.ball(BITS).is_finite()]
+        known.sort(key=lambda x: x.value.ball(BITS).mid())
+        apart = [x for i, x in enumerate(known) if i == 0 or ordered(known[i - 1].value, x.value)]
         low, low_is_whole = _nearer(window.above, self.low, -1)
         high, high_is_whole = _nearer(window.below, self.high, 1)
         within = [
             x for x in apart
-            if (low is None or _order(low, x.value) >= 0) and (high is None or _order(x.value, high) >= 0)
+            if (low is None or ordered(low, x.value) >= 0) and (high is None or ordered(x.value, high) >= 0)
         ]  # fmt: skip
-        return _Line(within, low, high, (low_is_whole, high_is_whole))
+        return _Line(within, low, high, (low_is_whole, high_is_whole), window.gaps)
 
     def _here(self, line: _Line) -> Critical | None:
         """Where the very value puts roots on the axis, and the count is another one on either side."""
         for i, x in enumerate(line.places):
-            if not _order(x.value, self.start):
-                below, above = self._count(line, i), self._count(line, i + 1)
-                return None if below is None or above is None or below == above else self._critical(x, below, above)
+            if not ordered(x.value, self.start):
+                below, above = (
+                    self._beyond(line, k, side) if line.gap(k) else self._count(line, k)
+                    for side, k in ((-1, i), (1, i + 1))
+                )
+                if (line.gap(i) or line.gap(i + 1)) and not any(y and y[1] for y in (below, above)):
+                    return None
+                differ = below is not None and above is not None and below != above
+                return self._critical(line, i, below, above) if differ else None
         return None
 
-    def _side(self, line: _Line, side: int) -> tuple[Critical | None] | None:
-        """The nearest on one side; (None,) where there is none, None where it lies beyond the window."""
-        ahead = [i for i, x in enumerate(line.places) if _order(self.start, x.value) == side]
+    def _side(self, line: _Line, side: int) -> tuple[Critical | None] | Gap | None:
+        """The nearest on one side; (None,) where there is none, None where it lies beyond the window; a gap it may lie in."""
+        ahead = [i for i, x in enumerate(line.places) if ordered(self.start, x.value) == side]
         home: Count | None = None
         for i in ahead if side > 0 else ahead[::-1]:
-            near, beyond = (self._count(line, i + (n if side > 0 else 1 - n)) for n in (0, 1))
-            home = home or near
-            if None not in (home, beyond) and beyond != home:
-                below, above = (home, beyond) if side > 0 else (beyond, home)
-                return (self._critical(line.places[i], below, above),)
-        return (None,) if line.is_whole[side > 0] else None
+            near, beyond = (i, i + 1) if side > 0 else (i + 1, i)
+            if gap := line.gap(near):
+                return gap
+            home = home or self._count(line, near)
+            if home and not home[1] and line.gap(beyond):
+                continue
+            other = self._beyond(line, beyond, side) if line.gap(beyond) else self._count(line, beyond)
+            if home and other and home != other:
+                below, above = (home, other) if side > 0 else (other, home)
+                return (self._critical(line, i, below, above),)
+        last = line.gap(len(line.places) if side > 0 else 0)
+        return last or ((None,) if line.is_whole[side > 0] else None)
+
+    def _beyond(self, line: _Line, i: int, side: int) -> Count | None:
+        """The first that can be told from a gap on, as more and more values there put roots on the axis."""
+        ahead = range(i, len(line.places) + 1) if side > 0 else range(i, -1, -1)
+        for x in (x for x in ahead if not line.gap(x)):
+            with suppress(UndecidedError):
+                return self._count(line, x)
+        return self._count(line, i)
 
     def _count(self, line: _Line, i: int) -> Count | None:
         """Before the i-th meeting; at an end of what is allowed, where a meeting is there; None where nothing is allowed."""
         low, high = line.cell(i)
-        if low is None or high is None or _order(low, high):
+        if low is None or high is None or ordered(low, high):
             return self._at(rational_between(low, high))
         end = self.high if i else self.low
         with suppress(UndecidedError):  # what is asked about need not end there
@@ -186,10 +208,22 @@ class _Walk:
             self.counts[value] = found.number, found.chain
         return self.counts[value]
 
-    def _critical(self, x: Meeting, below: Count | None, above: Count | None) -> Critical:
+    def _critical(self, line: _Line, i: int, below: Count | None, above: Count | None) -> Critical:
         assert below is not None
         assert above is not None
-        return Critical(self.free.path, x.value, x.omega, below[0], above[0])
+        x, chain = line.places[i], None in (below[0], above[0])
+        crowded = self.loop.turns or any(y[0] is not None and line.is_bare(k) for k, y in ((i, below), (i + 1, above)))
+        return Critical(self.free.path, x.value, x.omega, below[0], above[0], chain and crowded)
+
+
+_ENDLESS = "where roots meet the imaginary axis at ever higher frequencies"
+
+
+def _crowded(gap: Gap) -> str:
+    """Why the nearest value was not found."""
+    low, high = ("" if x is None else x.digits(8) for x in (gap.low, gap.high))
+    where = f"from {low} to {high}" if low and high else f"beyond {low}" if low else f"below {high}"
+    return f"{_ENDLESS}, {where}"
 
 
 def _nearer(window: Expr | None, allowed: Expr | None, side: int) -> tuple[RealNumber | None, bool]:
@@ -197,12 +231,5 @@ def _nearer(window: Expr | None, allowed: Expr | None, side: int) -> tuple[RealN
     if window is None or allowed is None:
         end = window if allowed is None else allowed
         return None if end is None else ExactNumber(end), window is None
-    is_whole = _order(ExactNumber(allowed), ExactNumber(window)) * side >= 0
+    is_whole = ordered(ExactNumber(allowed), ExactNumber(window)) * side >= 0
     return ExactNumber(allowed if is_whole else window), is_whole
-
-
-def _order(x: RealNumber, y: RealNumber) -> int:
-    """1 where y is beyond x, -1 where it is before it, 0 where they are alike as far as bits go."""
-    with flint.ctx.workprec(_BITS):
-        change = y.ball(_BITS) - x.ball(_BITS)
-        return int(change > 0) - int(change < 0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,29 +11,42 @@ from flint import fmpq
 from sympy import Expr, Integer, Rational, Symbol, pi
 
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
 from haptisym.kernel.rootcount import Roots
 from haptisym.kernel.roots import chart
+from haptisym.kernel.squares import Row
 from haptisym.kernel.symbols import omega
-from haptisym.kernel.terms import size, terms_of
+from haptisym.kernel.terms import terms_of
 from haptisym.model.hand import Hand
 from haptisym.model.knobs import Knob
-from haptisym.model.parameters import values
+from haptisym.model.parameters import Rule, values
 from haptisym.model.scene import Scene
 from haptisym.verbs.stability.held import zeros_of
+
+ALLOWED: dict[Rule, tuple[Expr | None, Expr | None, bool]] = {
+    Rule.POSITIVE: (Integer(0), None, False),
+    Rule.NONNEGATIVE: (Integer(0), None, True),
+    Rule.ANY: (None, None, True),
+    Rule.FRACTION: (Integer(0), Integer(1), False),
+}
+"""The values that a rule allows, and whether its ends belong to them."""
 
 
 @dataclass(frozen=True)
 class Loop:
-    """The characteristic function of a display in a hand, over the denominator of H_perc; ``symbol`` stays open in both."""
+    """The characteristic function of a display in a hand, over the denominator of H_perc; ``symbol`` stays open in both.
+
+    ``low``, ``high`` : between which values it may be, None where nothing bounds them.
+    """
 
     ring: Ring
     top: Polynomial
     bottom: Polynomial
     symbol: Symbol
+    low: Expr | None = None
+    high: Expr | None = None
 
     @classmethod
     def of(cls, scene: Scene, hand: Hand, free: Knob) -> Loop:
@@ -43,7 +56,8 @@ class Loop:
         ring = Ring.of([*display.entries(), Z])
         H = display.perceived(range(len(display.matrices)), ring)
         z = ring.convert(Z)
-        return cls(ring, H.numerator * z.denominator + z.numerator * H.denominator, H.denominator, free.symbol)
+        top = H.numerator * z.denominator + z.numerator * H.denominator
+        return cls(ring, top, H.denominator, free.symbol, *ALLOWED[free.rule][:2])
 
     @cached_property
     def turns(self) -> bool:
@@ -79,33 +93,16 @@ class Loop:
             return True
         return not self.bottom.subs({f"x{self._index}": fmpq(int(value.p), int(value.q))}).is_zero()
 
-    def far_out(self) -> Iterator[RealNumber]:
-        """The values at which a root, or a chain of roots, comes from infinity: where the highest power of s is lost."""
-        if any(self.symbol in x.free_symbols for x in self.ring.orders):
-            raise UndecidedError("where roots meet the imaginary axis as a power of s changes")
+    @cached_property
+    def table(self) -> dict[Rational, dict[tuple[int, ...], Row]]:
+        """By the power of s and by how often each unit delay is in it, by ascending powers of the open number."""
         found = [terms_of(p, self.ring) if p else {} for p in self.powers]
-        highest = max(max(x) for x in found if x)
-        rows = [x.get(highest, {}) for x in found]
-        if not any(rows[1:]):
-            return
-        none = (0,) * len(self.ring.lags)
-        delayed = {turns for row in rows for turns in row} - {none}
-        own = [row.get(none, Integer(0)) for row in rows]
-        moved = any(turns in row for row in rows[1:] for turns in delayed)
-        if len(delayed) > 1 and moved:
-            raise UndecidedError(
-                "where a chain of roots comes to the axis, as several delays meet in the highest power of s"
-            )
-        if moved:
-            [turns] = delayed
-            other = [row.get(turns, Integer(0)) for row in rows]
-        else:
-            other = [
-                sum((size(x) for x in rows[0].values()), Integer(0)) - size(own[0]),
-                *[Integer(0)] * (len(rows) - 1),
-            ]
-        for sign in (1, -1) if delayed else (1,):
-            yield from zeros([x - sign * y for x, y in zip(own, other, strict=True)])
+        table: dict[Rational, dict[tuple[int, ...], Row]] = {}
+        for i, terms in enumerate(found):
+            for power, group in terms.items():
+                for turns, c in group.items():
+                    table.setdefault(power, {}).setdefault(turns, [Integer(0)] * len(found))[i] = c
+        return table
 
 
 def zeros(row: Sequence[Expr]) -> list[RealNumber]:

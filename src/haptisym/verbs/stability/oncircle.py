@@ -1,7 +1,7 @@
 """Whether a loop with a clock has roots on the unit circle for some values of a box: excluded in balls, cell by cell.
 
-Where none of three numbers vanishes for any values of a cell (``clockcritical.circle_tests``), no root comes to the circle in
-it, and the number of roots with |z| >= 1 is one for all of its values.
+In v, z = (1 + v)/(1 - v), the circle is the imaginary axis: where there is no root at z = 1, at z = -1, nor a pair +-j nu for
+any values of a cell, the number of roots with |z| >= 1 is one for all of its values.
 """
 
 from __future__ import annotations
@@ -18,12 +18,14 @@ from sympy import Expr, Symbol
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.nearone import about_axis, about_one, has_no_pair, hurwitz
 from haptisym.kernel.pulse import SampledLoop
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.roots import sign_of_number
+from haptisym.kernel.schurcohn import count_on_circle
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
-from haptisym.verbs.stability.clockcritical import at_one, circle_tests
+from haptisym.verbs.stability.clockcritical import at_one
 from haptisym.verbs.stability.clocked import loop_of
 
 _BITS = 96
@@ -64,11 +66,22 @@ class OnCircle:
         """Whether no root is on the circle for any values of a cell, proven."""
         with flint.ctx.workprec(_BITS):
             try:
-                return not any(
-                    x.contains(0) or not x.is_finite() for x in circle_tests(self.loop, self._at(cell), self._at_one)
+                known = self._at(cell)
+                c = about_axis(about_one(self.loop, known))
+                ends = expression_ball(self._at_one, known), c[-1]
+                return not any(x.contains(0) or not x.is_finite() for x in ends) and (
+                    not hurwitz(c).contains(0) or has_no_pair(c)
                 )
             except (UndecidedError, ZeroDivisionError, ValueError):
                 return False
+
+    def is_stable(self, values: Mapping[Symbol, Expr]) -> bool | None:
+        """Whether it is for some values and all that clear cells join to them, or for none of these; None where not known.
+
+        Counted before anything cancels: what is hidden at these values alone is not at others.
+        """
+        found = count_on_circle(self.loop.at(values))  # in 1/z
+        return True if found.inside + found.on == 0 else False if self.hides_none else None
 
     @cached_property
     def hides_none(self) -> bool:

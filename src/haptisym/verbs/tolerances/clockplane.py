@@ -16,7 +16,7 @@ from haptisym.programs.taylormodels import Array
 from haptisym.verbs.stability.oncircle import Cell, OnCircle, halves
 
 _FIRST = 8  # of each range, to begin with
-_MOST_PIECES = 12  # of what else varies, that are looked at for one rectangle
+_MOST_PIECES = 48  # of what else varies, that are looked at for one rectangle
 
 
 @dataclass(frozen=True)
@@ -29,35 +29,48 @@ class ClockPlane:
 
     def rectangles(self) -> tuple[Array, Array]:
         """Those that are clear, and what is left; (rectangles, 2, 2), in shares of both ranges."""
-        waiting, clear, left, looked = deque(_grid()), list[Cell](), list[Cell](), 0
+        clear, left, looked = list[Cell](), list[Cell](), 0
+        whole: Cell = ((Fraction(0), Fraction(1)),) * (len(self.loops[0].ranges) - 2)
+        waiting = deque((own, [[whole] for _ in self.loops]) for own in _grid())
         try:
             while waiting:
-                own = waiting.popleft()
+                own, rest = waiting.popleft()
                 tick()
-                is_clear, tried = self._judged(own)
+                rest, tried = self._doubtful(own, rest)
                 looked += tried
-                if is_clear:
+                if not any(rest):
                     clear.append(own)
                 elif looked > self.most or max(b - a for a, b in own) <= self.finest:
                     left.append(own)
                 else:
-                    waiting += halves(own, (0, 1))
+                    waiting += ((half, rest) for half in halves(own, (0, 1)))
         except LimitError:
-            left += [own, *waiting]
+            left += [own, *(x for x, _ in waiting)]
         return _array(clear), _array(left)
 
-    def _judged(self, own: Cell) -> tuple[bool, int]:
-        """Whether a rectangle is clear of all loops for all of what else varies, and in how many cells it was looked at."""
-        others, looked = len(self.loops[0].ranges) - 2, 0
-        for loop in self.loops:
-            waiting, most = [(*own, *[(Fraction(0), Fraction(1))] * others)], looked + (_MOST_PIECES if others else 1)
-            while waiting and looked < most:
+    def _doubtful(self, own: Cell, rest: Sequence[Sequence[Cell]]) -> tuple[list[list[Cell]], int]:
+        """Of a rectangle, for each loop the cells of what else varies in which it is not clear, and how many were looked at.
+
+        They are cut while it is clear for the middle of them: else it is the rectangle that is too large.
+        """
+        found, looked = list[list[Cell]](), 0
+        for loop, others in zip(self.loops, rest, strict=True):
+            waiting, doubtful, most = [*others], list[Cell](), looked + _MOST_PIECES
+            while waiting:
                 cell, looked = waiting.pop(), looked + 1
-                if not loop.is_clear(cell):
-                    waiting += halves(cell, range(2, len(cell))) if others else [cell]
-            if waiting:
-                return False, looked
-        return True, looked
+                if loop.is_clear((*own, *cell)):
+                    continue
+                looked += bool(cell)
+                if not cell or looked >= most or not loop.is_clear((*own, *map(_middle, cell))):
+                    doubtful.append(cell)
+                    break
+                waiting += halves(cell, range(len(cell)))
+            found.append([*waiting, *doubtful])
+        return found, looked
+
+
+def _middle(side: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
+    return (sum(side, Fraction(0)) / 2,) * 2
 
 
 def _grid() -> Iterator[Cell]:

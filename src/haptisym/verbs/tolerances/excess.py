@@ -9,7 +9,7 @@ import numpy as np
 from sympy import Expr, Rational
 
 from haptisym.judge.criteria import Criterion
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import expression_ball
 from haptisym.model.jnd import Part, is_irrational_algebraic
 from haptisym.programs.modelled import Modelled
@@ -107,7 +107,10 @@ _RELATIVE = ("relative_real", "relative_imag")
 
 
 def floated(value: Expr) -> float:
-    """The number to within a rounding or two."""
+    """The number to within a rounding or two. UndecidedError where it is too large for a float."""
     if isinstance(value, Rational):
-        return int(value.p) / int(value.q)
+        try:
+            return int(value.p) / int(value.q)
+        except OverflowError:
+            raise UndecidedError("how numbers compare that are too large for floats") from None
     return float(value.evalf(20)) if is_irrational_algebraic(value) else float(expression_ball(value))

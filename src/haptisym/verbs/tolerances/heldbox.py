@@ -134,8 +134,7 @@ class _Question:
         if left:
             self._look(self._middles(list(used), np.array([[(0, 0), *cell] for cell in left], float)))
             return None
-        is_stable = True in self.found
-        return True if is_stable else False if loop.hides_none else None
+        return loop.is_stable({x.symbol: x.value for x in self.sides})
 
     def _everywhere(self, ring: Ring, polynomial: Polynomial) -> int | None:
         """The number of zeros in Re s >= 0, if it is one for all values; None where it may not be."""

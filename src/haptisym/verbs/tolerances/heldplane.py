@@ -17,26 +17,25 @@ from sympy import Expr, Rational, Symbol
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.errors import HaptisymError, LimitError, UndecidedError
+from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.rings import Polynomial
 from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
 from haptisym.programs.taylormodels import Array
-from haptisym.verbs.stability.clocked import clocked_roots
 from haptisym.verbs.stability.oncircle import OnCircle
 from haptisym.verbs.tolerances.clockplane import ClockPlane
 from haptisym.verbs.tolerances.heldbox import count_at, quotient
 from haptisym.verbs.tolerances.onaxis import OnAxis
+from haptisym.verbs.tolerances.rectangles import Pieces, RectangleSearch
 from haptisym.verbs.tolerances.search import together
 
-_FIRST_RECTANGLES, _FIRST_PIECES = 8, 48
-"""Of each range, and of the frequencies, to begin with."""
+_FIRST_PIECES = 48  # of the frequencies, to begin with
 _BATCH = 4096
 _MOST_PIECES = 48  # of one rectangle before it is cut rather than they
 _AT_LAST = 5  # times that pieces of the smallest ones are cut
 _MOST_COUNTS = 48
-_DEARER, _FINEST_SAMPLED = 15, 2.0**-8  # a cell of a loop with a clock
+_DEARER, _FINEST_SAMPLED = 10, 2.0**-8  # a cell of a loop with a clock
 
 Interval = tuple[Expr, Expr]
 _NONE = np.empty((0, 2, 2))
@@ -70,13 +69,13 @@ def held_plane(
     """
     ranges = {**plane, **(others or {})}
     if clocks(scene):
-        sampled = [_Sampled(scene, x, OnCircle.of(scene, x, ranges)) for x in hands]
+        sampled = [_Sampled(OnCircle.of(scene, x, ranges)) for x in hands]
         clear, left = ClockPlane([x.form for x in sampled], max(finest, _FINEST_SAMPLED), most // _DEARER).rectangles()
         return _told(sampled, clear, left)
     loops = [_Loop(*quotient(scene, x, set(ranges)), ranges) for x in hands]
     if any(x.form.reach is None for x in loops):
         raise UndecidedError("whether roots come from infinity for some of the values")
-    search = _Search([x.form for x in loops], finest, most)
+    search = _Search(finest, most, [x.form for x in loops])
     search.go()
     return _told(loops, np.concatenate([_NONE, *search.clear]), np.concatenate([_NONE, *search.left]))
 
@@ -93,79 +92,37 @@ def _told(loops: Sequence[_Loop | _Sampled], clear: Array, left: Array) -> HeldP
     return HeldPlane(clear[stable], clear[unstable], np.concatenate([left, clear[~stable & ~unstable]]))
 
 
-@dataclass(frozen=True, eq=False)
-class _Pieces:
-    """Pieces of the frequencies, and of what else varies, (pieces, 1 + others, 2); ``owner`` : in which rectangle."""
-
-    owner: Array
-    rest: Array
-
-    @classmethod
-    def all(cls, count: int, sides: int) -> _Pieces:
-        """Of so many rectangles."""
-        edges = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, _FIRST_PIECES)])
-        first = np.zeros((_FIRST_PIECES, sides - 2, 2))
-        first[:, :, 1] = 1.0
-        first[:, 0, 0], first[:, 0, 1] = edges[:-1], edges[1:]
-        return cls(np.repeat(np.arange(count), _FIRST_PIECES), np.tile(first, (count, 1, 1)))
-
-    def where(self, which: Array) -> _Pieces:
-        return _Pieces(self.owner[which], self.rest[which])
-
-    def cells(self, plane: Array) -> Array:
-        """Of frequency, plane and the rest."""
-        return np.concatenate([self.rest[:, :1], plane[self.owner], self.rest[:, 1:]], 1)
-
-    def cut(self, which: Array, side: Array) -> _Pieces:
-        """Some in halves, each along its side."""
-        lower, upper, rows = self.rest[which], self.rest[which].copy(), np.arange(int(which.sum()))
-        middle = lower[rows, side[which]].mean(-1)
-        lower[rows, side[which], 1], upper[rows, side[which], 0] = middle, middle
-        owner = np.concatenate([self.owner[~which], *[self.owner[which]] * 2])
-        return _Pieces(owner, np.concatenate([self.rest[~which], lower, upper]))
+def _first(sides: int) -> Array:
+    """Pieces of the frequencies, with all of what else varies."""
+    edges = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, _FIRST_PIECES)])
+    found = np.tile([0.0, 1.0], (_FIRST_PIECES, sides - 2, 1))
+    found[:, 0, 0], found[:, 0, 1] = edges[:-1], edges[1:]
+    return found
 
 
 @dataclass
-class _Search:
-    """Rectangles, as they are told."""
+class _Search(RectangleSearch):
+    """Rectangles that are clear of the zeros of all forms."""
 
     forms: Sequence[OnAxis]
-    finest: float
-    most: int
     clear: list[Array] = field(default_factory=list)
-    left: list[Array] = field(default_factory=list)
-    looked: int = 0
 
     def go(self) -> None:
-        """Cut until all is told, is small, or too much was looked at."""
-        steps = np.arange(_FIRST_RECTANGLES + 1) / _FIRST_RECTANGLES
-        sides = np.stack([steps[:-1], steps[1:]], -1)
-        plane = np.array([[a, b] for a in sides for b in sides])
-        pieces = [_Pieces.all(len(plane), x.sides) for x in self.forms]
-        while len(plane):
-            try:
-                plane, pieces = self._round(plane, pieces)
-            except LimitError:
-                self.left.append(plane)
-                break
+        """Tell all rectangles."""
+        self._search([_first(x.sides) for x in self.forms])
 
-    def _round(self, plane: Array, pieces: Sequence[_Pieces]) -> tuple[Array, list[_Pieces]]:
-        """What is left of some rectangles, cut."""
-        widths = plane[..., 1] - plane[..., 0]
-        small = (widths <= self.finest).all(-1)
-        doubtful, changes, found = np.zeros(len(plane), bool), np.zeros((len(plane), 2)), list[_Pieces]()
+    def _round(self, plane: Array, pieces: Sequence[Pieces]) -> tuple[Array, list[Pieces]]:
+        small, doubtful, changes = self._small(plane), np.zeros(len(plane), bool), np.zeros((len(plane), 2))
+        found = list[Pieces]()
         for form, waiting in zip(self.forms, pieces, strict=True):
             own, rates = self._judged(form, plane, waiting, small)
             doubtful[own.owner] = True
             np.maximum.at(changes, own.owner, rates[:, 1:3])
             found.append(own)
-        done = small | (self.looked > self.most)
         self.clear.append(plane[~doubtful])
-        self.left.append(plane[doubtful & done])
-        changes = np.where(widths > self.finest, changes + 1e-300 * widths, -1.0)
-        return _halved(plane, np.flatnonzero(doubtful & ~done), np.argmax(changes, -1), found)
+        return self._cut(plane, doubtful, changes, found)
 
-    def _judged(self, form: OnAxis, plane: Array, pieces: _Pieces, small: Array) -> tuple[_Pieces, Array]:
+    def _judged(self, form: OnAxis, plane: Array, pieces: Pieces, small: Array) -> tuple[Pieces, Array]:
         """The pieces that stay in doubt, and how much D varies there: cut where it varies more along them than the rectangle.
 
         Of rectangles that are cut no further, pieces are cut some times more, whatever it varies along.
@@ -194,21 +151,6 @@ class _Search:
         self.looked += len(cells)
         clear, rates = (np.concatenate(x) for x in zip(*found, strict=True))
         return clear, rates
-
-
-def _halved(plane: Array, which: Array, side: Array, pieces: Sequence[_Pieces]) -> tuple[Array, list[_Pieces]]:
-    """Some rectangles in halves, each along its side, with the pieces that are theirs."""
-    lower, upper, rows = plane[which].copy(), plane[which].copy(), np.arange(len(which))
-    middle = plane[which, side[which]].mean(-1)
-    lower[rows, side[which], 1], upper[rows, side[which], 0] = middle, middle
-    number = np.full(len(plane), -1)
-    number[which] = rows
-    found = list[_Pieces]()
-    for own in pieces:
-        owner = number[own.owner]
-        owner, rest = owner[owner >= 0], own.rest[owner >= 0]
-        found.append(_Pieces(np.concatenate([owner, owner + len(which)]), np.concatenate([rest, rest])))
-    return np.concatenate([lower, upper]), found
 
 
 @dataclass(frozen=True)
@@ -251,20 +193,14 @@ class _Loop:
 class _Sampled:
     """A loop with a clock in one hand."""
 
-    scene: Scene
-    hand: Hand
     form: OnCircle
 
     def is_stable(self, rectangle: Array) -> bool | None:
         """As of ``_Loop``."""
-        values = _middle(self.form.ranges, rectangle)
-        display = {p.path: values[p.symbol] for p in self.scene.parameters if p.symbol in values}
-        own = {p.symbol.name: values[p.symbol] for p in self.hand.parameters if p.symbol in values}
         try:
-            count = clocked_roots(self.scene.with_values(display), self.hand.with_values(own)).number
-        except (HaptisymError, LimitError):
+            return self.form.is_stable(_middle(self.form.ranges, rectangle))
+        except (UndecidedError, LimitError):
             return None
-        return True if count == 0 else False if self.form.hides_none else None
 
 
 def _middle(ranges: Mapping[Symbol, Interval], rectangle: Array) -> dict[Symbol, Expr]:

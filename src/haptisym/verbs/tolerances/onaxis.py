@@ -19,6 +19,7 @@ from sympy import Expr, Rational, Symbol, pi
 from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.rings import Polynomial
+from haptisym.kernel.roots import sign_of_number
 from haptisym.programs.taylormodels import Array, Model, variable
 from haptisym.verbs.tolerances.excess import floated
 from haptisym.verbs.tolerances.search import halves
@@ -46,6 +47,7 @@ class OnAxis:
         self._lags, self._orders = ring.lags, ring.orders
         self._ranges = [(floated(low), floated(high - low)) for low, high in ranges.values()]
         self._symbols, self.sides = list(ranges), 1 + len(ranges)
+        self._never_negative = all(sign_of_number(low) >= 0 for low, _ in ranges.values())
         self._groups: dict[_Key, _Terms] = {}
         first, last = ring.size, ring.size + len(ring.lags)
         for exponents, value in polynomial.to_dict().items():
@@ -64,17 +66,17 @@ class OnAxis:
                 cells = halves(cells, np.full(len(cells), 1 + i % (self.sides - 1)))
         with np.errstate(all="ignore"):
             values = self._values(cells, 0.0)
-            found: dict[tuple[Expr, bool], list[Model]] = {}
+            found: dict[tuple[Expr, tuple[int, ...]], list[Model]] = {}
             for (turns, powers), group in self._groups.items():
                 for power, model in self._coefficients(group, values).items():
-                    found.setdefault((power + _weighted(powers, self._orders), any(turns)), []).append(model)
+                    found.setdefault((power + _weighted(powers, self._orders), turns), []).append(model)
             sizes = {key: _sizes(_total(models)) for key, models in found.items()}
             return self._prevailing(sizes, values)
 
     def _prevailing(
-        self, sizes: Mapping[tuple[Expr, bool], tuple[Array, Array]], values: Sequence[Model]
+        self, sizes: Mapping[tuple[Expr, tuple[int, ...]], tuple[Array, Array]], values: Sequence[Model]
     ) -> float | None:
-        """From least and largest sizes of the terms, by their power and whether they come late."""
+        """From least and largest sizes of the terms, by their power and how late they come: of other delays phases may oppose."""
         zero = np.zeros(len(values[0].c0))
         for top in {power for power, _ in sizes}:
             gaps = {power: self._valued(top - power, values).bounds() for power, _ in sizes if power != top}
@@ -82,15 +84,33 @@ class OnAxis:
                 break
         else:
             return None
-        least = sizes.get((top, False), (zero, zero))[0] - sizes.get((top, True), (zero, zero))[1]
-        more = [(gaps[power], most) for (power, _), (_, most) in sizes.items() if power != top]
+        own = [(any(turns), size) for (power, turns), size in sizes.items() if power == top]
+        least = sum((-most if late else low for late, (low, most) in own), zero)
+        next_one = (
+            self._next(top) if all(power == top - 1 or (low > 1).all() for power, (low, _) in gaps.items()) else None
+        )
+        helping = sizes[next_one][0] if next_one else zero
+        more = [(gaps[key[0]], most) for key, (_, most) in sizes.items() if key[0] != top and key != next_one]
         radius = 2.0**-20
         while radius < _FARTHEST:
             rest = sum((most * np.maximum(*(radius ** -x[:, 0] for x in gap)) for gap, most in more), zero)
-            if (least * (1 - 1e-9) > rest * (1 + 1e-9)).all():
+            if (np.maximum(least, helping / radius) * (1 - 1e-9) > rest * (1 + 1e-9)).all():
                 return radius
             radius *= 2
         return None
+
+    def _next(self, top: Expr) -> tuple[Expr, tuple[int, ...]] | None:
+        """The power below the highest, if |a s + b| >= |a s|, |b| in Re s >= 0: neither comes late, and both have one sign."""
+        signs: dict[tuple[Expr, tuple[int, ...]], set[int]] = {}
+        for (turns, powers), group in self._groups.items():
+            for power, terms in group.items():
+                signs.setdefault((power + _weighted(powers, self._orders), turns), set()).update(
+                    1 if c > 0 else -1 for c, _ in terms
+                )
+        (turns, own), *others = ((turns, own) for (power, turns), own in signs.items() if power == top)
+        found = top - 1, turns
+        alike = not any(turns) and not others and len(own | signs.get(found, {1, -1})) == 1
+        return found if alike and self._never_negative else None
 
     def left(self) -> Array:
         """Cells outside which there are no zeros on the axis, and in which there may be: none where that is proven."""

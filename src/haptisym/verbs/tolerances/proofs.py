@@ -125,7 +125,8 @@ class Tolerances(Answer):
         """Whether the display is transparent on the band for all values, for none, or for some."""
         if self.transparent is not None and self.noticed is not None:
             return Verdict.DEPENDS
-        if not any(own for _, own in self._search.values()) and self.nominal.transparent is not None:
+        alone = not self.box.sides or not any(own for _, own in self._search.values())
+        if alone and self.nominal.transparent is not None:
             return Verdict.ALL if self.nominal.transparent else Verdict.NONE
         return Verdict.NONE if self._always_noticed() else Verdict.UNDECIDED
 

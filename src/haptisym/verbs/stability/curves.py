@@ -1,0 +1,151 @@
+"""The curve on which one open number puts roots on the imaginary axis: over frequency, the value that does it.
+
+C(s; q) = A + q B is real on the axis where q = -Re(A/B) and Im(A/B) = 0: one equation in omega. Of a higher degree in q, real and
+imaginary part have a root q in common where their resultant vanishes; their last remainder before it, linear in q, tells it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import flint
+from sympy import Expr, Integer
+
+from haptisym.judge.peaks import ValueAt
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import ExactNumber, RealNumber
+from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
+from haptisym.kernel.rings import Polynomial, RationalFunction
+from haptisym.kernel.roots import chart
+from haptisym.verbs.stability.loops import Loop, coefficients
+
+BITS = 600
+"""At which values that are still alike count as one."""
+
+
+def ordered(x: RealNumber, y: RealNumber) -> int:
+    """1 where y is beyond x, -1 where it is before it, 0 where they are alike as far as bits go."""
+    with flint.ctx.workprec(BITS):
+        change = y.ball(BITS) - x.ball(BITS)
+        return int(change > 0) - int(change < 0)
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """A ``value`` of the open number with roots on the axis at ``omega``, rad/s; None where they come from infinity."""
+
+    value: RealNumber
+    omega: RealNumber | None
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Values between two of which it is not known which ones put roots on the axis; None where nothing bounds them."""
+
+    low: RealNumber | None
+    high: RealNumber | None
+
+    def holds(self, low: RealNumber | None, high: RealNumber | None) -> bool:
+        """Whether all values between two others are in it."""
+        above = self.low is None or (low is not None and ordered(self.low, low) >= 0)
+        return above and (self.high is None or (high is not None and ordered(high, self.high) >= 0))
+
+
+@dataclass(frozen=True)
+class Meetings:
+    """All of them ``above`` one value and ``below`` another, but for ``gaps``; None where nothing bounds them on that side.
+
+    Values with a chain of infinitely many roots on the right need not be among them, but for those where it comes or goes.
+    """
+
+    found: tuple[Meeting, ...]
+    above: Expr | None = None
+    below: Expr | None = None
+    gaps: tuple[Gap, ...] = ()
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Frequencies where ``condition`` vanishes, and the ``value`` of the open number there: functions of omega, over squares.
+
+    ``square`` : of that value, there.
+    """
+
+    condition: RationalFunction
+    value: RationalFunction
+    square: RationalFunction
+
+    def meetings(self, reach: Expr) -> tuple[Meeting, ...]:
+        """All up to a frequency."""
+        value = RealFunction(self.value.reduced())
+        table = chart({"0": RealFunction(self.condition.reduced()), "q": value}, Integer(0), reach)
+        if any("0" in point.undecided for point in table.points):
+            raise UndecidedError("whether a root touches the imaginary axis")
+        places = [x for x in table.points if x.orders.get("0", 0) > 0 and x.orders.get("q", 0) >= 0]
+        first = table.points[0]
+        if first not in places and first.orders.get("q", 0) >= 0:
+            places.append(first)  # at omega = 0 every characteristic function is real
+        zero = ExactNumber(Integer(0))
+        return tuple(Meeting(zero if x.orders.get("q") else ValueAt(value, x.omega), x.omega) for x in places)
+
+
+def minus(f: RationalFunction, number: Expr) -> RationalFunction:
+    """A function less a number, over the same denominator."""
+    shift = f.ring.convert(number)
+    top = f.numerator * shift.denominator - shift.numerator * f.denominator
+    return f.ring.function(top, f.denominator * shift.denominator)
+
+
+def curve_of(loop: Loop) -> Curve | None:
+    """Of values other than delays; None where the open number moves no root."""
+    powers = loop.powers
+    if len(powers) < 2:
+        return None
+    if len(powers) == 2:
+        ratio = RationalFunction(loop.ring, powers[0], powers[1]).reduced()
+        below = on_axis(ratio)
+        curve = Curve(below.raw_imag, -below.raw_real, squared_modulus(ratio).function)
+    else:
+        curve = _eliminated(loop)
+    if not curve.condition.is_zero:
+        return curve
+    slope = (
+        RealFunction(curve.value.reduced()).derivative().function
+    )  # on the axis at all of its values: where these turn
+    return Curve(
+        slope.ring.function(slope.numerator * slope.denominator, slope.denominator**2), curve.value, curve.square
+    )
+
+
+def _eliminated(loop: Loop) -> Curve:
+    axis = loop.ring.axis
+    [(real, imag)] = axis.parts([loop.top])
+    index = axis.meanings.index(loop.symbol)
+    common = real.gcd(imag)
+    real, imag = real / common, imag / common
+    resultant = real.resultant(imag, f"x{index}")
+    linear = _remainder(real, imag, index)
+    if resultant.is_zero() or linear is None:
+        raise UndecidedError("where roots meet the imaginary axis")
+    c0, c1 = linear
+    return Curve(axis.function(resultant), axis.function(-c0 * c1, c1 * c1), axis.function(c0 * c0, c1 * c1))
+
+
+def _remainder(f: Polynomial, g: Polynomial, index: int) -> tuple[Polynomial, Polynomial] | None:
+    """Of Euclid's algorithm in one variable, the remainder that is linear in it; None where there is none."""
+    while True:
+        a, b = coefficients(f, index), coefficients(g, index)
+        if len(a) < len(b):
+            f, g = g, f
+            continue
+        if len(b) == 2:
+            return b[0], b[1]
+        if len(b) < 2:
+            return None
+        x = f.context().gens()[index]
+        while len(a) >= len(b) and not f.is_zero():
+            f = b[-1] * f - a[-1] * x ** (len(a) - len(b)) * g
+            a = coefficients(f, index)
+        if f.is_zero():
+            return None
+        f, g = g, f

@@ -1,0 +1,97 @@
+"""Values of polynomials, exact, with bounds on their degrees; and what is said where a certificate proves nothing."""
+
+from fractions import Fraction
+from functools import reduce
+from operator import add
+from typing import Any, NamedTuple
+
+
+class RefusedError(Exception):
+    """What a certificate does not prove, or what is not understood."""
+
+
+class UnreadableError(RefusedError):
+    """There is nothing to check: a file is missing, or is no JSON (the certificate), no TOML (the scene)."""
+
+
+def need(condition: object, why: str) -> None:
+    """RefusedError, and why, unless the condition holds."""
+    if not condition:
+        raise RefusedError(why)
+
+
+MOST_OTHERS, MOST_BITS = 4, 30_000
+Degrees = tuple[int, ...]
+
+
+def degree(place: int, n: int = 1) -> Degrees:
+    """That of a power of one variable: s or omega, pi, tan(omega tau/2) of each delay, (j omega)^alpha of each order."""
+    return (0,) * place + (n,) + (0,) * (MOST_OTHERS + 1 - place)
+
+
+class Value(NamedTuple):
+    """A Gaussian integer, the value of a polynomial at some point, with bounds on its degrees in each variable."""
+
+    re: int
+    im: int = 0
+    degrees: Degrees = degree(0, 0)
+
+    def plus(self, x: "Value", sign: int = 1) -> "Value":
+        """x + y, or x - y."""
+        return Value(self.re + sign * x.re, self.im + sign * x.im, tuple(map(max, self.degrees, x.degrees)))
+
+    def times(self, x: "Value") -> "Value":
+        """x y."""
+        re, im = self.re * x.re - self.im * x.im, self.re * x.im + self.im * x.re
+        need(re.bit_length() + im.bit_length() < MOST_BITS, "a number is too large")
+        return Value(re, im, tuple(map(add, self.degrees, x.degrees)))
+
+    def power(self, n: int) -> "Value":
+        """x^n for n >= 0."""
+        return reduce(Value.times, [self] * n) if n else ONE
+
+    def conjugate(self) -> "Value":
+        """For s = j omega a polynomial in omega, of the same degree."""
+        return Value(self.re, -self.im, self.degrees)
+
+
+Ratio = tuple[Value, Value]  # a dynamics is numerator and denominator: nothing is divided, no polynomial written out
+ONE, ZERO = Value(1), Value(0, 0, (-(10**6),) * (MOST_OTHERS + 2))  # the polynomial 0 has a degree below all others
+
+
+class Point(NamedTuple):
+    """Where a chain is computed: s, and whole numbers in place of pi and of what depends on omega otherwise.
+
+    ``others``: tan(omega tau/2) of delays tau, then Re and Im of (j omega)^alpha of orders alpha.
+    """
+
+    s: Ratio
+    pi: int
+    delays: tuple[Fraction, ...] = ()
+    orders: tuple[Fraction, ...] = ()
+    others: tuple[Any, ...] = ()
+
+    def raised(self, exponent: Fraction) -> Ratio:
+        """s to a power: a whole one, times that of an order."""
+        n, order = int(exponent // 1), exponent % 1
+        need(abs(n) < 100 and (not order or order in self.orders), "a power of s: the proof has no such order")
+        top, bottom = (x.power(abs(n)) for x in self.s[:: 1 if n >= 0 else -1])
+        i = len(self.delays) + self.orders.index(order) if order else 0
+        re, im = self.others[i] if order else (1, 0)
+        return top.times(Value(re, im, degree(2 + i, int(order > 0)))), bottom
+
+    def delayed(self, lag: Fraction) -> Value:
+        """(1 - j t)^n, where exp(-s lag) = ((1 - j t)/(1 + j t))^n."""
+        if not lag:
+            return ONE
+        i = next((i for i, tau in enumerate(self.delays) if lag % tau == 0), None)
+        need(i is not None and lag / self.delays[i or 0] <= 64, "a delay: the proof has none that it is a multiple of")
+        return Value(1, -self.others[i or 0], degree(2 + (i or 0))).power(int(lag / self.delays[i or 0]))
+
+
+def combined(sign: str, x: Ratio, y: Ratio) -> Ratio:
+    """x + y, x - y, x * y or x / y."""
+    if sign in "*/":
+        top, bottom = y if sign == "*" else y[::-1]
+        return x[0].times(top), x[1].times(bottom)
+    return x[0].times(y[1]).plus(y[0].times(x[1]), 1 if sign == "+" else -1), x[1].times(y[1])

@@ -1,0 +1,90 @@
+"""A function on a stretch of omega, as a polynomial in Bernstein's basis: signs that hold at every point, cuts that lose nothing."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+from typing import Any
+
+import flint
+import pytest
+from flint import arb, arb_poly, fmpq, fmpq_poly
+
+from haptisym.kernel.reals import bounds, dyadic
+from haptisym.kernel.stretches import Stretch
+
+
+def around(roots: list[Fraction], sign: int) -> Any:
+    """The Taylor coefficients of the polynomial with those zeros, about any ball."""
+
+    def series(x: Any, start: int, stop: int) -> list[Any]:
+        total = arb_poly([sign])
+        for root in roots:
+            total = total * arb_poly([x - dyadic(root), 1])
+        return (total.coeffs() + [arb(0)] * stop)[start:stop]
+
+    return series
+
+
+def exact(roots: list[Fraction], sign: int) -> list[Any]:
+    """The polynomial itself over the rational numbers, its slope and its curvature."""
+    found = fmpq_poly([sign])
+    for root in roots:
+        found = found * fmpq_poly([fmpq(-root.numerator, root.denominator), 1])
+    return [found, found.derivative(), found.derivative().derivative()]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_signs_on_a_stretch_and_on_its_parts_are_those_of_exact_values(seed: int) -> None:
+    """Polynomials of degree up to 14: above the order of the stretch, so that Taylor's remainder counts."""
+    pick = random.Random(seed)
+    roots = [Fraction(pick.randint(-300, 600), 64) for _ in range(pick.randint(1, 14))]
+    sign, ends = pick.choice((-1, 1)), sorted(Fraction(pick.randint(0, 4000), 1024) for _ in range(2))
+    ends[1] += Fraction(1, 1024)
+    true = exact(roots, sign)
+    with flint.ctx.workprec(128):
+        stretches = [Stretch.of(around(roots, sign), *map(dyadic, ends))]
+        for _ in range(pick.randint(0, 6)):
+            cut = stretches[-1].cut()
+            if cut is None:
+                break
+            assert cut[0].high == cut[1].low
+            assert (cut[0].low, cut[1].high) == (stretches[-1].low, stretches[-1].high)
+            stretches += pick.sample(cut, 2)
+        for x in stretches:
+            low, high = bounds(x.low)[0], bounds(x.high)[0]
+            for order in range(3):
+                seen = [low + (high - low) * Fraction(n, 16) for n in range(17)]
+                values = [true[order](fmpq(at.numerator, at.denominator)) for at in seen]
+                if said := x.sign(order):
+                    assert all(value * said > 0 for value in values)
+                for end, value in ((0, values[0]), (-1, values[-1])):
+                    if said := x.sign_at(end, order):
+                        assert value * said > 0
+
+
+def test_a_stretch_without_zeros_shows_it_when_it_is_cut_often_enough() -> None:
+    roots = [Fraction(-1), Fraction(-1, 8), Fraction(5), Fraction(9)]
+    with flint.ctx.workprec(128):
+        waiting, clear = [Stretch.of(around(roots, 1), arb(0), arb("4.5"))], 0
+        while waiting:
+            x = waiting.pop()
+            if x.sign():
+                clear += 1
+            else:
+                parts = x.cut()
+                assert x.is_sharp
+                assert parts
+                waiting += parts
+    assert clear < 8
+
+
+def test_no_cut_is_made_on_a_zero() -> None:
+    """The cut of [0, 1] is at 127/256: with ends that hardly exceed it, a zero there shows no sign."""
+    with flint.ctx.workprec(128):
+        whole = Stretch.of(around([Fraction(2)], 1), arb(0), arb(1))
+        cut = whole.cut()
+        assert cut is not None
+        place = bounds(cut[0].high)[0]
+        assert abs(place - Fraction(127, 256)) < Fraction(1, 2**20)
+        assert Stretch.of(around([place, Fraction(2)], 1), arb(0), arb(1)).cut() is None

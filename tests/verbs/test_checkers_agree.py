@@ -1,0 +1,219 @@
+"""Both checkers accept and refuse the same certificates, however these are changed or written, and what they accept is true."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+from certificates import HELD, OWN, certificate, late_scene, of_requirement, of_stability, text_of
+from forgeries import evaluated, gain, of_scene
+from marks import often
+from mutated import mutated
+from secondchecker import verdicts
+
+from haptisym import SceneError, parse_scene, stability
+from haptisym_check import RefusedError, check
+
+
+def said(proof: str, scene: str) -> str:
+    """The claim, or nothing where it is refused."""
+    try:
+        return check(proof.encode("utf-8", "surrogatepass"), scene.encode())
+    except RefusedError:
+        return ""
+
+
+def accepted(asked: list[tuple[str, str]]) -> list[bool]:
+    """Whether each certificate is accepted for its scene, by both checkers."""
+    found = [said(*pair) != "" for pair in asked]
+    assert found == [claim is not None for claim, _ in verdicts(asked)]
+    return found
+
+
+SMALL = ("fu2019", "sidestick", *OWN)
+
+
+def truths() -> list[tuple[str, str]]:
+    """Certificates and their scenes, of each question."""
+    asked = [(certificate(name), text_of(name)) for name in SMALL] + [of_stability(name) for name in HELD]
+    return asked + [of_requirement(name) for name in ("up to a value", "a threshold", "two intervals")]
+
+
+@pytest.mark.parametrize(
+    "seeds", often([range(20), *(range(n, n + 200) for n in range(20, 2020, 200))], range(20).__eq__)
+)
+def test_random_mutants_are_refused_by_both_or_true(seeds: range) -> None:
+    asked = truths()
+    proofs = [json.loads(proof) for proof, _ in asked]
+    listed = [mutated(seed, proofs) for seed in seeds]
+    second = verdicts([(text, asked[i][1]) for i, text in listed])
+    for seed, (i, text), (claim, why) in zip(seeds, listed, second, strict=True):
+        passes = said(text, asked[i][1]) != ""
+        assert passes == (claim is not None), (seed, why)
+        assert not passes or means_the_same(json.loads(text)["claim"], proofs[i]["claim"]), seed
+
+
+def means_the_same(claim: dict[str, Any], own: dict[str, Any]) -> bool:
+    """Whether only numbers are written otherwise, or enclosures hold the same."""
+    told, true = (x.pop("frequencies", []) for x in ({**claim}, {**own}))
+    if len(told) != len(true) or _plain({**claim, "frequencies": 0}) != _plain({**own, "frequencies": 0}):
+        return False
+    ends = [[Fraction(x) for x in (*a, *b)] for a, b in zip(told, true, strict=True)]
+    return all(a <= d and c <= b for a, b, c, d in ends)
+
+
+def _plain(x: Any) -> Any:
+    """With one way to write each number."""
+    if isinstance(x, dict):
+        return {key: _plain(y) for key, y in x.items()}
+    if isinstance(x, list):
+        return [_plain(y) for y in x]
+    try:
+        return Fraction(x) if isinstance(x, str) else x
+    except ValueError:
+        return x
+
+
+def test_json_may_be_written_in_every_way() -> None:
+    proof, scene = certificate("fu2019"), text_of("fu2019")
+    true = [
+        proof.replace('"real"', '"re\\u0061l"'),
+        proof.replace("[[0, ", "[[-0, "),
+        json.dumps(json.loads(proof), indent="\t").replace("\n", "\r\n"),
+    ]
+    wrong = [
+        proof.replace('"real"', '"re\\u0061l'),
+        proof.replace('"at": ', '"\\u0061t": 1, "at": '),
+        proof.replace("[[0, ", "[[-0.0, "),
+        proof.replace("[[0, ", "[[0e0, "),
+        proof.replace(" ", "\u00a0"),
+    ]
+    assert proof not in (*true, *wrong)
+    assert accepted([(x, scene) for x in (*true, *wrong)]) == [True] * len(true) + [False] * len(wrong)
+
+
+def test_files_are_measured_in_bytes() -> None:
+    proof, scene = certificate("fu2019"), text_of("fu2019")
+    large = [proof + " " * (size - len(proof.encode())) for size in (4_000_000, 4_000_001)]
+    scenes = [f"{scene}\n# {'é' * ((size - len(scene.encode()) - 3) // 2)}" for size in (999_900, 1_000_002)]
+    asked = [(x, scene) for x in large] + [(of_scene(json.loads(proof), x), x) for x in scenes]
+    assert accepted(asked) == [True, False, True, False]
+
+
+AT_A_POLE = """[environment]
+model = "expression"
+H = "1/(s^2 + 100)"
+[[effects]]
+model = "series"
+G = "1 - s^2/1000"
+[evaluation]
+band = [0, 10]
+jnd = 0.1
+"""
+
+
+def test_a_crossing_at_a_pole_at_the_end_of_the_band_is_accepted() -> None:
+    proof = evaluated(AT_A_POLE)
+    [row] = proof["claim"]["crossings"]
+    assert (row["at"], row["kind"], row["sign"]) == (1, "exceeds", -1)
+    true = of_scene(proof, AT_A_POLE)
+    row["sign"] = 1
+    assert accepted([(true, AT_A_POLE), (of_scene(proof, AT_A_POLE), AT_A_POLE)]) == [True, False]
+
+
+def test_a_claim_about_no_part_is_refused() -> None:
+    proof, scene = of_requirement("up to a value")
+    told = json.loads(proof)
+    told["claim"]["parts"], told["proof"]["functions"] = ["number"], {}
+    assert accepted([(json.dumps(told), scene)]) == [False]
+
+
+def test_words_say_of_a_frequency_between_which_numbers_it_lies() -> None:
+    told = json.loads(certificate("fu2019"))
+    ends = told["claim"]["frequencies"]
+    ends[0], ends[-1], at = ["-1000", "1000"], ["-5", "1E9"], told["claim"]["crossings"][0]["at"]
+    ends[at] = ["7.97", "7.99"]
+    lines = said(json.dumps(told), text_of("fu2019")).splitlines()
+    assert lines[0] == "Proven on the band from [-1000, 1000] to [-5, 1E9] rad/s: 2 crossings, none missed."
+    assert "  real part exceeds its threshold at [7.97, 7.99] rad/s" in lines
+    assert "  transparent from [-1000, 1000] to [7.97, 7.99] rad/s" in lines
+
+
+def test_what_is_not_understood_is_one_line_on_any_terminal(tmp_path: Path) -> None:
+    scene = f'"é\\nProven on the band" = 1\n{text_of("fu2019")}'
+    (tmp_path / "proof.json").write_text(of_scene(json.loads(certificate("fu2019")), scene), encoding="utf-8")
+    (tmp_path / "scene.toml").write_text(scene, encoding="utf-8", newline="")
+    command = [sys.executable, "-m", "haptisym_check", "proof.json", "scene.toml"]
+    own = {**os.environ, "PYTHONIOENCODING": "ascii"}
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path, env=own)
+    assert (done.returncode, done.stderr) == (1, "")
+    assert done.stdout == "NOT proven: keys of the scene are not understood: ['\\xe9\\nProven on the band']\n"
+
+
+def test_numbers_of_a_scene_may_be_written_in_every_way_of_toml() -> None:
+    own, ways = text_of("fu2019"), ("0.5_0", "5e-1", "0.0_5e+1", "5_0E-02", "1", "+1", "0x0_1", "0o1", "0b1")
+    scenes = [own.replace("zeta = 0.5", f"zeta = {x}") for x in ways]
+    assert own not in scenes
+    halves, ones = (evaluated(own.replace("zeta = 0.5", f"zeta = {x}")) for x in ("0.5", "1"))
+    asked = [(of_scene(proof, scene), scene) for proof in (halves, ones) for scene in scenes]
+    assert accepted(asked) == [True] * 4 + [False] * 5 + [False] * 4 + [True] * 5
+
+
+def test_what_is_felt_as_nothing_has_a_certificate() -> None:
+    """1/H_perc is none: nothing is said of its zeros."""
+    text = gain("s - s", "1/10", "[1, 15]")
+    proof = evaluated(text)
+    assert proof["claim"]["stable"] is None
+    assert accepted([(of_scene(proof, text), text)]) == [True]
+    with pytest.raises(SceneError, match="its force is zero everywhere"):
+        stability(parse_scene(text)).certificate()
+
+
+def test_a_power_behind_a_sign_and_a_power_is_not_understood() -> None:
+    """It needs parentheses: -s^2^3 is not (-s^2)^3, as a checker might read it."""
+    text = '[environment]\nmodel = "expression"\nH = "{}"\n[evaluation]\nband = [1, 5]\n'
+    odd, plain = text.format("-s^2^3"), text.format("-s^6")
+    proof = evaluated(plain)
+    assert accepted([(of_scene(proof, odd), odd), (of_scene(proof, plain), plain)]) == [False, True]
+
+
+@pytest.mark.slow
+def test_a_factor_that_is_zero_where_two_tangents_are_equal_is_one_like_any_other() -> None:
+    """sin (omega (tau - tau')/2), whose square cancels."""
+    told = json.loads(certificate("two delays"))
+    own = told["proof"]
+    count = len(own["factors"])
+    own["factors"] += [{"waves": [1, 1], "terms": [[[1, 0], [["1"]]], [[0, 1], [["-1"]]]]}] * 2
+    own["functions"]["sum.real"]["powers"] += [[count, 2], [count + 1, -2]]
+    assert accepted([(json.dumps(told), text_of("two delays"))]) == [True]
+
+
+def in_a_row(count: int) -> str:
+    """A scene of so many lags in Hz."""
+    lag = '[[effects]]\nmodel = "second-order-lowpass"\nomega_n = "{} Hz"\nzeta = 0.5\n'
+    effects = "".join(lag.format(12 + n) for n in range(count))
+    return f'[environment]\nmodel = "kelvin-voigt"\nk = 290\nb = 2\n{effects}[evaluation]\nband = [0, 15]\n'
+
+
+def test_a_scene_for_which_no_checker_works_long_enough_gets_a_sentence() -> None:
+    with pytest.raises(SceneError, match="no checker accepts a certificate of this scene: the degrees are too high"):
+        evaluated(in_a_row(9))
+
+
+@pytest.mark.slow
+def test_a_scene_for_which_a_checker_works_for_seconds_has_a_certificate() -> None:
+    text = in_a_row(5)
+    assert accepted([(of_scene(evaluated(text), text), text)]) == [True]
+
+
+@pytest.mark.slow
+def test_a_delay_that_turns_often_has_a_certificate_that_is_accepted() -> None:
+    """Some hundred crossings: their enclosures are long, and quick to check."""
+    text = late_scene(19)
+    assert said(of_scene(evaluated(text), text), text).startswith("Proven on the band")
