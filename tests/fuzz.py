@@ -80,6 +80,10 @@ class Trial:
     def ratio(self, part: str, omega: Any, case: Case | None = None) -> Any:
         return (case or self.case).ratio(part, omega)
 
+    def ratio_at(self, part: str, omega: Fraction) -> Any:
+        """The ratio at a rational frequency: 0 where the facts tell no difference, of which 80 digits leave some 10^-82."""
+        return self.ratio(part, digits_of(omega)) if self.case.facts(omega)[part].difference else MP.mpf(0)
+
     def place(self, path: str) -> tuple[int, str] | None:
         """Which element a path means (0 the environment) and which of its values; None where the oracle has no such value."""
         group, *middle, key = path.split(".")
@@ -158,7 +162,7 @@ def require(t: Trial) -> None:
     least = MP.mpf(found.feasible[0].low.value.digits(25)) if found.feasible[0].low.value is not None else MP.mpf(0)
     for omega in t.frequencies(8):
         for part in PARTS:
-            assert t.ratio(part, digits_of(omega)) <= least * (1 + MP.mpf(10) ** -20), (omega, part)
+            assert t.ratio_at(part, omega) <= least * (1 + MP.mpf(10) ** -20), (omega, part)
     if least > 0 and found.feasible[0].low.closed:
         share = Fraction(str(MP.nstr(least, 20))) * Fraction(10**9 - 1, 10**9)
         below = t.case.with_(c=dict.fromkeys(PARTS, share))
