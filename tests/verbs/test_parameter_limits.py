@@ -19,7 +19,8 @@ from haptisym.kernel.symbols import omega
 from haptisym.verbs.require.blowups import is_negative, positive_along
 from haptisym.verbs.require.feasible import Kind
 from haptisym.verbs.require.freeparameter import conditions, pieces
-from haptisym.verbs.require.limits import _expanded
+from haptisym.verbs.require.limits import Limit, _expanded, _terms
+from haptisym.verbs.require.lowest import beginning
 from haptisym.verbs.require.monomials import Monomials
 from haptisym.verbs.require.strips import Shape, value_from_zero
 
@@ -101,6 +102,43 @@ def test_what_is_not_rational_in_a_coefficient_at_0_stays_in_it() -> None:
     assert sorted(found) == [2, 4, 8]
     assert found[2].overlaps(arb.pi())
     assert (found[4].overlaps(arb(-2)), found[8].is_zero()) == (True, True)
+
+
+def test_coefficients_at_0_are_those_of_the_function_also_beyond_the_tenth_power() -> None:
+    axis = Ring([], [Rational(1, 10)]).axis
+    w, _, tangent = axis.context.gens()
+    rows = beginning(axis, tangent**12 - w**14, [12], 16)
+    assert [list(row.values()) for row in rows[:12]] == [[0]] * 12
+    # sin(a)^12 = a^12 (1 - 2 a^2 + ...), a = omega/20, and cos(a)^12 = 1 - ...
+    assert list(rows[12].values()) == [fmpq(1, 20**12)]
+    assert list(rows[14].values()) == [fmpq(-2, 20**14) - 1]
+
+
+HEAVY = hs.Scene(
+    environments.spring_pot(90, "0.9", k=1000),
+    (effects.four_channel_teleoperator("0.25", "2.6", 66, "3.3", 25, 11, "2.7 ms"), effects.first_order_lag(43)),
+    (0, 23),
+    hs.Threshold.of("0.5"),
+)
+
+
+@pytest.mark.parametrize("inverse", [pytest.param(False, marks=pytest.mark.slow), True])
+def test_monomials_at_0_add_up_to_the_condition(*, inverse: bool) -> None:
+    free = HEAVY.knobs["effects.four-channel-teleoperator.Mm"]
+    criteria = noticed(HEAVY.threshold)[:1]
+    [f] = [f for own in conditions(HEAVY, [free], criteria).values() for f in pieces(own)]
+    with flint.ctx.workprec(256):
+        limit = Limit.of([f], free.symbol, HEAVY.band, inverse=inverse, sign=1)
+        [shape] = limit.shapes
+        known = _terms(shape, arb("0.01"))
+        for w, u in (("0.001", "0"), ("0.001", "1.3e-8"), ("1e-4", "1e-11"), ("0.003", "1e-5")):
+            x, y = arb(w), arb(u)
+            total = sum(
+                value * (x.log() * a.numerator / a.denominator).exp() * y ** int(b) for (a, b), value in known.items()
+            )
+            witness = shape.over(y).value(x)
+            assert total.overlaps(witness), (w, u)
+            assert total.rel_accuracy_bits() > 20, (w, u)
 
 
 @pytest.mark.slow

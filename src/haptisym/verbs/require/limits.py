@@ -29,7 +29,8 @@ from haptisym.verbs.require.monomials import Coefficient, Terms
 from haptisym.verbs.require.places import CellVerdict, Strip
 from haptisym.verbs.require.strips import Shape
 
-_SAMPLES, _KNOWN = 8, 6
+_SAMPLES, _KNOWN, _LENGTHS = 8, 6, (16, 40)
+"""Of the band; Taylor's coefficients at omega = 0 that are taken apart, and how many are looked at for the first of them."""
 _NEARER = 5
 """How often u is taken four times as small for the band away from omega = 0."""
 _TANGENTS = (0, 1, -1, 3, -3)
@@ -212,10 +213,7 @@ def _terms(shape: Shape, near: Ball) -> Terms:
 
 def _expanded(part: Shape, near: Ball) -> Iterator[tuple[int, Coefficient]]:
     """Taylor's coefficients at omega = 0 of a function without powers: those that are not 0, the last one a ball."""
-    rows = beginning(part.axis, part.polynomial, part.degrees)
-    order = next((n for n, row in enumerate(rows) if any(row.values())), None)
-    if order is None or order + _KNOWN >= len(rows):
-        raise UndecidedError("how a condition begins at omega = 0")
+    order, rows = _first(part)
     compiled = part.over(arb(0))
     for n in range(order, order + _KNOWN):
         if not any(rows[n].values()):
@@ -223,6 +221,16 @@ def _expanded(part: Shape, near: Ball) -> Iterator[tuple[int, Coefficient]]:
         bare = all(not any(key) for key in rows[n])
         yield n, (sum(rows[n].values(), fmpq(0)) if bare else compiled.taylor(arb(0), n))
     yield order + _KNOWN, compiled.taylor(arb(0).union(near), order + _KNOWN)
+
+
+def _first(part: Shape) -> tuple[int, list[dict[tuple[int, ...], fmpq]]]:
+    """The order of the first coefficient that is not 0, and enough of them."""
+    for length in _LENGTHS:
+        rows = beginning(part.axis, part.polynomial, part.degrees, length)
+        order = next((n for n, row in enumerate(rows) if any(row.values())), length)
+        if order + _KNOWN < length:
+            return order, rows
+    raise UndecidedError("how a condition begins at omega = 0")
 
 
 def _rational(x: Expr) -> Fraction:
