@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import chain
+from io import StringIO
+from itertools import islice
 from pathlib import Path
 from typing import NamedTuple, TextIO
 
@@ -15,10 +16,13 @@ import numpy as np
 
 from haptisym.kernel.errors import SceneError, meant, quoted
 from haptisym.model.measured import Reals
+from haptisym.model.plainrows import plain_rows
 from haptisym.model.quantities import MotionKind
 
 LARGEST = 500_000_000
 """Bytes of a file."""
+_TOGETHER = 1 << 18
+"""Letters that are read at once: what is made of them stays close to the processor."""
 _NOT_TEXT = (b"PK", b"\x89", b"MATLAB", b"\x80", b"\xff\xfe", b"\xfe\xff")
 
 
@@ -49,12 +53,13 @@ class NumberTable:
     def column(self) -> Mapping[str, Reals]:
         """A column by its name."""
         named = zip(self.head.columns, self.head.factors, strict=True)
-        return {x: self.rows[:, i] * factor for i, (x, factor) in enumerate(named)}
+        return {x: self.rows[:, i] * factor if factor != 1 else self.rows[:, i] for i, (x, factor) in enumerate(named)}
 
     def place(self, row: int) -> str:
         """The line of a row in the file."""
-        number = next(n for i, (n, _) in enumerate(_numbered(self.path, self.head)) if i == row)
-        return f"line {number}"
+        with self.path.open(encoding="utf-8-sig") as file:
+            lines = _numbered(islice(file, self.head.line - 1, None), self.head.line)
+            return f"line {next(islice(lines, row, None))[0]}"
 
 
 def read_table(path: Path, form: Form) -> NumberTable:
@@ -63,7 +68,7 @@ def read_table(path: Path, form: Form) -> NumberTable:
         refuse(path)
         with path.open(encoding="utf-8-sig") as file:
             head = _head(file, form)
-            return NumberTable(path, head, _rows(path, file, head))
+            return NumberTable(path, head, _rows(file, head))
     except UnicodeDecodeError:
         raise SceneError("not text in UTF-8: save it as CSV in UTF-8") from None
     except SceneError:
@@ -159,29 +164,47 @@ def _factors(columns: Sequence[str], units: Sequence[str], form: Form) -> tuple[
 # The lines of numbers.
 
 
-def _rows(path: Path, file: TextIO, head: Head) -> Reals:
+def _rows(file: TextIO, head: Head) -> Reals:
+    parts, line = [], head.line
+    for text in _texts(file, head.first):
+        plain = plain_rows(text, head.delimiter, len(head.columns))
+        parts.append((_any_rows(text, line, head) if plain is None else plain).T)
+        line += text.count("\n")
+    rows: Reals = np.concatenate(parts, axis=1).T  # each column lies in one piece
+    return rows
+
+
+def _texts(file: TextIO, first: str) -> Iterator[str]:
+    """The first line and the others, many at once."""
+    text = first + file.read(_TOGETHER)
+    while text:
+        yield text + file.readline()
+        text = file.read(_TOGETHER)
+
+
+def _any_rows(text: str, line: int, head: Head) -> Reals:
+    """Of lines from that one on, however they are written: with quotes, comments, NaN."""
+    if next(_numbered(StringIO(text), line), None) is None:
+        return np.empty((0, len(head.columns)))
     try:
         rows: Reals = np.loadtxt(
-            chain([head.first], file), delimiter=head.delimiter, ndmin=2, comments="#", quotechar='"', dtype=float
+            StringIO(text), delimiter=head.delimiter, ndmin=2, comments="#", quotechar='"', dtype=float
         )
         is_whole = rows.shape[1] == len(head.columns)
-    except UnicodeDecodeError:
-        raise
     except ValueError:
         is_whole = False
     if not is_whole:
-        for number, line in _numbered(path, head):
-            _refuse_line(number, _cells(line, head.delimiter), head)
+        for number, own in _numbered(StringIO(text), line):
+            _refuse_line(number, _cells(own, head.delimiter), head)
         raise SceneError("not a table of numbers")
     return rows
 
 
-def _numbered(path: Path, head: Head) -> Iterator[tuple[int, str]]:
-    """The lines of numbers, as text."""
-    with path.open(encoding="utf-8-sig") as file:
-        for number, line in enumerate(file, 1):
-            if number >= head.line and (text := line.partition("#")[0]).strip():
-                yield number, text
+def _numbered(lines: Iterable[str], first: int) -> Iterator[tuple[int, str]]:
+    """Those of numbers, as text, and which line it is."""
+    for number, line in enumerate(lines, first):
+        if (text := line.partition("#")[0]).strip():
+            yield number, text
 
 
 def _refuse_line(number: int, cells: Sequence[str], head: Head) -> None:

@@ -114,7 +114,9 @@ class _Rows(NamedTuple):
 def _response(table: NumberTable) -> Any:
     column = table.column
     if "real" in column:
-        return column["real"] + 1j * column["imag"]
+        H = 1j * column["imag"]
+        H += column["real"]
+        return H
     size, phase = column["magnitude"], column["phase_deg"]
     if (size < 0).any():
         first = int(np.argmax(size < 0))

@@ -245,7 +245,7 @@ def _measurement(table: Table, place: str, folder: Path) -> Measurement:
             settings["overlap"] = overlap
         slope = read_slope(table["slope"]) if "slope" in table else None
         found = read_file(folder / name, averages, CONFIDENCE if confidence is None else confidence, settings)
-        return replace(found, slope=slope)
+        return found if slope is None else replace(found, slope=slope)
     except SceneError as error:
         raise error.within(place) from None
 
