@@ -34,8 +34,20 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 SOURCE = "src/haptisym"
-PROVING = ("kernel", "programs", "judge", "verbs/sweep", "verbs/tolerances", "verbs/effects", "verbs/require")
-"""The folders whose answers are called proven."""
+CHECKER = "haptisym_check"
+PROVING = (
+    "kernel",
+    "programs",
+    "judge",
+    "verbs/evaluate",
+    "verbs/sweep",
+    "verbs/tolerances",
+    "verbs/effects",
+    "verbs/require",
+    "verbs/stability",
+    CHECKER,
+)
+"""The folders whose answers are called proven; the checker of certificates lies beside the program."""
 ASKED = (
     "tests/kernel",
     "tests/programs",
@@ -95,6 +107,17 @@ class Mutant:
 
     def planted(self, source: bytes) -> bytes:
         return source[: self.start] + self.text.encode() + source[self.end :]
+
+
+def place_of(root: Path, module: str) -> Path:
+    """Where a module lies, or a folder of them."""
+    return root / ("src" if module.split("/")[0] == CHECKER else SOURCE) / module
+
+
+def modules(root: Path, folder: str) -> list[str]:
+    """The modules of a folder, as ``kernel/roots.py``."""
+    inside = place_of(root, folder)
+    return sorted(f"{folder}/{path.relative_to(inside)}".removeprefix("./") for path in inside.rglob("*.py"))
 
 
 # What can go wrong at a node of the syntax tree: a kind, the node that is replaced, and by what
@@ -159,7 +182,7 @@ class Places(ast.NodeVisitor):
     """All changes of a module; what is raised, printed for people, annotated or imported is left as it is."""
 
     def __init__(self, root: Path, module: str) -> None:
-        self.module, self.source = module, (root / SOURCE / module).read_bytes()
+        self.module, self.source = module, place_of(root, module).read_bytes()
         lines = self.source.splitlines(keepends=True)
         self.starts = [sum(map(len, lines[:n])) for n in range(len(lines))]
         self.within, self.function = list[str](), ""
@@ -207,8 +230,8 @@ class Places(ast.NodeVisitor):
 def drawn(root: Path, folder: str, seed: int, count: int, only: str = "") -> list[Mutant]:
     """So many changes of a folder, or of one module of it: a kind by lot, then one of it; no line twice."""
     pool: dict[str, list[Mutant]] = {}
-    for path in [root / SOURCE / only] if only else sorted((root / SOURCE / folder).rglob("*.py")):
-        for mutant in Places(root, str(path.relative_to(root / SOURCE))).found:
+    for module in [only] if only else modules(root, folder):
+        for mutant in Places(root, module).found:
             pool.setdefault(mutant.kind, []).append(mutant)
     pick, found = random.Random(f"{folder} {seed}"), dict[tuple[str, int], Mutant]()
     while len(found) < count and any(pool.values()):
@@ -324,8 +347,9 @@ def mapped(tests: list[str]) -> dict[str, Any]:
     """One run of all tests: ``reached`` tells of each test which functions it calls, ``seconds`` how long it takes; ``failed`` are not asked."""
     with copied() as root:
         names: list[str] = []
-        for path in sorted((root / SOURCE).rglob("*.py")):
-            tree = Noted(str(path.relative_to(root / SOURCE)), names).visit(ast.parse(path.read_bytes()))
+        for module in (*modules(root, "."), *modules(root, CHECKER)):
+            path = place_of(root, module)
+            tree = Noted(module, names).visit(ast.parse(path.read_bytes()))
             setup = ast.parse("import sys\n_called = sys.__dict__.setdefault('_called', bytearray(10 ** 5))").body
             first = next((n for n, x in enumerate(tree.body) if not isinstance(x, ast.Expr | ast.ImportFrom)), 0)
             tree.body[first:first] = setup
@@ -422,7 +446,7 @@ def noticed(root: Path, mutant: Mutant, known: Known, most: float) -> tuple[str,
 @contextmanager
 def planted(root: Path, mutant: Mutant) -> Iterator[None]:
     """The module is changed, and compiled by whoever imports it."""
-    path = root / SOURCE / mutant.module
+    path = place_of(root, mutant.module)
     compiled_path = Path(cache_from_source(path))
     before = path.read_bytes(), compiled_path.read_bytes()
     try:
@@ -436,7 +460,7 @@ def planted(root: Path, mutant: Mutant) -> Iterator[None]:
 
 def told(root: Path, mutant: Mutant) -> str:
     """Where a change is, and what it is."""
-    source = (root / SOURCE / mutant.module).read_bytes()
+    source = place_of(root, mutant.module).read_bytes()
     old = " ".join(source[mutant.start : mutant.end].decode().split())
     return f"{mutant.module}:{mutant.line} {mutant.function}, {mutant.kind}: {old} -> {mutant.text}"
 
@@ -444,7 +468,9 @@ def told(root: Path, mutant: Mutant) -> str:
 def main(words: list[str] | None = None) -> int:
     """The command line; status 1 where a change was not noticed."""
     parser = argparse.ArgumentParser(prog="python -m tests.mutants", description=__doc__)
-    parser.add_argument("folders", nargs="*", default=PROVING, help=f"of {SOURCE}; those that prove, if none is given")
+    parser.add_argument(
+        "folders", nargs="*", default=PROVING, help=f"of {SOURCE}, or {CHECKER}; those that prove, if none is given"
+    )
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--count", type=int, default=12, help="of changes in each folder")
     parser.add_argument("--only", default="", help="one module of the folder, as kernel/roots.py")

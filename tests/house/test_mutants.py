@@ -53,6 +53,19 @@ def test_a_seed_draws_the_same_changes_again_and_never_two_of_a_line(root: Path)
     assert len({mutant.line for mutant in first}) == len(first) == 4
 
 
+def test_the_checker_beside_the_program_is_a_folder_too(root: Path) -> None:
+    beside = root / "src" / mutants.CHECKER
+    beside.mkdir()
+    (beside / "sums.py").write_text(MODULE, encoding="utf-8")
+    assert mutants.modules(root, mutants.CHECKER) == ["haptisym_check/sums.py"]
+    assert mutants.modules(root, ".") == ["kernel/sums.py"]
+    here, there = (mutants.drawn(root, x, 1, 3) for x in ("kernel", mutants.CHECKER))
+    assert {x.module for x in here} == {"kernel/sums.py"}
+    assert {x.module for x in there} == {"haptisym_check/sums.py"}
+    assert mutants.told(root, there[0]).startswith("haptisym_check/sums.py:")
+    assert set(mutants.PROVING) >= {mutants.CHECKER, "verbs/evaluate", "verbs/stability"}
+
+
 def test_tests_that_reach_a_function_are_asked_first_and_the_quickest_before_others() -> None:
     known = mutants.Known(
         {"a.py::1": ["kernel/sums.py:total"], "a.py::2": [], "a.py::3": ["kernel/sums.py:total"], "b.py::1": ["kernel/sums.py:totals"]},
