@@ -21,6 +21,7 @@ from sympy.abc import x
 import haptisym as hs
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.isolation import SeriesFactor, clear_of, isolated
+from haptisym.kernel.lattices import Lattice
 from haptisym.kernel.levels import Level, algebraic
 from haptisym.kernel.ordering import in_order
 from haptisym.kernel.precision import at_rising_precision
@@ -120,6 +121,37 @@ def test_intervals_are_as_few_as_possible_and_closed_where_the_test_holds_at_the
     assert spans((1,)) == [(0, 1), (3, 5), (5, 10)]
     assert spans((0,)) == [(1, 1), (2, 2), (3, 3), (5, 5)]
     assert spans((1, 0, -1)) == [(0, 10)]
+
+
+pieces = st.tuples(
+    st.lists(st.tuples(st.sampled_from([1, 2, 3, 5]), st.integers(1, 3)), max_size=3, unique_by=lambda z: z[0]),
+    st.sampled_from([-1, 1]),
+)
+
+
+@given(st.lists(st.lists(pieces, min_size=1, max_size=2), min_size=1, max_size=3))
+def test_the_largest_of_the_smallest_of_functions_vanishes_and_turns_where_it_does(terms: list[list[Any]]) -> None:
+    """With an odd order exactly where the sign changes; of one function the order is its own."""
+    lattice = Lattice(tuple(tuple(function(product(list(zeros), factor)) for zeros, factor in x) for x in terms))
+
+    def exact(square: Fraction) -> int:
+        return max(min(factor * prod(sign(square - w) ** n for w, n in own) for own, factor in x) for x in terms)
+
+    at = {sqrt(Rational(w)): Fraction(w) for x in terms for own, _ in x for w, _ in own}
+    found = chart({"f": lattice}, Rational(1, 2), Integer(3)).points
+    squares = [Fraction(1, 4), *sorted(at.values()), Fraction(9)]
+    assert [float(x.omega) for x in found] == pytest.approx([float(w) ** 0.5 for w in squares])
+    for point, (before, here, after) in zip(
+        found[1:-1], zip(squares, squares[1:], squares[2:], strict=False), strict=True
+    ):
+        sides = exact((before + here) / 2), exact((here + after) / 2)
+        assert (point.before["f"], point.after["f"]) == sides
+        order = point.orders.get("f", 0)
+        assert (order > 0) == (exact(here) == 0)
+        assert point.at["f"] == exact(here)
+        assert order % 2 == (sides[0] != sides[1])
+        if len(terms) == len(terms[0]) == 1:
+            assert order == dict(terms[0][0][0])[here]
 
 
 coefficients = st.lists(st.integers(-60, 60), min_size=2, max_size=9).filter(lambda c: c[0] and c[-1])
@@ -266,6 +298,19 @@ def test_a_number_that_is_zero_is_known_to_be_zero() -> None:
 def test_a_function_that_is_zero_everywhere_has_no_sign_anywhere() -> None:
     points = charted(Integer(0)).points
     assert [(p.before["f"], p.at["f"], p.after["f"]) for p in points] == [(0, 0, 0), (0, 0, 0)]
+
+
+@given(zeros, st.sampled_from([-2, 1, 3]), st.integers(-2, 3))
+def test_a_sign_changes_at_odd_zeros_and_odd_poles_alone_and_that_of_nothing_nowhere(
+    found: list[Zero], factor: int, power: int
+) -> None:
+    both = {"f": function(product(found, factor, power)), "nothing": function(Integer(0))}
+    result = chart(both, Integer(0), Integer(100))
+    odd = [n for _, n in sorted(found) if n % 2]
+    changes = [x for x in result.sign_changes("f") if x is not result.points[0]]
+    assert [x.orders["f"] for x in changes] == odd
+    assert (result.points[0] in result.sign_changes("f")) == power % 2
+    assert result.sign_changes("nothing") == ()
 
 
 def test_taylor_coefficients_of_an_analytic_factor_are_those_of_mpmath_at_any_order() -> None:

@@ -63,10 +63,11 @@ def test_signs_on_a_stretch_and_on_its_parts_are_those_of_exact_values(seed: int
                         assert value * said > 0
 
 
-def test_a_stretch_without_zeros_shows_it_when_it_is_cut_often_enough() -> None:
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_stretch_without_zeros_shows_it_when_it_is_cut_often_enough(sign: int) -> None:
     roots = [Fraction(-1), Fraction(-1, 8), Fraction(5), Fraction(9)]
     with flint.ctx.workprec(128):
-        waiting, clear = [Stretch.of(around(roots, 1), arb(0), arb("4.5"))], 0
+        waiting, clear = [Stretch.of(around(roots, sign), arb(0), arb("4.5"))], 0
         while waiting:
             x = waiting.pop()
             if x.sign():
