@@ -7,7 +7,7 @@ from random import Random
 
 import flint
 import pytest
-from flint import arb, fmpq
+from flint import arb, fmpq, fmpq_poly
 from sympy import Rational, pi, symbols
 
 import haptisym as hs
@@ -16,7 +16,7 @@ from haptisym.judge.criteria import noticed
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import omega
-from haptisym.verbs.require.blowups import is_negative, positive_along
+from haptisym.verbs.require.blowups import _is_nowhere_positive, is_negative, positive_along
 from haptisym.verbs.require.feasible import Kind
 from haptisym.verbs.require.freeparameter import conditions, pieces
 from haptisym.verbs.require.limits import Limit, _expanded, _terms
@@ -253,3 +253,28 @@ def test_where_a_hold_is_kept_at_frequency_0_the_ends_are_found_beyond() -> None
     [span] = found.feasible
     assert found.undecided == ()
     assert (span.low.value.digits(6), span.high.value.digits(6)) == ("14.2773", "35.4501")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_sum_of_powers_is_said_to_be_nowhere_positive_where_it_is_not(seed: int) -> None:
+    """In sqrt(Y), with zeros placed below, between, beyond and at the ends; what touches 0 changes no sign."""
+    pick, told = Random(seed), [0, 0]
+    for _ in range(60):
+        low = Q(pick.randint(0, 6))
+        high = low + pick.randint(1, 6)
+        zeros = [(Q(pick.randint(0, 28), 2), pick.randint(1, 3)) for _ in range(pick.randint(0, 3))]
+        lead = pick.choice([-1, -1, 1])
+        poly = fmpq_poly([lead])
+        for zero, n in zeros:
+            poly *= fmpq_poly([fmpq(-zero.numerator, zero.denominator), 1]) ** n
+        row = {Q(n, 2): c for n, c in enumerate(poly.coeffs()) if c}
+        up = arb(fmpq(int(low**2))), arb(fmpq(int(high**2)))
+        places = [low + (high - low) * Q(2 * n + 1, 128) for n in range(64)]
+        values = [poly(fmpq(x.numerator, x.denominator)) for x in places]
+        said = _is_nowhere_positive(row, up)
+        told[said] += 1
+        if said:
+            assert max(values) <= 0
+        elif not any(zero in (low, high) for zero, _ in zeros):  # at an end a ball does not tell the side
+            assert max(values) > 0
+    assert min(told) > 5

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from random import Random
 from types import SimpleNamespace
 from typing import Any
 
@@ -286,6 +287,61 @@ def test_of_powers_that_floats_do_not_tell_apart_the_higher_one_prevails() -> No
         ring = Ring.of([q, sqrt(s), s**near])
         form = Energy(ring.convert(q * sqrt(s) - q * s**near / 2), q)
         assert (form._reach((1.0, 1.0)) is not None) is passive
+
+
+def summed(rows: list[tuple[int, int, Any, Any]], z: Any, q: Any) -> Any:
+    """c q^i s^p exp(-s lag) for each row, at 60 digits."""
+    return mpmath.fsum(
+        c * q**i * (z**p if z or p else 1) * mpmath.exp(-z * mpmath.mpf(lag.p) / lag.q) for c, i, p, lag in rows
+    )
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_energy_of_cells_encloses_what_digits_say_from_rest_to_beyond_its_reach(seed: int) -> None:
+    """Im(N conj D) over its lowest power of omega, of random N and D with delays: at frequencies and values of cells, and far out."""
+    pick, q = Random(seed), Symbol("q")
+
+    def rows(most: int) -> list[tuple[int, int, Any, Any]]:
+        found = [(pick.choice([-3, -1, 2, 5]), pick.randint(0, 2), p, Integer(0)) for p in range(most + 1)]
+        found += [
+            (pick.choice([-1, 1, 2]), pick.randint(0, 1), pick.randint(0, most), Rational(pick.randint(1, 4), 8))
+            for _ in range(2)
+        ]
+        return found
+
+    above, below = rows(pick.randint(2, 3)), rows(1)
+    N, D = (sum((c * q**i * s**p * exp(-s * lag) for c, i, p, lag in x), Integer(0)) for x in (above, below))
+    ring = Ring.of([N, D, q])
+    form = Energy(ring.convert(N) / ring.convert(D), q)
+    span = (1.0, 1.25)
+    with mpmath.workdps(60):
+
+        def energy(omega: Any, value: Any) -> Any:
+            z = mpmath.mpc(0, omega)
+            product = summed(above, z, value) * mpmath.conj(summed(below, z, value))
+            return product.imag / mpmath.mpf(omega) ** int(form._lowest)
+
+        known = form._bounds(np.array([0.7]), (1.0, 1.0))[0][0]  # N and D are known but for a number
+        scale = Fraction(float(energy(mpmath.mpf("0.7"), 1) / known)).limit_denominator(1000)
+
+        def G(omega: Any, value: Any) -> Any:
+            return energy(omega, value) / scale.numerator * scale.denominator
+
+        near_0, values = mpmath.mpf("1e-25"), [mpmath.mpf(1) + mpmath.mpf(n) / 8 for n in range(3)]
+        for omega in (1e-9, 0.01, 0.3, 2.0, 30.0, 400.0):
+            low, high = (x[0] for x in form._bounds(np.array([omega]), span))
+            assert all(low <= G(omega, value) <= high for value in values)
+        at_0 = form.at_0.subs(q, Rational(9, 8))
+        assert abs(G(near_0, values[1]) - mpmath.mpf(at_0.p) / at_0.q) < 1e-20
+        reach, active, up = form._reach(span), form.active_at(span), form.rises(span)
+        if reach is not None:
+            assert all(G(reach * mpmath.mpf(1.3) ** n, value) > 0 for n in range(30) for value in values)
+        if form.clear(span):
+            assert all(G(mpmath.mpf(10) ** (n / 10), value) > 0 for n in range(-20, 30) for value in values)
+        if active is not None:
+            assert all(G(active, value) < 0 for value in values)
+        if up is not None:
+            assert all(G(up * n / 10, value) > G(near_0, value) for n in range(1, 11) for value in values)
 
 
 def test_cells_that_were_told_in_time_are_kept_when_it_is_over(monkeypatch: pytest.MonkeyPatch) -> None:

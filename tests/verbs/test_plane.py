@@ -15,7 +15,7 @@ from test_slices import PLANE, RANGES, lag, least
 import haptisym as hs
 from haptisym.judge.criteria import noticed
 from haptisym.verbs.require.plane import Rectangles, common, rectangles
-from haptisym.verbs.require.proven import Proof
+from haptisym.verbs.require.proven import Proof, _Between
 
 MAPS: dict[str, tuple[list[str], list[tuple[Any, Any]]]] = {
     "fu2019": (["omega_n", "zeta"], [(60, 200), ("0.1", 1)]),
@@ -143,6 +143,43 @@ def test_what_is_asked_together_is_what_both_planes_keep() -> None:
     assert areas.sum() == pytest.approx(1 * 0.5 + 0.5 * 0.5)
     assert (cells[:, 0, 1] <= 1).all()
     assert (cells[:, 1, 1] <= 1).all()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_how_far_points_of_rectangles_are_from_intervals_and_inside_of_them_is_bounded_and_of_points_exact(
+    seed: int,
+) -> None:
+    """Intervals between lines that join two slices, some without bound; rectangles between these, and such as are points."""
+    rng = np.random.default_rng(seed)
+    ends = np.sort(rng.uniform(-5, 5, (rng.integers(1, 4) * 2, 2)), axis=0)
+    lows, highs = ends[::2].copy(), ends[1::2].copy()
+    if seed % 3 == 1:
+        lows[0] = -np.inf
+    elif seed % 3 == 2:
+        highs[-1] = np.inf
+
+    def off(shares: Any, values: Any) -> tuple[Any, Any]:
+        """How far points are from the nearest interval, and how far inside of one from its nearer end."""
+        low, high = (x[:, :1] * (1 - shares) + x[:, 1:] * shares for x in (lows, highs))
+        return np.maximum(low - values, values - high).min(0), np.minimum(values - low, high - values).max(0)
+
+    one, cells = rng.uniform(0, 1, (40, 1)), np.sort(rng.uniform(-6, 6, (40, 2)), axis=1)
+    wide = np.sort(rng.uniform(0, 1, (40, 2)), axis=1)
+    points = rng.uniform(0, 1, (2, 200))
+    for i in range(40):
+        box = _Between(wide[i : i + 1], cells[i : i + 1], lows, highs, (-np.inf, np.inf))
+        shares = wide[i, 0] + points[0] * (wide[i, 1] - wide[i, 0])
+        values = cells[i, 0] + points[1] * (cells[i, 1] - cells[i, 0])
+        away, inside = off(shares, values)
+        assert box.distance >= away.max() - 1e-12
+        assert box.depth >= inside.max() - 1e-12
+        point = _Between(one[[i]][:, [0, 0]], cells[[i]][:, [0, 0]], lows, highs, (-np.inf, np.inf))
+        away, inside = off(one[i], cells[i, :1])
+        assert point.distance == pytest.approx(max(away[0], 0), abs=1e-12)
+        assert point.depth == pytest.approx(max(inside[0], 0), abs=1e-12)
+        height = cells[i, 1] - cells[i, 0]
+        edge = _Between(wide[i : i + 1], cells[i : i + 1], lows, highs, (cells[i, 0], np.inf))
+        assert (edge.distance, edge.depth) == (min(box.distance, height), min(box.depth, height))
 
 
 @pytest.mark.parametrize("asked", [{"any_environment": True}, {"that": ["passive"]}])

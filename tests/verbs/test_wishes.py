@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import pairwise
 from math import asin
 from pathlib import Path
 from typing import Any
@@ -18,9 +19,11 @@ from sympy import Rational
 import haptisym as hs
 from haptisym.judge.passivity import passivity
 from haptisym.kernel.budget import limited
+from haptisym.kernel.reals import ExactNumber
 from haptisym.pages.require import page
 from haptisym.verbs.require.classical import lines
-from haptisym.verbs.require.feasible import Solved
+from haptisym.verbs.require.feasible import End, Solved, Span
+from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.verdicts import together
 from haptisym.verbs.require.wishes import WISHES
 from haptisym.writing.document import Figure
@@ -353,6 +356,52 @@ def test_sets_are_put_together_even_where_the_time_is_over() -> None:
         both = together(found[0].domain, [Solved(x.feasible, x.undecided) for x in found])
     assert both.undecided == ()
     assert [float(x.high.value) for x in both.feasible if x.high.value] == pytest.approx([1819.838985492319])
+
+
+GRID = st.lists(st.integers(0, 8), min_size=2, max_size=6, unique=True).map(sorted)
+
+
+@st.composite
+def sets(draw: st.DrawFn) -> Solved:
+    """Feasible and undecided intervals between whole numbers from 0 to 8, some without bound, in any order of kinds."""
+    places = draw(GRID)
+    pairs = [draw(st.sampled_from(["yes", "no", "open"])) for _ in places[1:]]
+    numbers = [ExactNumber(Rational(n)) for n in places]
+    if draw(st.booleans()):
+        numbers[0] = None  # type: ignore[call-overload]
+    if draw(st.booleans()):
+        numbers[-1] = None  # type: ignore[call-overload]
+    cells = list(zip(pairs, pairwise(numbers), strict=True))
+    spans = tuple(Span(End(a, draw(st.booleans())), End(b, draw(st.booleans()))) for x, (a, b) in cells if x == "yes")
+    return Solved(spans, tuple(pair for x, pair in cells if x == "open"))
+
+
+def told(x: Solved, value: Rational) -> bool | None:
+    """Whether a value is in a set, by its ends; None where that is open."""
+    for span in x.feasible:
+        low, high = (None if end.value is None else end.value.value for end in (span.low, span.high))  # type: ignore[attr-defined]
+        above = low is None or value > low or (value == low and span.low.closed)
+        if above and (high is None or value < high or (value == high and span.high.closed)):
+            return True
+    for pair in x.undecided:
+        low, high = (None if end is None else end.value for end in pair)  # type: ignore[attr-defined]
+        if (low is None or low <= value) and (high is None or value <= high):
+            return None
+    return False
+
+
+@given(st.lists(sets(), min_size=2, max_size=3))
+def test_what_is_in_several_sets_is_in_each_of_them_and_what_is_out_is_out_of_one(found: list[Solved]) -> None:
+    both = together(Domain(None, None), found)
+    for half in range(-3, 20):
+        value = Rational(half, 2)
+        answers = [told(x, value) for x in found]
+        expected = False if False in answers else None if None in answers else True
+        said = told(both, value)
+        assert (said is True) == (expected is True)
+        assert said is not False or expected is False
+        if half % 2:  # inside of a cell: an open set is told with its ends
+            assert said is expected
 
 
 @pytest.mark.parametrize(

@@ -79,6 +79,13 @@ def test_abbott_and_okamura_is_there_only_where_it_is_defined() -> None:
     assert line.where == (("environment.b", 0.0),)
 
 
+@pytest.mark.parametrize("B", [-0.3, 0.0, 0.5])
+def test_colgate_and_schenkels_bound_counts_damping_of_either_sign_against_the_device(B: float) -> None:
+    """K < 2 (b - |B|)/T, b = 0.8 and T = 1 ms."""
+    [line] = [x for x in lines(wall(), [wall().knobs[y] for y in PLANE]) if x.name == "Colgate and Schenkel"]
+    assert line.excess({"environment.k": 1000.0, "environment.b": B}) == pytest.approx(1000 - 2000 * (0.8 - abs(B)))
+
+
 def test_a_rendered_mass_is_in_no_classical_bound() -> None:
     scene = hs.Scene(hs.environments.mass_spring_damper(m=1, k=1000), wall().effects)
     assert lines(scene, [scene.knobs["environment.k"]]) == ()
