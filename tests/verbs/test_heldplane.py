@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -10,10 +12,56 @@ from strategies import Seeded, case, scene
 from sympy import Expr, Rational, Symbol
 
 import haptisym as hs
+from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import UndecidedError
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.stability.held import unstable_roots
+from haptisym.verbs.tolerances.clockplane import ClockPlane
 from haptisym.verbs.tolerances.heldplane import HeldPlane, held_plane
+
+Cell = tuple[tuple[Fraction, Fraction], ...]
+
+
+@dataclass(frozen=True)
+class Line:
+    """In place of a loop: clear where no point of a cell is on the line (or plane) of points that a linear form sends to 0."""
+
+    weights: tuple[int, ...]
+    number: Fraction
+
+    @property
+    def ranges(self) -> tuple[int, ...]:
+        return self.weights
+
+    def is_clear(self, cell: Cell) -> bool:
+        ends = [sorted((w * a, w * b)) for w, (a, b) in zip(self.weights, cell, strict=True)]
+        return not sum(x[0] for x in ends) <= self.number <= sum(x[1] for x in ends)
+
+
+@pytest.mark.parametrize("more", [0, 1])
+@pytest.mark.parametrize(("most", "seconds"), [(10**6, None), (60, None), (10**6, 1e-9)])
+@pytest.mark.parametrize("lines", [[((1, 1), "1/2")], [((2, -1), "1/3"), ((1, 3), "9/4")], [((1, 0), "5/16")], []])
+def test_rectangles_of_a_plane_are_clear_or_left_and_none_is_lost(
+    more: int, most: int, seconds: float | None, lines: list[tuple[tuple[int, ...], str]]
+) -> None:
+    """Whatever ends the search: all is told, nothing twice, and what is clear is so for all that else varies."""
+    loops = [Line((*w, *[1] * more), Fraction(x)) for w, x in lines] or [Line((1,) * (2 + more), Fraction(9))]
+    with limited(seconds):
+        clear, left = ClockPlane(loops, 1 / 16, most).rectangles()  # type: ignore[arg-type]
+    assert area(clear) + area(left) == 1
+    cells = np.concatenate([clear, left])
+    for i, x in enumerate(cells):
+        meets = np.minimum(x[:, 1], cells[:i, :, 1]) - np.maximum(x[:, 0], cells[:i, :, 0])
+        assert not (meets > 0).all(-1).any()
+    for x in clear.tolist():
+        whole = tuple((Fraction(a), Fraction(b)) for a, b in [*x, *[[0, 1]] * more])
+        assert all(loop.is_clear(whole) for loop in loops)
+    if most > 60 and seconds is None:
+        assert (left[..., 1] - left[..., 0] <= 1 / 16).all()
+        for x in left.tolist():
+            whole = tuple((Fraction(a), Fraction(b)) for a, b in [*x, *[[0, 1]] * more])
+            assert not all(loop.is_clear(whole) for loop in loops)
+
 
 SPRING = hs.load_scene("delayed-spring")
 ARM = hs.hands["postural-arm"]

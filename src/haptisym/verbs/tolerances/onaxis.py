@@ -209,4 +209,4 @@ def _weighted(times: Iterable[int], what: Iterable[Expr]) -> Expr:
 def _sizes(model: Model) -> tuple[Array, Array]:
     """The least and the largest absolute value over each cell."""
     low, high = (x[:, 0] for x in model.bounds())
-    return np.maximum(np.maximum(low, -high), 0), np.maximum(abs(low), abs(high))
+    return np.maximum(np.maximum(low, -high), 0), np.maximum(-low, high)
