@@ -105,6 +105,26 @@ def test_what_grows_faster_than_frequency_has_no_damping_that_makes_up_for_it() 
         assert found.is_unbounded
 
 
+@pytest.mark.parametrize("name", ["organ-tissue", "zener-tissue", "helicopter-cyclic"])
+@pytest.mark.parametrize("times", ["1/1000", "1/7", "100"])
+def test_a_display_of_a_multiple_of_the_forces_needs_that_multiple_of_the_damping(name: str, times: str) -> None:
+    """Whatever the unit in which it is a small or a large number."""
+    scene = hs.load_scene(name)
+    gain = hs.effects.series(times, name="gain")
+    one, other = (passivity(hs.Scene(scene.environment, x)).damping for x in (scene.effects, (*scene.effects, gain)))
+    assert one is not None
+    assert other is not None
+    assert float(other.value) == pytest.approx(float(one.value) * float(Rational(times)), rel=1e-12)
+
+
+@pytest.mark.parametrize("b", [3, 50])
+def test_damping_that_is_needed_far_out_alone_is_the_limit_there_and_no_frequency_is_named(b: int) -> None:
+    """-Im H/omega = b - k c/(k^2 + c^2 omega^2) k goes up to b."""
+    found = passivity(hs.Scene(hs.environments.maxwell(100, 2), (hs.effects.shunt(b=-b),))).damping
+    assert found is not None
+    assert (float(found.value), found.omega) == (b, None)
+
+
 def test_a_delayed_damper_needs_its_own_damping() -> None:
     found = passivity(hs.Scene(hs.environments.mass_spring_damper(b=5), (hs.effects.delay("20 ms"),)))
     assert found.damping is not None

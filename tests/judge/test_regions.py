@@ -280,6 +280,25 @@ def test_a_polygon_reaches_along_the_axes_as_far_as_its_nearer_corners() -> None
     assert half_widths(region) == (Rational(1, 5), Rational(1, 20))
 
 
+@pytest.mark.parametrize(
+    "shape",
+    [
+        {"shape": "polygon", "corners": UNEQUAL},
+        {"shape": "polygon", "corners": [["0.1", "-0.1"], ["0.1", "0.3"], ["-0.2", "0.1"]]},
+        {"shape": "polygon", "corners": [["0.3", 0], ["0.2", "0.1"], [0, "0.2"], ["-0.1", "0.1"], ["-0.2", "-0.3"], ["0.1", "-0.2"]]},
+        {"shape": "diamond", "real": "0.1", "imag": "0.3"},
+        {"shape": "ellipse", "real": "0.1", "imag": "0.3", "tilt": "-0.7"},
+    ],
+)  # fmt: skip
+def test_in_each_direction_a_region_enlarged_as_much_has_the_change_on_its_border(shape: dict[str, Any]) -> None:
+    [criterion] = noticed(read_threshold(shape))
+    assert criterion.joint is not None
+    for x, y in ((np.cos(n / 5), np.sin(n / 5)) for n in range(32)):
+        much = float(criterion.joint.enlarged(x, y, lambda c: float(floats_of(c, 2.0))))
+        assert outside(shape, x / much, y / much, 2) == pytest.approx(0, abs=1e-12)
+        assert much > 0
+
+
 @given(jnds(), st.floats(-1, 1), st.floats(-1, 1))
 def test_enlarged_as_much_as_is_said_a_region_has_the_change_on_its_border(
     jnd: dict[str, Any], x: float, y: float

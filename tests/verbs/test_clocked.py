@@ -8,11 +8,15 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sympy import Rational
+from sympy import Integer, Rational, exp
 
 import haptisym as hs
 from haptisym.judge.colgate import sampled_passivity
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.symbols import s as symbol
 from haptisym.model.hand import Hand
+from haptisym.verbs.stability.clocked import plant_of
 from haptisym.verbs.stability.held import held
 
 E, F = hs.environments, hs.effects
@@ -194,6 +198,39 @@ def test_beyond_what_was_looked_at_nothing_is_said() -> None:
     found = hs.stability(wall(500), P3)
     assert "hand.m: looked at from" in " ".join(str(found).split())
     assert "same for all values" not in str(found)
+    [row] = json.loads(found.to_json())["held"]
+    assert row["critical"] == []
+    looked = {x["path"]: (x["from"], x["to"]) for x in row["looked_at"]}
+    for path, value in (("hand.m", 0), ("hand.b", 8), ("hand.k", 400)):  # a thousand times less, and more
+        low, high = looked[path]
+        assert 0 <= low <= value / 1000
+        assert high >= max(500 * value, 1000)
+
+
+@given(
+    st.lists(
+        st.tuples(st.integers(0, 3), st.integers(-5, 5).filter(bool)), min_size=1, max_size=3, unique_by=lambda x: x[0]
+    ),
+    st.integers(0, 3),
+)
+def test_delays_below_the_line_are_taken_off_those_above_it_and_none_may_be_left_over(
+    above: list[tuple[int, int]], early: int
+) -> None:
+    """Sum of c exp(-n s/8) over (s + 2) exp(-m s/8): late by (n - m)/8 s, and of the future where n < m."""
+    late = [exp(-n * symbol / 8) for n in range(4)]
+    ring = Ring.of([late[1]])
+    top = sum((c * (1 + n * symbol) * late[n] for n, c in above), Integer(0))
+    G = ring.convert(top) / ring.convert((symbol + 2) * late[early])
+    if min(n for n, _ in above) < early:
+        with pytest.raises(UndecidedError, match="the future"):
+            plant_of(G.reduced(), ring)
+        return
+    found = plant_of(G.reduced(), ring)
+    expected = {Rational(n - early, 8): Rational(c, 1) * (n * symbol + 1) / (symbol + 2) for n, c in above}
+    below = sum((x * symbol**i for i, x in enumerate(found.denominator)), Integer(0))
+    said = {lag: sum((x * symbol**i for i, x in enumerate(N)), Integer(0)) / below for lag, N in found.terms}
+    assert said.keys() == expected.keys()
+    assert all((said[lag] - expected[lag]).together().expand() == 0 for lag in said)
 
 
 # Every passive hand
