@@ -173,6 +173,25 @@ def test_links_are_the_chain_matrices_one_after_the_other() -> None:
         assert link.results(link.known(near), (acb_series([acb(90)], prec=TERMS),) * 2)[0][0].is_finite()
 
 
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_a_link_that_is_0_over_0_at_rest_has_its_limit_there(order: int) -> None:
+    """(w (1 - exp(-s tau))/s)^n is (w tau)^n at s = 0; the change of it to what comes before is one less."""
+    tau, w = Rational(1, 5), Rational(3)
+    hold = (w * (1 - exp(-s * tau)) / s) ** order
+    one, none = Rational(1), Rational(0)
+    start, [effect] = (own := links(90 + s, 90 + s, [(hold, none, none, one)])).start, own.effects
+    with series_arithmetic():
+        for at in (arb(0), arb(0.25)):
+            near = along_axis(at, TERMS)
+            _, felt, change = InSteps(start, BALL_SERIES).results(InSteps(start, BALL_SERIES).known(near), [])
+            link = InSteps(effect, BALL_SERIES)
+            found, moved = (x[0] for x in link.results(link.known(near), (felt, change)))
+            z = mpmath.mpc(0, float(at.mid()))
+            gain = (3 * (1 - mpmath.exp(-z / 5)) / z if at != 0 else mpmath.mpf(3) / 5) ** order
+            for ball, truth in ((found, (90 + z) * gain), (moved, (90 + z) * (gain - 1))):
+                assert complex(float(ball.real), float(ball.imag)) == pytest.approx(complex(truth), rel=1e-13)
+
+
 def test_the_caller_s_precision_and_length_come_back() -> None:
     before = flint.ctx.prec, flint.ctx.cap
     with series_arithmetic():

@@ -1,0 +1,132 @@
+"""Families of polynomials and waves in floats: what they may read, which sets are within reach, and what errors they own up to."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import product
+from math import log2, prod
+from random import Random
+
+import flint
+import numpy as np
+import pytest
+from flint import arb
+from sympy import Expr, Rational, Symbol, exp
+
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.response import on_axis
+from haptisym.kernel.symbols import s
+from haptisym.verbs.sweep.families import Family, Monomial, Powers, within_reach
+from haptisym.verbs.sweep.waves import Variables, WaveFamily, is_readable
+from haptisym.verbs.sweep.wavevalues import Factor, WaveFunction
+
+
+def drawn(pick: Random) -> tuple[list[Family], np.ndarray]:
+    """Families of few terms whose constants are powers of two, small ones, large ones or usual, and sets of two such parameters."""
+    most, families = pick.choice([40, 500, 700]), []
+    least = pick.choice([-most, most // 2])
+    for _ in range(pick.randint(1, 2)):
+        rows = [
+            (
+                pick.randint(0, 3),
+                2.0 ** pick.randint(min(least, most), max(least + most // 2, most)),
+                pick.randint(0, 3),
+                pick.randint(0, 3),
+            )
+            for _ in range(pick.randint(1, 3))
+        ]
+        rows = [(n, x if pick.random() < 0.9 else 1 / x, a, b) for n, x, a, b in rows]
+        if pick.random() < 0.4:
+            rows = [(n, 1 / x if x > 1 else x, a, b) for n, x, a, b in rows]
+        families.append(Family(tuple(Monomial(n, x, 0.0, (a, b)) for n, x, a, b in rows)))
+    reach = pick.choice([3, 45, 300])
+    sets = [[pick.choice([0.0, *[2.0 ** pick.randint(-reach, reach)] * 5]) for _ in range(4)] for _ in range(2)]
+    return families, np.array(sets)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_no_product_of_terms_leaves_the_floats_where_a_set_is_within_reach(seed: int) -> None:
+    """Nor do sums of a few of them; and sets of usual numbers are within reach of usual constants."""
+    pick = Random(seed)
+    for _ in range(40):
+        families, values = drawn(pick)
+        _stay_within(families, values)
+
+
+def _stay_within(families: list[Family], values: np.ndarray) -> None:
+    for i, within in enumerate(within_reach(values, [families])):
+        pair = [Fraction(float(x)) for x in values[:, i]]
+        for terms in product(*(f.terms for f in families)):
+            value = prod(
+                (Fraction(t.constant) * prod(x**n for x, n in zip(pair, t.exponents, strict=True)) for t in terms),
+                start=Fraction(1),
+            )
+            assert not within or value == 0 or Fraction(1, 2**1000) <= value <= 2**1000
+    small = all(abs(log2(t.constant)) < 200 for f in families for t in f.terms)
+    usual = (values == 0) | (np.abs(np.log2(np.where(values, values, 1.0))) < 45)
+    assert not small or within_reach(values, [families])[usual.all(axis=0)].all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_coefficients_lie_within_their_error_where_they_are_within_reach(seed: int) -> None:
+    """Of numbers that are no powers of two."""
+    pick = Random(seed)
+    for _ in range(20):
+        families, values = drawn(pick)
+        _lie_within(families[0], values * np.array([[1.1], [1 / 3]]))
+
+
+def _lie_within(family: Family, values: np.ndarray) -> None:
+    with np.errstate(all="ignore"):
+        found, u = family.at(Powers(values)), Fraction(1, 2**53)
+    for i, within in enumerate(within_reach(values, [[family]])):
+        pair = [Fraction(float(x)) for x in values[:, i]]
+        for power in range(family.degree + 1) if within else ():
+            own = [
+                Fraction(t.constant) * prod(x**n for x, n in zip(pair, t.exponents, strict=True))
+                for t in family.terms if t.power == power
+            ]  # fmt: skip
+            size = Fraction(float(found.sizes[power, i]))
+            assert abs(Fraction(float(found.values[power, i])) - sum(own)) <= found.roundings * u * size * Fraction(
+                1001, 1000
+            )
+            assert sum(own) <= size * (1 + 1000 * u)
+
+
+@pytest.mark.parametrize("alpha", [0.5, 0.9, 1.7])
+def test_powers_of_frequencies_of_any_size_lie_within_their_error(alpha: float) -> None:
+    """The further x is from 1, the more of log x is lost; a small part of that bound is not enough."""
+    sets = 300
+    x = 10.0 ** np.random.default_rng(3).uniform(-160, 0, sets)
+    variables = Variables((), (alpha,))
+    family = WaveFamily((Monomial(0, 1.0, 0.0, (0,)),), variables, ((0, 1),))
+    f = WaveFunction(variables, np.zeros((0, sets)), (Factor(family, family.at(Powers(np.ones((1, sets))))),))
+    values, wrong = f.values(x[None])[0], f.error(f.sizes(x), x, x)
+    with flint.ctx.workprec(300):
+        exact = [(arb(float(y)).log() * arb(alpha)).exp() for y in x]
+        off = np.array([float(abs(arb(float(v)) - e)) for v, e in zip(values, exact, strict=True)])
+    assert (off <= wrong).all()
+    assert (off > wrong / 100).any()
+    assert (wrong < 1e-11 * values + 1e-270).all()
+
+
+TAU, ALPHA, P = Symbol("tau", positive=True), Symbol("alpha", positive=True), Symbol("p", positive=True)
+
+
+@pytest.mark.parametrize(
+    ("H", "expected"),
+    [
+        (exp(-s * TAU), True),
+        (exp(-s * TAU * P**2 / 3), True),
+        (s ** Rational(1, 2) * exp(-s / 7), True),
+        (exp(-s * (TAU + P)), True),  # two delays
+        (exp(-s * TAU / (1 + P)), False),
+        (s**ALPHA, False),
+        (s**ALPHA * exp(-s * TAU), False),
+        (s ** Rational(1, 2) * exp(-s * TAU / (1 + P)), False),
+    ],
+)
+def test_delays_that_are_monomials_and_powers_that_are_numbers_are_read_and_no_others(
+    H: Expr, *, expected: bool
+) -> None:
+    assert is_readable(on_axis(Ring.of([H, P, TAU]).convert(1 + H)).real) is expected
