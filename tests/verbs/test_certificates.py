@@ -48,6 +48,8 @@ from haptisym.cli import main
 from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.model.expressions import evaluate
 from haptisym.model.units import read_unit
+from haptisym.verbs.evaluate.waves import ORDER, wave_factor
+from haptisym.verbs.evaluate.waves import WaveFactor as WrittenWaves
 from haptisym_check import RefusedError, check
 from haptisym_check.__main__ import main as checker_main
 from haptisym_check.balls import SCALE, circle, power
@@ -408,6 +410,12 @@ def test_digits_that_a_certificate_has_room_for_are_accepted(name: str, digits: 
     assert verdict(proof, text_of(name)).startswith("Proven")
 
 
+@pytest.mark.parametrize("name", ["delayed-spring", "a spring-pot"])  # evaluated for other tests anyway
+def test_among_delays_and_powers_there_is_room_for_50_digits(name: str) -> None:
+    with pytest.raises(hs.SceneError, match="room for 50 digits"):
+        replace(evaluated(name), digits=51).certificate()
+
+
 # What is false is refused.
 
 
@@ -538,6 +546,14 @@ def test_units_mean_what_haptisym_takes_them_for() -> None:
 
 
 @pytest.mark.parametrize(
+    ("given", "value"),
+    [([1, 3], 2), ([-3, 1], -1), (["1 mm", "4 mm"], Fraction(5, 2000)), ([1, 2, 9], 2), (["0.1", "0.2"], Fraction(3, 20)), ([5, 5], 5)],
+)  # fmt: skip
+def test_of_a_range_the_checker_takes_the_nominal_value_or_the_middle(given: list[Any], value: Any) -> None:
+    assert quantity(given).value == value
+
+
+@pytest.mark.parametrize(
     "change",
     [('model = "second-order-lowpass"', 'model = "third-order-lowpass"'), ('"80 rad/s"', '"80 rad"'), ('"80 rad/s"', '"80 furlong/s"'),
      ('"80 rad/s"', '"8O rad/s"'), ("zeta = 0.5", "zeta = 0.5\neta = 1"), ("zeta = 0.5", ""), ("[evaluation]", "[evaluation]\nx = 1"),
@@ -615,14 +631,77 @@ def test_signs_of_sums_of_sines_are_true(seed: int) -> None:
     ]
     a = Fraction(source.choice([0, source.randint(0, 60)]), 10)
     b = a + Fraction(source.randint(1, 60), 10)
+    checker = WaveFactor({"waves": waves, "terms": terms}, tuple(delays), tuple(orders))
+    rows = tuple((tuple(x), tuple(tuple(map(int, row)) for row in p)) for x, p in terms)
+    writer = WrittenWaves(rows, tuple(waves), tuple(delays), tuple(orders))
+    assert writer.told() == {"waves": waves, "terms": [[list(x), [*map(list, p)]] for x, p in terms]}
+    assert writer.sign_at(b) == summed_at(delays, orders, waves, terms, b)
+    there = {terms[0][0][len(delays) :]: flags[:ORDER] for _, terms, flags in checker.beginnings}
+    assert writer._beginnings == there
     try:
-        _, told = WaveFactor({"waves": waves, "terms": terms}, tuple(delays), tuple(orders)).signs(a, b)
+        _, told = checker.signs(a, b)
     except RefusedError:
+        assert writer.moved(a, b) is None
         return
+    assert writer.moved(a, b) == tuple(told)
     seen = [summed_at(delays, orders, waves, terms, a + (b - a) * Fraction(n, 50)) for n in range(1, 51)]
     assert seen[-1] == told[-1]
     assert summed_at(delays, orders, waves, terms, a + (b - a) / 10**9) == told[0]
     assert sum(x != y for x, y in pairwise([told[0], *seen])) == len(told) - 1
+
+
+@pytest.mark.parametrize(
+    ("terms", "there"),
+    [
+        ([[[0], [["1"]]], [[2], [["1"]]]], [0]),  # cos^2 + sin^2
+        ([[[0], [["1"]]], [[2], [["-1"]]]], [0, 2, 4, 6, 8, 10, 12]),  # cos of the double angle
+        ([[[1], [["1"]]]], [1, 3, 5, 7, 9, 11, 13]),
+        ([[[0], [["0"], ["0"], ["-9"]]], [[2], [["4"], ["0"], ["-9"]]]], [4, 6, 8, 10, 12]),  # 4 sin^2 - 9 omega^2
+        ([[[0], [["0", "1"]]], [[2], [["1", "1"]]]], [0, 2, 4, 6, 8, 10, 12]),  # pi + sin^2
+    ],
+)
+def test_which_powers_of_omega_a_sum_of_waves_holds_at_0_is_exact(terms: list[Any], there: list[int]) -> None:
+    """Of sines and cosines of 3 omega/2, of degree two together."""
+    checker = WaveFactor({"waves": [2], "terms": terms}, (Fraction(3),))
+    writer = WrittenWaves(
+        tuple((tuple(x), tuple(tuple(map(int, r)) for r in p)) for x, p in terms), (2,), (Fraction(3),)
+    )
+    expected = [n in there for n in range(ORDER)]
+    assert [flags[:ORDER] for _, _, flags in checker.beginnings] == [expected]
+    assert writer._beginnings == {(): expected}
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_polynomial_in_tangents_is_told_as_one_in_sines_and_cosines(seed: int) -> None:
+    """Times the highest powers of the cosines; with any numbers for omega, pi, Re and Im of a power, sines and cosines."""
+    source = random.Random(seed)
+    count = source.randint(1, 2)
+    names = ("omega", "pi", "x", "y", *(f"t{i}" for i in range(count)))
+    context = flint.fmpq_mpoly_ctx.get(names, "lex")
+    rows = {tuple(source.randint(0, 3) for _ in names): source.choice([-3, -1, 2, 5]) for _ in range(6)}
+    factor = context.from_dict(rows)
+    delays = tuple(Fraction(n + 1, 7) for n in range(count, 0, -1))
+    found = wave_factor(factor, 4, delays, (Fraction(1, 3),))
+    assert (found.delays, found.orders) == (delays, (Fraction(1, 3),))
+    omega, number, x, y, *circles = (
+        Fraction(source.randint(1, 30), source.randint(1, 9)) for _ in range(4 + 2 * count)
+    )
+    pairs = list(zip(circles[::2], circles[1::2], strict=True))  # sine and cosine, of the longest delay first
+    value = Fraction(0)
+    for turns, p in found.terms:
+        term = x ** turns[count] * y ** turns[count + 1]
+        for (sine, cosine), k, n in zip(pairs, turns, found.waves, strict=False):
+            term *= sine**k * cosine ** (n - k)
+        value += term * sum(c * number**i * omega**n for n, row in enumerate(p) for i, c in enumerate(row))
+    expected = Fraction(0)
+    for exponents, c in rows.items():
+        term = c * omega ** exponents[0] * number ** exponents[1] * x ** exponents[2] * y ** exponents[3]
+        for (sine, cosine), n in zip(pairs, exponents[:3:-1], strict=True):
+            term *= (sine / cosine) ** n
+        expected += term
+    for (_, cosine), n in zip(pairs, found.waves, strict=True):
+        expected *= cosine**n
+    assert value == expected
 
 
 def summed_at(delays: list[Fraction], orders: list[Fraction], waves: list[int], terms: list[Any], x: Fraction) -> int:

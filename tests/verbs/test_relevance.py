@@ -8,12 +8,14 @@ from math import inf, isclose, nextafter, sqrt
 from pathlib import Path
 from random import Random
 from types import SimpleNamespace
+from typing import Any
 
 import flint
 import mpmath
 import pytest
 import strategies
 from marks import QUICK_SCENES, often
+from regions import margin
 from sympy import Expr, Rational, exp, lambdify, pi
 
 import haptisym as hs
@@ -766,6 +768,40 @@ def test_a_part_that_turned_round_has_left_limits_for_growing_and_shrinking_alik
     found = levels(sided, scene.distortion(), dict.fromkeys(hs.Part, Rational("0.01")), scene.band)
     sign = found.must.sign("must", lambda x: 1 if found.must.terms[x.term][x.place].ball(flint.arb(2)) > 0 else -1)
     assert sign == (1 if left else -1)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_must_and_may_be_left_is_so_for_every_change_within_the_bounds(seed: int) -> None:
+    """Behind a gain g the spring's real part is g k; with what was left out it is (g + d) k, |d| <= e, for any such d."""
+    pick = Random(seed)
+    for _ in range(30):
+        around, most = pick.choice(
+            [(20, 20), (-20, 2)]
+        )  # beside -1 whether it has grown is not known, and limits of 2 matter
+        g, e = (
+            Rational(around + pick.randint(-most, most), 20),
+            Rational(pick.choice([1, 2 * 10**7, 10**8, 10**8]), 10**9),
+        )
+        higher, lower = (Rational(pick.randint(35, 43) if around < 0 else pick.randint(1, 20), 20) for _ in range(2))
+        floor = pick.choice([None, None, None, Rational(pick.randint(1, 220))])
+        sided = Sided(hs.Part.REAL, higher, pick.choice([higher, lower]), floor)
+        scene = hs.Scene(SPRING, (hs.effects.series(g),), (0, 5))
+        size = 100
+        jnd: dict[str, Any] = {"real": {"higher": str(higher), "lower": str(sided.lower)}, "imag": "1000"}
+        jnd |= {} if floor is None else {"floor": str(floor)}
+        noticed = [margin(jnd, size, size * float(g + e * d / 8), 1.0) for d in range(-8, 9)]
+        found = levels(sided, scene.distortion(), dict.fromkeys(hs.Part, e), scene.band)
+
+        def sign(level: Any) -> int:
+            return int(level.sign("x", lambda x: 1 if level.terms[x.term][x.place].ball(flint.arb(2)) > 0 else -1))
+
+        if sign(found.must) > 0:
+            assert min(noticed) > 0
+        if found.may is not None and sign(found.may) < 0:
+            assert max(noticed) <= 1e-12
+        if e < Rational(1, 10**8) and min(map(abs, noticed)) > 1e-3:
+            assert found.may is not None
+            assert sign(found.must) == sign(found.may) == (1 if noticed[0] > 0 else -1)
 
 
 def test_with_a_tolerance_above_the_threshold_crossings_may_lie_anywhere_below_the_upper_level() -> None:
