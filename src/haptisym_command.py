@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 
@@ -11,8 +12,11 @@ def main() -> None:
     is_ours = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # not so where the shell ignores it for us
     if is_ours:
         signal.signal(signal.SIGINT, _leave)
+    gc.disable()  # all that is loaded stays: it need not be looked through, over and over, for what could be thrown away
     from haptisym.cli import main as run
 
+    gc.freeze()
+    gc.enable()
     if is_ours:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     try:

@@ -104,3 +104,17 @@ def test_a_certified_evaluation_needs_neither_arrays_nor_figures_nor_a_registry_
     """
     done = subprocess.run([sys.executable, "-c", dedent(script)], capture_output=True, text=True, check=True)
     assert done.stdout.split() == []
+
+
+def test_the_command_starts_with_everything_loaded_out_of_the_collectors_way_and_leaves_it_on() -> None:
+    script = """
+        import gc, sys
+        from haptisym_command import main
+        sys.argv = ["haptisym", "--version"]
+        try:
+            main()
+        except SystemExit:
+            print(gc.isenabled(), gc.get_freeze_count() > 10_000, gc.get_stats()[2]["collections"])
+    """
+    done = subprocess.run([sys.executable, "-c", dedent(script)], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[1:] == ["True True 0"]
