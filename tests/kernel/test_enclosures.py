@@ -245,7 +245,7 @@ def test_what_stands_before_each_power_of_omega_is_held_over_wide_balls(
         ranges = f.ranges(box)
         assert ranges.keys() == alone.keys()
         for powers, own in alone.items():
-            check_held([(ranges[powers], *f.before(powers, box, 1, 3))], own, middle, reach)
+            check_held([(ranges[powers], *f.before(box, [(powers, 1), (powers, 2)]))], own, middle, reach)
 
 
 @examples(60)
@@ -273,6 +273,26 @@ def test_a_product_of_taylor_series_is_that_of_exact_arithmetic(rows: list[tuple
         least = _product([arb(x) - arb(0.25) for x in left], [arb(x) + arb(0.5) for x in right])
     assert len(found) == len(least) == len(exact)
     assert all(ball.contains(x) and ball.contains(y) for ball, x, y in zip(found, exact, least, strict=True))
+
+
+@given(wave_sums())
+def test_a_sum_that_shows_itself_is_not_zero_everywhere(f: WaveSum) -> None:
+    with flint.ctx.workprec(128):
+        shown = f.shows_itself
+    if shown:
+        with mpmath.workdps(40):
+            assert any(abs(value(f, mpmath.mpf(n) / 7)) > 1e-30 for n in range(1, 60))
+
+
+def test_sums_that_cancel_do_not_show_themselves() -> None:
+    """cos(pi/2) (1 + omega), and omega^(1/3) omega^(1/3) omega^(1/3) - omega, are 0; sin(pi/2) omega is not."""
+    right = ((pi, True),)
+    cosine, sine = (WaveTerm((k,), (), ((1,), (1,))) for k in (0, 1))
+    cube, line = WaveTerm((), (3,), ((1,),)), WaveTerm((), (0,), ((0,), (-1,)))
+    with flint.ctx.workprec(128):
+        assert not WaveSum((cosine,), right, (1,), ()).shows_itself
+        assert WaveSum((sine,), right, (1,), ()).shows_itself
+        assert not WaveSum((cube, line), (), (), (Rational(1, 3),)).shows_itself
 
 
 @pytest.mark.parametrize("reach", [1e-4, 0.02, 0.2])

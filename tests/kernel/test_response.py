@@ -20,8 +20,8 @@ from haptisym.effects import compliance, first_order_lag, second_order_lowpass, 
 from haptisym.environments import kelvin_voigt, mass_spring_damper
 from haptisym.kernel.axis import Axis, _harmonics
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.response import on_axis, squared_modulus
-from haptisym.kernel.rings import RationalFunction
+from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
+from haptisym.kernel.rings import Polynomial, RationalFunction
 from haptisym.kernel.symbols import omega, s
 
 m, b, k = hs.symbols("m b k")
@@ -349,6 +349,47 @@ def test_all_factors_one_plus_tangent_squared_are_taken_out_and_counted(counts: 
         whole = rest * (x**2 + 1) ** counts[0] * (y**2 + 1) ** counts[1]
         assert axis.without_circles(whole) == (rest, list(counts))
     assert axis.without_circles(axis.constant(0)) == (axis.constant(0), [0, 0])
+
+
+pieces = st.lists(st.integers(-3, 3).filter(bool), min_size=1, max_size=3)
+
+
+@examples(30)
+@given(pieces, pieces, pieces, st.tuples(*[st.integers(0, 2)] * 4))
+def test_of_several_angles_lowest_terms_are_those_of_the_common_divisor(
+    top: list[int], bottom: list[int], both: list[int], circles: tuple[int, int, int, int]
+) -> None:
+    """Factors 1 + tan^2 above and below the line, some of which cancel; the witness is the common divisor of the whole."""
+    axis = Axis([], [Rational(1, 3), Rational(1, 7)], [])
+    x, y = axis.context.gens()[axis.size : axis.size + 2]
+
+    def of(row: list[int]) -> Polynomial:
+        return sum((c * axis.variable**n * x ** (n % 2) for n, c in enumerate(row)), y + 7)
+
+    a, b, c, d = circles
+    above = of(top) * of(both) * (x**2 + 1) ** a * (y**2 + 1) ** b
+    below = of(bottom) * of(both) * (x**2 + 1) ** c * (y**2 + 1) ** d
+    function = axis.function(above, below)
+    found, witness = axis.reduced(function), function.reduced()
+    assert (found.numerator, found.denominator) == (witness.numerator, witness.denominator)
+
+
+@examples(15)
+@given(*[st.lists(st.integers(-2, 2).filter(bool), min_size=2, max_size=3)] * 3, st.integers(0, 3), st.integers(0, 3))
+def test_a_square_over_a_function_is_in_lowest_terms(
+    f: list[int], g: list[int], both: list[int], above: int, below: int
+) -> None:
+    """Common factors up to three times in each; the witness is the common divisor of the whole."""
+    p, q, r = (sum(c * omega**n for n, c in enumerate(row)) for row in (f, g, both))
+    one, other = (
+        RealFunction(Ring().axis.convert(x).reduced())
+        for x in (p * r**above / (q**2 + omega**2), q * r**below / (p**2 + 1))
+    )
+    found = one.square_over(other).function
+    witness = (one.function * one.function / other.function).reduced()
+    assert (found.numerator, found.denominator) == (witness.numerator, witness.denominator)
+    with pytest.raises(hs.SceneError, match="zero"):
+        one.square_over(RealFunction(Ring().axis.zero))
 
 
 def test_half_angles_hold_no_more_of_cos_squared_plus_sin_squared_than_they_must() -> None:

@@ -10,7 +10,7 @@ import flint
 from flint import arb
 from sympy import Expr
 
-from haptisym.kernel.beginnings import beginning, by_powers, clear_of_zero
+from haptisym.kernel.beginnings import NEARER, beginning, by_powers, clear_of_zero
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.exactwaves import Wave, exact_waves, order_at_0, taylor_coefficients
 from haptisym.kernel.isolation import SeriesFactor, clear_of, isolated
@@ -31,19 +31,24 @@ class AnalyticFactor(WaveSum, SeriesFactor):
                 return sign_of(self.value(box))
             if low == 0 and not any(not any(term.powers) for term in self.terms):
                 return 0  # at omega = 0
-            if sign := _common(self.parts(box)):
-                return sign
-            seen = {sign_of(x) for place in (*ends, ((ends[0] + ends[1]) / 2).mid()) for x in self.parts(place)}
-            return 0 if {1, -1} <= seen else _common(self.ranges(box).values())
+            seen = set[int]()
+            for place in (((ends[0] + ends[1]) / 2).mid(), box, *ends):
+                signs = set(map(sign_of, self.parts(place)))
+                if place is box and len(signs) == 1 and 0 not in signs:
+                    return signs.pop()
+                seen |= signs
+                if {1, -1} <= seen:
+                    return 0  # there is none all over
+            return _common(self.ranges(box).values())
 
     @property
     def farthest(self) -> float | None:
-        return _FARTHEST if self.orders else None
+        return NEARER if self.orders else None
 
     def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
         with flint.ctx.workprec(128):
             ends = around(low, high)
-            first = (ends[1] - ends[0]) / 16
+            first = (ends[1] - ends[0]) / (NEARER if self.orders else 16)
         return isolated(self, self._edge(low, first, above=True), self._edge(high, first, above=False))
 
     def _edge(self, place: Expr, first: Ball, *, above: bool) -> Ball:
@@ -71,13 +76,17 @@ def _common(balls: Iterable[Ball]) -> int:
 def _order_at(factor: AnalyticFactor, place: Expr) -> Any:
     if place == 0 and factor.orders:
         return beginning(factor).exponent
+    if place == 0 and not any(constant for _, constant in factor.rates):
+        still = [term.coefficients[0] for term in factor.terms if not any(term.turns)]  # all else is 0 there
+        if any(map(any, still)):
+            return 0
+        if (order := order_at_0(factor)) is not None:
+            return order
     with flint.ctx.workprec(128):
         if is_clear(factor.value(expression_ball(place))):
             return 0
     if factor.orders:
         return _order_with_powers(factor, place)
-    if place == 0 and (order := order_at_0(factor)) is not None:
-        return order
     exact = exact_waves(factor, place)
     if exact is None:
         factor.sign_at(lambda bits: expression_ball(place))
@@ -104,6 +113,3 @@ def _exact_order(factor: AnalyticFactor, place: Expr, waves: list[Wave]) -> int:
 
 
 _HIGHEST_ORDER = 200
-_FARTHEST = (
-    3.0  # of a piece: there Taylor's terms of omega^alpha fall as (1/2)^n, and the bound of the remainder does not grow
-)

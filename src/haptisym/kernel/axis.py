@@ -15,6 +15,7 @@ from typing import TypeAlias
 from flint import fmpq
 from sympy import Expr, Symbol, cos, pi, sin, sinc
 
+from haptisym.kernel.budget import afford
 from haptisym.kernel.monomials import monomials
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in
 from haptisym.kernel.symbols import omega
@@ -159,6 +160,23 @@ class Axis(PolynomialRing):
                 polynomial, counts[i] = quotient, counts[i] + 1
                 quotient, rest = divmod(polynomial, tangent**2 + 1)
         return polynomial, counts
+
+    def reduced(self, function: RationalFunction) -> RationalFunction:
+        """In lowest terms, the denominator with leading coefficient 1; its factors 1 + tan^2 are tried alone, which is fast."""
+        top, bottom = function.numerator, function.denominator
+        afford(len(top), len(bottom))
+        core, counts = self.without_circles(bottom)
+        for tangent, count in zip(self.context.gens()[self.size :], counts, strict=False):
+            circle = tangent**2 + 1
+            for _ in range(count):
+                quotient, rest = divmod(top, circle)
+                if not rest.is_zero():
+                    break
+                top, bottom = quotient, bottom / circle
+        common = top.gcd(core)
+        if not common.is_one():
+            top, bottom = top / common, bottom / common
+        return self.function(top, bottom).monic()
 
     def half_angles(self, function: RationalFunction) -> RationalFunction:
         """The function in half angles, cos(a/2) and sin(a/2)/omega: without cancellation at low frequencies, nor 0/0 at 0."""

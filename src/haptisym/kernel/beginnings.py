@@ -27,6 +27,8 @@ from haptisym.kernel.turns import is_zero
 from haptisym.kernel.wavesums import WaveSum, WaveTerm
 from haptisym.kernel.zeros import is_clear
 
+NEARER = 3.0  # between the ends of a piece: Taylor's terms of omega^alpha fall as (1/2)^n, the remainder's bound does not grow
+_NEAR = 4  # of such places, before larger steps are taken
 _MOST_TERMS = 2000  # of an expansion that are tried: orders 1/5 and 1/12 meet sixty times between two powers of omega
 
 Powers: TypeAlias = tuple[int, ...]
@@ -98,7 +100,7 @@ def _cancels(f: WaveSum, meeting: list[tuple[Powers, int]]) -> bool:
     """Whether Taylor coefficients at 0 add up to zero: balls first, then exact, finer balls where that is not told exactly."""
 
     def in_balls(_: int) -> bool | None:
-        total = sum((f.before(powers, arb(0), n, n + 1)[0] for powers, n in meeting), arb(0))
+        total = sum(f.before(arb(0), meeting), arb(0))
         return False if is_clear(total) else True if total.is_zero() else None
 
     if (told := at_rising_precision(in_balls, 128, 128)) is not None:
@@ -126,15 +128,15 @@ def clear_of_zero(f: WaveSum, first: Ball) -> Ball:
     coefficient of A_l about some place in between, alpha l + n_l being e or the next exponent above: all terms below cancel.
     """
     start = beginning(f)
+    wanted = [(powers, order) for powers, _, order in start.parts]
     with flint.ctx.workprec(128):
+        rises = [expression_ball(own + order - start.exponent) for _, own, order in start.parts]
         reach = first.mid()
-        for _ in range(200):
-            piece, total = arb(0).union(reach), arb(0)
-            for powers, own, order in start.parts:
-                rise = own + order - start.exponent
-                power = arb(1) if rise == 0 else arb(0).union((expression_ball(rise) * reach.log()).exp())
-                total = total + power * f.before(powers, piece, order, order + 1)[0]
+        for n in range(200):
+            total, lengths = arb(0), reach.log()
+            for rise, own in zip(rises, f.before(arb(0).union(reach), wanted), strict=True):
+                total = total + (own if rise.is_zero() else own * arb(0).union((rise * lengths).exp()))
             if is_clear(total):
                 return reach
-            reach = reach / 16
+            reach = (reach / (NEARER if n < _NEAR else 16)).mid()
     raise UndecidedError("whether a function vanishes near omega = 0")

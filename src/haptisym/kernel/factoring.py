@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from operator import ge
+from operator import ge, index
 from typing import TypeAlias
 
 import flint
@@ -141,7 +141,8 @@ def _seems_to_vanish(factor: Factor, axis: Axis) -> bool:
     if not axis.orders or not all(x.is_Rational for x in axis.orders):
         return False
     with flint.ctx.workprec(128):
-        return not is_clear(factor.value(arb(1.25)))
+        shown = isinstance(factor, AnalyticFactor) and factor.shows_itself
+        return not shown and not is_clear(factor.value(arb(1.25)))
 
 
 def _power_of_omega(factor: Polynomial, axis: Axis) -> Expr | None:
@@ -175,7 +176,7 @@ def _factor(factor: Polynomial, axis: Axis) -> Factor:
 
 
 def _polynomial_factor(factor: Polynomial) -> PolynomialFactor:
-    rows = _rows([(int(e[0]), int(e[1]), int(c.p)) for e, c in monomials(factor)])
+    rows = _rows([(index(e[0]), index(e[1]), index(c.p)) for e, c in monomials(factor)])
     even = not any(any(row) for row in rows[1::2])
     return PolynomialFactor(rows[::2] if even else rows, 2 if even else 1)
 
@@ -196,9 +197,9 @@ def _analytic_factor(factor: Polynomial, axis: Axis) -> AnalyticFactor:
     groups: dict[tuple[int, ...], list[tuple[int, int, int]]] = {}
     tick()
     for exponents, value in monomials(factor):
-        power, of_pi, *own = map(int, exponents)
-        groups.setdefault(tuple(own[first - 2 :]), []).append((power, of_pi, int(value.p)))
-    terms = tuple([WaveTerm(waves[:angles], waves[angles:], _rows(found)) for waves, found in sorted(groups.items())])
+        groups.setdefault(exponents[first:], []).append((index(exponents[0]), index(exponents[1]), index(value.p)))
+    sums = sorted([(tuple(map(index, waves)), _rows(found)) for waves, found in groups.items()])
+    terms = tuple([WaveTerm(waves[:angles], waves[angles:], rows) for waves, rows in sums])
     return _made(terms, tuple(map(int, factor.degrees()[first : first + angles])), axis)
 
 

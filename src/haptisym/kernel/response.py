@@ -13,8 +13,9 @@ from sympy import Expr
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import Ball, expression_ball
-from haptisym.kernel.rings import RationalFunction
+from haptisym.kernel.rings import Polynomial, RationalFunction
 from haptisym.kernel.symbols import omega
 
 
@@ -28,12 +29,12 @@ class Response:
     @cached_property
     def real(self) -> RealFunction:
         """The real part, a real function of omega."""
-        return RealFunction(self.raw_real.reduced())
+        return RealFunction(_lowest(self.raw_real))
 
     @cached_property
     def imag(self) -> RealFunction:
         """The imaginary part, a real function of omega."""
-        return RealFunction(self.raw_imag.reduced())
+        return RealFunction(_lowest(self.raw_imag))
 
 
 def on_axis(dynamics: RationalFunction) -> Response:
@@ -64,6 +65,24 @@ def _axis(dynamics: RationalFunction) -> Axis:
     return ring.axis
 
 
+def _lowest(function: RationalFunction) -> RationalFunction:
+    axis = function.ring
+    assert isinstance(axis, Axis)
+    return axis.reduced(function) if len(axis.angles) > 1 else function.reduced()
+
+
+def _square_over(f: Polynomial, g: Polynomial) -> tuple[Polynomial, Polynomial]:
+    """f^2/g in lowest terms: a factor that both have is one of f, and perhaps once more of what is left of g."""
+    one, other = f, f
+    common = f.gcd(g)
+    if not common.is_constant():
+        one, g = f / common, g / common
+        common = f.gcd(g)
+        if not common.is_constant():
+            other, g = f / common, g / common
+    return one * other, g
+
+
 @dataclass(frozen=True)
 class RealFunction:
     """A real function of omega, in lowest terms as a quotient of polynomials of an ``Axis``."""
@@ -71,16 +90,16 @@ class RealFunction:
     function: RationalFunction
 
     def __add__(self, other: RealFunction) -> RealFunction:
-        return RealFunction((self.function + other.function).reduced())
+        return RealFunction(_lowest(self.function + other.function))
 
     def __mul__(self, other: RealFunction) -> RealFunction:
-        return RealFunction((self.function * other.function).reduced())
+        return RealFunction(_lowest(self.function * other.function))
 
     def __truediv__(self, other: RealFunction) -> RealFunction:
-        return RealFunction((self.function / other.function).reduced())
+        return RealFunction(_lowest(self.function / other.function))
 
     def __sub__(self, other: RealFunction) -> RealFunction:
-        return RealFunction((self.function - other.function).reduced())
+        return RealFunction(_lowest(self.function - other.function))
 
     def square_over(self, other: RealFunction) -> RealFunction:
         """f^2/g, in lowest terms.
@@ -90,9 +109,11 @@ class RealFunction:
         1/(omega**2 + 1)
         """
         f, g = self.function, other.function
-        found = f * f / g
-        apart = f.numerator.gcd(g.numerator).is_constant() and f.denominator.gcd(g.denominator).is_constant()
-        return RealFunction(found.monic() if apart else found.reduced())
+        if g.is_zero:
+            raise SceneError("division by zero")
+        above, below = _square_over(f.numerator, g.numerator)
+        right, left = _square_over(f.denominator, g.denominator)  # both are in lowest terms: no more can cancel
+        return RealFunction((f.ring.function(above, right) * f.ring.function(left, below)).monic())
 
     @property
     def is_zero(self) -> bool:

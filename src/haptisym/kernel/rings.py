@@ -148,12 +148,13 @@ class PolynomialRing:
         if polynomial.is_constant():
             return Rational(str(polynomial)), []
         strides, shifts = polynomial.deflation_index()
-        lowest, step = int(shifts[0]), 2 if in_square and int(strides[0]) % 2 == 0 else 1
+        step = 2 if in_square and int(strides[0]) % 2 == 0 else 1
         squares = [step, *[1] * (len(self.meanings) - 1)]
-        rest = polynomial / self.variable**lowest if lowest else polynomial
+        shared = [int(n) for n in shifts]
+        own = [(x, n) for x, n in zip(self.context.gens(), shared, strict=True) if n]
+        rest = polynomial / self.context.from_dict({tuple(shared): 1}) if own else polynomial
         unit, factors = self._split(rest.deflate(squares) if step > 1 else rest)
         inflated = [(factor.inflate(squares) if step > 1 else factor, int(n)) for factor, n in factors]
-        own = [(self.variable, lowest)] if lowest else []
         return Rational(int(unit.p), int(unit.q)), own + inflated
 
     def _split(self, polynomial: Polynomial) -> tuple[fmpq, list[tuple[Polynomial, int]]]:

@@ -21,7 +21,7 @@ from haptisym.kernel.contour import BITS, factor_at, parts_of, times, turned, va
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.monomials import monomials
-from haptisym.kernel.reals import Ball, RealNumber, expression_ball
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, degree_in
 from haptisym.kernel.roots import chart, sign_of_number
@@ -74,13 +74,15 @@ def count_roots(polynomial: Polynomial, ring: Ring) -> Roots:
         raise UndecidedError("the roots of a function with j among its numbers")
     polynomial = _without_shared_delays(polynomial, ring)
     terms = terms_of(polynomial, ring)
+    if (line := _root_of_line(terms)) is not None:
+        return line
     degree = max(terms)
     floor = floor_of(terms[degree], ring)
     if isinstance(floor, RootChain):
         return Roots(None, None, chain=floor)
     reach, own = _reach(polynomial, terms, floor, ring)
     parts = parts_of(polynomial, ring)
-    if any(part.is_zero for x in (polynomial, own) if x is not None for part in parts_of(x, ring)):
+    if any(part.is_zero for part in (*parts, *(() if own is None else parts_of(own, ring)))):
         return count_roots(
             polynomial * (ring.variable + 1), ring
         )  # as of s^2 + 1: another root on the left turns it off both axes
@@ -99,6 +101,17 @@ def count_roots(polynomial: Polynomial, ring: Ring) -> Roots:
     at_0 = [curve.points[0].omega] if order else []
     right = left_of_it - 2 * sum(map(times, passed))
     return Roots(left_of_it + at_least(order), right, (*at_0, *(p.omega for p in passed)))
+
+
+def _root_of_line(terms: Terms) -> Roots | None:
+    """The root of a s + b, if there is one; None of anything else."""
+    if not terms.keys() <= {0, 1} or any(any(turns) for group in terms.values() for turns in group):
+        return None
+    b, a = (sum(terms.get(Integer(n), {}).values(), Integer(0)) for n in (0, 1))
+    if not a or not b:
+        return Roots(int(bool(a)), 0, (ExactNumber(Integer(0)),) if a else ())
+    right = int(sign_of_number(a) != sign_of_number(b))
+    return Roots(right, right)
 
 
 def _turn_of_own(own: Polynomial, terms: Terms, reach: Expr, ring: Ring) -> Ball:

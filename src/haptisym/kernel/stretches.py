@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, reduce
 from itertools import pairwise
 from math import comb
 from typing import TypeAlias
@@ -57,13 +57,14 @@ class Stretch:
 
     def sign_at(self, end: int, order: int = 0) -> int:
         """That at one of the ends, 0 for the low one and -1 for the high one; 0 where it does not show."""
-        if self.ends[end] != (self.low, self.high)[end]:
-            return 0
         row = self.column.entries()
-        near = row[-1 - order :] if end else row[: order + 1]
         for _ in range(order):
-            near = [b - a for a, b in pairwise(near)]
-        return int(near[0] > 0) - int(near[0] < 0)
+            row = [b - a for a, b in pairwise(row)]
+        found, beyond = row[end], abs(self.ends[end] - (self.low, self.high)[end])
+        if not beyond.is_zero() and len(row) > 1:  # by the mean value theorem
+            steepest = reduce(arb.max, (abs(b - a).upper() for a, b in pairwise(row))) * (len(row) - 1)
+            found = found + steepest * beyond / (self.ends[1] - self.ends[0]) * _EITHER
+        return int(found > 0) - int(found < 0)
 
     @property
     def is_sharp(self) -> bool:
@@ -87,6 +88,7 @@ class Stretch:
 
 
 _BLUR = 8
+_EITHER = arb(0, 1)
 
 
 @lru_cache(maxsize=8)

@@ -64,5 +64,7 @@ def beginning_at_0(terms: Terms, ring: Ring) -> tuple[Rational, int]:
 
 def _coefficient(group: Mapping[tuple[int, ...], Expr], k: int, ring: Ring) -> Expr:
     """Of s^k in the sum of c exp(-s lag)."""
+    if not k:
+        return sum(group.values(), Integer(0))
     lags = {turns: sum((n * x for n, x in zip(turns, ring.lags, strict=True)), Integer(0)) for turns in group}
     return sum((c * (-lags[turns]) ** k for turns, c in group.items()), Integer(0)).expand() / factorial(k)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, reduce
 from itertools import accumulate, repeat
-from math import factorial
+from math import factorial, lcm
 from operator import add, mul
 from typing import NamedTuple, TypeAlias
 
@@ -64,13 +64,28 @@ class WaveSum:
         """Enclosures of value, slope and half curvature over a ball of frequencies."""
         return _compiled(self, flint.ctx.prec).over(box)
 
-    def before(self, powers: tuple[int, ...], x: Ball, start: int, stop: int) -> list[Ball]:
-        """As ``series``, of what stands before a product of powers of omega^alpha."""
-        return _compiled(self, flint.ctx.prec).before(powers, x, start, stop)
+    def before(self, x: Ball, wanted: Sequence[tuple[tuple[int, ...], int]]) -> list[Ball]:
+        """Taylor coefficients about every point of a ball: each of what stands before a product of omega^alpha, and its order."""
+        return _compiled(self, flint.ctx.prec).before(x, wanted)
 
     def parts(self, x: Ball) -> list[Ball]:
         """Balls around the values at a ball of frequencies of what stands before each product of powers of omega^alpha."""
         return _compiled(self, flint.ctx.prec).parts(x)
+
+    @property
+    def shows_itself(self) -> bool:
+        """Whether its coefficients prove that it is not 0 everywhere; all orders of powers must be rational.
+
+        Waves of one angle are linearly independent over all algebraic functions. So are then all terms, where no two products
+        of powers are a whole power of omega apart: one coefficient that is not 0 is enough. False proves nothing.
+        """
+        if sum(not constant for _, constant in self.rates) > 1:
+            return False
+        common = lcm(*(int(order.q) for order in self.orders))
+        units = [int(order.p) * (common // int(order.q)) for order in self.orders]
+        products = {term.powers for term in self.terms}
+        apart = {sum(map(mul, units, powers)) % common for powers in products}
+        return len(apart) == len(products) and _compiled(self, flint.ctx.prec).has_clear_coefficient
 
     def ranges(self, box: Ball) -> dict[tuple[int, ...], Ball]:
         """The same, tight for a short ball."""
@@ -89,13 +104,13 @@ _Place: TypeAlias = tuple[Mapping[_Turns, Ball], arb_mat, arb_mat]
 class CompiledWaves:
     """A sum with balls of one precision for its constants: waves of constant angles are among the coefficients.
 
-    ``rates``, ``degrees``: of the half angles that turn. ``terms``: sine powers, powers of omega^alpha, polynomial.
+    ``rates``, ``degrees``: of the half angles that turn. ``terms``: sine powers, powers of omega^alpha, ascending coefficients.
     """
 
     rates: tuple[Ball, ...]
     degrees: tuple[int, ...]
     exponents: tuple[Ball, ...]
-    terms: tuple[tuple[_Turns, tuple[int, ...], arb_poly], ...]
+    terms: tuple[tuple[_Turns, tuple[int, ...], Sequence[Ball]], ...]
 
     def value(self, x: Ball) -> Ball:
         """A ball around the value at a ball of frequencies."""
@@ -123,16 +138,17 @@ class CompiledWaves:
         place, found = self._place(x), list[Ball]()
         for powers, sums in self._sums.items():
             if any(powers):
-                exponent = sum((a * n for a, n in zip(self.exponents, powers, strict=True)), arb(0))
-                own = _product(sums.series(place, 0, stop), _power_series(x, exponent, stop))[start:]
+                exponent = reduce(add, map(mul, self.exponents, powers))
+                own = _product(sums.series(place, 0, stop), _power_series(x, exponent, stop), start)
             else:
                 own = sums.series(place, start, stop)
             found = list(map(add, found, own)) if found else own
         return found
 
-    def before(self, powers: tuple[int, ...], x: Ball, start: int, stop: int) -> list[Ball]:
-        """As ``series``, of what stands before a product of powers of omega^alpha."""
-        return self._sums[powers].series(self._place(x), start, stop)
+    def before(self, x: Ball, wanted: Sequence[tuple[tuple[int, ...], int]]) -> list[Ball]:
+        """Taylor coefficients about every point of a ball: each of what stands before a product of omega^alpha, and its order."""
+        place = self._place(x)
+        return [self._sums[powers].series(place, order, order + 1)[0] for powers, order in wanted]
 
     def parts(self, x: Ball) -> list[Ball]:
         """Balls around the values at a ball of frequencies of what stands before each product of powers of omega^alpha."""
@@ -148,6 +164,11 @@ class CompiledWaves:
             for powers, sums in self._sums.items()
         }
 
+    @property
+    def has_clear_coefficient(self) -> bool:
+        """Whether one of the coefficients is known not to be 0."""
+        return any(x > 0 or x < 0 for _, _, row in self.terms for x in row)
+
     @cached_property
     def _angles(self) -> list[tuple[Ball, int]]:
         """Rate and degree of the half angles that turn; one that stands still where there is none."""
@@ -162,14 +183,14 @@ class CompiledWaves:
 
     @cached_property
     def _width(self) -> int:
-        return 1 + max([0, *(int(polynomial.degree()) for _, _, polynomial in self.terms)])
+        return max([1, *(len(row) for _, _, row in self.terms)])
 
     @cached_property
     def _sums(self) -> Mapping[tuple[int, ...], _Derivatives]:
         """By powers of omega^alpha, what stands before them."""
-        groups: dict[tuple[int, ...], dict[_Turns, arb_poly]] = {}
-        for turns, powers, polynomial in self.terms:
-            groups.setdefault(powers, {})[turns or (0,)] = polynomial
+        groups: dict[tuple[int, ...], dict[_Turns, Sequence[Ball]]] = {}
+        for turns, powers, row in self.terms:
+            groups.setdefault(powers, {})[turns or (0,)] = row
         return {powers: _Derivatives(self._angles, self._width, own) for powers, own in groups.items()}
 
 
@@ -179,14 +200,13 @@ class _Derivatives:
     d sin(a)^k cos(a)^(n - k) = (k sin(a)^(k - 1) cos(a)^(n - k + 1) - (n - k) sin(a)^(k + 1) cos(a)^(n - k - 1)) da.
     """
 
-    def __init__(self, angles: Sequence[tuple[Ball, int]], width: int, terms: Mapping[_Turns, arb_poly]) -> None:
+    def __init__(self, angles: Sequence[tuple[Ball, int]], width: int, terms: Mapping[_Turns, Sequence[Ball]]) -> None:
         *self._outer, (rate, degree) = angles
         self._turn, self._shift = _turning(rate, degree), _shift(width)
         entries: dict[_Turns, list[Ball]] = {}
-        for (*others, k), polynomial in terms.items():
+        for (*others, k), row in terms.items():
             block = entries.setdefault(tuple(others), [_NOTHING] * (width * (degree + 1)))
-            own = polynomial.coeffs()
-            block[k * width : k * width + len(own)] = own
+            block[k * width : k * width + len(row)] = row
         self._known: list[_Blocks] = [{o: arb_mat(degree + 1, width, block) for o, block in entries.items()}]
 
     def series(self, place: _Place, start: int, stop: int) -> list[Ball]:
@@ -201,7 +221,7 @@ class _Derivatives:
                 sum((outer[turns] * (last * (block * columns))[0, 0] for turns, block in blocks.items()), _NOTHING)
                 for blocks in self._known[start:stop]
             ]
-        return [value / factorial(n) for n, value in enumerate(found, start)] if stop > 2 else found
+        return list(map(mul, found, _shares(stop, flint.ctx.prec)[start:])) if stop > 2 else found
 
     def _derived(self, blocks: _Blocks) -> _Blocks:
         found: dict[_Turns, arb_mat] = {}
@@ -217,6 +237,13 @@ class _Derivatives:
             for turns, part in parts:
                 found[turns] = found[turns] + part if turns in found else part
         return found
+
+
+@lru_cache(maxsize=64)
+def _shares(count: int, bits: int) -> list[Ball]:
+    """1/0!, 1/1!, 1/2!, ..."""
+    with flint.ctx.workprec(bits):
+        return [arb(1) / factorial(n) for n in range(count)]
 
 
 @lru_cache(maxsize=64)
@@ -261,10 +288,12 @@ def _power_series(x: Ball, exponent: Ball, length: int) -> list[Ball]:
     return found
 
 
-def _product(a: Sequence[Ball], b: Sequence[Ball]) -> list[Ball]:
-    """The product of two Taylor series, as long as they are."""
-    found: list[Ball] = (arb_poly(a) * arb_poly(b)).coeffs()[: len(a)]
-    return found + [arb(0)] * (len(a) - len(found))
+def _product(a: Sequence[Ball], b: Sequence[Ball], start: int = 0) -> list[Ball]:
+    """The product of two Taylor series, as long as they are, from an order on."""
+    if start == len(a) - 1:
+        return [reduce(add, map(mul, a, reversed(b)))]
+    found = arb_poly(a) * arb_poly(b)
+    return [found[n] for n in range(start, len(a))]
 
 
 @lru_cache(maxsize=512)
@@ -273,23 +302,24 @@ def _compiled(waves: WaveSum, bits: int) -> CompiledWaves:
         halves = [expression_ball(rate) / 2 for rate, _ in waves.rates]
         turning = [i for i, (_, constant) in enumerate(waves.rates) if not constant]
         fixed = [(i, _waves(halves[i], waves.degrees[i])) for i, (_, constant) in enumerate(waves.rates) if constant]
-        width = max(len(term.coefficients) for term in waves.terms)
         pis = _powers(arb.pi(), max(len(c) for term in waves.terms for c in term.coefficients))
+        units: dict[_Turns, list[Ball]] = {(): pis}
+        for _, wave in fixed:  # powers of pi times the waves of all constant angles
+            units = {(*known, k): [x * w for x in row] for known, row in units.items() for k, w in enumerate(wave)}
         terms: dict[_Key, list[Ball]] = {}
         for turns, powers, coefficients in waves.terms:
-            scale = _ONE
-            for i, wave in fixed:
-                scale = scale * wave[turns[i]]
-            row = terms.setdefault((tuple([turns[i] for i in turning]), powers), [_NOTHING] * width)
+            own = units[tuple([turns[i] for i, _ in fixed])]
+            row = terms.setdefault((tuple([turns[i] for i in turning]) if fixed else turns, powers), [])
+            row += [_NOTHING] * (len(coefficients) - len(row))
             for n, c in enumerate(coefficients):
-                for k, whole in enumerate(c):
+                for whole, unit in zip(c, own):  # noqa: B905 - not all have all powers of pi
                     if whole:
-                        row[n] = row[n] + pis[k] * scale * whole
+                        row[n] = row[n] + unit * whole
         return CompiledWaves(
             tuple(halves[i] for i in turning),
             tuple(waves.degrees[i] for i in turning),
             tuple(expression_ball(order) for order in waves.orders),
-            tuple((*key, arb_poly(row)) for key, row in terms.items()),
+            tuple((*key, row) for key, row in terms.items()),
         )
 
 

@@ -129,7 +129,7 @@ class Shape:
             tuple(rates[i] for i in turning),
             tuple(self.degrees[i] for i in turning),
             tuple(exponents),
-            tuple((*key, polynomial) for key, polynomial in terms.items()),
+            tuple((*key, polynomial.coeffs()) for key, polynomial in terms.items()),
         )
 
 
@@ -165,9 +165,9 @@ def value_from_zero(compiled: CompiledWaves, end: Ball, order: int = 0) -> Ball:
     box = arb(0).union(end)
     powers = [arb(0).union((end.log() * a).exp()) for a in compiled.exponents]
     total = arb(0)
-    for turns, own, polynomial in compiled.terms:
+    for turns, own, row in compiled.terms:
         left = order - sum(turns)
-        term = sum((x * _power(box, n - left) for n, x in enumerate(polynomial.coeffs()) if n >= left), arb(0))
+        term = sum((x * _power(box, n - left) for n, x in enumerate(row) if n >= left), arb(0))
         for rate, k, degree in zip(compiled.rates, turns, compiled.degrees, strict=True):
             term = term * (rate * (rate * box).sinc()) ** k * (rate * box).cos() ** (degree - k)
         for power, n in zip(powers, own, strict=True):
