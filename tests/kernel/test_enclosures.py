@@ -24,7 +24,9 @@ from haptisym.kernel.eliminants import discriminant, resultant
 from haptisym.kernel.exactwaves import exact_waves, order_at_0, taylor_coefficients
 from haptisym.kernel.reals import bounds, expression_ball
 from haptisym.kernel.rings import PolynomialRing
-from haptisym.kernel.wavesums import WaveSum, WaveTerm, _compiled, _power_series, _product
+from haptisym.kernel.waves import power_series as power_coefficients
+from haptisym.kernel.waves import product
+from haptisym.kernel.wavesums import WaveSum, WaveTerm, _compiled
 
 small = st.integers(-5, 5)
 rates = st.fractions("1/100", 3, max_denominator=100)
@@ -258,7 +260,7 @@ def test_powers_of_squares_have_their_exact_taylor_coefficients(r: Fraction, k: 
         binomial = binomial * (Fraction(k, 2) - n) / (n + 1)
     with flint.ctx.workprec(100):
         square = arb(fmpq(r.numerator, r.denominator)) ** 2
-        found = _power_series(square + square * arb(0, wide / 16), arb(k) / 2, length)
+        found = power_coefficients(square + square * arb(0, wide / 16), arb(k) / 2, length)
     assert len(found) == length
     assert all(low <= x <= high for (low, high), x in zip(map(bounds, found), exact, strict=True))
     assert wide or all(ball.rel_accuracy_bits() > 60 for ball, x in zip(found, exact, strict=True) if x)
@@ -269,8 +271,8 @@ def test_a_product_of_taylor_series_is_that_of_exact_arithmetic(rows: list[tuple
     left, right = ([row[i] for row in rows] for i in (0, 1))
     exact = [sum(left[m] * right[n - m] for m in range(n + 1)) for n in range(len(rows))]
     with flint.ctx.workprec(60):
-        found = _product([arb(x, 0.25) for x in left], [arb(x, 0.5) for x in right])
-        least = _product([arb(x) - arb(0.25) for x in left], [arb(x) + arb(0.5) for x in right])
+        found = product([arb(x, 0.25) for x in left], [arb(x, 0.5) for x in right])
+        least = product([arb(x) - arb(0.25) for x in left], [arb(x) + arb(0.5) for x in right])
     assert len(found) == len(least) == len(exact)
     assert all(ball.contains(x) and ball.contains(y) for ball, x, y in zip(found, exact, least, strict=True))
 
@@ -354,8 +356,8 @@ def test_sums_without_angles_are_polynomials_with_powers() -> None:
         )  # 2 sin + 5 cos of pi/6
         assert still.value(arb(7)).overlaps(1 + 5 * arb(3).sqrt() / 2)
         assert all(c.is_zero() for c in still.series(arb(7), 1, 4))
-        assert [float(c.mid()) for c in _power_series(arb(4), arb("0.5"), 4)] == [2, 0.25, -1 / 64, 1 / 512]
-        assert len(_power_series(arb(4), arb("0.5"), 1)) == 1
+        assert [float(c.mid()) for c in power_coefficients(arb(4), arb("0.5"), 4)] == [2, 0.25, -1 / 64, 1 / 512]
+        assert len(power_coefficients(arb(4), arb("0.5"), 1)) == 1
 
 
 @given(

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from haptisym.kernel import analytic, beginnings, polynomials, wavesums, zeros
+from haptisym.kernel import analytic, beginnings, polynomials, waves, wavesums, zeros
 
 _CACHES = [
     found
-    for module in (analytic, beginnings, polynomials, wavesums, zeros)
+    for module in (analytic, beginnings, polynomials, waves, wavesums, zeros)
     for found in vars(module).values()
     if hasattr(found, "cache_clear")
 ]
