@@ -185,7 +185,7 @@ def _worst(found: Requirement, t: Array) -> dict[Criterion, Array]:
     start, end = (float(x) for x in scene.band)
     omega = np.linspace(start, end, _GRID)[:, None]
     with np.errstate(all="ignore"):
-        at = f(omega, **({} if free.parts else {free.symbol.name: t[None, :]}))
+        at = f(omega, **dict.fromkeys(f.parameters, t[None, :]))  # none for a threshold, and for a number of a hand
         curves = {x: _against(x, free, at, omega, t) for x in found.criteria}
     return {x: curve for x, curve in curves.items() if curve is not None}
 

@@ -38,6 +38,7 @@ from haptisym.verbs.stability.plane import Plane, Window, plane
 
 _SMALLER = SMALL - 1
 ROOM = 1.25  # of the largest number that is shown
+_TOGETHER = 2.5  # pt: marks that are nearer to each other cover each other
 _NARROW, _RIM = 9, 4  # pixels of a cell in which nothing is written, and of its rim
 _NEAR = 20  # times that a critical value may be beyond the hands
 
@@ -144,19 +145,16 @@ def draw_points(ax: Axes, asked: list[Hand], shown: list[Hand], drawn: Plane) ->
     """Hands by their names: filled where their mass is that of the plane; and the number of roots in each cell."""
     room, listed = _room(ax, drawn), (*asked, *shown)
     for x in listed:
-        room.take_point(float(x.k.value), float(x.b.value))
+        room.take_point(*_place(x))
     for x in listed:
-        color, k, b = INK if x in asked else GREY, float(x.k.value), float(x.b.value)
         face = INK if x in asked and float(x.m.value) == drawn.mass else "none"
-        ax.plot([k], [b], "o", color=color, markerfacecolor=face, markersize=3.5, markeredgewidth=0.7)
-        ax.annotate(
-            x.name,
-            (k, b),
-            room.beside(k, b, x.name, _SMALLER),
-            textcoords="offset points",
-            fontsize=_SMALLER,
-            color=color,
-        )
+        color = INK if x in asked else GREY
+        ax.plot(*_place(x), "o", color=color, markerfacecolor=face, markersize=3.5, markeredgewidth=0.7)
+    named = [(x.name, _place(x), INK) for x in asked]
+    named += [(name, place, GREY) for name, place in _names(shown, room)]
+    for name, (k, b), color in named:
+        at = room.beside(k, b, name, _SMALLER)
+        ax.annotate(name, (k, b), at, textcoords="offset points", fontsize=_SMALLER, color=color)
     _counts(ax, drawn, room)
     here = [x for x in asked if float(x.m.value) == drawn.mass]
     marker: dict[str, Any] = {"marker": "o", "markersize": 3.5}
@@ -164,6 +162,23 @@ def draw_points(ax: Axes, asked: list[Hand], shown: list[Hand], drawn: Plane) ->
     if len(here) < len(listed):
         made.append(handle(GREY, "none", "of another", markerfacecolor="none", markeredgewidth=0.7, **marker))
     return made
+
+
+def _place(x: Hand) -> tuple[float, float]:
+    return float(x.k.value), float(x.b.value)
+
+
+def _names(shown: list[Hand], room: Room) -> list[tuple[str, tuple[float, float]]]:
+    """What is written beside published hands, and where: of those whose marks lie on each other, how many they are."""
+    groups: list[list[Hand]] = []
+    for x in shown:
+        near = (g for g in groups if room.away(_place(g[0]), _place(x)) < _TOGETHER)
+        group = next(near, None)
+        if group is None:
+            groups.append([x])
+        else:
+            group.append(x)
+    return [(g[0].name if len(g) == 1 else f"{len(g)} published hands", _place(g[0])) for g in groups]
 
 
 def _room(ax: Axes, drawn: Plane) -> Room:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -15,10 +15,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from haptisym.figures.between import Join, draw_bands, draw_common, draw_left
-from haptisym.figures.designmap import left_open, scales_of, window_of
+from haptisym.figures.designmap import PlaneBox, left_open, scales_of, window_of
 from haptisym.figures.require import HATCH, label_of, limits_of
 from haptisym.figures.scales import Scale
-from haptisym.figures.style import BLUE, DASHED, DOTTED, GREY, INK, RED, SHADE, TEXT, dress, legend, limit
+from haptisym.figures.style import BLUE, DASHED, DOTTED, GREY, INK, RED, SHADE, TEXT, dress, entry, legend, limit
 from haptisym.programs.values import Array
 from haptisym.verbs.require.classical import Line
 from haptisym.verbs.require.designmap import DesignMap
@@ -28,32 +28,30 @@ _COLORS = {"transparent": BLUE, "stable": RED, "passive": "#d0701f"}
 _NAMES = {"transparent": "transparent", "stable": "stable", "passive": "every passive hand"}
 _STROKES: Sequence[Any] = (DASHED, DOTTED, (0, (6, 1.5, 1, 1.5)))
 _GRID = 160
+Rows = Sequence[tuple[float, Requirement]]
+"""The slices of one set, and where they are."""
 
 
 def draw_wishes(ax: Axes, found: DesignMap) -> list[Artist]:
     """What was asked, each set along its exact slices in its own colour, and what they have in common on a grey ground.
 
     What joins the slices is interpolation. Of what is transparent, and mostly of what is stable, a band in which its boundary
-    lies is proven; of other sets one about the lines is as wide as they may be off, as estimated. The ground is proven where all
-    that is asked is, and interpolation elsewhere. Classical bounds are thin lines with their names. Returns what
-    the legend tells.
+    lies is proven; of other sets one about the lines is as wide as they may be off, as estimated, and what lies between slices
+    that differ in kind is hatched, as is what slices leave undecided. The ground is proven where all that is asked is, and
+    interpolation elsewhere. Classical bounds are thin lines with their names. Returns what the legend tells.
     """
     scales, ((a, b), (low, high)) = scales_of(found), window_of(found)
-    shown, joins = _ground(ax, found, scales), list[Join]()
-    for i, name in enumerate(found.that):
-        rows = [(float(x.at), (x.apart or (x.requirement,))[i]) for x in found.slices]
-        shown += _outlined(ax, rows, scales, (low, high), (_COLORS[name], _NAMES[name]))
-        joins += [] if _is_proven(found, name) else _joins(rows, (low, high))
-    for i, jnd in enumerate(found.thresholds):
-        look = _paler(i, len(found.thresholds)), f"{_NAMES['transparent']}, c = {float(100 * jnd):.6g} %"
-        rows = [(float(x.at), x.contours[i]) for x in found.slices]
+    shown, joins, boxes = _ground(ax, found, scales), list[Join](), list(left_open(found))
+    for name, look, rows in _sets(found):
         shown += _outlined(ax, rows, scales, (low, high), look)
-        joins += [] if _is_proven(found, "transparent") else _joins(rows, (low, high))
+        if not _is_proven(found, name):
+            joins += _joins(rows, (low, high))
+            boxes += _unlike(rows, (low, high))
     shown += [
         *draw_left(ax, found, scales),
         *draw_bands(ax, found, joins, scales),
         _strokes(ax, found, scales, (low, high)),
-        *_hatched(ax, found, scales),
+        *_hatched(ax, boxes, scales),
     ]
     for line, stroke in zip(found.lines, _STROKES, strict=False):
         shown += _classical(ax, found, line, stroke, scales)
@@ -65,13 +63,23 @@ def draw_wishes(ax: Axes, found: DesignMap) -> list[Artist]:
     return shown
 
 
+def _sets(found: DesignMap) -> Iterator[tuple[str, tuple[str, str], Rows]]:
+    """Each set that is outlined: what it is asked for, its colour and name, and its slices."""
+    for i, name in enumerate(found.that):
+        rows = [(float(x.at), (x.apart or (x.requirement,))[i]) for x in found.slices]
+        yield name, (_COLORS[name], _NAMES[name]), rows
+    for i, jnd in enumerate(found.thresholds):
+        look = _paler(i, len(found.thresholds)), f"{_NAMES['transparent']}, c = {float(100 * jnd):.6g} %"
+        yield "transparent", look, [(float(x.at), x.contours[i]) for x in found.slices]
+
+
 def _is_proven(found: DesignMap, name: str) -> bool:
     """Whether more than slices of a set is proven."""
     return any(x.of == name for x in found.proofs)
 
 
 def _neighbours(
-    rows: Sequence[tuple[float, Requirement]], window: tuple[float, float]
+    rows: Rows, window: tuple[float, float]
 ) -> Iterator[tuple[tuple[float, float], tuple[float, float], tuple[float, float]]]:
     """Between slices with as many intervals: where they are, and both ends of the intervals that belong together."""
     for (x, one), (y, other) in pairwise(rows):
@@ -81,7 +89,15 @@ def _neighbours(
                 yield (x, y), (a, c), (b, d)
 
 
-def _joins(rows: Sequence[tuple[float, Requirement]], window: tuple[float, float]) -> Iterator[Join]:
+def _unlike(rows: Rows, window: tuple[float, float]) -> Iterator[PlaneBox]:
+    """The intervals of neighbouring slices that have not as many, with nothing open on either: where they end is not known."""
+    for (x, one), (y, other) in pairwise(rows):
+        if len(one.feasible) != len(other.feasible) and not (one.undecided or other.undecided):
+            for span in one.feasible + other.feasible:
+                yield (x, y), limits_of(span, *window)
+
+
+def _joins(rows: Rows, window: tuple[float, float]) -> Iterator[Join]:
     """The lines that join the ends of neighbouring slices, but for those along the ends of the range."""
     for at, *pairs in _neighbours(rows, window):
         yield from ((at, pair) for pair in pairs if not all(y in window for y in pair))
@@ -112,25 +128,21 @@ def _strokes(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale], window: tu
 
 def _outlined(
     ax: Axes,
-    rows: Sequence[tuple[float, Requirement]],
+    rows: Rows,
     scales: tuple[Scale, Scale],
     window: tuple[float, float],
     look: tuple[str, str],
 ) -> list[Artist]:
     """The ends of one set, in its colour and by its name: lines that interpolate, and a dot where each slice has proven one."""
-    (color, name), dots = look, list[tuple[Any, Any]]()
-    for at, pair in _joins(rows, window):
+    (color, name), dots, joins = look, list[tuple[Any, Any]](), list(_joins(rows, window))
+    for at, pair in joins:
         ax.plot(scales[0].of(np.array(at)), scales[1].of(np.array(pair)), color=color, linewidth=0.9, zorder=2)
     for x, r in rows:
         dots += [(scales[0].of(x), scales[1].of(float(e.value))) for e in r.ends if e.value is not None]
     if dots:
         ax.plot(*zip(*dots, strict=True), color=color, linestyle="none", marker="o", markersize=1.8, zorder=3)
-    for (x, one), (y, other) in pairwise(rows):
-        if one.undecided or other.undecided or len(one.feasible) == len(other.feasible):
-            continue  # nobody knows that a set ends there, or it does not
-        for span in one.feasible + other.feasible:
-            at = scales[0].of((x + y) / 2)
-            ax.plot([at, at], scales[1].of(np.array(limits_of(span, *window))), color=color, linewidth=0.9, zorder=2)
+    if not (dots or joins):
+        return [entry(f"{name}: ends on no slice")]
     return [Line2D([], [], color=color, linewidth=0.9, marker="o", markersize=2.2, label=name)]
 
 
@@ -140,9 +152,9 @@ def _paler(i: int, count: int) -> str:
     return to_hex((r, g, b))
 
 
-def _hatched(ax: Axes, found: DesignMap, scales: tuple[Scale, Scale]) -> list[Artist]:
-    """What slices leave open."""
-    boxes = list(left_open(found))
+def _hatched(ax: Axes, boxes: Iterable[PlaneBox], scales: tuple[Scale, Scale]) -> list[Artist]:
+    """What slices leave open, and what lies between slices that differ in kind."""
+    boxes = list(boxes)
     for (a, b), (c, d) in boxes:
         x, y = scales[0].of(np.array([a, b])), scales[1].of(np.array([c, d]))
         ax.fill_between(x, [y[0]] * 2, [y[1]] * 2, zorder=1, **HATCH)
