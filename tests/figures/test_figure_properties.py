@@ -105,7 +105,7 @@ KINDS: dict[str, Callable[[Path], object]] = {
 
 SLOW_KINDS = {
     "evaluate in Hz", "evaluate a resonance", "evaluate a range of thresholds", "a measured JND", "require a JND", "require, in vain",
-    "map, in vain", "sweep in the plane",
+    "map, in vain", "sweep in the plane", "a JND of a forced choice", "several environments", "metrics",
 }  # fmt: skip
 """Those that draw as others do, and take longer."""
 

@@ -494,6 +494,7 @@ def test_the_sliders_work_by_keyboard_and_the_button_puts_them_back(shown: Any) 
     assert not opened.value("document.querySelectorAll('#explorer-panel .ghost').length")
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("number", [-3.0, 0.0])
 def test_a_value_that_the_model_does_not_allow_is_marked_and_not_drawn(number: float, shown: Any) -> None:
     opened = shown("fu2019")

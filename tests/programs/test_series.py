@@ -20,6 +20,7 @@ from haptisym.programs.series import BALL_SERIES, FLOATS, InSteps, along_axis, s
 TERMS = 5
 MP = mpmath.MPContext()
 MP.dps = 200
+TINY = MP.mpf(10) ** -40
 
 
 Row = list[Any]
@@ -65,12 +66,12 @@ FUNCTIONS: dict[str, tuple[Callable[..., Row], int]] = {
 
 def exactly(ball: Any) -> Any:
     mantissa, exponent = ball.mid().man_exp()
-    return MP.mpf(int(mantissa)) * MP.mpf(2) ** int(exponent)
+    return MP.mpf((int(mantissa), int(exponent)))
 
 
 def holds(ball: Any, value: Any) -> bool:
     """Whether a complex ball holds a number, to within 1e-40 of its size."""
-    slack = MP.mpf(10) ** -40 * (1 + abs(value))
+    slack = TINY * (1 + abs(value))
     return all(
         not part.is_finite() or abs(exactly(part.mid()) - own) <= exactly(part.rad()) + slack
         for part, own in ((ball.real, value.real), (ball.imag, value.imag))

@@ -354,6 +354,7 @@ def test_a_grid_that_the_limit_cut_short_keeps_the_sets_that_it_answered(monkeyp
         np.testing.assert_array_equal(cut[name], whole[name][: 3 * 65])
 
 
+@pytest.mark.slow
 def test_the_page_names_each_way_that_the_limit_cut_short() -> None:
     rows = tuple(replace(x, left_open=n, asked=1024) for x, n in zip(swept().rows, (None, 1, 1000), strict=True))
     text = " ".join(str(replace(swept(), rows=rows)).split())
