@@ -91,12 +91,12 @@ def _energy(e: Evaluation, found: Passivity) -> Phrase:
         return "It gives energy away there, ", _per_cycle(), " per cycle of amplitude A."
     unit = "N m/rad" if e.scene.motion is MotionKind.ROTATION else "N/m"
     most = f"{short(given.value).digits} {unit}"
-    said = (" per cycle of amplitude A (with ", _IMAG, f" = -{most} at ", short(given.omega), " rad/s).")
+    said = (" per cycle of amplitude A (with ", _IMAG, f" = −{most} at ", short(given.omega), " rad/s).")
     return "It gives energy away there, ", _per_cycle(), said
 
 
 def _per_cycle() -> Phrase:
-    return "-", named("pi"), " A² ", _IMAG
+    return "−", named("pi"), " A² ", _IMAG
 
 
 def _damping(e: Evaluation, found: Passivity) -> Phrase:
