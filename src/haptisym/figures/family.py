@@ -16,7 +16,7 @@ from haptisym.figures.judged import columns, limit_of, name_of
 from haptisym.figures.labels import label_above
 from haptisym.figures.sampling import broken, sampled
 from haptisym.figures.scales import RADIANS, Scale, band_scale
-from haptisym.figures.sheet import legend_height, save
+from haptisym.figures.sheet import laid_out, save
 from haptisym.figures.style import (
     BLUE,
     DASHED,
@@ -133,11 +133,7 @@ def family_figure(evaluation: FamilyEvaluation) -> Figure:
     ends = dict.fromkeys(x.omega for x in evaluation.binding)
     label_above(panels[0], [(scale.of(float(x)), scale.digits(x, 4)) for x in ends])
     legend(panels[0], envelope_handles(evaluation), lines=1)
-    figure.draw_without_rendering()
-    figure.set_figheight(height + legend_height(panels[0]))
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
-    return figure
+    return laid_out(figure, height, panels[0])
 
 
 def envelope_handles(evaluation: FamilyEvaluation) -> list[Any]:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from haptisym.figures.scales import HERTZ, RADIANS, Scale, floats_scale
-from haptisym.figures.sheet import legend_height
+from haptisym.figures.sheet import laid_out
 from haptisym.figures.style import (
     BLUE,
     DASHED,
@@ -44,11 +44,7 @@ def identification_figure(a: Identification) -> Figure:
         ax.tick_params(labelbottom=False)
         ax.set_xlabel("")
     figure.align_ylabels()
-    figure.draw_without_rendering()
-    figure.set_figheight(height + legend_height(upper) + legend_height(lower))
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
-    return figure
+    return laid_out(figure, height, upper, lower)
 
 
 def draw_magnitude(ax: Axes, a: Identification, *, hertz: bool | None = None) -> list[Line2D]:

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from haptisym.figures.judged import is_share, limit_of
 from haptisym.figures.sampling import band_of, ends_of, sampled
 from haptisym.figures.scales import scale_of
-from haptisym.figures.sheet import legend_height
+from haptisym.figures.sheet import laid_out
 from haptisym.figures.style import (
     BLUE,
     DASHED,
@@ -46,11 +46,7 @@ def metrics_figure(m: Metrics) -> Figure:
     draw_verdicts(lower, m)
     upper.tick_params(labelbottom=False)
     upper.set_xlabel("")
-    figure.draw_without_rendering()
-    figure.set_figheight(height + legend_height(upper))
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
-    return figure
+    return laid_out(figure, height, upper)
 
 
 def draw_measures(

@@ -31,16 +31,27 @@ def one_column(height: float, draw: Callable[[Axes], object], width: float = WID
     figure = Figure(figsize=(width, height), layout="compressed")
     ax = figure.add_subplot()
     draw(ax)
-    figure.draw_without_rendering()
-    if ax.get_aspect() == 1:
-        height = min(0.7 + 2.8 * ax.get_data_ratio(), 3.6)
-    figure.set_figheight(height + legend_height(ax))
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")  # laid out once, so that all files look the same
+    return laid_out(figure, height, ax)
+
+
+def laid_out(figure: Figure, height: float, *axes: Axes) -> Figure:
+    """The same figure, with room for the legends of its axes above that height; laid out once, so that all files look the same.
+
+    Texts and axes are measured; nothing is drawn, which takes longer.
+    """
+    engine = figure.get_layout_engine()
+    assert engine is not None
+    engine.execute(figure)
+    [first, *others] = axes
+    if not others and first.get_aspect() == 1:
+        height = min(0.7 + 2.8 * first.get_data_ratio(), 3.6)
+    figure.set_figheight(height + sum(map(_legend_height, axes)))
+    engine.execute(figure)
+    figure.set_layout_engine("none")
     return figure
 
 
-def legend_height(ax: Axes) -> float:
+def _legend_height(ax: Axes) -> float:
     """The height of the legend, in inches; 0 without one."""
     legend = ax.get_legend()
     return legend.get_window_extent().height / ax.figure.dpi if legend else 0.0

@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 
 from haptisym.figures.heldbox import draw_held
 from haptisym.figures.scales import Scale, scale_of
-from haptisym.figures.sheet import legend_height, one_column
+from haptisym.figures.sheet import laid_out, one_column
 from haptisym.figures.style import (
     BLUE,
     GREY,
@@ -132,8 +132,4 @@ def _with_hands(a: Tolerances) -> Figure:
     upper, lower = figure.subplots(2, 1, height_ratios=heights)
     draw_tolerances(upper, a)
     draw_held(lower, a)
-    figure.draw_without_rendering()
-    figure.set_figheight(sum(heights) + legend_height(upper) + legend_height(lower))
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
-    return figure
+    return laid_out(figure, sum(heights), upper, lower)
