@@ -8,10 +8,12 @@ monomials with balls for coefficients (``blowups``), however omega and u go to 0
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import reduce
 from itertools import groupby, pairwise
+from operator import mul
 
 import flint
 from flint import arb, fmpq
@@ -24,8 +26,9 @@ from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial
 from haptisym.verbs.require.blowups import is_negative, positive_along
 from haptisym.verbs.require.clusters import Strips, places
+from haptisym.verbs.require.knownsums import Coefficient, Key, Known, added, of_parts
 from haptisym.verbs.require.lowest import beginning
-from haptisym.verbs.require.monomials import Coefficient, Terms
+from haptisym.verbs.require.monomials import Terms
 from haptisym.verbs.require.places import CellVerdict, Strip
 from haptisym.verbs.require.strips import Shape
 
@@ -207,20 +210,33 @@ def _terms(shape: Shape, near: Ball) -> Terms:
         start = sum((_rational(a) * n for a, n in zip(axis.orders, orders, strict=True)), Fraction(0))
         for n, value in _expanded(part, near):
             place = start + n, Fraction(power)
-            found[place] = found.get(place, fmpq(0)) + value
+            found[place] = added(found.get(place, fmpq(0)), value)
     return found
 
 
 def _expanded(part: Shape, near: Ball) -> Iterator[tuple[int, Coefficient]]:
     """Taylor's coefficients at omega = 0 of a function without powers: those that are not 0, the last one a ball."""
     order, rows = _first(part)
-    compiled = part.over(arb(0))
+    units = _units(part, {key for row in rows for key in row})
     for n in range(order, order + _KNOWN):
-        if not any(rows[n].values()):
-            continue
-        bare = all(not any(key) for key in rows[n])
-        yield n, (sum(rows[n].values(), fmpq(0)) if bare else compiled.taylor(arb(0), n))
-    yield order + _KNOWN, compiled.taylor(arb(0).union(near), order + _KNOWN)
+        value = of_parts({key if key in units else (): x for key, x in rows[n].items()}, units)
+        if isinstance(value, Known) or value:
+            yield n, value
+    yield order + _KNOWN, part.over(arb(0)).taylor(arb(0).union(near), order + _KNOWN)
+
+
+def _units(part: Shape, keys: Iterable[Key]) -> dict[Key, Ball]:
+    """Balls around the products of pi and of waves of constant angles that numbers of such keys are multiplied with."""
+    axis, waves = part.axis, dict[int, list[Ball]]()
+    for i, (angle, degree) in enumerate(zip(axis.angles, part.degrees, strict=True), axis.size):
+        if angle.constant and degree:
+            sine, cosine = (expression_ball(angle.rate) / 2).sin_cos()
+            waves[i] = [sine**k * cosine ** (degree - k) for k in range(degree + 1)]
+    found: dict[Key, Ball] = {(): arb(1)}
+    for key in keys:
+        if waves or any(key):
+            found[key] = reduce(mul, (own[key[i]] for i, own in waves.items()), arb.pi() ** key[1])
+    return found
 
 
 def _first(part: Shape) -> tuple[int, list[dict[tuple[int, ...], fmpq]]]:

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from math import lcm
 from typing import Any, TypeAlias
 
 import numpy as np
-from flint import arb, arb_mat
+from flint import arb, arb_mat, arb_poly, fmpq
 
 from haptisym.kernel.reals import Ball
+from haptisym.verbs.require.knownsums import Coefficient, ExactPolynomial, added, ball, is_exact
+from haptisym.verbs.require.rows import Row
 
-Coefficient: TypeAlias = Any
-"""A rational number of FLINT's, or a ball."""
 Terms: TypeAlias = Mapping[tuple[Fraction, Fraction], Coefficient]
 """Coefficients by the exponents of X and Y."""
 Side: TypeAlias = tuple[Ball, Ball]
@@ -33,7 +33,7 @@ class _Table:
         """All of them, in balls of the working precision that was the first."""
         flat = [arb(0)] * (self.shape[0] * self.shape[1])
         for (i, j), value in self.values.items():
-            flat[i * self.shape[1] + j] = arb(value)
+            flat[i * self.shape[1] + j] = ball(value)
         return arb_mat(*self.shape, flat)
 
     @cached_property
@@ -41,8 +41,8 @@ class _Table:
         """About the logarithms of the negative ones, -inf in place of others."""
         found = np.full(self.shape, -np.inf)
         for place, value in self.values.items():
-            if value < 0:
-                found[place] = float(abs(arb(value)).mid().log())
+            if ball(value) < 0:
+                found[place] = float(abs(ball(value)).mid().log())
         return found
 
 
@@ -59,6 +59,10 @@ class Monomials:
     across: tuple[Fraction, ...]
     up: tuple[Fraction, ...]
     table: _Table
+    _rows: dict[int, Row | None] = field(default_factory=dict, init=False, repr=False)
+    _above: dict[int, Monomials | None] = field(default_factory=dict, init=False, repr=False)
+    _shifted: dict[tuple[fmpq, int], Monomials] = field(default_factory=dict, init=False, repr=False)
+    _risen: dict[Fraction, Monomials] = field(default_factory=dict, init=False, repr=False)
 
     @classmethod
     def of(cls, terms: Terms) -> Monomials:
@@ -77,6 +81,61 @@ class Monomials:
     def has_constant(self) -> bool:
         """Whether there is a term without X and Y."""
         return (Fraction(0), Fraction(0)) in self.terms
+
+    def row(self, n: int) -> Row | None:
+        """What stands before the n-th power of X; None where a coefficient of it is but a ball."""
+        if n not in self._rows:
+            self._rows[n] = Row.of({b: value for (a, b), value in self.terms.items() if a == self.across[n]})
+        return self._rows[n]
+
+    def above(self, n: int) -> Monomials | None:
+        """The sum without the first powers of X up to the n-th; None where nothing is left."""
+        if n not in self._above:
+            left = {(a, b): value for (a, b), value in self.terms.items() if a > self.across[n]}
+            self._above[n] = Monomials.of(left) if left else None
+        return self._above[n]
+
+    @cached_property
+    def touches(self) -> tuple[fmpq, ...]:
+        """Rational Y > 0 at which what stands before the least power of X has a double root, or one of more."""
+        first = self.row(0)
+        return first.touches if first and all(b.denominator == 1 for b in self.up) else ()
+
+    def shifted(self, at: fmpq, sign: int) -> Monomials:
+        """The sum in X and w, Y = at + sign w, where Y is in whole powers: what cancels there is not in it."""
+        if (at, sign) not in self._shifted:
+            rows: dict[Fraction, dict[int, Coefficient]] = {a: {} for a in self.across}
+            for (a, b), value in self.terms.items():
+                rows[a][int(b)] = value
+            moved = {a: _moved(row, at, sign) for a, row in rows.items()}
+            found = {(a, Fraction(n)): value for a, row in moved.items() for n, value in row.items()}
+            self._shifted[at, sign] = Monomials.of(found)
+        return self._shifted[at, sign]
+
+    @cached_property
+    def slope(self) -> tuple[Fraction, Ball]:
+        """The slope p of the edge of Newton's polygon next to X = 0, and about where along Y = X^p v its terms are alike.
+
+        That is beyond where these touch 0, which is all on one side of it then.
+        """
+        b = min(b for a, b in self.terms if a == 0)
+        others = [(a / (b - other), b - other, value) for (a, other), value in self.terms.items() if other < b]
+        p, rise, value = min(others, key=lambda x: x[:2])
+        first, last = (abs(float(ball(x).mid())) for x in (self.terms[Fraction(0), b], value))
+        alike = (last / first) ** (1 / float(rise)) if first and last else 1.0
+        return p, arb(max([alike, *(2 * float(arb(x)) for x in self.risen(p).touches)]))
+
+    def risen(self, p: Fraction) -> Monomials:
+        """The sum in X and v over a power of X, Y = X^p v."""
+        if p not in self._risen:
+            found = Monomials.of({(a + p * b, b): c for (a, b), c in self.terms.items()})
+            self._risen[p] = found.over_power(found.across[0], Fraction(0))
+        return self._risen[p]
+
+    def along(self, v: Ball) -> tuple[Ball, ...]:
+        """What stands before the powers of X, in order, at a number Y = v >= 0."""
+        powers = arb_mat(len(self.up), 1, _ranges(self._lattices[1], (v, v), Fraction(0)))
+        return tuple((self.table.matrix * powers).entries())
 
     def over_power(self, a: Fraction, b: Fraction) -> Monomials:
         """The sum over X^a Y^b."""
@@ -110,6 +169,16 @@ class Monomials:
         sizes = self.table.sizes + self._floats[0] * float(x.log()) + self._floats[1] * float(y.log())
         i, j = np.unravel_index(int(np.argmax(sizes)), sizes.shape)
         return (self.across[i], self.up[j]) if sizes[i, j] > -np.inf else None
+
+
+def _moved(row: Mapping[int, Coefficient], at: fmpq, sign: int) -> dict[int, Coefficient]:
+    """The coefficients of a polynomial in w, Y = at + sign w."""
+    found = dict(ExactPolynomial.of({n: value for n, value in row.items() if is_exact(value)}).shifted(at, sign))
+    if not all(map(is_exact, row.values())):
+        rest = [row[n] if n in row and not is_exact(row[n]) else arb(0) for n in range(max(row) + 1)]
+        for n, value in enumerate(arb_poly(rest)(arb_poly([at, sign])).coeffs()):
+            found[n] = added(found.get(n, fmpq(0)), value)
+    return found
 
 
 _Lattice: TypeAlias = tuple[int, tuple[int, ...]]
