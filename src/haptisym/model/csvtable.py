@@ -21,8 +21,8 @@ from haptisym.model.quantities import MotionKind
 
 LARGEST = 500_000_000
 """Bytes of a file."""
-_TOGETHER = 1 << 18
-"""Letters that are read at once: what is made of them stays close to the processor."""
+_TOGETHER = 1 << 17
+"""Letters that are read at once: what is made of them stays close to the processor, and in memory that is used again."""
 _NOT_TEXT = (b"PK", b"\x89", b"MATLAB", b"\x80", b"\xff\xfe", b"\xfe\xff")
 
 

@@ -11,10 +11,10 @@ import numpy as np
 from haptisym.judge.percepts import Change, Property, real_property
 from haptisym.kernel.errors import SceneError
 from haptisym.model.catalogue import Environment
-from haptisym.model.jnd import Part
+from haptisym.model.jnd import Part, Threshold
 from haptisym.model.measured import Complexes, Measurement, Reals
 from haptisym.model.measuredscene import MeasuredScene
-from haptisym.verbs.measured.regions import ends_of, floor_of, joint_distance, part_distance
+from haptisym.verbs.measured.regions import ends_of, floor_of, is_of_change_alone, joint_distance, part_distance
 
 OPEN = 2
 """A sign that a disc does not tell."""
@@ -86,7 +86,8 @@ def lines_of(scene: MeasuredScene) -> Lines:
     """The lines that a scene judges. SceneError where H_env is infinite at one of them."""
     felt, own = matched(scene)
     env = _exact(scene, felt.omega) if own is None else own.H
-    inner, outer = (np.zeros(len(felt)) if m is None or m.discs is None else m.discs for m in (own, felt))
+    none = np.broadcast_to(0.0, len(felt))
+    inner, outer = (none if m is None or m.discs is None else m.discs for m in (own, felt))
     known = any(m is not None and m.discs is not None for m in (own, felt))
     size = np.abs(env)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -128,31 +129,41 @@ class Judged:
 
 def judged(scene: MeasuredScene, x: Lines, part: Part | None) -> Judged | None:
     """Of a part by itself, or of both together: None where the region judges each by itself."""
-    c, sides = scene.threshold, {Part.REAL: x.change.real, Part.IMAG: x.change.imag}
-    size = np.abs(x.environment)
+    c = scene.threshold
     with np.errstate(divide="ignore", invalid="ignore"):
         if part is None:
             distance = joint_distance(c, x.omega, x.change.real, x.change.imag)
             if distance is None:
                 return None
         else:
-            env = (x.environment.real if part is Part.REAL else x.environment.imag) / size
-            reach = np.maximum(size - x.env_radius, 0), size + x.env_radius
-            distance = part_distance(c, part, x.omega, sides[part], env, reach)
-    moved = x.perceived - x.environment
-    own = np.abs(moved if part is None else moved.real if part is Part.REAL else moved.imag)
-    return _told(x, distance, own, floor_of(c, x.omega))
+            own = _side(x.change, part)
+            env, reach = (own, (own, own)) if is_of_change_alone(c, part) else _environment(x, part)  # or not looked at
+            distance = part_distance(c, part, x.omega, own, env, reach)
+    return _told(x, distance, part, c)
 
 
-def _told(x: Lines, distance: Reals, moved: Reals, floor: Reals) -> Judged:
-    """``moved`` : how much of dH is judged; where H_env is 0 that is compared with the floor."""
-    radius = np.zeros(len(distance)) if x.radius is None else x.radius
+def _side(z: Complexes, part: Part) -> Reals:
+    return z.real if part is Part.REAL else z.imag
+
+
+def _environment(x: Lines, part: Part) -> tuple[Reals, tuple[Reals, Reals]]:
+    """Its part as a share of ``|H_env|``, and the least and the largest ``|H_env|`` in its disc."""
+    size = np.abs(x.environment)
+    return _side(x.environment, part) / size, (np.maximum(size - x.env_radius, 0), size + x.env_radius)
+
+
+def _told(x: Lines, distance: Reals, part: Part | None, c: Threshold) -> Judged:
+    """Where H_env is 0, what of dH is judged is compared with the floor."""
     zero = (x.environment == 0) & (x.env_radius == 0)
-    if zero.any():
+    is_any = bool(zero.any())
+    if is_any:
+        dH = x.perceived - x.environment
+        moved, floor = np.abs(_side(dH, part) if part else dH), floor_of(c, x.omega)
         distance = np.where(zero, np.where(moved <= floor, -np.inf, np.inf), distance)
     with np.errstate(invalid="ignore"):
+        radius = 0.0 if x.radius is None else x.radius
         outside, inside = distance > radius, distance <= -radius
-    if zero.any():
+    if is_any:
         outside = np.where(zero, moved > x.perc_radius + floor, outside)
         inside = np.where(zero, moved + x.perc_radius <= floor, inside)
     return Judged(distance, outside.astype(np.int8) - inside.astype(np.int8))

@@ -82,7 +82,7 @@ def part_distance(c: Threshold, part: Part, at: Reals, x: Reals, env: Reals, siz
     """
     low, high = ends_of(c, part, at)
     lower = c.lower(part)
-    if lower is None and c.region.floor is None:
+    if is_of_change_alone(c, part):
         return np.maximum(x - high, low - x)
     below = high if lower is None else values_of(lower, at)
     least, largest = (_floored(c, at, s) for s in size)
@@ -92,6 +92,11 @@ def part_distance(c: Threshold, part: Part, at: Reals, x: Reals, env: Reals, siz
     outer, inner = (_either(moved, grown, np.maximum(high, f), np.maximum(below, f)) for f in (least, largest))
     worst = np.where(outer > 0, outer, np.minimum(inner, 0))
     return np.where(uncertain, worst, exact)
+
+
+def is_of_change_alone(c: Threshold, part: Part) -> bool:
+    """Whether it does not matter which environment a change is of: no floor, and limits that are the same for both ways."""
+    return c.lower(part) is None and c.region.floor is None
 
 
 def upright(tilt: Reals) -> Reals:
