@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from fractions import Fraction
+from itertools import pairwise
+from random import Random
 from typing import Any
 
 import pytest
@@ -12,9 +14,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from oracles import Case
 from strategies import Drawn, Seeded, case, cases, coincident_case, scene
+from sympy import Integer
 
 import haptisym as hs
 from haptisym.environments import mass_spring_damper
+from haptisym.judge.bandwidths import _lower
+from haptisym.judge.climb import Bandwidths, Jump
+from haptisym.kernel.reals import ExactNumber
 
 RESONANT = hs.Scene(mass_spring_damper(k=100), (hs.effects.series("1 + 0.4*s/(s^2 + 2*s + 9)"),), (0, 40))
 """G - 1 runs on a circle: the real part peaks at 3 rad/s with 1/5, the imaginary part twice with 1/10, where the real part has 1/10 too."""
@@ -263,3 +269,31 @@ def test_every_bandwidth_of_a_region_of_the_range_is_among_those_that_are_said_t
         one = in_region(asked, shape, str(ends[0] + share * (ends[1] - ends[0]))).bandwidth
         if one is not None:
             assert reached(found, sum(one.bounds(150), Fraction(0)) / 2)
+
+
+def drawn(pick: Random, first: int) -> Bandwidths:
+    """From a number to another, less some jumps: every second whole number from the first one on."""
+    numbers = [ExactNumber(Integer(first + 2 * n)) for n in sorted(pick.sample(range(10), pick.randint(2, 6)))]
+    inner = list(pairwise(numbers[:-1]))[:: pick.randint(1, 2)]
+    jumps = [Jump(a, b, includes_low=a is numbers[0] or pick.random() < 0.5) for a, b in inner if pick.random() < 0.7]
+    return Bandwidths(numbers[0], numbers[-1], tuple(jumps))
+
+
+def is_given(of: Bandwidths, x: Fraction) -> bool:
+    def at(number: Any) -> Fraction:
+        return Fraction(int(number.value))
+
+    left_out = any(at(j.low) < x < at(j.high) or (x == at(j.low) and not j.includes_low) for j in of.jumps)
+    return at(of.least) <= x <= at(of.most) and not left_out
+
+
+def test_the_smaller_of_two_bandwidths_is_one_of_either_set_as_far_as_both_reach() -> None:
+    """With nothing else known of both, all of either set up to the smaller of their largest."""
+    pick = Random(5)
+    for _ in range(60):
+        one, other = drawn(pick, 0), drawn(pick, 1)
+        both = _lower(one, other)
+        most = min(Fraction(int(x.most.value)) for x in (one, other))  # type: ignore[union-attr]
+        for n in range(-2, 44):
+            x = Fraction(n, 2)
+            assert is_given(both, x) == ((is_given(one, x) or is_given(other, x)) and x <= most)

@@ -118,7 +118,7 @@ def _unreached(x: Bandwidths, least: RealNumber) -> list[Jump]:
 def _common(a: Jump, b: Jump, most: RealNumber) -> Jump | None:
     low = b.low if a.low is not b.low and above(b.low, a.low) else a.low
     high = _least(_least(a.high, b.high), most)
-    reached = (b if low is b.low else a).includes_low
+    reached = any(x.includes_low for x in (a, b) if low is x.low)  # by one set: then by the smaller of both
     return Jump(low, high, includes_low=reached) if low is not high and above(high, low) else None
 
 
