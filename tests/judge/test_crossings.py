@@ -10,12 +10,15 @@ from answers import floats, intervals, of_part, told
 from oracles import DIGITS, MP, Case, Element, rounded
 from paper import ask, paper
 from strategies import evaluate
-from sympy import sqrt
+from sympy import Expr, Rational, pi, sqrt
 
 import haptisym as hs
 from haptisym.effects import compliance, first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import expression, mass_spring_damper
-from haptisym.judge.criteria import noticed
+from haptisym.judge.criteria import level, noticed
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.symbols import omega
 
 SPRING = mass_spring_damper(k=1)
 
@@ -479,3 +482,14 @@ def test_a_crossing_shows_how_its_ratio_meets_the_threshold(kind: str, verb: str
     [criterion] = [x for x in noticed(hs.Threshold()) if x.part is part]
     crossing = hs.Crossing(criterion, found.omega, hs.CrossingKind[kind], 1, 1)
     assert f"{ratio} {verb} its threshold at" in repr(crossing)
+
+
+@pytest.mark.parametrize(
+    "limit",
+    [Rational(1, 10), 2 / pi, Rational(7), omega / 50 + pi, (omega + 1) / (3 * omega + 40), 5 / (omega**2 + pi), 1 / (7 * omega + 3) + 2],
+)  # fmt: skip
+def test_what_exceeds_a_limit_is_the_measure_less_the_limit_over_something_positive(limit: Expr) -> None:
+    measure = (omega**2 + 3) / (omega**2 + 5 * omega + 1)
+    found = level(RealFunction(Ring().axis.convert(measure)), limit)
+    assert isinstance(found, RealFunction)
+    assert (found.function.expression() - measure + limit).together().cancel() == 0

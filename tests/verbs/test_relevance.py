@@ -15,17 +15,19 @@ import mpmath
 import pytest
 import strategies
 from marks import QUICK_SCENES, often
-from regions import margin
+from regions import margin, outside
 from sympy import Expr, Rational, exp, lambdify, pi
 
 import haptisym as hs
+from haptisym.judge.criteria import noticed
 from haptisym.judge.regions import Sided
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import EFFECTS
+from haptisym.model.jndtables import read_threshold
 from haptisym.programs.series import series_arithmetic
 from haptisym.verbs.effects.ballchain import TERMS, BallChain, BandPiece, Kept
 from haptisym.verbs.effects.differences import Difference, _down, _Expansion, _up
-from haptisym.verbs.effects.enclosing import levels
+from haptisym.verbs.effects.enclosing import _reach, levels
 from haptisym.verbs.effects.entry import relevance
 from haptisym.verbs.effects.relevance import Relevance
 from haptisym.verbs.effects.subsets import SubsetSearch
@@ -802,6 +804,30 @@ def test_what_must_and_may_be_left_is_so_for_every_change_within_the_bounds(seed
         if e < Rational(1, 10**8) and min(map(abs, noticed)) > 1e-3:
             assert found.may is not None
             assert sign(found.must) == sign(found.may) == (1 if noticed[0] > 0 else -1)
+
+
+SHAPES: list[dict[str, Any]] = [
+    {"shape": "ellipse", "real": "0.1", "imag": "0.3"},
+    {"shape": "ellipse", "real": "0.2", "imag": "0.1", "tilt": "0.8"},
+    {"shape": "ellipse", "real": "0.2", "imag": "0.1", "tilt": "-0.6"},
+    {"shape": "diamond", "real": "0.1", "imag": "0.25"},
+    {"shape": "polygon", "corners": [["0.1", "-0.1"], ["0.1", "0.3"], ["-0.2", "0.1"]]},
+]
+
+
+@pytest.mark.parametrize("jnd", SHAPES)
+@pytest.mark.parametrize(("e", "f"), [("1/100", "1/50"), ("3/10", "1/1000"), ("1/1000", "1/5")])
+def test_a_region_enlarged_by_the_reach_of_changes_holds_them_all_and_hardly_more(
+    jnd: dict[str, Any], e: str, f: str
+) -> None:
+    [criterion] = noticed(read_threshold(jnd))
+    change = {hs.Part.REAL: Rational(e), hs.Part.IMAG: Rational(f)}
+    reach = float(_reach(criterion.joint, change, (Rational(0), Rational(5))))  # type: ignore[arg-type]
+    a, b = float(Rational(e)), float(Rational(f))
+    square = [(x * a, y * b) for x in (-1, -0.3, 0.4, 1) for y in (-1, -0.5, 0.2, 1)]
+    assert max(outside(jnd, x / reach, y / reach, 1) for x, y in square) <= 1e-12
+    less = reach / (sqrt(2 / (1 - float(jnd.get("tilt", 0)) ** 2)) if jnd["shape"] == "ellipse" else 1.4) * 0.999
+    assert max(outside(jnd, x / less, y / less, 1) for x, y in square) > 0
 
 
 def test_with_a_tolerance_above_the_threshold_crossings_may_lie_anywhere_below_the_upper_level() -> None:
