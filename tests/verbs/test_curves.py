@@ -1,0 +1,67 @@
+"""The curve on which one open number puts roots on the imaginary axis: through values that were put there."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+from sympy import Expr, Integer, Rational, Symbol, exp
+
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.rings import RationalFunction
+from haptisym.kernel.symbols import omega, s
+from haptisym.verbs.stability.curves import _remainder, curve_of
+from haptisym.verbs.stability.loops import Loop, coefficients
+
+Q = Symbol("q", positive=True)
+
+
+def drawn(pick: random.Random, degree: int, of: Expr, most: int = 2) -> Expr:
+    """A polynomial in s (or another) and q with small whole coefficients."""
+    found: Expr = Integer(0)
+    for i in range(degree + 1):
+        found += Q**i * sum((pick.randint(-3, 3) * of**n for n in range(most + 1)), Integer(0))
+    return found
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_value_that_puts_roots_on_the_axis_is_on_the_curve_at_their_frequency(degree: int, seed: int) -> None:
+    """C = (s^2 + w^2) A(s, q) + (q - v) B(s, q) has roots +-j w at q = v; beside delays and whole powers of q."""
+    pick = random.Random(10 * degree + seed)
+    w, v = Rational(pick.randint(1, 9), pick.randint(1, 4)), Rational(pick.randint(1, 9), pick.randint(1, 4))
+    A, B = drawn(pick, degree, s, 1) + s + 1, drawn(pick, degree - 1, s) + s**2 + 2
+    if seed % 2:
+        A *= exp(-s / 3)
+    C = (s**2 + w**2) * A + (Q - v) * B
+    ring = Ring.of([C])
+    curve = curve_of(Loop(ring, ring.convert(C).numerator, ring.constant(1), Q))
+    assert curve is not None
+
+    def at(f: RationalFunction) -> Expr:
+        """Whatever the tangent of the angle is, which has a name of its own."""
+        top, bottom = (f.ring.expression(p).subs(omega, w) for p in (f.numerator, f.denominator))
+        return top / bottom
+
+    assert at(curve.condition).cancel() == 0
+    assert (at(curve.value) - v).cancel() == 0
+    assert (at(curve.square) - v**2).cancel() == 0
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_remainder_that_is_linear_vanishes_wherever_both_polynomials_do(seed: int) -> None:
+    pick, x = random.Random(seed), Symbol("x")
+    ring = Ring.of([x, Q])
+    w, v = Rational(pick.randint(-9, 9), 4), Rational(pick.randint(-9, 9), 3)
+    both = []
+    for _ in range(2):
+        f = (x - w) * drawn(pick, 2, x) + (Q - v) * (drawn(pick, pick.randint(1, 2), x) + Q)
+        both.append(ring.convert(f).numerator)
+    index = ring.meanings.index(Q)
+    found = _remainder(both[0], both[1], index)
+    assert found is not None
+    c0, c1 = (ring.expression(p) for p in found)
+    assert Q not in c0.free_symbols | c1.free_symbols
+    assert (c0 + c1 * v).subs(x, w) == 0
+    assert c1 != 0
+    assert len(coefficients(both[0], index)) > 2
