@@ -110,6 +110,28 @@ def test_powers_of_frequencies_of_any_size_lie_within_their_error(alpha: float) 
     assert (wrong < 1e-11 * values + 1e-270).all()
 
 
+@pytest.mark.parametrize("degree", [6, 12])
+@pytest.mark.parametrize("alpha", [0.5, 1.5])
+def test_what_polynomials_leave_out_of_powers_is_bounded_beside_0_too(alpha: float, degree: int) -> None:
+    """Or said to be unknown; further away from 0 it is little."""
+    low = np.array([1e-3, 0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.5, 0.9])
+    high, sets = np.ones_like(low), len(low)
+    variables = Variables((), (alpha,))
+    family = WaveFamily((Monomial(0, 1.0, 0.0, (0,)),), variables, ((0, 1),))
+    f = WaveFunction(variables, np.zeros((0, sets)), (Factor(family, family.at(Powers(np.ones((1, sets))))),))
+    value, slope = f.left_out(low, high, degree)
+    y = -np.cos(np.pi * np.arange(degree + 1) / degree)
+    for i in range(sets):
+        middle, half = (low[i] + high[i]) / 2, (high[i] - low[i]) / 2
+        p = np.polynomial.Polynomial.fit(y, (middle + half * y) ** alpha, degree, domain=[-1, 1])
+        t = np.linspace(-1, 1, 801)
+        off = np.abs(p(t) - (middle + half * t) ** alpha).max()
+        steep = np.abs(p.deriv()(t) - half * alpha * (middle + half * t) ** (alpha - 1)).max()
+        assert not value[i] < off - 1e-12  # what floats do to the polynomial that is fitted here
+        assert not slope[i] < steep - 1e-10
+    assert (value[-2:] < 1e-3).all()
+
+
 TAU, ALPHA, P = Symbol("tau", positive=True), Symbol("alpha", positive=True), Symbol("p", positive=True)
 
 
