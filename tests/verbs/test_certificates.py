@@ -40,14 +40,18 @@ from certificates import (
     text_of,
 )
 from marks import often
-from sympy import Rational, pi
+from sympy import Rational, exp, pi
 
 import haptisym as hs
 from haptisym import effects, environments
 from haptisym.cli import main
+from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.reals import ExactNumber, RealNumber
+from haptisym.kernel.response import on_axis
+from haptisym.kernel.symbols import s
 from haptisym.model.expressions import evaluate
 from haptisym.model.units import read_unit
+from haptisym.verbs.evaluate.products import products
 from haptisym.verbs.evaluate.waves import ORDER, wave_factor
 from haptisym.verbs.evaluate.waves import WaveFactor as WrittenWaves
 from haptisym_check import RefusedError, check
@@ -55,9 +59,10 @@ from haptisym_check.__main__ import main as checker_main
 from haptisym_check.balls import SCALE, circle, power
 from haptisym_check.formulas import CATALOGUE, Number, quantity, unit, units
 from haptisym_check.formulas import evaluated as read_formula
-from haptisym_check.scene import Scene
+from haptisym_check.link import Product
+from haptisym_check.scene import Element, Scene
 from haptisym_check.values import ONE, Point, Value, combined, degree
-from haptisym_check.waves import WaveFactor
+from haptisym_check.waves import WaveFactor, factor_of
 
 
 def verdict(document: Any, scene: str) -> str:
@@ -596,6 +601,85 @@ def test_cosines_and_sines_lie_within_their_bounds() -> None:
                 assert radius < SCALE // 10**40
 
 
+@pytest.mark.parametrize("size", [Fraction(2**100_001), Fraction(1, 2**100_001), Fraction(0), Fraction(-1, 2)])
+def test_powers_of_numbers_of_a_hundred_thousand_bits_or_below_0_are_refused(size: Fraction) -> None:
+    with pytest.raises(RefusedError, match="too large, or too small"):
+        power(size, Fraction(1, 2))
+
+
+@pytest.mark.parametrize(
+    ("told", "why"),
+    [
+        ({"number": "2", "powers": [[0, 1], [0, 2]]}, "stands twice"),
+        ({"number": "2", "powers": [[0, 1], [0, 1]]}, "stands twice"),
+        ({"number": "0", "powers": [[1, 1]]}, "zero everywhere"),
+        ({"number": "2", "powers": [[2, 1]]}, "whole number from 0 to 1"),
+        ({"number": "2", "powers": [[-1, 1]]}, "whole number from 0 to 1"),
+        ({"number": "2", "powers": [[0, 101]]}, "whole number from -100 to 100"),
+        ({"number": "2", "powers": [[0, True]]}, "whole number"),
+        ({"number": "2", "powers": [[2.0, 1]]}, "whole number"),
+        ({"number": 2, "powers": []}, "not written as one"),
+        ({"number": "2", "powers": [[0, 1, 1]]}, "a list of 2 to 2"),
+        ({"number": "2"}, "with the keys"),
+    ],
+)
+def test_a_product_that_may_be_read_in_two_ways_is_refused(told: dict[str, Any], why: str) -> None:
+    factors = [factor_of({"step": 1, "polynomial": [["-3"], [n]]}, (), ()) for n in ("1", "2")]
+    assert Product({"number": "2/3", "powers": [[0, 1], [1, -2]]}, factors).powers == {0: 1, 1: -2}
+    with pytest.raises(RefusedError, match=why):
+        Product(told, factors)
+
+
+@pytest.mark.parametrize(
+    ("model", "least", "most"),
+    [
+        (lambda n: {"model": "sampled-loop", "T": "1 ms", "method": "tustin", "delay": n}, 0, 20),
+        (lambda n: {"model": "pade-delay", "tau": "1 ms", "order": n}, 1, 10),
+        (lambda n: {"model": "prony", "k0": 1, "k": [1] * n, "b": [2] * n}, 1, 20),
+    ],
+)
+def test_the_checker_reads_elements_of_the_sizes_that_are_written_and_no_others(
+    model: Any, least: int, most: int
+) -> None:
+    formulas = 1 if model(1)["model"] == "prony" else 4
+    for n in (least, most):
+        assert len(Element(model(n), formulas).texts) >= formulas
+    for n in (least - 1, most + 1):
+        with pytest.raises(RefusedError):
+            Element(model(n), formulas)
+
+
+FREE_BESIDE = """
+environment = {{ model = "kelvin-voigt", k = 100, b = 2 }}
+effects = [{{ model = "first-order-lag", omega_c = "{0}" }}]
+hand = {{ m = 1 }}
+evaluation = {{ band = ["0 rad/s", "{1}"], jnd = {2} }}
+"""
+
+
+@pytest.mark.parametrize(
+    ("words", "path", "fits"),
+    [
+        (("80 rad/s", "15 rad/s", '"0.1"'), ["environment", "k"], True),
+        (("80 rad/s", "15 rad/s", '"0.1"'), ["effects", 0, "omega_c"], True),
+        (("80 rad/s", "15 rad/s", '"0.1"'), ["hand", "m"], False),
+        (("80 rad/s", "15 rad/s", '"0.1"'), ["environment", "m"], False),
+        (("13 Hz", "15 rad/s", '"0.1"'), ["environment", "k"], False),
+        (("13 Hz", "15 rad/s", '"0.1"'), ["effects", 0, "omega_c"], True),
+    ],
+)
+def test_a_number_is_left_free_where_it_counts_and_no_other_number_has_pi_in_it(
+    words: tuple[str, str, str], path: list[str | int], *, fits: bool
+) -> None:
+    data = FREE_BESIDE.format(*words).encode()
+    assert Scene(data, None).felt.numbers["k"].value == 100
+    if fits:
+        Scene(data, None, path)
+        return
+    with pytest.raises(RefusedError, match="free beside pi|has no such number"):
+        Scene(data, None, path)
+
+
 def test_powers_lie_within_their_bounds() -> None:
     with flint.ctx.workprec(12_000):
         for x in (
@@ -671,6 +755,17 @@ def test_which_powers_of_omega_a_sum_of_waves_holds_at_0_is_exact(terms: list[An
     assert writer._beginnings == {(): expected}
 
 
+def test_a_sum_of_waves_that_is_0_at_a_number_has_no_sign_there() -> None:
+    """cos^2 + sin^2 - omega."""
+    one = ((1,), (-1,))
+    writer = WrittenWaves((((0,), one), ((2,), one)), (2,), (Fraction(3),))
+    places = [Fraction(1, 2), Fraction(1), 1 + Fraction(1, 10**40), 1 - Fraction(1, 10**40), Fraction(9)]
+    assert [writer.sign_at(x) for x in places] == [1, 0, -1, 1, -1]
+    assert writer.moved(Fraction(0), Fraction(1)) is None
+    assert writer.moved(Fraction(1, 2), Fraction(9, 10)) == (1,)
+    assert writer.moved(Fraction(9, 10), Fraction(11, 10)) == (1, -1)
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_a_polynomial_in_tangents_is_told_as_one_in_sines_and_cosines(seed: int) -> None:
     """Times the highest powers of the cosines; with any numbers for omega, pi, Re and Im of a power, sines and cosines."""
@@ -702,6 +797,39 @@ def test_a_polynomial_in_tangents_is_told_as_one_in_sines_and_cosines(seed: int)
     for (_, cosine), n in zip(pairs, found.waves, strict=True):
         expected *= cosine**n
     assert value == expected
+
+
+def test_a_factor_has_room_for_forty_sines_of_a_delay_where_it_is_written_and_where_it_is_read() -> None:
+    context = flint.fmpq_mpoly_ctx.get(("omega", "pi", "t"), "lex")
+    for n in (40, 41):
+        factor = context.from_dict({(1, 0, n): 2, (0, 0, 0): 3})
+        told = {"waves": [n], "terms": [[[0], [["3"]]], [[n], [["0"], ["2"]]]]}
+        if n == 40:
+            assert wave_factor(factor, 2, (Fraction(1),)).told() == told
+            assert WaveFactor(told, (Fraction(1),)).waves == (40,)
+            continue
+        with pytest.raises(hs.SceneError, match="about 40 times a common one"):
+            wave_factor(factor, 2, (Fraction(1),))
+        with pytest.raises(RefusedError):
+            WaveFactor(told, (Fraction(1),))
+
+
+@pytest.mark.parametrize(
+    ("H", "fits"),
+    [
+        (exp(-s / 3), True),
+        (exp(-s / (2**100 - 1)), True),
+        (exp(-s / 2**100), False),
+        (exp(-s * pi / 10), False),
+    ],
+)
+def test_delays_of_a_certificate_are_rational_and_short(H: Any, *, fits: bool) -> None:
+    f = on_axis(Ring.of([H]).convert(1 + H)).real
+    if fits:
+        assert products({"x": f}).factors
+        return
+    with pytest.raises(hs.SceneError, match="orders together, each a rational|of at most 30 digits"):
+        products({"x": f})
 
 
 def summed_at(delays: list[Fraction], orders: list[Fraction], waves: list[int], terms: list[Any], x: Fraction) -> int:

@@ -135,7 +135,7 @@ class WaveFactor:
     def cost(self) -> int:
         """Of a sign of it, as the limits of the format have it."""
         rows = [row for _, own in self.terms for row in own]
-        sizes = sum(max(abs(n).bit_length() for n in row) + len(row) + 40 for row in rows)
+        sizes = sum(max(n.bit_length() for n in row) + len(row) + 40 for row in rows)
         powers = zip(*([sum(x) for x in _pairs(turns[len(self.waves) :])] for turns, _ in self.terms), strict=True)
         widths: int = 1 + sum(self.waves) + sum(map(max, powers))
         return 2 * (sizes + 500 * len(self.terms) * widths)
