@@ -17,13 +17,14 @@ from haptisym.judge.criteria import noticed
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import omega
-from haptisym.verbs.require.blowups import _is_nowhere_positive, is_negative, positive_along
+from haptisym.verbs.require.blowups import is_negative, positive_along
 from haptisym.verbs.require.feasible import Kind
 from haptisym.verbs.require.freeparameter import conditions, pieces
 from haptisym.verbs.require.knownsums import Known, ball
 from haptisym.verbs.require.limits import Limit, _expanded, _terms
 from haptisym.verbs.require.lowest import beginning
-from haptisym.verbs.require.monomials import Monomials
+from haptisym.verbs.require.monomials import Monomials, power
+from haptisym.verbs.require.rows import Row
 from haptisym.verbs.require.strips import Shape, value_from_zero
 
 
@@ -348,7 +349,9 @@ def test_a_sum_of_powers_is_said_to_be_nowhere_positive_where_it_is_not(seed: in
         up = arb(fmpq(int(low**2))), arb(fmpq(int(high**2)))
         places = [low + (high - low) * Q(2 * n + 1, 128) for n in range(64)]
         values = [poly(fmpq(x.numerator, x.denominator)) for x in places]
-        said = _is_nowhere_positive(row, up)
+        own = Row.of(row)
+        assert own
+        said = own.is_nowhere_positive(*(power(y, Q(1, own.below)) for y in up))
         told[said] += 1
         if said:
             assert max(values) <= 0
