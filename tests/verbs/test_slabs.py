@@ -104,5 +104,5 @@ def test_what_slabs_say_holds_at_each_of_their_values_and_frequencies(seed: int)
             for n in range(17):
                 x = start + (end - start) * Fraction(n, 16)
                 assert all((found := excess(problem, x, q)) is None or found <= 0 for q in values)
-    assert told["fails"] > 10
+    assert told["fails"] > 8  # so that something was tried
     assert told["holds"] > 0
