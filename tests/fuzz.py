@@ -166,7 +166,7 @@ def require(t: Trial) -> None:
     if least > 0 and found.feasible[0].low.closed:
         share = Fraction(str(MP.nstr(least, 20))) * Fraction(10**9 - 1, 10**9)
         below = t.case.with_(c=dict.fromkeys(PARTS, share))
-        start = digits_of(t.case.band[0]) or MP.mpf(10) ** -30
+        start = digits_of(t.case.band[0]) + MP.mpf(10) ** -30  # at the end itself a ratio may be a limit
         exceeds = any(t.ratio(part, start) > digits_of(share) for part in PARTS)
         assert exceeds or any(below.counts.values()), f"nothing is met just below {least}"
 
