@@ -96,11 +96,13 @@ def _by_digits(x: Reals) -> Letters:
     short = (digits + 50) // 100
     digits = np.where(short / _EXACT[np.maximum(shift - 2, 0)] == x, np.where(shift >= 2, 100 * short, digits), digits)
     found = np.empty((len(x), 22), np.uint8)
-    for at in (14, 10, 6, 2):
-        digits, low = np.divmod(digits, 10_000)
-        found[:, at : at + 4] = _FOUR[low].view(np.uint8).reshape(-1, 4)
+    fours = [np.ndarray(len(x), np.uint32, found, at, (22,)) for at in (2, 6, 10, 14, 18)]  # columns of four letters
+    fours.pop()[:] = _EXPONENTS.take(decade)
+    while fours:
+        above = digits // 10_000
+        fours.pop()[:] = _FOUR.take(digits - 10_000 * above)
+        digits = above
     found[:, 0], found[:, 1] = digits + ord("0"), ord(".")
-    found[:, 18:] = _EXPONENTS[decade].view(np.uint8).reshape(-1, 4)
     return found
 
 
