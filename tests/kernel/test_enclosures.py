@@ -287,7 +287,10 @@ def test_a_sum_that_shows_itself_is_not_zero_everywhere(f: WaveSum) -> None:
 
 
 def test_sums_that_cancel_do_not_show_themselves() -> None:
-    """cos(pi/2) (1 + omega), and omega^(1/3) omega^(1/3) omega^(1/3) - omega, are 0; sin(pi/2) omega is not."""
+    """cos(pi/2) (1 + omega), and omega^(1/3) omega^(1/3) omega^(1/3) - omega, are 0; sin(pi/2) omega is not.
+
+    Nor do those of two angles: 2 sin x cos x cos 2x - (cos^2 x - sin^2 x) sin 2x is 0.
+    """
     right = ((pi, True),)
     cosine, sine = (WaveTerm((k,), (), ((1,), (1,))) for k in (0, 1))
     cube, line = WaveTerm((), (3,), ((1,),)), WaveTerm((), (0,), ((0,), (-1,)))
@@ -295,6 +298,8 @@ def test_sums_that_cancel_do_not_show_themselves() -> None:
         assert not WaveSum((cosine,), right, (1,), ()).shows_itself
         assert WaveSum((sine,), right, (1,), ()).shows_itself
         assert not WaveSum((cube, line), (), (), (Rational(1, 3),)).shows_itself
+        double = [WaveTerm(turns, (), ((n,),)) for turns, n in (((1, 0), 2), ((0, 1), -1), ((2, 1), 1))]
+        assert not WaveSum(tuple(double), ((Integer(1), False), (Integer(2), False)), (2, 1), ()).shows_itself
 
 
 @pytest.mark.parametrize("reach", [1e-4, 0.02, 0.2])

@@ -11,10 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from oracles import MP, rounded
-from sympy import Expr, Integer, Rational, pi
+from sympy import Expr, Integer, Rational, cos, pi, sqrt
 
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver
+from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, is_in_pi
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import chart
 from haptisym.kernel.symbols import omega
@@ -162,3 +162,17 @@ def test_a_number_between_two_others_is_drawn_in_their_middle() -> None:
         -0.375,
         -0.25,
     ]
+
+
+@pytest.mark.parametrize(
+    "value", [Rational(2, 3), pi, 1 + pi, 3 * pi**2 - 1 / (pi - 2), 2 / pi, (1 + pi) ** -3, Integer(0)]
+)
+def test_what_is_made_of_rational_numbers_and_pi_is_known_to_be(value: Expr) -> None:
+    assert is_in_pi(value)
+
+
+@pytest.mark.parametrize(
+    "value", [sqrt(2), sqrt(pi), 1 + sqrt(pi), pi * cos(1), pi**pi, 2**pi, sqrt(2) ** -3, cos(1) ** 2]
+)
+def test_what_holds_other_numbers_is_not(value: Expr) -> None:
+    assert not is_in_pi(value)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from types import SimpleNamespace
+from typing import Any
 
 import flint
 import numpy as np
@@ -11,14 +13,14 @@ import windings
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from oracles import MP
-from sympy import Expr, I, Rational, exp, expand, lambdify, pi, sqrt
+from sympy import Expr, I, Integer, Rational, exp, expand, lambdify, pi, sqrt
 from windings import late_mass
 
 import haptisym as hs
 from haptisym.kernel import contour
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.rootcount import RootChain, Roots, count_roots
+from haptisym.kernel.rootcount import RootChain, Roots, count_roots, floor_of
 from haptisym.kernel.symbols import s
 
 E = exp(-s)
@@ -170,3 +172,25 @@ def test_a_turn_that_is_near_no_whole_number_is_not_counted(turns: tuple[object,
     with pytest.raises(UndecidedError, match="a turn"):
         contour.whole(flint.arb(*turns))
     assert [contour.whole(flint.arb(*x)) for x in (("1.7", 0), ("2.3", 0), (2, "0.3"))] == [2, 2, 2]
+
+
+@pytest.mark.parametrize(
+    ("lags", "chain"),
+    [
+        ((Integer(1), pi), RootChain.RIGHT),
+        ((pi / 3, 2 * pi**2), RootChain.RIGHT),
+        ((sqrt(2), 2 * sqrt(2)), None),  # z and z^2: 1 + 3 (z + z^2)/5 has its zeros at |z| = 1.29
+        ((pi, 3 * pi), None),
+        ((pi, 1 + pi), None),
+    ],
+)
+def test_phases_oppose_where_delays_are_known_to_be_no_multiples_of_each_other(
+    lags: tuple[Expr, Expr], chain: RootChain | None
+) -> None:
+    group = {(0, 0): Integer(1), (1, 0): Rational(3, 5), (0, 1): Rational(3, 5)}
+    ring: Any = SimpleNamespace(lags=lags)
+    if chain is not None:
+        assert floor_of(group, ring) is chain
+        return
+    with pytest.raises(UndecidedError, match="several delays"):
+        floor_of(group, ring)
