@@ -20,7 +20,7 @@ from flint import arb
 from marks import often
 from matplotlib.figure import Figure
 from strategies import Seeded, case, coincident_case, scene
-from sympy import Expr, Integer, Rational, asin, degree, pi, sqrt, symbols, sympify
+from sympy import Expr, Integer, Poly, Rational, Symbol, asin, degree, pi, sqrt, symbols, sympify
 
 import haptisym as hs
 from haptisym import effects, environments
@@ -36,6 +36,7 @@ from haptisym.kernel.symbols import omega as OMEGA  # noqa: N812
 from haptisym.model.distortion import Distortion
 from haptisym.model.knobs import THRESHOLD
 from haptisym.model.parameters import values
+from haptisym.verbs.require.boundary import irreducible, real_roots
 from haptisym.verbs.require.cells import BITS, Leaf, ValueSearch, _bound_by_phase, _middle
 from haptisym.verbs.require.clusters import Strips, _Box, _clusters, _place, places
 from haptisym.verbs.require.criticalvalues import Problem
@@ -1482,3 +1483,26 @@ def test_what_comes_nearest_is_told_beside_a_value_without_a_scene() -> None:
     found = hs.require(scene, "p")
     assert found.feasible == ()
     assert json.loads(found.to_json())["feasible"] == []
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_real_roots_in_a_parameter_are_those_of_digits_whatever_powers_of_pi_are_in_it(seed: int) -> None:
+    """Of irreducible polynomials of degree one to three in q, of up to four in pi; negative ones where they are wanted."""
+    pick, q = Random(seed), Symbol("q")
+    ring = Ring.of([q]).axis
+    index = ring.meanings.index(q)
+    for _ in range(8):
+        form = sum(
+            (pick.randint(-4, 4) * pi ** pick.randint(0, 4) * q**n for n in range(pick.randint(1, 3) + 1)),
+            Rational(pick.choice([-3, 2, 5])),
+        )
+        for factor, _ in irreducible(ring.convert(form).numerator) if form.has(q) else ():
+            negative = pick.random() < 0.5
+            own = Poly(ring.expression(factor), q)
+            with mpmath.workdps(60):
+                row = [mpmath.mpf(str(c.evalf(60))) for c in own.all_coeffs()]
+                every = mpmath.polyroots(row, maxsteps=500, extraprec=500) if own.degree() > 0 else []
+                true = [mpmath.re(z) for z in every if abs(mpmath.im(z)) < mpmath.mpf(10) ** -40]
+            wanted = sorted(x for x in true if x > 0 or negative or own.degree() == 1)
+            found = sorted(real_roots(factor, index, negative=negative), key=float)
+            assert [float(x) for x in found] == pytest.approx([float(x) for x in wanted], rel=1e-13)
