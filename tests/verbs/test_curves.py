@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import random
+from contextlib import suppress
+from math import prod
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from sympy import Expr, Integer, Rational, Symbol, exp
 
 from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.symbols import omega, s
-from haptisym.verbs.stability.curves import _remainder, curve_of
+from haptisym.verbs.stability.boundary import _windows
+from haptisym.verbs.stability.curves import Curve, _remainder, curve_of
 from haptisym.verbs.stability.loops import Loop, coefficients
 
 Q = Symbol("q", positive=True)
@@ -65,3 +71,25 @@ def test_a_remainder_that_is_linear_vanishes_wherever_both_polynomials_do(seed: 
     assert (c0 + c1 * v).subs(x, w) == 0
     assert c1 != 0
     assert len(coefficients(both[0], index)) > 2
+
+
+@pytest.mark.parametrize("value", [-3, -1, 1, 3])
+@pytest.mark.parametrize("most", [-2, 2])
+def test_in_each_window_of_values_all_are_known_that_put_roots_on_the_axis(value: int, most: int) -> None:
+    """At omega = 1, 2, ... 24 by q = c omega^2/(omega^2 + 9), which goes to c: a window that holds c is left open."""
+    axis = Ring.of([]).axis
+    zeros = prod((omega**2 - n**2 for n in range(1, 25)), start=Integer(1))
+    curve = Curve(
+        *(axis.convert(x) for x in (zeros, most * omega**2 / (omega**2 + 9), (most * omega**2 / (omega**2 + 9)) ** 2))
+    )
+    loop: Any = SimpleNamespace(ring=SimpleNamespace(lags=[]))
+    there = [Rational(most * n**2, n**2 + 9) for n in range(1, 25)]
+    windows = []
+    with suppress(UndecidedError):  # where none is known
+        for x in _windows(loop, curve, Integer(value), ()):
+            windows.append(x)  # noqa: PERF402  what came before the error counts
+    assert windows or value == -3
+    for x in windows:
+        known = [float(y.value) for y in x.found]
+        inside = [y for y in there if (x.above is None or y > x.above) and (x.below is None or y < x.below)]
+        assert all(any(abs(float(y) - z) < 1e-9 for z in known) for y in inside)
