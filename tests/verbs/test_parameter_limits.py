@@ -18,6 +18,7 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import omega
 from haptisym.verbs.require.blowups import is_negative, positive_along
+from haptisym.verbs.require.cells import ValueSearch
 from haptisym.verbs.require.feasible import Kind
 from haptisym.verbs.require.freeparameter import conditions, pieces
 from haptisym.verbs.require.knownsums import Known, ball
@@ -324,6 +325,41 @@ def test_what_binds_at_frequency_0_behind_a_hold_is_known_to_all_digits() -> Non
     with flint.ctx.workprec(256):
         assert span.high.value.ball(256).contains(fmpq(exact.p, exact.q))
     assert [x.kind for x in span.high.bindings] == [Kind.START]
+
+
+@pytest.mark.slow
+def test_few_cells_of_values_are_asked_where_a_condition_falls_from_a_bound_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its slope is known from coefficients of Taylor's in the parameter: wide cells beside the end are kept, not cut."""
+    asked = []
+    judged = ValueSearch._judged
+    monkeypatch.setattr(ValueSearch, "_judged", lambda own, *cell: asked.append(cell) or judged(own, *cell))
+    path, scene, _ = LEFT_OPEN["stiff"]
+    [span] = hs.require(scene, path).feasible
+    exact = Rational(1, 4) / (Rational(1, 8300) + Rational(1, 63000))
+    assert span.high.value.digits(12) == str(exact.evalf(12))
+    assert 0 < len(asked) < 25  # 51 by slopes over whole cells
+
+
+@pytest.mark.slow
+def test_beyond_an_end_no_sliver_is_left_at_the_frequencies_that_were_tried() -> None:
+    """Where one of these is on the border for a value, the maximum beside it is not: the condition is broken there."""
+    scene = hs.Scene(
+        environments.zener(1800, 15, "5.2"),
+        (effects.wave_variables("1.8", "1.2 ms"), effects.second_order_lowpass(100, "0.21"), effects.delay("0.52 ms")),
+        (0, "8.3"),
+        hs.Threshold.of("0.1"),
+    )
+    found = hs.require(scene, "effects.wave-variables.tau")
+    assert found.undecided == ()
+    [span] = found.feasible
+    end = Rational(span.high.value.digits(15))
+    for factor, unnoticed in (
+        (1 - Rational(1, 10**8), True),
+        (1 + Rational(1, 10**8), False),
+        (1 + Rational(4, 10**8), False),
+    ):
+        e = hs.evaluate(found.free.put(scene, end * factor))
+        assert ([(x.low, x.high) for x in e.transparent] == [(e.chart.points[0], e.chart.points[-1])]) is unnoticed
 
 
 def test_where_a_hold_is_kept_at_frequency_0_the_ends_are_found_beyond() -> None:

@@ -786,7 +786,7 @@ BINDS = [
     (5 * PEAK - T, 4.9, 5.1, ["tangency"]),
     (5 * PEAK - T, 5.1, 5.2, []),
     (5 * PEAK - T, 4.0, 4.5, CellVerdict.BROKEN),
-    (5 * PEAK - T, 4.0, 6.0, CellVerdict.OPEN),
+    (5 * PEAK - T, 4.0, 6.0, ["tangency"]),  # one maximum of 5, whatever T
     (OMEGA**2 / 45 - T, 5.01, 9, []),
     (OMEGA**2 / 45 - T, -1, 4.5, CellVerdict.BROKEN),
     (Integer(5) - T, 4, 4.9, CellVerdict.BROKEN),

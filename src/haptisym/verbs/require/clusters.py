@@ -6,7 +6,7 @@ positive, the one that is left decides. A corner is where two decide, of which o
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from typing import TypeAlias
@@ -23,6 +23,8 @@ from haptisym.verbs.require.strips import Shape
 
 _MOST_BOXES, _FINEST = 200, 20
 _SAMPLES, _NEAR_END = 24, 1 << 10
+_STEPS = 3
+"""Of Newton's from a frequency at which a condition is broken to the maximum beside it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +50,23 @@ class Strips:
     def broken_in_the_middle(self, x: Ball) -> bool:
         """Whether the condition is broken at a frequency for the middle of the cell; without bound, for all of it."""
         return all(strip.broken_in_the_middle(x) for strip in self.strips)
+
+    def risen(self, suspects: Sequence[Ball], low: Ball, high: Ball) -> Iterator[Ball]:
+        """Frequencies between two, nearer a maximum of the condition for the middle of the cell: Newton's steps from a suspect.
+
+        Where the condition is broken by little it is at the maximum that all of the cell shows it. Not of several functions.
+        """
+        [strip, *others] = self.strips
+        compiled = strip.middle or strip.whole
+        at = max(suspects, key=lambda x: float(compiled.value(x).mid()))
+        for _ in range(0 if others else _STEPS):
+            slope, bend = compiled.series(at, 1, 3)
+            if not bend < 0:
+                return
+            at = (at - slope / (2 * bend)).mid()
+            if not (low < at < high):
+                return
+            yield at
 
     def signs(self, place: CriticalPlace) -> tuple[int, int] | None:
         """The signs at a place for both ends of the cell, if it changes one way only in between; None if that is not sure."""
@@ -89,8 +108,9 @@ def places(condition: Strips, band: tuple[Expr, Expr]) -> _Found:
         return CellVerdict.BROKEN
     samples = [(low + (high - low) * i / _SAMPLES).mid() for i in range(1, _SAMPLES)]
     suspects = [x for x in samples if condition.broken_in_the_middle(x)]
-    if suspects:  # the cell is broken there, or it must be cut
-        return CellVerdict.BROKEN if any(condition.value(x) > 0 for x in suspects) else CellVerdict.OPEN
+    if suspects:  # the cell is broken there, or near there, or it must be cut
+        broken = any(condition.value(x) > 0 for x in (*suspects, *condition.risen(suspects, low, high)))
+        return CellVerdict.BROKEN if broken else CellVerdict.OPEN
     boxes = _unclear(condition, low, high)
     if isinstance(boxes, CellVerdict):
         return boxes
@@ -115,7 +135,10 @@ def _unclear(condition: Strips, low: Ball, high: Ball) -> CellVerdict | list[_Bo
         middle = ((a + b) / 2).mid()
         if condition.value(middle) > 0:
             return CellVerdict.BROKEN
-        if condition.broken_in_the_middle(middle) or waiting.examined > _MOST_BOXES:
+        if condition.broken_in_the_middle(middle):
+            broken = any(condition.value(x) > 0 for x in condition.risen([middle], a, b))
+            return CellVerdict.BROKEN if broken else CellVerdict.OPEN
+        if waiting.examined > _MOST_BOXES:
             return CellVerdict.OPEN
         if (b - a) * _FINEST < high - low and (box.slope or box.bend < 0 or box.slopes):
             found.append(box)
@@ -182,8 +205,10 @@ def _place(
     even = (
         bool(a == 0) and not strip.whole.exponents and not strip.shape.order_at_zero
     )  # a function of omega^2: its slope is 0 at 0
-    rises = all(box.slope > 0 for box in cluster) or (bent and _slope(strip, b) > 0)
-    falls = all(box.slope < 0 for box in cluster) or (bent and (even or _slope(strip, a) < 0))
+    rises = all(box.slope > 0 or (box.bend < 0 and _slope(strip, box.high) > 0) for box in reversed(cluster))
+    falls = all(
+        box.slope < 0 or (box.bend < 0 and (even if box.low == 0 else _slope(strip, box.low) < 0)) for box in cluster
+    )
     if rises:
         return CriticalPlace(Kind.EDGE, a, b, band[1]) if b == high else CellVerdict.KEPT
     if falls:
@@ -194,4 +219,4 @@ def _place(
 
 
 def _slope(strip: Strip, x: Ball) -> int:
-    return _sign(strip.whole.taylor(x, 1))
+    return _sign(strip.coefficient(x, 1))

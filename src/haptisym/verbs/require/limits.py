@@ -34,8 +34,8 @@ from haptisym.verbs.require.strips import Shape
 
 _SAMPLES, _KNOWN, _LENGTHS = 8, 6, (16, 40)
 """Of the band; Taylor's coefficients at omega = 0 that are taken apart, and how many are looked at for the first of them."""
-_NEARER = 5
-"""How often u is taken four times as small for the band away from omega = 0."""
+_NEARER = (0, 2, 4)
+"""How often u is taken four times as small for the band away from omega = 0, one number after the other."""
 _TANGENTS = (0, 1, -1, 3, -3)
 """Of half a phase, that are tried."""
 _PIECES, _FAR = 16, (16, 64, 256, 1024)
@@ -75,10 +75,11 @@ class Limit:
         wholes = [Strip(shape, shape.over(arb(0).union(dyadic(reach)))) for shape in self.shapes]
         if any(map(self._is_broken, wholes)):
             return CellVerdict.BROKEN, _exact(dyadic(reach))
-        found = [self._of(whole, dyadic(reach), parts) for whole in wholes]
-        broken = [u for verdict, u in found if verdict is CellVerdict.BROKEN]
-        if broken:
-            return CellVerdict.BROKEN, max(broken)
+        found = []
+        for whole in wholes:
+            found.append(self._of(whole, dyadic(reach), parts))
+            if found[-1][0] is CellVerdict.BROKEN:
+                return found[-1]
         is_kept = all(verdict is CellVerdict.KEPT for verdict, _ in found)
         return CellVerdict.KEPT if is_kept else CellVerdict.OPEN, min([reach, *(u for _, u in found)])
 
@@ -102,7 +103,7 @@ class Limit:
             return CellVerdict.BROKEN, _exact(broken)
         if not is_negative(terms, near, reach):
             return CellVerdict.OPEN, _exact(reach)
-        for n in range(_NEARER):  # all that is left is the band beyond
+        for n in _NEARER:  # all that is left is the band beyond
             own = Strip(shape, shape.over(arb(0).union(reach / 4**n)))
             found = _alone(places(Strips((own,)), (self.band[1] / parts, self.band[1])))
             if found is not CellVerdict.OPEN:

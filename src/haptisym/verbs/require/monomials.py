@@ -67,10 +67,17 @@ class Monomials:
     @classmethod
     def of(cls, terms: Terms) -> Monomials:
         """Of the coefficients by the exponents."""
-        across, up = (tuple(sorted({e[i] for e in terms})) for i in (0, 1))
+        below, under = (lcm(*(e[i].denominator for e in terms)) for i in (0, 1))
+        return cls.on({(int(a * below), int(b * under)): value for (a, b), value in terms.items()}, below, under)
+
+    @classmethod
+    def on(cls, cells: Mapping[tuple[int, int], Coefficient], below: int, under: int) -> Monomials:
+        """Of the coefficients by the numerators of the exponents, over two numbers."""
+        across, up = (sorted({e[i] for e in cells}) for i in (0, 1))
         rows, columns = ({x: i for i, x in enumerate(own)} for own in (across, up))
-        values = {(rows[a], columns[b]): value for (a, b), value in terms.items()}
-        return cls(across, up, _Table(values, (len(across), len(up))))
+        values = {(rows[a], columns[b]): value for (a, b), value in cells.items()}
+        table = _Table(values, (len(across), len(up)))
+        return cls(tuple(Fraction(x, below) for x in across), tuple(Fraction(y, under) for y in up), table)
 
     @cached_property
     def terms(self) -> Terms:
@@ -85,14 +92,15 @@ class Monomials:
     def row(self, n: int) -> Row | None:
         """What stands before the n-th power of X; None where a coefficient of it is but a ball."""
         if n not in self._rows:
-            self._rows[n] = Row.of({b: value for (a, b), value in self.terms.items() if a == self.across[n]})
+            self._rows[n] = Row.of({self.up[j]: value for (i, j), value in self.table.values.items() if i == n})
         return self._rows[n]
 
     def above(self, n: int) -> Monomials | None:
         """The sum without the first powers of X up to the n-th; None where nothing is left."""
         if n not in self._above:
-            left = {(a, b): value for (a, b), value in self.terms.items() if a > self.across[n]}
-            self._above[n] = Monomials.of(left) if left else None
+            (below, xs), (under, ys) = self._lattices
+            left = {(xs[i], ys[j]): value for (i, j), value in self.table.values.items() if i > n}
+            self._above[n] = Monomials.on(left, below, under) if left else None
         return self._above[n]
 
     @cached_property
@@ -104,12 +112,12 @@ class Monomials:
     def shifted(self, at: fmpq, sign: int) -> Monomials:
         """The sum in X and w, Y = at + sign w, where Y is in whole powers: what cancels there is not in it."""
         if (at, sign) not in self._shifted:
-            rows: dict[Fraction, dict[int, Coefficient]] = {a: {} for a in self.across}
-            for (a, b), value in self.terms.items():
-                rows[a][int(b)] = value
-            moved = {a: _moved(row, at, sign) for a, row in rows.items()}
-            found = {(a, Fraction(n)): value for a, row in moved.items() for n, value in row.items()}
-            self._shifted[at, sign] = Monomials.of(found)
+            (below, xs), (_, ys) = self._lattices
+            rows: dict[int, dict[int, Coefficient]] = {x: {} for x in xs}
+            for (i, j), value in self.table.values.items():
+                rows[xs[i]][ys[j]] = value
+            found = {(x, n): value for x, row in rows.items() for n, value in _moved(row, at, sign).items()}
+            self._shifted[at, sign] = Monomials.on(found, below, 1)
         return self._shifted[at, sign]
 
     @cached_property
@@ -128,8 +136,12 @@ class Monomials:
     def risen(self, p: Fraction) -> Monomials:
         """The sum in X and v over a power of X, Y = X^p v."""
         if p not in self._risen:
-            found = Monomials.of({(a + p * b, b): c for (a, b), c in self.terms.items()})
-            self._risen[p] = found.over_power(found.across[0], Fraction(0))
+            (below, xs), (under, ys) = self._lattices
+            common = lcm(below, p.denominator * under)
+            across, steps = [x * (common // below) for x in xs], [int(p * y * common / under) for y in ys]
+            found = {(across[i] + steps[j], ys[j]): value for (i, j), value in self.table.values.items()}
+            least = min(a for a, _ in found)
+            self._risen[p] = Monomials.on({(a - least, b): value for (a, b), value in found.items()}, common, under)
         return self._risen[p]
 
     def along(self, v: Ball) -> tuple[Ball, ...]:

@@ -123,12 +123,12 @@ class Strip:
         The slope of an even function is 2 x times half a curvature in between: that has its sign, and stands for it.
         """
         k = self.shape.order_at_zero
-        value = self._coefficient(box, k)
-        if value < 0 or self._coefficient(arb(0), k) < 0:  # of a piece that shows to be kept when it is cut
+        value = self.coefficient(box, k)
+        if value < 0 or self.coefficient(arb(0), k) < 0:  # of a piece that shows to be kept when it is cut
             return value, NOTHING, NOTHING
-        return value, self._coefficient(box, k + (2 if self.shape.is_even else 1)), NOTHING
+        return value, self.coefficient(box, k + (2 if self.shape.is_even else 1)), NOTHING
 
-    def _coefficient(self, box: Ball, n: int) -> Ball:
+    def coefficient(self, box: Ball, n: int) -> Ball:
         """Taylor's in omega, over a ball of frequencies, for all values of the parameter."""
         value = self.whole.taylor(box, n)
         if value < 0 or value > 0 or not self._rows:
