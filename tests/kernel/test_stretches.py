@@ -63,6 +63,27 @@ def test_signs_on_a_stretch_and_on_its_parts_are_those_of_exact_values(seed: int
                         assert value * said > 0
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_the_one_zero_of_a_monotone_stretch_lies_between_numbers_near_it_that_are_no_zeros(seed: int) -> None:
+    """Also one in the middle of the stretch, or next to one of its ends; others are away from it."""
+    pick = random.Random(seed)
+    low, reach = Fraction(pick.randint(-64, 64), 32), Fraction(pick.choice((1, 7, 16)), 16)
+    root = low + reach * pick.choice(
+        (Fraction(1, 2), Fraction(1, 4096), Fraction(4095, 4096), Fraction(11, 32), Fraction(5, 8))
+    )
+    others = [low + pick.choice((-1, 1)) * Fraction(pick.randint(600, 900), 64) for _ in range(pick.randint(0, 9))]
+    true, sign = exact([root, *others], 1)[0], pick.choice((-1, 1))
+    with flint.ctx.workprec(128):
+        whole = Stretch.of(around([root, *others], sign), dyadic(low), dyadic(low + reach))
+        assert whole.sign(1)
+        ends = [bounds(x) for x in whole.nearer()]
+    assert all(below == above for below, above in ends)
+    (left, _), (right, _) = ends
+    assert low <= left < root < right <= low + reach
+    assert (right - left) * 20 < reach
+    assert true(fmpq(left.numerator, left.denominator)) * true(fmpq(right.numerator, right.denominator)) < 0
+
+
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_stretch_without_zeros_shows_it_when_it_is_cut_often_enough(sign: int) -> None:
     roots = [Fraction(-1), Fraction(-1, 8), Fraction(5), Fraction(9)]

@@ -28,7 +28,7 @@ class AnalyticFactor(WaveSum, SeriesFactor):
             ends = around(low, high)
             box = arb.union(*ends)
             if not self.orders:
-                return sign_of(self.value(box))
+                return 0 if low == 0 and self.begins_with_zero else sign_of(self.value(box))
             if low == 0 and not any(not any(term.powers) for term in self.terms):
                 return 0  # at omega = 0
             seen = set[int]()
@@ -77,8 +77,7 @@ def _order_at(factor: AnalyticFactor, place: Expr) -> Any:
     if place == 0 and factor.orders:
         return beginning(factor).exponent
     if place == 0 and not any(constant for _, constant in factor.rates):
-        still = [term.coefficients[0] for term in factor.terms if not any(term.turns)]  # all else is 0 there
-        if any(map(any, still)):
+        if not factor.begins_with_zero:
             return 0
         if (order := order_at_0(factor)) is not None:
             return order

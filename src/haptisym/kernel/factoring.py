@@ -26,6 +26,8 @@ from haptisym.kernel.turns import vanishes
 from haptisym.kernel.wavesums import WaveTerm
 from haptisym.kernel.zeros import Factor, is_clear
 
+_SHORT = 16  # terms of a polynomial above the line for which known factors are tried first
+
 Factored: TypeAlias = tuple[int, Expr, list[tuple[Factor, int]]]
 
 
@@ -112,7 +114,7 @@ def _factored(polynomial: Polynomial, axis: Axis, known: Known, *, in_square: bo
     # where sines meet odd powers of omega not all functions are even
     in_square = in_square and not axis.functions
     apart, rest = axis.without_circles(polynomial)[0], list[tuple[Polynomial, int]]()
-    if is_below and axis.functions:
+    if axis.functions and (is_below or len(apart) <= _SHORT):
         rest, apart = known.divided(apart)
     number, factors = axis.factors(apart, in_square=in_square)
     sign, power = (1 if number.p > 0 else -1), Integer(0)
@@ -183,13 +185,14 @@ def _polynomial_factor(factor: Polynomial) -> PolynomialFactor:
 
 def _rows(terms: Sequence[tuple[int, int, int]]) -> tuple[tuple[int, ...], ...]:
     """Coefficients of ascending powers of omega, each as the coefficients of ascending powers of pi; given are both powers."""
-    rows: list[list[int]] = [[0] for _ in range(max(power for power, _, _ in terms) + 1)]
+    rows: list[tuple[int, ...]] = [_NONE] * (max(terms)[0] + 1)
     for power, of_pi, value in terms:
-        row = rows[power]
-        if of_pi >= len(row):
-            row += [0] * (of_pi + 1 - len(row))
-        row[of_pi] = value
-    return tuple(map(tuple, rows))
+        row = rows[power] + (0,) * (of_pi + 1 - len(rows[power]))
+        rows[power] = (*row[:of_pi], value, *row[of_pi + 1 :])
+    return tuple(rows)
+
+
+_NONE = (0,)
 
 
 def _analytic_factor(factor: Polynomial, axis: Axis) -> AnalyticFactor:

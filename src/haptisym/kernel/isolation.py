@@ -89,7 +89,7 @@ def _sign(f: SeriesFactor, piece: Stretch, end: int, derivative: int = 0) -> int
 
 def _between(f: SeriesFactor, piece: Stretch, index: int) -> list[RealNumber]:
     """On a monotone piece: one zero or none."""
-    return [Zero(f, piece.low, piece.high, index)] if _sign(f, piece, 0) != _sign(f, piece, -1) else []
+    return [Zero(f, *piece.nearer(), index)] if _sign(f, piece, 0) != _sign(f, piece, -1) else []
 
 
 def _on_a_bend(f: SeriesFactor, piece: Stretch, bend: int, index: int) -> list[RealNumber]:

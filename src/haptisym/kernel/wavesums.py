@@ -73,6 +73,13 @@ class WaveSum:
         return _compiled(self, flint.ctx.prec).parts(x)
 
     @property
+    def begins_with_zero(self) -> bool:
+        """Whether it is 0 at omega = 0, no powers of omega in it, as each term holds a sine that turns, or omega."""
+        turning = [i for i, (_, constant) in enumerate(self.rates) if not constant]
+        still = (term.coefficients[0] for term in self.terms if not any(term.turns[i] for i in turning))
+        return not any(map(any, still))
+
+    @property
     def shows_itself(self) -> bool:
         """Whether its coefficients prove that it is not 0 everywhere; all orders of powers must be rational.
 
@@ -207,7 +214,7 @@ def _compiled(waves: WaveSum, bits: int) -> CompiledWaves:
             for n, c in enumerate(coefficients):
                 for whole, unit in zip(c, own):  # noqa: B905 - not all have all powers of pi
                     if whole:
-                        row[n] = row[n] + unit * whole
+                        row[n] = row[n] + unit * whole if fixed or unit is not ONE else arb(whole)
         return CompiledWaves(
             tuple(halves[i] for i in turning),
             tuple(waves.degrees[i] for i in turning),

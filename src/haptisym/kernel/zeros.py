@@ -29,6 +29,7 @@ def rounded_up(bits: int) -> int:
     return max(128, 1 << (bits - 1).bit_length())
 
 
+@lru_cache(maxsize=16)
 def around(low: Expr, high: Expr) -> tuple[Ball, Ball]:
     """Dyadic numbers that enclose an interval."""
     with flint.ctx.workprec(128):
