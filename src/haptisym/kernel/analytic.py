@@ -65,11 +65,20 @@ class AnalyticFactor(WaveSum, SeriesFactor):
     def order_at(self, place: Expr) -> Any:
         return _order_at(self, place)
 
+    def shown_sign(self, place: Expr) -> int:
+        return _shown_sign(self, place)
+
 
 def _common(balls: Iterable[Ball]) -> int:
     """The sign that all have; 0 where they have none."""
     signs = {sign_of(x) for x in balls}
     return signs.pop() if len(signs) == 1 else 0
+
+
+@lru_cache(maxsize=1024)
+def _shown_sign(factor: AnalyticFactor, place: Expr) -> int:
+    with flint.ctx.workprec(128):
+        return sign_of(factor.value(expression_ball(place)))
 
 
 @lru_cache(maxsize=1024)
@@ -81,9 +90,8 @@ def _order_at(factor: AnalyticFactor, place: Expr) -> Any:
             return 0
         if (order := order_at_0(factor)) is not None:
             return order
-    with flint.ctx.workprec(128):
-        if is_clear(factor.value(expression_ball(place))):
-            return 0
+    if _shown_sign(factor, place):
+        return 0
     if factor.orders:
         return _order_with_powers(factor, place)
     exact = exact_waves(factor, place)

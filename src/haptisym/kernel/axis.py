@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import comb
 from typing import TypeAlias
 
@@ -154,20 +154,26 @@ class Axis(PolynomialRing):
         counts = [0] * len(self.angles)
         if polynomial.is_zero():
             return polynomial, counts
-        for i, tangent in enumerate(self.context.gens()[self.size : self.size + len(self.angles)]):
-            quotient, rest = divmod(polynomial, tangent**2 + 1)
-            while rest.is_zero():
+        degrees = polynomial.degrees()[self.size :]
+        for i, circle in enumerate(self._circles):
+            for _ in range(int(degrees[i]) // 2):
+                quotient, rest = divmod(polynomial, circle)
+                if not rest.is_zero():
+                    break
                 polynomial, counts[i] = quotient, counts[i] + 1
-                quotient, rest = divmod(polynomial, tangent**2 + 1)
         return polynomial, counts
+
+    @cached_property
+    def _circles(self) -> list[Polynomial]:
+        """1 + tan^2 of each half angle."""
+        return [tangent**2 + 1 for tangent in self.context.gens()[self.size : self.size + len(self.angles)]]
 
     def reduced(self, function: RationalFunction) -> RationalFunction:
         """In lowest terms, the denominator with leading coefficient 1; its factors 1 + tan^2 are tried alone, which is fast."""
         top, bottom = function.numerator, function.denominator
         afford(len(top), len(bottom))
         core, counts = self.without_circles(bottom)
-        for tangent, count in zip(self.context.gens()[self.size :], counts, strict=False):
-            circle = tangent**2 + 1
+        for circle, count in zip(self._circles, counts, strict=True):
             for _ in range(count):
                 quotient, rest = divmod(top, circle)
                 if not rest.is_zero():

@@ -49,9 +49,9 @@ class Known:
 
     def divided(self, polynomial: Polynomial) -> tuple[list[tuple[Polynomial, int]], Polynomial]:
         """The known factors of a polynomial, how often each is in it, and what is left."""
-        found = []
+        found, degrees = [], polynomial.degrees()
         for factor, _ in self.factors:
-            if len(factor) > 1 and all(map(ge, polynomial.degrees(), factor.degrees())):
+            if len(factor) > 1 and all(map(ge, degrees, factor.degrees())):
                 often = 0
                 quotient, rest = divmod(polynomial, factor)
                 while rest.is_zero():

@@ -258,7 +258,10 @@ def _first_signs(products: Mapping[Key, Product], places: list[_Place], steady: 
 
     signs = dict(steady)
     for factor in {f for p in products.values() for f in p.exponents} - steady.keys():
-        signs[factor] = factor.sign_at(between)
+        end = places[-1].omega
+        known = factor.shown_sign(end.value) if isinstance(end, ExactNumber) else 0
+        changes = sum(place.orders.get(factor, 0) for place in places[1:-1])
+        signs[factor] = known * (-1) ** changes or factor.sign_at(between)
     return {
         name: p.sign * prod(signs[factor] for factor, exponent in p.exponents.items() if exponent % 2)
         for name, p in products.items()

@@ -75,6 +75,10 @@ class Factor(ABC):
         """The sign all over a closed interval where a quick look shows that there is no zero on it; 0 where it does not."""
         return 0
 
+    def shown_sign(self, place: Expr) -> int:
+        """The sign at an exact number, as far as it is had for nothing; else 0."""
+        return 0
+
     def multiplicity(self, zero: RealNumber) -> int:
         """The order of one of the zeros; that of a tangency that stayed undecided is taken as 2."""
         return 2 if isinstance(zero, Undecided) else 1
