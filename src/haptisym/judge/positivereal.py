@@ -6,6 +6,7 @@ residues.
 
 from __future__ import annotations
 
+from math import prod
 from typing import Any
 
 from sympy import Expr, Integer
@@ -70,6 +71,9 @@ def _allowed(F: RationalFunction, response: Response) -> bool:
 
 def _sign_at_0(real: RealFunction) -> int:
     """Of F(0)."""
+    if not real.axis.functions:
+        f = real.function
+        return prod(sign_of_number(f.ring.coefficients(p)[0]) for p in (f.numerator, f.denominator))
     first = chart({"real": real}, Integer(0), Integer(1)).points[0]
     return 0 if first.orders.get("real", 0) else first.after["real"]
 

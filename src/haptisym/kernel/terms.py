@@ -43,6 +43,8 @@ def size(number: Expr) -> Expr:
 
 def order_at_0(polynomial: Polynomial, ring: Ring) -> Rational:
     """The order of a zero at s = 0, where 1 - exp(-s tau) has one too, and s^alpha one of order alpha."""
+    if not ring.functions:  # powers of s with numbers before them, none of which is 0
+        return Integer(min(int(exponents[0]) for exponents in polynomial.monoms()))
     return beginning_at_0(terms_of(polynomial, ring), ring)[0]
 
 
