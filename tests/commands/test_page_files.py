@@ -35,7 +35,7 @@ CALLS = {
 Call = Callable[..., tuple[int, str, str]]
 
 
-@pytest.mark.parametrize("name", often(CALLS, {"require", "family"}.__contains__))
+@pytest.mark.parametrize("name", often(CALLS, {"family"}.__contains__))
 def test_a_verb_writes_its_page_and_prints_the_same_answer(name: str, call: Call, tmp_path: Path) -> None:
     tex, html = tmp_path / "x.tex", tmp_path / "x.html"
     status, out, err = call(*CALLS[name].split(), "--json", "--latex", str(tex), "--report", str(html))

@@ -359,7 +359,7 @@ def test_a_frequency_off_the_band_or_at_a_pole_has_no_square() -> None:
 # All of them.
 
 
-@pytest.mark.few(8)
+@pytest.mark.few(5)
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
 def test_no_text_is_cut_off_or_lies_on_another(scene: hs.Scene, name: str) -> None:

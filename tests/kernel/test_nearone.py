@@ -22,6 +22,7 @@ def test_a_pair_on_the_axis_is_seen_and_no_other(c: list[float], *, none: bool) 
     assert has_no_pair([arb(x) for x in c]) is none
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("seed", range(12))
 def test_no_polynomial_within_balls_without_a_pair_has_one(seed: int) -> None:
     """Where one does, its number of roots with Re v > 0 is not that of another: the two are joined within the balls."""

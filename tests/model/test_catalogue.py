@@ -169,6 +169,7 @@ def test_environments_are_their_formulas(model: str, data: st.DataObject, omega:
     assert at(ENVIRONMENTS[model].build(**given_values).H, omega) == pytest.approx(expected, rel=1e-11)
 
 
+@pytest.mark.few(9)
 @pytest.mark.parametrize("model", EFFECT)
 @given(data=st.data(), omega=frequencies, H=st.complex_numbers(min_magnitude=1, max_magnitude=100))
 def test_effects_are_their_formulas(model: str, data: st.DataObject, omega: float, H: complex) -> None:

@@ -46,6 +46,7 @@ def test_what_takes_a_scene_says_that_a_name_or_a_path_will_do(name: str) -> Non
     assert name in CALLS
 
 
+@pytest.mark.few(5)
 @pytest.mark.few(
     "check",
     "derive",

@@ -392,6 +392,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
         yield show
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_the_page_loads_without_a_complaint_and_asks_for_nothing(name: str, shown: Any) -> None:
     opened = shown(name, whole=True)

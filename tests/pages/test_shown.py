@@ -51,7 +51,7 @@ def answer(request: pytest.FixtureRequest) -> tuple[str, Any]:
     return request.param, ANSWERS[request.param]()
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(2)
 def test_print_shows_the_command_lines_page(answer: tuple[str, Any], call: Callable[..., tuple[int, str, str]]) -> None:
     words, found = answer
     status, out, _ = call(*words.split())

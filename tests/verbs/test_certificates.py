@@ -451,6 +451,7 @@ def test_every_mutant_about_values_is_refused(name: str) -> None:
     assert [what for what, x in listed if not verdict(x, text).startswith("refused")] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wrong", often((15, 16), {16}.__contains__))
 def test_wrong_values_get_no_certificate_that_passes(wrong: int) -> None:
     """Of a threshold 15.54 per cent are needed."""
@@ -508,6 +509,7 @@ def test_hostile_documents_are_refused_in_bounded_time_and_memory(name: str, tmp
         assert done.stdout.startswith("NOT proven: ")
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize(
     "name",
     ["fu2019", "powers alone"],

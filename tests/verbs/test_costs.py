@@ -143,6 +143,7 @@ def test_a_missing_package_is_named_and_left_out() -> None:
         Method("x", lambda question: lambda: None, packages=("no_such_package.part",)).ready(None)
 
 
+@pytest.mark.slow
 def test_the_page_and_the_document_say_the_same() -> None:
     document = json.loads(found().to_json())
     assert document["schema"] == "haptisym.cost/1"

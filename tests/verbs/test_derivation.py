@@ -84,7 +84,7 @@ def test_a_wrong_value_is_an_error_that_names_it(values: dict[str, object], word
         derive(hs.load_scene("fu2019")).at(**values)
 
 
-@pytest.mark.few("fu2019", "delayed-spring")
+@pytest.mark.few("fu2019")
 @pytest.mark.parametrize("name", often(hs.scene_names(), QUICK_SCENES.__contains__))
 def test_every_shipped_scene_has_a_page_in_each_form(name: str, call) -> None:  # type: ignore[no-untyped-def]
     for form in ("text", "latex", "mathml", "json"):

@@ -27,6 +27,7 @@ def is_transparent(cells: FloatCells, value: float) -> bool:
     return [(x.low, x.high) for x in e.transparent] == [(e.chart.points[0], e.chart.points[-1])]
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(
     ("name", "path", "high", "ends"),
     [

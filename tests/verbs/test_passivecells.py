@@ -90,7 +90,8 @@ def test_what_is_not_shown_is_said_to_be_open() -> None:
     assert "About all others everything is" in " ".join(str(r).split())
 
 
-@pytest.mark.parametrize("free", ["omega_c", pytest.param("environment.k_alpha", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("free", ["omega_c", "environment.k_alpha"])
 def test_a_lagging_tissue_is_told_but_for_a_sliver_at_each_end(free: str) -> None:
     r = hs.require(TISSUE, free, (1, 1000), that="passive")
     [span] = r.feasible

@@ -85,6 +85,7 @@ def test_points_of_rectangles_are_as_they_are_said_to_be(
     assert is_as_said(name, number, shares, kept=side == "kept")
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", ["fu2019", "delayed-spring"])
 def test_some_points_of_rectangles_are_as_they_are_said_to_be(name: str) -> None:
     for number, *shares, side in np.random.default_rng(19).random((12, 4)):

@@ -100,6 +100,7 @@ def test_the_catalogue_has_a_scene_for_every_model() -> None:
     assert set(CATALOGUE) == {*ENVIRONMENTS, *EFFECTS}
 
 
+@pytest.mark.few(5)
 @pytest.mark.few(
     "mass-spring-damper",
     "kelvin-voigt",

@@ -363,6 +363,7 @@ ODD = {
 }  # fmt: skip
 
 
+@pytest.mark.few(3)
 @pytest.mark.few(
     "a pure mass behind a delay, with an odd factor of s in common",
     "a pure damper, from 0 on",

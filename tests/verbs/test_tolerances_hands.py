@@ -141,6 +141,7 @@ hand = { m = "0 kg" }
 """
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(
     ("k", "m", "share"),
     [

@@ -200,6 +200,7 @@ def wall(T: str = "1 ms", delay: int = 0, B: object = 0) -> hs.Scene:
 NOTHING = hs.Hand("nothing")
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(
     ("scene", "hand", "stiffest"),
     [
