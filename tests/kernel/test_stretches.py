@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
+from math import comb
 from typing import Any
 
 import flint
@@ -82,6 +83,23 @@ def test_the_one_zero_of_a_monotone_stretch_lies_between_numbers_near_it_that_ar
     assert low <= left < root < right <= low + reach
     assert (right - left) * 20 < reach
     assert true(fmpq(left.numerator, left.denominator)) * true(fmpq(right.numerator, right.denominator)) < 0
+
+
+@pytest.mark.parametrize("size", [fmpq(1), fmpq(10) ** 400, fmpq(10) ** -400])
+def test_a_zero_between_slopes_of_all_sizes_stays_enclosed(size: fmpq) -> None:
+    """x^7 + x/10^15 - 1 goes up by 10^-15 at 0, and 10^19 times as steeply at 4: a ball around all slopes held 0."""
+
+    def series(x: Any, start: int, stop: int) -> list[Any]:
+        row = [-1 + fmpq(1, 10**15) * x + x**7, fmpq(1, 10**15) + 7 * x**6]
+        row += [comb(7, n) * x ** (7 - n) for n in range(2, 8)]
+        return [size * c for c in [*row, arb(0)][start:stop]]
+
+    with flint.ctx.workprec(128):
+        whole = Stretch.of(series, arb(0), arb(4))
+        assert whole.sign(1) == 1
+        (low, _), (high, _) = map(bounds, whole.nearer())
+    assert 0 <= low < high <= 4
+    assert low**7 + low / 10**15 < 1 < high**7 + high / 10**15
 
 
 @pytest.mark.parametrize("sign", [1, -1])

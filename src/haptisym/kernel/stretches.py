@@ -81,16 +81,19 @@ class Stretch:
         The zero is m - f(m)/f'(xi) for every m between the ends, by the mean value theorem; floats find an m near it.
         """
         first, last = self.ends
-        slopes = reduce(arb.union, self._differences(1)) * (len(self.row) - 1) / (last - first)
+        slopes = (x.abs_lower() for x in self._differences(1))  # no ball around all of them: it may hold 0
+        least = reduce(arb.min, slopes) * (len(self.row) - 1) / (last - first)
         t = _crossed([float(x.mid()) for x in self.row])
         with flint.ctx.workprec(60):
             place = (first + (last - first) * t).mid()
         share = (place - first) / (last - first)
         weights = map(mul, _powers(share), reversed(_powers(1 - share)))
         value = reduce(add, (x * w * n for x, w, n in zip(self.row, weights, _CHOICES, strict=True)))
-        reach = abs(value / slopes).upper() * 2 + (last - first) * _LEAST
+        reach = abs(value / least).upper() * 2 + (last - first) * _LEAST
         with flint.ctx.workprec(60):
             low, high = (place - reach).lower(), (place + reach).upper()
+        if not (low.is_finite() and high.is_finite()):
+            return self.low, self.high  # beyond floats
         return self.low.max(low), self.high.min(high)
 
     @property
