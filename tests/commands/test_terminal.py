@@ -150,7 +150,8 @@ def test_an_output_that_nobody_reads_ends_quietly_and_a_full_one_in_a_sentence(c
         assert found == (status, "", said)
 
 
-@pytest.mark.parametrize("words", [("--help",), *(pytest.param(x, marks=pytest.mark.slow) for x in CALLS)])
+@pytest.mark.slow
+@pytest.mark.parametrize("words", [("--help",), *CALLS])
 def test_a_pipe_that_is_closed_and_a_disk_that_is_full(words: tuple[str, ...]) -> None:
     with subprocess.Popen([*COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdout is not None

@@ -475,6 +475,7 @@ def test_no_figure_needs_pyplot() -> None:
 # Numbers and words of figures, held against the answers that they draw.
 
 
+@pytest.mark.slow
 def test_a_hand_that_is_let_go_is_drawn_in_millimetres_from_where_it_was() -> None:
     run = hs.release("delayed-spring", "1 cm", hs.Hand("own", m="0.5 kg", b="3.6 N*s/m"))
     ax = Figure().add_subplot()

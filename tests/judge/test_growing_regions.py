@@ -82,6 +82,7 @@ def scales(asked: hs.Scene, jnd: Any, low: Fraction, high: Fraction) -> Any:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", often(range(0, 400, 20), [0].__contains__))
 def test_a_region_of_a_random_scene_that_is_scaled_has_the_bandwidths_of_its_multiples(first: int) -> None:
     for seed in range(first, first + (3 if not first else 20)):

@@ -198,6 +198,7 @@ def test_between_changeovers_the_real_part_keeps_its_sign(block: int) -> None:
                 assert a * b == (-1) ** changes or a == b == 0, (low, high, case)
 
 
+@pytest.mark.few(1)
 @each_block
 def test_a_grid_search_finds_no_crossing_that_the_certified_answer_lacks(block: int) -> None:
     for case, result in family(block):

@@ -103,6 +103,7 @@ def test_a_scene_of_several_environments_is_checked_by_name() -> None:
     assert [not why for _, why in verdicts([(x, text) for x in asked])] == [True, False, False, False, False]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", often([*OWN, *RATIONAL, *DELAYED, *RAISED[:2]], "integrator".__eq__))
 def test_every_mutant_is_refused(name: str) -> None:
     listed = [(what, json.dumps(x)) for what, x in mutants(json.loads(certificate(name)))]
@@ -340,6 +341,7 @@ ANSWERS: dict[str, tuple[Callable[[], Answer], str]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", often(ANSWERS, {"stability", "requirement"}.__contains__))
 def test_reports_about_stability_and_values_prove_their_answers(name: str, shown: Any) -> None:
     asked, words = ANSWERS[name]

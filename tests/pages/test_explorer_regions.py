@@ -187,6 +187,7 @@ def decimal(x: object) -> str:
     return str(Decimal(exact.numerator) / Decimal(exact.denominator))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", often(range(0, 600, 20), [0].__contains__))
 def test_all_crossings_of_random_regions_are_found_exactly(first: int) -> None:
     texts = [region_scene(seed) for seed in range(first, first + (4 if not first else 20))]

@@ -242,6 +242,7 @@ def test_a_constant_is_rounded_once(dtype: type) -> None:
         assert abs(Fraction(*found.as_integer_ratio()) - x) <= u * abs(x)
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("dtype", [np.float64, np.longdouble])
 @pytest.mark.parametrize("degrees", [(0, 0), (0, 3), (4, 1), (2, 2), (5, 7)])
 def test_sizes_are_those_of_the_terms_and_bound_what_rounding_did(dtype: type, degrees: tuple[int, int]) -> None:

@@ -112,7 +112,7 @@ def test_what_the_witnesses_of_stability_are() -> None:
     }
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("first", range(0, 1000, 10))
 def test_certificates_of_random_scenes_are_accepted(first: int) -> None:
     for seed in range(first, first + 10):

@@ -45,6 +45,7 @@ def truths() -> list[tuple[str, str]]:
     return asked + [of_requirement(name) for name in ("up to a value", "a threshold", "two intervals")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "seeds", often([range(20), *(range(n, n + 200) for n in range(20, 2020, 200))], range(20).__eq__)
 )
@@ -156,6 +157,7 @@ def test_what_is_not_understood_is_one_line_on_any_terminal(tmp_path: Path) -> N
     assert done.stdout == "NOT proven: keys of the scene are not understood: ['\\xe9\\nProven on the band']\n"
 
 
+@pytest.mark.slow
 def test_numbers_of_a_scene_may_be_written_in_every_way_of_toml() -> None:
     own, ways = text_of("fu2019"), ("0.5_0", "5e-1", "0.0_5e+1", "5_0E-02", "1", "+1", "0x0_1", "0o1", "0b1")
     scenes = [own.replace("zeta = 0.5", f"zeta = {x}") for x in ways]

@@ -157,6 +157,7 @@ def test_a_late_filtered_wall_is_told_in_hands_of_a_mass_that_varies() -> None:
     assert not is_refuted(held, told, plane, ("hand.m",))
 
 
+@pytest.mark.slow
 def test_two_delays_that_cancel_at_0_add_up_far_from_it() -> None:
     """m s^2 + b s + k + 20 s (e^(-s (1 + tau)) - e^(-s)): stable at 1 ms; not at 100 ms, by roots at tens of rad/s."""
     loop = hs.effects.delay("1 ms"), hs.effects.shunt(b="-20 N*s/m"), hs.effects.delay("1 s")

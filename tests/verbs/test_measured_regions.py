@@ -209,6 +209,7 @@ def from_ellipse(a: float, b: float, tilt: float, x: float, y: float) -> mpmath.
     return -found if (u / long) ** 2 + (v / short) ** 2 <= 1 else found
 
 
+@pytest.mark.slow
 def test_the_distance_from_an_ellipse_has_its_digits_on_and_beside_its_axes_too() -> None:
     chance = random.Random(3)
     for _ in range(150):

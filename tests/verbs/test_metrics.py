@@ -319,6 +319,7 @@ def test_the_document_of_the_papers_example(call) -> None:  # type: ignore[no-un
     assert "recalled, not verified" in document["metrics"][3]["evidence"]
 
 
+@pytest.mark.slow
 def test_text_latex_and_figure(call, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     target = tmp_path / "m.svg"
     status, out, _ = call("metrics", "sidestick", "--figure", str(target))

@@ -307,7 +307,7 @@ LEFT_OPEN = {
 omega = 0 behind a hold, 1/k = (1/8300 + 1/63000) (1/0.2 - 1)."""
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LEFT_OPEN)
 def test_next_to_a_limit_a_resonance_or_frequency_0_nothing_stays_open(name: str) -> None:
     path, scene, ends = LEFT_OPEN[name]

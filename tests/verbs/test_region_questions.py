@@ -235,7 +235,7 @@ PEAKED = {
 }  # fmt: skip
 
 
-@pytest.mark.few("floor", "limits for each way", "both")
+@pytest.mark.few("both")
 @pytest.mark.parametrize("name", PEAKED)
 def test_peaks_are_where_the_region_must_be_enlarged_most_by_a_dense_scan(name: str) -> None:
     jnd = PEAKED[name]

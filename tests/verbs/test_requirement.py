@@ -409,6 +409,7 @@ def test_a_map_with_nothing_feasible_says_so() -> None:
     assert legend_of(ax) == ["exact slices"]
 
 
+@pytest.mark.slow
 def test_what_a_map_leaves_open_is_hatched_and_named() -> None:
     found = hs.design_map(PAPER, ["omega_n", "zeta"], [(60, 200), ("0.1", 1)], slices=3)
     first, second, third = found.slices

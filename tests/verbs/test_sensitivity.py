@@ -173,6 +173,7 @@ def test_the_command_line_prints_the_document(runner) -> None:  # type: ignore[n
     assert document["bandwidth"]["omega"] == document["crossings"][0]["omega"]
 
 
+@pytest.mark.slow
 def test_a_figure_is_written(tmp_path, runner) -> None:  # type: ignore[no-untyped-def]
     path = tmp_path / "bars.svg"
     assert runner.invoke(app, ["sensitivity", "fu2019", "--figure", str(path)]).exit_code == 0

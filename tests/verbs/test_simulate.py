@@ -853,6 +853,7 @@ def two_parts(hand: np.ndarray) -> np.ndarray:
     return force
 
 
+@pytest.mark.slow
 def test_frictions_on_two_parts_stick_and_slip_each_on_its_own() -> None:
     tiny = environments.mass_spring_damper(k="1e-6")
     inner = effects.coulomb_friction("0.5 N", "5 cm", name="inner"), effects.compliance(100, name="a")

@@ -685,6 +685,7 @@ def test_two_sweeps_are_drawn_in_one_axes() -> None:
     assert sum(line.get_label() == "end of the band" for line in ax.lines) == 1
 
 
+@pytest.mark.slow
 def test_the_exact_boundary_divides_the_sets_of_a_sweep() -> None:
     """Two engines on one plane: critical values slice by slice, and Bernstein coefficients set by set."""
     scene = hs.load_scene("fu2019")

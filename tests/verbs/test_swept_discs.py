@@ -49,6 +49,7 @@ def lens(a: complex, r: float, b: complex, q: float) -> list[mpmath.mpc]:
     return ends + arcs + rest
 
 
+@pytest.mark.slow
 def test_the_disc_around_what_two_discs_have_in_common_holds_all_of_it() -> None:
     chance = random.Random(11)
     cases = [some(chance) for _ in range(300)]

@@ -400,7 +400,7 @@ def test_the_document_of_a_shipped_scene_compiles(name, tmp_path):
     check_layout(compiled(shipped(name)[1], tmp_path))
 
 
-@pytest.mark.few("empty set, hostile text")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DOCUMENTS)
 def test_the_document_of_an_unusual_scene_compiles(name, tmp_path):
     check_layout(compiled(set_document(evaluate(DOCUMENTS[name])), tmp_path))
