@@ -23,11 +23,12 @@ from haptisym.kernel.errors import LimitError
 from haptisym.kernel.reals import ExactNumber
 from haptisym.model.quantities import Dimension
 from haptisym.model.ranges import ranged
-from haptisym.programs.taylormodels import Model, constant, variable
+from haptisym.programs.taylormodels import Model, constant, halves, variable
+from haptisym.programs.valued import floated
 from haptisym.verbs.tolerances import single
 from haptisym.verbs.tolerances.box import Box, box_of
 from haptisym.verbs.tolerances.entry import tolerances
-from haptisym.verbs.tolerances.excess import Excess, floated
+from haptisym.verbs.tolerances.excess import Excess
 from haptisym.verbs.tolerances.proofs import One
 from haptisym.verbs.tolerances.quantiles import Quantiles, quantiles
 from haptisym.verbs.tolerances.search import (
@@ -39,7 +40,6 @@ from haptisym.verbs.tolerances.search import (
     beyond,
     bounded,
     clusters,
-    halves,
     together,
 )
 from haptisym.verbs.tolerances.verdicts import Verdict

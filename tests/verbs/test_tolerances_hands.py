@@ -19,10 +19,10 @@ import haptisym as hs
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError
 from haptisym.kernel.symbols import s
+from haptisym.programs.onaxis import OnAxis
 from haptisym.programs.taylormodels import Model
 from haptisym.verbs.stability.held import held
 from haptisym.verbs.tolerances.heldbox import held_in_box
-from haptisym.verbs.tolerances.onaxis import OnAxis
 
 
 def shares(found: hs.Scene) -> list[str | None]:

@@ -19,7 +19,8 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, expression_ball
 from haptisym.kernel.rings import RationalFunction
-from haptisym.programs.taylormodels import Array, Model
+from haptisym.programs.taylormodels import Array, Model, halves
+from haptisym.programs.valued import floated, valued
 from haptisym.verbs.require.energyterms import (
     Parts,
     Term,
@@ -33,9 +34,6 @@ from haptisym.verbs.require.energyterms import (
     variables,
 )
 from haptisym.verbs.stability.loops import zeros
-from haptisym.verbs.tolerances.excess import floated
-from haptisym.verbs.tolerances.search import halves
-from haptisym.verbs.tolerances.valued import valued
 
 _FARTHEST = 2.0**60
 _MOST = 800  # cells of frequency and parameter

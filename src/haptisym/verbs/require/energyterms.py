@@ -16,7 +16,7 @@ from haptisym.kernel.monomials import monomials
 from haptisym.kernel.reals import expression_ball
 from haptisym.kernel.rings import Polynomial
 from haptisym.programs.taylormodels import Array, Model, between, variable
-from haptisym.verbs.tolerances.excess import floated
+from haptisym.programs.valued import floated
 
 Parts: TypeAlias = dict[Expr, list[Model | None]]
 """By powers of omega real and imaginary part; None for 0."""

@@ -27,13 +27,13 @@ from haptisym.model.distortion import Distortion
 from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
 from haptisym.model.scene import Scene
+from haptisym.programs.onaxis import OnAxis
 from haptisym.verbs.require.energy import Energy, Span, is_between, keeps_sign, zeros_of
 from haptisym.verbs.require.existing import allowed, missing
 from haptisym.verbs.require.feasible import Binding, Kind, Solved
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.verdicts import Question, Turn
 from haptisym.verbs.tolerances.heldbox import count_at
-from haptisym.verbs.tolerances.onaxis import OnAxis
 
 _FAR = 1000  # times the value that a parameter has, where the range has no end
 _FINEST, _LEAST = Rational(1, 1 << 11), Rational(1, 1 << 24)  # of the values, and of the range

@@ -6,15 +6,14 @@ from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
-from sympy import Expr, Rational
 
 from haptisym.judge.criteria import Criterion
-from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.reals import expression_ball
-from haptisym.model.jnd import Part, is_irrational_algebraic
+from haptisym.kernel.errors import SceneError
+from haptisym.model.jnd import Part
 from haptisym.programs.modelled import Modelled
 from haptisym.programs.program import Program
 from haptisym.programs.taylormodels import Array, Model, variable
+from haptisym.programs.valued import floated
 from haptisym.verbs.tolerances.box import Box
 
 
@@ -104,13 +103,3 @@ class LargerExcess(Excess):
 
 
 _RELATIVE = ("relative_real", "relative_imag")
-
-
-def floated(value: Expr) -> float:
-    """The number to within a rounding or two. UndecidedError where it is too large for a float."""
-    if isinstance(value, Rational):
-        try:
-            return int(value.p) / int(value.q)
-        except OverflowError:
-            raise UndecidedError("how numbers compare that are too large for floats") from None
-    return float(value.evalf(20)) if is_irrational_algebraic(value) else float(expression_ball(value))

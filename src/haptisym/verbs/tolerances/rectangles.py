@@ -9,8 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from haptisym.kernel.errors import LimitError
-from haptisym.programs.taylormodels import Array
-from haptisym.verbs.tolerances.search import halves
+from haptisym.programs.taylormodels import Array, halves
 
 _FIRST = 8  # of each range, to begin with
 

@@ -21,10 +21,10 @@ from haptisym.model.jnd import Part
 from haptisym.programs.modelled import Modelled
 from haptisym.programs.program import Program
 from haptisym.programs.taylormodels import Array, Model
+from haptisym.programs.valued import floated, valued
 from haptisym.verbs.tolerances.box import Box
-from haptisym.verbs.tolerances.excess import Excess, floated
+from haptisym.verbs.tolerances.excess import Excess
 from haptisym.verbs.tolerances.joined import joined
-from haptisym.verbs.tolerances.valued import valued
 
 Terms: TypeAlias = list[list[Model]]
 _FIELDS = ("real", "imag", "environment_real", "environment_imag")

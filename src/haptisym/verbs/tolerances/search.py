@@ -15,7 +15,7 @@ import numpy as np
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import LimitError
-from haptisym.programs.taylormodels import Array
+from haptisym.programs.taylormodels import Array, halves
 from haptisym.verbs.tolerances.excess import Excess
 
 _BATCH = 256  # cells that are bounded together
@@ -153,14 +153,6 @@ def _start(sides: int) -> Array:
 
 def _chosen(x: _Bounded, which: Array) -> _Bounded:
     return _Bounded(x.cells[which], x.signs[which], x.omega[which], x.split[which])
-
-
-def halves(cells: Array, side: Array) -> Array:
-    """Each cell cut in two along a side."""
-    lower, upper, rows = cells.copy(), cells.copy(), np.arange(len(cells))
-    middle = (cells[rows, side, 0] + cells[rows, side, 1]) / 2
-    lower[rows, side, 1], upper[rows, side, 0] = middle, middle
-    return np.concatenate([lower, upper])
 
 
 def bounded(excess: Excess, cells: Array) -> _Bounded:

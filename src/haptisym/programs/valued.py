@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import prod
 
-from sympy import Add, Expr, Mul, Pow
+from sympy import Add, Expr, Mul, Pow, Rational
 
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import expression_ball
 from haptisym.programs.taylormodels import Model
-from haptisym.verbs.tolerances.excess import floated
 
 
 def valued(formula: Expr, known: Mapping[Expr, Model], like: Model) -> Model:
@@ -26,3 +27,13 @@ def valued(formula: Expr, known: Mapping[Expr, Model], like: Model) -> Model:
     assert isinstance(formula, Pow)
     power = prod([valued(formula.base, known, like)] * abs(int(formula.exp)), start=one)
     return power if formula.exp > 0 else one / power
+
+
+def floated(value: Expr) -> float:
+    """The number to within a rounding or two. UndecidedError where it is too large for a float."""
+    if isinstance(value, Rational):
+        try:
+            return int(value.p) / int(value.q)
+        except OverflowError:
+            raise UndecidedError("how numbers compare that are too large for floats") from None
+    return float(value.evalf(20)) if value.is_algebraic else float(expression_ball(value))

@@ -20,10 +20,8 @@ from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.roots import sign_of_number
-from haptisym.programs.taylormodels import Array, Model, variable
-from haptisym.verbs.tolerances.excess import floated
-from haptisym.verbs.tolerances.search import halves
-from haptisym.verbs.tolerances.valued import valued
+from haptisym.programs.taylormodels import Array, Model, halves, variable
+from haptisym.programs.valued import floated, valued
 
 _BATCH = 512  # cells that are bounded together
 _MOST_CELLS = 40_000
@@ -40,7 +38,7 @@ _Terms: TypeAlias = dict[int, list[tuple[Rational, tuple[int, ...]]]]
 class OnAxis:
     """D(j omega) of a polynomial of a ring, over the values that some of its symbols may have.
 
-    Cells are arrays (cells, 1 + symbols, 2) of shares, as those of ``search``; omega goes from 0 to the reach.
+    Cells are arrays (cells, 1 + symbols, 2) of shares, 0 at the low end, 1 at the high one; omega goes from 0 to the reach.
     """
 
     def __init__(self, ring: Ring, polynomial: Polynomial, ranges: Mapping[Symbol, tuple[Expr, Expr]]) -> None:
