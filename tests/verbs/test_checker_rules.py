@@ -239,6 +239,17 @@ def test_a_chart_whose_cells_or_enclosures_do_not_hold_is_refused(seed: int) -> 
         assert fails(points, told, own_band)
 
 
+def test_a_cell_of_an_end_of_the_band_holds_no_zero() -> None:
+    factor = Factor(expanded([(-2, 1), (-5, 1)]))
+    told = [[Fraction(n)] * 2 for n in (1, 2, 5, 6)]
+
+    def fails(*points: str) -> bool:
+        return refused(chart.Chart, band(1, 6), list(map(Fraction, points)), [factor], told)
+
+    assert [fails(*x.split()) for x in ("1 3 6", "1/2 3/2 3 11/2 7", "1 3 11/2 7", "1/2 3/2 3 6")] == [False] * 4
+    assert [fails(*x.split()) for x in ("1/2 3 6", "1 3 7", "1 6", "1 2 6", "1 5 6")] == [True] * 5
+
+
 def test_the_ends_of_a_band_in_hertz_lie_between_those_with_numbers_below_and_above_pi() -> None:
     scene: Any = SimpleNamespace(band=[own_number(Fraction(2), -1), own_number(Fraction(3), 1)])
     (a, b), (c, d) = chart.ends_of_band(scene)
@@ -655,19 +666,70 @@ def test_taylors_sums_of_wave_factors_hold_their_values(seed: int) -> None:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_wave_factors_begin_at_0_with_the_power_that_mpmath_sees(seed: int) -> None:
     draw = random.Random(seed)
-    for _ in range(3):
+    for cancels in (False, True, False, True):
         delays = tuple(Fraction(n, 7) for n in draw.sample(range(1, 9), draw.randint(1, 2)))
         orders = tuple(Fraction(n, 10) for n in draw.sample(range(1, 10), draw.randint(0, 1)))
-        factor, value = wave_factor(draw, delays, orders)
-        try:
-            order, found = factor.signs(Fraction(0), Fraction(1, 200))
-        except RefusedError:
-            continue
+        factor, value = beginning(draw, delays[0]) if cancels else wave_factor(draw, delays, orders)
+        order, found = factor.signs(Fraction(0), Fraction(1, 10**6))
         tiny = MP.mpf(10) ** -40, MP.mpf(10) ** -42
         slope = (MP.log(abs(value(tiny[0]))) - MP.log(abs(value(tiny[1])))) / MP.log(100)
         assert abs(slope - MP.mpf(Fraction(order).numerator) / Fraction(order).denominator) < 1e-3
         assert found == [sign(value(tiny[1]))]
-        assert all(sign(value(MP.mpf(n) / 2000)) == found[0] for n in range(1, 11))
+        try:
+            assert factor.signs(Fraction(0), Fraction(1, 20)) == (order, found)
+        except RefusedError:
+            continue
+        assert all(sign(value(MP.mpf(n) / 200)) == found[0] for n in range(1, 11))
+
+
+def beginning(draw: random.Random, tau: Fraction) -> tuple[waves.WaveFactor, Any]:
+    """pi (sin x - x cos x) + c omega^n cos x, x = omega tau/2: it begins with x^3 or with omega^n."""
+    c, n, (p, q) = draw.choice([-2, 3]), draw.choice([2, 3, 5]), tau.as_integer_ratio()
+    cosine = [["0"], ["0", str(-p)], *([["0"]] * (n - 2)), [str(c)]]
+    told = {"waves": [1], "terms": [[[1], [["0", str(2 * q)]]], [[0], cosine]]}
+
+    def value(w: Any) -> Any:
+        x = w * p / (2 * q)
+        return 2 * q * MP.pi * (MP.sin(x) - x * MP.cos(x)) + c * w**n * MP.cos(x)
+
+    return waves.WaveFactor(told, (tau,)), value
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_signs_are_told_where_cells_are_small(seed: int) -> None:
+    """One where nothing happens, two around a simple zero, none where there may be more."""
+    draw = random.Random(seed)
+    for delays, orders in (((Fraction(3, 7),), ()), ((Fraction(1, 2), Fraction(2, 3)), ()), ((), (Fraction(1, 3),))):
+        factor, value = wave_factor(draw, delays, orders)
+        for n in draw.sample(range(16, 70), 3):
+            a, b = MP.mpf(n) / 16, MP.mpf(n + 1) / 16
+            ends, slopes = (value(a), value(b)), (MP.diff(value, a), MP.diff(value, b))
+            steady = slopes[0] * slopes[1] > 0 and abs(slopes[0]) < 1.5 * abs(slopes[1]) < 3 * abs(slopes[0])
+            if steady and abs(ends[0] - ends[1]) > 1e-9:
+                own = [sign(x) for x in ends]
+                fewer = own[:1] if own[0] == own[1] else own
+                assert factor.signs(Fraction(n, 16), Fraction(n + 1, 16)) in ((0, fewer), (0, own))
+
+
+def test_cells_that_hold_more_than_one_zero_of_a_wave_are_refused() -> None:
+    one = (Fraction(2),)
+    cosine = lambda *p: waves.WaveFactor({"waves": [1], "terms": [[[0], [[str(c)] for c in p]]]}, one)  # noqa: E731
+    sine = waves.WaveFactor({"waves": [1], "terms": [[[1], [["1"]]]]}, one)  # sin omega
+    assert sine.signs(Fraction(3), Fraction(33, 10)) == (0, [1, -1])
+    assert sine.signs(Fraction(4), Fraction(5)) == (0, [-1])
+    assert refused(sine.signs, Fraction(3), Fraction(19, 2))
+    assert refused(sine.signs, Fraction(0), Fraction(7, 2))
+    assert sine.signs(Fraction(0), Fraction(1)) == (1, [1])
+    assert refused(cosine(2525, -1005, 100).signs, Fraction(49, 10), Fraction(51, 10))  # 100 (omega - 5) (omega - 5.05)
+    assert refused(cosine(25, -10, 1).signs, Fraction(49, 10), Fraction(51, 10))
+    assert cosine(-5, 1).signs(Fraction(49, 10), Fraction(51, 10)) == (0, [-1, 1])
+    assert refused(cosine(-1, 100).signs, Fraction(0), Fraction(1, 50))
+    assert cosine(-1, 50).signs(Fraction(0), Fraction(1, 100)) == (0, [-1])
+    raised = waves.WaveFactor({"waves": [], "terms": [[[1, 0], [["1"]]], [[0, 0], [["-1"]]]]}, (), (Fraction(1, 2),))
+    assert refused(raised.signs, Fraction(0), Fraction(4))  # sqrt(omega/2) - 1
+    assert raised.signs(Fraction(0), Fraction(1)) == (0, [-1])
+    assert raised.signs(Fraction(19, 10), Fraction(21, 10)) == (0, [-1, 1])
 
 
 def test_beginnings_that_stay_open_are_refused_and_sides_are_bernsteins() -> None:
@@ -679,6 +741,7 @@ def test_beginnings_that_stay_open_are_refused_and_sides_are_bernsteins() -> Non
     assert waves.side([(-5, 1), (3, 0)]) == -1
     assert waves.side([(5, 1), (-3, 0)]) == 1
     assert waves.side([(1, 0), (-2, 0), (1, 0)]) == 0
+    assert waves.side([(-1, 0), (1, 0)]) == waves.side([(1, 1)]) == waves.side([(-1, 1)]) == 0
 
 
 def test_wave_factors_are_measured_and_read() -> None:

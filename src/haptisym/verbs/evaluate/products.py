@@ -70,7 +70,7 @@ def _signs(p: fmpq_poly, degree: int, low: Fraction, high: Fraction | None) -> t
     end = flint.fmpq(high.numerator, high.denominator)
     there = p(fmpq_poly([start, end - start]))
     turned = fmpq_poly([there[n] for n in range(degree, -1, -1)])(fmpq_poly([1, 1]))
-    return tuple((turned[n] > 0) - (turned[n] < 0) for n in range(degree, -1, -1))[::-1]
+    return tuple((turned[n] > 0) - (turned[n] < 0) for n in range(degree, -1, -1))
 
 
 @dataclass
