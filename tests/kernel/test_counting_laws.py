@@ -347,6 +347,10 @@ def test_numbers_made_of_cosines_of_parts_of_a_turn_are_zero_where_sympy_and_mpm
     assert not is_zero(ring.convert(triple).numerator, [2 * pi / 7, pi])
     assert is_zero(ring.convert(s0 - Rational(1, 2)).numerator, [pi / 3, pi])
     assert is_zero(ring.convert(s0 + Rational(1, 2)).numerator, [-pi / 3, pi])
+    assert is_zero(ring.convert(s1 - Rational(1, 2)).numerator, [pi, pi / 3])
+    assert is_zero(ring.convert(2 * s0 * s1 - pi * c0).numerator, [pi, pi / 3]) is False
+    assert is_zero(ring.convert(2 * s0 * s1 - 1).numerator, [pi, pi / 3])
+    assert is_zero(ring.convert(s0 * s1 - 1).numerator, [Integer(1), pi / 3]) is None
     assert is_zero(ring.convert(s0 - 1).numerator, [Integer(1), pi]) is None
     assert is_zero(ring.convert(s0 - 1).numerator, [pi / 20_001, pi]) is None
 
