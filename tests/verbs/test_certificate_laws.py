@@ -220,13 +220,13 @@ def dynamics(draw: random.Random, late: list[Expr], raised: list[Expr]) -> Expr:
     return found if draw.random() < 0.7 else found * pi + 1
 
 
-@pytest.mark.few(3)
+@pytest.mark.few("2", "4", "8")
 @pytest.mark.parametrize("seed", SEEDS)
 def test_products_are_the_functions_that_they_were_made_of(seed: int) -> None:
     draw = random.Random(seed)
-    late = draw.sample([Rational(1, 3), Rational(2, 3), Rational(3, 5)], draw.randint(0, 2))
-    raised = draw.sample([Rational(1, 2), Rational(2, 3)], draw.randint(0, 1))
-    own = [dynamics(draw, late, raised) for _ in range(2)]
+    late = draw.sample([Rational(1, 3), Rational(2, 3), Rational(3, 5)], seed % 3 if seed < 6 else seed % 2)
+    raised = draw.sample([Rational(1, 2), Rational(2, 3)], seed // 3 % 3)
+    own = [dynamics(draw, late, raised) for _ in range(2 if seed % 2 else 1)]
     ring = Ring.of(own)
     turned = RectangularRing.like(ring) if ring.orders else ring
     functions = {}

@@ -171,7 +171,8 @@ def test_a_strip_holds_its_function_for_all_values_of_its_cell_and_is_as_wide_as
                 row = [own(X), MP.diff(own, X), MP.diff(own, X, 2) / 2]
                 for found, true, kept in zip(over, row, sampled, strict=True):
                     if x == 0 and kept is sampled[1] and k and shape.is_even:
-                        continue  # of that the sign alone is told
+                        assert not found.is_finite() or found.contains(0) or (found > 0) == (true > 0)
+                        continue  # the sign alone is told
                     kept.append(true)
                     assert not found.is_finite() or near(found, true)
             end = number(Rational((x + reach).numerator, (x + reach).denominator))
@@ -231,6 +232,12 @@ def test_the_place_at_which_a_condition_binds_is_found_and_the_value_known(
             with flint.ctx.workprec(bits + 40):
                 assert crossing.ball(bits).contains(value)
                 assert crossing.ball(bits).rad() < arb(2) ** (10 - bits)
+        beside = strips(*ends, w + 9, function)
+        [other] = places(beside, BAND)  # type: ignore[misc]
+        assert (other.kind, other.piece, other.other, other.omega) == (kind, 1, None, place.omega)
+        assert beside.signs(other) == condition.signs(place)
+        assert beside.crossing(other).ball(60).contains(value)
+        assert places(strips(*ends, w - 9, function), BAND) == []
         if kind is Kind.TOUCH:
             top = MaximumAt(crossing).ball(80)  # type: ignore[arg-type]
             assert abs(top - at) < 1e-15
