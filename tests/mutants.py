@@ -178,8 +178,12 @@ def _wrong_value(node: ast.expr) -> Iterator[tuple[str, ast.AST, str]]:
                 yield "condition", condition, "True"
 
 
+def _is_for_types(node: ast.AST) -> bool:
+    return isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+
+
 class Places(ast.NodeVisitor):
-    """All changes of a module; what is raised, printed for people, annotated or imported is left as it is."""
+    """All changes of a module; what is raised, asserted, printed for people, annotated or imported is left as it is."""
 
     def __init__(self, root: Path, module: str) -> None:
         self.module, self.source = module, place_of(root, module).read_bytes()
@@ -191,7 +195,7 @@ class Places(ast.NodeVisitor):
             self.visit(statement)
 
     def visit(self, node: ast.AST) -> None:
-        for kind, place, text in _wrong(node):
+        for kind, place, text in () if _is_for_types(node) else _wrong(node):
             start = self.starts[place.lineno - 1] + place.col_offset  # type: ignore[attr-defined]
             end = self.starts[place.end_lineno - 1] + place.end_col_offset  # type: ignore[attr-defined]
             mutant = Mutant(self.module, self.function, kind, node.lineno, start, end, text)  # type: ignore[attr-defined]
@@ -220,6 +224,14 @@ class Places(ast.NodeVisitor):
 
     def visit_Call(self, node: ast.Call) -> None:
         if ast.unparse(node.func).split(".")[-1] not in ("dataclass", "lru_cache", "TypeVar", "NewType"):
+            self.generic_visit(node)
+
+    def visit_keyword(self, node: ast.keyword) -> None:
+        if node.arg != "strict":  # of zip: an assertion
+            self.visit(node.value)
+
+    def visit_If(self, node: ast.If) -> None:
+        if not _is_for_types(node):
             self.generic_visit(node)
 
     def nothing(self, node: ast.AST) -> None: ...

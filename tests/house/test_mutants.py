@@ -47,6 +47,14 @@ def test_every_change_is_one_of_the_code_and_leaves_a_program(root: Path) -> Non
     assert {"3", "(numbers)", "pass", "scale -= abs(x)", "(x)", "min", "(scale * max(numbers))"} <= texts
 
 
+def test_what_only_asserts_or_is_for_types_is_left_as_it_is(root: Path) -> None:
+    text = "if TYPE_CHECKING:\n    a = 1 + 1\nb = list(zip('x', 'y', strict=True))\nc = sorted([2], reverse=True)\n"
+    (root / mutants.SOURCE / "kernel" / "types.py").write_text(text, encoding="utf-8")
+    found = mutants.Places(root, "kernel/types.py").found
+    assert {mutant.line for mutant in found} == {4}
+    assert "False" in {mutant.text for mutant in found}
+
+
 def test_a_seed_draws_the_same_changes_again_and_never_two_of_a_line(root: Path) -> None:
     first, again, other = (mutants.drawn(root, "kernel", seed, 4) for seed in (1, 1, 2))
     assert first == again != other

@@ -45,6 +45,18 @@ def test_an_operation_in_a_definition_is_counted_once():
     assert steps.operations == 2 + 2 + 1
 
 
+def test_a_fraction_is_one_number_and_a_whole_exponent_stays_one():
+    a = Symbol("a")
+    for value, count in (
+        (a / 3, 1),
+        (Rational(2, 3) * a, 1),
+        (1 / a**2, 2),
+        (2 * a, 1),
+        (-a, 1),
+    ):
+        assert Steps((), {"y": value}).operations == count
+
+
 def test_definitions_are_put_into_later_definitions():
     c = Symbol("c")
     assert Steps(((b, a + 1), (c, b**2)), {"y": c + b}).at({}) == {"y": (a + 1) ** 2 + a + 1}
