@@ -16,6 +16,7 @@ from strategies import cases, scene
 from sympy import Rational
 
 import haptisym as hs
+from haptisym import effects, environments
 from haptisym.judge.criteria import noticed
 from haptisym.judge.percepts import Property
 from haptisym.judge.spread import half_widths
@@ -308,3 +309,17 @@ def test_enlarged_as_much_as_is_said_a_region_has_the_change_on_its_border(
     assert criterion.joint is not None
     much = float(criterion.joint.enlarged(x, y, lambda c: float(floats_of(c, 2.0))))
     assert outside(jnd, x / much, y / much, 2) == pytest.approx(0, abs=1e-12)
+
+
+def test_where_a_pole_turns_the_change_round_a_polygon_may_be_returned_into_at_once() -> None:
+    """Re dH/|H_env| is just above 1/10 below the pole at 5 rad/s and just below -1/10 beyond, where the polygon reaches to -1/5."""
+    environment = environments.expression("1/(s^2 + 25)")
+    corners = [[0.1, 0], [0, 0.1], [-0.2, 0], [0, -0.1]]
+    jnd = {"shape": "polygon", "corners": corners}
+    found = hs.evaluate(hs.Scene(environment, (effects.series("1.1 + (s^2 + 25)^2/1000"),), (1, 9), jnd))
+    assert [(float(x.omega), x.kind.value) for x in found.crossings] == [
+        (5.0, "returns"),
+        (pytest.approx(35**0.5), "exceeds"),
+    ]
+    [kept] = found.transparent
+    assert (float(kept.low.omega), float(kept.high.omega)) == (5.0, pytest.approx(35**0.5))

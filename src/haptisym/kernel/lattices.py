@@ -67,7 +67,7 @@ def met(
     if _INFINITE in (abs(low), abs(high)):
         order = -1 if before != after else -2
     elif low == 0 and (before > 0 or after > 0 or (before, after) == (-1, -1)):
-        order = _order(lattice, name, orders, sides[1], odd=before != after)
+        order = _order(lattice, name, orders, sides, odd=before != after)
     else:
         order = 0
     return Met(order, before, after, len(found) > 1)
@@ -97,15 +97,23 @@ def _at(
 
 
 def _order(
-    lattice: Lattice, name: Hashable, orders: Mapping[Hashable, int], side: Mapping[Hashable, int], *, odd: bool
+    lattice: Lattice,
+    name: Hashable,
+    orders: Mapping[Hashable, int],
+    sides: tuple[Mapping[Hashable, int], Mapping[Hashable, int]],
+    *,
+    odd: bool,
 ) -> int:
-    """The least order of a piece that makes the lattice vanish, odd exactly where the sign changes."""
-    least = min(
-        orders[piece]
-        for i, term in enumerate(lattice.terms)
-        if (own := [Piece(name, i, j) for j in range(len(term))])
-        and all(orders.get(x, 0) > 0 or side[x] >= 0 for x in own)
-        for piece in own
-        if orders.get(piece, 0) > 0
-    )
+    """The least order of a piece that makes the lattice vanish, odd exactly where the sign changes.
+
+    Seen from the side after the point; from that before it where another piece jumps there over a pole.
+    """
+
+    def seen(side: Mapping[Hashable, int]) -> Iterator[int]:
+        for i, term in enumerate(lattice.terms):
+            own = [Piece(name, i, j) for j in range(len(term))]
+            if all(orders.get(x, 0) > 0 or side[x] >= 0 for x in own):
+                yield from (orders[x] for x in own if orders.get(x, 0) > 0)
+
+    least = next(min(found) for side in sides[::-1] if (found := [*seen(side)]))
     return least if least % 2 == odd else least + 1

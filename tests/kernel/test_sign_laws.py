@@ -1,0 +1,184 @@
+"""Signs far out, signs of what is made of minima and maxima, and zeros of numbers made of exponentials: against samples and mpmath."""
+
+from __future__ import annotations
+
+import random
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from flint import fmpq
+from sympy import Expr, Integer, Rational, exp, lambdify, pi
+
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.exponentials import Exponentials
+from haptisym.kernel.far import Sense, far
+from haptisym.kernel.lattices import Lattice
+from haptisym.kernel.response import RealFunction, on_axis
+from haptisym.kernel.roots import chart
+from haptisym.kernel.symbols import omega as w
+from haptisym.kernel.symbols import s
+
+SEEDS = range(40)
+AXIS = Ring().axis
+
+
+def far_out(draw: random.Random) -> Expr:
+    """Powers of s with numbers before them, one or two delays, and perhaps a power s^alpha in all of it."""
+    lags = draw.choice([[Rational(1, 2)], [Rational(1, 3), Rational(1, 2)], [Integer(1), pi]])
+    late = [exp(-x * s) for x in lags]
+    top = draw.choice([s, s**2, s**2 * s ** Rational(1, 3), s ** Rational(1, 2)])
+    lead = (
+        draw.choice([-5, -1, 2, 3])
+        + sum((draw.choice([-2, -1, 0, 1, 3]) * x for x in late), Integer(0))
+        + draw.choice([0, 1]) * late[0] ** 2
+    )
+    return (
+        top * lead
+        + draw.choice([-9, 40]) * s ** Rational(1, 4) * late[-1]
+        + draw.choice([pi, -30]) * late[0]
+        + draw.randint(-9, 9)
+    ).expand()
+
+
+@pytest.mark.few(6)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_signs_far_out_are_those_of_samples(seed: int) -> None:
+    draw = random.Random(seed)
+    for _ in range(2):
+        x = far_out(draw)
+        if not x.has(s):
+            continue
+        value, response = lambdify(s, x), on_axis(Ring.of([x]).convert(x))
+        for raw, part in ((response.raw_real, np.real), (response.raw_imag, np.imag)):
+            found = far(raw)
+            grid = np.linspace(1e9, 1e9 + 4000, 60_001)
+            own = part(value(1j * grid))
+            lead = float(raw_degree(x))
+            own = own / grid**lead
+            low, high, size = own.min(), own.max(), abs(own).max()
+            if found.sense in (Sense.POSITIVE, Sense.NEGATIVE):
+                assert low * found.sense.value > -1e-3 * size
+                assert high * found.sense.value > -1e-3 * size
+                beyond = float(found.radius) * np.concatenate(
+                    [1 + np.linspace(1e-9, 3, 20_001), np.logspace(0.6, 3, 4001)]
+                )
+                near = part(value(1j * beyond)) * found.sense.value
+                assert (near > -1e-9 * abs(near).max()).all()
+                assert found.radius > 0
+            elif found.sense is Sense.BOTH:
+                assert low < 1e-3 * size
+                assert high > -1e-3 * size
+            if low > 0.3 * size or high < -0.3 * size:
+                assert found.sense is (Sense.POSITIVE if low > 0 else Sense.NEGATIVE)
+            if low < -0.2 * size and high > 0.2 * size:
+                assert found.sense is Sense.BOTH
+
+
+def raw_degree(x: Expr) -> Rational:
+    """The highest power of s."""
+    return max(
+        (
+            term.subs(dict.fromkeys(term.atoms(exp), 1)).as_coeff_Mul()[1].as_base_exp()[1]
+            if term.subs(dict.fromkeys(term.atoms(exp), 1)).has(s)
+            else Integer(0)
+        )
+        for term in x.as_ordered_terms()
+    )
+
+
+# What is positive where all pieces of some term are
+
+
+@pytest.mark.few(3)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_signs_of_a_lattice_are_those_of_its_pieces(seed: int) -> None:
+    draw = random.Random(seed)
+    roots = list(range(1, 8))
+
+    def piece() -> Expr:
+        found: Expr = Integer(draw.choice([-2, 1]))
+        for _ in range(draw.randint(1, 3)):
+            found *= (w - draw.choice(roots)) ** draw.choice([1, 1, 2, -1])
+        return found
+
+    terms = [[piece() for _ in range(draw.randint(1, 3))] for _ in range(draw.randint(1, 3))]
+    lattice = Lattice(tuple(tuple(RealFunction(AXIS.convert(x).reduced()) for x in term) for term in terms))
+    table = chart({"it": lattice}, Rational(1, 2), Integer(8))
+
+    def value(at: Rational) -> int:
+        rows = [[float(x.subs(w, at)) for x in term] for term in terms]
+        return max(min(int(y > 0) - int(y < 0) for y in row) for row in rows)
+
+    places = [Rational(round(float(p.omega) * 2), 2) for p in table.points]
+    assert [abs(float(p.omega) - float(x)) < 1e-9 for p, x in zip(table.points, places, strict=True)] == [True] * len(
+        places
+    )
+    for a, b, point in zip(places, places[1:], table.points, strict=False):
+        for n in (1, 3, 5, 8):
+            assert value(a + (b - a) * Rational(n, 9)) == point.after["it"]
+    for at, point in zip(places[1:-1], table.points[1:-1], strict=True):
+        beside = value(at - Rational(1, 9)), value(at + Rational(1, 9))
+        assert (point.before["it"], point.after["it"]) == beside
+        order = point.orders.get("it", 0)
+        finite = all(x.as_numer_denom()[1].subs(w, at) != 0 for term in terms for x in term)
+        if finite:
+            assert point.at["it"] == value(at)
+            assert order > 0 or value(at) != 0 or beside == (0, 0)
+            assert not order or order % 2 == (beside[0] != beside[1])
+    kept = table.where(lambda signs: signs["it"] <= 0)
+    for n in range(41, 640, 7):
+        at = Rational(n, 80)
+        if at not in places:
+            assert any(float(x.low.omega) <= at <= float(x.high.omega) for x in kept) == (value(at) <= 0)
+
+
+# Numbers made of exponentials
+
+MP = mpmath.mp.clone()
+MP.prec = 300
+
+
+@pytest.mark.few(3)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_numbers_made_of_exponentials_are_zero_where_they_are(seed: int) -> None:
+    draw = random.Random(seed)
+    factors = draw.choice([[(1, 1)], [(-2, 0, 1)], [(3, 2), (-2, 0, 1)], [(1, 1, 1)], [(5, 2, 3)], [(-1, 2), (1, 3)]])
+    times = [fmpq(1, 2), fmpq(1)]
+    ring = Exponentials(factors, times)
+    roots = [complex(x) for f in factors for x in np.roots(f[::-1])]
+    order = [complex(x.real.mid(), x.imag.mid()) for x in ring._roots(128)]
+    assert sorted((round(x.real, 9), round(x.imag, 9)) for x in roots) == sorted(
+        (round(x.real, 9), round(x.imag, 9)) for x in order
+    )
+
+    def some() -> tuple[Any, Any]:
+        """An element, and its value."""
+        total, value = ring.constant(draw.randint(-3, 3)), MP.mpf(0)
+        value += int(total.coeffs()[0]) if not total.is_zero() else 0
+        for _ in range(draw.randint(1, 3)):
+            i, k, c = draw.randrange(len(order)), draw.randrange(2), draw.choice([-2, 1, 3])
+            z = [MP.mpc(x) for x in exactly()][i]
+            which = draw.randint(0, 2)
+            element = [ring.root(i), ring.exponential(i, k), ring.pi][which]
+            total += c * element
+            value += c * [z, MP.exp(z * [MP.mpf(1) / 2, 1][k]), MP.pi][which]
+        return total, value
+
+    def exactly() -> list[Any]:
+        exact = [x for f in factors for x in MP.polyroots([MP.mpf(c) for c in f[::-1]], maxsteps=200, extraprec=400)]
+        return [min(exact, key=lambda z: abs(complex(z) - x)) for x in order]
+
+    for _ in range(3):
+        (x, a), (y, b) = some(), some()
+        assert ring.is_zero(x) == (abs(a) < 1e-60)
+        assert ring.is_zero(x * y) == (abs(a * b) < 1e-60)
+        assert ring.is_zero((x + y) ** 2 - x**2 - 2 * x * y - y**2)
+        assert not ring.is_zero((x + y) ** 2 - x**2 - 2 * x * y - y**2 + 1)
+    for i, z in enumerate(exactly()):
+        own = next(f for f in factors if abs(sum(c * z**n for n, c in enumerate(f))) < 1e-60)
+        polynomial = sum((c * ring.root(i) ** n for n, c in enumerate(own)), ring.constant(0))
+        assert ring.is_zero(polynomial)
+        assert ring.is_zero(polynomial * ring.exponential(i, 0) + ring.exponential(i, 1) - ring.exponential(i, 0) ** 2)
+        assert not ring.is_zero(polynomial * 3 + ring.constant(fmpq(1, 10**30)))
