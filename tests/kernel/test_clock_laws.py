@@ -1,0 +1,159 @@
+"""Loops with a clock, whatever the plant, its delays and the controller: against step responses by SciPy, and polynomials against their roots."""
+
+from __future__ import annotations
+
+import random
+from itertools import combinations, pairwise
+from math import prod
+from typing import Any
+
+import flint
+import numpy as np
+import pytest
+from flint import acb, arb
+from scipy.linalg import expm
+from sympy import Expr, Integer, Rational, Symbol
+
+from haptisym.kernel.nearone import about_axis, about_one, has_no_pair, hurwitz
+from haptisym.kernel.pulse import Plant, SampledLoop
+
+SEEDS = range(30)
+k = Symbol("k", positive=True)
+
+
+def step(Q: list[float], N: list[float], t: float) -> float:
+    """The response of N/Q to a unit step, just before the time t."""
+    if t <= 0:
+        return 0.0
+    n = len(Q) - 1
+    Q, N = [x / Q[-1] for x in Q], [*(x / Q[-1] for x in N), *[0.0] * (n + 1 - len(N))]
+    if not n:
+        return N[0]
+    M = np.zeros((n + 1, n + 1))
+    M[np.arange(n - 1), np.arange(1, n)] = 1
+    M[n - 1, :n], M[n - 1, n] = [-x for x in Q[:n]], 1
+    C = np.array([a - N[n] * b for a, b in zip(N, Q, strict=True)][:n])
+    return float(C @ expm(M * t)[:n, n] + N[n])
+
+
+def loop(draw: random.Random) -> SampledLoop:
+    """A plant with or without integrators and a direct way, with up to two delays; rational numbers, some of them a symbol's."""
+
+    def some() -> Rational:
+        return Rational(draw.randint(1, 9), draw.randint(1, 5))
+
+    Q = [draw.choice([Integer(0), some()]), *(some() for _ in range(draw.randint(0, 2))), some()]
+    T = Rational(1, draw.choice([1, 2, 5]))
+    lags = draw.sample([Integer(0), T, T / 3, 3 * T / 2, 2 * T], draw.randint(1, 2))
+    terms = tuple((lag, tuple(draw.choice([-1, 1]) * some() for _ in range(draw.randint(1, len(Q))))) for lag in lags)
+    above = (draw.choice([k, some()]), *(some() * k for _ in range(draw.randint(0, 2))))
+    below = (Integer(1), *(some() / 9 for _ in range(draw.randint(0, 1))))
+    return SampledLoop(Plant(tuple(Q), terms), T, above, below)
+
+
+def value(row: Any, at: Any) -> Any:
+    return sum(complex(x) * at**n for n, x in enumerate(row))
+
+
+@pytest.mark.few(1)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_loop_is_that_of_the_samples_of_step_responses(seed: int) -> None:
+    draw = random.Random(seed)
+    own, number = loop(draw), Rational(draw.randint(1, 20), 7)
+    T, Q = float(own.T), [float(x) for x in own.plant.denominator]
+    assert own.whole == tuple(int(lag // own.T) for lag, _ in own.plant.terms)
+    told = own.at({k: number})
+    rows = {"plain": told.balls(), "known": own.balls({k: arb(int(number.p)) / int(number.q)})}
+    poles = np.roots(Q[::-1])
+    steps = [[step(Q, [float(x) for x in N], n * T - float(lag)) for n in range(-1, 12)] for lag, N in own.plant.terms]
+    for w in (0.05, -0.06 + 0.05j):
+        G = 0.0 + 0.0j
+        for at in steps:
+            G += sum((b - a) * w**n for n, (a, b) in enumerate(pairwise(at)))
+        below, above = (value([x.subs(k, number) for x in row], w) for row in (own.below, own.above))
+        true = prod(1 - w * np.exp(p * T) for p in poles) * (below + above * G)
+        for row in rows.values():
+            assert abs(value([x.mid() for x in row], w) - true) < 1e-8 * (1 + abs(true))
+    exact = told.exact()
+    assert exact is not None
+    assert told._exact is not None
+    ring = told._exact[0]
+    with flint.ctx.workprec(160):
+        values = [evaluated(ring, x) for x in exact]
+    balls = [float(x.mid()) for x in rows["plain"]]
+    balls += [0.0] * (len(values) - len(balls))
+    assert len(balls) <= len(values) or max(map(abs, balls[len(values) :])) < 1e-9
+    assert (
+        np.linalg.matrix_rank(
+            np.array([values, balls[: len(values)]]), tol=1e-6 * max(map(abs, values)) * max(map(abs, balls))
+        )
+        == 1
+    )
+    assert [told.is_zero(x) for x in exact] == [abs(x) < 1e-30 for x in values]
+
+
+def evaluated(ring: Any, x: Any) -> float:
+    roots = ring._roots(160)
+    total = acb(0)
+    for powers, c in x.to_dict().items():
+        own = [int(n) for n in powers]
+        late = own[2 + len(roots) :]
+        exponent = sum(
+            (z * arb(t) * late[i * len(ring.times) + j] for i, z in enumerate(roots) for j, t in enumerate(ring.times)),
+            acb(0),
+        )
+        term = acb(arb(c)) * arb.pi() ** own[1] * exponent.exp()
+        for z, n in zip(roots, own[2:], strict=False):
+            term *= z**n
+        total += term
+    return float(total.real.mid())
+
+
+@pytest.mark.few(3)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_about_z_equal_to_one_a_loop_is_the_same_but_for_roots_at_0(seed: int) -> None:
+    draw = random.Random(seed)
+    own, number = loop(draw), arb(draw.randint(1, 20)) / 7
+    known: dict[Expr, Any] = {k: number}
+    row, plain = ([float(x.mid()) for x in given] for given in (about_one(own, known), own.balls(known)))
+    ratios = [abs(value(row, z - 1) / value(plain, 1 / z)) for z in (2.0, 3.0, 2.5)]
+    powers = [np.log(x) / np.log(z) for x, z in zip(ratios, (2.0, 3.0, 2.5), strict=True)]
+    assert np.allclose(powers, round(powers[0]), atol=1e-7)
+    assert powers[0] > len(plain) - 1.5
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_hurwitz_determinant_is_orlandos_product_and_pairs_are_seen(seed: int) -> None:
+    draw = random.Random(seed)
+    for _ in range(10):
+        roots: list[complex] = []
+        while len(roots) < draw.randint(2, 5):
+            a, b = draw.choice([-2, -1, 0, 1, 3]), draw.randint(1, 3)
+            roots += [complex(a, b), complex(a, -b)] if draw.random() < 0.5 else [complex(draw.choice([-3, -1, 2, 4]))]
+        lead = draw.choice([-2, 1, 3])
+        c = (lead * np.poly(roots)).real[::-1]
+        balls = [arb(float(x)) for x in c]
+        n = len(roots)
+        true = (-1) ** (n * (n - 1) // 2) * lead ** (n - 1) * prod(x + y for x, y in combinations(roots, 2)).real
+        assert abs(float(hurwitz(balls)) - true) < 1e-6 * (1 + abs(true))
+        pair = any(x.real == 0 and x.imag for x in roots)
+        assert has_no_pair(balls) == (not pair)
+        turned = about_axis(balls)
+        for v in (0.3, -0.4 + 0.2j):
+            assert abs(value([x.mid() for x in turned], v) - value(c, 2 * v / (1 - v)) * (1 - v) ** n) < 1e-8 * (
+                1 + abs(value(c, 2 * v / (1 - v)))
+            )
+        assert len(turned) == n + 1
+    assert hurwitz([arb(3), arb(1)]) == 1
+    assert has_no_pair([arb(0), arb(1)])
+    assert not has_no_pair([arb("nan"), arb(1), arb(1)])
+
+
+def test_zeros_of_high_powers_are_left_out_when_numbers_are_put_in() -> None:
+    plant = Plant((Integer(0), Integer(1), k - 1), ((k, (Integer(1), k - 1)),))
+    told = SampledLoop(plant, k, (k, k - 1), (Integer(1), Integer(1) - k)).at({k: Integer(1)})
+    assert told == SampledLoop(
+        Plant((Integer(0), Integer(1)), ((Integer(1), (Integer(1),)),)), Integer(1), (Integer(1),), (Integer(1),)
+    )
+    assert SampledLoop(plant, k, (k - 1,), (Integer(1),)).at({k: Integer(1)}).above == (0,)
