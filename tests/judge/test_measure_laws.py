@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sympy import Expr, Integer, Rational, lambdify
+from sympy import Expr, Integer, Rational, exp, lambdify
 
 import haptisym as hs
 from haptisym.judge.bandwidths import _lower
@@ -16,11 +16,11 @@ from haptisym.judge.climb import Bandwidths, Climb, Jump
 from haptisym.judge.criteria import noticed
 from haptisym.judge.envelopes import Envelope
 from haptisym.judge.peaks import greatest, largest, tops
-from haptisym.judge.positivereal import has_no_pole_right, poles_allow
+from haptisym.judge.positivereal import has_no_pole_right, poles_allow, power
 from haptisym.judge.regions import Term
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.response import RealFunction
+from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.roots import chart
 from haptisym.kernel.symbols import omega as w
 from haptisym.kernel.symbols import s
@@ -225,3 +225,14 @@ def test_sums_of_masses_dampers_springs_and_resonators_have_poles_that_passivity
         assert allowed((good + x).together()) is False, x
     right = ring.convert((good + a / ((s - b) * (s + 1))).together()).reduced()
     assert has_no_pole_right(right) is False
+
+
+def test_the_highest_power_of_omega_counts_broken_powers_and_not_angles() -> None:
+    for x, high in (
+        (s**2 * s ** Rational(1, 2) + s**2 * exp(-s), Rational(5, 2)),
+        (s ** Rational(1, 3) + 3, Rational(1, 3)),
+        (s**3 * exp(-s / 2) + s, Integer(3)),
+    ):
+        raw = on_axis(Ring.of([x]).convert(x)).raw_real
+        own = power(raw.numerator, raw) - power(raw.denominator, raw)
+        assert own == high

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from fractions import Fraction
 from itertools import combinations, pairwise
 from math import prod
 from typing import Any
@@ -16,6 +17,7 @@ from sympy import Expr, Integer, Rational, Symbol
 
 from haptisym.kernel.nearone import about_axis, about_one, has_no_pair, hurwitz
 from haptisym.kernel.pulse import Plant, SampledLoop
+from haptisym.verbs.stability.oncircle import OnCircle
 
 SEEDS = range(30)
 k = Symbol("k", positive=True)
@@ -157,3 +159,46 @@ def test_zeros_of_high_powers_are_left_out_when_numbers_are_put_in() -> None:
         Plant((Integer(0), Integer(1)), ((Integer(1), (Integer(1),)),)), Integer(1), (Integer(1),), (Integer(1),)
     )
     assert SampledLoop(plant, k, (k - 1,), (Integer(1),)).at({k: Integer(1)}).above == (0,)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", SEEDS)
+def test_where_roots_may_meet_the_circle_is_where_their_number_changes(seed: int) -> None:
+    draw = random.Random(seed)
+    own, (low, high) = loop(draw), draw.choice([(Rational(1, 4), Rational(8)), (Rational(1), Rational(2))])
+    form = OnCircle(own, {k: (low, high)})
+    left = form.left()
+    values = [low + (high - low) * Rational(n, 40) for n in range(41)]
+    counts = []
+    for x in values:
+        row = [float(c.mid()) for c in own.at({k: x}).balls()]
+        size = abs(np.roots(row[::-1]))
+        counts.append((int((size < 1).sum()), float(abs(size - 1).min(initial=9))))
+    for n, (a, b) in enumerate(pairwise(counts)):
+        if a[0] != b[0]:
+            assert any(x[0][0] < Fraction(n + 1, 40) and x[0][1] > Fraction(n, 40) for x in left)
+    width = sum(float(x[0][1] - x[0][0]) for x in left)
+    assert (
+        width < 0.1
+        or len({x for x, _ in counts}) > 2
+        or form._at_one == 0
+        or min(x for _, x in counts) < 1e-3
+        or not left
+    )
+    for x, (inside, near) in zip(values, counts, strict=True):
+        if near > 1e-6:
+            assert form.is_stable({k: x}) in ((True,) if not inside else (False, None))
+
+
+def test_a_loop_of_one_root_meets_the_circle_where_it_is_at_minus_one() -> None:
+    """z = 1 - k."""
+    plant = Plant((Integer(0), Integer(1)), ((Integer(0), (Integer(1),)),))
+    own = SampledLoop(plant, Integer(1), (k,), (Integer(1),))
+    for low, high, stable in ((Rational(1, 2), Rational(3, 2), True), (Rational(5, 2), Integer(4), False)):
+        form = OnCircle(own, {k: (low, high)})
+        assert form.left() == []
+        assert form.is_stable({k: (low + high) / 2}) is stable
+    form = OnCircle(own, {k: (Rational(3, 2), Rational(7, 2))})
+    left = form.left()
+    assert left
+    assert all(abs(float(x[0][0]) - 0.25) < 0.01 for x in left)

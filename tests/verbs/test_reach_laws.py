@@ -1,0 +1,139 @@
+"""How far out roots may meet the axis, and one root on the right for all values: against samples of the terms themselves."""
+
+from __future__ import annotations
+
+import cmath
+import random
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import arb
+from sympy import Expr, Integer, Rational, exp
+
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.reals import ExactNumber
+from haptisym.kernel.rootcount import count_roots
+from haptisym.kernel.symbols import s
+from haptisym.verbs.stability.reach import _least_on_circle, lag_of, reach_of
+from haptisym.verbs.stability.rightroot import RightRoots
+
+SEEDS = range(30)
+
+
+def loop(table: dict[int, dict[tuple[int, ...], list[int]]], lags: tuple[Any, ...]) -> Any:
+    own = {
+        Rational(p): {turns: [Integer(c) for c in row] for turns, row in group.items()} for p, group in table.items()
+    }
+    return SimpleNamespace(table=own, ring=SimpleNamespace(lags=lags), turns=())
+
+
+def sizes(table: dict[int, dict[tuple[int, ...], list[int]]], q: float, w: float) -> dict[tuple[int, ...], complex]:
+    """What stands before each product of delays at j w."""
+    found: dict[tuple[int, ...], complex] = {}
+    for p, group in table.items():
+        for turns, row in group.items():
+            found[turns] = found.get(turns, 0) + sum(c * q**i for i, c in enumerate(row)) * (1j * w) ** p
+    return found
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_beyond_its_reach_one_delayed_product_is_outweighed_for_all_values(seed: int) -> None:
+    draw = random.Random(seed)
+    for _ in range(4):
+        degree = draw.randint(1, 3)
+        table: dict[int, dict[tuple[int, ...], list[int]]] = {}
+        for p in range(degree + 1):
+            table[p] = {(0,): [draw.randint(-9, 9), draw.randint(-3, 3)]}
+            if p < degree:
+                table[p][2,] = [draw.randint(-9, 9), draw.randint(-3, 3)]
+        table[degree] = {(0,): [draw.choice([-7, 5]), draw.choice([0, 1])], (2,): [draw.randint(-2, 2), 0]}
+        own = loop(table, (Rational(1, 4),))
+        assert lag_of((2,), own) == Rational(1, 2)
+        low, high = 1.0, 1.0 + draw.choice([0.01, 0.5])
+        found = reach_of(own).radius(arb(low).union(arb(high)), 10_000, inverse=False)
+        assert found is not None
+        for q in (low, (low + high) / 2, high):
+            for w in float(found) * np.array([1, 1.01, 1.3, 2, 5, 30]):
+                each = sizes(table, q, w)
+                assert abs(each[0,]) > abs(each[2,])
+        far = reach_of(own).radius(arb(0).union(arb(0.01)), 10_000, inverse=True)
+        if far is not None:
+            for u in (0.01, 0.003, 1e-6):
+                for w in float(far) * np.array([1, 1.01, 2, 30]):
+                    each = sizes(table, 1 / u, w)
+                    assert abs(each[0,]) > abs(each[2,])
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_beyond_its_reach_the_highest_power_outweighs_all_others_whatever_the_phases(seed: int) -> None:
+    draw = random.Random(seed)
+    for _ in range(3):
+        degree = draw.randint(1, 3)
+        table: dict[int, dict[tuple[int, ...], list[int]]] = {
+            p: {(0, 0): [draw.randint(-9, 9), 1], (1, 0): [draw.randint(-9, 9), 0], (0, 1): [0, draw.randint(-3, 3)]}
+            for p in range(degree)
+        }
+        table[degree] = {(0, 0): [draw.choice([-7, 6]), 0], (1, 0): [2, 0], (0, 1): [draw.choice([-1, 2]), 0]}
+        found = reach_of(loop(table, (Rational(1, 3), Rational(1, 2)))).radius(
+            arb(1).union(arb(1.2)), 100_000, inverse=False
+        )
+        assert found is not None
+        for q in (1.0, 1.2):
+            for w in float(found) * np.array([1, 1.5, 20]):
+                for _ in range(30):
+                    z = [cmath.exp(2j * cmath.pi * draw.random()) for _ in range(2)]
+                    each = {
+                        p: {turns: sum(c * q**i for i, c in enumerate(row)) for turns, row in group.items()}
+                        for p, group in table.items()
+                    }
+                    lead = abs(sum(c * z[0] ** a * z[1] ** b for (a, b), c in each[degree].items())) * w**degree
+                    assert lead > sum(abs(c) * w**p for p, group in each.items() if p < degree for c in group.values())
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_least_on_the_circle_is_below_all_samples_and_hardly_less(seed: int) -> None:
+    draw = random.Random(seed)
+    for _ in range(5):
+        c = {n: draw.randint(-9, 9) for n in range(draw.randint(1, 4))}
+        true = min(abs(sum(x * cmath.exp(2j * cmath.pi * k * n / 4000) for n, x in c.items())) for k in range(4000))
+        found = _least_on_circle({n: arb(x) for n, x in c.items()})
+        slack = sum(n * abs(x) for n, x in c.items()) * np.pi / 32
+        assert found is None or 0 < float(found) <= true
+        assert found is not None or true <= 2 * slack
+        assert found is None or float(found) >= true - 2 * slack
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(8))
+def test_a_root_on_the_right_is_proven_for_intervals_of_unstable_values_and_for_no_other(seed: int) -> None:
+    draw = random.Random(seed)
+    table: dict[int, dict[tuple[int, ...], list[int]]] = {
+        2: {(0,): [1]}, 1: {(0,): [draw.randint(-1, 2), draw.choice([0, 1])]}, 0: {(0,): [draw.randint(1, 9)], (1,): [draw.randint(-6, 6), draw.randint(-2, 2)]},
+    }  # fmt: skip
+    own = loop(table, (Rational(1, 2),))
+    low, high = draw.choice([(1, 2), (2, 3), (Rational(1), Rational(11, 10))])
+
+    def characteristic(q: Expr) -> Expr:
+        return sum(
+            (
+                sum(c * q**i for i, c in enumerate(row)) * s**p * exp(-s * turns[0] / 2)
+                for p, group in table.items()
+                for turns, row in group.items()
+            ),
+            Integer(0),
+        )
+
+    right = []
+    for n in range(5):
+        x = characteristic(Rational(low) + (Rational(high) - low) * n / 4)
+        ring = Ring.of([x, exp(-s / 2)])
+        right.append(count_roots(ring.convert(x).numerator, ring).right or 0)
+    found = RightRoots(own).everywhere(ExactNumber(Rational(low)), ExactNumber(Rational(high)), 2)
+    assert not found or min(right) > 0
+    assert not RightRoots(own).everywhere(None, ExactNumber(Rational(high)))
+    assert not RightRoots(own).everywhere(ExactNumber(Rational(low)), None)
