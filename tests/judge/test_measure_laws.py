@@ -49,7 +49,7 @@ def hill(draw: random.Random) -> Expr:
     return found.together() ** 2
 
 
-@pytest.mark.few(2)
+@pytest.mark.few("0", "5")
 @pytest.mark.parametrize("seed", SEEDS)
 def test_bandwidths_of_a_growing_threshold_are_those_of_samples_less_the_jumps(seed: int) -> None:
     draw = random.Random(seed)
