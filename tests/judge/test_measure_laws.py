@@ -189,6 +189,14 @@ def test_the_largest_value_on_a_band_is_that_of_samples(seed: int) -> None:
         pole = real(x + sign / (w - 4) ** 2)
         assert largest(pole, *BAND) is None
         assert (greatest(pole, *BAND) is None) == (bound is None)
+        one_sided = real(x + sign / (w - 4))
+        assert greatest(one_sided, *BAND) is None
+        assert (
+            greatest(one_sided, Integer(4), Integer(9)) is None
+            if sign > 0
+            else greatest(one_sided, Integer(1), Integer(4)) is None
+        )
+        assert greatest(one_sided, *((Integer(1), Integer(4)) if sign > 0 else (Integer(4), Integer(9)))) is not None
 
 
 # What no passive hand can drive

@@ -182,3 +182,11 @@ def test_numbers_made_of_exponentials_are_zero_where_they_are(seed: int) -> None
         assert ring.is_zero(polynomial)
         assert ring.is_zero(polynomial * ring.exponential(i, 0) + ring.exponential(i, 1) - ring.exponential(i, 0) ** 2)
         assert not ring.is_zero(polynomial * 3 + ring.constant(fmpq(1, 10**30)))
+
+
+def test_a_zero_at_five_quarters_beside_powers_of_omega_is_one_like_any_other() -> None:
+    """There it is looked whether powers cancel everywhere."""
+    x = (16 * s**2 + 25) * (s ** Rational(1, 2) + 1)
+    f = on_axis(Ring.of([x]).convert(x.expand())).imag
+    table = chart({"it": f}, Integer(1), Integer(2))
+    assert [(float(p.omega), p.before["it"], p.after["it"]) for p in table.points[1:-1]] == [(1.25, 1, -1)]
