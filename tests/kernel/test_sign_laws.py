@@ -42,7 +42,7 @@ def far_out(draw: random.Random) -> Expr:
     ).expand()
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_signs_far_out_are_those_of_samples(seed: int) -> None:
     draw = random.Random(seed)
@@ -53,7 +53,7 @@ def test_signs_far_out_are_those_of_samples(seed: int) -> None:
         value, response = lambdify(s, x), on_axis(Ring.of([x]).convert(x))
         for raw, part in ((response.raw_real, np.real), (response.raw_imag, np.imag)):
             found = far(raw)
-            grid = np.linspace(1e9, 1e9 + 4000, 60_001)
+            grid = np.linspace(1e9, 1e9 + 4000, 20_001)
             own = part(value(1j * grid))
             lead = float(raw_degree(x))
             own = own / grid**lead
