@@ -35,19 +35,23 @@ def with_many_digits(test: Callable[..., None]) -> Callable[..., None]:
 
 @dataclass(frozen=True)
 class Points:
-    """Points t of boxes with ``sides`` sides; at the first half of them, corners, operands reach their farthest."""
+    """Points t of boxes with ``sides`` sides; at the first half of them, corners, operands reach their farthest.
+
+    ``order`` : of the slopes of operands.
+    """
 
     t: Array
     extreme: Array
+    order: int = 2
 
     @classmethod
-    def drawn(cls, random: np.random.Generator, boxes: int, sides: int) -> Points:
+    def drawn(cls, random: np.random.Generator, boxes: int, sides: int, order: int = 2) -> Points:
         t = random.choice([-1.0, -0.75, 0.0, 0.5, 1.0], (boxes, sides))
         inside = random.uniform(size=boxes) < 0.2
         t[inside] = random.uniform(-1, 1, (boxes, sides))[inside]
         extreme = np.arange(boxes) < boxes // 2
         t[extreme] = random.choice([-1.0, 1.0], (boxes, sides))[extreme]
-        return cls(t, extreme)
+        return cls(t, extreme, order)
 
     def operand(self, random: np.random.Generator, middle: Array, reach: Array) -> tuple[Model, Array]:
         """A model, and what it may stand for: rows of any kind, but with values up to ``reach`` away from ``middle``."""
@@ -56,6 +60,8 @@ class Points:
         sizes = ten_to(random, (2, boxes, n), *random.choice([(-1, 1), (-18, 18)]))
         slopes = rows_of(random, self, sizes[0] * random.choice([-1, 0, 1], (boxes, n)), sizes[1])
         both = [np.concatenate(pair, 1) for pair in zip(first, slopes, strict=True)]
+        if self.order == 1:
+            both[2] = both[2][:, :1]
         model = Model(*both[:4])
         return model, at(model, self.t) + exactly(both[4]) * exactly(model.r)
 
@@ -83,15 +89,16 @@ def ten_to(random: np.random.Generator, shape: Any, low: float, high: float) -> 
 def at(model: Model, t: Array) -> Array:
     """The polynomials of all rows at t, without rounding."""
     t, c2 = exactly(t), exactly(model.c2)
-    square = (c2 * t[:, None, :, None] * t[:, None, None, :]).sum((-1, -2))
-    return exactly(model.c0) + (exactly(model.c1) * t[:, None, :]).sum(-1) + square
+    found = exactly(model.c0) + (exactly(model.c1) * t[:, None, :]).sum(-1)
+    found[:, : c2.shape[1]] += (c2 * t[:, None, :, None] * t[:, None, None, :]).sum((-1, -2))
+    return found
 
 
 def known(model: Model) -> Array:
     """Where something is known; there all numbers are finite."""
     finite = np.isfinite(model.r)
     for array in (model.c0, model.c1, model.c2):
-        assert np.isfinite(array[finite]).all()
+        assert np.isfinite(array[finite[:, : array.shape[1]]]).all()
     return finite
 
 
@@ -115,8 +122,10 @@ RULES: dict[str, tuple[Callable[..., Model], Callable[..., Any], Callable[..., A
 }
 
 
-def pair_of_operands(random: np.random.Generator, boxes: int, sides: int) -> tuple[Points, list[tuple[Model, Array]]]:
-    points, operands = Points.drawn(random, boxes, sides), []
+def pair_of_operands(
+    random: np.random.Generator, boxes: int, sides: int, order: int = 2
+) -> tuple[Points, list[tuple[Model, Array]]]:
+    points, operands = Points.drawn(random, boxes, sides, order), []
     for _ in range(2):
         low, high = np.array([SIZES[i] for i in random.choice(len(SIZES), boxes, p=[0.4, 0.3, 0.1, 0.1, 0.1])]).T
         size, reach = 10 ** random.uniform(low, high, (2, boxes))
@@ -124,12 +133,14 @@ def pair_of_operands(random: np.random.Generator, boxes: int, sides: int) -> tup
     return points, operands
 
 
-@pytest.mark.parametrize(("sides", "boxes"), [(1, 1000), (3, 300)])
+@pytest.mark.parametrize(("sides", "boxes", "order"), [(1, 1000, 2), (3, 300, 2), (3, 300, 1)])
 @pytest.mark.parametrize("rule", RULES)
 @with_many_digits
-def test_a_sum_and_a_product_hold_those_of_all_that_the_operands_may_be(rule: str, sides: int, boxes: int) -> None:
+def test_a_sum_and_a_product_hold_those_of_all_that_the_operands_may_be(
+    rule: str, sides: int, boxes: int, order: int
+) -> None:
     ours, value, slope = RULES[rule]
-    points, ((x, v), (y, w)) = pair_of_operands(np.random.default_rng(len(rule) + sides), boxes, sides)
+    points, ((x, v), (y, w)) = pair_of_operands(np.random.default_rng(len(rule) + sides), boxes, sides, order)
     first = value(v[:, :1], w[:, :1])
     true = np.concatenate([first, slope(v[:, :1], w[:, :1], v[:, 1:], w[:, 1:])], 1)
     with np.errstate(all="ignore"):
@@ -138,11 +149,11 @@ def test_a_sum_and_a_product_hold_those_of_all_that_the_operands_may_be(rule: st
         assert known(found)[:, 0].mean() > 0.98
 
 
-@pytest.mark.parametrize(("sides", "boxes"), [(1, 1000), (3, 300)])
+@pytest.mark.parametrize(("sides", "boxes", "order"), [(1, 1000, 2), (3, 300, 2), (3, 300, 1)])
 @with_many_digits
-def test_a_quotient_holds_those_of_all_that_the_operands_may_be(sides: int, boxes: int) -> None:
+def test_a_quotient_holds_those_of_all_that_the_operands_may_be(sides: int, boxes: int, order: int) -> None:
     random = np.random.default_rng(sides)
-    points, ((x, v), _) = pair_of_operands(random, boxes, sides)
+    points, ((x, v), _) = pair_of_operands(random, boxes, sides, order)
     y, w = points.operand(random, *away_from_zero(random, boxes))
     first = v[:, :1] / w[:, :1]
     true = np.concatenate([first, (v[:, 1:] - first * w[:, 1:]) / w[:, :1]], 1)
@@ -170,25 +181,26 @@ def test_of_numerator_and_denominator_that_vary_alike_a_quotient_loses_nothing()
     assert found.r[0, 0] < 0.1 * (a * narrow * (b.number(1.0) / (b * narrow))).r[0, 0]
 
 
-@pytest.mark.parametrize("sides", [1, 3])
+@pytest.mark.parametrize(("sides", "order"), [(1, 2), (3, 2), (3, 1)])
 @with_many_digits
-def test_a_sum_with_a_number_holds_it_and_a_number_has_no_slopes(sides: int) -> None:
+def test_a_sum_with_a_number_holds_it_and_a_number_has_no_slopes(sides: int, order: int) -> None:
     random = np.random.default_rng(sides)
     for number in (-3.7, 0.1, -1e-20, 1e15, 3e-310, 0.0):
-        points, ((x, v), _) = pair_of_operands(random, 100, sides)
+        points, ((x, v), _) = pair_of_operands(random, 100, sides, order)
         off = arb(number) * (1 + 4 * arb(ROUNDING) * random.choice([-1, 1]))
         assert outside(x.plus(number), points.t, np.concatenate([v[:, :1] + off, v[:, 1:]], 1)).tolist() == []
         own = x.number(number)
         true = np.concatenate([np.full((100, 1), off), np.full((100, sides), arb(0))], 1)
         assert outside(own, points.t, true).tolist() == []
-        assert own.c1.shape == x.c1.shape
+        assert [array.shape for array in own.arrays] == [array.shape for array in x.arrays]
 
 
+@pytest.mark.parametrize("slopes", [2, 1])
 @with_many_digits
-def test_a_function_to_a_power_holds_that_of_all_that_both_may_be() -> None:
+def test_a_function_to_a_power_holds_that_of_all_that_both_may_be(slopes: int) -> None:
     """Also where the function may be 0, between 0 and the largest power; its slopes are unknown there."""
     random = np.random.default_rng(31)
-    points = Points.drawn(random, 400, 2)
+    points = Points.drawn(random, 400, 2, slopes)
     middle = ten_to(random, 400, -2, 2)
     x, v = points.operand(random, middle, middle * random.choice([0, 1e-6, 1e-2, 0.3, 0.8, 1.0, 1.5], 400))
     order, a = points.operand(random, random.uniform(0.2, 2.5, 400), random.choice([0, 1e-4, 0.1], 400))
@@ -207,10 +219,11 @@ def test_a_function_to_a_power_holds_that_of_all_that_both_may_be() -> None:
     assert (low >= -1e-10 * high).all()
 
 
+@pytest.mark.parametrize("order", [2, 1])
 @with_many_digits
-def test_values_alone_are_those_that_come_with_slopes() -> None:
+def test_values_alone_are_those_that_come_with_slopes(order: int) -> None:
     random = np.random.default_rng(41)
-    points = Points.drawn(random, 200, 3)
+    points = Points.drawn(random, 200, 3, order)
     (x, _), (y, _) = (points.operand(random, *away_from_zero(random, 200)) for _ in range(2))
     with np.errstate(all="ignore"):
         for f in (
@@ -223,22 +236,23 @@ def test_values_alone_are_those_that_come_with_slopes() -> None:
                 np.testing.assert_allclose(mine, other[:, :1], rtol=1e-13)
 
 
-@pytest.mark.parametrize("sides", [1, 3])
+@pytest.mark.parametrize(("sides", "order"), [(1, 2), (3, 2), (3, 1)])
 @with_many_digits
-def test_a_product_with_a_number_and_a_negative_hold_them(sides: int) -> None:
+def test_a_product_with_a_number_and_a_negative_hold_them(sides: int, order: int) -> None:
     """The number may be some roundings off."""
     random = np.random.default_rng(sides)
     for factor in (-3.7, 0.1, -1e-20, 1e15, 3e-310, -1e-200, 0.0):
-        points, ((x, v), _) = pair_of_operands(random, 100, sides)
+        points, ((x, v), _) = pair_of_operands(random, 100, sides, order)
         off = arb(factor) * (1 + 4 * arb(ROUNDING) * random.choice([-1, 1]))
         assert outside(x.times(factor), points.t, off * v).tolist() == []
         assert outside(-x, points.t, -v).tolist() == []
         assert ((-x).r == x.r).all()
 
 
+@pytest.mark.parametrize("order", [2, 1])
 @with_many_digits
-def test_where_takes_each_box_from_one_model_or_the_other() -> None:
-    points, ((x, v), (y, w)) = pair_of_operands(np.random.default_rng(8), 200, 2)
+def test_where_takes_each_box_from_one_model_or_the_other(order: int) -> None:
+    points, ((x, v), (y, w)) = pair_of_operands(np.random.default_rng(8), 200, 2, order)
     choice = np.arange(200) % 3 == 0
     found = x.where(choice, y)
     assert outside(found, points.t, np.where(choice[:, None], v, w)).tolist() == []
@@ -281,12 +295,14 @@ def test_a_constant_a_variable_and_what_lies_between_hold_what_they_stand_for() 
     middle, radius = random.normal(size=(2, 30)) * [[3], [1]]
     for side in range(3):
         points = Points.drawn(random, 30, 3)
-        found = variable(middle, abs(radius), 8.0, side, 3)
+        found, straight = (variable(middle, abs(radius), 8.0, side, 3, slopes=n) for n in (2, 1))
+        assert [x.c2.shape[1] for x in (found, straight)] == [4, 1]
         true = np.full((30, 4), arb(0))
         off = 8 * 4 * arb(ROUNDING) * random.choice([-1, 1])
         true[:, 0] = exactly(middle) + exactly(abs(radius) * points.t[:, side]) + off
         true[:, 1 + side] = exactly(abs(radius)) + off
         assert outside(found, points.t, true).tolist() == []
+        assert outside(straight, points.t, true).tolist() == []
         assert (found.r <= 8 * 100 * ROUNDING).all()
         assert (np.delete(found.r, [0, 1 + side], 1) == 0).all()
     ends = np.sort(
@@ -299,7 +315,7 @@ def test_a_constant_a_variable_and_what_lies_between_hold_what_they_stand_for() 
         1,
     )
     with np.errstate(over="ignore"):
-        found = between(ends[:, 0], ends[:, 1], 3, 2)
+        found = between(ends[:, 0], ends[:, 1], constant(0.0, 46, 2))
     low, high = (x[:, 0] for x in found.bounds())
     assert (low <= ends[:, 0]).all()
     assert (high >= ends[:, 1]).all()
@@ -371,12 +387,14 @@ FUNCTIONS = {
 }
 
 
-@pytest.mark.parametrize(("sides", "boxes"), [(1, 500), (3, 100)])
+@pytest.mark.parametrize(("sides", "boxes", "order"), [(1, 500, 2), (3, 100, 2), (3, 100, 1)])
 @pytest.mark.parametrize("name", FUNCTIONS)
 @with_many_digits
-def test_a_function_of_a_model_holds_that_of_all_that_the_operand_may_be(name: str, sides: int, boxes: int) -> None:
+def test_a_function_of_a_model_holds_that_of_all_that_the_operand_may_be(
+    name: str, sides: int, boxes: int, order: int
+) -> None:
     f, random = FUNCTIONS[name], np.random.default_rng(sum(map(ord, name)) + sides)
-    points = Points.drawn(random, boxes, sides)
+    points = Points.drawn(random, boxes, sides, order)
     x, v = points.operand(random, *f.operands(random, boxes))
     value = np.frompyfunc(f.value, 1, 1)(v[:, :1])
     true = np.concatenate([value, np.frompyfunc(f.slope, 1, 1)(v[:, :1]) * v[:, 1:]], 1)
@@ -534,6 +552,11 @@ def test_what_a_product_misses_is_attained() -> None:
         found = lone[0] * lone[1]
         most = [float((np.abs(z.c0) + z.deviation)[0, 0]) for z in lone]
         assert (np.abs(found.c0) + found.deviation)[0, 0] == pytest.approx(most[0] * most[1], rel=1e-12)
+        straight = replace(x, c2=x.c2[:, :0])  # of first order: the second goes into the radius
+        for found in (_product(straight, y), _product(y, straight)):
+            assert found.c2.shape[1] == 0
+            most[0] = float((np.abs(straight.c0) + straight.deviation)[0, 0])
+            assert (np.abs(found.c0) + found.deviation)[0, 0] == pytest.approx(most[0] * most[1], rel=1e-12)
 
 
 KEYS = (("c0", 0), ("c1", 1), ("c2", 2), ("r", 0))

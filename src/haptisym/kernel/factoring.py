@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import compress
 from operator import ge, index
 from typing import TypeAlias
 
@@ -187,8 +188,11 @@ def _rows(terms: Sequence[tuple[int, int, int]]) -> tuple[tuple[int, ...], ...]:
     """Coefficients of ascending powers of omega, each as the coefficients of ascending powers of pi; given are both powers."""
     rows: list[tuple[int, ...]] = [_NONE] * (max(terms)[0] + 1)
     for power, of_pi, value in terms:
-        row = rows[power] + (0,) * (of_pi + 1 - len(rows[power]))
-        rows[power] = (*row[:of_pi], value, *row[of_pi + 1 :])
+        if of_pi or rows[power] is not _NONE:
+            row = rows[power] + (0,) * (of_pi + 1 - len(rows[power]))
+            rows[power] = (*row[:of_pi], value, *row[of_pi + 1 :])
+        else:
+            rows[power] = (value,)
     return tuple(rows)
 
 
@@ -214,14 +218,16 @@ def _cosine(axis: Axis, index: int) -> AnalyticFactor:
 
 def _made(terms: tuple[WaveTerm, ...], degrees: tuple[int, ...], axis: Axis) -> AnalyticFactor:
     """The factor, of the kind that knows most about its zeros; angles that it does not hold are none of its."""
-    own = [i for i, degree in enumerate(degrees) if degree]
-    angles = [axis.angles[i] for i in own]
-    if len(own) < len(degrees):
-        shorter = tuple(WaveTerm(tuple(x.turns[i] for i in own), x.powers, x.coefficients) for x in terms)
-    else:
-        shorter = terms
-    rational = all(len(term.coefficients) == 1 and len(term.coefficients[0]) == 1 for term in terms)
-    alone = len(angles) == 1 and not angles[0].constant and not any(any(term.powers) for term in terms)
-    kind = PeriodicFactor if alone and rational else AnalyticFactor
-    rates = tuple((angle.rate, angle.constant) for angle in angles)
-    return kind(shorter, rates, tuple(degrees[i] for i in own), axis.orders)
+    angles = list(compress(axis.angles, degrees))
+    shorter = terms
+    if len(angles) < len(degrees):
+        shorter = tuple([WaveTerm(tuple(compress(x.turns, degrees)), x.powers, x.coefficients) for x in terms])
+    alone = len(angles) == 1 and not angles[0].constant
+    kind = PeriodicFactor if alone and all(map(_is_rational, terms)) else AnalyticFactor
+    rates = tuple([(angle.rate, angle.constant) for angle in angles])
+    return kind(shorter, rates, tuple(compress(degrees, degrees)), axis.orders)
+
+
+def _is_rational(term: WaveTerm) -> bool:
+    """Whether it is a rational number times sines and cosines."""
+    return len(term.coefficients) == 1 and len(term.coefficients[0]) == 1 and not any(term.powers)

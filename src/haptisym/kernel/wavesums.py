@@ -202,7 +202,7 @@ def _compiled(waves: WaveSum, bits: int) -> CompiledWaves:
         halves = [expression_ball(rate) / 2 for rate, _ in waves.rates]
         turning = [i for i, (_, constant) in enumerate(waves.rates) if not constant]
         fixed = [(i, waves_of(halves[i], waves.degrees[i])) for i, (_, constant) in enumerate(waves.rates) if constant]
-        pis = powers_of(arb.pi(), max(len(c) for term in waves.terms for c in term.coefficients))
+        pis = powers_of(arb.pi(), max([len(c) for term in waves.terms for c in term.coefficients]))
         units: dict[Turns, list[Ball]] = {(): pis}
         for _, wave in fixed:  # powers of pi times the waves of all constant angles
             units = {(*known, k): [x * w for x in row] for known, row in units.items() for k, w in enumerate(wave)}

@@ -171,7 +171,7 @@ class OnAxis:
         for i, (low, width) in enumerate([(0.0, reach), *self._ranges]):
             start, end = cells[:, i].T
             middle, radius = low + width * (start + end) / 2, width * (end - start) / 2
-            found.append(variable(middle, radius, abs(low) + width, i, self.sides, slopes=False))
+            found.append(variable(middle, radius, abs(low) + width, i, self.sides, slopes=0))
         return found
 
     def _coefficients(

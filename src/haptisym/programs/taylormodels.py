@@ -2,7 +2,8 @@
 
 A ``Model`` is a function of t in [-1, 1]^n as ``c0 + c1.t + t.c2.t``, and a radius ``r`` that bounds all the rest, together with
 the same for each of its n slopes d/dt_i: rows of the arrays, the value first; and all that for each of many boxes. What
-intervals lose where a variable occurs twice, models keep to third order. Floats, with every rounding error in ``r``: a model is
+intervals lose where a variable occurs twice, models keep to third order. Of many variables slopes may be kept to first order
+alone: n^2 numbers then, where n^3 take most of the time. Floats, with every rounding error in ``r``: a model is
 a proof, not an estimate. Where ``r`` is not finite nothing is known.
 """
 
@@ -25,7 +26,7 @@ _TINY = 1e-290  # against underflow: of a value, and of a coefficient
 class Model:
     """``c0`` (boxes, m), ``c1`` (boxes, m, n), ``c2`` (boxes, m, n, n), ``r`` (boxes, m).
 
-    m = 1 + n: the value and its slopes; or m = 1: the value alone.
+    m = 1 + n: the value and its slopes; or m = 1: the value alone. Slopes of first order have no rows in ``c2``.
     """
 
     c0: Array
@@ -49,7 +50,15 @@ class Model:
 
     @cached_property
     def _second(self) -> Array:
-        return np.abs(self.c2).sum((-1, -2))
+        own = np.abs(self.c2).sum((-1, -2))
+        if own.shape == self.c0.shape:
+            return own
+        return np.concatenate([own, np.zeros_like(self.c0[:, own.shape[1] :])], 1)
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether some of its rows are of first order."""
+        return bool(self.c2.shape[1] < self.c0.shape[1])
 
     def bounds(self) -> tuple[Array, Array]:
         """The least and the greatest that the value and each slope can be, (boxes, m); infinite where nothing is known."""
@@ -71,6 +80,10 @@ class Model:
 
     def __mul__(self, other: Model) -> Model:
         """The product, its slopes by the product rule."""
+        if self.is_linear:
+            slopes = _product(self._slopes, other._value)
+            slopes = slopes + (slopes if other is self else _product(self._value, other._slopes))
+            return _product(self._value, other._value)._over(slopes)
         found = _product(self, other._value)
         if other is self:
             return Model(*(np.concatenate([x[:, :1], 2 * x[:, 1:]], 1) for x in found.arrays))
@@ -104,7 +117,7 @@ class Model:
     def number(self, x: float) -> Model:
         """A number that is known to within some roundings, over the same boxes."""
         boxes, rows, sides = self.c1.shape
-        return constant(x, boxes, sides, slopes=rows > 1)
+        return constant(x, boxes, sides, slopes=0 if rows == 1 else 1 if self.is_linear else 2)
 
     def plus(self, x: float) -> Model:
         """The sum with a number that is known to within some roundings."""
@@ -139,7 +152,7 @@ class Model:
         """A function >= 0 to a power > 0: where it may be 0 its slopes are unknown."""
         smooth = (self.log() * order).exp()
         (least, most), top = (x[:, 0] for x in order.bounds()), np.maximum(self.bounds()[1][:, 0], 0.0)
-        rough = between(np.zeros(len(top)), np.maximum(top**least, top**most) * (1 + 1e-12), *self.c1.shape[1:])
+        rough = between(np.zeros(len(top)), np.maximum(top**least, top**most) * (1 + 1e-12), self)
         return smooth.where(np.isfinite(smooth.bounds()[1]).all(-1), rough)
 
     def log(self) -> Model:
@@ -208,52 +221,63 @@ def _product(x: Model, y: Model) -> Model:
     """Row by row; one of the two may have a single row."""
     c0 = x.c0 * y.c0
     c1 = x.c0[..., None] * y.c1 + y.c0[..., None] * x.c1
-    c2 = x.c0[..., None, None] * y.c2 + y.c0[..., None, None] * x.c2 + x.c1[..., :, None] * y.c1[..., None, :]
     xs, ys = np.abs(x.c0) + x._first + x._second, np.abs(y.c0) + y._first + y._second
     r = x._first * y._second + x._second * (y._first + y._second) + xs * y.r + x.r * (ys + y.r)
+    if x.is_linear or y.is_linear:
+        c2 = np.empty((len(c0), 0, *[c1.shape[-1]] * 2))
+        r = r + np.abs(x.c0) * y._second + np.abs(y.c0) * x._second + x._first * y._first
+    else:
+        c2 = x.c0[..., None, None] * y.c2 + y.c0[..., None, None] * x.c2 + x.c1[..., :, None] * y.c1[..., None, :]
     return Model(c0, c1, c2, r * (1 + _ROUNDING) + _ROUNDING * (xs * ys) + _TINY)
 
 
 def _quotient(x: Model, y: Model) -> Model:
     """Each row over a value: the parabola q for which x - q y begins with the third order, and how large (x - q y)/y is.
 
-    Of numerator and denominator that vary alike nothing is lost so, and little of others.
+    Of rows of first order it is the line for which that begins with the second. Of numerator and denominator that vary alike
+    nothing is lost so, and little of others.
     """
     a = y.c0
     w1, w2 = y.c1 / a[..., None], y.c2 / a[..., None, None]
     c0 = x.c0 / a
     c1 = x.c1 / a[..., None] - c0[..., None] * w1
-    c2 = x.c2 / a[..., None, None] - c0[..., None, None] * w2 - c1[..., :, None] * w1[..., None, :]
+    c2 = x.c2
+    if not x.is_linear:
+        c2 = x.c2 / a[..., None, None] - c0[..., None, None] * w2 - c1[..., :, None] * w1[..., None, :]
     missed = x - _product(Model(c0, c1, c2, np.zeros(c0.shape)), y)
     least = np.abs(a) * (1 - _ROUNDING) - y.deviation * (1 + _ROUNDING)
     r = (np.abs(missed.c0) + missed.deviation) / least * (1 + _ROUNDING) + _TINY
     return Model(c0, c1, c2, np.where(least > 0, r, np.inf))
 
 
-def constant(value: float, boxes: int, sides: int, *, slopes: bool = True) -> Model:
+def constant(value: float, boxes: int, sides: int, *, slopes: int = 2) -> Model:
     """A number, known to within some roundings; its slopes are 0."""
-    return _flat(np.full(boxes, value), np.zeros((boxes, 1 + sides if slopes else 1)), sides)
+    return _flat(np.full(boxes, value), np.zeros((boxes, 1 + sides if slopes else 1)), sides, linear=slopes == 1)
 
 
-def variable(middle: Array, radius: Array, size: Array, side: int, sides: int, *, slopes: bool = True) -> Model:
-    """middle + radius t_side for each box, to within some roundings of numbers up to ``size``; with or without its slopes."""
-    found = _flat(middle, np.zeros((len(middle), 1 + sides)), sides)
+def variable(middle: Array, radius: Array, size: Array, side: int, sides: int, *, slopes: int = 2) -> Model:
+    """middle + radius t_side for each box, to within some roundings of numbers up to ``size``.
+
+    ``slopes`` : their order, 2 or 1; without them if 0.
+    """
+    found = _flat(middle, np.zeros((len(middle), 1 + sides)), sides, linear=slopes == 1)
     found.c1[:, 0, side] = radius
     found.c0[:, 1 + side] = radius
     found.r[:, 0] = found.r[:, 1 + side] = _ROUNDING * size + _TINY
     return found if slopes else found._value
 
 
-def between(low: Array, high: Array, rows: int, sides: int) -> Model:
-    """A function that lies between two numbers, with slopes of which nothing is known."""
-    r = np.full((len(low), rows), np.inf)
+def between(low: Array, high: Array, like: Model) -> Model:
+    """A function that lies between two numbers, with slopes of which nothing is known; ``like`` : any model over the boxes."""
+    r = np.full(like.c0.shape, np.inf)
     r[:, 0] = (high - low) / 2 * (1 + _ROUNDING)
-    return _flat((low + high) / 2, r, sides)
+    return _flat((low + high) / 2, r, like.c1.shape[-1], linear=like.is_linear)
 
 
-def _flat(value: Array, r: Array, sides: int) -> Model:
+def _flat(value: Array, r: Array, sides: int, *, linear: bool) -> Model:
     boxes, rows = r.shape
-    c0, c1, c2 = (np.zeros((boxes, rows, *[sides] * n), order="F") for n in range(3))
+    c0, c1 = (np.zeros((boxes, rows, *[sides] * n), order="F") for n in range(2))
+    c2 = np.zeros((boxes, 1 if linear else rows, sides, sides), order="F")
     c0[:, 0] = value
     r[:, 0] += _ROUNDING * np.abs(value) + _TINY
     return Model(c0, c1, c2, np.asfortranarray(r))

@@ -110,7 +110,7 @@ def bent_sinc(angle: Model) -> Model:
     """(sinc x - 1)/x^2, which lies between -1/6 and -1/6 + x^2/120."""
     most = np.abs(np.stack(angle.bounds()))[:, :, 0].max(0)
     low = np.full(len(most), -1 / 6 * (1 + 1e-12))
-    return between(low, np.maximum(low, -1 / 6 + most**2 / 120 + 1e-12), 1, angle.c1.shape[-1])
+    return between(low, np.maximum(low, -1 / 6 + most**2 / 120 + 1e-12), angle)
 
 
 def variables(cells: Array) -> tuple[Model, Model]:
@@ -120,7 +120,7 @@ def variables(cells: Array) -> tuple[Model, Model]:
         low, high = cells[:, i].T
         size = np.maximum(abs(low), abs(high))
         with np.errstate(all="ignore"):  # what is not finite is unknown
-            found.append(variable((low + high) / 2, (high - low) / 2, size, i, 2, slopes=False))
+            found.append(variable((low + high) / 2, (high - low) / 2, size, i, 2, slopes=0))
     return found[0], found[1]
 
 

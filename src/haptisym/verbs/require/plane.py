@@ -197,7 +197,7 @@ class _Search(RectangleSearch):
         for i in range(0, len(cells), _BATCH):
             tick()
             part = slice(i, i + _BATCH)
-            model = excess.model(cells[part], slopes=False)
+            model = excess.model(cells[part], slopes=0)
             low[part], high[part] = (x[:, 0] for x in model.bounds())
             rates[part] = np.abs(model.c1[:, 0]) + np.abs(model.c2[:, 0]).sum(-1)
         self.looked += len(cells)

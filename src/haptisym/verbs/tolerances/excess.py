@@ -16,6 +16,8 @@ from haptisym.programs.taylormodels import Array, Model, variable
 from haptisym.programs.valued import floated
 from haptisym.verbs.tolerances.box import Box
 
+_BENT = 7  # sides: with more of them the curvature of all slopes costs more than the cells that it spares
+
 
 class Excess:
     """r^2 - c^2 of a criterion of one part, for every frequency of the band and every set of values of the box.
@@ -45,6 +47,7 @@ class Excess:
         ends = [box.scene.band, *((side.low, side.high) for side in box.sides)]
         self._intervals = [(floated(low), floated(high - low)) for low, high in ends]
         self.sides = len(ends)
+        self.order = 2 if self.sides <= _BENT else 1
 
     def _places(self, program: Program) -> list[int]:
         """Of each input of a program the number of its side, omega being that of 0."""
@@ -55,8 +58,12 @@ class Excess:
         """Whether r is 0 everywhere."""
         return bool(self._program.operations[self._program.results[self._name]].value == 0)
 
-    def model(self, cells: Array, *, slopes: bool = True) -> Model:
-        """The excess over each cell; t_i goes from -1 to 1 along its side i. Unknown where a pole may lie in the cell."""
+    def model(self, cells: Array, *, slopes: int | None = None) -> Model:
+        """The excess over each cell; t_i goes from -1 to 1 along its side i. Unknown where a pole may lie in the cell.
+
+        ``slopes`` : of which order; none if 0, and whatever suits so many sides if not said.
+        """
+        slopes = self.order if slopes is None else slopes
         with np.errstate(all="ignore"):  # what is not finite is unknown, which every caller asks about
             inputs = [self._variable(i, cells, slopes=slopes) for i in self._inputs]
             square = self._square(inputs)
@@ -81,7 +88,7 @@ class Excess:
         places = {0, *(inputs[i] for i in used)}
         return np.array([i in places for i in range(self.sides)])
 
-    def _variable(self, i: int, cells: Array, *, slopes: bool) -> Model:
+    def _variable(self, i: int, cells: Array, *, slopes: int) -> Model:
         (low, width), (start, end) = self._intervals[i], cells[:, i].T
         middle, radius = low + width * (start + end) / 2, width * (end - start) / 2
         size = abs(low) + width * np.maximum(np.abs(start), np.abs(end))

@@ -38,6 +38,6 @@ def _sign(f: Model) -> Array:
 def enclosing(f: Model, g: Model) -> Model:
     """A model within which both lie, with their slopes."""
     middle = [(a + b) / 2 for a, b in zip(f.arrays[:3], g.arrays[:3], strict=True)]
-    apart = [np.abs(a - b) / 2 for a, b in zip(f.arrays[:3], g.arrays[:3], strict=True)]
-    r = np.maximum(f.r, g.r) + (apart[0] + apart[1].sum(-1) + apart[2].sum((-1, -2))) * (1 + 1e-14)
+    c0, c1, c2 = (np.abs(a - b) / 2 for a, b in zip(f.arrays[:3], g.arrays[:3], strict=True))
+    r = (c0 + Model(c0, c1, c2, np.maximum(f.r, g.r)).deviation) * (1 + 1e-14)
     return Model(middle[0], middle[1], middle[2], r + 1e-14 * (np.abs(middle[0]) + np.abs(f.c0)))

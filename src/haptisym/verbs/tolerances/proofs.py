@@ -6,7 +6,7 @@ certified charts of single sets of values; the enclosures of the crossings. Esti
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -14,7 +14,7 @@ from itertools import product
 from typing import Any, ClassVar
 
 import numpy as np
-from sympy import Expr, Rational
+from sympy import Expr
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.criteria import Criterion, noticed
@@ -24,18 +24,16 @@ from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.shown import counted, titled
 from haptisym.model.scene import Scene
 from haptisym.verbs.tolerances.box import Box
+from haptisym.verbs.tolerances.ends import MOST_CORNERS, end_of, within
 from haptisym.verbs.tolerances.excess import Excess
 from haptisym.verbs.tolerances.heldbox import HeldInBox
 from haptisym.verbs.tolerances.quantiles import quantiles
 from haptisym.verbs.tolerances.regional import excess_of
-from haptisym.verbs.tolerances.search import OVERLAP, Cluster, beyond, clusters
+from haptisym.verbs.tolerances.search import Cluster, clusters
 from haptisym.verbs.tolerances.single import One, in_time, one
 from haptisym.verbs.tolerances.verdicts import Enclosure, Verdict
 
-TOLERANCE = Fraction(1, 1000)
-"""Of an end of an enclosure that is not exact: how far, relatively, it may lie beyond what is reached."""
 _SHARE = 0.4  # of the time that is left, for the first search of two
-_MOST_CORNERS = 64  # sets of values that are tried as witnesses or as ends
 
 
 @dataclass(frozen=True, repr=False)
@@ -113,7 +111,7 @@ class Tolerances(Answer):
         """The box's corners, or as many of them as are looked at."""
         ends = product((Fraction(0), Fraction(1)), repeat=len(self.box.sides))
         names = [side.name for side in self.box.sides]
-        shares = [dict(zip(names, x, strict=True)) for _, x in zip(range(_MOST_CORNERS), ends, strict=False)]
+        shares = [dict(zip(names, x, strict=True)) for _, x in zip(range(MOST_CORNERS), ends, strict=False)]
         return tuple(in_time(self.one(self.box.values(x)) for x in shares))
 
     def settle(self) -> None:
@@ -196,9 +194,9 @@ class Tolerances(Answer):
     def _enclosure(self, criterion: Criterion, form: Excess, cluster: Cluster) -> Enclosure:
         steady = self._steady(form, cluster)
         alone = cluster.regular and cluster.inside
-        own = [x for x in self.nominal.crossings[criterion.name] if self._within(x, cluster)]
+        own = [x for x in self.nominal.crossings[criterion.name] if within(self.box, x, cluster)]
         count = len(own) if alone and own else None
-        ends = [self._end(criterion, form, cluster, steady, highest=highest) for highest in (False, True)]
+        ends = [end_of(self.box, criterion, form, cluster, self.one, highest=highest) for highest in (False, True)]
         (low, at_low), (high, at_high) = ends
         return Enclosure(criterion, low, high, count, at_low, at_high, steady)
 
@@ -206,44 +204,6 @@ class Tolerances(Answer):
         """The way in which the crossings of a cluster move with each parameter."""
         moves = [-sign * cluster.signs[0] for sign in cluster.signs[1:]]
         return {side.name: int(n) for side, n in zip(self.box.sides, moves, strict=True)}
-
-    def _end(
-        self, criterion: Criterion, form: Excess, cluster: Cluster, steady: Mapping[str, int], *, highest: bool
-    ) -> tuple[RealNumber, Mapping[str, Expr] | None]:
-        low, high = self.box.scene.band
-        idle = {side.name for side, used in zip(self.box.sides, form.matters[1:], strict=True) if not used}
-        corners = in_time(self._ends(steady, idle, highest=highest))
-        found = [(x, one.values) for one in corners for x in one.crossings[criterion.name]]
-        found = [(x, values) for x, values in found if self._within(x, cluster)]
-        pick = max if highest else min
-        best = pick(found, key=lambda x: float(x[0]), default=None)
-        exact = all(sign or name in idle for name, sign in steady.items())
-        if best and exact and cluster.regular and cluster.clear_of(highest=highest):
-            return best
-        leaf = cluster.high if highest else cluster.low
-        share = leaf
-        if best:
-            slack = float(TOLERANCE) * float(best[0]) * (1 if highest else -1)
-            reached = (float(best[0]) + slack - float(low)) / float(high - low)
-            share = beyond(form, cluster.cells, reached, highest=highest)
-            share = min(share, leaf) if highest else max(share, leaf)  # not into the frequencies of another cluster
-        share = min(max(share, 0.0), 1.0)
-        return ExactNumber(low + Rational(Fraction(share).numerator, Fraction(share).denominator) * (high - low)), None
-
-    def _ends(self, steady: Mapping[str, int], idle: set[str], *, highest: bool) -> Iterable[One]:
-        """The corners at which a crossing may be highest (lowest)."""
-        choices = []
-        for side in self.box.sides:
-            sign = steady[side.name] * (1 if highest else -1)
-            fixed = Fraction(int(sign > 0))
-            choices.append([fixed] if sign or side.name in idle else [Fraction(0), Fraction(1)])
-        for _, shares in zip(range(_MOST_CORNERS), product(*choices), strict=False):
-            yield self.one(self.box.values({side.name: x for side, x in zip(self.box.sides, shares, strict=True)}))
-
-    def _within(self, x: RealNumber, cluster: Cluster) -> bool:
-        low, high = self.box.scene.band
-        share = (float(x) - float(low)) / float(high - low)
-        return cluster.low - OVERLAP / 4 <= share <= cluster.high + OVERLAP / 4
 
     def _body(self) -> dict[str, Any]:
         sides = [{"name": x.name, "low": float(x.low), "high": float(x.high)} for x in self.box.sides]

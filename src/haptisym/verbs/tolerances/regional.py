@@ -69,8 +69,9 @@ class RegionalExcess(Excess):
         limit = np.array([i == self._limit for i in range(self.sides)])
         return limit | self._used(self._relative) | self._used(self._plain)
 
-    def model(self, cells: Array, *, slopes: bool = True) -> Model:
+    def model(self, cells: Array, *, slopes: int | None = None) -> Model:
         """The excess over each cell; t_i goes from -1 to 1 along its side i. Unknown where a pole may lie in the cell."""
+        slopes = self.order if slopes is None else slopes
         with np.errstate(all="ignore"):  # what is not finite is unknown, which every caller asks about
             at = self._variable(0, cells, slopes=slopes)
             relative, plain = (self._run(x, cells, at, slopes=slopes) for x in (self._relative, self._plain))
@@ -79,7 +80,7 @@ class RegionalExcess(Excess):
                 known[c] = self._variable(self._limit, cells, slopes=slopes)
             return joined(Changes(relative, plain, known, self._turns).terms(self._criterion))
 
-    def _run(self, program: Program, cells: Array, at: Model, *, slopes: bool) -> dict[str, Model]:
+    def _run(self, program: Program, cells: Array, at: Model, *, slopes: int) -> dict[str, Model]:
         found = Modelled(program).run([self._variable(i, cells, slopes=slopes) for i in self._places(program)])
         return {name: x if isinstance(x, Model) else at.number(x) for name, x in found.items()}
 

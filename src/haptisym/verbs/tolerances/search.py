@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import LimitError
@@ -63,11 +64,14 @@ class _Bounded:
     split: Array
 
 
-def clusters(excess: Excess) -> tuple[Cluster, ...]:
-    """All clusters of one part, in ascending order of frequency: outside them no r equals its threshold, proven."""
+def clusters(excess: Excess, within: tuple[float, float] = (0, 1)) -> tuple[Cluster, ...]:
+    """All clusters of one part, in ascending order of frequency: outside them no r equals its threshold, proven.
+
+    ``within`` : between which shares of the band is looked.
+    """
     if excess.is_zero:
         return ()
-    leaves = _leaves(excess)
+    leaves = _leaves(excess, within)
     if not len(leaves.cells):
         return ()
     label = together(leaves.cells)
@@ -88,8 +92,8 @@ def _apart(found: list[Cluster]) -> Iterator[Cluster]:
     yield waiting
 
 
-def _leaves(excess: Excess) -> _Bounded:
-    waiting = [_start(excess.sides)]
+def _leaves(excess: Excess, within: tuple[float, float]) -> _Bounded:
+    waiting = [_start(excess.sides, *within)]
     depth = [np.zeros(_FIRST, int)]
     kept: list[_Bounded] = []
     looked = 0
@@ -131,7 +135,7 @@ def _unclear(excess: Excess, found: _Bounded) -> Array:
     which = np.flatnonzero(unclear)
     if len(which):
         corners = [_corner(found.cells[which], found.signs[which, 2:], to) for to in (-1, 1)]
-        low, high = (x[:, 0] for x in excess.model(np.concatenate(corners), slopes=False).bounds())
+        low, high = (x[:, 0] for x in excess.model(np.concatenate(corners), slopes=0).bounds())
         unclear[which] = ~((low[: len(which)] > 0) | (high[len(which) :] < 0))
     return unclear
 
@@ -144,10 +148,10 @@ def _corner(cells: Array, signs: Array, to: int) -> Array:
     return moved
 
 
-def _start(sides: int) -> Array:
+def _start(sides: int, low: float, high: float) -> Array:
     cells = np.zeros((_FIRST, sides, 2))
     cells[:, :, 1] = 1
-    cells[:, 0, 0], cells[:, 0, 1] = np.arange(_FIRST) / _FIRST, np.arange(1, _FIRST + 1) / _FIRST
+    cells[:, 0, 0], cells[:, 0, 1] = sliding_window_view(np.linspace(low, high, _FIRST + 1), 2).T
     return cells
 
 
@@ -163,7 +167,8 @@ def bounded(excess: Excess, cells: Array) -> _Bounded:
     with np.errstate(all="ignore"):
         omega = _contracted(cells, model.c0[:, 0], model.c1[:, 0], model.c2[:, 0], model.r[:, 0], low[:, 1], high[:, 1])
         weight = np.where((signs == 0) & np.isfinite(high), 1 / (high - low), 0.0)
-        changes = np.abs(model.c1) + np.abs(model.c2).sum(-1)
+        changes = np.abs(model.c1)
+        changes[:, : model.c2.shape[1]] += np.abs(model.c2).sum(-1)
         score = np.where(
             weight[:, :1] > 0, (weight[:, :, None] * changes).sum(1), changes[:, 0]
         )  # near a pole the value's alone
