@@ -3,7 +3,7 @@
     python benchmarks/tolerances.py [--against CHECKOUT] [--limit SECONDS] [--drawn N] [SCENE ...]
 
 A row is a scene with a tolerance of 5 % on some of its numbers, its threshold among them: at most four at a time, all of
-them in turn. Each row is run here and in the other checkout by turns, each in a process of its own that has warmed up; seconds
+them in turn, and of the ten effects all at once. Each row is run here and in the other checkout by turns, each in a process of its own that has warmed up; seconds
 are the processor's. ``width``: all enclosures together, as a share of the band; ``wider``: what the worst enclosure here
 adds to those there, likewise;
 ``out``: how many crossings of members of the box, drawn at random, lie in no enclosure.
@@ -33,6 +33,8 @@ import haptisym as hs
 AT_ONCE, DEVIATION = 4, Rational(5, 100)
 ALONE = {"two-mass-resonance": [["m1", "b1"]]}
 """Rows besides."""
+WHOLE = ("control-stick-in-detail",)
+"""Scenes with a row of all numbers of their effects at once, and one of all numbers."""
 
 
 def rows(name: str) -> Iterator[list[str]]:
@@ -41,6 +43,9 @@ def rows(name: str) -> Iterator[list[str]]:
     numbers = [*dict.fromkeys(p.symbol.name for p in scene.parameters if p.value and p.key != "order"), "c"]
     yield from (numbers[i : i + AT_ONCE] for i in range(0, len(numbers), AT_ONCE))
     yield from ALONE.get(name, [])
+    if name in WHOLE:
+        yield [p.symbol.name for p in scene.parameters if p.value and p.path.startswith("effects.")]
+        yield numbers[:-1]
 
 
 def around(value: Any) -> list[Any]:

@@ -418,7 +418,7 @@ def test_a_variable_is_known_to_within_roundings_of_its_largest_size() -> None:
     shares = np.random.default_rng(6).uniform(0, 1, (200, form.sides))
     cells = np.stack([shares, shares], -1)
     for i, (low, width) in enumerate(form._intervals):
-        model = form._variable(i, cells, slopes=True)
+        model = form._variable(i, cells, slopes=2)
         assert (model.r[:, 0] >= 4 * 2.0**-53 * (abs(low) + width * shares[:, i])).all()
         least, most = (x[:, 0] for x in model.bounds())
         exact = [Fraction(low) + Fraction(width) * Fraction(x) for x in shares[:, i]]
@@ -441,7 +441,7 @@ def test_a_variable_holds_its_values_and_its_slope_whatever_the_sizes_of_its_end
         form._intervals = [(floated(low), floated(width))]
         start = chance.random() * 2.0 ** -chance.choice([0, 1, 30, 1000])
         end = min(1.0, start + chance.random() * 2.0 ** -chance.choice([0, 1, 30, 1000]))
-        model = form._variable(0, np.array([[[start, end]]]), slopes=True)
+        model = form._variable(0, np.array([[[start, end]]]), slopes=2)
         for t in (-1, Fraction(chance.getrandbits(20), 2**20), 1):
             share = Fraction(start) + (Fraction(end) - Fraction(start)) * (t + 1) / 2
             exact = Fraction(low.p, low.q) + Fraction(width.p, width.q) * share
@@ -473,7 +473,7 @@ class Made:
     def matters(self) -> np.ndarray:  # type: ignore[type-arg]
         return np.array([i not in self.idle for i in range(self.sides)])
 
-    def model(self, cells: np.ndarray, *, slopes: bool = True) -> Model:  # type: ignore[type-arg]
+    def model(self, cells: np.ndarray, *, slopes: int = 2) -> Model:  # type: ignore[type-arg]
         self.asked.append(len(cells))
         middle, radius = cells.mean(-1), (cells[..., 1] - cells[..., 0]) / 2
         x = [variable(middle[:, i], radius[:, i], 1.0, i, self.sides) for i in range(self.sides)]
@@ -529,6 +529,59 @@ def test_crossings_that_merge_are_one_cluster_that_is_not_regular() -> None:
 def test_where_the_function_keeps_its_sign_there_is_no_cluster(sign: int) -> None:
     assert clusters(Made(lambda w, p, c: (w * w + p + c(0.1)).times(sign), 1)) == ()
     assert clusters(Made(lambda w, p, c: (w - p).times(sign), 1, is_zero=True)) == ()
+
+
+def known_to(percent: int, name: str, under: str, also: tuple[str, ...] = ()) -> hs.Scene:
+    """A shipped scene in which all numbers under a path, and others, are known to so many per cent."""
+    scene = hs.load_scene(name)
+    numbers = [x for x in scene.parameters if x.value and (x.path.startswith(under) or x.path in also)]
+    off = Rational(percent, 100)
+    return scene.with_values({x.path: [x.value * (1 - off), x.value * (1 + off)] for x in numbers})
+
+
+def check_ends(scene: hs.Scene, drawn: int) -> list[tuple[bool, bool]]:
+    """Ends that are said to be reached are crossings at their corners, none lies outside; which ends are reached."""
+    found = tolerances(scene, samples=drawn)
+    for one in found.samples:
+        for name, crossings in one.crossings.items():
+            own = [x for x in found.enclosures if x.criterion.name == name]
+            assert all(any(float(y.low) <= float(x) <= float(y.high) for y in own) for x in crossings)
+    for x in found.enclosures:
+        for end, corner in ((x.low, x.at_low), (x.high, x.at_high)):
+            if corner is not None:
+                there = hs.evaluate(scene.with_values(corner)).crossings
+                assert any(y.part is x.part and y.omega.digits(30) == end.digits(30) for y in there)
+    return [(x.at_low is not None, x.at_high is not None) for x in found.enclosures]
+
+
+def test_an_end_lies_on_a_face_where_more_is_known_of_what_moves_it() -> None:
+    """r_r of the paper's example moves one way over the whole box with omega_n alone, yet its high end is a corner."""
+    scene = known_to(5, "fu2019", "environment", ("effects.filter.omega_n",))
+    real = tolerances(scene, samples=0).enclosures[0]
+    assert [name for name, sign in real.monotonic.items() if sign] == ["omega_n"]
+    assert check_ends(scene, 40) == [(False, True), (True, True)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("under", ["effects", ""])
+def test_ends_for_all_numbers_of_the_shipped_stick_are_reached_at_corners(under: str) -> None:
+    """17 of ten effects, or all 20, known to 5 %: slopes are of first order then."""
+    scene = known_to(5, "control-stick-in-detail", under)
+    assert all(map(all, check_ends(scene, 60)))
+
+
+def test_when_the_time_is_over_on_a_face_its_cluster_is_the_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = known_to(5, "fu2019", "environment", ("effects.filter.omega_n",))
+    whole = tolerances(scene, samples=0).enclosures
+
+    def late(box: Box, criterion: object) -> Excess:
+        raise LimitError(1.0)
+
+    monkeypatch.setattr("haptisym.verbs.tolerances.ends.excess_of", late)
+    hurried = tolerances(scene, samples=0).enclosures
+    for x, y in zip(whole, hurried, strict=True):
+        assert float(y.low) <= float(x.low) < float(x.high) <= float(y.high)
+    assert any(x.at_low is None or x.at_high is None for x in hurried)
 
 
 def test_a_crossing_that_leaves_the_band_is_clear_of_the_other_end_alone() -> None:
@@ -694,7 +747,7 @@ class Hurried(Made):
 
     questions: int = 0
 
-    def model(self, cells: np.ndarray, *, slopes: bool = True) -> Model:  # type: ignore[type-arg]
+    def model(self, cells: np.ndarray, *, slopes: int = 2) -> Model:  # type: ignore[type-arg]
         if len(self.asked) >= self.questions:
             raise LimitError(1.0)
         return super().model(cells, slopes=slopes)

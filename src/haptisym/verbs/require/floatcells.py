@@ -137,13 +137,13 @@ class _Search:
         for own in np.array_split(cells, -(-len(cells) // _BATCH)):
             tick(min(self.looked, _MOST), _MOST, "cells of band and values")
             self.looked += len(own)
-            found = excess.model(own, slopes=False)
+            found = excess.model(own, slopes=0)
             low, high = (x[:, 0] for x in found.bounds())
             self.broken += [(float(a), float(b)) for a, b in own[low > 0, 1]]
             self._probe(excess, own[(low < 0) & (found.c0[:, 0] > 0)])
             rest = ~(high < 0) & ~(low > 0)
             if larger and rest.any():
-                rest[rest] = ~(larger.model(own[rest], slopes=False).bounds()[1][:, 0] < 0)
+                rest[rest] = ~(larger.model(own[rest], slopes=0).bounds()[1][:, 0] < 0)
             left.append(own[rest])
             cut.append(_changes(found.c1[rest, 0], found.c2[rest, 0], found.r[rest, 0]))
         return self._cut(np.concatenate(left), np.concatenate(cut))
@@ -153,7 +153,7 @@ class _Search:
         if len(cells):
             points = cells.copy()
             points[:, 0] = cells[:, 0].mean(-1)[:, None]
-            shown = excess.model(points, slopes=False).bounds()[0][:, 0] > 0
+            shown = excess.model(points, slopes=0).bounds()[0][:, 0] > 0
             self.broken += [(float(a), float(b)) for a, b in cells[shown, 1]]
 
     def _cut(self, cells: Array, changes: Array) -> Array:

@@ -17,6 +17,7 @@ from typing import TypeAlias
 from sympy import Expr, Rational
 
 from haptisym.judge.criteria import Criterion, noticed
+from haptisym.kernel.errors import LimitError
 from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.verbs.tolerances.box import Box
 from haptisym.verbs.tolerances.excess import Excess
@@ -64,7 +65,10 @@ class Face:
         settled = cluster.regular and cluster.clear_of(highest=highest)
         if settled and moves and len(moves) < len(self.box.sides):
             face = Face(self.whole, self.name, {**self.fixed, **moves}, self.one)
-            found = clusters(face.form, (cluster.low, cluster.high))
+            try:
+                found = clusters(face.form, (cluster.low, cluster.high))
+            except LimitError:
+                return self._bound(form, cluster, None, highest=highest)
             ends = (face.end(face.form, x, highest=highest) for x in (reversed(found) if highest else found))
             return next((x for x in ends if x), None)
         reached = list(self._crossings(form, cluster, highest=highest))
