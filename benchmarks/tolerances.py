@@ -3,9 +3,9 @@
     python benchmarks/tolerances.py [--against CHECKOUT] [--limit SECONDS] [--drawn N] [SCENE ...]
 
 A row is a scene with a tolerance of 5 % on some of its numbers, its threshold among them: at most four at a time, all of
-them in turn, and of the ten effects all at once. Each row is run here and in the other checkout by turns, each in a process of its own that has warmed up; seconds
-are the processor's. ``width``: all enclosures together, as a share of the band; ``wider``: what the worst enclosure here
-adds to those there, likewise;
+them in turn, and of the ten effects all at once. Each row is run here and in the other checkout by turns, each in a process of
+its own that has warmed up; seconds are the processor's. ``width``: all enclosures together, as a share of the band; ``wider``:
+what the worst enclosure here adds to those there, likewise;
 ``out``: how many crossings of members of the box, drawn at random, lie in no enclosure.
 
 Left out: quantiles, which are single evaluations (``evaluate.py``).
