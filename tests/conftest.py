@@ -8,9 +8,15 @@ from __future__ import annotations
 
 import gc
 import os
+import sys
 from typing import Any
 
 os.environ.setdefault("SYMPY_CACHE_SIZE", "20000")  # many scenes in one process
+
+# Several processes run the tests, and tests start the command more than a hundred times: without bytecode on disk each of
+# them would compile anew what it imports. So it is written here, also where Python was asked not to.
+if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
+    sys.dont_write_bytecode = False
 
 import pytest
 from hypothesis import HealthCheck, settings

@@ -10,13 +10,16 @@ import re
 import subprocess
 import sys
 from importlib.resources import files
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+from marks import required
 
 import haptisym as hs
 
 STUB = files("haptisym") / "__init__.pyi"
+MYPY = "mypy, of the extra ci,"
 DOCS = [Path(__file__).parents[2] / "README.md", *(Path(__file__).parents[2] / "docs").glob("*.md")]
 
 
@@ -220,6 +223,7 @@ def answers(path: Path) -> list[str]:
 
 def typed(source: str, folder: Path) -> str:
     """What mypy, with the user's own strict settings, says about a script that imports the installed package."""
+    required(MYPY, find_spec("mypy"))
     (folder / "script.py").write_text(source, encoding="utf-8")
     (folder / "mypy.ini").write_text("[mypy]\nstrict = True\n", encoding="utf-8")
     environment = {key: value for key, value in os.environ.items() if key != "MYPYPATH"}
@@ -253,6 +257,7 @@ def test_a_users_script_uses_every_function_and_type() -> None:
 
 @pytest.mark.slow
 def test_stub_and_package_agree_by_the_type_checkers_own_test(tmp_path: Path) -> None:
+    required(MYPY, find_spec("mypy"))
     (tmp_path / "mypy.ini").write_text(
         "[mypy]\nignore_missing_imports = True\nfollow_imports = skip\n", encoding="utf-8"
     )

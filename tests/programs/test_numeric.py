@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Sequence
 from decimal import ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
+from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,7 @@ import numpy as np
 import pytest
 from chainballs import BITS, error_in_ulps, truth
 from flint import fmpq
-from marks import QUICK_SCENES, often
+from marks import QUICK_SCENES, often, required
 from sympy import Rational, Symbol, exp, pi, sinc
 
 import haptisym as hs
@@ -47,6 +48,7 @@ from haptisym.programs.pointvalues import PointValue
 from haptisym.programs.program import Operation, Program, Writer
 from haptisym.programs.values import Values, _decimal
 
+NUMBA = "Numba, of the extra fast,"
 RATIOS = ("ratio_real", "ratio_imag")
 m, b, k, omega_n, zeta = hs.symbols("m b k omega_n zeta")
 omega_2, zeta_2, omega_c, m_d, k_c, tau = hs.symbols("omega_2 zeta_2 omega_c m_d k_c tau")
@@ -344,6 +346,8 @@ def test_digits_of_special_values_and_of_single_numbers() -> None:
 @pytest.mark.parametrize("engine", often(["numpy", "numba"], "numpy".__eq__))
 def test_a_sample_and_hold_keeps_its_digits_far_below_its_sampling_rate(engine: str) -> None:
     """Where r_r is (omega T)^2/6: the difference sin(x)/x - 1 would lose all its digits."""
+    if engine == "numba":
+        required(NUMBA, find_spec("numba"))
     spring, hold = mass_spring_damper(k=100), zero_order_hold("1 ms")
     for effects in ((hold,), (hold, zero_order_hold("2 ms", name="second")), (hold, delay("0.3 ms")), None):
         d = (hs.Scene(spring, effects) if effects else hs.load_scene("sampled-wall")).distortion()
@@ -708,6 +712,7 @@ def test_a_hold_is_taken_out_of_a_function_wherever_it_stands() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", often(["fu2019", "delayed-spring", "organ-tissue"], lambda name: name == "fu2019"))
 def test_machine_code_gives_the_same_doubles(name: str) -> None:
+    required(NUMBA, find_spec("numba"))
     d = hs.load_scene(name).distortion()
     omega = np.concatenate([[0.0], np.geomspace(1e-9, 1e9, 1001)])
     ours, theirs = d.compile(of=RATIOS)(omega), d.compile(of=RATIOS, engine="numba")(omega)
@@ -718,7 +723,9 @@ def test_machine_code_gives_the_same_doubles(name: str) -> None:
             assert np.abs(x - y).max() <= 2**-50 * (1 + np.abs(x)).max()
 
 
+@pytest.mark.slow
 def test_machine_code_leaves_arrays_of_parameters_to_numpy() -> None:
+    required(NUMBA, find_spec("numba"))
     omega, values = drawn(FAMILIES["filter"], 20, 5)
     ours, theirs = (FAMILIES["filter"].compile(engine=x)(omega, **values) for x in ("numpy", "numba"))
     assert (np.array(ours) == np.array(theirs)).all()
