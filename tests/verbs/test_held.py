@@ -485,3 +485,21 @@ def test_hands_have_knobs_that_change_nothing_of_what_is_felt() -> None:
     assert {one.knobs[x].path for x in ("hand.m", "hands.hand.m", "m_h")} == {"hand.m"}
     for name in hs.hands:
         assert hs.hands[name].source
+
+
+@pytest.mark.slow
+def test_a_delay_is_free_beside_others_of_which_products_are_made() -> None:
+    """The shunt makes the display neutral whatever the delay is: nowhere does it become stable, as each one asked alone says."""
+    scene = hs.Scene(
+        hs.environments.kelvin_voigt("300 N/m", "2 N*s/m"),
+        (
+            hs.effects.delay("20 ms", name="late"),
+            hs.effects.shunt(m="0.1 kg", b="1 N*s/m"),
+            hs.effects.wave_variables("8 N*s/m", "7 ms"),
+        ),
+    )
+    hand = hs.Hand("light", m="0.5 kg", b="5 N*s/m", k="200 N/m")
+    [free] = [x for x in hs.stability(scene, hand, ["late.tau"]).critical[0] if x.path.endswith("late.tau")]
+    assert free.found == ()
+    for tau in ("1 ms", "20 ms", "507 ms", "2 s"):
+        assert hs.stability(scene.with_values({"late.tau": tau}), hand).held[0].stable is False

@@ -11,6 +11,7 @@ from flint import fmpq
 from sympy import Expr, Integer, Rational, Symbol, pi
 
 from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.monomials import monomials
 from haptisym.kernel.reals import ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
@@ -77,9 +78,10 @@ class Loop:
         """The roots in Re s >= 0 at a number."""
         if self.turns:
             known = {self.symbol: value}
-            ring = Ring.of([x.xreplace(known) for x in self.ring.meanings if x != pi])
-            top, bottom = (ring.convert(self.ring.expression(p).xreplace(known)) for p in (self.top, self.bottom))
-            H = (top / bottom).reduced()
+            meanings = [x.xreplace(known) for x in self.ring.meanings]
+            ring = Ring.of([x for x in meanings if x != pi])
+            images = [ring.convert(x) for x in meanings]
+            H = (_mapped(self.top, images) / _mapped(self.bottom, images)).reduced()
             return zeros_of(H.numerator, H.denominator, ring)
         if self.symbol not in self.ring.meanings:
             return zeros_of(self.top, self.bottom, self.ring)
@@ -103,6 +105,17 @@ class Loop:
                 for turns, c in group.items():
                     table.setdefault(power, {}).setdefault(turns, [Integer(0)] * len(found))[i] = c
         return table
+
+
+def _mapped(polynomial: Polynomial, images: Sequence[RationalFunction]) -> RationalFunction:
+    """A polynomial with other functions for its variables; SymPy would make one delay of a product of two."""
+    total = images[0].ring.zero
+    for exponents, value in monomials(polynomial):
+        term = total.ring.function(total.ring.context.constant(value))
+        for image, n in zip(images, exponents, strict=True):
+            term = term * image ** int(n)
+        total = total + term
+    return total
 
 
 def zeros(row: Sequence[Expr]) -> list[RealNumber]:
