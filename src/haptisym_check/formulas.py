@@ -36,7 +36,7 @@ def evaluated(text: str, leaf: Callable[[str], T], combine: Callable[[str, T, T]
         word = words.pop() if words else ")"
         if word in BINDS:
             need(BINDS[word] == 1, f"{text[:60]!r} is not understood")
-            found = combine(word, leaf("0"), value(2))
+            found = combine("*", leaf(f"{word}1"), value(2))
         elif word == "(":
             found = value(0)
             need(words and words.pop() == ")", f"{text[:60]!r} is not understood")
@@ -48,10 +48,8 @@ def evaluated(text: str, leaf: Callable[[str], T], combine: Callable[[str, T, T]
             found = leaf("1" if n.denominator == 1 else f"{word}^{n}")
             for _ in range(abs(int(n)) if n.denominator == 1 else 0):
                 found = combine("*" if n > 0 else "/", found, base)
-        while words and words[-1] != ")":
+        while words and words[-1] != ")" and BINDS.get(words[-1], BINDS["*"]) > least:
             sign = words[-1] if words[-1] in BINDS else "*"
-            if BINDS[sign] <= least:
-                break
             unsaid = words[-1] != sign and (not spaced or (words[-1] != "1" and words[-1][0] in ".0123456789"))
             need(not unsaid, f"{text[:60]!r} is not understood")
             found = combine(sign, found, value(BINDS[words.pop() if words[-1] == sign else sign]))
@@ -83,7 +81,7 @@ SPELLED: dict[int, str] = {ord(x): y for x, y in zip("·×⋅²³", ("*", "*", "
 
 def unit(word: str) -> Number:
     """A number, or a unit by its name, perhaps with a prefix."""
-    if word[0] in ".0123456789" and "^" not in word:
+    if word[0] in "+-.0123456789" and "^" not in word:
         return Number(Fraction(word))
     name, _, power = word.partition("^")
     prefix, base = ("", name) if name in CATALOGUE["units"] else (name[:1], name[1:])
@@ -96,11 +94,9 @@ def unit(word: str) -> Number:
 
 
 def units(sign: str, x: Number, y: Number) -> Number:
-    """The product or the quotient of two; 0 + y or 0 - y."""
-    n = 1 if sign in "*+" else -1
-    if sign in "+-":
-        need(not x.value, "a quantity is a product of powers")
-        return y._replace(value=n * y.value)
+    """The product or the quotient of two."""
+    need(sign in "*/", "a quantity is a product of powers")
+    n = 1 if sign == "*" else -1
     need(n > 0 or y.value, "a division by zero")
     value = x.value * y.value**n
     need(value.numerator.bit_length() + value.denominator.bit_length() < 10**5, "a number is too large")
@@ -122,7 +118,6 @@ def quantity(given: Any, kind: str = "") -> Number:
     need(isinstance(given, str) and len(given) < 500, "a value is neither a number nor a text")
     text, *deviation = re.split(r"\+/?-|±", given)
     found = evaluated(text.translate(SPELLED), unit, units, spaced=True)
-    known = CATALOGUE["dimensions"][kind] if kind else []
-    fits = not known or found.dimension is None or found.dimension in known
-    need(fits and len(deviation) < 2, f"{given[:60]!r} has the wrong dimension")
+    own = CATALOGUE["dimensions"][kind] if kind else []
+    need(len(deviation) < 2 and (not own or found.dimension in (None, *own)), f"{given[:60]!r} has the wrong dimension")
     return found

@@ -11,6 +11,8 @@ from typing import Any
 from haptisym_check.formulas import CATALOGUE, FREE, Number, evaluated, quantity, words_of
 from haptisym_check.values import ONE, Point, Ratio, RefusedError, UnreadableError, Value, combined, need
 
+Powered = tuple[Ratio, Fraction]  # times s to that power: in a product they are added, as s^a s^b = s^(a + b)
+
 
 def row(model: str, given: dict[str, Any]) -> list[str]:
     """That of the catalogue for these parameters; lists among them are taken apart."""
@@ -81,20 +83,31 @@ class Element:
         if self.order is not None:
             known["z"] = point.raised(self.order)
 
-        def leaf(word: str) -> Ratio:
-            name, _, power = word.partition("^")
-            if power and name == "s":
-                return point.raised(Fraction(power))
-            need(not power and (word in known or word[0] in ".0123456789"), f"the name {word!r} is not known")
-            return known[word] if word in known else Number(Fraction(word)).at(point.pi)
+        def leaf(word: str) -> Powered:
+            if word.startswith("s^"):
+                return (ONE, ONE), Fraction(word[2:])
+            need(word in known or ("^" not in word and word[0] in "+-.0123456789"), f"the name {word!r} is not known")
+            return known[word] if word in known else Number(Fraction(word)).at(point.pi), Fraction(0)
 
-        return [evaluated(x, leaf, combined) for x in self.texts]
+        def shifted(x: Ratio, n: Fraction) -> Ratio:
+            return combined("*", x, point.raised(n)) if n else x
+
+        def both(sign: str, x: Powered, y: Powered) -> Powered:
+            (a, m), (b, n) = x, y
+            if sign in "*/":
+                return combined(sign, a, b), m + n if sign == "*" else m - n
+            alike = m == n and all(max(v.degrees) <= 0 for v in (*a, *b))  # multiples of one power, without s
+            nothing = [top.degrees[0] < 0 for top, _ in (a, b)]  # the polynomial 0, whose degree is below all others
+            if alike or any(nothing):
+                return combined(sign, a, b), n if nothing[0] else m
+            return combined(sign, shifted(a, m), shifted(b, n)), Fraction(0)
+
+        return [shifted(*evaluated(x, leaf, both)) for x in self.texts]
 
 
 def tables(x: Any) -> list[dict[str, Any]]:
     """A list of tables, of a file."""
-    fits = isinstance(x, list) and len(x) <= 100 and all(isinstance(y, dict) for y in x)
-    need(fits, "a list of at most 100 tables is none")
+    need(isinstance(x, list) and len(x) <= 100 and {*map(type, x)} <= {dict}, "a list of at most 100 tables is none")
     return list(x)
 
 

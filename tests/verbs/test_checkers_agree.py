@@ -219,3 +219,46 @@ def test_a_delay_that_turns_often_has_a_certificate_that_is_accepted() -> None:
     """Some hundred crossings: their enclosures are long, and quick to check."""
     text = late_scene(19)
     assert said(of_scene(evaluated(text), text), text).startswith("Proven on the band")
+
+
+def with_powers(formula: str) -> str:
+    """A scene of this environment, behind a lag."""
+    lag = '[[effects]]\nmodel = "first-order-lag"\nomega_c = 20\n'
+    return f'[environment]\nmodel = "expression"\nH = "{formula}"\n{lag}[evaluation]\nband = [1, 15]\n'
+
+
+CANCELLING = (
+    ("300 + s^0.5*s^0.5", "300 + s"), ("300 + s^0.5/s^0.5", "301"), ("300 + (s^0.5)^2", "300 + s"), ("300 + (s^-0.25)^(-2)", "300 + s^0.5"),
+    ("300 + s^0.3*s^1.7", "300 + s^2"), ("300 - s^0.5*s^0.25/s^2", "300 - s^-1.25"), ("300 + (s^0.5 + s)/s^0.5", "301 + s^0.5"),
+    ("300 + (2*s^0.5 + 0 - 3*s^0.5)*s^0.5", "300 - s"), ("300 + s^.2*(s^.3 + 9)*s^.5/s^.7", "300 + s^0.3 + 9"),
+    ("300 + 1/(s^0.5*(s + 1) + s^0.5)", "300 + s^-0.5/(s + 2)"), ("300 + (0*s + s^0.5 - 0/s)*s^0.5", "300 + s"),
+)  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("formula", "same"), CANCELLING)
+def test_powers_of_s_that_cancel_have_a_certificate_that_says_what_it_says_without_them(
+    formula: str, same: str
+) -> None:
+    long, short = (evaluated(with_powers(x)) for x in (formula, same))
+    assert long["claim"]["crossings"] == short["claim"]["crossings"] != []
+    assert long["claim"]["frequencies"] == short["claim"]["frequencies"]
+    asked = [(long, with_powers(formula)), (long, with_powers(same.replace("30", "31")))]
+    assert accepted([(of_scene(x, text), text) for x, text in asked]) == [True, False]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("formula", "why"),
+    [("300 + s^0.5 - s^0.5", "the proof has no such order"), ("300 + (s^0.5)^0.5", r"the name '\(\^1/2' is not known")],
+)
+def test_powers_that_a_checker_does_not_see_through_get_a_sentence(formula: str, why: str) -> None:
+    with pytest.raises(SceneError, match=f"no checker accepts a certificate of this scene: .*{why}"):
+        evaluated(with_powers(formula))
+
+
+@pytest.mark.slow
+def test_a_function_that_is_zero_because_of_an_order_gets_a_sentence() -> None:
+    text = with_powers("s^0.5").replace('"first-order-lag"\nomega_c = 20', '"series"\nG = "s^0.5"')
+    with pytest.raises(SceneError, match=r"as Re s\^0\.5 s\^0\.5"):
+        evaluated(text)

@@ -482,14 +482,23 @@ const haptisymCheck = (function () {
         need(order.pi === 0 && order.value.n > 0n && order.value.compare(ONE) < 0, "an order is not a number between 0 and 1");
         known.set("z", raised(where, order.value));
       }
+      // A pair of a ratio and an exponent of s beside it: in a product they are added, as s^a s^b = s^(a + b).
       const leaf = (word) => {
         const [name, power] = word.split("^");
-        if (name === "s" && power) return raised(where, new Fraction(...power.split("/").map(BigInt)));
-        if (known.has(word)) return known.get(word);
+        if (name === "s" && power) return [[UNIT, UNIT], new Fraction(...power.split("/").map(BigInt))];
+        if (known.has(word)) return [known.get(word), ZERO];
         need(/^[.0-9]/.test(word), `the name ${word.slice(0, 40)} is not known`);
-        return at(quantityOf(decimal(word)), pi);
+        return [at(quantityOf(decimal(word)), pi), ZERO];
       };
-      return x.trees.map((tree) => evaluated(tree, leaf, combined));
+      const shifted = (y, n) => (n.n ? combined("*", y, raised(where, n)) : y);
+      const isNothing = ([top]) => top.degrees[0] < 0; // the polynomial 0, whose degree is below all others
+      const both = (sign, [a, m], [b, n]) => {
+        if (sign === "*" || sign === "/") return [combined(sign, a, b), sign === "*" ? m.plus(n) : m.minus(n)];
+        const alike = m.compare(n) === 0 && [...a, ...b].every((v) => Math.max(...v.degrees) <= 0); // multiples of one power, without s
+        if (alike || isNothing(a) || isNothing(b)) return [combined(sign, a, b), isNothing(a) ? n : m];
+        return [combined(sign, shifted(a, m), shifted(b, n)), ZERO];
+      };
+      return x.trees.map((tree) => shifted(...evaluated(tree, leaf, both)));
     }
 
     const isFormula = (x) => typeof x === "string" && /(?<![\p{L}\p{N}_])omega(?![\p{L}\p{N}_])/u.test(x);

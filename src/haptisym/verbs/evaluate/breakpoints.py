@@ -9,7 +9,7 @@ from itertools import pairwise
 from sympy import Rational
 
 from haptisym.kernel.budget import tick
-from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, rational_between
 from haptisym.verbs.evaluate.products import Factor
 from haptisym.verbs.evaluate.waves import WaveFactor
@@ -69,11 +69,17 @@ def _is_told(factors: list[Factor | WaveFactor], low: Fraction, high: Fraction) 
 
 def _between(factors: Sequence[Factor | WaveFactor], low: Fraction, high: Fraction) -> Fraction:
     """A number well inside, at which no factor vanishes."""
+    flat = {*factors}
     for n in range(2, 100):
         middle, reach = low + (high - low) / n, (high - low) / (4 * n)
         point = _fraction(rational_between(*(Sliver(x, x) for x in (middle - reach, middle + reach))))
-        if all(factor.sign_at(point) for factor in factors):
+        flat -= {factor for factor in flat if factor.sign_at(point)}
+        if not flat and all(factor.sign_at(point) for factor in factors):
             return point
+    if flat:
+        raise SceneError(
+            "a certificate has no room for functions that are zero everywhere because of what an order is, as Re s^0.5 s^0.5"
+        )
     raise UndecidedError("a number at which no polynomial of a certificate vanishes")
 
 
