@@ -258,6 +258,14 @@ def test_powers_that_a_checker_does_not_see_through_get_a_sentence(formula: str,
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("written", ['"H" = "{}"', "H = '''\n{}'''", 'H = """{}\n"""', "H = '{}'"])
+def test_powers_are_asked_about_however_a_formula_is_written(written: str) -> None:
+    formula = "300 + s^0.5 - s^0.5"
+    with pytest.raises(SceneError, match="no checker accepts a certificate of this scene"):
+        evaluated(with_powers(formula).replace(f'H = "{formula}"', written.format(formula)))
+
+
+@pytest.mark.slow
 def test_a_function_that_is_zero_because_of_an_order_gets_a_sentence() -> None:
     text = with_powers("s^0.5").replace('"first-order-lag"\nomega_c = 20', '"series"\nG = "s^0.5"')
     with pytest.raises(SceneError, match=r"as Re s\^0\.5 s\^0\.5"):

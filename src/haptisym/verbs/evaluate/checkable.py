@@ -9,7 +9,8 @@ from typing import Any
 
 from haptisym.kernel.errors import SceneError
 
-_POWERS = re.compile(r"\b[A-Z]\s*=.*\bs\s*(\^|\*\*)[\s(+-]*[0-9]*\.")  # that are not whole, in a formula
+_FORMULA = re.compile(r"""\b[A-Z]["']?\s*=\s*("{3}|'{3}|["'])(.*?)\1""", re.DOTALL)
+_BROKEN = re.compile(r"\bs\s*(\^|\*\*)[\s(+-]*[0-9]*\.")  # a power of s that is not whole
 _MOST = 10**7  # no scene of the package needs more than two thirds of it; some three times as much may be refused
 
 
@@ -18,7 +19,8 @@ def need_checkable(certificate: str, proof: dict[str, Any], scene: str) -> None:
 
     It is asked where its work may be beyond its limits, and where a formula has powers of s: it may not see that they cancel.
     """
-    if not _POWERS.search(scene) and _points(proof) * len(certificate) <= _MOST:
+    powers = any(_BROKEN.search(found[2]) for found in _FORMULA.finditer(scene))
+    if not powers and _points(proof) * len(certificate) <= _MOST:
         return
     from haptisym_check import RefusedError, check  # it is asked of few scenes
 
