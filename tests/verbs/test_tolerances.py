@@ -27,6 +27,7 @@ from haptisym.programs.taylormodels import Model, constant, halves, variable
 from haptisym.programs.valued import floated
 from haptisym.verbs.tolerances import single
 from haptisym.verbs.tolerances.box import Box, box_of
+from haptisym.verbs.tolerances.ends import Face
 from haptisym.verbs.tolerances.entry import tolerances
 from haptisym.verbs.tolerances.excess import Excess
 from haptisym.verbs.tolerances.proofs import One
@@ -568,6 +569,20 @@ def test_ends_for_all_numbers_of_the_shipped_stick_are_reached_at_corners(under:
     """17 of ten effects, or all 20, known to 5 %: slopes are of first order then."""
     scene = known_to(5, "control-stick-in-detail", under)
     assert all(map(all, check_ends(scene, 60)))
+
+
+def test_a_corner_that_was_not_answered_in_time_is_not_taken_for_one_without_a_crossing() -> None:
+    box = box_of(hs.parse_scene(SPRING.format(model="delay", parameters='tau = ["18 ms", "22 ms"]', top=12, jnd=0.1)))
+
+    def late(values: object) -> One:
+        raise LimitError(1.0)
+
+    asked = Face(box, "imag", {}, late)
+    [cluster] = clusters(asked.form)
+    for highest, share in ((False, cluster.low), (True, cluster.high)):
+        found = asked.end(asked.form, cluster, highest=highest)
+        assert found is not None
+        assert (float(found[0]), found[1]) == (pytest.approx(12 * share, rel=1e-12), None)
 
 
 def test_when_the_time_is_over_on_a_face_its_cluster_is_the_bound(monkeypatch: pytest.MonkeyPatch) -> None:

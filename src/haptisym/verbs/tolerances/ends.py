@@ -7,7 +7,7 @@ slopes may keep their signs: so it goes on, until a corner is left, which is ans
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -71,10 +71,11 @@ class Face:
                 return self._bound(form, cluster, None, highest=highest)
             ends = (face.end(face.form, x, highest=highest) for x in (reversed(found) if highest else found))
             return next((x for x in ends if x), None)
-        reached = list(self._crossings(form, cluster, highest=highest))
+        corners = list(in_time(self._corners(form, cluster, highest=highest)))
+        reached = [(x, at.values) for at in corners for x in at.crossings[self.name] if within(self.whole, x, cluster)]
         best = (max if highest else min)(reached, key=lambda x: float(x[0]), default=None)
-        if settled and len(moves) == len(self.box.sides) and (best or cluster.inside):
-            return best
+        if settled and corners and len(moves) == len(self.box.sides) and (best or cluster.inside):
+            return best  # without a crossing at its one corner a cluster has none
         return self._bound(form, cluster, best, highest=highest)
 
     def moves(self, form: Excess, cluster: Cluster, *, highest: bool) -> dict[str, Fraction | None]:
@@ -87,14 +88,8 @@ class Face:
             x: Fraction(int(way * sign > 0)) if way * sign or not used else None for x, (used, sign) in signs.items()
         }
 
-    def _crossings(
-        self, form: Excess, cluster: Cluster, *, highest: bool
-    ) -> Iterator[tuple[RealNumber, Mapping[str, Expr]]]:
-        """Crossings in the cluster at corners at which they may be highest (lowest), each exact."""
-        for one in in_time(self._corners(form, cluster, highest=highest)):
-            yield from ((x, one.values) for x in one.crossings[self.name] if within(self.whole, x, cluster))
-
-    def _corners(self, form: Excess, cluster: Cluster, *, highest: bool) -> Iterable[One]:
+    def _corners(self, form: Excess, cluster: Cluster, *, highest: bool) -> Iterator[One]:
+        """The corners at which crossings may be highest (lowest), each answered exactly."""
         moves = {**self.moves(form, cluster, highest=highest), **self.fixed}
         choices = [
             [x] if x is not None else [Fraction(0), Fraction(1)] for x in (moves[y.name] for y in self.whole.sides)
