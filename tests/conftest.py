@@ -13,7 +13,7 @@ from typing import Any
 
 os.environ.setdefault("SYMPY_CACHE_SIZE", "20000")  # many scenes in one process
 
-# Several processes run the tests, and tests start the command more than a hundred times: without bytecode on disk each of
+# Several processes run the tests, and tests start the command many times: without bytecode on disk each of
 # them would compile anew what it imports. So it is written here, also where Python was asked not to.
 if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
     sys.dont_write_bytecode = False
@@ -38,11 +38,23 @@ settings.register_profile(
 settings.load_profile("drawn" if EXAMPLES else "repeatable")
 
 
+DEAR = {
+    f"haptisym.{name}"
+    for name in (
+        "verbs.cost.entry.sweep_cost", "verbs.cost.entry.simulation_cost", "verbs.cost.entry.cost", "pages.report.page",
+        "figures.heldbox.draw_held", "figures.tolerances.draw_tolerances", "figures.release.draw_release",
+    )
+}  # fmt: skip
+"""Examples in docstrings that take half a second and more: they are slow tests."""
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Of a family marked ``few(n)`` n cases, spread over all, are run every time, or those that are named; the others are slow."""
     families: dict[str, list[pytest.Item]] = {}
     for item in items:
+        if item.name in DEAR:
+            item.add_marker(pytest.mark.slow)
         if item.get_closest_marker("few"):
             families.setdefault(item.nodeid.partition("[")[0], []).append(item)
     for cases in families.values():

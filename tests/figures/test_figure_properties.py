@@ -150,6 +150,7 @@ def _unseen(ax: Any) -> Iterator[Text]:
         assert is_x or not axis.get_offset_text().get_text()
 
 
+@pytest.mark.few(4)
 def test_no_text_is_a_path_of_the_configuration(figures: list[Figure]) -> None:
     for text in (x for figure in figures for x in texts(figure)):
         assert not re.search(r"\b(effects|environments?|evaluation|rendered)\.|\w_\w+\.\w", text.get_text()), text

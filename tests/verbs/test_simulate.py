@@ -125,6 +125,7 @@ def test_the_catalogue_has_a_scene_for_every_model() -> None:
     "four-channel-teleoperator",
     "two-port",
 )
+@pytest.mark.few(8)
 @pytest.mark.parametrize("model", CATALOGUE)
 def test_simulation_and_closed_form_agree_for_every_model(model: str) -> None:
     agree(hs.check(CATALOGUE[model], count=3), 1e-7)

@@ -339,6 +339,7 @@ def test_blocks_change_nothing(small: Any, block: int) -> None:
     assert hs.sweep(PAPER, part, block=block).equals(small.isel({path: slice(7) for path in SMALL}))
 
 
+@pytest.mark.slow
 def test_dask_threads_give_the_same(small: Any) -> None:
     lazy = hs.sweep(PAPER, SMALL, lazy=True, block=100)
     assert lazy.bandwidth.chunks is not None
