@@ -43,6 +43,8 @@ DEAR = {
     for name in (
         "verbs.cost.entry.sweep_cost", "verbs.cost.entry.simulation_cost", "verbs.cost.entry.cost", "pages.report.page",
         "figures.heldbox.draw_held", "figures.tolerances.draw_tolerances", "figures.release.draw_release",
+        "figures.stability.draw_plane", "figures.designmap.draw_map", "verbs.require.designmap.design_map",
+        "verbs.simulate.release.release", "verbs.identify.entry.identify",
     )
 }  # fmt: skip
 """Examples in docstrings that take half a second and more: they are slow tests."""

@@ -39,6 +39,7 @@ def test_names_of_hands_stand_free(name: str) -> None:
         )
 
 
+@pytest.mark.slow
 def test_hands_whose_marks_cover_each_other_have_one_name() -> None:
     """Beside a hand of 20 kN/m all published ones lie in one mark; their names lay on each other."""
     figure = stability_figure(hs.stability("satellite-contact", HEAVY))

@@ -99,6 +99,7 @@ def test_the_peak_of_the_paper_s_real_ratio_is_at_109() -> None:
     assert (rounded(omega, 12), rounded(highest, 12)) == ("108.948122405", "1.36706324889")
 
 
+@pytest.mark.slow
 def test_just_below_its_peak_the_ratio_crosses_twice_and_just_above_never() -> None:
     omega, highest = peak()
     top = Fraction(rounded(highest, 62))

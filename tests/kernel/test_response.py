@@ -294,7 +294,6 @@ def mp_value(expression: Expr, at: object) -> object:
 SLOW = {"two powers and two delays", "three delays", "two powers"}
 
 
-@pytest.mark.few(7)
 @pytest.mark.few(
     "polynomial",
     "quotient",

@@ -52,7 +52,7 @@ def covered(draws: int, estimator: str, seed: int, *, every: int = 2, closed: bo
     return float(np.mean(held))
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("estimator", "closed"), [("H1", False), ("H2", False), ("joint", True), ("joint", False)])
 def test_discs_hold_the_truth_as_often_as_they_say(estimator: str, closed: bool) -> None:  # noqa: FBT001
     share = covered(30, estimator, 3, closed=closed)

@@ -167,6 +167,7 @@ def test_marks_are_filled_exactly_where_an_answer_is_proven() -> None:
         assert filled == [row.proven for row in rows if row.task == task]
 
 
+@pytest.mark.slow
 def test_no_name_in_a_figure_covers_another_one() -> None:
     measured = {
         "grid of 10^2": (4.8, 5.5e-4), "grid of 10^3": (6.8, 3.6e-4), "grid of 10^4": (8.8, 1.1e-3), "grid of 10^5": (10.8, 5e-2),

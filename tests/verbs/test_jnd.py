@@ -418,7 +418,6 @@ def test_the_command_says_the_same_as_python(file: Callable[..., Path], tmp_path
 
 
 @pytest.mark.slow
-@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", range(6))
 def test_no_curve_is_likelier_than_the_one_that_is_found(seed: int) -> None:
     """Without guesses and lapses minus the log-likelihood is convex in a and b of Phi(a + b x): it has one bottom."""

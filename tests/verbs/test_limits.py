@@ -244,7 +244,6 @@ PARAMETERS = [
 ]
 
 
-@pytest.mark.few(5)
 @pytest.mark.few(
     "delayed-spring-effects.delay.tau",
     "fu2019-environment.m",

@@ -73,7 +73,6 @@ def test_the_nearest_value_is_the_scenes_own_where_others_are_no_better_and_no_e
 
 
 @pytest.mark.slow
-@pytest.mark.few(1)
 @pytest.mark.parametrize(("name", "path"), [("virtual-wall", "device.b"), ("sampled-wall", "rendered.w")])
 def test_floats_find_what_comes_nearest_and_balls_prove_that_others_come_hardly_nearer(name: str, path: str) -> None:
     scene = hs.load_scene(name)

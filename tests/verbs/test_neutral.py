@@ -146,6 +146,7 @@ def test_a_wave_variable_link_holds_whatever_the_damping_of_a_hand_without_mass(
     assert (float(damping.value), damping.above, damping.stable_side) == (0, 0, "above")
 
 
+@pytest.mark.slow
 def test_where_two_delayed_masses_meet_the_chain_is_lost_at_the_zeros_on_the_circle() -> None:
     """q + z/2 + z^2: its two zeros have the product q and lie on |z| = 1 at q = 1, not where q is the sum 3/2."""
     late = hs.effects.delay("10 ms")

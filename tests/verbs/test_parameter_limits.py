@@ -257,6 +257,7 @@ def test_a_condition_that_vanishes_at_0_with_powers_is_enclosed_over_what_it_van
                     assert whole.overlaps(compiled.value(x) / x**shape.order_at_zero)
 
 
+@pytest.mark.slow
 def test_a_spring_pot_behind_a_hold_has_an_end_that_is_known_to_all_digits() -> None:
     found = hs.require(POT_BEHIND_A_HOLD, "environment.k")
     assert found.undecided == ()

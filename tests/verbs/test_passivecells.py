@@ -38,13 +38,14 @@ def ends(r: Any) -> list[tuple[float | None, float | None]]:
     return [tuple(None if e.value is None else float(e.value) for e in (x.low, x.high)) for x in r.feasible]  # type: ignore[misc]
 
 
+@pytest.mark.few("effects.shunt.m-span2")
 @pytest.mark.parametrize(
     ("free", "span"),
     [
         ("environment.k", (0, 200)),
         ("effects.shunt.b", (0.5, None)),
         ("effects.shunt.m", (0, None)),
-        pytest.param("tau", (0, 0.01), marks=pytest.mark.slow),
+        ("tau", (0, 0.01)),
     ],
 )
 def test_a_late_spring_is_passive_where_its_damper_makes_up_for_the_delay(free: str, span: Any) -> None:
@@ -64,6 +65,7 @@ def test_a_late_spring_is_passive_where_its_damper_makes_up_for_the_delay(free: 
         assert [(b.kind.value, float(b.omega)) for b in end.bindings if b.omega] == [("start", 0.0)]
 
 
+@pytest.mark.slow
 def test_what_begins_active_is_told_for_all_values_however_small_or_large() -> None:
     """Just above frequency 0 Im H has the sign of b - k tau; without a damper a spring that is late at all is active."""
     late = hs.require(LATE, "tau", that="passive")
@@ -240,6 +242,7 @@ def test_late_terms_of_one_delay_are_weighed_together() -> None:
     assert 5.99 < float(low) < 6 < float(high) < 6.01
 
 
+@pytest.mark.slow
 def test_what_was_not_proven_is_not_rounded_away() -> None:
     """What is open is told from below to above, what is proven from above to below."""
     r = hs.require(TISSUE, "omega_c", (1, 1000), that="passive")
@@ -258,6 +261,7 @@ def test_values_that_are_open_without_bound_below_begin_at_minus_infinity() -> N
     assert "UNDECIDED: for the values from minus infinity to -100 neither was proven" in words
 
 
+@pytest.mark.slow
 def test_numbers_beyond_all_floats_leave_values_open() -> None:
     heavy = LATE.with_values({"effects.shunt.m": Integer(10) ** 320})
     r = hs.require(heavy, "effects.shunt.b", that="passive")

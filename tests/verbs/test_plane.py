@@ -85,7 +85,7 @@ def test_points_of_rectangles_are_as_they_are_said_to_be(
     assert is_as_said(name, number, shares, kept=side == "kept")
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["fu2019", "delayed-spring"])
 def test_some_points_of_rectangles_are_as_they_are_said_to_be(name: str) -> None:
     for number, *shares, side in np.random.default_rng(19).random((12, 4)):
@@ -100,6 +100,7 @@ def test_what_stays_open_at_an_end_of_the_range_is_as_near_as_that_end() -> None
     assert all(x is not None and x < 0.01 * 3990 for x in bounds)
 
 
+@pytest.mark.slow
 def test_further_thresholds_are_proven_too() -> None:
     found = hs.design_map(lag(), ["omega_c", "k"], [(20, 300), (10, 1000)], slices=3, jnd=["0.2", "0.3"])
     assert [(x.set, x.jnd and float(x.jnd)) for x in found.proofs] == [(0, None), (1, 0.2), (2, 0.3)]

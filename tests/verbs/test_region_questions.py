@@ -55,7 +55,7 @@ REQUIRED = {
 }  # fmt: skip
 
 
-@pytest.mark.few("ellipse", "limits for each way")
+@pytest.mark.few("limits for each way")
 @pytest.mark.parametrize("name", often(REQUIRED, lambda name: name in ("ellipse", "polygon", "limits for each way")))
 def test_a_requirement_is_where_a_scan_of_the_band_leaves_the_region(name: str) -> None:
     jnd = REQUIRED[name]
@@ -316,6 +316,7 @@ def test_several_environments_take_a_region() -> None:
 DISC = {"shape": "ellipse", "real": 0.1, "imag": 0.1}
 
 
+@pytest.mark.slow
 def test_a_disc_behind_a_filter_has_its_crossing_as_a_formula() -> None:
     """The paper's example: 7.922311857140609 rad/s."""
     d = hs.derive(with_jnd(DISC), ["omega_n", "zeta"])

@@ -186,6 +186,7 @@ def test_no_root_of_a_late_spring_and_damper_lies_right_of_the_one_that_is_calle
     assert found.s.real == pytest.approx(rightmost, abs=1e-4 * max(1, abs(found.s)))
 
 
+@pytest.mark.slow
 def test_a_matrix_pencil_finds_two_modes_that_are_close() -> None:
     t = 0.01 * np.arange(240)
     x = np.exp(-0.5 * t) * np.cos(7 * t) + 0.3 * np.exp(-0.8 * t) * np.cos(7.5 * t)

@@ -144,6 +144,7 @@ def test_two_of_ten_effects_matter_and_the_formula_is_five_times_shorter(many: R
     assert full >= 5 * kept
 
 
+@pytest.mark.slow
 def test_the_joint_bound_holds_for_all_left_out_effects_together(many: Relevance) -> None:
     kept = frozenset(i for i, e in enumerate(many.scene.effects) if e in many.pruned.effects)
     check(many.scene, kept)
@@ -287,6 +288,7 @@ def test_an_evaluation_with_a_tolerance_is_that_of_the_pruned_scene_and_says_so(
     assert "relevance" not in hs.evaluate(hs.load_scene("fu2019")).to_dict()
 
 
+@pytest.mark.slow
 def test_the_document_has_the_agreed_keys(many: Relevance) -> None:
     told = json.loads(json.dumps(many.to_dict()))
     assert told["schema"] == "haptisym.effects/1"

@@ -100,32 +100,15 @@ def test_the_catalogue_has_a_scene_for_every_model() -> None:
     assert set(CATALOGUE) == {*ENVIRONMENTS, *EFFECTS}
 
 
-@pytest.mark.few(5)
 @pytest.mark.few(
-    "mass-spring-damper",
     "kelvin-voigt",
     "maxwell",
-    "zener",
-    "prony",
-    "two-mass",
-    "expression",
     "first-order-lag",
-    "second-order-lowpass",
     "delay",
-    "pade-delay",
     "zero-order-hold",
-    "sampled-loop",
-    "series",
-    "shunt",
-    "compliance",
-    "admittance-display",
     "wave-variables",
     "position-force-teleoperator",
-    "position-position-teleoperator",
-    "four-channel-teleoperator",
-    "two-port",
 )
-@pytest.mark.few(8)
 @pytest.mark.parametrize("model", CATALOGUE)
 def test_simulation_and_closed_form_agree_for_every_model(model: str) -> None:
     agree(hs.check(CATALOGUE[model], count=3), 1e-7)
@@ -267,6 +250,7 @@ def test_the_describing_functions_error_is_shown_where_the_friction_moves_otherw
     assert 1e-4 < relative(x) < 0.2
 
 
+@pytest.mark.slow
 def test_a_describing_function_for_another_amplitude_is_said_to_be_so() -> None:
     [x] = hs.simulate(CATALOGUE["coulomb-friction"], hs.sine("2 cm", 4)).estimates
     assert "amplitude of 0.05" in x.approximate
@@ -586,7 +570,7 @@ REST = {
 }  # fmt: skip
 
 
-@pytest.mark.few(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", REST)
 def test_a_recording_that_begins_at_2_mm_goes_on_as_one_that_has_long_rested_there(name: str) -> None:
     scene = hs.Scene(*REST[name])

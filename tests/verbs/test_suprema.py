@@ -37,6 +37,7 @@ def waves(amplitudes: list[float], slope: float):  # type: ignore[no-untyped-def
     return value, bounds
 
 
+@pytest.mark.slow
 @given(st.lists(st.floats(0.1, 2), min_size=1, max_size=4))
 def test_the_largest_value_of_a_sum_of_waves_is_enclosed(amplitudes: list[float]) -> None:
     _, bounds = waves(amplitudes, sum(n * a for n, a in enumerate(amplitudes, 1)))

@@ -369,7 +369,6 @@ def test_two_processes_of_a_cluster_give_the_same(small: Any, cluster: Any, tmp_
 
 
 @pytest.mark.slow
-@pytest.mark.few(1)
 @pytest.mark.parametrize("name", ["a.zarr", "a.nc"])
 def test_a_file_holds_the_same(small: Any, tmp_path: Path, name: str) -> None:
     with hs.sweep(PAPER, SMALL, out=tmp_path / name, block=100) as stored:
@@ -412,7 +411,7 @@ DELAYED = hs.load_scene("delayed-spring")
 TAUS = {"effects.delay.tau": [0.001 * i for i in range(1, 25)], "environment.k": [50.0, 80.0]}
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("scene", "vary"), [(PAPER, SMALL), (DELAYED, TAUS)])
 def test_blocks_are_cut_by_time_and_a_sweep_interrupted_anywhere_ends_with_the_same_bits(
     scene: hs.Scene, vary: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -148,6 +148,7 @@ def test_a_sampled_wall_is_unstable_above_the_stiffness_that_is_known() -> None:
     assert found.unstable_hand.values.tolist() == [0, 2]
 
 
+@pytest.mark.slow
 def test_hands_whose_names_are_alike_have_variables_of_their_own(tmp_path: Path) -> None:
     hands = [hs.Hand("a b", b=5), hs.Hand("a-b", b=6)]
     found = hs.sweep(PAPER, {"environment.m": [1.0]}, hand=hands)

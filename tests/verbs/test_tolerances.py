@@ -249,6 +249,7 @@ def test_no_set_of_values_crosses_outside_the_enclosures(model: str) -> None:
     assert all(float(low) <= float(x.bandwidth) <= float(high) for x in found.samples)
 
 
+@pytest.mark.slow
 def test_the_same_seed_draws_the_same_sets() -> None:
     scene = spring("first-order-lag", 'omega_c = "40 rad/s +- 10 %"')
     first, again, other = (tolerances(scene, 20, seed) for seed in (1, 1, 2))
@@ -364,7 +365,6 @@ ODD = {
 }  # fmt: skip
 
 
-@pytest.mark.few(3)
 @pytest.mark.few(
     "a pure mass behind a delay, with an odd factor of s in common",
     "a pure damper, from 0 on",
@@ -427,6 +427,7 @@ def test_a_variable_is_known_to_within_roundings_of_its_largest_size() -> None:
         assert (most - least <= 1e-12 * (abs(low) + width)).all()
 
 
+@pytest.mark.slow
 def test_a_variable_holds_its_values_and_its_slope_whatever_the_sizes_of_its_ends() -> None:
     """Ends of 10^-300 to 10^300, of both signs and alike but for a last digit, cells down to 2^-1000: against fractions."""
     chance = random.Random(20)
@@ -555,6 +556,7 @@ def check_ends(scene: hs.Scene, drawn: int) -> list[tuple[bool, bool]]:
     return [(x.at_low is not None, x.at_high is not None) for x in found.enclosures]
 
 
+@pytest.mark.slow
 def test_an_end_lies_on_a_face_where_more_is_known_of_what_moves_it() -> None:
     """r_r of the paper's example moves one way over the whole box with omega_n alone, yet its high end is a corner."""
     scene = known_to(5, "fu2019", "environment", ("effects.filter.omega_n",))
@@ -585,6 +587,7 @@ def test_a_corner_that_was_not_answered_in_time_is_not_taken_for_one_without_a_c
         assert (float(found[0]), found[1]) == (pytest.approx(12 * share, rel=1e-12), None)
 
 
+@pytest.mark.slow
 def test_when_the_time_is_over_on_a_face_its_cluster_is_the_bound(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = known_to(5, "fu2019", "environment", ("effects.filter.omega_n",))
     whole = tolerances(scene, samples=0).enclosures

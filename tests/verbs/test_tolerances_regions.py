@@ -85,6 +85,7 @@ def test_a_damper_alone_turns_the_tilt_of_an_ellipse_too() -> None:
     assert ends(found) == pytest.approx([36 * t, 44 * t], rel=1e-13)
 
 
+@pytest.mark.slow
 def test_a_floor_counts_where_it_is_above_the_limit() -> None:
     """k t^2/(1 + t^2) must exceed 3 N/m, and 0.02 k: with k from 90 to 160 the floor for small k, the limit for large k."""
     jnd = {"real": 0.02, "imag": 5, "floor": "3 N/m"}

@@ -84,6 +84,7 @@ def test_a_delay_has_islands_of_stability_and_a_simulation_agrees() -> None:
         assert run.grows is not inside
 
 
+@pytest.mark.slow
 def test_two_things_asked_together_hold_where_each_holds() -> None:
     both = hs.require("delayed-spring", "environment.k", (1, 1000), that=["transparent", "stable"], hand=POSTURAL)
     assert ends(both) == []  # the delay is noticed whatever the stiffness

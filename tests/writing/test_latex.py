@@ -249,7 +249,7 @@ def test_every_printed_closed_form_has_the_value_that_it_stands_for(name):
     assert all(read[left] for left in must)
 
 
-@pytest.mark.few("fu2019", "delayed-spring", "undamped-resonance")
+@pytest.mark.few("fu2019")
 @pytest.mark.parametrize("name", often(scene_names(), QUICK_SCENES.__contains__))
 def test_the_printed_threshold_polynomials_change_sign_at_the_crossings(name):
     e, text = shipped(name)
@@ -394,7 +394,7 @@ DOCUMENTS = {
 }  # fmt: skip
 
 
-@pytest.mark.few("fu2019", "delayed-spring")
+@pytest.mark.few("fu2019")
 @pytest.mark.parametrize("name", often(scene_names(), QUICK_SCENES.__contains__))
 def test_the_document_of_a_shipped_scene_compiles(name, tmp_path):
     check_layout(compiled(shipped(name)[1], tmp_path))
@@ -448,7 +448,6 @@ def test_the_document_has_title_date_and_an_appendix_of_threshold_polynomials():
 
 
 @pytest.mark.slow
-@pytest.mark.few(1)
 @pytest.mark.parametrize("title", ["plain (2019)", "50 % of # ~ \\ ) ω₀", ""])
 def test_the_pdf_knows_its_title(title, tmp_path):
     scene = Scene(environments.kelvin_voigt(290, 2), (effects.first_order_lag(100),), title=title)
