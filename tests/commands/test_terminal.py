@@ -132,6 +132,7 @@ class Refusing(io.RawIOBase):
         raise OSError(self.number, errno.errorcode[self.number])
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize(
     "words", [*CALLS, ("--help",), ("sweep", "--help"), ("scenes", "fu2019"), ("evaluate", "fu2019", "--json")]
 )

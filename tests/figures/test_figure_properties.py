@@ -156,6 +156,7 @@ def test_no_text_is_a_path_of_the_configuration(figures: list[Figure]) -> None:
         assert not re.search(r"\b(effects|environments?|evaluation|rendered)\.|\w_\w+\.\w", text.get_text()), text
 
 
+@pytest.mark.few(4)
 def test_signs_and_powers_are_those_of_print(figures: list[Figure]) -> None:
     """Formulas (between dollars) are set by matplotlib, which does it well."""
     for text in (x for figure in figures for x in texts(figure)):

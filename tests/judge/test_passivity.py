@@ -105,6 +105,7 @@ def test_what_grows_faster_than_frequency_has_no_damping_that_makes_up_for_it() 
         assert found.is_unbounded
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["organ-tissue", "zener-tissue", "helicopter-cyclic"])
 @pytest.mark.parametrize("times", ["1/1000", "1/7", "100"])
 def test_a_display_of_a_multiple_of_the_forces_needs_that_multiple_of_the_damping(name: str, times: str) -> None:

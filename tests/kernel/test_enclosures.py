@@ -144,6 +144,7 @@ def test_discriminants_and_resultants_by_values_are_those_of_polynomial_arithmet
     assert resultant(f, g, 0) == f.resultant(g, "x")
 
 
+@pytest.mark.slow
 def test_a_leading_coefficient_that_vanishes_on_the_first_grid_moves_it() -> None:
     x, a, _, c = context.gens()
     f = (a - 1) * (c - 2) * x**6 + (a + c**2) * x**5 + 7 * x**2 - a * c

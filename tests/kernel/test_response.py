@@ -302,12 +302,8 @@ SLOW = {"two powers and two delays", "three delays", "two powers"}
     "hold",
     "hold and lag",
     "root",
-    "root below",
-    "friction",
     "friction and delay",
-    "friction, power and delay",
     "pi",
-    "pi and delay",
 )
 @pytest.mark.parametrize("name", often(DYNAMICS, lambda name: name not in SLOW))
 def test_on_the_axis_every_form_has_the_values_of_mpmath(name: str) -> None:

@@ -31,6 +31,7 @@ def test_a_scan_in_floats_and_mpmath_finds_nothing_to_deny(family: str, turn: in
     assert disagreements(case, result, count=300) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("k", range(13))
 def test_the_pair_beside_a_lightly_damped_resonance_is_found(k: int) -> None:
     environment = E.mass_spring_damper("1.8 kg", Rational(1, 10**k), "100 N/m")

@@ -138,6 +138,7 @@ def test_a_long_table_is_read_line_by_line_whatever_stands_between(tmp_path: Pat
     assert np.array_equal(np.column_stack([felt.omega, felt.H.real, felt.H.imag]), rows)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("line", "words"),
     [

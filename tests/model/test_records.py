@@ -110,6 +110,7 @@ def clipped(seed: int, most: float) -> hs.Measurement:
     return hs.estimated(x, np.clip(100 * x, -most, most) + 0.1 * rng.normal(size=x.size), 100, segment="1 s")
 
 
+@pytest.mark.slow
 def test_what_an_actuator_clips_is_seen_in_the_cube_and_leaves_the_gain_of_bussgang() -> None:
     felt = clipped(1, 1.5)
     assert abs((felt.H / 100).mean() - erf(1.5 / np.sqrt(2))) < 0.005

@@ -456,6 +456,7 @@ def bands(opened: Browser) -> list[list[float]]:
     return [[low, low + width] for low, width in opened.value(script)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", often(SHIPPED, "fu2019".__eq__))
 def test_at_the_scenes_values_the_explorer_draws_the_proven_bands(name: str, shown: Any) -> None:
     proven = [x for x in evaluated(name).to_dict()["transparent"] if x[0] < x[1]]
@@ -495,7 +496,7 @@ def test_the_sliders_work_by_keyboard_and_the_button_puts_them_back(shown: Any) 
     assert not opened.value("document.querySelectorAll('#explorer-panel .ghost').length")
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [-3.0, 0.0])
 def test_a_value_that_the_model_does_not_allow_is_marked_and_not_drawn(number: float, shown: Any) -> None:
     opened = shown("fu2019")

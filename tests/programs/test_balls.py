@@ -268,6 +268,7 @@ def test_a_sum_of_what_is_not_negative_loses_nothing_and_a_square_is_not_negativ
     assert not magnitudes._step("mul", (2, 3), (z, z), 53).positive
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["neg", "abs", "sqrt", "sin", "cos", "sinc", "sincm1"])
 def test_the_range_of_a_function_holds_it(name: str) -> None:
     draw = random.Random(name)

@@ -84,7 +84,6 @@ QUICK = {
     "touches",
     "delayed-spring",
     "a clock",
-    "virtual-wall",
     "a spring-pot",
 }
 

@@ -99,6 +99,7 @@ def test_json_may_be_written_in_every_way() -> None:
     assert accepted([(x, scene) for x in (*true, *wrong)]) == [True] * len(true) + [False] * len(wrong)
 
 
+@pytest.mark.slow
 def test_files_are_measured_in_bytes() -> None:
     proof, scene = certificate("fu2019"), text_of("fu2019")
     large = [proof + " " * (size - len(proof.encode())) for size in (4_000_000, 4_000_001)]

@@ -300,6 +300,7 @@ def test_a_grid_misses_the_peaks_between_its_points_and_finds_those_at_them() ->
     assert [question.score(x).missed for x in (ours, coarse, fine)] == [0, 10, 6]
 
 
+@pytest.mark.slow
 def test_the_truth_of_a_sweep_is_that_of_a_grid_of_a_million_points() -> None:
     question = SweepQuestion.of(hs.parse_scene(NARROW), ["k"], quick=True)
     found = certified_way(question)()

@@ -106,6 +106,7 @@ def test_the_json_of_a_page_says_the_same_as_its_text(call) -> None:  # type: ig
     assert all(row["text"] in flat for section in document["sections"] for row in section["equations"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", often(["fu2019", "steering-wheel", "four-channel-teleoperation", "organ-tissue"], "fu2019".__eq__)
 )

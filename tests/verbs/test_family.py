@@ -270,6 +270,7 @@ def pressed(name: str, omega: float) -> tuple[float, float]:
     return float(np.hypot(real / 0.1, imag / 0.15)), float(real / 0.1 + imag / 0.15)
 
 
+@pytest.mark.slow
 def test_every_region_has_the_common_bandwidth_that_plain_arithmetic_gives() -> None:
     found = hs.evaluate_all(hs.load_scenes("palpation-device"), regions=True)
     assert [x.name for x in found.regions] == ["square", "disc", "diamond", "the scene's own"]
@@ -314,6 +315,7 @@ def test_the_command_compares_regions_of_all_environments(call, tmp_path: Path) 
     assert (status, "jnd: proportion: the JND does not tell its own" in err) == (2, True)
 
 
+@pytest.mark.slow
 def test_the_figure_has_a_mark_for_each_bandwidth_and_says_where_there_is_none() -> None:
     from haptisym.figures.familyregions import family_regions_figure
 

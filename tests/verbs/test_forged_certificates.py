@@ -12,6 +12,7 @@ from secondchecker import verdicts
 from haptisym_check import RefusedError, check
 
 
+@pytest.mark.slow
 def test_forgeries_are_refused() -> None:
     passed = []
     for name, (proof, scene) in forgeries().items():

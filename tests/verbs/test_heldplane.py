@@ -178,6 +178,7 @@ def test_what_is_hidden_at_one_value_alone_does_not_make_its_neighbours_stable()
     assert not is_refuted(held, of(held, plane, finest=2.0**-3), plane)
 
 
+@pytest.mark.slow
 def test_stable_in_several_hands_is_stable_in_each() -> None:
     plane = {"tau": ("1 ms", "60 ms"), "environment.k": (10, 1000)}
     loose = hs.Hand("loose", m="0.1 kg", b="3 N*s/m")

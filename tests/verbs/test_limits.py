@@ -251,11 +251,7 @@ PARAMETERS = [
     "fu2019-environment.k",
     "fu2019-effects.filter.omega_n",
     "fu2019-effects.filter.zeta",
-    "sidestick-effects.actuator.omega_n",
-    "sidestick-effects.actuator.zeta",
     "undamped-resonance-environment.m",
-    "undamped-resonance-environment.k",
-    "undamped-resonance-effects.filter.omega_n",
     "undamped-resonance-effects.filter.zeta",
 )
 @pytest.mark.parametrize(

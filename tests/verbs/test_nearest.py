@@ -20,7 +20,7 @@ def _times(scene: hs.Scene) -> float:
     return float(max(np.max(f.ratio_real) / real, np.max(f.ratio_imag) / imag))
 
 
-@pytest.mark.few("effects.filter.zeta-asked2-values2")
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("path", "asked", "values"),
     [

@@ -226,6 +226,7 @@ def test_a_clock_is_asked_for_all_of_its_periods_also_beyond_the_nyquist_frequen
     assert (found.feasible, found.undecided) == ((), ())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("path", "low"), [("effects.teleoperator.Bs", "14.8962"), ("effects.teleoperator.Ms", "0")])
 def test_a_slave_that_is_heavy_or_damped_without_bound_stays_unnoticed(path: str, low: str) -> None:
     found = hs.require("four-channel-teleoperation", path)

@@ -96,6 +96,7 @@ def check(scene: hs.Scene, kept: Kept, count: int = 200) -> None:
             assert reached >= found.least * (1 - MP.mpf("0.02")), (part, found, float(reached))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", often(hs.scene_names(), lambda name: name in QUICK_SCENES))
 def test_no_sample_exceeds_a_certified_influence_and_the_best_one_comes_near(name: str) -> None:
     scene = hs.load_scene(name)
@@ -489,6 +490,7 @@ def test_series_in_the_middle_of_a_piece_are_the_taylor_series_of_the_changes(sc
                         assert exactly(series[n].rad()) < size * FINE.mpf(10) ** -18
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", CHAINS.values(), ids=CHAINS)
 def test_series_over_a_whole_piece_hold_the_taylor_series_of_every_place_in_it_and_narrow_with_it(
     scene: hs.Scene,

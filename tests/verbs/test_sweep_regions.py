@@ -81,7 +81,7 @@ def test_half_widths_are_swept_together_apart_and_alone(jnd: dict[str, Any]) -> 
             agrees(found[dict(zip(axes, at, strict=True))], hs.evaluate(asked.with_values(values)))
 
 
-@pytest.mark.few("ellipse", "diamond", "higher and lower", "floor", "formula", "formulas of a region")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", JNDS)
 def test_the_transparent_part_is_that_of_a_dense_scan(name: str) -> None:
     jnd, omega = JNDS[name], np.linspace(1e-3, 15, 1501)
@@ -175,6 +175,7 @@ def test_the_command_tells_of_both_parts_at_once(call, tmp_path: Path) -> None: 
     assert "real part" not in out
 
 
+@pytest.mark.slow
 def test_a_sweep_of_another_region_is_another_sweep(tmp_path: Path) -> None:
     hs.sweep(with_jnd(DIAMOND), {MASS: [1.0, 2.0]}, out=tmp_path / "a.zarr")
     with pytest.raises(hs.SceneError, match="another sweep"):
