@@ -1,8 +1,8 @@
 """Small wrong changes of the source, and whether the tests notice them: ``python -m tests.mutants kernel judge --count 15 --seed 1``.
 
-A change (a mutant) is planted in a copy of the checkout, and the quick tests that reach the changed function are run there, the
-quickest first, until one fails. What is printed is the share that was noticed, and each change that was not: either it changes nothing
-that can be asked for, or a test is missing. Which test reaches which function is found by one run of all tests, with ``--map``; a test
+A change (a mutant) is planted in a copy of the checkout, and the tests that reach the changed function are run there, the
+quickest first, until one fails: the quick ones, or with a map of both tiers (``--map --slow``, more than an hour) all. What is printed is the share that was noticed, and each change that was not: either it changes nothing
+that can be asked for, or a test is missing. Which test reaches which function is found by one run of the tests, with ``--map``; a test
 that came later is asked about every change. Needs a system with ``fork``.
 """
 
@@ -330,8 +330,12 @@ def _moved(root: Path) -> None:
         os.dup2(said.fileno(), 2)
 
 
-def tested(chosen: Chosen, *words: str) -> int:
-    return int(pytest.main(["-q", "-p", "no:cacheprovider", "--tb=no", "--disable-warnings", *words], plugins=[chosen]))
+QUICK, BOTH = "not slow", "slow or not slow"
+
+
+def tested(chosen: Chosen, marked: str, *words: str) -> int:
+    asked = ["-q", "-p", "no:cacheprovider", "--tb=no", "--disable-warnings", "-m", marked, *words]
+    return int(pytest.main(asked, plugins=[chosen]))
 
 
 # Which test reaches which function
@@ -355,8 +359,8 @@ class Noted(ast.NodeTransformer):
         return node
 
 
-def mapped(tests: list[str]) -> dict[str, Any]:
-    """One run of all tests: ``reached`` tells of each test which functions it calls, ``seconds`` how long it takes; ``failed`` are not asked."""
+def mapped(tests: list[str], marked: str) -> dict[str, Any]:
+    """One run of these tests: ``reached`` tells of each test which functions it calls, ``seconds`` how long it takes; ``failed`` are not asked."""
     with copied() as root:
         names: list[str] = []
         for module in (*modules(root, "."), *modules(root, CHECKER)):
@@ -367,11 +371,11 @@ def mapped(tests: list[str]) -> dict[str, Any]:
             tree.body[first:first] = setup
             path.write_text(ast.unparse(ast.fix_missing_locations(tree)), encoding="utf-8")
         compiled(root)
-        found = in_a_fork(root, 3 * 3600, lambda: _followed(names, tests))
+        found = in_a_fork(root, 3 * 3600, lambda: _followed(names, tests, marked))
         return found or sys.exit(f"the run died: {(root / 'said.txt').read_text()[-2000:]}")
 
 
-def _followed(names: list[str], tests: list[str]) -> dict[str, Any]:
+def _followed(names: list[str], tests: list[str], marked: str) -> dict[str, Any]:
     called = sys.__dict__.setdefault("_called", bytearray(10**5))
     reached: dict[str, list[str]] = {}
 
@@ -384,8 +388,9 @@ def _followed(names: list[str], tests: list[str]) -> dict[str, Any]:
             return given  # type: ignore[return-value]
 
     follows = Follows(lambda _: 0.0)
-    tested(follows, *tests)
-    return {"reached": reached, "seconds": follows.seconds, "failed": follows.failed, "tests": [*tests]}
+    tested(follows, marked, *tests)
+    found = {"reached": reached, "seconds": follows.seconds, "failed": follows.failed}
+    return {**found, "tests": [*tests], "marked": marked}
 
 
 # The changes, one by one
@@ -411,6 +416,7 @@ class Known:
     seconds: dict[str, float]
     failed: list[str]
     tests: list[str]
+    marked: str
 
     def near(self, mutant: Mutant) -> list[str]:
         """The tests that reach a function, in the files of those that reach the fewest others; the quickest first."""
@@ -446,7 +452,7 @@ def noticed(root: Path, mutant: Mutant, known: Known, most: float) -> tuple[str,
     chosen = Chosen(lambda test: None if test in left_out else known.cost(test))
 
     def run() -> tuple[int, list[str]]:
-        return tested(chosen, "-x", *sorted(files | later)), chosen.failed
+        return tested(chosen, known.marked, "-x", *sorted(files | later)), chosen.failed
 
     with planted(root, mutant):
         answer = in_a_fork(root, 5 * sum(map(known.cost, taken)) + 60, run)
@@ -491,6 +497,7 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument(
         "--map", action="store_true", help="run all tests once, and keep which of them reaches which function"
     )
+    parser.add_argument("--slow", action="store_true", help="the map is one of the slow tests too")
     parser.add_argument("--tests", nargs="*", default=ASKED, help="which tests the map is made of")
     parser.add_argument("--out", type=Path, help="a file that gets a line of JSON for each change")
     given = parser.parse_args(words)
@@ -498,7 +505,7 @@ def main(words: list[str] | None = None) -> int:
         importlib.import_module(name)
     if given.map or not given.known.exists():
         given.known.parent.mkdir(exist_ok=True)
-        given.known.write_text(json.dumps(mapped(given.tests)), encoding="utf-8")
+        given.known.write_text(json.dumps(mapped(given.tests, BOTH if given.slow else QUICK)), encoding="utf-8")
     known = Known(**json.loads(given.known.read_text(encoding="utf-8")))
     missed = 0
     with copied() as root:
