@@ -416,7 +416,7 @@ class Known:
     seconds: dict[str, float]
     failed: list[str]
     tests: list[str]
-    marked: str
+    marked: str = QUICK
 
     def near(self, mutant: Mutant) -> list[str]:
         """The tests that reach a function, in the files of those that reach the fewest others; the quickest first."""
