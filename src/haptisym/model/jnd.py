@@ -140,11 +140,6 @@ class Threshold(Viewed):
             own = self.kind if self.is_constant else f"{self.kind} that depends on omega"
             raise SceneError(f"{question}: the JND is {own}; this is answered for one number for each part alone")
 
-    def need_square(self, question: str) -> None:
-        """SceneError, in a sentence, unless it judges each part by itself against a number or a formula in omega."""
-        if self.region != SQUARE:
-            raise SceneError(f"{question}: the JND is {self.kind}; this is answered for one limit for each part alone")
-
     def check(self, low: Expr, high: Expr, motion: MotionKind | None) -> None:
         """SceneError unless it makes a region at every frequency of a band, for a scene of that motion."""
         try:
