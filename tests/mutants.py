@@ -1,7 +1,7 @@
 """Small wrong changes of the source, and whether the tests notice them: ``python -m tests.mutants kernel judge --count 15 --seed 1``.
 
-A change (a mutant) is planted in a copy of the checkout, and the tests that reach the changed function are run there, the
-quickest first, until one fails: the quick ones, or with a map of both tiers (``--map --slow``, more than an hour) all. What is printed is the share that was noticed, and each change that was not: either it changes nothing
+A change (a mutant) is planted in a copy of the checkout, and the quick tests that reach the changed function are run there, the
+quickest first, until one fails; with ``--slow`` the slow tests of the same files after them. What is printed is the share that was noticed, and each change that was not: either it changes nothing
 that can be asked for, or a test is missing. Which test reaches which function is found by one run of the tests, with ``--map``; a test
 that came later is asked about every change. Needs a system with ``fork``.
 """
@@ -330,12 +330,8 @@ def _moved(root: Path) -> None:
         os.dup2(said.fileno(), 2)
 
 
-QUICK, BOTH = "not slow", "slow or not slow"
-
-
-def tested(chosen: Chosen, marked: str, *words: str) -> int:
-    asked = ["-q", "-p", "no:cacheprovider", "--tb=no", "--disable-warnings", "-m", marked, *words]
-    return int(pytest.main(asked, plugins=[chosen]))
+def tested(chosen: Chosen, *words: str) -> int:
+    return int(pytest.main(["-q", "-p", "no:cacheprovider", "--tb=no", "--disable-warnings", *words], plugins=[chosen]))
 
 
 # Which test reaches which function
@@ -359,8 +355,8 @@ class Noted(ast.NodeTransformer):
         return node
 
 
-def mapped(tests: list[str], marked: str) -> dict[str, Any]:
-    """One run of these tests: ``reached`` tells of each test which functions it calls, ``seconds`` how long it takes; ``failed`` are not asked."""
+def mapped(tests: list[str]) -> dict[str, Any]:
+    """One run of all quick tests: ``reached`` tells of each test which functions it calls, ``seconds`` how long it takes; ``failed`` are not asked."""
     with copied() as root:
         names: list[str] = []
         for module in (*modules(root, "."), *modules(root, CHECKER)):
@@ -371,11 +367,11 @@ def mapped(tests: list[str], marked: str) -> dict[str, Any]:
             tree.body[first:first] = setup
             path.write_text(ast.unparse(ast.fix_missing_locations(tree)), encoding="utf-8")
         compiled(root)
-        found = in_a_fork(root, 3 * 3600, lambda: _followed(names, tests, marked))
+        found = in_a_fork(root, 3 * 3600, lambda: _followed(names, tests))
         return found or sys.exit(f"the run died: {(root / 'said.txt').read_text()[-2000:]}")
 
 
-def _followed(names: list[str], tests: list[str], marked: str) -> dict[str, Any]:
+def _followed(names: list[str], tests: list[str]) -> dict[str, Any]:
     called = sys.__dict__.setdefault("_called", bytearray(10**5))
     reached: dict[str, list[str]] = {}
 
@@ -388,9 +384,8 @@ def _followed(names: list[str], tests: list[str], marked: str) -> dict[str, Any]
             return given  # type: ignore[return-value]
 
     follows = Follows(lambda _: 0.0)
-    tested(follows, marked, *tests)
-    found = {"reached": reached, "seconds": follows.seconds, "failed": follows.failed}
-    return {**found, "tests": [*tests], "marked": marked}
+    tested(follows, *tests)
+    return {"reached": reached, "seconds": follows.seconds, "failed": follows.failed, "tests": [*tests]}
 
 
 # The changes, one by one
@@ -416,11 +411,10 @@ class Known:
     seconds: dict[str, float]
     failed: list[str]
     tests: list[str]
-    marked: str = QUICK
 
-    def near(self, mutant: Mutant) -> list[str]:
-        """The tests that reach a function, in the files of those that reach the fewest others; the quickest first."""
-        key = f"{mutant.module}:{mutant.function}"
+    def near(self, module: str, function: str) -> list[str]:
+        """The tests that reach a function ("": any of the module), in the files of those that reach the fewest others; the quickest first."""
+        key = f"{module}:{function}"
         found = [x for x, names in self.reached.items() if any(reaches(name, key) for name in names)]
         narrow = list(dict.fromkeys(map(file_of, sorted(found, key=lambda test: len(self.reached[test])))))
         return sorted((test for test in found if file_of(test) in narrow[:MOST_FILES]), key=self.cost)
@@ -442,7 +436,7 @@ class Known:
 
 def noticed(root: Path, mutant: Mutant, known: Known, most: float) -> tuple[str, str]:
     """``noticed``, ``endless``, ``not noticed`` or ``not reached``; and the test that failed."""
-    near = known.near(mutant)
+    near = known.near(mutant.module, mutant.function)
     if not near:
         return "not reached", ""
     taken = known.taken(near, most)
@@ -452,13 +446,27 @@ def noticed(root: Path, mutant: Mutant, known: Known, most: float) -> tuple[str,
     chosen = Chosen(lambda test: None if test in left_out else known.cost(test))
 
     def run() -> tuple[int, list[str]]:
-        return tested(chosen, known.marked, "-x", *sorted(files | later)), chosen.failed
+        return tested(chosen, "-x", *sorted(files | later)), chosen.failed
 
     with planted(root, mutant):
         answer = in_a_fork(root, 5 * sum(map(known.cost, taken)) + 60, run)
     if answer is None:
         return "endless", ""
     return ("noticed" if answer[0] else "not noticed"), (answer[1] or [""])[0]
+
+
+def noticed_slowly(root: Path, mutant: Mutant, known: Known, most: float) -> str:
+    """The slow test that failed, in the files of the quick ones that reach the function, or its module; "" if none did in so many seconds."""
+    near = known.near(mutant.module, mutant.function) or known.near(mutant.module, "")
+    chosen = Chosen(lambda test: None if test in known.reached else 0.0)
+
+    def run() -> list[str]:
+        tested(chosen, "-x", "-m", "slow", *dict.fromkeys(map(file_of, near)))
+        return chosen.failed
+
+    with planted(root, mutant):
+        failed = in_a_fork(root, most, run)
+    return failed[0] if failed else ""
 
 
 @contextmanager
@@ -497,7 +505,9 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument(
         "--map", action="store_true", help="run all tests once, and keep which of them reaches which function"
     )
-    parser.add_argument("--slow", action="store_true", help="the map is one of the slow tests too")
+    parser.add_argument(
+        "--slow", type=float, default=0.0, help="seconds of slow tests for a change that no quick one notices"
+    )
     parser.add_argument("--tests", nargs="*", default=ASKED, help="which tests the map is made of")
     parser.add_argument("--out", type=Path, help="a file that gets a line of JSON for each change")
     given = parser.parse_args(words)
@@ -505,7 +515,7 @@ def main(words: list[str] | None = None) -> int:
         importlib.import_module(name)
     if given.map or not given.known.exists():
         given.known.parent.mkdir(exist_ok=True)
-        given.known.write_text(json.dumps(mapped(given.tests, BOTH if given.slow else QUICK)), encoding="utf-8")
+        given.known.write_text(json.dumps(mapped(given.tests)), encoding="utf-8")
     known = Known(**json.loads(given.known.read_text(encoding="utf-8")))
     missed = 0
     with copied() as root:
@@ -521,6 +531,8 @@ def tried(root: Path, folder: str, known: Known, given: argparse.Namespace) -> I
     for mutant in drawn(root, folder, given.seed, given.count, given.only):
         started = time.monotonic()
         word, test = noticed(root, mutant, known, given.seconds)
+        if word.startswith("not") and given.slow and (slow := noticed_slowly(root, mutant, known, given.slow)):
+            word, test = "noticed", slow
         print(f"  {word:12} {told(root, mutant)}  {test}", flush=True)
         if given.out:
             row = {**asdict(mutant), "verdict": word, "by": test, "seconds": round(time.monotonic() - started, 1)}

@@ -80,9 +80,9 @@ def test_tests_that_reach_a_function_are_asked_first_and_the_quickest_before_oth
         {"a.py::1": 2.0, "a.py::2": 0.5, "a.py::3": 1.0, "b.py::1": 0.1}, [], [],
     )  # fmt: skip
     change = mutants.Mutant("kernel/sums.py", "total", "constant", 1, 0, 1, "2")
-    assert known.near(change) == ["a.py::3", "a.py::1"]
-    assert known.taken(known.near(change), 3.6) == ["a.py::3", "a.py::1", "a.py::2"]
-    assert known.taken(known.near(change), 2.0) == ["a.py::3", "a.py::2"]
+    assert known.near(change.module, change.function) == ["a.py::3", "a.py::1"]
+    assert known.taken(known.near(change.module, change.function), 3.6) == ["a.py::3", "a.py::1", "a.py::2"]
+    assert known.taken(known.near(change.module, change.function), 2.0) == ["a.py::3", "a.py::2"]
 
 
 @pytest.mark.slow
