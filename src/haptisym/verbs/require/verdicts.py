@@ -103,8 +103,8 @@ class Question:
             return None
         if last is not None and (high is None or compared(ExactNumber(last), high) > 0):
             return None
-        if any(gap.holds(low, high) for gap in self.gaps):
-            return self._failed(low, high, "critical values come as near to one as one likes")
+        if (gap := next((x for x in self.gaps if x.holds(low, high)), None)) is not None:
+            return self._failed(low, high, gap.reason or "critical values come as near to one as one likes")
         return self._told(rational_between(low, high), low, high)
 
     def _told(self, value: Expr, low: RealNumber | None, high: RealNumber | None) -> bool | None:

@@ -12,7 +12,7 @@ from sympy import Expr, Integer, Rational
 
 from haptisym.judge.peaks import ValueAt
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
@@ -22,6 +22,7 @@ from haptisym.verbs.stability.curves import Curve, Meeting, Meetings, curve_of, 
 from haptisym.verbs.stability.farout import from_infinity, is_neutral
 from haptisym.verbs.stability.loops import Loop, coefficients
 from haptisym.verbs.stability.neutral import neutral_meetings
+from haptisym.verbs.stability.search import searched
 
 _WINDOWS = 12
 _MOST_TURNING = 400  # radians that a delay turns up to where roots are looked for
@@ -31,7 +32,25 @@ _SETTLED = (Sense.POSITIVE, Sense.NEGATIVE)
 
 
 def meetings(loop: Loop, value: Expr) -> Iterator[Meetings]:
-    """Where an open number puts roots on the axis: all, or in windows that grow. UndecidedError where that is open."""
+    """Where an open number puts roots on the axis: all, or in windows that grow. UndecidedError where that is open.
+
+    By one equation in omega as far as that goes, and from there on by a search over both.
+    """
+    is_whole = True
+    try:
+        for window in _eliminated(loop, value):
+            yield window
+            is_whole = not window.gaps
+    except LimitError:
+        raise
+    except UndecidedError as error:
+        if not is_whole:
+            raise
+        yield from searched(loop, value, str(error))
+
+
+def _eliminated(loop: Loop, value: Expr) -> Iterator[Meetings]:
+    """By one equation in omega."""
     far_out = from_infinity(loop)
     if loop.turns:
         if _has_chain(loop, value):  # whatever the delay, as long as there is one

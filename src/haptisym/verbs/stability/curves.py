@@ -40,10 +40,14 @@ class Meeting:
 
 @dataclass(frozen=True)
 class Gap:
-    """Values between two of which it is not known which ones put roots on the axis; None where nothing bounds them."""
+    """Values between two of which it is not known which ones put roots on the axis; None where nothing bounds them.
+
+    ``reason`` : why; empty where they do at ever higher frequencies.
+    """
 
     low: RealNumber | None
     high: RealNumber | None
+    reason: str = ""
 
     def holds(self, low: RealNumber | None, high: RealNumber | None) -> bool:
         """Whether all values between two others are in it."""

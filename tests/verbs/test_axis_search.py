@@ -1,0 +1,209 @@
+"""Critical values that no elimination finds: against winding numbers, roots by mpmath, and what scales and sums must keep."""
+
+from __future__ import annotations
+
+from itertools import islice
+
+import mpmath
+import numpy as np
+import pytest
+from sympy import Expr, Integer, Rational, Symbol, exp, lambdify, pi
+from windings import winding
+
+import haptisym as hs
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.reals import ExactNumber
+from haptisym.kernel.symbols import s
+from haptisym.verbs.stability.boundary import meetings
+from haptisym.verbs.stability.critical import critical
+from haptisym.verbs.stability.curves import Meeting, Meetings
+from haptisym.verbs.stability.loops import Loop
+from haptisym.verbs.stability.pairs import Characteristic
+from haptisym.verbs.stability.rightroot import RightRoots
+from haptisym.verbs.stability.search import searched
+
+q = Symbol("q", positive=True)
+PLAIN = s**2 / 2 + 6 * s + 50
+TWO = PLAIN + 100 * exp(-s * q) + 2 * s * exp(-2 * s * q)
+ECHOES = (
+    PLAIN
+    + 60 * exp(-s * q)
+    + 40 * exp(-2 * s * q - s * pi / 100)
+    + 30 * exp(-s * pi**2 / 500)
+    + 2 * s * exp(-3 * s * q)
+)
+IN_BOTH = PLAIN + 80 * exp(-s * q) + 100 * q * s * exp(-2 * s * q)
+STIFFNESS = PLAIN + q * exp(-3 * s / 100) + q**2 / 200 * exp(-s * pi / 200) + q / 2 * exp(-s * pi**2 / 500)
+TOUCHING = s**2 + (q - 2) ** 2 * s * (2 + exp(-s / 10) + exp(-s * pi / 40)) + 1
+
+
+def loop_of(expression: Expr) -> Loop:
+    ring = Ring.of([expression])
+    top = ring.convert(expression).numerator
+    return Loop(ring, top, top.context().constant(1), q, Integer(0))
+
+
+def last(found: Loop, value: Expr) -> Meetings:
+    """All that a search finds."""
+    *_, window = searched(found, value, "")
+    return window
+
+
+def first(expression: Expr, value: Expr) -> Meeting:
+    """The nearest above a value, of the first window that has one."""
+    for window in searched(loop_of(expression), value, ""):
+        above = [x for x in window.found if float(x.value) > float(value)]
+        if above:
+            return min(above, key=lambda x: float(x.value))
+    raise AssertionError
+
+
+def on_the_right(expression: Expr, value: float) -> int | None:
+    return winding(lambdify(s, expression.subs(q, value), "numpy"), 400.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("expression", "value"),
+    [(TWO, Rational(3, 100)), (ECHOES, Rational(3, 100)), (IN_BOTH, Rational(3, 100)), (STIFFNESS, Integer(100))],
+)
+def test_a_number_that_stands_in_several_delays_or_powers_turns_two_roots_to_the_right(
+    expression: Expr, value: Expr
+) -> None:
+    found = first(expression, value)
+    at = float(found.value)
+    assert [on_the_right(expression, x) for x in (float(value), at * (1 - 1e-6), at * (1 + 1e-6))] == [0, 0, 2]
+    assert loop_of(expression).at(Rational(str(round(at * 0.999, 6)))).number == 0
+    assert loop_of(expression).at(Rational(str(round(at * 1.001, 6)))).number == 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("expression", "value"), [(TWO, Rational(3, 100)), (ECHOES, Rational(3, 100)), (STIFFNESS, Integer(100))]
+)
+def test_fifty_digits_are_those_of_another_root_finder(expression: Expr, value: Expr) -> None:
+    found = first(expression, value)
+    f = lambdify((s, q), expression, "mpmath")
+    with mpmath.workdps(70):
+
+        def parts(omega: mpmath.mpf, x: mpmath.mpf) -> list[mpmath.mpf]:
+            y = f(mpmath.mpc(0, omega), x)
+            return [y.real, y.imag]
+
+        assert found.omega is not None
+        omega, x = mpmath.findroot(parts, (float(found.omega), float(found.value)))
+        assert mpmath.almosteq(mpmath.mpf(found.value.digits(52)), x, rel_eps=mpmath.mpf(10) ** -50)
+        assert mpmath.almosteq(mpmath.mpf(found.omega.digits(52)), omega, rel_eps=mpmath.mpf(10) ** -50)
+
+
+@pytest.mark.slow
+def test_in_a_slower_time_a_stiffness_stays_and_delays_grow_as_frequencies_fall() -> None:
+    own, slow = first(STIFFNESS, Integer(100)), first(STIFFNESS.subs(s, 2 * s), Integer(100))
+    assert own.value.digits(40) == slow.value.digits(40)
+    assert own.omega is not None
+    assert slow.omega is not None
+    assert float(slow.omega) == float(own.omega) / 2
+    quick = TWO.subs({s: s / 2, q: 2 * q}, simultaneous=True)
+    assert float(first(quick, Rational(15, 1000)).value) == float(first(TWO, Rational(3, 100)).value) / 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("path", "low", "high", "number"), [("environment.k", 2, 400, 1), ("tau", 0.0005, 0.7, 4), ("hand.b", 0.01, 6, 1)]
+)
+def test_both_ways_find_the_same_where_one_equation_is_enough(path: str, low: float, high: float, number: int) -> None:
+    scene = hs.load_scene("delayed-spring").with_hands(hs.hands["light-touch"])
+    free = scene.knobs[scene.knobs.chosen([path])[0].path]
+    loop = Loop.of(scene, scene.hands[0], free)
+
+    def inside(found: Meetings) -> set[str]:
+        return {x.value.digits(30) for x in found.found if low < float(x.value) < high and x.omega and float(x.omega)}
+
+    theirs = [*islice(meetings(loop, free.value), 4)][-1]
+    mine = [*islice(searched(loop, free.value, ""), 5)][-1]
+    assert inside(mine) == inside(theirs)
+    assert len(inside(mine)) == number
+
+
+@pytest.mark.slow
+def test_a_touch_is_never_lost_but_told_as_open() -> None:
+    """At q = 2 a root comes to the axis and goes back."""
+    window = last(loop_of(TOUCHING), Integer(1))
+    [gap] = [x for x in window.gaps if "left it open" in x.reason]
+    assert gap.low is not None
+    assert gap.high is not None
+    assert float(gap.low) < 2 <= float(gap.high) < float(gap.low) + 1e-4
+    assert not window.found
+
+
+@pytest.mark.slow
+def test_a_root_passes_through_0_at_an_exact_value() -> None:
+    expression = s + 2 - q**2 * exp(-s / 10) - q**3 * exp(-s * pi / 40)
+    window = next(searched(loop_of(expression), Integer(1), ""))
+    [zero] = [x for x in window.found if x.omega == ExactNumber(Integer(0))]
+    assert (zero.value.digits(20), window.gaps) == ("1.0000000000000000000", ())
+
+
+def test_beside_a_root_that_stays_at_0_another_one_passes_through_it() -> None:
+    """C = s^2 + (q^2 - 2) (1 + pi) s + ... : over s it is 0 at s = 0 where q^2 = 2."""
+    found = Characteristic(loop_of(s**2 + (q**2 - 2) * (2 - exp(-s) - exp(-s * pi)))).at_0()
+    assert [x.digits(10) for x in found] == ["1.414213562", "-1.414213562"]
+
+
+@pytest.mark.slow
+def test_the_order_of_a_tissue_has_a_critical_value() -> None:
+    """(80 s^alpha + 120) exp(-s/500) 50 pi/(s + 50 pi), held by 0.1 kg and 0.1 N s/m."""
+    scene = hs.load_scene("organ-tissue").with_hands(hs.hands["light-touch"])
+    found = critical(scene, scene.hands[0], scene.knobs["environment.alpha"])
+    [value] = found.found
+    assert (value.below, value.above, found.reason) == (2, 0, "")
+    at = float(value.value)
+    assert at == pytest.approx(0.461113, abs=1e-6)
+
+    def roots(alpha: float) -> int | None:
+        def f(x: np.ndarray) -> np.ndarray:
+            tissue = (80 * x**alpha + 120) * np.exp(-x / 500) * 50 * np.pi
+            return tissue + (x**2 / 10 + x / 10) * (x + 50 * np.pi)
+
+        return winding(f, 5000.0)
+
+    assert [roots(at * x) for x in (0.8, 0.9999, 1.0001, 1.2)] == [2, 2, 0, 0]
+
+
+def test_what_moves_together_is_critical_by_its_sum() -> None:
+    """The master's mass and the hand's stand in one place: 0.1 kg and 0.5 kg in the scene."""
+    scene = hs.load_scene("position-force-teleoperation").with_hands(hs.hands["light-touch"])
+    masses = []
+    for path, other in (("effects.teleoperator.Mm", "0.1"), ("hand.m", "0.5")):
+        found = critical(scene, scene.hands[0], scene.knobs[path])
+        [row] = found.found
+        assert (row.below, row.above) == (2, 0)
+        masses.append(mpmath.mpf(row.value.digits(15)) + mpmath.mpf(other))
+    assert abs(masses[0] - masses[1]) < 1e-14
+
+
+def late_link() -> hs.Scene:
+    """Position-force teleoperation behind 13 ms: three products of delays."""
+    link = hs.effects.position_force_teleoperator(Mm="0.5 kg", Ms="2 kg", Bs="64 N*s/m", Ks="40 N/m", tau="10 ms")
+    scene = hs.Scene(hs.environments.kelvin_voigt("120 N/m", "3 N*s/m"), (hs.effects.delay("13 ms"), link))
+    return scene.with_hands(hs.Hand("hand", m="0.6 kg", b="9 N*s/m", k="200 N/m"))
+
+
+@pytest.mark.slow
+def test_a_stiffness_behind_three_late_products_is_required_up_to_its_critical_value() -> None:
+    scene = late_link()
+    found = hs.require(scene, "environment.k", (50, 1000), that="stable")
+    assert [float(x.low.value or 0) for x in found.feasible] == [50]
+    [high] = [float(x.high.value or 0) for x in found.feasible]
+    assert (high, found.undecided) == (pytest.approx(251.1710946, rel=1e-8), ())
+    right = RightRoots(Loop.of(scene, scene.hands[0], scene.knobs["environment.k"]))
+    assert right.everywhere(ExactNumber(Rational(252)), ExactNumber(Rational(253)))
+    assert not right.everywhere(ExactNumber(Rational(250)), ExactNumber(Rational(252)))
+
+
+@pytest.mark.slow
+def test_where_no_search_went_is_told_with_its_reason() -> None:
+    found = hs.require(late_link(), "hand.m", that="stable")
+    assert "no search went there" in found.reason
+    assert found.undecided[-1][1] is None
+    assert not found.certified
