@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from itertools import islice
+from collections.abc import Iterator
+from itertools import islice, pairwise
 
 import mpmath
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from sympy import Expr, Integer, Rational, Symbol, exp, lambdify, pi
 from windings import winding
 
 import haptisym as hs
 from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.symbols import s
 from haptisym.verbs.stability.boundary import meetings
@@ -180,6 +184,46 @@ def test_what_moves_together_is_critical_by_its_sum() -> None:
         assert (row.below, row.above) == (2, 0)
         masses.append(mpmath.mpf(row.value.digits(15)) + mpmath.mpf(other))
     assert abs(masses[0] - masses[1]) < 1e-14
+
+
+def test_what_was_found_stays_found_where_the_other_side_cannot_be_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def cut_short(loop: Loop, value: Expr) -> Iterator[Meetings]:
+        yield from islice(meetings(loop, value), 5)
+        raise UndecidedError("the rest")
+
+    scene = hs.load_scene("delayed-spring").with_hands(hs.hands["light-touch"])
+    monkeypatch.setattr("haptisym.verbs.stability.critical.meetings", cut_short)
+    found = critical(scene, scene.hands[0], scene.knobs["environment.k"])
+    assert ([x.value.digits(7) for x in found.found], found.reason) == (["2.794315"], "the rest")
+
+
+delays = st.sampled_from([q, 2 * q, q + Rational(1, 5), Rational(3, 10), pi / 20, q * pi / 3, Integer(0)])
+factors = st.sampled_from([q, q**2, Integer(1), q / 2, (q - 1) * q, -q / 3, Integer(-3)])
+plain = st.sampled_from([3 * s**2 + s + 8, s**2 + 5 * s, s + 2, 8 * s**2 + 2 * s + 20, s**3 + 3 * s**2 + 24 * s + 5])
+
+
+@pytest.mark.slow
+@settings(max_examples=25, deadline=None)
+@given(plain, st.lists(st.tuples(factors, delays), min_size=1, max_size=3))
+def test_between_all_that_is_found_random_loops_keep_their_winding_numbers(
+    own: Expr, terms: list[tuple[Expr, Expr]]
+) -> None:
+    expression = own + sum((c * exp(-s * lag) for c, lag in terms), Integer(0))
+    if q not in expression.free_symbols:
+        return
+    window = [*islice(searched(loop_of(expression), Integer(1), ""), 2)][-1]
+    assert window.above is not None
+    assert window.below is not None
+    inside = (float(x.value) for x in window.found if window.above < float(x.value) < window.below)
+    places = [float(window.above), *sorted(inside), float(window.below)]
+    open_ones = [(float(gap.low or 0), float(gap.high or 0)) for gap in window.gaps]
+    for low, high in pairwise(places):
+        if high - low > 1e-6 and not any(a <= high and low <= b for a, b in open_ones):
+            counts = {
+                winding(lambdify(s, expression.subs(q, low + (high - low) * x) + 0 * s, "numpy"), 60.0)
+                for x in (0.01, 0.4, 0.99)
+            }
+            assert len(counts - {None}) <= 1, (expression, low, high, counts)
 
 
 def late_link() -> hs.Scene:

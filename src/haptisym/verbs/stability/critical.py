@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
@@ -120,24 +121,31 @@ class _Walk:
         self.counts: dict[Expr, Count] = {}
 
     def nearest(self) -> Nearest:
-        """Below and above, as far as they are there."""
+        """Below and above, as far as they are there: what was found stays so where the rest cannot be told."""
         sides: dict[int, Critical | None] = {}
-        gaps: dict[int, Gap] = {}
-        for line in map(self._line, meetings(self.loop, self.free.value)):
-            if (here := self._here(line)) is not None:
-                return Nearest(self.free.path, (here,))
-            gaps = {}
-            for side in (x for x in (-1, 1) if x not in sides):
-                found = self._side(line, side)
-                if isinstance(found, Gap):
-                    gaps[side] = found
-                elif found is not None:
-                    sides[side] = found[0]
-            if len(sides) == 2:
-                break
+        left = [_ENDLESS]
+        try:
+            for line in map(self._line, meetings(self.loop, self.free.value)):
+                if (here := self._here(line)) is not None:
+                    return Nearest(self.free.path, (here,))
+                left = list(self._look(line, sides))
+                if len(sides) == 2:
+                    break
+        except UndecidedError as error:
+            if not any(sides.values()):
+                raise
+            left = [str(error)]
         rows = tuple(x for side in (-1, 1) if (x := sides.get(side)) is not None)
-        left = [_crowded(gaps[side]) if side in gaps else _ENDLESS for side in (-1, 1) if side not in sides]
         return Nearest(self.free.path, rows, "; ".join(dict.fromkeys(left)))
+
+    def _look(self, line: _Line, sides: dict[int, Critical | None]) -> Iterator[str]:
+        """Put down what lies on either side; of a side that stays open the reason."""
+        for side in (x for x in (-1, 1) if x not in sides):
+            found = self._side(line, side)
+            if isinstance(found, tuple):
+                sides[side] = found[0]
+            else:
+                yield _ENDLESS if found is None else _crowded(found)
 
     def _line(self, window: Meetings) -> _Line:
         ends = [Meeting(x, None) for gap in window.gaps for x in (gap.low, gap.high) if x is not None]
