@@ -597,9 +597,8 @@ def test_cosines_and_sines_lie_within_their_bounds() -> None:
             Fraction(10**12, 7),
         ):
             angle = flint.arb(flint.fmpq(x.numerator, x.denominator))
-            for (middle, radius), true in zip(circle(x), (angle.cos(), angle.sin()), strict=True):
-                assert abs(true * SCALE - middle) <= radius
-                assert radius < SCALE // 10**40
+            for middle, true in zip(circle(x)[::3], (angle.cos(), angle.sin()), strict=True):
+                assert abs(true * SCALE - middle) <= 2
 
 
 @pytest.mark.parametrize("size", [Fraction(2**100_001), Fraction(1, 2**100_001), Fraction(0), Fraction(-1, 2)])
@@ -721,7 +720,7 @@ def test_signs_of_sums_of_sines_are_true(seed: int) -> None:
     writer = WrittenWaves(rows, tuple(waves), tuple(delays), tuple(orders))
     assert writer.told() == {"waves": waves, "terms": [[list(x), [*map(list, p)]] for x, p in terms]}
     assert writer.sign_at(b) == summed_at(delays, orders, waves, terms, b)
-    there = {terms[0][0][len(delays) :]: flags[:ORDER] for _, terms, flags in checker.beginnings}
+    there = {terms[0][0][1 + 2 * len(delays) :]: flags[:ORDER] for _, terms, flags in checker.beginnings}
     assert writer._beginnings == there
     try:
         _, told = checker.signs(a, b)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
-from math import floor
 
 import mpmath
 import pytest
 
-from haptisym_check import RefusedError, balls, polynomials, reading, values
-from haptisym_check.balls import FINER, ORDER, SCALE, Ball
+from haptisym_check import RefusedError, balls, polynomials, reading, series, values
+from haptisym_check.balls import FINER, SCALE, Ball
 from haptisym_check.polynomials import PI, Factor
+from haptisym_check.series import ORDER, Place, Series
 from haptisym_check.values import Point, Value, degree
 
 MP = mpmath.mp.clone()
@@ -29,11 +29,6 @@ def drawn(draw: random.Random, size: int = 9) -> Fraction:
     return Fraction(draw.randint(-size, size), draw.choice([1, 1, 2, 7, 360]))
 
 
-def ball(draw: random.Random) -> Ball:
-    """Exact ones and wide ones, with zero inside and without."""
-    return draw.randint(-2, 2) * SCALE + draw.randint(-9, 9), draw.choice([0, 1, SCALE // 7, 3 * SCALE])
-
-
 def off(x: Ball, true: mpmath.mpf) -> mpmath.mpf:
     """By how many parts of one a middle is wrong."""
     return abs(true * SCALE - x[0])
@@ -47,27 +42,25 @@ def refused(function: object, *given: object) -> bool:
     return False
 
 
-# Balls
+# Numbers and series
 
 
-@pytest.mark.few(2)
-@pytest.mark.parametrize("seed", SEEDS)
-def test_a_ball_over_a_number_holds_all_quotients_and_little_more(seed: int) -> None:
-    draw = random.Random(seed)
-    for _ in range(200):
-        middle, radius, by = draw.randint(-99, 99), draw.randint(0, 30), draw.randint(1, 12)
-        m, r = balls.rounded(middle, radius, by)
-        assert m - r <= Fraction(middle - radius, by) <= Fraction(middle + radius, by) <= m + r
-        assert r < Fraction(radius, by) + (2 if middle % by else 1)
-        p = Fraction(draw.randint(-20, 20), by)
-        m, r = balls.scaled((middle, radius), p)
-        assert all(m - r <= p * x <= m + r for x in (middle - radius, middle + radius))
-        assert r < abs(p) * radius + 2
-        other = draw.randint(-99, 99), draw.randint(0, 30)
-        m, r = balls.hull((middle, radius), other)
-        low, high = (pick(x + way * y for x, y in ((middle, radius), other)) for pick, way in ((min, -1), (max, 1)))
-        assert m - r <= low <= high <= m + r
-        assert 2 * r <= high - low + 2 * max(radius, other[1]) - abs(radius - other[1]) + 4
+def drawn_series(draw: random.Random, length: int) -> Series:
+    """Exact ones and wide ones, of small numbers and of large ones."""
+    size = draw.choice([SCALE >> 200, SCALE, SCALE << 90])
+    return [draw.choice([0, draw.randint(-size, size)]) for _ in range(length)], draw.choice([0, 1, SCALE // 7, size])
+
+
+def held(draw: random.Random, x: Series) -> list[Fraction]:
+    """One of those that a series stands for: at the edge, all errors in one coefficient or spread over all."""
+    row, lost = x
+    weights = [Fraction(draw.choice([0, 0, 1, 5])) for _ in row]
+    weights[draw.randrange(len(row))] += 1
+    return [Fraction(c) + draw.choice([-1, 1]) * lost * w / sum(weights) for c, w in zip(row, weights, strict=True)]
+
+
+def errors(x: Series, true: list[Fraction]) -> Fraction:
+    return sum((abs(a - b) for a, b in zip(x[0], true, strict=True)), Fraction(0))
 
 
 @pytest.mark.few(2)
@@ -75,37 +68,109 @@ def test_a_ball_over_a_number_holds_all_quotients_and_little_more(seed: int) -> 
 def test_products_and_sums_of_series_hold_those_of_all_that_they_hold(seed: int) -> None:
     draw = random.Random(seed)
     for _ in range(30):
-        length = draw.choice([1, 2, 5])
-        p, q = ([ball(draw) if draw.random() < 0.8 else (0, 0) for _ in range(length)] for _ in range(2))
-        own, both = balls.times(p, q), balls.plus(p, q)
-        assert len(own) == len(both) == length
-        assert both == [(x[0] + y[0], x[1] + y[1]) for x, y in zip(p, q, strict=True)]
-        for n, (m, r) in enumerate(own):
-            rows = [(p[i], q[n - i]) for i in range(n + 1)]
-            radius = sum(abs(a) * d + b * abs(c) + b * d for (a, b), (c, d) in rows)
-            assert abs(Fraction(sum(a * c for (a, _), (c, _) in rows), SCALE) - m) + Fraction(radius, SCALE) <= r
-            assert r <= Fraction(radius, SCALE) + 2
+        length = draw.choice([1, 2, 5, ORDER + 1])
+        p, q, r = (drawn_series(draw, n) for n in (length, length, draw.randint(1, length)))
+        both, own, short = series.plus(p, q), series.times(p, q), series.times(r, q)
+        assert both == ([x + y for x, y in zip(p[0], q[0], strict=True)], p[1] + q[1])
+        for found, first in ((own, p), (short, ([*r[0], *[0] * (length - len(r[0]))], r[1]))):
+            for _ in range(4):
+                x, y = held(draw, first), held(draw, q)
+                true = [sum((x[i] * y[n - i] for i in range(n + 1)), Fraction(0)) / SCALE for n in range(length)]
+                assert errors(found, true) <= found[1]
+            sizes = [sum(map(abs, row)) for row, _ in (first, q)]
+            most = Fraction(sizes[0] * q[1] + sizes[1] * first[1] + first[1] * q[1], SCALE)
+            assert found[1] <= most + length + 1
 
 
 @pytest.mark.few(2)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_sines_and_powers_are_those_of_mpmath(seed: int) -> None:
     draw = random.Random(seed)
-    assert balls.circle(Fraction(0)) == [(SCALE, 0), (0, 0)]
-    for x in (Fraction(1, 4), Fraction(1, 2), Fraction(10**14), *(abs(drawn(draw, 999)) for _ in range(12))):
-        doubled = floor(2 * x).bit_length()
-        for found, own in zip(balls.circle(x), (MP.cos, MP.sin), strict=True):
-            assert off(found, own(exact(x))) <= found[1] <= 2 * 4.1**doubled
+    assert balls.circle(Fraction(0)) == [SCALE, 0, -SCALE, 0]
+    large = Fraction(draw.randint(1, 10**40), draw.randint(10**26, 10**27))
+    for x in (Fraction(1, 4), Fraction(1, 2), Fraction(10**14), large, *(abs(drawn(draw, 999)) for _ in range(12))):
+        c, s = MP.cos(exact(x)), MP.sin(exact(x))
+        assert all(off((found, 2), own) < 2 for found, own in zip(balls.circle(x), (c, -s, -c, s), strict=True))
     for x in (Fraction(1), Fraction(2), *(Fraction(draw.randint(1, 10**9), draw.randint(1, 10**9)) for _ in range(12))):
         alpha = Fraction(draw.randint(1, 29), 30)
         m, r = balls.power(x, alpha)
         true = exact(x) ** exact(alpha)
         assert off((m, r), true) <= r <= 2 + true
-        n, step = draw.randint(0, ORDER), abs(drawn(draw)) + 1
-        m, r = balls.binomial(alpha, step, x)[n]
-        weight = MP.binomial(exact(alpha), n) * (exact(step) / exact(x)) ** n
-        assert off((m, r), weight * true) <= r <= (2 + true) * abs(weight) + 3
-        assert len(balls.binomial(alpha, step, x)) == ORDER + 1
+        assert abs(SCALE * exact(x) - balls.parts(x)) <= 1
+
+
+def row_errors(x: Series, true: list[mpmath.mpf]) -> mpmath.mpf:
+    return MP.fsum(abs(a - SCALE * b) for a, b in zip(x[0], true, strict=True))
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_series_of_sines_and_powers_are_those_of_mpmath_and_sizes_are_nowhere_exceeded(seed: int) -> None:
+    draw = random.Random(seed)
+    for _ in range(6):
+        angle, ahead, count = abs(drawn(draw, 99)), abs(drawn(draw, 5)) + Fraction(1, 9), draw.choice([1, 4, ORDER + 1])
+        weights = [exact(ahead) ** n / MP.factorial(n) for n in range(count)]
+        for found, turn in zip(series.waves(balls.circle(angle), ahead, count), (0, 1), strict=True):
+            true = [MP.sin(exact(angle) + (n + turn) * MP.pi / 2) * w for n, w in enumerate(weights)]
+            assert row_errors(found, true) <= found[1] <= 2 * MP.fsum(weights) + 2 * count + 2
+        for found in series.waves([SCALE] * 4, ahead, count):
+            assert row_errors(found, weights) <= found[1]
+        low = abs(drawn(draw)) + Fraction(1, 7)
+        high, step, alpha = (
+            low + abs(drawn(draw)),
+            abs(drawn(draw)) + Fraction(1, 99),
+            Fraction(draw.randint(1, 29), 30),
+        )
+        ratio = [MP.binomial(exact(alpha), n) * exact(step) ** n for n in range(count)]
+        power = lambda x: [w * exact(x) ** (exact(alpha) - n) for n, w in enumerate(ratio)]  # noqa: B023, E731
+        found = series.binomial(alpha, low, low, step, count)
+        assert (
+            row_errors(found, power(low))
+            <= found[1]
+            <= (2 + power(low)[0]) * MP.fsum(map(abs, ratio)) * (1 + exact(low) ** -count) + count + 6
+        )
+        if low < high:
+            sizes, lost = series.binomial(alpha, low, high, step, count)
+            for x in (low, (low + high) / 2, high):
+                assert all(abs(y) * SCALE <= size + lost for y, size in zip(power(x), sizes, strict=True))
+        sizes, lost = series.binomial(alpha, Fraction(0), high, step, count)
+        assert off((sizes[0], lost), exact(step) ** exact(alpha)) <= lost
+        assert sizes[1:] == [0] * (count - 1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", SEEDS)
+def test_products_and_polynomials_at_a_place_hold_what_mpmath_says(seed: int) -> None:
+    """At a number to few parts of one, and from low to high nowhere exceeded: also with coefficients that are not known exactly."""
+    draw = random.Random(seed)
+    delays, orders = (Fraction(draw.randint(1, 9), 7),), (Fraction(draw.randint(1, 9), 10),)
+    low, step = Fraction(draw.randint(16, 40), 4), Fraction(1, draw.randint(4, 40))
+    high = low + 2 * step
+    powers = tuple(draw.randint(0, 3) for _ in range(5))
+    p = [(draw.randint(-9, 9) * SCALE, draw.choice([0, 1, SCALE >> 90])) for _ in range(draw.randint(1, 20))]
+    edge = [exact(Fraction(m + draw.choice([-1, 1]) * r, SCALE)) for m, r in p]
+
+    def value(w: mpmath.mpc) -> mpmath.mpc:
+        angle, raised, turn = w * exact(delays[0]) / 2, w ** exact(orders[0]), exact(orders[0]) * MP.pi / 2
+        factors = w, MP.sin(angle), MP.cos(angle), raised * MP.cos(turn), raised * MP.sin(turn)
+        return MP.fprod(x**n for x, n in zip(factors, powers, strict=True)) * MP.polyval(edge[::-1], w)
+
+    def coefficients(x: Fraction) -> list[mpmath.mpf]:
+        """Cauchy's integral over the circle |v| = 1, by its values at 96 points: what they miss is below 16^-81."""
+        turns = [MP.expjpi(MP.mpf(k) / 48) for k in range(96)]
+        every = [value(exact(x) + exact(step) * v) for v in turns]
+        return [MP.fsum(f * turns[-k * n % 96] for k, f in enumerate(every)).real / 96 for n in range(ORDER + 1)]
+
+    middle = low + step
+    found = Place(delays, orders, middle, middle, step).total([(powers, p)])
+    assert row_errors(found, coefficients(middle)) <= found[1]
+    assert max(r for _, r in p) > 1 or found[1] < SCALE * MP.mpf(10) ** -40
+    sizes, lost = Place(delays, orders, low, high, step).total([(powers, [(abs(m) + r, 0) for m, r in p])])
+    assert min(sizes) > -lost
+    for x in (low, middle, high):
+        assert all(abs(y) * SCALE <= size + lost for y, size in zip(coefficients(x), sizes, strict=True))
+    [at], lost = Place(delays, orders, middle, middle, Fraction(0)).total([(powers, p)])
+    assert off((at, lost), value(exact(middle))) <= lost
 
 
 def test_numbers_too_large_for_sines_and_powers_are_refused() -> None:

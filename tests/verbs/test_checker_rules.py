@@ -13,10 +13,11 @@ import pint
 import pytest
 
 from haptisym_check import RefusedError, chart, formulas, link, requirement, waves, zeros
-from haptisym_check.balls import ORDER, SCALE
+from haptisym_check.balls import SCALE
 from haptisym_check.formulas import FREE, Number
 from haptisym_check.link import PARTS, Product
 from haptisym_check.polynomials import PI, Factor
+from haptisym_check.series import ORDER
 from haptisym_check.values import ONE, Point, Ratio, Value, combined, degree
 
 MP = mpmath.mp.clone()
@@ -630,13 +631,6 @@ def wave_factor(
     return waves.WaveFactor(told, delays, orders), value
 
 
-def within(model: list[tuple[int, int]], v: Any, true: Any) -> bool:
-    """Whether the sum of c_n v^n may be that, and is not wide."""
-    total = MP.fsum(c * v**n for n, (c, _) in enumerate(model)) / SCALE
-    radius = MP.fsum(r * v**n for n, (_, r) in enumerate(model)) / SCALE
-    return bool(abs(total - true) <= radius) and bool(radius < 1e-6 * (1 + abs(true)))
-
-
 @pytest.mark.few(2)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_taylors_sums_of_wave_factors_hold_their_values(seed: int) -> None:
@@ -647,11 +641,17 @@ def test_taylors_sums_of_wave_factors_hold_their_values(seed: int) -> None:
         factor, value = wave_factor(draw, delays, orders)
         a = Fraction(draw.randint(8, 30), 4)
         b = a + Fraction(1, draw.choice([4, 8, 30]))
-        model = factor.model(factor.terms, a, b)
-        assert len(model) == ORDER + 1
-        for v in (Fraction(0), Fraction(1, 3), Fraction(1)):
-            w = a + v * (b - a)
-            assert within(model, MP.mpf(v.numerator) / v.denominator, value(MP.mpf(w.numerator) / w.denominator))
+        row, lost = factor.model(factor.all, a, b)
+        assert len(row) == ORDER
+        for n in (-6, -1, 0, 5, 6):
+            v, w = MP.mpf(n) / 6, (a + b) / 2 + (b - a) * Fraction(n, 12)
+            at, half = MP.mpf(w.numerator) / w.denominator, MP.mpf((b - a).numerator) / (b - a).denominator / 2
+            true, slope, most = value(at), MP.diff(value, at) * half, MP.mpf(lost) / SCALE
+            assert abs(MP.fsum(c * v**i for i, c in enumerate(row)) / SCALE - true) <= most < 1e-6 * (1 + abs(true))
+            assert (
+                abs(MP.fsum(i * c * v ** (i - 1) for i, c in enumerate(row) if i) / SCALE - slope)
+                <= ORDER * most + 1e-40
+            )
         true = value(MP.mpf(a.numerator) / a.denominator)
         if abs(true) > 1e-9:
             assert factor.sign(a) == sign(true)
@@ -736,15 +736,20 @@ def test_cells_that_hold_more_than_one_zero_of_a_wave_are_refused() -> None:
 
 
 def test_beginnings_that_stay_open_are_refused_and_sides_are_bernsteins() -> None:
-    assert waves.strict([(5, 4)]) == 1
-    assert waves.strict([(-5, 2), (0, 2)]) == -1
-    assert refused(waves.strict, [(5, 5)])
-    assert waves.side([(5, 4), (0, 0)]) == 1
-    assert waves.side([(-5, 4), (4, 0)]) == 0
-    assert waves.side([(-5, 1), (3, 0)]) == -1
-    assert waves.side([(5, 1), (-3, 0)]) == 1
-    assert waves.side([(1, 0), (-2, 0), (1, 0)]) == 0
-    assert waves.side([(-1, 0), (1, 0)]) == waves.side([(1, 1)]) == waves.side([(-1, 1)]) == 0
+    assert (waves.strict(5, 4), waves.strict(-5, 4)) == (1, -1)
+    assert refused(waves.strict, 5, 5)
+    assert refused(waves.strict, -5, 5)
+    assert waves.side([5, 0], 4) == waves.side([9, 4], 4) == waves.side([1], 0) == 1
+    assert waves.side([-5, 0], 4) == waves.side([-9, 4], 4) == -1
+    assert waves.side([8, 4], 4) == waves.side([8, -4], 4) == waves.side([-8, 4], 4) == waves.side([1], 1) == 0
+    assert waves.side([2, 0, -1], 0) == 1
+    assert waves.side([0, 0, 1], 0) == waves.side([1, 0, -1], 0) == waves.side([1, 0, 2], 0) == 0
+    for row in ([3, 1, -1, 0, 1], [7, -2, 3, 1, 0, -2]):
+        n = len(row) - 1
+        every = [sum(c * x[k] for k, c in enumerate(row)) for x in waves.bernstein(n + 1)]
+        for u in range(5):  # v = (u - 1)/(u + 1)
+            told = sum(c * u**i for i, c in enumerate(every))
+            assert told == sum(c * (u - 1) ** k * (u + 1) ** (n - k) for k, c in enumerate(row))
 
 
 def test_wave_factors_are_measured_and_read() -> None:

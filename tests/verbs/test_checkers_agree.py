@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import subprocess
 import sys
 from fractions import Fraction
 from pathlib import Path
+from time import process_time
 from typing import Any
 
 import pytest
-from certificates import HELD, OWN, certificate, late_scene, of_requirement, of_stability, text_of
+from certificates import HELD, OWN, certificate, fractional_scene, late_scene, of_requirement, of_stability, text_of
 from forgeries import evaluated, gain, of_scene
 from marks import often
 from mutated import mutated
@@ -216,10 +218,31 @@ def test_a_scene_for_which_a_checker_works_for_seconds_has_a_certificate() -> No
 
 
 @pytest.mark.slow
-def test_a_delay_that_turns_often_has_a_certificate_that_is_accepted() -> None:
-    """Some hundred crossings: their enclosures are long, and quick to check."""
-    text = late_scene(19)
-    assert said(of_scene(evaluated(text), text), text).startswith("Proven on the band")
+@pytest.mark.parametrize("seed", [11, 19, 33, 37])
+def test_a_delay_that_turns_often_has_a_certificate_that_is_checked_in_ten_seconds(seed: int) -> None:
+    """Some hundred crossings, each with a cell and two long enclosures; of the processor's time, in either checker."""
+    text = late_scene(seed)
+    proof = of_scene(evaluated(text), text)
+    start = process_time()
+    assert said(proof, text).startswith("Proven on the band")
+    assert process_time() - start < 10
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    assert verdicts([(proof, text)])[0][0] is not None
+    assert resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before < 10
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("make", "seeds"), [(late_scene, (1, 5, 14)), (fractional_scene, (4, 5, 10))])
+def test_both_say_the_same_of_cells_that_are_wider_than_they_were_written(make: Any, seeds: Any) -> None:
+    asked = list[tuple[str, str]]()
+    for seed in seeds:
+        text = make(seed)
+        proof = json.loads(of_scene(evaluated(text), text))
+        points = proof["proof"]["breakpoints"]
+        for i in range(1, min(len(points) - 1, 5)):
+            own = proof["proof"] | {"breakpoints": points[:i] + points[i + 1 :]}
+            asked.append((json.dumps(proof | {"proof": own}), text))
+    assert {*accepted(asked)} == {True, False}
 
 
 def with_powers(formula: str) -> str:

@@ -955,48 +955,47 @@ const haptisymCheck = (function () {
     };
   }
 
-  // Rule 7: signs of sums of polynomials times sines and cosines of omega tau/2, from Taylor's sums and his remainder. A ball is a middle
-  // and a radius in parts of one; a series has balls that hold h^n f^(n)/n!, n from 0 to ORDER, wherever in an interval.
+  // Rules 7 and 8: signs of sums of polynomials times sines and cosines of omega tau/2, and powers, from Taylor's sums and his remainder.
+  // Numbers are whole, in parts of one. A series has coefficients of v^n, n from 0 to ORDER, and a bound of the sum of all their errors.
 
   const ORDER = 14;
-  const factorial = (n) => (n > 1 ? BigInt(n) * factorial(n - 1) : 1n);
-  const PARTS_OF_ONE = factorial(ORDER) * 10n ** 70n;
-  const NONE = [0n, 0n];
   const up = (n, d) => -down(-n, d);
-  const rounded = (middle, radius, by) => [down(middle, by), up(radius, by) + (middle % by ? 1n : 0n)];
-  const ballOf = (x) => rounded(x.n * PARTS_OF_ONE, 0n, x.d);
-  const added = (p, q) => p.map(([a, b], i) => [a + q[i][0], b + q[i][1]]);
-  const sizeOf = ([a, b], [c, d]) => size(a) * d + b * (size(c) + d);
+  const factorial = (n) => (n > 1 ? BigInt(n) * factorial(n - 1) : 1n);
+  const [BITS, GUARD] = [280n, 64n];
+  const FINE_BITS = BITS + GUARD;
+  const [PARTS_OF_ONE, FINER] = [1n << BITS, 1n << FINE_BITS];
+  const partsOf = (x) => down(x.n << BITS, x.d);
 
-  /** Leibniz: the coefficients of a product. */
-  const multiplied = (p, q) => p.map((_, n) => {
-    let [middle, radius] = NONE;
-    for (let k = 0; k <= n; k += 1) {
-      if (!p[k][0] && !p[k][1]) continue;
-      middle += p[k][0] * q[n - k][0];
-      radius += sizeOf(p[k], q[n - k]);
-    }
-    return rounded(middle, radius, PARTS_OF_ONE);
-  });
+  const dot = (p, q) => p.reduce((total, x, i) => total + x * q[i], 0n);
+  const extent = (row) => row.reduce((n, x) => n + size(x), 0n);
+  const added = (p, q) => ({ row: p.row.map((x, i) => x + q.row[i]), lost: p.lost + q.lost });
 
-  /** cos x and sin x, x >= 0: Taylor's sums at x/2^n < 1/2, and angles doubled n times. */
-  function circle(x) {
-    const whole = (2n * x.n) / x.d;
-    const n = whole ? whole.toString(2).length : 0;
-    need(n < 50, "an angle is too large");
-    const [finer, unit] = [10n ** 20n, PARTS_OF_ONE * 10n ** 20n];
-    const y = (x.n * unit) / (x.d * 2n ** BigInt(n));
-    const terms = [unit];
-    for (let k = 1n; k < 52n; k += 1n) terms.push((terms[terms.length - 1] * y) / (unit * k));
-    let [c, s] = [0, 1].map((i) => [down(terms.reduce((z, term, k) => (k % 2 === i ? z + (k % 4 < 2 ? term : -term) : z), 0n), finer), x.n ? 2n : 0n]);
-    for (let k = 0; k < n; k += 1) {
-      const [[[a, b]], [[d, e]], [[f, g]]] = [multiplied([c], [c]), multiplied([s], [s]), multiplied([c], [s])];
-      [c, s] = [[a - d, b + e], [2n * f, 2n * g]];
-    }
-    return [c, s];
+  /** Leibniz: the coefficients of a product, |p q - a b| <= |p| |q - b| + |p - a| |b|; those of p may be fewer. */
+  function multiplied(p, q) {
+    const [a, b] = [p.row, q.row];
+    const row = b.map((_, n) => {
+      let total = 0n;
+      for (let k = Math.min(n, a.length - 1); k >= 0; k -= 1) total += a[k] * b[n - k];
+      return total >> BITS;
+    });
+    return { row, lost: (((extent(a) + p.lost) * q.lost + p.lost * extent(b)) >> BITS) + BigInt(1 + b.length) };
   }
 
-  const FINER = PARTS_OF_ONE * 10n ** 20n;
+  /** cos x, -sin x, -cos x, sin x, x >= 0, to two parts of one: Taylor's sums at x/2^n < 1/2, and n times twice the angle. */
+  function circle(x) {
+    const n = bitsOf((2n * x.n) / x.d);
+    need(n < 50, "an angle is too large");
+    const y = (x.n << FINE_BITS) / (x.d << BigInt(n));
+    let [c, s, term] = [FINER, 0n, FINER];
+    for (let k = 1; k < 64; k += 1) {
+      term = (term * y / BigInt(k)) >> FINE_BITS;
+      const own = k % 4 < 2 ? term : -term;
+      if (k % 2) s += own;
+      else c += own;
+    }
+    for (let k = 0; k < n; k += 1) [c, s] = [(c * c - s * s) >> FINE_BITS, (2n * c * s) >> FINE_BITS];
+    return [c, -s, -c, s].map((z) => z >> GUARD);
+  }
 
   /** The sum of x^n/n, n odd, |x| <= 1/3, to a thousand parts of FINER. */
   function artanh(x) {
@@ -1012,7 +1011,7 @@ const haptisymCheck = (function () {
 
   const LN_2 = 2n * artanh(new Fraction(1n, 3n));
 
-  /** x^alpha = exp(alpha ln x), x > 0 and 0 < alpha < 1; ln (1 + y)/(1 - y) = 2 artanh y. */
+  /** x^alpha = exp(alpha ln x), x > 0 and 0 < alpha < 1, and a bound of its error; ln (1 + y)/(1 - y) = 2 artanh y. */
   function powerOf(x, alpha) {
     const bits = (k) => k.toString(2).length;
     const n = bits(x.n) - bits(x.d);
@@ -1025,85 +1024,114 @@ const haptisymCheck = (function () {
       term = (term * (y - k * LN_2)) / (FINER * i);
       total += term;
     }
-    const [above, below] = [k > 0n ? k : 0n, k < 0n ? -k : 0n];
-    return rounded(total << above, 10n ** 12n << above, 10n ** 20n << below); // 2^k exp(y - k ln 2)
+    const [above, below] = [k > 0n ? k : 0n, GUARD + (k < 0n ? -k : 0n)];
+    return [(total << above) >> below, ((10n ** 12n << above) >> below) + 2n]; // 2^k exp(y - k ln 2)
   }
 
-  const scaledBall = ([m, r], by) => rounded(m * by.n, r * size(by.n), by.d);
-
-  /** h^n/n! times the n-th derivative of omega^alpha at x. */
-  function binomial(alpha, step, x) {
-    const own = powerOf(x, alpha);
-    const found = [own];
-    let weight = ONE;
-    for (let n = 0n; n < ORDER; n += 1n) {
-      weight = weight.times(alpha.minus(new Fraction(n))).times(step).over(x.times(new Fraction(n + 1n)));
-      found.push(scaledBall(own, weight));
+  /** Of omega^alpha at a number, or of the sizes from low to high; of h^alpha from 0 on. */
+  function binomial(alpha, low, high, step, count) {
+    const ahead = low.n ? step.over(low) : ZERO;
+    const weights = [ONE];
+    for (let n = 1n; n < count; n += 1n) {
+      weights.push(weights[weights.length - 1].times(alpha.minus(new Fraction(n - 1n))).times(ahead).over(new Fraction(n)));
     }
-    return found;
+    const [[first, lost], [own, more]] = [low.n ? high : step, low.n ? low : step].map((x) => powerOf(x, alpha));
+    const later = weights.slice(1).map((w) => down(own * w.n, w.d)).map((x) => (low.compare(high) ? size(x) : x));
+    const total = weights.reduce((x, w) => x.plus(w.size), ZERO);
+    return { row: [first, ...later], lost: lost + (more * total.n) / total.d + BigInt(1 + count) };
   }
 
-  const larger = (x, y) => (x > y ? x : y);
-
-  /** What holds two balls, and all between. */
-  const hull = ([a, b], [c, d]) => [down(a + c, 2n), (size(a - c) + 1n) / 2n + larger(b, d) + 1n];
+  /** Of the sine and the cosine of an angle + ahead v, from its circle, or from the largest sizes of that. */
+  function waving(turns, ahead, count) {
+    const weights = Array.from({ length: count }, (_, n) => (ahead.n ** BigInt(n) << BITS) / (ahead.d ** BigInt(n) * factorial(n)));
+    const lost = 2n * (sum(weights) >> BITS) + BigInt(2 + 2 * count);
+    return [3, 0].map((i) => ({ row: weights.map((w, n) => (turns[(n + i) % 4] * w) >> BITS), lost }));
+  }
 
   /**
-   * Powers of omega (0), of sines (1, 3, ...) and their cosines (2, 4, ...), then of Re and Im of each (j omega)^alpha, as series with the
-   * step h, wherever from low to high. From 0 on the last two are those of h: what is before them is a power of omega/h.
+   * Products of powers of omega, of each sine and its cosine, and of Re and Im of each (j omega)^alpha, as series with the step h: at a number,
+   * or from low to high, where coefficients are the largest sizes of theirs. From 0 on the last two are those of h: before them is a power of
+   * omega/h.
    */
   function placed(delays, orders, low, high, step) {
-    const two = new Fraction(2n);
-    const [middle, reach] = [low.plus(high).over(two), high.minus(low).over(two)];
-    const radius = up(reach.n * PARTS_OF_ONE, reach.d);
-    const start = ballOf(middle);
-    const first = [[PARTS_OF_ONE, 0n], ...Array(ORDER).fill(NONE)];
-    const own = [[[start[0], start[1] + radius], ballOf(step), ...Array(ORDER - 1).fill(NONE)]];
+    const [isWide, count] = [low.compare(high) < 0, step.n ? ORDER + 1 : 1];
+    const rest = Array(count - 1).fill(0n);
+    const own = [{ row: [partsOf(high), partsOf(step)].slice(0, count), lost: 2n }];
     delays.forEach((tau) => {
-      const rate = tau.over(two);
-      const [[c, d], [s, t]] = circle(middle.times(rate)).map(([m, r]) => [m, r + up(radius * rate.n, rate.d)]); // no slope is above 1
-      const turns = [[c, d], [-s, t], [-c, d], [s, t]];
-      const weights = [ONE];
-      for (let n = 1n; n <= ORDER; n += 1n) weights.push(weights[weights.length - 1].times(step.times(rate)).over(new Fraction(n)));
-      [3, 0].forEach((i) => own.push(weights.map((w, n) => scaledBall(turns[(n + i) % 4], w))));
+      const rate = tau.over(new Fraction(2n));
+      own.push(...waving(isWide ? Array(4).fill(PARTS_OF_ONE) : circle(high.times(rate)), step.times(rate), count));
     });
     orders.forEach((alpha) => {
-      const [start, end] = low.n ? [low, high].map((x) => binomial(alpha, step, x)) : [];
-      const sizes = low.n ? start.map((x, n) => hull(x, end[n])) : [powerOf(step, alpha), ...Array(ORDER).fill(NONE)];
-      const angle = alpha.times(new Fraction(PI[0], 2n * SCALE));
-      circle(angle).forEach(([m, r]) => own.push(multiplied(sizes, [[m, r + 1n], ...Array(ORDER).fill(NONE)])));
+      const [c, , , s] = circle(alpha.times(new Fraction(PI[0], 2n * SCALE)));
+      const sizes = binomial(alpha, low, high, step, count);
+      [c, s].forEach((x) => own.push(multiplied(sizes, { row: [x, ...rest], lost: 3n })));
     });
-    const known = own.map(() => [first]);
-    const power = (i, n) => {
-      while (known[i].length <= n) known[i].push(multiplied(own[i], known[i][known[i].length - 1]));
-      return known[i][n];
+    const none = own.map(() => 0);
+    const known = new Map([[none.join(), { row: [PARTS_OF_ONE, ...rest], lost: 0n }]]);
+    const product = (powers) => {
+      const key = powers.join();
+      if (!known.has(key)) {
+        const i = powers.reduce((found, n, k) => (n ? k : found), 0);
+        known.set(key, multiplied(own[i], product(powers.map((n, k) => (k === i ? n - 1 : n)))));
+      }
+      return known.get(key);
     };
-    return { power, count: own.length };
+    const tables = new Map();
+
+    /** The coefficients of the first powers of omega, side by side, with their errors and sizes. */
+    function table(length) {
+      if (!tables.has(length)) {
+        const rows = Array.from({ length }, (_, n) => product([n, ...none.slice(1)]));
+        const columns = Array.from({ length: count }, (_, n) => rows.map(({ row }) => row[n]));
+        tables.set(length, [columns, rows.map(({ lost }) => lost), rows.map(({ row, lost }) => extent(row) + lost)]);
+      }
+      return tables.get(length);
+    }
+
+    function polynomialOf(p) {
+      const [columns, errors, sizes] = table(p.length);
+      const [middles, radii] = [0, 1].map((i) => p.map((x) => x[i]));
+      const lost = dot(middles.map(size), errors) + dot(radii, sizes);
+      return { row: columns.map((x) => dot(middles, x) >> BITS), lost: (lost >> BITS) + BigInt(1 + count) };
+    }
+
+    return (terms) => terms.map(([powers, p]) => multiplied(polynomialOf(p), product(powers.slice(0, own.length)))).reduce(added);
   }
 
   /** The last few of them, as many factors ask for the same ones. */
   const places = new Map();
 
-  function placeOf(delays, orders, low, high, step) {
+  /** The series of a sum of terms. */
+  function seriesOf(terms, delays, orders, low, high, step) {
     const key = [delays, orders, [low, high, step]].map((list) => list.map((x) => `${x.n}/${x.d}`).join()).join(";");
     if (!places.has(key)) {
       if (places.size > 7) places.delete(places.keys().next().value);
       places.set(key, placed(delays, orders, low, high, step));
     }
-    return places.get(key);
+    return places.get(key)(terms);
   }
 
-  /** The sign for all v from 0 to 1, if Bernstein's coefficients show it; else 0. */
-  function steady(model) {
-    const [low, high] = [-1n, 1n].map((way) => moved(model.map(([c, d]) => c + way * d), ZERO, ONE));
-    return low.every((x) => x > 0n) ? 1 : high.every((x) => x < 0n) ? -1 : 0;
+  /** Of 1, v, v^2, ...: Bernstein's coefficients on [-1, 1], times those of (1 + u)^n, with which each row begins. */
+  const bernsteins = new Map();
+
+  function bernstein(count) {
+    if (!bernsteins.has(count)) {
+      const units = Array.from({ length: count }, (_, n) => moved(Array.from({ length: count }, (_, k) => BigInt(k === n)), new Fraction(-1n), ONE));
+      bernsteins.set(count, units.map((_, i) => units.map((x) => x[i])));
+    }
+    return bernsteins.get(count);
   }
 
-  /** The sign of a sum. */
-  function strict(model) {
-    const [middle, radius] = [0, 1].map((i) => sum(model.map((x) => x[i])));
-    need(size(middle) > radius, "a sign stays open");
-    return middle > 0n ? 1 : -1;
+  /** The sign for all v from -1 to 1, if Bernstein's coefficients show it; else 0. */
+  function steady(row, lost) {
+    const found = bernstein(row.length).map((x) => [dot(row, x), lost * x[0]]);
+    return found.every(([x, most]) => x > most) ? 1 : found.every(([x, most]) => x < -most) ? -1 : 0;
+  }
+
+  /** The sign of a number. */
+  function strict(x, lost) {
+    need(size(x) > lost, "a sign stays open");
+    return x > 0n ? 1 : -1;
   }
 
   const powersOfPi = new Map();
@@ -1137,31 +1165,36 @@ const haptisymCheck = (function () {
     const cost = (sizes + 500 * terms.length * common.degrees.slice(2).reduce((n, k) => n + k, 1)) * 2;
     need(cost < 1e7, "a factor is too large");
 
-    /** Exponents of sines and cosines, and of real and imaginary parts. */
-    const exponents = (turns) => [...waves.flatMap((n, i) => [turns[i], n - turns[i]]), ...turns.slice(waves.length)];
+    /** Exponents of omega, of sines and cosines, and of real and imaginary parts, with coefficients; `number`: what one is, with pi in it. */
+    const numbers = (some, number = inPi) =>
+      some.map(([turns, p]) => [[0, ...waves.flatMap((n, i) => [turns[i], n - turns[i]]), ...turns.slice(waves.length)], p.map(number)]);
 
-    /** `number`: what a coefficient is, with pi in it. */
-    const series = (some, at, number = inPi) => some.reduce((total, [turns, p]) => {
-      const inOmega = p.reduce((term, row, n) => {
-        const own = number(row);
-        return added(term, at.power(0, n).map((y) => rounded(own[0] * y[0], sizeOf(own, y), PARTS_OF_ONE)));
-      }, Array(ORDER + 1).fill(NONE));
-      return added(total, exponents(turns).slice(0, at.count - 1).reduce((term, n, i) => multiplied(term, at.power(i + 1, n)), inOmega));
-    }, Array(ORDER + 1).fill(NONE));
+    /** With cosines alone, whose largest sizes are those of sines. */
+    function sized(some) {
+      const cosines = waves.flatMap((n) => [0, n]);
+      const found = new Map();
+      some.forEach(([powers, p]) => {
+        const turns = [0, ...cosines, ...powers.slice(1 + cosines.length)];
+        const [, own] = found.get(turns.join()) || [turns, []];
+        p.forEach(([m, r], n) => { own[n] = [(n < own.length ? own[n][0] : 0n) + size(m) + r, 0n]; });
+        found.set(turns.join(), [turns, own]);
+      });
+      return [...found.values()];
+    }
 
-    /** The coefficients of a sum of c_n v^n, v from 0 to 1, that is the sum of terms from a to b (Lagrange). */
+    /** All c_n, n < ORDER, and what the sum of c_n v^n, v from -1 to 1 (0 to 1 from 0 on), is off that of terms by at most (Lagrange). */
     function modelOf(some, a, b) {
-      const [here, there] = [a, b].map((end) => series(some, placeOf(delays, orders, a, end, b.minus(a))));
-      return [...here.slice(0, -1), there[ORDER]];
+      const middle = a.n ? a.plus(b).over(new Fraction(2n)) : a;
+      const [here, largest] = [[some, middle, middle], [sized(some), a, b]].map(([x, low, high]) => seriesOf(x, delays, orders, low, high, b.minus(middle)));
+      return [here.row.slice(0, -1), here.lost + largest.row[ORDER] + largest.lost];
     }
 
     /**
      * The terms with each power of omega that is not whole, and which of Taylor's coefficients are not zero beside it at 0. With a step that
-     * makes all angles whole numbers coefficients are exact; each power of pi in them is looked at alone.
+     * makes all angles multiples of ORDER! coefficients are whole numbers; each power of pi in them is looked at alone.
      */
     function beginnings() {
-      const step = new Fraction(2n * delays.reduce((n, { d }) => (n / divisor(n, d)) * d, 1n));
-      const here = placeOf(delays, [], ZERO, ZERO, step);
+      const step = new Fraction(2n * factorial(ORDER) * delays.reduce((n, { d }) => (n / divisor(n, d)) * d, 1n));
       const groups = new Map();
       terms.forEach((term) => {
         const key = term[0].slice(waves.length).join();
@@ -1169,9 +1202,10 @@ const haptisymCheck = (function () {
       });
       return [...groups.values()].map((some) => {
         const width = Math.max(...some.flatMap(([, p]) => p).map((row) => row.length));
-        const alone = Array.from({ length: width }, (_, i) => series(some, here, (row) => [(row[i] || 0n) * PARTS_OF_ONE, 0n]));
+        const alone = Array.from({ length: width }, (_, i) => numbers(some, (row) => [(row[i] || 0n) * PARTS_OF_ONE, 0n]));
+        const found = alone.map((own) => seriesOf(own, delays, [], ZERO, ZERO, step).row);
         const exponent = pairs(some[0][0].slice(waves.length)).reduce((n, [k, m], i) => n.plus(orders[i].times(new Fraction(BigInt(k + m)))), ZERO);
-        return { exponent, some, there: alone[0].map((_, n) => alone.some((row) => row[n][0] || row[n][1])) };
+        return { exponent, some: numbers(some), there: found[0].map((_, n) => n === ORDER || found.some((row) => row[n])) };
       });
     }
 
@@ -1179,33 +1213,42 @@ const haptisymCheck = (function () {
     function signsFrom0(b) {
       first = first || beginnings();
       const total = [];
-      first.forEach(({ exponent, some, there }) => modelOf(some, ZERO, b).forEach(([c, d], n) => {
-        if (!there[n] && n < ORDER) return;
-        const own = exponent.plus(new Fraction(BigInt(n)));
-        const known = total.find((x) => x.own.compare(own) === 0);
-        if (known) known.ball = [known.ball[0] + c, known.ball[1] + d];
-        else total.push({ own, ball: [c, d] });
-      }));
+      let lost = 0n;
+      first.forEach(({ exponent, some, there }) => {
+        const [row, more] = modelOf(some, ZERO, b);
+        lost += more;
+        [...row, 0n].forEach((c, n) => {
+          if (!there[n]) return;
+          const own = exponent.plus(new Fraction(BigInt(n)));
+          const known = total.find((x) => x.own.compare(own) === 0);
+          if (known) known.c += c;
+          else total.push({ own, c });
+        });
+      });
       total.sort((x, y) => x.own.compare(y.own));
-      let partial = [];
-      const found = total.map(({ ball }) => strict((partial = [...partial, ball])));
+      let partial = 0n;
+      const found = total.map(({ c }) => strict((partial += c), lost));
       need(found.every((x) => x === found[0]), "a sign stays open");
       return [total[0].own, [found[0]]];
     }
 
+    const all = numbers(terms);
     let first = null;
     return {
       ...common,
       cost,
       signs(a, b) {
         if (!a.n) return signsFrom0(b);
-        const model = modelOf(terms, a, b);
-        const found = steady(model);
+        const [row, lost] = modelOf(all, a, b);
+        const found = steady(row, lost);
         if (found) return [ZERO, [found]];
-        need(steady(model.map(([c, d], n) => [BigInt(n) * c, BigInt(n) * d]).slice(1)), "a sign stays open");
-        return [ZERO, [strict(model.slice(0, 1)), strict(model)]];
+        need(steady(row.map((c, n) => BigInt(n) * c).slice(1), BigInt(ORDER) * lost), "a sign stays open");
+        return [ZERO, [sum(row.map((c, n) => (n % 2 ? -c : c))), sum(row)].map((x) => strict(x, lost))];
       },
-      sign: (at) => strict(series(terms, placeOf(delays, orders, at, at, ZERO))),
+      sign(at) {
+        const { row, lost } = seriesOf(all, delays, orders, at, at, ZERO);
+        return strict(row[0], lost);
+      },
     };
   }
 

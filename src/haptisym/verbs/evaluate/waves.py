@@ -47,23 +47,24 @@ class WaveFactor:
         with flint.ctx.workprec(_BITS):
             if not low:
                 return self._moved_from_0(high)
-            model = self._model(self._balls, low, high)
-            if side := _side(model):
+            model, rest = self._model(self._balls, low, high)
+            if side := _side(model, rest):
                 return (side,)
-            if not _side([n * c for n, c in enumerate(model)][1:]):
+            if not _side([n * c for n, c in enumerate(model)][1:], ORDER * rest):
                 return None
-            ends = _sides([model[0], sum(model, arb(0))])
+            ends = _sides([sum((-c if n % 2 else c for n, c in enumerate(model)), rest), sum(model, rest)])
             return ends if all(ends) else None
 
     def _moved_from_0(self, high: Fraction) -> tuple[int, ...] | None:
         """All partial sums of coefficients have one sign, from the lowest power of omega on (Abel)."""
-        total: dict[Fraction, Any] = {}
+        total, more = dict[Fraction, Any](), arb(0)
         for (powers, there), balls in zip(self._beginnings.items(), self._apart, strict=True):
             exponent = sum((a * sum(pair) for a, pair in zip(self.orders, _pairs(powers), strict=True)), Fraction(0))
-            for n, c in enumerate(self._model(balls, Fraction(0), high)):
-                if n == ORDER or there[n]:
-                    total[exponent + n] = total.get(exponent + n, arb(0)) + c
-        sides = _sides([*accumulate(total[e] for e in sorted(total))])
+            model, rest = self._model(balls, Fraction(0), high)
+            more += rest
+            for n in (n for n in range(ORDER + 1) if n == ORDER or there[n]):
+                total[exponent + n] = total.get(exponent + n, arb(0)) + [*model, arb(0)][n]
+        sides = _sides([x + more for x in accumulate(total[e] for e in sorted(total))])
         return sides[:1] if sides[0] and len({*sides}) == 1 else None
 
     def sign_at(self, x: Fraction) -> int:
@@ -71,30 +72,35 @@ class WaveFactor:
         with flint.ctx.workprec(_BITS):
             return _sides([self._series(self._balls, x, x, Fraction(0), order=0)[0]])[0]
 
-    def _model(self, balls: Balls, low: Fraction, high: Fraction) -> list[Any]:
-        """Balls c_n of which the sum of c_n v^n, v from 0 to 1, is that of terms between two numbers."""
-        here, there = (self._series(balls, low, x, high - low) for x in (low, high))
-        return [*(here[n] for n in range(ORDER)), there[ORDER] * arb(1, _MARGIN)]
+    def _model(self, balls: Balls, low: Fraction, high: Fraction) -> tuple[list[Any], Any]:
+        """Balls c_n, and one about 0 for what the sum of c_n v^n, v from -1 to 1 (0 to 1 from 0 on), leaves of that of terms."""
+        middle = (low + high) / 2 if low else low
+        here = self._series(balls, middle, middle, high - middle)
+        largest = self._series(self._sized(balls), low, high, high - middle)[ORDER]
+        return [here[n] for n in range(ORDER)], arb(0, largest.abs_upper()) * arb(1, _MARGIN)
+
+    def _sized(self, balls: Balls) -> Balls:
+        """Nowhere is a term of them as large: those of cosines alone, as all sizes of sines are those of cosines."""
+        return [
+            ((0,) * len(self.waves) + turns[len(self.waves) :], [(n, arb(x.abs_upper())) for n, x in own])
+            for turns, own in balls
+        ]
 
     def _series(self, balls: Balls, low: Fraction, high: Fraction, step: Fraction, order: int = ORDER) -> Any:
-        """Balls that hold h^n f^(n)/n! for the step h, n up to ``order``, wherever between two numbers."""
+        """Balls that hold h^n f^(n)/n! for the step h, n up to ``order``, at a number, or their sizes wherever between two."""
         omega, tables = _place(self.delays, self.orders, low, high, step, order)
         total = arb_poly([0])
         for turns, own in balls:
             term = sum((x * omega[n] for n, x in own), arb_poly([0]))
-            for table, n in zip(tables, self._exponents[turns], strict=True):
-                term = (term * table[n]).truncate(order + 1) if n else term  # one by one: radii depend on the order
+            for table, n in zip(tables, self._exponents(turns), strict=True):
+                term = (term * table[n]).truncate(order + 1) if n else term
             total = total + term
         return total
 
-    @cached_property
-    def _exponents(self) -> dict[Turns, Turns]:
-        """By turns, of each sine and its cosine, then of each real part and its imaginary part."""
-        count, found = len(self.waves), dict[Turns, Turns]()
-        for turns, _ in self.terms:
-            own = [n for k, most in zip(turns, self.waves, strict=False) for n in (k, most - k)]
-            found[turns] = (*own, *turns[count:])
-        return found
+    def _exponents(self, turns: Turns) -> Turns:
+        """Of each sine and its cosine, then of each real part and its imaginary part."""
+        own = [n for k, most in zip(turns, self.waves, strict=False) for n in (k, most - k)]
+        return (*own, *turns[len(self.waves) :])
 
     @cached_property
     def _apart(self) -> list[Balls]:
@@ -159,10 +165,6 @@ def _ball(x: Fraction) -> Any:
     return arb(fmpq(x.numerator, x.denominator))
 
 
-def _about(low: Fraction, high: Fraction) -> Any:
-    return _ball((low + high) / 2) + arb(0, 1) * _ball((high - low) / 2)
-
-
 class Powers:
     """Those of something, each computed once; ``cut`` : what becomes of a product."""
 
@@ -188,9 +190,9 @@ def _place(
     step: Fraction,
     order: int,
 ) -> tuple[Powers, list[Powers]]:
-    """Series of omega, of sine and cosine of each omega tau/2, and of powers, bounded as a checker does it.
+    """Series of omega, of sine and cosine of each omega tau/2, and of powers, at a number or as large as wherever between two.
 
-    No slope of a sine is above 1; from 0 on powers are those of the step.
+    From 0 on powers are those of the step.
     """
 
     def powers(terms: list[Any]) -> Powers:
@@ -198,20 +200,19 @@ def _place(
 
     tables = list[Powers]()
     for tau in delays:
-        rate = _ball(tau / 2)
-        reach = arb(0, 1) * _ball((high - low) / 2) * rate
-        sine, cosine = (x + reach for x in (_ball((low + high) / 2) * rate).sin_cos())
-        ahead, weights = _ball(step) * rate, [arb(1)]
+        sine, cosine = (_ball(high * tau / 2)).sin_cos() if low == high else (arb(1), arb(1))
+        ahead, weights = _ball(step * tau / 2), [arb(1)]
         for n in range(order):
             weights.append(weights[-1] * ahead / (n + 1))
-        turns = [cosine, -sine, -cosine, sine]
+        turns = [cosine, -sine, -cosine, sine] if low == high else [cosine] * 4
         tables += [powers([turns[(n + i) % 4] * w for n, w in enumerate(weights)]) for i in (3, 0)]
     for alpha in orders:
-        ends = (_binomial(alpha, step, x, order) for x in (low, high) if low)
-        own = [x.union(y) for x, y in zip(*ends, strict=True)] if low else [_raised(step, alpha)]
+        own = _binomial(alpha, step, low, order) if low else [_raised(step, alpha)]
+        if low < high and low:
+            own = [_raised(high, alpha), *map(abs, own[1:])]
         sine, cosine = (_ball(alpha / 2) * arb.pi()).sin_cos()
         tables += [powers([x * wave for x in own]) for wave in (cosine, sine)]
-    return powers([_about(low, high), _ball(step)]), tables
+    return powers([_ball(high), _ball(step)]), tables
 
 
 def _raised(x: Fraction, alpha: Fraction) -> Any:
@@ -234,11 +235,12 @@ def _series(tau: Fraction) -> tuple[fmpq_poly, fmpq_poly]:
     return found[0], found[1]
 
 
-def _side(model: Sequence[Any]) -> int:
-    """The sign for all v from 0 to 1, if Bernstein's coefficients show it."""
-    found = [model[0]]
-    for c in model[1:]:  # (1 + u) f + c u^n
-        found = [found[0], *map(add, found[1:], found), found[-1] + c]
+def _side(model: Sequence[Any], rest: Any) -> int:
+    """The sign for all v from -1 to 1, if Bernstein's coefficients show it."""
+    own = arb_poly([*model])(arb_poly([-1, 2])) + rest
+    found = [own[0]]
+    for n in range(1, len(model)):  # (1 + u) f + c u^n
+        found = [found[0], *map(add, found[1:], found), found[-1] + own[n]]
     return all(x > 0 for x in found) - all(x < 0 for x in found)
 
 
