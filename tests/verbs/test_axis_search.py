@@ -21,6 +21,7 @@ from haptisym.kernel.symbols import s
 from haptisym.verbs.stability.boundary import meetings
 from haptisym.verbs.stability.critical import critical
 from haptisym.verbs.stability.curves import Meeting, Meetings
+from haptisym.verbs.stability.held import held
 from haptisym.verbs.stability.loops import Loop
 from haptisym.verbs.stability.pairs import Characteristic
 from haptisym.verbs.stability.rightroot import RightRoots
@@ -251,3 +252,18 @@ def test_where_no_search_went_is_told_with_its_reason() -> None:
     assert "no search went there" in found.reason
     assert found.undecided[-1][1] is None
     assert not found.certified
+
+
+@pytest.mark.slow
+def test_a_link_that_comes_back_late_holds_whatever_the_hand_damps() -> None:
+    """Two multiples of one delay stand with the highest power of s, whose factor keeps clear of 0 on the unit circle."""
+    link = hs.effects.wave_variables("10 N*s/m", "20 ms")
+    chain = (link, hs.effects.shunt(m="0.3 kg", b="1 N*s/m", k="20 N/m"), hs.effects.delay("20 ms"))
+    scene = hs.Scene(hs.environments.kelvin_voigt("120 N/m", "3 N*s/m"), chain)
+    held_by = scene.with_hands(hs.Hand("hand", m="0.6 kg", b="9 N*s/m", k="200 N/m"))
+    found = hs.require(held_by, "hand.b", (0, 2000), that="stable")
+    assert [(float(x.low.value or 0), float(x.high.value or 0)) for x in found.feasible] == [(0, 2000)]
+    assert found.certified
+    for b in ("0", "0.5", "40", "700", "2000"):
+        hand = hs.Hand("hand", m="0.6 kg", b=b, k="200 N/m")
+        assert held(scene, hand).unstable == 0

@@ -65,6 +65,16 @@ def reach_of(loop: Loop) -> Reach:
     late = late_turns(turns, [*loop.table])
     if late is not None and any(not any(x) for x in loop.table[max(loop.table)]):
         return _Squares(longest, squares(loop.table, late))
+    return _sums(loop, turns, longest)
+
+
+def reach_of_axis(loop: Loop) -> Reach:
+    """The bound for roots on the axis itself, guaranteed whether or not there is a chain on the right."""
+    turns = {x for group in loop.table.values() for x in group if any(x)}
+    return _sums(loop, turns, max((lag_of(x, loop) for x in turns), default=Integer(1)))
+
+
+def _sums(loop: Loop, turns: set[tuple[int, ...]], longest: Expr) -> Reach:
     units = {i for x in turns for i, n in enumerate(x) if n}
     return _Sums(longest, loop.table, units.pop() if len(units) == 1 else None)
 

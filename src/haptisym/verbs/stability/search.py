@@ -16,13 +16,14 @@ from flint import arb
 from sympy import Expr, Integer, Rational
 
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.subdivision import Waiting
 from haptisym.programs.onaxis import OnAxis
 from haptisym.programs.taylormodels import Array, halves
 from haptisym.verbs.stability.curves import Gap, Meeting, Meetings
 from haptisym.verbs.stability.loops import Loop
 from haptisym.verbs.stability.pairs import Characteristic, Pair
+from haptisym.verbs.stability.reach import reach_of_axis
 
 _WINDOWS = 7
 _SMALLEST = Rational(1, 1024)  # as what a value of 0 counts for the first window
@@ -35,10 +36,11 @@ _NEAR, _STRAIGHT, _WIDER = (
     3.0,
 )  # in halves of a cell: how far a pair is off, C bends, and the proof's box goes
 _ROUNDING = 1e-14  # in shares
+_MOST_TURNING = 2000  # radians
 _BITS = 96
 
 _LEFT = "where roots meet the imaginary axis, as a search left it open"
-_FAR = "where roots come from infinity"
+_FAR = "where roots meet the imaginary axis, as their frequencies have no known bound"
 _BEYOND = "where roots meet the imaginary axis, as no search went there"
 
 
@@ -124,6 +126,11 @@ class _Cells:
         loop = form.loop
         polynomial = loop.top / loop.ring.variable**form.shared
         self.axis = OnAxis(loop.ring, polynomial, {loop.symbol: (low, high)})
+        if self.axis.reach is None and not loop.turns:  # it takes phases as if all of them could oppose
+            radius = reach_of_axis(loop).radius(
+                expression_ball(low).union(expression_ball(high)), _MOST_TURNING, inverse=False
+            )
+            self.axis.reach = None if radius is None else float(radius) * (1 + _ROUNDING)
         self.found: list[Meeting] = []
         self._known: list[tuple[Array, Array]] = []
         """Middle and size of each box that holds one pair."""
