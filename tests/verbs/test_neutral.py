@@ -122,6 +122,16 @@ def test_delays_that_are_multiples_of_one_for_few_values_alone_are_not_said_to_b
     assert (held(own, own.hands[0]).stable, held(alike, own.hands[0]).stable) == (False, True)
 
 
+def test_a_chain_that_no_mass_of_a_hand_moves_is_there_for_all_of_them() -> None:
+    """m s^2 D(exp(-s ms)), D of the display alone: its zeros inside the circle stay where they are."""
+    late, link = hs.effects.delay("10 ms"), hs.effects.wave_variables("5 N*s/m", "7 ms")
+    own = hs.Scene(hs.environments.kelvin_voigt("200 N/m", "2 N*s/m"), (late, link))
+    own = own.with_hands(hs.Hand("hand", m="0.5 kg", b=30, k=100))
+    assert critical(own, own.hands[0], "hand.m") == ()
+    for mass in ("1 g", "5 kg", "100 t"):
+        assert held(own, hs.Hand("hand", m=mass, b=30, k=100)).unstable is None
+
+
 def test_a_heavy_hand_is_held_between_two_masses() -> None:
     found = hs.require("satellite-contact", "hand.m", (501, 2000), that="stable", hand=satellite(100, 20000))
     assert ends(found) == pytest.approx([509.842, 1151.41], rel=1e-5)

@@ -6,7 +6,7 @@ They do where what multiplies the highest power of s, L(z; q) with z = exp(-s ta
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from itertools import product
+from itertools import combinations, product
 
 from sympy import Integer
 
@@ -39,6 +39,9 @@ def _values(loop: Loop) -> Iterator[RealNumber]:
         return
     if loop.low is None and any(any(row[2:]) for row in leading.values()):
         raise UndecidedError("where a chain of roots comes to the axis, of a number that may be negative")
+    if _is_product(leading):
+        yield from zeros(next(iter(leading.values())))
+        return
     delayed = [turns for turns in leading if any(turns)]
     units = {i for turns in delayed for i, n in enumerate(turns) if n}
     if len(delayed) > 1 and len(units) == 1:
@@ -61,6 +64,13 @@ def _need_same_zeros(leading: Leading, loop: Loop) -> None:
             raise UndecidedError(
                 "where a chain of roots comes to the axis, as delays meet that are no multiples of one"
             )
+
+
+def _is_product(leading: Leading) -> bool:
+    """Whether L = c(q) A(z): its zeros are the same for all q, and all of them are lost where c is 0."""
+    first, *others = leading.values()
+    places = list(combinations(range(len(first)), 2))
+    return not any(sign_of_number(first[i] * row[k] - first[k] * row[i]) for row in others for i, k in places)
 
 
 def _sum(rows: list[Row]) -> Row:
