@@ -14,8 +14,9 @@ from sympy import Expr, Integer, Rational, Symbol, exp, lambdify, pi
 from windings import winding
 
 import haptisym as hs
+from haptisym.kernel.budget import limited
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.symbols import s
 from haptisym.verbs.stability.boundary import meetings
@@ -130,6 +131,11 @@ def test_both_ways_find_the_same_where_one_equation_is_enough(path: str, low: fl
     assert len(inside(mine)) == number
 
 
+def test_a_search_stops_when_its_time_is_over() -> None:
+    with limited(1e-9), pytest.raises(LimitError):
+        list(searched(loop_of(ECHOES), Rational(3, 100), ""))
+
+
 @pytest.mark.slow
 def test_a_touch_is_never_lost_but_told_as_open() -> None:
     """At q = 2 a root comes to the axis and goes back."""
@@ -173,6 +179,10 @@ def test_the_order_of_a_tissue_has_a_critical_value() -> None:
         return winding(f, 5000.0)
 
     assert [roots(at * x) for x in (0.8, 0.9999, 1.0001, 1.2)] == [2, 2, 0, 0]
+    allowed = hs.require(scene, "environment.alpha", that="stable")
+    [(low, high)] = [(float(x.low.value or 0), float(x.high.value or 0)) for x in allowed.feasible]
+    assert (low, high, allowed.certified) == (at, pytest.approx(0.808841, abs=1e-6), True)
+    assert [roots(high * x) for x in (0.9999, 1.0001, 1.1)] == [0, 2, 2]
 
 
 def test_what_moves_together_is_critical_by_its_sum() -> None:
