@@ -265,6 +265,15 @@ def test_where_no_search_went_is_told_with_its_reason() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("path", ["hand.m", "environment.k"])
+def test_late_friction_is_open_with_its_reason(path: str) -> None:
+    scene = late_link()
+    rough = hs.Scene(scene.environment, (*scene.effects, hs.effects.coulomb_friction("0.2 N", "5 mm")))
+    found = hs.require(rough, path, that="stable", hand=scene.hands[0])
+    assert (found.feasible, "sliding friction" in found.reason) == ((), True)
+
+
+@pytest.mark.slow
 def test_a_link_that_comes_back_late_holds_whatever_the_hand_damps() -> None:
     """Two multiples of one delay stand with the highest power of s, whose factor keeps clear of 0 on the unit circle."""
     link = hs.effects.wave_variables("10 N*s/m", "20 ms")

@@ -49,10 +49,7 @@ def zeros_of(top: Polynomial, bottom: Polynomial, ring: Ring) -> Roots:
     """The zeros of top/bottom in Re s >= 0; what both have at s = 0, as with 1 - exp(-s tau) over s, is none."""
     if top.is_zero():
         raise UndecidedError("the roots of what resists no motion at all")
-    if I in ring.generators and degree_in([top], len(ring.meanings) - 1):
-        raise UndecidedError(
-            "sliding friction stands as a describing function of one amplitude, which has no roots in s"
-        )
+    need_roots(top, ring)
     found = count_roots(top, ring)
     order = order_at_0(top, ring)
     shared = min(order, order_at_0(bottom, ring))
@@ -60,6 +57,14 @@ def zeros_of(top: Polynomial, bottom: Polynomial, ring: Ring) -> Roots:
         return found
     on_axis = found.on_axis if order > shared else found.on_axis[1:]
     return Roots(found.number - at_least(order) + at_least(order - shared), found.right, on_axis, found.chain)
+
+
+def need_roots(top: Polynomial, ring: Ring) -> None:
+    """UndecidedError for a function that is none of s alone: with j among its numbers."""
+    if I in ring.generators and degree_in([top], len(ring.meanings) - 1):
+        raise UndecidedError(
+            "sliding friction stands as a describing function of one amplitude, which has no roots in s"
+        )
 
 
 @dataclass(frozen=True, repr=False)

@@ -21,6 +21,7 @@ from haptisym.kernel.subdivision import Waiting
 from haptisym.programs.onaxis import OnAxis
 from haptisym.programs.taylormodels import Array, halves
 from haptisym.verbs.stability.curves import Gap, Meeting, Meetings
+from haptisym.verbs.stability.held import need_roots
 from haptisym.verbs.stability.loops import Loop
 from haptisym.verbs.stability.pairs import Characteristic, Pair
 from haptisym.verbs.stability.reach import reach_of_axis
@@ -46,6 +47,7 @@ _BEYOND = "where roots meet the imaginary axis, as no search went there"
 
 def searched(loop: Loop, value: Expr, reason: str) -> Iterator[Meetings]:
     """All of them in windows about a value, but for those in gaps. UndecidedError, for a ``reason``, where they have no bound."""
+    need_roots(loop.top, loop.ring)
     form, start = Characteristic(loop), Rational(f"{float(value):.3g}")
     found = [Meeting(x, ExactNumber(Integer(0))) for x in form.at_0()]
     gaps: list[Gap] = []
