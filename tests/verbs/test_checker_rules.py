@@ -742,7 +742,8 @@ def test_beginnings_that_stay_open_are_refused_and_sides_are_bernsteins() -> Non
     assert waves.side([5, 0], 4) == waves.side([9, 4], 4) == waves.side([1], 0) == 1
     assert waves.side([-5, 0], 4) == waves.side([-9, 4], 4) == -1
     assert waves.side([8, 4], 4) == waves.side([8, -4], 4) == waves.side([-8, 4], 4) == waves.side([1], 1) == 0
-    assert waves.side([2, 0, -1], 0) == 1
+    assert waves.side([2, 0, -1], 0) == waves.side([5, 0, 2], 2) == 1
+    assert waves.side([5, 0, 2], 3) == 0  # 7, 6, 7 for 1, 2, 1
     assert waves.side([0, 0, 1], 0) == waves.side([1, 0, -1], 0) == waves.side([1, 0, 2], 0) == 0
     for row in ([3, 1, -1, 0, 1], [7, -2, 3, 1, 0, -2]):
         n = len(row) - 1
@@ -750,6 +751,22 @@ def test_beginnings_that_stay_open_are_refused_and_sides_are_bernsteins() -> Non
         for u in range(5):  # v = (u - 1)/(u + 1)
             told = sum(c * u**i for i, c in enumerate(every))
             assert told == sum(c * (u - 1) ** k * (u + 1) ** (n - k) for k, c in enumerate(row))
+
+
+def test_what_models_leave_open_refuses_a_cell(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a derivative N times as much as of the function, and from 0 on the sum of all groups; c_N stands in its place."""
+    factor = waves.WaveFactor({"waves": [], "terms": [[[1, 0], [["-1"]]], [[0, 0], [["-1"]]]]}, (), (Fraction(1, 2),))
+    for lost, fits in ((1, True), (2, False)):
+        monkeypatch.setattr(factor, "model", lambda *_, lost=lost: ([0, 2 * ORDER, *[0] * (ORDER - 2)], lost))
+        assert refused(factor.signs, Fraction(1), Fraction(2)) != fits
+    for each, fits in (((2, 2), True), ((4, 2), False), ((2, 4), False)):
+        told = iter(each)
+        monkeypatch.setattr(factor, "model", lambda *_, told=told: ([-5, *[0] * (ORDER - 1)], next(told)))
+        assert refused(factor.signs, Fraction(0), Fraction(1)) != fits
+    late = [[[0, 30, 0], [["1000000"]]]]  # omega^15 cos^14, and sin^14 before it
+    for terms, fits in ((late, True), ([*late, [[14, 0, 0], [["1"]]]], False)):
+        factor = waves.WaveFactor({"waves": [14], "terms": terms}, (Fraction(1, 10),), (Fraction(1, 2),))
+        assert refused(factor.signs, Fraction(0), Fraction(1)) != fits
 
 
 def test_wave_factors_are_measured_and_read() -> None:
