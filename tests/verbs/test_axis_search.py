@@ -286,3 +286,24 @@ def test_a_link_that_comes_back_late_holds_whatever_the_hand_damps() -> None:
     for b in ("0", "0.5", "40", "700", "2000"):
         hand = hs.Hand("hand", m="0.6 kg", b=b, k="200 N/m")
         assert held(scene, hand).unstable == 0
+
+
+def test_where_two_roots_are_in_common_at_once_the_value_is_not_that_of_one_alone() -> None:
+    """An all-pass of second order: at 14.54 rad/s both tau, and another one, are roots of real and imaginary part."""
+    chain = (hs.effects.pade_delay("10 ms", 2),)
+    scene = hs.Scene(hs.environments.kelvin_voigt("120 N/m", "3 N*s/m"), chain)
+    hand = hs.Hand("hand", m="0.6 kg", b="1 N*s/m")
+    found = hs.require(scene, "effects.pade-delay.tau", ("1 ms", "100 ms"), that="stable", hand=hand)
+    [high] = [float(x.high.value or 0) for x in found.feasible]
+    assert (high, found.certified) == (pytest.approx(0.03182965, abs=1e-8), True)
+    for tau, number in (("31.8 ms", 0), ("31.9 ms", 2)):
+        assert held(scene.with_values({"effects.pade-delay.tau": tau}), hand).unstable == number
+
+
+def test_a_number_that_is_squared_puts_a_root_at_0_where_the_sum_of_all_stiffnesses_does() -> None:
+    """s^2 + (2 + q) s + q^2 + q/2 - 1: stable from the root of q^2 + q/2 = 1 on."""
+    loop = loop_of(s**2 + (2 + q) * s + q**2 + q / 2 - 1)
+    [zero] = [
+        x for x in next(meetings(loop, Integer(1))).found if x.omega == ExactNumber(Integer(0)) and float(x.value) > 0
+    ]
+    assert zero.value.digits(12) == "0.780776406404"

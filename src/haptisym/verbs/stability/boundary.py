@@ -22,6 +22,7 @@ from haptisym.verbs.stability.curves import Curve, Meeting, Meetings, curve_of, 
 from haptisym.verbs.stability.farout import from_infinity, is_neutral
 from haptisym.verbs.stability.loops import Loop, coefficients
 from haptisym.verbs.stability.neutral import neutral_meetings
+from haptisym.verbs.stability.pairs import Characteristic
 from haptisym.verbs.stability.search import searched
 
 _WINDOWS = 12
@@ -58,6 +59,8 @@ def _eliminated(loop: Loop, value: Expr) -> Iterator[Meetings]:
         else:
             yield _of_a_delay(loop, value, far_out)
         return
+    if len(loop.powers) > 2:  # at omega = 0 one of the two equations is no condition
+        far_out = (*far_out, *(Meeting(x, ExactNumber(Integer(0))) for x in Characteristic(loop).at_0()))
     curve = curve_of(loop)
     if curve is None:
         yield Meetings(far_out)

@@ -12,7 +12,9 @@ import flint
 from sympy import Expr, Integer
 
 from haptisym.judge.peaks import ValueAt
+from haptisym.kernel.axis import Axis
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
 from haptisym.kernel.rings import Polynomial, RationalFunction
@@ -129,10 +131,20 @@ def _eliminated(loop: Loop) -> Curve:
     real, imag = real / common, imag / common
     resultant = real.resultant(imag, f"x{index}")
     linear = _remainder(real, imag, index)
-    if resultant.is_zero() or linear is None:
+    if resultant.is_zero() or linear is None or not _is_apart(resultant, linear[1], axis):
         raise UndecidedError("where roots meet the imaginary axis")
     c0, c1 = linear
     return Curve(axis.function(resultant), axis.function(-c0 * c1, c1 * c1), axis.function(c0 * c0, c1 * c1))
+
+
+def _is_apart(f: Polynomial, g: Polynomial, axis: Axis) -> bool:
+    """Whether two polynomials are shown to have no zero > 0 in common: at one, more than one root would be."""
+    shared = axis.function(f.gcd(g))
+    settled = far(shared)
+    if settled.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
+        return False
+    table = chart({"": RealFunction(shared)}, Integer(0), max(settled.radius, Integer(1)))
+    return not table.undecided and not any(x.orders.get("") for x in table.points[1:])
 
 
 def _remainder(f: Polynomial, g: Polynomial, index: int) -> tuple[Polynomial, Polynomial] | None:
