@@ -56,6 +56,15 @@ def test_a_hand_that_damps_much_holds_the_satellite_as_soon_as_it_is_heavier() -
         assert count([500, 131.4, 11691, mass, 5000, 0], 0.108) == 0
 
 
+def test_between_the_mass_at_which_a_chain_is_lost_and_the_next_critical_one_one_count_holds() -> None:
+    chain, shaking = critical("satellite-contact", satellite(300, 5000, 505), "hand.m")
+    assert (float(chain.value), chain.below, chain.above, chain.stable_side) == (500, None, 0, "above")
+    assert (shaking.below, shaking.above, shaking.stable_side) == (0, 2, "below")
+    assert float(shaking.value) == pytest.approx(576.650343874, rel=1e-11)
+    for mass, expected in ((500.5, 0), (540, 0), (576.6, 0), (576.7, 2)):
+        assert count([500, 131.4, 11691, mass, 300, 5000], 0.108) == expected
+
+
 def test_in_a_hand_that_damps_little_a_chain_that_is_lost_leaves_two_roots() -> None:
     [found] = critical("satellite-contact", satellite(100, 0), "hand.m")
     assert (float(found.value), found.below, found.above, found.stable_side) == (500, None, 2, None)
