@@ -190,3 +190,19 @@ def test_a_zero_at_five_quarters_beside_powers_of_omega_is_one_like_any_other() 
     f = on_axis(Ring.of([x]).convert(x.expand())).imag
     table = chart({"it": f}, Integer(1), Integer(2))
     assert [(float(p.omega), p.before["it"], p.after["it"]) for p in table.points[1:-1]] == [(1.25, 1, -1)]
+
+
+def test_where_the_highest_waves_touch_0_those_below_decide_with_all_their_terms() -> None:
+    """omega^3 (1 + cos 2 omega) + omega cos 2 omega: 2 omega^3 + omega at n pi, -omega between."""
+    x = -(s**3) * (1 + exp(-2 * s)) + s * exp(-2 * s)
+    assert far(on_axis(Ring.of([x]).convert(x.expand())).raw_imag).sense not in (Sense.POSITIVE, Sense.NEGATIVE)
+    x = -(s**3) * (1 + exp(-2 * s)) + s * (2 + exp(-2 * s))
+    assert far(on_axis(Ring.of([x]).convert(x.expand())).raw_imag).sense is Sense.POSITIVE
+
+
+def test_a_zero_of_a_lattice_is_as_manifold_as_that_of_the_term_that_vanishes() -> None:
+    """max(min(w - 3, -1), (w - 3)^3) is (w - 3)^3 there."""
+    terms = [[w - 3, Integer(-1)], [(w - 3) ** 3]]
+    lattice = Lattice(tuple(tuple(RealFunction(AXIS.convert(x).reduced()) for x in term) for term in terms))
+    [place] = chart({"it": lattice}, Rational(1, 2), Integer(8)).points[1:-1]
+    assert (float(place.omega), place.orders["it"]) == (3, 3)
