@@ -307,3 +307,30 @@ def test_a_number_that_is_squared_puts_a_root_at_0_where_the_sum_of_all_stiffnes
         x for x in next(meetings(loop, Integer(1))).found if x.omega == ExactNumber(Integer(0)) and float(x.value) > 0
     ]
     assert zero.value.digits(12) == "0.780776406404"
+
+
+def test_a_long_delay_of_a_soft_display_is_told_though_the_rest_of_it_is_stiff() -> None:
+    """5000 (200 + 2 s) exp(-s tau) + (5200 + 2 s) (0.7 s^2 + 31 s + 110): far out the rest has a root at -2600."""
+    late, felt = hs.effects.delay("12 ms"), hs.effects.shunt(m="0.2 kg", b=1, k=10)
+    own = hs.Scene(hs.environments.kelvin_voigt(200, 2), (hs.effects.compliance(k="5 kN/m"), late, felt))
+    own = own.with_hands(hs.Hand("hand", m="0.5 kg", b=30, k=100))
+    [found] = critical(own, own.hands[0], own.knobs["tau"]).found
+    exact = mpmath.mp.clone()
+    exact.dps = 30
+
+    def loop(w: mpmath.mpf, tau: mpmath.mpf) -> list[mpmath.mpf]:
+        z = exact.mpc(0, w)
+        value = 5000 * (200 + 2 * z) * exact.exp(-z * tau) + (5200 + 2 * z) * (0.7 * z * z + 31 * z + 110)
+        return [value.real, value.imag]
+
+    w, tau = exact.findroot(loop, (5.5, 0.38))
+    assert abs(exact.mpf(found.value.digits(14)) - tau) < 1e-13
+    assert found.omega is not None
+    assert abs(exact.mpf(found.omega.digits(14)) - w) < 1e-12
+    for at, expected in ((0.379, 0), (0.383, 2)):
+        f = lambda s, at=at: 5000 * (200 + 2 * s) * np.exp(-s * at) + (5200 + 2 * s) * (0.7 * s * s + 31 * s + 110)  # noqa: E731
+        assert winding(f, 1000) == expected
+    assert (found.below, found.above, found.stable_side) == (0, 2, "below")
+    asked = hs.require(own, "tau", (0, 1), that="stable", hand="hand")
+    assert [float(x.high.value or 0) for x in asked.feasible] == [pytest.approx(float(tau))]
+    assert not asked.undecided

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from contextlib import suppress
+from itertools import islice
 from math import prod
 from types import SimpleNamespace
 from typing import Any
@@ -18,6 +19,7 @@ from haptisym.kernel.symbols import omega, s
 from haptisym.verbs.stability.boundary import _windows
 from haptisym.verbs.stability.curves import Curve, _remainder, curve_of
 from haptisym.verbs.stability.loops import Loop, coefficients
+from haptisym.verbs.stability.search import searched
 
 Q = Symbol("q", positive=True)
 
@@ -42,7 +44,13 @@ def test_a_value_that_puts_roots_on_the_axis_is_on_the_curve_at_their_frequency(
         A *= exp(-s / 3)
     C = (s**2 + w**2) * A + (Q - v) * B
     ring = Ring.of([C])
-    curve = curve_of(Loop(ring, ring.convert(C).numerator, ring.constant(1), Q))
+    loop = Loop(ring, ring.convert(C).numerator, ring.constant(1), Q)
+    try:
+        curve = curve_of(loop)
+    except UndecidedError:  # of more than one root in common a remainder does not tell the value: it is searched for
+        near = [x for window in islice(searched(loop, v, ""), 3) for x in window.found if x.omega is not None]
+        assert (float(w), float(v)) in [pytest.approx((float(x.omega or 0), float(x.value))) for x in near]
+        return
     assert curve is not None
 
     def at(f: RationalFunction) -> Expr:

@@ -213,12 +213,21 @@ class Negative(RealNumber):
             return -self.number.ball(bits)
 
 
-def rational_between(low: RealNumber | None, high: RealNumber | None) -> Rational:
+_FEW_BITS = 128  # with which a number is shown to lie between others, or is not
+
+
+def rational_between(low: RealNumber | None, high: RealNumber | None, own: Expr | None = None) -> Rational:
     """The simplest rational number strictly between two different numbers; None stands for no bound on that side.
+
+    ``own`` : the one that is taken if it lies between.
 
     >>> rational_between(ExactNumber(Rational(1, 3)), ExactNumber(Rational(2, 3))), rational_between(ExactNumber(pi), None)
     (1/2, 4)
+    >>> rational_between(ExactNumber(Integer(0)), None, Rational(3, 250)), rational_between(ExactNumber(pi), None, Integer(3))
+    (3/250, 4)
     """
+    if isinstance(own, Rational) and _is_between(low, own, high):
+        return own
     if low is None or high is None:
         return _integer_beyond(low, high)
     apart = at_rising_precision(lambda bits: _apart(low.bounds(bits)[1], high.bounds(bits)[0]), 16, SURE_BITS)
@@ -230,6 +239,13 @@ def rational_between(low: RealNumber | None, high: RealNumber | None) -> Rationa
 
 def _apart(below: Fraction, above: Fraction) -> tuple[Fraction, Fraction] | None:
     return (below, above) if below < above else None
+
+
+def _is_between(low: RealNumber | None, own: Rational, high: RealNumber | None) -> bool:
+    """Whether a number is shown to lie strictly between."""
+    with flint.ctx.workprec(_FEW_BITS):
+        here = arb(fmpq(int(own.p), int(own.q)))
+        return bool((low is None or low.ball(_FEW_BITS) < here) and (high is None or here < high.ball(_FEW_BITS)))
 
 
 def _integer_beyond(low: RealNumber | None, high: RealNumber | None) -> Integer:

@@ -216,9 +216,9 @@ def _reach(polynomial: Polynomial, terms: Terms, floor: Expr, ring: Ring) -> tup
     late = late_turns({x for group in terms.values() for x in group}, [*terms])
     nearer = None if late is None else positive_from(terms, late)
     if nearer is not None and 2 * nearer < radius:
-        _need_few_turns(nearer, ring)
+        _need_few_turns(nearer, terms, ring)
         return nearer, _undelayed(polynomial, ring)
-    _need_few_turns(radius, ring)
+    _need_few_turns(radius, terms, ring)
     [*own] = _delays_of(terms[degree], ring)
     if len(own) != 1:
         return radius, None
@@ -226,8 +226,9 @@ def _reach(polynomial: Polynomial, terms: Terms, floor: Expr, ring: Ring) -> tup
     return 2 * pi * turns / own[0], None
 
 
-def _need_few_turns(radius: Rational, ring: Ring) -> None:
-    if any(sign_of_number(radius * lag - _MOST_TURNING) > 0 for lag in ring.lags):
+def _need_few_turns(radius: Rational, terms: Terms, ring: Ring) -> None:
+    late = {i for group in terms.values() for turns in group for i, n in enumerate(turns) if n}
+    if any(sign_of_number(radius * ring.lags[i] - _MOST_TURNING) > 0 for i in late):
         raise UndecidedError("the roots of a function that its delays turn thousands of times")
 
 

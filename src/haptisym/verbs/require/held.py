@@ -72,7 +72,7 @@ def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
     return Question(
         turns, verdict, asked, closed=False, beyond=(window.above, window.below), spares=lambda x: _is_clear(loop, x),
         exists=lambda x: allowed(scene, free, x), gone=missing(scene, free), gaps=window.gaps,
-        fails=RightRoots(loop).everywhere,
+        fails=RightRoots(loop).everywhere, own=free.value,
     ).solve()  # fmt: skip
 
 
@@ -85,7 +85,9 @@ def _with_a_clock(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved
     def verdict(value: Expr) -> bool | None:
         return loop.count(Rational(value))[0] == 0
 
-    return Question(turns, verdict, asked, closed=False, beyond=(low, high), gone=missing(scene, free)).solve()
+    return Question(
+        turns, verdict, asked, closed=False, beyond=(low, high), gone=missing(scene, free), own=free.value
+    ).solve()
 
 
 def _is_clear(loop: Loop, turn: Turn) -> bool:

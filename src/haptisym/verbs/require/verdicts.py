@@ -37,6 +37,7 @@ class Question:
     does not.
     ``beyond`` : from where on turns are not known, None where they all are; ``gaps`` : between which values they are not.
     ``fails`` : whether all values between two are known to have the verdict no.
+    ``own`` : the value that the scene has, which is asked about for all that no turn parts from it.
     """
 
     turns: Sequence[Turn]
@@ -49,6 +50,7 @@ class Question:
     gone: Sequence[RealNumber] = ()
     gaps: Sequence[Gap] = ()
     fails: Callable[[RealNumber | None, RealNumber | None], bool] = lambda _low, _high: False
+    own: Expr | None = None
     reasons: list[str] = field(default_factory=list, init=False, compare=False)
     """Why verdicts stayed open, as they were asked for."""
 
@@ -105,7 +107,7 @@ class Question:
             return None
         if (gap := next((x for x in self.gaps if x.holds(low, high)), None)) is not None:
             return self._failed(low, high, gap.reason or "critical values come as near to one as one likes")
-        return self._told(rational_between(low, high), low, high)
+        return self._told(rational_between(low, high, self.own), low, high)
 
     def _told(self, value: Expr, low: RealNumber | None, high: RealNumber | None) -> bool | None:
         """The verdict on a value, and so on all between two."""

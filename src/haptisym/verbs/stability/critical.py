@@ -204,7 +204,7 @@ class _Walk:
         """Before the i-th meeting; at an end of what is allowed, where a meeting is there; None where nothing is allowed."""
         low, high = line.cell(i)
         if low is None or high is None or ordered(low, high):
-            return self._at(rational_between(low, high))
+            return self._at(rational_between(low, high, self.free.value))
         end = self.high if i else self.low
         with suppress(UndecidedError):  # what is asked about need not end there
             return self._at(end) if self.closed and end is not None else None
