@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import random
+from typing import Any
 
 import pytest
+from flint import Ordering, fmpq, fmpq_mpoly_ctx
 from sympy import Expr, Integer, Poly, Rational, exp, symbols
 
 from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.irreducible import irreducible
 from haptisym.kernel.rings import degree_in
 from haptisym.kernel.symbols import s
 
@@ -83,3 +86,18 @@ def test_rational_functions_are_added_multiplied_and_reduced_as_sympy_does(seed:
     own = RING.convert((s**4 + 4) * (s**2 - 2)).numerator
     assert sorted(Poly(RING.expression(h), s).degree() for h, _ in RING.factors(own)[1]) == [2, 4]
     assert sorted(Poly(RING.expression(h), s).degree() for h, _ in RING.factors(own, in_square=False)[1]) == [2, 2, 2]
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_what_is_quickly_called_irreducible_is_no_product(seed: int) -> None:
+    """Also none with a factor that is free of the variable that is looked at first."""
+    draw, context = random.Random(seed), fmpq_mpoly_ctx.get(("x0", "x1"), Ordering.lex)
+    x, y = context.gens()
+
+    def some(a: Any, b: Any) -> Any:
+        return a ** draw.randint(1, 2) + draw.randint(-2, 2) * b + draw.choice([1, 3, 5])
+
+    first, second = draw.choice([(y + 3, x**2 + 1), (x + 2, y**3 + x + 1), (some(x, y), some(y, x))])
+    assert irreducible(first * second, [0, 1]) is None
+    own = x**2 + y + draw.randint(1, 9)
+    assert irreducible(own * fmpq(2, 3), [0, 1]) == (fmpq(2, 3), [(own, 1)])

@@ -22,6 +22,7 @@ from haptisym.kernel.precision import SURE_BITS, at_rising_precision
 from haptisym.kernel.shown import Viewed
 
 Ball: TypeAlias = Any  # flint.arb, which ships no types
+_FEW_BITS = 128  # with which a number is shown to lie between others, or is not
 
 
 class RealNumber(Viewed, ABC):
@@ -211,9 +212,6 @@ class Negative(RealNumber):
     def ball(self, bits: int) -> Ball:
         with flint.ctx.workprec(bits):
             return -self.number.ball(bits)
-
-
-_FEW_BITS = 128  # with which a number is shown to lie between others, or is not
 
 
 def rational_between(low: RealNumber | None, high: RealNumber | None, own: Expr | None = None) -> Rational:
