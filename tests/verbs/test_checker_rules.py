@@ -753,6 +753,20 @@ def test_beginnings_that_stay_open_are_refused_and_sides_are_bernsteins() -> Non
             assert told == sum(c * (u - 1) ** k * (u + 1) ** (n - k) for k, c in enumerate(row))
 
 
+def test_what_a_model_is_off_by_is_bounded_where_hardly_anything_is_given_away() -> None:
+    """A cosine from 0 on, whose sizes are those at 0 and not at the end; a power at the low end of its cell."""
+    tau, alpha = Fraction(1), Fraction(1, 2)
+    cosine = waves.WaveFactor({"waves": [1], "terms": [[[0], [["1"]]]]}, (tau,))
+    power = waves.WaveFactor({"waves": [], "terms": [[[1, 0], [["1"]]]]}, (), (alpha,))
+    for factor, a, b, v, true in (
+        (cosine, Fraction(0), Fraction(3), 1, MP.cos(MP.mpf(3) / 2)),
+        (power, Fraction(1), Fraction(3, 2), -1, MP.cos(MP.pi / 4)),
+    ):
+        row, lost = factor.model(factor.all, a, b)
+        off = abs(sum(c * v**n for n, c in enumerate(row)) - true * SCALE)
+        assert off <= lost < 100 * off
+
+
 def test_what_models_leave_open_refuses_a_cell(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a derivative N times as much as of the function, and from 0 on the sum of all groups; c_N stands in its place."""
     factor = waves.WaveFactor({"waves": [], "terms": [[[1, 0], [["-1"]]], [[0, 0], [["-1"]]]]}, (), (Fraction(1, 2),))
