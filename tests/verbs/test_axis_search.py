@@ -206,6 +206,12 @@ def test_what_was_found_stays_found_where_the_other_side_cannot_be_told(monkeypa
     monkeypatch.setattr("haptisym.verbs.stability.critical.meetings", cut_short)
     found = critical(scene, scene.hands[0], scene.knobs["environment.k"])
     assert ([x.value.digits(7) for x in found.found], found.reason) == (["2.794315"], "the rest")
+    monkeypatch.setattr("haptisym.verbs.require.held.meetings", cut_short)
+    asked = hs.require(scene, "environment.k", that="stable")
+    [span] = asked.feasible
+    assert (float(span.low.value or 0), span.high.value and span.high.value.digits(7)) == (0, "2.794315")
+    assert [low is not None for low, high in asked.undecided if high is None] == [True]
+    assert asked.reason == "the rest"
 
 
 delays = st.sampled_from([q, 2 * q, q + Rational(1, 5), Rational(3, 10), pi / 20, q * pi / 3, Integer(0)])

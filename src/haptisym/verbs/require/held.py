@@ -109,17 +109,29 @@ def _on_axis(loop: Loop, value: RealNumber, omega: RealNumber) -> Any:
 def window_of(loop: Loop, free: Knob, asked: Domain) -> Meetings:
     """The values with roots on the axis, as far as the domain goes where that is known."""
     last: Meetings | None = None
-    for found in islice(meetings(loop, free.value), _MOST_WINDOWS):
-        last = found if last is None else _wider(last, found)
-        if any(_meets(gap, asked) for gap in last.gaps):
-            continue
-        low = last.above is None or (asked.low is not None and bool(last.above <= asked.low))
-        high = last.below is None or (asked.high is not None and bool(last.below >= asked.high))
-        if low and high:
-            break
+    try:
+        for found in islice(meetings(loop, free.value), _MOST_WINDOWS):
+            last = found if last is None else _wider(last, found)
+            if any(_meets(gap, asked) for gap in last.gaps):
+                continue
+            low = last.above is None or (asked.low is not None and bool(last.above <= asked.low))
+            high = last.below is None or (asked.high is not None and bool(last.below >= asked.high))
+            if low and high:
+                break
+    except UndecidedError as error:
+        if last is None:
+            raise
+        return _cut(last, str(error))
     if last is None:
         raise UndecidedError("where roots meet the imaginary axis")
     return last
+
+
+def _cut(window: Meetings, reason: str) -> Meetings:
+    """What is beyond a window is left open for a reason."""
+    below = [] if window.above is None else [Gap(None, ExactNumber(window.above), reason)]
+    beyond = [] if window.below is None else [Gap(ExactNumber(window.below), None, reason)]
+    return Meetings(window.found, gaps=(*window.gaps, *below, *beyond))
 
 
 def _meets(gap: Gap, asked: Domain) -> bool:
