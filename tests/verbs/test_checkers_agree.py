@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import random
 import resource
 import subprocess
 import sys
@@ -17,10 +18,10 @@ from certificates import HELD, OWN, certificate, fractional_scene, late_scene, o
 from forgeries import evaluated, gain, of_scene
 from marks import often
 from mutated import mutated
-from secondchecker import verdicts
+from secondchecker import cells, verdicts
 
 from haptisym import SceneError, parse_scene, stability
-from haptisym_check import RefusedError, check
+from haptisym_check import RefusedError, check, waves
 
 
 def said(proof: str, scene: str) -> str:
@@ -294,3 +295,57 @@ def test_a_function_that_is_zero_because_of_an_order_gets_a_sentence() -> None:
     text = with_powers("s^0.5").replace('"first-order-lag"\nomega_c = 20', '"series"\nG = "s^0.5"')
     with pytest.raises(SceneError, match=r"as Re s\^0\.5 s\^0\.5"):
         evaluated(text)
+
+
+def drawn_cell(draw: random.Random) -> tuple[Any, ...]:
+    """A factor with waves, delays, orders and a cell, from 0 on or beyond, in which it often has a zero."""
+
+    def positive(low: int, high: int) -> Fraction:
+        return Fraction(draw.randint(1, 99), draw.randint(1, 99)) * Fraction(10) ** draw.randint(low, high)
+
+    delays = [positive(-3, 1) for _ in range(draw.randint(0, 2))]
+    orders = [Fraction(draw.randint(1, 15), 16) for _ in range(draw.randint(not delays, 2))]
+    scale = 1 / max([*delays, Fraction(1)])
+    a = Fraction(0) if draw.random() < 0.3 else scale * positive(-1, 1)
+    b = a + scale * positive(*draw.choice([(-4, -1), (-1, 0), (0, 0)]))
+    waved = [draw.randint(0, 3) for _ in delays]
+    rows = {}
+    for _ in range(draw.randint(1, 3)):
+        turns = (*(draw.randint(0, n) for n in waved), *(draw.choice([0, 0, 1, 2]) for _ in range(2 * len(orders))))
+        root = a + (b - a) * Fraction(draw.randint(-500, 1500), 1000)
+        p = [[-root.numerator], [root.denominator]]
+        if draw.random() < 0.4:
+            p = [[draw.randint(-9, 9)] for _ in range(draw.randint(0, 3))] + [[draw.randint(1, 9), draw.randint(1, 9)]]
+        rows[turns] = p
+    terms = [[list(turns), [[str(c) for c in row] for row in p]] for turns, p in rows.items()]
+    return {"waves": waved, "terms": terms}, delays, orders, a, b
+
+
+def judged(told: Any, delays: list[Fraction], orders: list[Fraction], a: Fraction, b: Fraction) -> list[Any]:
+    f, found = waves.WaveFactor(told, tuple(delays), tuple(orders)), list[Any]()
+    for work in (lambda: f.model(f.all, a, b) if a else None, lambda: f.signs(a, b)):
+        try:
+            found.append(work())
+        except RefusedError:
+            found.append(None)
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
+def test_both_bound_and_judge_cells_of_factors_with_waves_alike(seed: int) -> None:
+    draw = random.Random(seed)
+    asked = [drawn_cell(draw) for _ in range(800)]
+    written = [(x[0], *([str(y) for y in z] for z in x[1:3]), str(x[3]), str(x[4])) for x in asked]
+    told = 0
+    for x, (model, signs) in zip(asked, cells(written), strict=True):
+        own_model, own_signs = judged(*x)
+        assert (own_model is None, own_signs is None) == (model is None, signs is None), x
+        if own_model is not None:
+            (row, lost), (other, off) = own_model, model
+            assert sum(abs(c - int(d)) for c, d in zip(row, other, strict=True)) <= lost
+            assert abs(lost - int(off)) * 1000 <= lost
+        if own_signs is not None:
+            assert (Fraction(own_signs[0]), own_signs[1]) == (Fraction(signs[0]), signs[1])
+            told += 1
+    assert 200 < told < 700
