@@ -164,6 +164,7 @@ def test_signs_and_powers_are_those_of_print(figures: list[Figure]) -> None:
         assert not re.search(r"(?<!\w)-\d|\d\^|\de[-+]?\d|\bus\b", plain), text
 
 
+@pytest.mark.few(4)
 def test_what_is_labelled_is_in_the_legend_once(figures: list[Figure]) -> None:
     for ax in (x for figure in figures for x in figure.axes):
         legend = ax.get_legend()
@@ -180,6 +181,7 @@ def look(line: Line2D) -> tuple[str, str, str]:
     return to_hex(line.get_color()), stroke, str(line.get_marker())
 
 
+@pytest.mark.few(4)
 def test_every_line_drawn_looks_like_an_entry_of_the_legend(figures: list[Figure]) -> None:
     """Thin grey ones apart: axes through 0, and what ties a text to its place."""
     for ax in (x for figure in figures for x in figure.axes if x.get_legend()):
@@ -208,11 +210,13 @@ def overlaps(figure: Figure) -> list[tuple[str, str]]:
     return found
 
 
+@pytest.mark.few(4)
 def test_no_text_lies_on_another_or_leaves_the_figure(figures: list[Figure]) -> None:
     for figure in figures:
         assert overlaps(figure) == []
 
 
+@pytest.mark.few(4)
 def test_bars_are_equally_thick(figures: list[Figure]) -> None:
     heights = {
         round(bar.get_window_extent().height, 1)

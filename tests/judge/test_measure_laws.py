@@ -202,7 +202,7 @@ def test_the_largest_value_on_a_band_is_that_of_samples(seed: int) -> None:
 # What no passive hand can drive
 
 
-@pytest.mark.few(4)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 def test_sums_of_masses_dampers_springs_and_resonators_have_poles_that_passivity_allows_and_one_wrong_part_has_not(
     seed: int,

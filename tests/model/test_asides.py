@@ -72,7 +72,7 @@ VERBS: dict[str, tuple[str, ...]] = {
 }
 
 
-@pytest.mark.few("evaluate", "effects", "sensitivity", "metrics", "stability", "derive", "simulate")
+@pytest.mark.few("evaluate", "effects", "stability")
 @pytest.mark.parametrize("verb", VERBS)
 def test_verbs_that_take_the_nominal_values_say_so(verb: str, call: Call, scenes: tuple[str, str]) -> None:
     for file, note, ranges in zip(scenes, (NOTE, None), (EVERY, None), strict=True):

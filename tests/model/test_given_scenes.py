@@ -46,7 +46,7 @@ def test_what_takes_a_scene_says_that_a_name_or_a_path_will_do(name: str) -> Non
     assert name in CALLS
 
 
-@pytest.mark.few("evaluate", "derive", "metrics", "relevance", "require", "scene_code", "sensitivity", "stability")
+@pytest.mark.few("evaluate", "derive", "require", "stability")
 @pytest.mark.parametrize("name", [x for x in CALLS if x not in TIMED])
 def test_a_name_or_a_path_is_as_good_as_the_scene(name: str, tmp_path: Path) -> None:
     shipped = "fu2019-tolerances" if name == "tolerances" else "fu2019"

@@ -78,7 +78,7 @@ def numbers(words: Phrase) -> Iterator[Number]:
         yield words
 
 
-@pytest.mark.few(16)
+@pytest.mark.few(8)
 @pytest.mark.parametrize("columns", [40, 96])
 def test_a_page_fits_its_columns(page: Document, columns: int) -> None:
     lines = plain(page, columns).split("\n")

@@ -185,6 +185,7 @@ def test_the_order_of_a_tissue_has_a_critical_value() -> None:
     assert [roots(high * x) for x in (0.9999, 1.0001, 1.1)] == [0, 2, 2]
 
 
+@pytest.mark.slow
 def test_what_moves_together_is_critical_by_its_sum() -> None:
     """The master's mass and the hand's stand in one place: 0.1 kg and 0.5 kg in the scene."""
     scene = hs.load_scene("position-force-teleoperation").with_hands(hs.hands["light-touch"])
@@ -315,6 +316,7 @@ def test_a_number_that_is_squared_puts_a_root_at_0_where_the_sum_of_all_stiffnes
     assert zero.value.digits(12) == "0.780776406404"
 
 
+@pytest.mark.slow
 def test_a_long_delay_of_a_soft_display_is_told_though_the_rest_of_it_is_stiff() -> None:
     """5000 (200 + 2 s) exp(-s tau) + (5200 + 2 s) (0.7 s^2 + 31 s + 110): far out the rest has a root at -2600."""
     late, felt = hs.effects.delay("12 ms"), hs.effects.shunt(m="0.2 kg", b=1, k=10)

@@ -379,6 +379,7 @@ def test_what_cannot_be_asked_is_refused(options: dict[str, object], told: str) 
 # For a scene.
 
 
+@pytest.mark.slow
 def test_the_line_for_a_scene_is_one_with_the_interval_as_its_range_and_its_proportion() -> None:
     found = hs.jnd(DATA, reference=5)
     own = 'environment = { model = "mass-spring-damper", k = 1 }\n'

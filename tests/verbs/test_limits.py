@@ -189,7 +189,7 @@ RANGES = hs.Scene(
 )
 
 
-@pytest.mark.few(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("ticks", [30, 100, 300, 1000, 3000, 10_000])
 def test_enclosures_after_a_limit_hold_all_crossings(ticks: int, clock: Callable[[float], None]) -> None:
     whole = tolerances(RANGES, samples=20)

@@ -518,6 +518,7 @@ def test_series_over_a_whole_piece_hold_the_taylor_series_of_every_place_in_it_a
                         assert exactly(deeper[k][n].rad()) < exactly(series[n].rad()) / 8 + FINE.mpf(10) ** -8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", CHAINS.values(), ids=CHAINS)
 def test_ranges_on_pieces_hold_all_values_and_are_reached(scene: hs.Scene) -> None:
     balls, witness = BallChain(scene), Wide(scene)

@@ -34,6 +34,7 @@ def test_slices_go_where_the_boundary_bends() -> None:
         assert float(x.requirement.feasible[0].low.value) == pytest.approx(least(x.place), rel=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("within", ["0.02", "0.5 %", "0.002"])
 def test_lines_are_off_by_about_what_is_estimated(within: str) -> None:
     found = hs.design_map(lag(), PLANE, RANGES, within=within)

@@ -228,6 +228,7 @@ def test_the_verdict_is_for_all_for_some_or_for_none(top: int, verdict: Verdict)
             assert whole is expected
 
 
+@pytest.mark.few("delay")
 @pytest.mark.parametrize("model", ["delay", "zero-order-hold", "second-order-lowpass"])
 def test_no_set_of_values_crosses_outside_the_enclosures(model: str) -> None:
     parameters = {

@@ -30,6 +30,7 @@ def in_code(number: Expr, language: Language) -> str:
     return CodeReader(program, set(), dialect=DIALECTS[language], names={}).results()["y"].text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("language", Language, ids=lambda x: x.name)
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_number_in_code_reads_back_as_the_double_nearest_to_it(language: Language, sign: int) -> None:
