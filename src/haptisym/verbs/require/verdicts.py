@@ -18,6 +18,7 @@ from haptisym.verbs.stability.curves import Gap
 
 _BITS = 600
 """With which values are told apart; what is alike so far counts as one."""
+_BEYOND = "further out was not looked at"
 
 
 @dataclass(frozen=True)
@@ -100,14 +101,18 @@ class Question:
 
     def _cell(self, a: Turn | None, b: Turn | None) -> bool | None:
         low, high = (None if x is None else x.value for x in (a, b))
-        first, last = self.beyond
-        if first is not None and high is not None and compared(high, ExactNumber(first)) >= 0:
-            return None
-        if last is not None and (high is None or compared(ExactNumber(last), high) > 0):
+        if self._is_beyond(high):
+            self.reasons.append(_BEYOND)
             return None
         if (gap := next((x for x in self.gaps if x.holds(low, high)), None)) is not None:
             return self._failed(low, high, gap.reason or "critical values come as near to one as one likes")
         return self._told(rational_between(low, high, self.own), low, high)
+
+    def _is_beyond(self, high: RealNumber | None) -> bool:
+        """Whether turns are not known in a cell up to there."""
+        first, last = self.beyond
+        below = first is not None and high is not None and compared(high, ExactNumber(first)) >= 0
+        return below or (last is not None and (high is None or compared(ExactNumber(last), high) > 0))
 
     def _told(self, value: Expr, low: RealNumber | None, high: RealNumber | None) -> bool | None:
         """The verdict on a value, and so on all between two."""
