@@ -3,17 +3,25 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from sympy import Integer, Rational
+from sympy import Integer, Rational, Symbol, exp, lambdify, pi
+from windings import winding
 
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.rootcount import Roots
+from haptisym.kernel.rootcount import RootChain, Roots
+from haptisym.kernel.symbols import s
 from haptisym.model.parameters import Rule
 from haptisym.verbs.stability import critical
 from haptisym.verbs.stability.curves import Gap, Meeting, Meetings
+from haptisym.verbs.stability.loops import ALLOWED, Loop
+
+q = Symbol("q", positive=True)
 
 
 def exact(value: int) -> ExactNumber:
@@ -53,3 +61,138 @@ def test_the_nearest_change_is_told_unless_it_may_lie_in_a_gap(seed: int, monkey
             assert (float(row.value), row.below, row.above) == (true, at(true).number, at(true + Rational(1, 2)).number)
         elif first is not None:
             assert told.reason
+
+
+class World:
+    """Values at which the count of roots changes, as it is between them and right there; endless counts have a chain."""
+
+    def __init__(self, draw: random.Random, rule: Rule) -> None:
+        self.low, self.high, self.closed = ALLOWED[rule]
+        chosen = sorted(draw.sample(range(-3, 16), draw.randint(1, 7)))
+        self.places = [Rational(x, 16) if rule is Rule.FRACTION else Rational(x) for x in chosen]
+        self.between = [draw.choice([0, 0, 1, 2, None]) for _ in range(len(chosen) + 1)]
+        self.right_there = [draw.choice([0, 1, 2]) for _ in chosen]
+
+    def at(self, value: Any) -> Roots:
+        below = sum(bool(x < value) for x in self.places)
+        number = self.right_there[below] if value in self.places else self.between[below]
+        return Roots(number, number, chain=RootChain.RIGHT if number is None else None)
+
+    def allows(self, value: Any) -> bool:
+        """Whether it lies inside of what is allowed."""
+        return (self.low is None or value > self.low) and (self.high is None or value < self.high)
+
+    def is_end(self, value: Any) -> bool:
+        return value in (self.low, self.high)
+
+    def sides(self, i: int) -> tuple[int | None, int | None] | None:
+        """The counts on both sides of a place; at an end that is allowed the one right there; None if nothing is there."""
+        value = self.places[i]
+        below, above = self.between[i], self.between[i + 1]
+        if self.is_end(value):
+            if not self.closed:
+                return None
+            return (self.right_there[i], above) if value == self.low else (below, self.right_there[i])
+        return below, above
+
+
+def windows_about(draw: random.Random, world: World, start: Any) -> list[Meetings]:
+    """Ever wider ones, some of which end at a place, at what is allowed or beyond it; further out some places are listed, and others not."""
+    unit = Rational(1, 16) if world.high is not None else Rational(1)
+    found, low, high = [], start - unit / 4, start + unit / 4
+    for _ in range(draw.randint(1, 4)):
+        low, high = low - draw.randint(0, 6) * unit / 4, high + draw.randint(0, 6) * unit / 4
+        ends = [None if x is None or draw.random() < 0.15 else x for x in (low, high)]
+        told = [
+            x for x in world.places
+            if ((ends[0] is None or x > ends[0]) and (ends[1] is None or x < ends[1])) or draw.random() < 0.5
+        ]  # fmt: skip
+        draw.shuffle(told)
+        found.append(Meetings(tuple(Meeting(ExactNumber(x), exact(1)) for x in told), *ends))
+        low, high = (
+            new if kept is not None else Integer(side * 99)
+            for new, kept, side in ((low, ends[0], -1), (high, ends[1], 1))
+        )
+    return found
+
+
+@pytest.mark.parametrize("rule", ALLOWED)
+@pytest.mark.parametrize("group", range(10))
+def test_of_windows_that_grow_each_tells_what_lies_inside_of_it_and_nothing_beyond(
+    group: int, rule: Rule, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for seed in range(20 * group, 20 * group + 20):
+        draw = random.Random(f"{rule} {seed}")
+        world = World(draw, rule)
+        inside = [x for x in world.places if world.allows(x) or (world.closed and world.is_end(x))]
+        half = Rational(draw.randint(0, 12) * 2 + 1, 32 if world.high is not None else 2)
+        start = draw.choice(inside) if inside and draw.random() < 0.3 else half
+        given, breaks = windows_about(draw, world, start), draw.random() < 0.3
+
+        def meetings(*_: Any, given: list[Meetings] = given, breaks: bool = breaks) -> Iterator[Meetings]:
+            yield from given
+            if breaks:
+                raise UndecidedError("the rest")
+
+        monkeypatch.setattr(critical, "meetings", meetings)
+        free: Any = SimpleNamespace(path="q", value=start, rule=rule)
+        loop: Any = SimpleNamespace(at=world.at, turns=draw.random() < 0.3)
+        expected, is_settled = known_of(world, start, given)
+        if breaks and not is_settled and not any(expected):
+            with pytest.raises(UndecidedError, match="the rest"):
+                critical._Walk(loop, free).nearest()
+            continue
+        told = critical._Walk(loop, free).nearest()
+        assert [(x.value.value, x.below, x.above) for x in told.found] == [x for x in expected if x]  # type: ignore[attr-defined]
+        assert bool(told.reason) is not is_settled
+        assert is_settled or told.reason == ("the rest" if breaks else critical._ENDLESS)
+        for x in told.found:
+            has_chain, at_end = None in (x.below, x.above), world.is_end(x.value.value)  # type: ignore[attr-defined]
+            assert x.chain_side == (("above" if x.above is None else "below") if has_chain else None)
+            stable = "above" if x.above == 0 else "below" if x.below == 0 else None
+            assert x.stable_side == (None if has_chain and (loop.turns or at_end) else stable)
+
+
+Row = tuple[Any, int | None, int | None]
+
+
+def known_of(world: World, start: Any, given: list[Meetings]) -> tuple[list[Row | None], bool]:
+    """What windows tell of both sides, or of the start itself, and whether that is all there is to tell."""
+    if start in world.places:
+        i = world.places.index(start)
+        both = world.sides(i)
+        if both is not None and both[0] != both[1]:
+            return [(start, *both)], True
+    rows: list[Row | None] = []
+    settled = 0
+    for side in (-1, 1):
+        ahead = [i for i, x in enumerate(world.places) if (x - start) * side > 0]
+        changes = [
+            (world.places[i], *both) for i in ahead[::side]
+            if (world.allows(world.places[i]) or world.is_end(world.places[i]))
+            and (both := world.sides(i)) is not None and both[0] != both[1]
+        ]  # fmt: skip
+        ends = [x.above if side < 0 else x.below for x in given]
+        limit = world.low if side < 0 else world.high
+        reached = [
+            bool(changes) and (end is None or (changes[0][0] - end) * side < 0 or changes[0][0] == limit == end)
+            for end in ends
+        ]
+        whole = [end is None or (limit is not None and (end - limit) * side >= 0) for end in ends]
+        rows.append(changes[0] if any(reached) else None)
+        settled += any(reached) or any(whole)
+    return rows, settled == 2
+
+
+@pytest.mark.slow
+def test_beside_a_critical_value_at_the_end_of_a_window_the_count_is_that_beside_it() -> None:
+    """q s^2 + s + (1 + 15 s/8) exp(-s pi/2) is 0 at s = j for q = 15/8, which is 15/16 of the value 2; at 0 there is a chain."""
+    expression = q * s**2 + s + (1 + Rational(15, 8) * s) * exp(-s * pi / 2)
+    ring = Ring.of([expression])
+    top = ring.convert(expression).numerator
+    loop = Loop(ring, top, ring.constant(1), q, Integer(0))
+    free: Any = SimpleNamespace(path="q", value=Integer(2), rule=Rule.NONNEGATIVE)
+    [row] = critical._Walk(loop, free).nearest().found
+    assert (float(row.value), row.below, row.above, row.stable_side) == (1.875, 2, 0, "above")
+    f = lambdify((s, q), expression, "numpy")
+    assert [winding(lambda x, at=at: f(x, at), 60.0) for at in (1.85, 1.9)] == [2, 0]

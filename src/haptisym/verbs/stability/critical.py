@@ -207,7 +207,8 @@ class _Walk:
             return self._at(rational_between(low, high, self.free.value))
         end = self.high if i else self.low
         with suppress(UndecidedError):  # what is asked about need not end there
-            return self._at(end) if self.closed and end is not None else None
+            # the end of a window that ends at a meeting is no end of what is allowed: what is beyond is not known
+            return self._at(end) if self.closed and end is not None and line.is_whole[i > 0] else None
         return None
 
     def _at(self, value: Expr) -> Count:
