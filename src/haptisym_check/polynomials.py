@@ -68,7 +68,7 @@ def pairs(row: Sequence[int]) -> list[tuple[int, int]]:
 def affordable(numbers: Iterable[Fraction], cost: int) -> None:
     """That signs, with that cost where numbers have one bit, are soon found at all of some numbers."""
     bits = sum(x.denominator.bit_length() + x.numerator.bit_length() for x in numbers)
-    need(bits * cost < 2 * 10**9, "the cells are too many, or too fine")
+    need(bits * cost < 5 * 10**9, "the cells are too many, or too fine")
 
 
 class Factor:

@@ -61,7 +61,7 @@ def verify(
 def values(told: dict[str, Product], factors: list[Factor], slabs: Any, scene: Scene) -> list[list[Any]]:
     """Intervals of values, ascending, each with whether the display is transparent for them, and which parts bind between."""
     rows = [keyed(x, "from", "to", "points", "part") for x in listed(slabs, 500, 1)]
-    cost = sum((len(x.rows) * max(map(len, x.rows))) ** 2 + 1000 for x in factors)
+    cost = 2 * sum((len(x.rows) * max(map(len, x.rows))) ** 2 + 1000 for x in factors)
     triples = ((low, high, x) for low, high, points, _ in rows for x in listed(points, 500, 1))
     affordable((number(x) for triple in triples for x in triple if x is not None), cost)
     joins = [a[1] == b[0] and (a[3] is None) == (b[3] is None) for a, b in pairwise(rows)]

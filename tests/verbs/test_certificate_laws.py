@@ -417,7 +417,7 @@ def test_points_of_the_grid_are_counted_from_the_degrees() -> None:
 
 def test_a_checker_that_would_work_too_long_is_told_of() -> None:
     one = [Fraction(3, 4), Fraction(1)]  # seven bits
-    limit = 2 * 10**9
+    limit = 5 * 10**9
     written._afford(one, ["3/4"], [limit // 7])
     for points, ends, costs in (
         (one, [], [limit // 7 + 1]),

@@ -302,8 +302,8 @@ def test_sizes_costs_and_degrees_of_factors() -> None:
     assert polynomials.pairs([1, 2, 3, 4]) == [(1, 2), (3, 4)]
     assert polynomials.turns([0, 1, 0, -1, -1, 0, 1, 0]) == 2
     assert polynomials.order([0, 0, 5, 0]) == 2
-    assert not refused(polynomials.affordable, [Fraction(3, 4), Fraction(1)], 2 * 10**9 // 7 - 1)
-    assert refused(polynomials.affordable, [Fraction(3, 4), Fraction(1)], 2 * 10**9 // 7 + 1)
+    assert not refused(polynomials.affordable, [Fraction(3, 4), Fraction(1)], 5 * 10**9 // 7 - 1)
+    assert refused(polynomials.affordable, [Fraction(3, 4), Fraction(1)], 5 * 10**9 // 7 + 1)
 
 
 # Values

@@ -1268,7 +1268,7 @@ const haptisymCheck = (function () {
   /** That signs, with that cost where numbers have one bit, are soon found at all of some numbers. */
   function affordable(numbers, cost) {
     const bits = numbers.reduce((n, x) => n + bitsOf(x.d) + bitsOf(x.n), 0);
-    need(bits * cost < 2e9, "the cells are too many, or too fine");
+    need(bits * cost < 5e9, "the cells are too many, or too fine");
   }
 
   /** The places of the band in order, with the orders of all factors there, and their signs in between. */
@@ -1505,7 +1505,7 @@ const haptisymCheck = (function () {
   function valuesOf(told, factors, slabs, scene) {
     const rows = listed(slabs, 500, 1).map((x) => keyed(x, "from", "to", "points", "part"));
     const triples = rows.flatMap(([low, high, points]) => listed(points, 500, 1).map((x) => [low, high, x]));
-    const cost = factors.reduce((n, { rows: p }) => n + (p.length * Math.max(...p.map((row) => row.length))) ** 2 + 1000, 0);
+    const cost = 2 * factors.reduce((n, { rows: p }) => n + (p.length * Math.max(...p.map((row) => row.length))) ** 2 + 1000, 0);
     affordable(triples.flat().filter((x) => x !== null).map(number), cost);
     const joined = (i) => i > 0 && i < rows.length && rows[i - 1][1] === rows[i][0] && (rows[i - 1][3] === null) === (rows[i][3] === null);
     const point = (x, infinity) => (x === null ? { n: infinity, d: 0n } : number(x));

@@ -28,7 +28,7 @@ from haptisym.verbs.evaluate.products import Factor, Linked, products
 from haptisym.verbs.evaluate.zeros import zeros
 
 FORMAT = "haptisym.certificate/1"
-_MOST_WORK = 2 * 10**9  # of a checker, in bits times cost
+_MOST_WORK = 5 * 10**9  # of a checker, in bits times cost
 _MOST_DIGITS = 1000  # of an enclosure: a checker need not read many more
 _MOST_BESIDE_PI = 90  # a checker knows 100 of pi
 _MOST_AMONG_WAVES = 50  # where there are delays or powers: a checker computes with 80
