@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.stats import binom
+from scipy.stats import binom, norm
 from scipy.stats import f as f_distribution
 
 import haptisym as hs
@@ -185,6 +185,32 @@ def test_a_parameter_that_the_lines_do_not_tell_is_named_and_has_no_range() -> N
     assert [x.parameter.name for x in found.estimates if not x.told] == ["omega_c"]
     assert "do not tell ω_c" in str(found).replace("omega_c", "ω_c")
     assert found.scene.ranges() == {}
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("seed", range(4))
+def test_two_delays_in_a_row_are_never_told_apart(seed: int) -> None:
+    """Whichever of the two the search left at nothing: they add up, and nothing else of them is in the response."""
+    late = hs.Scene(hs.environments.mass_spring_damper(2, 12, 150), (hs.effects.delay("20 ms"),))
+    with pytest.raises(hs.SceneError, match=r"do not tell effects\.delay\.tau and effects\.delay-2\.tau apart"):
+        hs.identify(noisy(late, 0.01, seed), "mass-spring-damper", ["delay", "delay"])
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("error")
+def test_a_delay_that_the_lines_speak_against_is_none_at_all() -> None:
+    """Lines that lead: a phase that no delay has. SciPy's own divisions by zero on the way stay in there."""
+    H = 150 * np.exp(0.01j * OMEGA)
+    found = hs.identify(hs.measured(OMEGA, H, radius=0.005 * np.abs(H)), "kelvin-voigt", ["delay"])
+    delay = found.estimates[-1]
+    assert (delay.parameter.name, delay.value, delay.least) == ("tau", 0, 0)
+    assert "exp(" not in str(found)
+    assert 'tau = "0.0 s"' in found.text
+    assert found.verdict.chance == 0
+    assert "a chance below 1e-300 if the model" in " ".join(str(found).split())
+    correlation, freedom = found.verdict.neighbours, len(OMEGA) - 1
+    assert found.verdict.neighbours_chance == pytest.approx(norm.sf(correlation * np.sqrt(2 * freedom)), rel=1e-9)
 
 
 def test_what_should_be_felt_is_known_of_a_measured_scene_and_kept(tmp_path: Path) -> None:

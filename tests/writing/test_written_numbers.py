@@ -8,6 +8,7 @@ import re
 import pytest
 from sympy import Expr, Integer, Rational, Symbol, pi, sqrt
 
+import haptisym as hs
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import PolynomialRing
 from haptisym.kernel.symbols import omega, s
@@ -110,6 +111,13 @@ def test_a_quotient_shows_whole_numbers_of_at_most_six_digits_as_they_are(number
     shown, is_rounded = readable(ring.convert((number * s + Rational(10**12 + 1, 7)) / (s + 1)), s)
     assert is_rounded
     assert (f"{abs(number)} s" in plain(shown)) == (abs(number) < 10**6)
+
+
+def test_a_quotient_that_is_rounded_has_its_delays_rounded_too_and_an_exact_one_none() -> None:
+    late = hs.distort(hs.environments.kelvin_voigt(100, 2), hs.effects.delay("0.019093053221796195 s")).perc
+    (exact, _), (shown, _) = readable(late, s), readable(late, s, 4)
+    assert "exp(-0.019093053221796195 s)" in plain(exact)
+    assert "exp(-0.01909 s)" in plain(shown)
 
 
 def test_a_formula_is_broken_before_a_sign_rather_than_between_factors() -> None:

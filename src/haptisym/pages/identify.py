@@ -110,17 +110,22 @@ def _tests(a: Identification) -> Iterator[Phrase]:
     if v.square is not None and v.chance is not None:
         yield (
             "Size of the residuals: chi^2 = ", _number(v.square), f" of {v.freedom} degrees of freedom; one as large or larger ",
-            "has a chance of ", _number(v.chance, 3), " if the model holds.",
+            "has a chance ", *_chance(v.chance), " if the model holds.",
         )  # fmt: skip
     if v.neighbours is not None and v.neighbours_chance is not None:
         yield (
             "Order: residuals of neighbouring lines correlate by ", _number(v.neighbours, 2), "; so much or more has a chance ",
-            "of ", _number(v.neighbours_chance, 3), " if they are independent.",
+            *_chance(v.neighbours_chance), " if they are independent.",
         )  # fmt: skip
         if v.neighbours_chance < (1 - a.fit.lines.confidence) / 3 < (v.chance or 1):
             yield "Lines of a Hann window overlap: if these do, keep every second one; that loses next to nothing."
     if a.measurement.welch and (told := linearity(a.measurement.welch)):
         yield "Linearity: ", told, "."
+
+
+def _chance(x: float) -> tuple[Phrase, ...]:
+    """``of 0.003``; a double has none below some 1e-308."""
+    return ("of ", _number(x, 3)) if x else ("below ", Number("1e-300", x))
 
 
 def _number(x: float, digits: int = 5) -> Number:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from sympy import Add, Expr, I, Integer, Mul, Rational, Symbol, preorder_traversal
+from sympy import Add, Expr, Function, I, Integer, Mul, Rational, Symbol, preorder_traversal
 from sympy.core.numbers import ImaginaryUnit
 
 from haptisym.kernel.rings import RationalFunction
-from haptisym.writing.numerals import is_short, rounded
+from haptisym.writing.numerals import approximate, is_short, rounded
 
 _DIGITS = 6  # significant digits of a number that is too long to write out
 
@@ -35,7 +35,13 @@ def readable(function: RationalFunction, variable: Symbol, digits: int | None = 
     exact = digits is None and all(_is_short(c) for c in [*above, *(c for row, _ in below for c in row)])
     kept = None if exact else digits or _DIGITS
     shown = _polynomial(above, variable, kept)
-    return outside * shown / Mul(*(_polynomial(row, variable, kept) ** n for row, n in below)), not exact
+    form = outside * shown / Mul(*(_polynomial(row, variable, kept) ** n for row, n in below))
+    return form if kept is None else _with_rounded_delays(form, kept), not exact
+
+
+def _with_rounded_delays(form: Expr, digits: int) -> Expr:
+    """With the numbers in arguments of functions, as of ``exp(-s*tau)``, rounded where they are long."""
+    return form.xreplace({f: f.func(*(approximate(x, digits) for x in f.args)) for f in form.atoms(Function)})
 
 
 def _is_short(coefficient: Expr) -> bool:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from decimal import Decimal
 
-from sympy import Add, Expr, Float, I, Mul, Pow, Rational, S, pi
+from sympy import Add, Expr, Float, Function, I, Mul, Pow, Rational, S, pi
 
 from haptisym.kernel.reals import ExactNumber
 from haptisym.writing.boxes import Numeral, Ratio
@@ -77,6 +77,8 @@ def _with_numbers(expression: Expr, change: Callable[[Expr], Expr]) -> Expr:
         return change(expression)
     if isinstance(expression, Pow):
         return Pow(_with_numbers(expression.base, change), expression.exp)
+    if isinstance(expression, Function):
+        return expression.func(*(_with_numbers(x, change) for x in expression.args))
     if not isinstance(expression, Add | Mul):
         return expression
     known, rest = expression.as_independent(*expression.free_symbols, as_Add=isinstance(expression, Add))

@@ -137,7 +137,7 @@ def _least(curve: Curve, m: Measurement, noise: Noise, begin: Reals) -> tuple[fl
     from scipy.optimize import least_squares  # of the extra simulate
 
     free = curve.wanted.free
-    size = np.where(begin != 0, np.abs(begin), scales(free, m) * 1e-3)
+    size = np.maximum(np.abs(begin), scales(free, m) * 1e-3)
 
     def rest(u: Reals) -> Reals:
         return _stacked((curve.at(u * size) - m.H) / noise.sigma)
@@ -152,6 +152,12 @@ def _least(curve: Curve, m: Measurement, noise: Noise, begin: Reals) -> tuple[fl
     ways: dict[str, Any] = {"x_scale": "jac", "max_nfev": 100, "xtol": 1e-12, "ftol": 1e-12}
     with np.errstate(all="ignore"):  # a step of no length divides by zero in there
         found = least_squares(_finite(rest), u, _finite(slope), (low, high), **ways)
+    at_end = np.where(
+        low == 0, np.where(found.x < 1e-6, 0.0, found.x), found.x
+    )  # the search comes near an end, never to it
+    cost = float(np.square(_finite(rest)(at_end)).sum() / 2)
+    if cost <= found.cost * (1 + _SAME):
+        return cost, at_end * size
     return float(found.cost), found.x * size
 
 
@@ -178,7 +184,9 @@ def _ends(free: tuple[Free, ...], size: Reals) -> tuple[Reals, Reals]:
 def _covariance(curve: Curve, m: Measurement, noise: Noise, values: Reals) -> Reals:
     """Of the values, by the slopes of the response; SceneError where the lines do not tell parameters apart."""
     free = curve.wanted.free
-    size = np.maximum(np.abs(values), 1e-2 * scales(free, m))
+    size = np.maximum(
+        np.abs(values), 1e2 * scales(free, m)
+    )  # steps so small as rounding hides would tell apart what is one
     J = _stacked(_slopes(curve, values, size) / noise.sigma[:, None])
     norms = np.linalg.norm(J, axis=0)
     blind = [x.path for x, norm in zip(free, norms, strict=True) if not norm > 0]

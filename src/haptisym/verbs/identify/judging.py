@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
+from math import erfc, sqrt
 from statistics import NormalDist
 
 import numpy as np
@@ -44,7 +45,7 @@ def verdict(found: Fit) -> Verdict:
     square = float(found.noise.squares(found.residuals).sum()) if known else None
     chance = None if square is None or not found.freedom else float(gammaincc(found.freedom / 2, square / 2))
     together = _neighbours(even(found))
-    by_chance = None if together is None else NormalDist().cdf(-together * np.sqrt(2 * (len(found.lines) - 1)))
+    by_chance = None if together is None else erfc(together * sqrt(len(found.lines) - 1)) / 2
     by_cube = welch.cube_chance if welch else None
     spare = (1 - found.lines.confidence) / (2 if by_cube is None else 3)
     wrong = any(x is not None and x < spare for x in (chance, by_chance, by_cube))

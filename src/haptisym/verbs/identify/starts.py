@@ -99,8 +99,10 @@ def _refined(curve: Curve, measured: Complexes, begin: Reals, scale: Reals) -> R
     with np.errstate(all="ignore"):
         u = np.where(signed, begin / scale, np.log(np.abs(begin)))
     ends = np.where(fraction, 1e-3, -np.inf), np.where(fraction, 1 - 1e-3, np.inf)
-    found: Reals = values(least_squares(rest, u, slope, ends, max_nfev=40, x_scale=np.where(signed, 1.0, 0.5)).x)
-    return found
+    with np.errstate(all="ignore"):  # a step of no length divides by zero in there
+        found = least_squares(rest, u, slope, ends, max_nfev=40, x_scale=np.where(signed, 1.0, 0.5))
+    refined: Reals = values(found.x)
+    return refined
 
 
 # Fractions: numerator and denominator by linear least squares, each time weighted with the denominator before.
