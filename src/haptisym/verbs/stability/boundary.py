@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import flint
 from flint import acb, arb
@@ -29,6 +29,7 @@ _WINDOWS = 12
 _MOST_TURNING = 400  # radians that a delay turns up to where roots are looked for
 _FURTHER = 8  # turns of a delay beyond its value
 _LOWS = (Rational(15, 16), Rational(1, 2))
+_BITS = 128
 _SETTLED = (Sense.POSITIVE, Sense.NEGATIVE)
 
 
@@ -116,17 +117,22 @@ def _has_chain(loop: Loop, value: Expr) -> bool:
 
 @dataclass(frozen=True, repr=False)
 class DelayAt(RealNumber):
-    """The delay for which A + B exp(-j omega tau) vanishes at a frequency where both are of one size, and ``turn`` more turns."""
+    """The delay for which A + B exp(-j omega tau) vanishes at a frequency where both are of one size, and ``turn`` more turns.
+
+    ``is_real`` : whether -A/B is a real number there, and so 1 or -1: balls around an angle of 0 or pi do not tell.
+    """
 
     ratio: tuple[RealFunction, RealFunction]
     omega: RealNumber
     turn: int
     multiple: Expr
+    is_real: bool = False
 
     def ball(self, bits: int) -> Ball:
         with flint.ctx.workprec(bits):
             x = self.omega.ball(bits)
-            angle = -acb(*(part.ball(x) for part in self.ratio)).arg()  # exp(-j omega tau) = -A/B
+            real, imag = (part.ball(x) for part in self.ratio)
+            angle = -acb(real, 0 if self.is_real else imag).arg()  # exp(-j omega tau) = -A/B
             return (angle + 2 * arb.pi() * self.turn) / (x * expression_ball(self.multiple))
 
 
@@ -153,10 +159,16 @@ def _of_a_delay(loop: Loop, value: Expr, far_out: tuple[Meeting, ...]) -> Meetin
     if settled.sense not in _SETTLED:
         raise UndecidedError("where roots meet the imaginary axis")
     response = on_axis(ratio)
-    table = chart({"": RealFunction(condition.reduced())}, Integer(0), max(settled.radius, Integer(1)))
-    places = [x.omega for x in table.points[1:] if x.orders.get("", 0) > 0]
+    functions = {"": RealFunction(condition.reduced()), "imag": response.imag}
+    table = chart(functions, Integer(0), max(settled.radius, Integer(1)))
+    if any("" in point.undecided for point in table.points):
+        raise UndecidedError("whether a root touches the imaginary axis")
+    points = [x for x in table.points[1:] if x.orders.get("", 0) > 0]
+    places = [x.omega for x in points]
+    real = [response.imag.is_zero or x.orders.get("imag", 0) > 0 for x in points]
     parts = response.real, response.imag
-    found = [x for omega in places for x in _turned(parts, omega, multiple, value)]
+    firsts = [DelayAt(parts, x, 0, multiple, is_real=y) for x, y in zip(places, real, strict=True)]
+    found = [x for first in firsts for x in _turned(first, value)]
     ends = [(2 * _most(omega, multiple, value) - 1) * 3.14 / (float(omega) * float(multiple)) for omega in places]
     return Meetings((*far_out, *found), below=Rational(min(ends)).limit_denominator(10**9) if ends else None)
 
@@ -166,7 +178,11 @@ def _most(omega: RealNumber, multiple: Expr, value: Expr) -> int:
     return int(float(omega) * float(value * multiple) / 6.28) + _FURTHER
 
 
-def _turned(parts: tuple[RealFunction, RealFunction], omega: RealNumber, multiple: Expr, value: Expr) -> list[Meeting]:
-    """Of one frequency, the delays > 0 up to some turns beyond a value."""
-    every = (DelayAt(parts, omega, turn, multiple) for turn in range(_most(omega, multiple, value) + 1))
-    return [Meeting(x, omega) for x in every if float(x) > 0]
+def _turned(first: DelayAt, value: Expr) -> Iterator[Meeting]:
+    """Of one frequency, the delays >= 0 up to some turns beyond a value, from that without a turn on."""
+    for turn in range(_most(first.omega, first.multiple, value) + 1):
+        delay = replace(first, turn=turn)
+        if delay.ball(_BITS).is_zero():
+            yield Meeting(ExactNumber(Integer(0)), first.omega)
+        elif float(delay) > 0:
+            yield Meeting(delay, first.omega)

@@ -1,0 +1,437 @@
+"""Loops with an open number, piece by piece: tables, zeros, curves, chains from infinity and pairs, against mpmath, NumPy and dense samples."""
+
+from __future__ import annotations
+
+import cmath
+import random
+from itertools import pairwise
+from types import SimpleNamespace
+from typing import Any
+
+import flint
+import mpmath
+import numpy as np
+import pytest
+from flint import arb
+from sympy import Expr, Integer, Rational, Symbol, exp, lambdify, pi
+from windings import winding
+
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import ExactNumber
+from haptisym.kernel.symbols import omega, s
+from haptisym.model.parameters import Rule
+from haptisym.verbs.stability import critical
+from haptisym.verbs.stability.boundary import _of_a_delay, meetings
+from haptisym.verbs.stability.curves import Gap, _is_apart, minus, ordered
+from haptisym.verbs.stability.farout import from_infinity, is_neutral
+from haptisym.verbs.stability.loops import Loop, coefficients, zeros
+from haptisym.verbs.stability.pairs import Characteristic
+from haptisym.verbs.stability.reach import lag_of, reach_of_axis
+
+SEEDS = range(30)
+q = Symbol("q", positive=True)
+MP = mpmath.mp.clone()
+MP.dps = 40
+
+
+def loop_of(expression: Expr, low: Expr | None = Integer(0), below: Expr = Integer(1)) -> Loop:  # noqa: B008  exact and constant
+    ring = Ring.of([expression, below])
+    return Loop(ring, ring.convert(expression).numerator, ring.convert(below).numerator, q, low)
+
+
+def some(draw: random.Random, most: int = 9) -> Rational:
+    return Rational(draw.choice([-1, 1]) * draw.randint(1, most), draw.choice([1, 2, 3]))
+
+
+def drawn(draw: random.Random, lags: list[Expr], *, degree: int = 2, power: int = 1) -> Expr:
+    """A sum of powers of s and of q, each perhaps late."""
+    found: Expr = Integer(0)
+    for n in range(degree + 1):
+        for lag in lags:
+            if draw.random() < 0.8:
+                found += some(draw) * s**n * q ** draw.randint(0, power) * exp(-s * lag)
+    return found + some(draw) * s**degree * q + some(draw)
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_table_is_the_function_and_its_powers_are_too(seed: int) -> None:
+    draw = random.Random(seed)
+    lags = draw.choice([[Integer(0)], [Integer(0), Rational(1, 3)], [Integer(0), Rational(1, 2), pi / 5]])
+    expression = drawn(draw, lags, power=draw.randint(0, 3))
+    own = loop_of(expression)
+    total = sum(
+        (
+            sum((c * q**i for i, c in enumerate(row)), Integer(0)) * s**p * exp(-s * lag_of(turns, own))
+            for p, group in own.table.items()
+            for turns, row in group.items()
+        ),
+        Integer(0),
+    )
+    powers = sum((own.ring.expression(p) * q**i for i, p in enumerate(own.powers)), Integer(0))
+    for at, value in ((Rational(2, 7), Rational(3)), (Rational(-5, 3), Rational(1, 4))):
+        known = {s: at, q: value}
+        true = expression.subs(known).evalf(30) * own.ring.expression(own.top).subs(known).evalf(30)
+        scale = own.ring.expression(own.top).subs(known).evalf(30)
+        for found in (total, powers):
+            assert abs(found.subs(known).evalf(30) - scale) <= abs(scale) * Rational(1, 10**20)
+        assert abs(true) >= 0
+    degree = max((i for i, p in enumerate(own.powers) if p), default=0)
+    assert len(own.powers) == degree + 1
+    assert coefficients(own.top, None) == [own.top]
+
+
+@pytest.mark.parametrize("group", range(3))
+def test_zeros_of_a_row_are_those_of_numpy_that_are_not_negative(group: int) -> None:
+    for seed in range(12 * group, 12 * group + 12):
+        draw = random.Random(seed)
+        roots = [Rational(draw.randint(-6, 6), draw.choice([1, 2])) for _ in range(draw.randint(0, 4))]
+        row: list[Expr] = [some(draw)]
+        if seed % 3 == 0:  # far out
+            roots = [x * 1000 for x in roots]
+        if seed % 4 == 0:
+            row = [row[0] * draw.choice([pi, 1]), Integer(0), row[0]]  # times 1 + x^2, or pi + x^2
+        for x in roots:
+            row = [a - x * b for a, b in zip([Integer(0), *row], [*row, Integer(0)], strict=True)]
+        row = [c.expand() for c in row] + [Integer(0)] * draw.randint(0, 2)
+        length = max(i for i, c in enumerate(row) if c != 0) + 1
+        found = zeros(row)
+        if length == 2:
+            assert found == [ExactNumber(roots[0])]
+        elif length < 2:
+            assert found == []
+        else:
+            assert [float(x) for x in found] == pytest.approx(sorted({float(x) for x in roots if x >= 0}), abs=1e-12)
+    assert zeros([]) == zeros([Integer(0), Integer(0)]) == zeros([Integer(3)]) == []
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_numbers_are_in_order_and_gaps_hold_what_is_between_their_ends(seed: int) -> None:
+    draw = random.Random(seed)
+    for _ in range(30):
+        ends = [None if draw.random() < 0.2 else draw.randint(-3, 3) for _ in range(4)]
+        a, b, c, d = (None if x is None else ExactNumber(Integer(x)) for x in ends)
+        if a is not None and c is not None:
+            assert ordered(a, c) == (ends[2] > ends[0]) - (ends[2] < ends[0])  # type: ignore[operator]
+        low = ends[0] is None or (ends[2] is not None and ends[2] >= ends[0])
+        high = ends[1] is None or (ends[3] is not None and ends[3] <= ends[1])
+        assert Gap(a, b).holds(c, d) is (low and high)
+    near = ExactNumber(Rational(1, 3)), ExactNumber(Rational(1, 3) + Rational(1, 2**400))
+    assert (ordered(*near), ordered(*near[::-1]), ordered(near[0], near[0])) == (1, -1, 0)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_function_less_a_number_is_that(seed: int) -> None:
+    draw = random.Random(seed)
+    axis = Ring.of([q]).axis
+    f = (omega**2 * some(draw) + q) / (omega + draw.randint(1, 4))
+    for number in (some(draw), pi * some(draw), Integer(0)):
+        assert (minus(axis.convert(f), number).expression() - (f - number)).together().expand() == 0
+
+
+@pytest.mark.parametrize("group", range(3))
+def test_polynomials_are_apart_where_they_share_no_positive_zero(group: int) -> None:
+    for seed in range(8 * group, 8 * group + 8):
+        draw = random.Random(seed)
+        axis = Ring.of([q]).axis
+        roots = [[draw.choice([-5, -3, -1, 0, 1, 2, 7, 900]) for _ in range(draw.randint(1, 3))] for _ in range(2)]
+        both = [
+            axis.convert((some(draw) * np.prod([omega - x for x in each], initial=Integer(1))).expand()).numerator
+            for each in roots
+        ]
+        shared = set(roots[0]) & set(roots[1])
+        assert _is_apart(both[0], both[1], axis) is not any(x > 0 for x in shared)
+
+
+# Values that come from infinity: L(z; q) has as many zeros inside of the unit circle, and on it, between two of them
+
+
+@pytest.mark.few(3)
+@pytest.mark.parametrize("seed", range(40))
+def test_a_chain_comes_or_goes_at_values_from_infinity_alone(seed: int) -> None:
+    """The zeros of L(z; q), one delay, or two that nothing joins, inside of |z| < 1."""
+    draw = random.Random(seed)
+    two = seed % 4 == 3
+    lags = [Integer(0), Rational(1, 2), Integer(1)] if not two else [Integer(0), Integer(1), pi]
+    rows = [[Integer(draw.randint(-4, 4)) for _ in range(draw.choice([1, 2, 2]))] for _ in lags]
+    if seed % 5 == 4:  # the same zeros for all q
+        rows = [[x * draw.randint(1, 3), 2 * x * draw.randint(1, 1)] for x in map(Integer, (3, 1, -2))][: len(lags)]
+    leading = sum(
+        (
+            sum((c * q**i for i, c in enumerate(row)), Integer(0)) * exp(-s * lag)
+            for row, lag in zip(rows, lags, strict=True)
+        ),
+        Integer(0),
+    )
+    if leading.expand() == 0:
+        return
+    own = loop_of(s**2 * leading + s + 3 + q)
+    assert is_neutral(own) is any(c != 0 for row in rows[1:] for c in row)
+    try:
+        found = sorted(float(x.value) for x in from_infinity(own) if float(x.value) >= 0)
+    except UndecidedError:
+        return
+    assert all(x.omega is None for x in from_infinity(own))
+    last = None
+    for a in np.linspace(0.013, 7.97, 120):
+        c = [sum(float(x) * a**i for i, x in enumerate(row)) for row in rows]
+        if two:  # phases that are independent: |c0| > |c1| + |c2|
+            margin = abs(c[0]) - abs(c[1]) - abs(c[2])
+            kind, near = margin > 0, abs(margin)
+        else:
+            sizes = abs(np.roots(c[::-1]))
+            kind, near = int((sizes < 1).sum()), abs(sizes - 1).min(initial=9)
+        if near < 1e-9:
+            continue
+        if last is not None and last[1] != kind:
+            assert any(last[0] - 1e-9 <= x <= a + 1e-9 for x in found), (last, a, kind, found)
+        last = a, kind
+
+
+# Pairs
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_values_and_slopes_of_a_characteristic_function_are_those_of_mpmath(seed: int) -> None:
+    draw = random.Random(seed)
+    lags = draw.choice([[Integer(0), q], [Integer(0), q / 3, pi * q + 1], [Integer(0), Rational(1, 2), q]])
+    expression = drawn(draw, lags, power=2) * (s if seed % 3 == 0 else 1)
+    if seed % 2:
+        expression += some(draw) * s ** Rational(1, 2) * (s if seed % 3 == 0 else 1)
+    form = Characteristic(loop_of(expression.expand()))
+    shared = form.shared
+    assert shared == (seed % 3 == 0)
+    f = lambdify((s, q), form.loop.ring.expression(form.loop.top) / s**shared, MP)
+    for _ in range(3):
+        w, x = MP.mpf(draw.randint(1, 40)) / 8, MP.mpf(draw.randint(1, 40)) / 16
+
+        def at(a: Any, b: Any) -> Any:
+            return f(MP.mpc(0, a), b)
+
+        with flint.ctx.workprec(128):
+            found = form.value(arb(str(w)), arb(str(x)))
+        true = at(w, x), MP.diff(lambda a, x=x, at=at: at(a, x), w), MP.diff(lambda b, w=w, at=at: at(w, b), x)
+        for mine, theirs in zip(found, true, strict=True):
+            assert complex(mine) == pytest.approx(complex(theirs), rel=1e-12, abs=1e-12)
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_one_pair_in_a_box_is_told_to_any_digits_and_none_where_there_is_none(seed: int) -> None:
+    """C = A (s^2 + w^2) + B (q - v) is 0 at s = j w, q = v."""
+    draw = random.Random(seed)
+    w, v = Rational(draw.randint(1, 20), 4), Rational(draw.randint(1, 20), 8)
+    A, B = s + draw.randint(1, 5) + exp(-s / 2), draw.randint(1, 4) * s + 2 + exp(-s * q)
+    form = Characteristic(loop_of(((s**2 + w**2) * A + (q - v) * B).expand()))
+    size = 2.0**-15
+    off = draw.uniform(-0.3, 0.3) * size
+    pair = form.only(arb(float(w) + off, size), arb(float(v) - off, size))
+    assert pair is not None
+    for bits in (64, 500, 200, 900):
+        at = pair.at(bits)
+        assert pair.at(bits) is at
+        for ball, true in zip(at, (w, v), strict=True):
+            assert ball.contains(arb(int(true.p)) / int(true.q))
+            assert ball.rel_accuracy_bits() >= bits - 30
+    assert pair.frequency.digits(60) == ExactNumber(w).digits(60)
+    assert pair.value.digits(60) == ExactNumber(v).digits(60)
+    assert form.only(arb(float(w) + 4 * size, size), arb(float(v), size)) is None
+    assert form.only(arb(float(w), size), arb(float(v) + 4 * size, size)) is None
+    assert form.step(arb(0, 1), arb(float(v), size)) is None
+    assert form.only(arb(float(w), 50), arb(float(v), 50)) is None
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("seed", range(20))
+def test_roots_through_0_are_at_values_where_the_first_term_of_the_expansion_is_lost(seed: int) -> None:
+    """C/s^n at 0, n being the order there; the expansion by SymPy."""
+    draw = random.Random(seed)
+    order = seed % 3
+    first = (q - 2) * (q + 3) * (q if seed % 2 else 1)
+    late = 1 - exp(-s * Rational(draw.randint(1, 4), 3))
+    expression = (s**2 + some(draw) * s**3 + first * (2 - exp(-s * pi))) * late**order
+    form = Characteristic(loop_of(expression.expand()))
+    found = sorted({round(float(x), 9) for x in form.at_0()})
+    assert found == ([-3, 0, 2] if seed % 2 else [-3, 2])
+    if order == 0:  # of C itself: clear where it keeps its real part
+        for low, high, clear in ((3, 4, True), (1.5, 2.5, False)):
+            assert form.is_clear_at_0(arb(0).union(arb(2) ** -6), arb(low).union(arb(high))) is clear
+    broken = Characteristic(loop_of((expression + s ** Rational(1, 2) * 7 * late**order).expand()))
+    assert broken.is_clear_at_0(arb(0).union(arb(2) ** -6), arb(3).union(arb(4))) is False
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_beside_0_boxes_called_clear_hold_no_pair(seed: int) -> None:
+    draw = random.Random(seed)
+    expression = drawn(draw, [Integer(0), q, Rational(1, 3)], power=2)
+    if seed % 2:
+        expression = expression - expression.subs(s, 0) * exp(-s)
+    form = Characteristic(loop_of(expression.expand()))
+    f = lambdify((s, q), expression, "numpy")
+    low = draw.uniform(0.1, 4)
+    for reach, width in ((0.01, 0.01), (0.2, 0.05), (1, 0.3)):
+        if not form.is_clear_at_0(arb(0).union(arb(reach)), arb(low).union(arb(low + width))):
+            continue
+        grid = np.linspace(reach / 400, reach, 400)
+        for x in np.linspace(low, low + width, 9):
+            assert abs(f(1j * grid, x)).min() > 0
+            real = f(1j * grid, x) / (1j * grid) ** (seed % 2)
+            assert (real.real > 0).all() or (real.real < 0).all() or (abs(real.imag) > 0).all()
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_derivative_beside_0_is_that_of_mpmath(seed: int) -> None:
+    draw = random.Random(seed)
+    expression = drawn(draw, [Integer(0), q, Rational(1, 3)], degree=3, power=2)
+    form = Characteristic(loop_of(expression.expand()))
+    f = lambdify((s, q), form.loop.ring.expression(form.loop.top), MP)
+    w, x = MP.mpf(draw.randint(1, 40)) / 8, MP.mpf(draw.randint(1, 40)) / 16
+    for n in range(4):
+        true = MP.diff(lambda z, x=x: f(z, x), MP.mpc(0, w), n)
+        with flint.ctx.workprec(128):
+            assert complex(form._derivative(n, arb(str(w)), arb(str(x)))) == pytest.approx(
+                complex(true), rel=1e-9, abs=1e-9
+            )
+
+
+# How far out roots may meet the axis
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_beyond_its_reach_nothing_is_0_on_the_axis_for_any_value_or_its_inverse(seed: int) -> None:
+    draw = random.Random(seed)
+    lags = [Integer(0), Rational(1, 2), Integer(1)] if seed % 2 else [Integer(0), Rational(1, 2), pi / 4]
+    lead = (
+        9 * s**2 * (1 + q)
+        + draw.choice([-2, 3]) * s**2 * q * exp(-s * lags[1])
+        + draw.choice([-2, 3]) * s**2 * exp(-s * lags[2])
+    )
+    expression = lead + s * drawn(draw, lags, degree=0) + drawn(draw, lags, degree=0)
+    own = loop_of(expression.expand())
+    f = lambdify((s, q), own.ring.expression(own.top), "numpy")
+    known = reach_of_axis(own)
+    for low, high, inverse in ((0.5, 0.7, False), (2.0, 2.1, False), (0.0, 0.1, True)):
+        found = known.radius(arb(low).union(arb(high)), 100_000, inverse=inverse)
+        assert found is not None
+        for u in np.linspace(low, high, 5):
+            if inverse and not u:
+                continue
+            x = 1 / u if inverse else u
+            w = float(found) * np.concatenate([1 + np.linspace(0, 3, 2000), np.geomspace(4, 1e4, 200)])
+            assert abs(f(1j * w, x) / w**2).min() > 0.0
+            here = w[:1]
+            lower = sum(
+                abs(sum(float(c) * x**i for i, c in enumerate(row))) * here ** float(p)
+                for p, group in own.table.items() if p < 2 for row in group.values()
+            )  # fmt: skip
+            assert (abs(np.array([9 * (1 + x)])) - 3 * x - 3 <= 0) or (
+                lower < (9 * (1 + x) + 3 * x + 3) * here**2
+            ).all()
+    assert known.radius(arb(0.5).union(arb(0.7)), 1, inverse=False) is None or own.table is not None
+
+
+def winds(f: Any, x: float, reach: float) -> int | None:
+    return winding(lambda z: f(z, x), reach)
+
+
+# All of it: what meets the axis is where winding numbers change
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(24))
+def test_winding_numbers_change_at_meetings_alone_whatever_the_number_stands_in(seed: int) -> None:
+    draw = random.Random(seed)
+    kind = seed % 4
+    body = 2 * s**2 + draw.randint(1, 4) * s + draw.randint(2, 9)
+    lag = Rational(draw.randint(1, 6), 5)
+    if kind == 0:  # in a delay
+        expression = body + (draw.randint(1, 9) + draw.choice([0, 1]) * s) * exp(-s * q * draw.choice([1, 2]))
+    elif kind == 1:
+        expression = body + q * (draw.randint(1, 5) + draw.choice([0, 1]) * s) * exp(-s * lag)
+    elif kind == 2:
+        expression = (
+            (q + draw.randint(1, 3)) * s**2
+            + draw.randint(1, 4) * s
+            + draw.randint(2, 5)
+            + (draw.randint(1, 3) * s**2 + 2) * exp(-s * lag)
+        )
+    else:
+        expression = body + q**2 * s + q * draw.choice([-3, -6]) * s + draw.choice([-1, 2]) * q * exp(-s * lag)
+    own, value = loop_of(expression.expand()), Rational(draw.randint(2, 30), 10)
+    f = lambdify((s, q), expression, "numpy")
+    windows = []
+    try:
+        for n, window in enumerate(meetings(own, value)):
+            windows.append(window)
+            if n > 4:
+                break
+    except UndecidedError:
+        pass
+    for window in windows:
+        low = 0.0 if window.above is None else max(float(window.above), 0.0)
+        high = 6.0 if window.below is None else min(float(window.below), 6.0)
+        places = sorted(float(x.value) for x in window.found if low < float(x.value) < high)
+        for gap in window.gaps:
+            a, b = (end if x is None else float(x) for x, end in ((gap.low, low), (gap.high, high)))
+            places += [x for x in np.linspace(a, b, 400) if low < x < high]
+        for x in window.found:
+            if x.omega is not None and 0 < float(x.value) < 50 and float(x.omega) > 0:
+                with mpmath.workdps(40):
+                    precise = lambdify((s, q), expression, "mpmath")
+                    assert abs(precise(mpmath.mpc(0, x.omega.digits(35)), mpmath.mpf(x.value.digits(35)))) < 1e-25
+        cells = [(a, b) for a, b in pairwise([low, *sorted(places), high]) if b - a > 1e-3 * (high - low)]
+        for a, b in cells[:12]:
+            known = own.at(Rational((a + b) / 2))
+            if known.chain is None:
+                counts = {winds(f, a + (b - a) * t, 80.0) for t in (0.03, 0.5, 0.97)} - {None}
+                assert counts <= {known.number}, (a, b, counts, places)
+
+
+@pytest.mark.few(3)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_delays_at_which_roots_meet_the_axis_are_all_turns_of_all_frequencies(seed: int) -> None:
+    """A + B exp(-s tau): |A| = |B| at frequencies by NumPy, and there tau = (angle(-B/A) + 2 pi n)/(multiple omega)."""
+    draw = random.Random(seed)
+    a, b = [1, draw.randint(0, 3), draw.randint(1, 30)], [draw.randint(0, 2), draw.randint(1, 40)]
+    multiple = draw.choice([Integer(1), Integer(2), Rational(2, 3)])
+    expression = sum((x * s**n for n, x in enumerate(a[::-1])), Integer(0)) + sum(
+        (x * s**n for n, x in enumerate(b[::-1])), Integer(0)
+    ) * exp(-s * multiple * q)
+    value = Rational(draw.randint(0, 8), 4)
+    found = _of_a_delay(loop_of(expression), value, ())
+    A, B = np.poly1d(a), np.poly1d(b)
+    even = np.poly1d([1, a[1] ** 2 - 2 * a[2], a[2] ** 2]) - np.poly1d([b[0] ** 2, b[1] ** 2])
+    squares = [x.real for x in even.roots if abs(x.imag) < 1e-9 and x.real > 1e-9]
+    limit = float(found.below) if found.below is not None else 60.0
+    true = []
+    for w in np.sqrt(squares):
+        angle = cmath.phase(-B(1j * w) / A(1j * w))
+        true += [((angle + 2 * np.pi * n) / (w * float(multiple)), w) for n in range(-1, 400)]
+    inside = sorted(x for x in true if -1e-9 < x[0] < limit - 1e-9)
+    mine = sorted((float(x.value), float(x.omega or 0)) for x in found.found if float(x.value) < limit - 1e-9)
+    if found.below is None:
+        assert not squares
+        assert not mine
+    else:
+        assert limit > float(value)
+        assert mine == [pytest.approx(x, rel=1e-9, abs=1e-9) for x in inside]
+
+
+def test_where_both_terms_are_alike_the_delay_is_0_or_of_half_turns_exactly() -> None:
+    """s^2 + 2 s + 100 - (2 s + 50) exp(-s tau): at 0 s^2 + 50 is left; held by any small delay. With + it is so at half a turn."""
+    A, B = s**2 + 2 * s + 100, 2 * s + 50
+    [first, *_] = _of_a_delay(loop_of(A - B * exp(-s * q)), Rational(1, 100), ()).found
+    assert (first.value, first.omega and float(first.omega)) == (ExactNumber(Integer(0)), 50**0.5)
+    delays = [x.value for x in _of_a_delay(loop_of(A + B * exp(-s * q)), Rational(1, 100), ()).found]
+    half = [MP.pi * (2 * n + 1) / MP.sqrt(50) for n in range(3)]
+    for true in half:
+        assert any(abs(MP.mpf(x.digits(30)) - true) < MP.mpf(10) ** -25 for x in delays)
+    free: Any = SimpleNamespace(path="tau", value=Rational(1, 100), rule=Rule.NONNEGATIVE)
+    told = critical._Walk(loop_of(A - B * exp(-s * q)), free).nearest()
+    assert (float(told.found[0].value), told.found[0].below, told.found[0].above, told.reason) == (0, 2, 0, "")
+    assert winding(lambda z: z**2 + 2 * z + 100 - (2 * z + 50) * np.exp(-z / 100), 100.0) == 0
