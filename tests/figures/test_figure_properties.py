@@ -216,6 +216,22 @@ def test_no_text_lies_on_another_or_leaves_the_figure(figures: list[Figure]) -> 
         assert overlaps(figure) == []
 
 
+@pytest.mark.slow
+def test_environments_of_long_names_leave_room_for_what_is_drawn(tmp_path: Path) -> None:
+    """A name of thirty letters took the axes' whole width; matplotlib warned, which is an error here."""
+    paper_like = hs.load_scene("fu2019")
+    names = (
+        "soft",
+        "hard with a long name, indeed",
+        "of so many words that no figure of one column has the room for them all",
+    )
+    found = hs.evaluate_all(hs.SceneFamily(dict.fromkeys(names, paper_like)), regions=True)
+    for figure in written(lambda folder: save_family_figures(found, folder), tmp_path):
+        assert overlaps(figure) == []
+        for ax in figure.axes:
+            assert ax.get_window_extent().width > 0.4 * figure.bbox.width
+
+
 @pytest.mark.few(4)
 def test_bars_are_equally_thick(figures: list[Figure]) -> None:
     heights = {

@@ -189,6 +189,22 @@ def test_a_broken_scene_is_refused_with_one_message(
     assert sorted(p.name for p in tmp_path.iterdir()) == ["broken.toml"], "something was written"
 
 
+@pytest.mark.parametrize(
+    ("jnd", "told"),
+    [
+        ('"0.1 + f/100"', "a formula in omega (rad/s) and nothing else"),
+        ('"2*0.05*x"', "a formula in omega (rad/s) and nothing else"),
+        ("[0.2, 0.1]", "[0.2, 0.1]: the lower end"),
+        ('["0.2", 0.1]', "[0.2, 0.1]: the lower end"),
+    ],
+)
+def test_a_threshold_that_is_none_is_told_as_it_was_written(jnd: str, told: str) -> None:
+    with pytest.raises(SceneError) as raised:
+        parse_scene(f'[environment]\nmodel = "kelvin-voigt"\nk = 1\nb = 1\n[evaluation]\njnd = {jnd}\n')
+    assert told in str(raised.value)
+    assert "Decimal" not in str(raised.value)
+
+
 def test_a_file_of_ten_megabytes_is_refused_unread(tmp_path: Path) -> None:
     scene = tmp_path / "large.toml"
     scene.write_bytes(b"# " + b"x" * 10_000_000)

@@ -189,6 +189,7 @@ def test_a_table_too_small_for_an_interval_has_no_upper_end() -> None:
     assert found.jnd.high is None
     assert found.table["real"] == "0.5000"  # 25 % at 1, 50 % at 2, 75 % at 3
     assert "unbounded" in str(found)
+    assert "The interval has NO upper end" in str(found)
 
 
 # Tables.
@@ -337,6 +338,7 @@ def test_what_cannot_be_read_or_fitted_is_said_in_a_sentence(text: str, told: st
         hs.jnd(file(text))
     assert told in str(raised.value)
     assert "\n" not in str(raised.value)
+    assert str(raised.value).count("answers.csv") <= 1
 
 
 def test_what_is_no_table_is_called_what_it_is(file: Callable[..., Path], tmp_path: Path) -> None:

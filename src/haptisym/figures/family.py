@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from textwrap import fill
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -140,7 +141,8 @@ def envelope_handles(evaluation: FamilyEvaluation) -> list[Any]:
     """What the legend of an envelope says."""
     looks = binding_looks(evaluation)
     bound = [
-        handle(color, style, f"{name} binds", 1.1, marker="o", markersize=3.8) for name, (color, style) in looks.items()
+        handle(color, style, fill(f"{name} binds", 40), 1.1, marker="o", markersize=3.8)
+        for name, (color, style) in looks.items()
     ]
     others = [] if len(looks) == len(evaluation.family) else [handle(GREY, SOLID, "others", 0.6)]
     shade = [Patch(facecolor=SHADE, label="all transparent")] if evaluation.transparent else []

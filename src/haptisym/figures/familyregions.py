@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from textwrap import fill
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -12,6 +14,8 @@ from haptisym.figures.sheet import one_column
 from haptisym.figures.style import BLUE, GREY, INK, RED, SMALL, TEXT, dress, legend
 from haptisym.verbs.family.entry import FamilyEvaluation
 
+_BROAD = 16
+"""Letters of a name in a line of it: more leave the axes no room."""
 _LOOKS = ((GREY, "s"), (BLUE, "o"), (RED, "D"), ("#d0701f", "x"))
 
 
@@ -37,7 +41,7 @@ def draw_family_regions(ax: Axes, evaluation: FamilyEvaluation) -> list[Line2D]:
     ax.axhline(len(names) - 1.5, color=GREY, linewidth=0.5)
     ax.set(xlim=(low, high), ylim=(len(names) - 0.5, -0.5))
     dress(ax)
-    ax.set_yticks(range(len(names)), names)
+    ax.set_yticks(range(len(names)), [fill(x, _BROAD, max_lines=3, placeholder="…") for x in names])
     ax.set_xlabel(f"bandwidth ({scale.unit})", fontsize=TEXT)
     legend(ax, marks)
     return marks
@@ -45,5 +49,14 @@ def draw_family_regions(ax: Axes, evaluation: FamilyEvaluation) -> list[Line2D]:
 
 def family_regions_figure(evaluation: FamilyEvaluation) -> Figure:
     """The figure, as high as its rows need."""
-    height = 0.6 + 0.36 * (len(evaluation.family) + 1)
-    return one_column(height, lambda ax: draw_family_regions(ax, evaluation))
+
+    def draw(ax: Axes) -> None:
+        draw_family_regions(ax, evaluation)
+        figure = ax.get_figure(root=True)
+        assert figure is not None
+        engine = figure.get_layout_engine()
+        assert engine is not None
+        engine.execute(figure)
+        legend(ax, [])  # in as many columns as the names leave room for
+
+    return one_column(0.6 + 0.36 * (len(evaluation.family) + 1), draw)

@@ -228,6 +228,9 @@ def threshold_value(key: str, given: Number) -> tuple[Expr, ExactRange | None]:
         found = ranged(given, Dimension.RATIO)
         value = require_number(given, found.nominal).value
     except SceneError as error:
+        if isinstance(given, str) and _NAMES_SOMETHING.search(given):
+            told = "a threshold is a number, a percentage, or a formula in omega (rad/s) and nothing else"
+            raise SceneError(f'{key}: "{given[:60]}": {told}, as "0.08 + 0.004*omega"') from None
         raise error.within(key) from None
     if any(sign_of_number(x) <= 0 for x in (value, *(found.interval or ()))):
         raise SceneError(f'{key}: "{given}" must be > 0')
@@ -235,6 +238,8 @@ def threshold_value(key: str, given: Number) -> tuple[Expr, ExactRange | None]:
 
 
 _NAMES_OMEGA = re.compile(r"(?<!\w)omega(?!\w)")
+_NAMES_SOMETHING = re.compile(r"[A-Za-z_ω]\w*\s*[-+*/^(]|[-+*/^(]\s*[A-Za-z_ω]")
+"""What reads as a formula, though not in omega."""
 
 
 def formula(key: str, given: object) -> Expr | None:

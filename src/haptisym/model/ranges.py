@@ -75,7 +75,7 @@ def _deviation(text: str, centre: Quantity, given: str, dimension: Dimension) ->
 
 
 def _between(given: Sequence[Any], dimension: Dimension) -> Ranged:
-    shown = str(list(given))[:60]
+    shown = f"[{', '.join(map(str, given))}]"[:60]
     if len(given) not in (2, 3):
         raise SceneError(
             f"{shown} is not a range: a list here must be a pair, the lowest and the highest value, or three, the nominal between"

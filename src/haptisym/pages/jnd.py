@@ -130,6 +130,11 @@ def _warned(p: Psychometric) -> Iterator[Block]:
             "The curve does ", Strong("NOT"), " fit these answers: neither the JND nor its interval can be relied on. Look at ",
             "the figure, and for lapses, learning, or answers of several people put together.",
         ))  # fmt: skip
+    if p.jnd.high is None:
+        yield Paragraph((
+            "The interval has ", Strong("NO"), " upper end: these answers do not tell how large the JND is at most, and its ",
+            "value alone means little. It takes more answers, or levels farther from the standard.",
+        ))  # fmt: skip
 
 
 def _equation(p: Psychometric) -> Line:

@@ -41,11 +41,11 @@ class Answers:
     def __post_init__(self) -> None:
         if len(self.rows) < 2:
             what = "there are no answers" if not self.rows else f"all answers are at one level, {self.rows[0].level:g}"
-            raise SceneError(f"{self.name}: {what}; a curve needs at least two levels")
+            raise SceneError(f"{what}; a curve needs at least two levels")
         count, trials = sum(x.count for x in self.rows), sum(x.trials for x in self.rows)
         if count in (0, trials):
             told = "no answer counts" if count == 0 else "every answer counts"
-            raise SceneError(f"{self.name}: {told} (k = {count} of n = {trials} in all): nothing can be fitted to that")
+            raise SceneError(f"{told} (k = {count} of n = {trials} in all): nothing can be fitted to that")
 
 
 def collected(rows: Iterable[tuple[float, int, int]]) -> tuple[Row, ...]:
