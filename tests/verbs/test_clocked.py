@@ -194,6 +194,22 @@ def test_the_period_and_the_stiffness_have_one_boundary() -> None:
     assert counts == [0, 2]
 
 
+@pytest.mark.slow
+def test_a_number_given_in_hertz_may_go_as_far_as_one_in_radians() -> None:
+    """50 Hz are 100 pi rad/s, no rational number."""
+
+    def told(w: str) -> dict[str, Any]:
+        H = E.expression(FILTERED, parameters={"k": 300, "b": 3, "w": w})
+        loop = F.sampled_loop("1 ms", "backward-difference", 1), F.shunt(m="45 g")
+        return critical(hs.Scene(H, loop), FREE, "environment.w")
+
+    in_hertz, in_radians = told("50 Hz"), told("314 rad/s")
+    assert [(x["digits"], x["stable_side"]) for x in in_hertz["found"]] == [
+        (x["digits"], x["stable_side"]) for x in in_radians["found"]
+    ]
+    assert len(in_hertz["found"]) == 1
+
+
 def test_beyond_what_was_looked_at_nothing_is_said() -> None:
     found = hs.stability(wall(500), P3)
     assert "hand.m: looked at from" in " ".join(str(found).split())

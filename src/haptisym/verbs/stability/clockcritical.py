@@ -18,7 +18,7 @@ from flint import acb_poly, arb
 from sympy import Add, Expr, Integer, Rational, Symbol
 
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.nearone import about_axis, about_one, hurwitz
+from haptisym.kernel.nearone import about_axis, about_one, has_no_pair, hurwitz
 from haptisym.kernel.pulse import SampledLoop
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.schurcohn import count_on_circle
@@ -34,6 +34,7 @@ _REACH = 10  # times that a value is doubled, and halved, at the most
 _FINEST = Fraction(
     1, 1 << 24
 )  # of a value: where cells are shorter it is asked whether roots are more or fewer behind them
+_STEPS = (8, 64, 512)  # of such cells, over which roots are more or fewer, or proven to be as many throughout
 _MOST_CELLS = 500  # on a side
 
 
@@ -63,7 +64,7 @@ def passages(scene: Scene, hand: Hand, free: Knob) -> Passages:
     loop = opened(scene, hand, free)
     if loop.is_fixed:
         return Passages(())
-    start = Rational(free.value)
+    start = start_of(loop, free.value)
     home = loop.count(start)
     if home[1]:
         raise UndecidedError("how far a number may go that has roots on the unit circle now")
@@ -78,6 +79,18 @@ def opened(scene: Scene, hand: Hand, free: Knob) -> Opened:
     if any(p.symbol == symbol for p in hand.parameters):
         return Opened(loop_of(scene, hand.with_values({symbol.name: symbol})), symbol)
     return Opened(loop_of(scene.with_values({free.path: symbol}), hand), symbol)
+
+
+def start_of(loop: Opened, value: Expr) -> Rational:
+    """From which value to walk: the number's own, or a rational one beside it with no root on the circle in between."""
+    if isinstance(value, Rational):
+        return value
+    near = Rational(float(value))
+    with flint.ctx.workprec(_BITS):
+        q = expression_ball(value).union(expression_ball(near))
+        if any(x.contains(0) or not x.is_finite() for x in loop.tests(q)):
+            raise UndecidedError("how far a number may go that is no rational one")
+    return near
 
 
 def at_one(loop: SampledLoop) -> Expr:
@@ -151,6 +164,12 @@ class Opened:
         """At z = 1, at z = -1, and where two roots v add up to 0: numbers that vanish where a root is on the circle."""
         return circle_tests(self.loop, {self.symbol: q}, self.at_one, self.always)
 
+    def is_clear(self, q: Ball) -> bool:
+        """Whether no root is on the circle for any number in a ball, proven; two real ones may add up to 0 in v."""
+        ends = self.tests(q)[:2]
+        c = about_axis(about_one(self.loop, {self.symbol: q})[self.always :])
+        return not any(x.contains(0) or not x.is_finite() for x in ends) and has_no_pair(c)
+
     def angle(self, q: Ball, bits: int) -> Ball:
         """Of the pair on the circle: its argument, to so many bits; not finite where balls do not tell."""
         try:
@@ -189,14 +208,12 @@ class Walk:
             elif step > _FINEST * max(abs(at), scale * _FINEST):
                 step /= 2
             else:
-                beyond = at + 8 * side * step
                 try:
-                    found = self._between(at, beyond, side)
+                    found, at = self._over(at, side * step)
                 except UndecidedError:
                     break
                 if found is not None:
-                    return found, beyond
-                at = beyond
+                    return found, at
         return None, at
 
     def _end(self, side: int, scale: Fraction) -> Fraction:
@@ -211,14 +228,25 @@ class Walk:
             except (UndecidedError, ZeroDivisionError):
                 return False
 
-    def _between(self, one: Fraction, other: Fraction, side: int) -> Passage | None:
-        """A change between two values that are close to each other."""
-        count, on = self.loop.count(Rational(other.numerator, other.denominator))
-        if on:
-            raise UndecidedError("where a root stays on the unit circle")
-        if count == self.home:
-            return None
+    def _over(self, one: Fraction, step: Fraction) -> tuple[Passage | None, Fraction]:
+        """Past values where balls do not tell: a change there, None if there is none, and how far that goes."""
+        for times in _STEPS:
+            other = one + times * step
+            count, on = self.loop.count(Rational(other.numerator, other.denominator))
+            if on:
+                raise UndecidedError("where a root stays on the unit circle")
+            if count != self.home:
+                return self._between(one, other, count), other
+            low, high = sorted((one, other))
+            with flint.ctx.workprec(_BITS):
+                if self.loop.is_clear(_ball(low).union(_ball(high))):
+                    return None, other
+        raise UndecidedError("whether roots reach the unit circle and go back")
+
+    def _between(self, one: Fraction, other: Fraction, count: int) -> Passage:
+        """The change between two values that are close to each other, to a count at the other one."""
         low, high = sorted((one, other))
+        side = 1 if other > one else -1
         below, above = (self.home, count) if side > 0 else (count, self.home)
         with flint.ctx.workprec(_BITS):
             ends = [self.loop.tests(_ball(x)) for x in (low, high)]
@@ -239,7 +267,8 @@ class Walk:
         left = (self.loop.at_one / self.loop.symbol).expand()
         with flint.ctx.workprec(_BITS):
             q = arb(0).union(_ball(at))
-            clear = not any(x.contains(0) for x in self.loop.tests(q)[1:])
+            rest = expression_ball(left, {self.loop.symbol: q}), *self.loop.tests(q)[1:]
+            clear = not any(x.contains(0) or not x.is_finite() for x in rest)
         if count == self.home or not clear or left.has(1 / self.loop.symbol) or self.loop.always:
             return None
         zero = ExactNumber(Integer(0))

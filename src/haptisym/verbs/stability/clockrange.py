@@ -10,7 +10,7 @@ from haptisym.kernel.errors import UndecidedError
 from haptisym.model.hand import Hand
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
-from haptisym.verbs.stability.clockcritical import Opened, Passage, Walk, opened
+from haptisym.verbs.stability.clockcritical import Opened, Passage, Walk, opened, start_of
 
 _MOST_PASSAGES = 24
 
@@ -25,9 +25,7 @@ def passages_in(
     loop = opened(scene, hand, free)
     if loop.is_fixed:
         return loop, (), (None, None)
-    if not isinstance(free.value, Rational):
-        raise UndecidedError("how far a number may go that is no rational one")
-    start = free.value
+    start = start_of(loop, free.value)
     home, on = loop.count(start)
     if on:
         raise UndecidedError("how far a number may go that has roots on the unit circle now")
