@@ -196,3 +196,38 @@ def test_beside_a_critical_value_at_the_end_of_a_window_the_count_is_that_beside
     assert (float(row.value), row.below, row.above, row.stable_side) == (1.875, 2, 0, "above")
     f = lambdify((s, q), expression, "numpy")
     assert [winding(lambda x, at=at: f(x, at), 60.0) for at in (1.85, 1.9)] == [2, 0]
+
+
+@pytest.mark.parametrize("ends", [(2, 5), (2, None), (-7, -3), (None, -3), (-3, 4), (0, 4)])
+@pytest.mark.parametrize("why", ["", "why"])
+@pytest.mark.parametrize("chain", [False, True])
+def test_beside_a_gap_that_may_have_no_end_its_reason_and_ends_are_told(
+    ends: tuple[int | None, int | None], why: str, monkeypatch: pytest.MonkeyPatch, *, chain: bool
+) -> None:
+    """A place in the middle of the gap, or at the start itself, and two places further out; perhaps a chain before the gap's first end."""
+    low, high = (None if x is None else exact(x) for x in ends)
+    gap = Gap(low, high, why)
+    start = Integer(0)
+    count = {-20: (3, 3), -10: (1, 1), 10: (0, 0), 20: (5, 5)}
+
+    def at(value: Any) -> Roots:
+        if chain and ends == (0, 4) and 4 < value < 10:
+            return Roots(None, None, chain=RootChain.RIGHT)
+        number = 7 + sum(1 for x in count if x < value)
+        return Roots(number, number)
+
+    found = tuple(Meeting(exact(x), exact(1)) for x in count)
+    here = (Meeting(exact(0), None),) if chain else ()
+    monkeypatch.setattr(critical, "meetings", lambda *_: [Meetings((*found, *here), gaps=(gap,))])
+    free: Any = SimpleNamespace(path="q", value=start, rule=Rule.ANY)
+    told = critical._Walk(SimpleNamespace(at=at, turns=False), free).nearest()  # type: ignore[arg-type]
+    values = [float(x.value) for x in told.found]
+    if chain and ends == (0, 4):  # it begins with the gap: the first count that is known beyond it is told
+        assert (values, told.reason) == ([0.0], "")
+        assert (told.found[0].below, told.found[0].above, told.found[0].stable_side) == (9, None, None)
+        return
+    words = why or critical._ENDLESS
+    where = {(2, 5): "from 2.0000000 to 5.0000000", (2, None): "beyond 2.0000000", (-7, -3): "from -7.0000000 to -3.0000000",
+             (None, -3): "below -3.0000000", (-3, 4): "from -3.0000000 to 4.0000000", (0, 4): "from 0 to 4.0000000"}[ends]  # fmt: skip
+    assert told.reason == f"{words}, {where}"
+    assert values == {2: [-10.0], -7: [10.0], None: [10.0], -3: [], 0: [-10.0]}[ends[0]]
