@@ -202,3 +202,14 @@ def test_a_loop_of_one_root_meets_the_circle_where_it_is_at_minus_one() -> None:
     left = form.left()
     assert left
     assert all(abs(float(x[0][0]) - 0.25) < 0.01 for x in left)
+
+
+@pytest.mark.parametrize("times", range(4))
+def test_roots_at_minus_one_are_highest_coefficients_that_vanish(times: int) -> None:
+    """z = -1 is v at infinity: the polynomial keeps its length, as roots beyond are counted by it."""
+    for rest in ([3], [1, 5], [4, -1, 7]):
+        row = np.poly([-2] * times + [-x for x in rest])[::-1]
+        turned = about_axis([arb(x) for x in row])
+        assert len(turned) == len(row)
+        assert [x == 0 for x in turned[::-1]] == [True] * times + [False] * (len(row) - times)
+    assert about_axis([arb(0), arb(3)]) == [0, 6]

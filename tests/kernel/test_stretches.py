@@ -128,3 +128,29 @@ def test_no_cut_is_made_on_a_zero() -> None:
         place = bounds(cut[0].high)[0]
         assert abs(place - Fraction(127, 256)) < Fraction(1, 2**20)
         assert Stretch.of(around([place, Fraction(2)], 1), arb(0), arb(1)).cut() is None
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_zero_between_an_end_and_that_of_the_basis_is_never_overlooked(seed: int) -> None:
+    """Bernstein's polynomials live on a hair more than the stretch; the sign at its end is that at the end itself, or does not show."""
+    pick = random.Random(seed)
+    for _ in range(10):
+        low = Fraction(pick.getrandbits(100) | 1 << 100, 1 << 99)
+        high = low + Fraction(pick.getrandbits(90) | 1 << 90, 1 << pick.choice([89, 91, 95]))
+        with flint.ctx.workprec(128):
+            plain = Stretch.of(around([], 1), dyadic(low), dyadic(high))
+            ends = [bounds(x)[0] for x in plain.ends]
+            assert ends[0] <= low < high <= ends[1]
+            for end, inner, outer in ((0, low, ends[0]), (-1, high, ends[1])):
+                if inner == outer:
+                    continue
+                root = outer + (inner - outer) * Fraction(pick.randint(1, 4095), 4096)
+                others = [
+                    (high + pick.randint(0, 2) if end else low - pick.randint(0, 2))
+                    - Fraction(pick.randint(0, 3)) * (low - high)
+                    for _ in range(pick.choice([0, 2]))
+                ]
+                sign = pick.choice([-1, 1])
+                x = Stretch.of(around([root, *others], sign), dyadic(low), dyadic(high))
+                true = exact([root, *others], sign)[0](fmpq(inner.numerator, inner.denominator))
+                assert x.sign_at(end) in (0, 1 if true > 0 else -1)
