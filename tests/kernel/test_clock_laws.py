@@ -17,6 +17,8 @@ from sympy import Expr, Integer, Rational, Symbol
 
 from haptisym.kernel.nearone import about_axis, about_one, has_no_pair, hurwitz
 from haptisym.kernel.pulse import Plant, SampledLoop
+from haptisym.model.parameters import Rule
+from haptisym.verbs.stability.clockcritical import Opened, Walk
 from haptisym.verbs.stability.oncircle import OnCircle
 
 SEEDS = range(30)
@@ -213,3 +215,60 @@ def test_roots_at_minus_one_are_highest_coefficients_that_vanish(times: int) -> 
         assert len(turned) == len(row)
         assert [x == 0 for x in turned[::-1]] == [True] * times + [False] * (len(row) - times)
     assert about_axis([arb(0), arb(3)]) == [0, 6]
+
+
+def placed(own: SampledLoop, at: Rational) -> Any:
+    """The roots in w = 1/z, by NumPy."""
+    with flint.ctx.workprec(256):
+        return np.roots([float(c.mid()) for c in own.at({k: at}).balls()][::-1])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_nearest_changes_of_a_loop_are_where_roots_by_numpy_pass_the_circle(seed: int) -> None:
+    draw = random.Random(seed)
+    own = loop(draw)
+    if seed % 4 == 0:  # nothing but differences: a root stays at 1, once or twice
+        plant = Plant(
+            (Integer(0), *[Integer(0)] * (seed % 8 == 0), Rational(draw.randint(1, 5)), Integer(1)),
+            ((Integer(0), (Integer(1),)),),
+        )
+        own = SampledLoop(plant, own.T, (k, -k), (Integer(1),))
+    opened = Opened(own, k)
+    assert opened.is_fixed is not any(x.has(k) for x in (*own.above, *own.below))
+    assert Opened(own, Symbol("x")).is_fixed
+    start = Rational(draw.randint(1, 30), 10)
+    number, on = opened.count(start)
+    sizes = abs(placed(own, start))
+    always = opened.always
+    assert always == ((seed % 4 == 0) if opened.at_one == 0 else 0) or seed % 4
+    clear = sizes[abs(sizes - 1) > 1e-5]
+    if len(clear) + always == len(sizes):
+        assert number == int((clear < 1).sum()) + always
+        assert on == 0
+    with flint.ctx.workprec(256):
+        q = arb(int(start.p)) / int(start.q)
+        row, whole = opened.row(q), own.at({k: start}).balls()
+        for w in (0.3, -1.7, 2.0):
+            left = sum(float(c.mid()) * w**n for n, c in enumerate(row)) * (w - 1) ** always
+            assert left == pytest.approx(sum(float(c.mid()) * w**n for n, c in enumerate(whole)), rel=1e-6, abs=1e-9)
+    if on:
+        return
+    walk = Walk(opened, Fraction(int(start.p), int(start.q)), number, Rule.POSITIVE)
+    for side in (-1, 1):
+        found, known = walk.towards(side)
+        last = float(found.value) if found else float(known)
+        grid = float(start) * (last / float(start)) ** np.linspace(0.001, 0.999, 30)
+        for x in grid:
+            near = abs(placed(own, Rational(float(x))))
+            far_away = near[abs(near - 1) > 1e-4]
+            if len(far_away) + always == len(near):
+                assert int((far_away < 1).sum()) + always == number, (float(x), last)
+        if found is not None:
+            there = abs(placed(own, Rational(last)))
+            assert sum(abs(there - 1) < 1e-5) > always
+            turned = placed(own, Rational(last))[abs(there - 1) < 1e-5]
+            assert min(abs(abs(np.angle(turned)) - float(found.omega) * float(own.T))) < 1e-4
+            ends = opened.count(Rational(last * (1 - 1e-9))), opened.count(Rational(last * (1 + 1e-9)))
+            assert (ends[0][0], ends[1][0]) == (found.below, found.above)
+            assert number in (found.below, found.above)
