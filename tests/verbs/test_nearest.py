@@ -9,7 +9,7 @@ from sympy import Rational
 import haptisym as hs
 from haptisym.model.jnd import Part
 from haptisym.verbs.require.entry import require
-from haptisym.verbs.require.feasible import Kind
+from haptisym.verbs.require.feasible import Kind, spanned
 
 
 def _times(scene: hs.Scene) -> float:
@@ -89,3 +89,22 @@ def test_where_some_values_do_none_is_nearest() -> None:
     found = require(hs.load_scene("fu2019"), "omega_n")
     assert found.nearest is None
     assert "nearest" not in found.to_dict()
+
+
+@pytest.mark.slow
+def test_where_no_value_does_all_that_is_asked_each_thing_is_told_by_itself_and_what_is_nearest() -> None:
+    """Slow filters are noticed, and held by the arm all the same: before, the page said no value, and nothing more."""
+    found = require("fu2019", "omega_n", (1, 50), that=("transparent", "stable"), hand="postural-arm")
+    plain = require("fu2019", "omega_n", (1, 50))
+    assert not found.feasible
+    assert (found.alone[0].feasible, found.alone[0].undecided) == ((), ())
+    held = require("fu2019", "omega_n", (1, 50), that="stable", hand="postural-arm")
+    assert [spanned(x) for x in found.alone[1].feasible] == [spanned(x) for x in held.feasible]
+    assert [float(x.high.value) for x in held.feasible] == [50]
+    said, known = (" ".join(str(x).split()) for x in (found, plain))
+    assert "By itself: transparent on the whole band for no value and stable in postural-arm for 1 ≤ omega_n ≤ 50" in (
+        said.replace("ω_n", "omega_n")
+    )
+    nearest = known[known.index("Nearest of those") : known.index("Certain")]
+    assert nearest in said
+    assert require("fu2019", "omega_n", (1, 500), that=("transparent", "stable"), hand="postural-arm").alone == ()

@@ -127,8 +127,8 @@ def require(
       haptisym require fu2019 --free omega_n --certificate proof.json
       haptisym require delayed-spring --free tau --any-environment
       haptisym require delayed-spring --free environment.k --range 1 1000 --that stable --hand postural-arm
-      haptisym require virtual-wall --free environment.b --free environment.k --range 0 40 --range 10 4000 \
-        --that transparent --that stable --hand postural-arm --jnd 0.05 --jnd 0.2 --figure z-width.svg
+      haptisym require virtual-wall --free environment.b --free environment.k --range 0 40 --range 10 4000 \\
+          --that transparent --that stable --hand postural-arm --jnd 0.05 --jnd 0.2 --figure z-width.svg
       haptisym require fu2019 --free omega_n --free zeta --range 60 200 --range 0.1 1 --figure map.svg
     """
     from haptisym.model.jnd import Part

@@ -106,7 +106,9 @@ def afford(terms: int, others: int = 1) -> None:
         budget.tick(None, None, "")
         if terms * others > _PRODUCTS * (budget.deadline - monotonic()):
             budget.reached = True
-            raise LimitError(f"not decided within the limit of {budget.seconds:g} s: formulas grow too long")
+            raise LimitError(
+                f"not decided: formulas grow so long that the limit of {budget.seconds:g} s would most likely be exceeded"
+            )
 
 
 _PRODUCTS = 5e7

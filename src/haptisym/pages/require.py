@@ -131,9 +131,16 @@ def unit_of(free: Knob) -> str:
     return "" if free.unit == "1" else f" {unit_text(free.unit)}"
 
 
+def _by_itself(r: Requirement) -> Phrase:
+    kept = listed(dict.fromkeys(x.kept for x in r.criteria))
+    return kept, " for ", sets(r), ", while some others are undecided" if r.undecided else ""
+
+
 def _nearest(r: Requirement) -> Iterator[Block]:
     """Where no value will do: the nearest one found, what binds there, and what was proven about all others."""
-    x = r.nearest
+    if r.alone:
+        yield Paragraph(("By itself: ", listed(map(_by_itself, r.alone)), "."))
+    x = next((y.nearest for y in r.alone if y.nearest), r.nearest)
     if x is None:
         return
     least = (

@@ -86,8 +86,8 @@ def _verdict(a: Tolerances) -> Iterator[Block]:
     ]
     if a.limit is not None:
         told.append((
-            f"The limit of {a.limit:g} s was reached: enclosures may be wider than they need be, and {len(a.samples)} sets of ",
-            "values were drawn. What is said to be proven is.",
+            f"Work was cut short to keep within the limit of {a.limit:g} s: enclosures may be wider than they need be, and ",
+            f"{len(a.samples)} sets of values were drawn. What is said to be proven is.",
         ))  # fmt: skip
     if told:
         yield Notes(tuple(told))

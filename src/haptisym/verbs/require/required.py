@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -11,6 +12,8 @@ from sympy import Expr, Symbol
 from haptisym.judge.answers import Answer
 from haptisym.judge.bounds import ANY_ENVIRONMENT
 from haptisym.judge.criteria import Criterion, opened
+from haptisym.kernel.budget import limited
+from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import RealNumber, Sliver
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.shown import titled
@@ -23,9 +26,12 @@ from haptisym.verbs.require.closedforms import closed_form
 from haptisym.verbs.require.feasible import Binding, End, Kind, Span, bound_ends, spanned
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.nearest import Nearest, nearest
+from haptisym.verbs.require.wishes import STABLE, SUITS_ALL, solve_all
 
 _NAMES = {Kind.EDGE: Symbol("omega_max", positive=True), Kind.START: Symbol("omega_min", positive=True)}
 
+_SECONDS = 5.0
+"""For what each thing that was asked allows by itself."""
 _MOST_PRODUCTS = 5000
 """Of terms above and below the line of dH in symbols: beyond it no formula is readable, and building one takes minutes."""
 
@@ -77,6 +83,24 @@ class Requirement(Answer):
     def nearest(self) -> Nearest | None:
         """Where no value will do, the one that comes nearest; found in five seconds or not at all."""
         return nearest(self)
+
+    @cached_property
+    def alone(self) -> tuple[Requirement, ...]:
+        """Where no value will do and several things are asked: the answer for each by itself; in five seconds or not at all."""
+        judged = tuple(x for x in self.criteria if x.name not in (STABLE, SUITS_ALL))
+        others = [(x,) for x in self.criteria if x not in judged]
+        asked = [judged, *others] if judged else others
+        if self.feasible or self.undecided or len(asked) < 2:
+            return ()
+        with suppress(UndecidedError), limited(_SECONDS):
+            return tuple(map(self._only, asked))
+        return ()
+
+    def _only(self, criteria: tuple[Criterion, ...]) -> Requirement:
+        found = solve_all(self.scene, self.free, self.domain, criteria)
+        return replace(
+            self, feasible=found.feasible, undecided=found.undecided, criteria=criteria, that=(), reason=found.reason
+        )
 
     def form(self, end: End) -> Expr | None:
         """The value at an end as a formula in the scene's symbols, ``c`` and ``omega_max``; None where none is readable."""
