@@ -272,3 +272,28 @@ def test_the_nearest_changes_of_a_loop_are_where_roots_by_numpy_pass_the_circle(
             ends = opened.count(Rational(last * (1 - 1e-9))), opened.count(Rational(last * (1 + 1e-9)))
             assert (ends[0][0], ends[1][0]) == (found.below, found.above)
             assert number in (found.below, found.above)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_what_a_loop_may_hide_does_not_hang_on_the_signs_that_its_quotients_are_written_with(seed: int) -> None:
+    """D = A/B = (-A)/(-B), G likewise; it may hide something where a pole of G is not on the left, or one of D outside of the circle."""
+    draw = random.Random(seed)
+    own = loop(draw)
+    poles = [x for x in np.roots([float(x) for x in own.plant.denominator[::-1]]) if x != 0]
+    outside = abs(np.roots([float(x) for x in own.below])) > 1
+    found = []
+    for sign, other in ((1, 1), (-2, 1), (1, -3), (-1, -1)):
+        terms = tuple((lag, tuple(sign * x for x in N)) for lag, N in own.plant.terms)
+        plant = Plant(tuple(sign * x for x in own.plant.denominator), terms)
+        same = SampledLoop(plant, own.T, tuple(other * x for x in own.above), tuple(other * x for x in own.below))
+        found.append(OnCircle(same, {k: (Rational(1), Rational(2))}).hides_none)
+    assert len(set(found)) == 1
+    if found[0]:
+        assert all(x.real < 0 for x in poles)
+        assert not outside.any()
+    assert (
+        found[0]
+        or any(x.real > -1e-9 for x in poles)
+        or outside.any()
+        or not all(x >= 0 for x in own.plant.denominator)
+    )

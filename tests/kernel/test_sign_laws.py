@@ -134,6 +134,29 @@ def test_signs_of_a_lattice_are_those_of_its_pieces(seed: int) -> None:
             assert any(float(x.low.omega) <= at <= float(x.high.omega) for x in kept) == (value(at) <= 0)
 
 
+@pytest.mark.parametrize("group", range(4))
+def test_a_lattice_has_a_pole_where_it_grows_without_bound_on_a_side(group: int) -> None:
+    """Not where a piece does that is outweighed: of the smaller the one that goes to infinity, of the larger the one that goes below all."""
+    for seed in range(10 * group, 10 * group + 10):
+        draw = random.Random(seed)
+        terms = [[with_a_pole(draw) for _ in range(draw.randint(1, 3))] for _ in range(draw.randint(1, 3))]
+        lattice = Lattice(tuple(tuple(RealFunction(AXIS.convert(x).reduced()) for x in term) for term in terms))
+        table = chart({"it": lattice}, Rational(1, 2), Integer(5))
+        seen = {float(p.omega): p.orders.get("it", 0) for p in table.points}
+        for place in (1, 2, 3, 4):
+            near = [place + sign * Rational(1, 10**9) for sign in (-1, 1)]
+            sides = [max(min(x.subs(w, at) for x in term) for term in terms) for at in near]
+            if max(map(abs, sides)) > 10**6:
+                assert seen[place] == (-1 if sides[0] * sides[1] < 0 or 0 in sides else -2)
+            else:
+                assert seen.get(place, 0) >= 0
+
+
+def with_a_pole(draw: random.Random) -> Expr:
+    factor = (w - draw.choice([1, 2, 3, 4])) ** draw.choice([-2, -1, -1, 1, 2])
+    return Integer(draw.choice([-2, -1, 1, 3])) * factor + draw.choice([0, 0, 1])
+
+
 # Numbers made of exponentials
 
 MP = mpmath.mp.clone()

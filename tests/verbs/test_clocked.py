@@ -249,6 +249,20 @@ def test_delays_below_the_line_are_taken_off_those_above_it_and_none_may_be_left
     assert all((said[lag] - expected[lag]).together().expand() == 0 for lag in said)
 
 
+@pytest.mark.parametrize("order", [Rational(1, 2), Rational(-1, 3), Rational(7, 4)])
+@pytest.mark.parametrize("late", [False, True])
+def test_a_power_of_s_above_or_below_the_line_makes_no_plant(order: Rational, *, late: bool) -> None:
+    wave = exp(-symbol / 8) if late else Rational(1)
+    for top, bottom in (
+        (1 + symbol**order, symbol**3 + 2),
+        (wave, symbol**3 + symbol**order),
+        (symbol**order * wave, symbol**3),
+    ):
+        ring = Ring.of([top, bottom, wave])
+        with pytest.raises(UndecidedError, match="a power of s comes back"):
+            plant_of((ring.convert(top) / ring.convert(bottom)).reduced(), ring)
+
+
 # Every passive hand
 
 
