@@ -28,6 +28,7 @@ from haptisym.verbs.stability.farout import from_infinity, is_neutral
 from haptisym.verbs.stability.loops import Loop, coefficients, zeros
 from haptisym.verbs.stability.pairs import Characteristic
 from haptisym.verbs.stability.reach import lag_of, reach_of_axis
+from haptisym.verbs.stability.search import _Cells
 
 SEEDS = range(30)
 q = Symbol("q", positive=True)
@@ -106,6 +107,19 @@ def test_zeros_of_a_row_are_those_of_numpy_that_are_not_negative(group: int) -> 
     assert zeros([]) == zeros([Integer(0), Integer(0)]) == zeros([Integer(3)]) == []
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_zeros_are_found_as_far_out_as_coefficients_of_one_size_put_them(seed: int) -> None:
+    """x^2 - x - 1 has one beyond all of its coefficients."""
+    draw = random.Random(seed)
+    for row in [
+        [-1, -1, 1],
+        *([draw.choice([-1, 0, 1]) for _ in range(draw.randint(2, 5))] + [draw.choice([-1, 1])] for _ in range(12)),
+    ]:
+        true = [x.real for x in np.roots(row[::-1]) if abs(x.imag) < 1e-6 and x.real > -1e-6]
+        if len(row) > 2 and all(abs(x - y) > 1e-3 for x, y in pairwise(sorted(true))):
+            assert [float(x) for x in zeros([*map(Integer, row)])] == pytest.approx(sorted(true), abs=1e-9)
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_numbers_are_in_order_and_gaps_hold_what_is_between_their_ends(seed: int) -> None:
     draw = random.Random(seed)
@@ -142,6 +156,10 @@ def test_polynomials_are_apart_where_they_share_no_positive_zero(group: int) -> 
         ]
         shared = set(roots[0]) & set(roots[1])
         assert _is_apart(both[0], both[1], axis) is not any(x > 0 for x in shared)
+    late = Ring.of([exp(-s)]).axis
+    t = late.context.gens()[late.size]  # the tangent of half an angle, 0 again and again
+    assert not _is_apart(t * (t + 2), t * (t**2 + 3), late)
+    assert _is_apart(t**2 + 2, t, late)
 
 
 # Values that come from infinity: L(z; q) has as many zeros inside of the unit circle, and on it, between two of them
@@ -337,6 +355,40 @@ def test_beyond_its_reach_nothing_is_0_on_the_axis_for_any_value_or_its_inverse(
 
 def winds(f: Any, x: float, reach: float) -> int | None:
     return winding(lambda z: f(z, x), reach)
+
+
+# Where a search looks for pairs
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("seed", range(12))
+def test_a_cell_is_told_where_the_pair_in_it_would_be_if_it_were_straight(seed: int) -> None:
+    """C = A (s^2 + w^2) + B (q - v) over ever smaller cells about (w, v), off their middles."""
+    draw = random.Random(seed)
+    w, v = Rational(draw.randint(4, 20), 4), Rational(draw.randint(4, 20), 8)
+    A, B = 3 * s**2 + s + draw.randint(1, 5) + exp(-s / 2), draw.randint(1, 4) * s + 2 + exp(-s * q)
+    form = Characteristic(loop_of(((s**2 + w**2) * A + (q - v) * B).expand()))
+    cells = _Cells(form, v - Rational(1, 3), v + Rational(1, 2))
+    reach = cells.axis.reach
+    assert reach is not None
+    assert reach > w
+    place = np.array([float(w) / reach, float((v - cells.low) / (cells.high - cells.low))])
+    off = np.array([draw.uniform(-0.9, 0.9), draw.uniform(-0.9, 0.9)])
+    for size in (2.0**-9, 2.0**-12, 2.0**-15, 2.0**-18):
+        cell = np.stack([place - size * (1 + off), place + size * (1 - off)], -1)[None]
+        told = [*cells._likely(cell)]
+        assert [i for i, _ in told] == [0] or size > 2.0**-18
+        assert all(t == pytest.approx(off, abs=0.1) for _, t in told)
+    cells._prove(cell)
+    [found] = cells.found
+    assert (found.value.digits(20), found.omega and found.omega.digits(20)) == (
+        ExactNumber(v).digits(20),
+        ExactNumber(w).digits(20),
+    )
+    assert cells._is_settled(cell).all()
+    assert not cells._is_settled(cell + 20 * size).any()
+    cells._prove(cell)
+    assert len(cells.found) == 1
 
 
 # All of it: what meets the axis is where winding numbers change
