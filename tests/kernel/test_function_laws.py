@@ -74,6 +74,7 @@ def simplest(low: Fraction, high: Fraction) -> Fraction:
     raise AssertionError
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("seed", range(8))
 def test_the_number_between_two_others_is_the_simplest_one(seed: int) -> None:
     draw = random.Random(seed)
@@ -98,6 +99,7 @@ def test_the_number_between_two_others_is_the_simplest_one(seed: int) -> None:
     assert rational_between(None, Negative(root)) == -2
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("seed", range(6))
 def test_decimals_are_those_of_python(seed: int) -> None:
     draw = random.Random(seed)
@@ -169,6 +171,7 @@ def test_balls_of_expressions_hold_the_values_of_mpmath(seed: int) -> None:
         expression_ball(exp(Integer(2)))
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("seed", range(6))
 def test_numbers_are_put_in_order_however_near(seed: int) -> None:
     draw = random.Random(seed)
@@ -229,6 +232,7 @@ def test_states_of_nothing_are_no_states() -> None:
 # Algebraic numbers and exponentials
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_no_number_made_of_roots_is_nearer_to_0_than_the_gap_unless_it_is_0(seed: int) -> None:
     """Combinations that nearly cancel, by continued fractions of sqrt(2) and the golden ratio."""
@@ -249,6 +253,7 @@ def test_no_number_made_of_roots_is_nearer_to_0_than_the_gap_unless_it_is_0(seed
     assert not ring.is_zero(x * (ring.root(0) ** 2 - 2) + x)
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_from_a_frequency_on_the_late_part_is_the_less(seed: int) -> None:
     draw = random.Random(seed)
@@ -274,7 +279,7 @@ def polynomial(draw: random.Random, x: Expr, degree: int = 3) -> Expr:
     ) + some(draw)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_polynomials_and_quotients_of_a_ring_are_those_of_sympy(seed: int) -> None:
     draw = random.Random(seed)
@@ -313,7 +318,7 @@ def test_polynomials_and_quotients_of_a_ring_are_those_of_sympy(seed: int) -> No
     assert float(ball) == pytest.approx(float(ring.expression(p).subs({omega: 2, a: 3, b: 5})))
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_functions_on_the_axis_have_their_values_slopes_and_squares(seed: int) -> None:
     draw = random.Random(seed)
@@ -396,6 +401,7 @@ def test_a_product_of_factors_is_the_function_in_value_order_and_sign(seed: int)
     assert factored_function(function - function, Known()).sign == 0
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("seed", range(10))
 def test_a_zero_moves_with_a_number_as_fast_as_differences_tell(seed: int) -> None:
     draw = random.Random(seed)
@@ -441,6 +447,7 @@ def test_a_zero_moves_with_a_number_as_fast_as_differences_tell(seed: int) -> No
 # Levels, formulas and turns
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("seed", range(8))
 def test_where_a_quotient_meets_a_root_of_a_number_is_where_sympy_solves_it(seed: int) -> None:
     draw = random.Random(seed)
@@ -507,7 +514,7 @@ def test_zeros_as_formulas_are_those_of_a_chart(seed: int) -> None:
     assert [found[x] for x in sorted(found)] == [true[x] for x in sorted(true)]
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_function_turns_along_the_axis_as_far_as_samples_do(seed: int) -> None:
     draw = random.Random(seed)
@@ -581,7 +588,7 @@ def test_roots_on_the_right_are_those_that_a_contour_winds_around(seed: int) -> 
         assert found.right == found.number == true
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_dynamics_keep_their_values_in_a_ring_whatever_their_delays_and_powers(seed: int) -> None:
     draw = random.Random(seed)

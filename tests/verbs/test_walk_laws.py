@@ -172,6 +172,7 @@ class Given:
         return q / 4
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("seed", range(8))
 def test_a_value_between_two_others_is_closed_in_on_to_any_bits(seed: int) -> None:
     """The one zero of (x - a)^3 + c (x - a) near a that is a square root: against mpmath."""
@@ -198,7 +199,7 @@ def _root(n: int) -> Any:
         return mpmath.sqrt(n)
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_two_changes_that_are_close_to_each_other_are_never_passed_by(seed: int) -> None:
     """z = 1 - a(k), a = 2 + e - c (k - 1)^2: outside of the circle for |k - 1| < (e/c)^(1/2), however narrow that is."""
@@ -223,6 +224,7 @@ def test_two_changes_that_are_close_to_each_other_are_never_passed_by(seed: int)
 # Cells between values at which chains come to the axis
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("seed", range(8))
 def test_cells_are_cut_inside_and_pieces_are_the_whole(seed: int) -> None:
     draw = random.Random(seed)
@@ -262,6 +264,7 @@ class Hidden:
         return Rational(7) if q.rad() < (1 if inverse else 3) else None
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("seed", range(8))
 def test_what_is_left_of_a_cell_is_about_the_values_that_hide(seed: int) -> None:
     draw = random.Random(seed)
@@ -326,6 +329,7 @@ def test_windows_of_a_search_grow_about_the_value_up_to_what_is_allowed(low: Exp
             assert all((last - x) * side > 0 or start == last for x in ends[:-1])
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("seed", range(10))
 def test_gaps_that_touch_are_one_and_the_whole_stays_what_it_was(seed: int) -> None:
     draw = random.Random(seed)
@@ -342,6 +346,7 @@ def test_gaps_that_touch_are_one_and_the_whole_stays_what_it_was(seed: int) -> N
     assert all(x.reason == min((y for y in given if y.low == x.low), key=lambda y: y.reason).reason for x in joined)
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("seed", range(10))
 def test_a_strip_is_cut_until_frequencies_have_a_bound_and_nothing_is_lost(
     seed: int, monkeypatch: pytest.MonkeyPatch
@@ -378,6 +383,7 @@ def test_a_strip_is_cut_until_frequencies_have_a_bound_and_nothing_is_lost(
 # A clock's box, Hurwitz and roots on the right
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("seed", range(10))
 def test_a_polynomial_is_called_hurwitz_where_its_roots_are_on_the_left_or_one_at_0(seed: int) -> None:
     draw = random.Random(seed)
@@ -438,6 +444,7 @@ def test_value_and_slope_along_s_are_those_of_mpmath(seed: int) -> None:
 # Pixels of a hand's plane
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", range(5))
 def test_parts_of_the_plane_are_those_of_scipy_and_their_deepest_pixel_lies_inside(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -456,7 +463,7 @@ def test_parts_of_the_plane_are_those_of_scipy_and_their_deepest_pixel_lies_insi
         assert depth[i, j] == depth.max()
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(5))
 def test_the_boundary_of_the_plane_parts_pixels_on_both_of_its_sides(seed: int) -> None:
     """A line k = a + c b, and a stiffness with a root at 0."""
