@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import TypeVar
+
+T = TypeVar("T")
 
 
 class HaptisymError(ValueError):
@@ -54,3 +57,21 @@ def quoted(given: object) -> str:
     """
     text = str(given)
     return f'"{text[:60]}..."' if len(text) > 60 else f'"{text}"'
+
+
+def need(key: str, given: object, kind: type | tuple[type, ...], told: str) -> None:
+    """SceneError where something is of another type than it must be. ``told`` : what to give instead.
+
+    >>> need("environment", 3, str, "give a name")
+    Traceback (most recent call last):
+    haptisym.kernel.errors.SceneError: environment: "3" will not do: give a name
+    """
+    if not isinstance(given, kind):
+        raise SceneError(f"{key}: {quoted(given)} will not do: {told}")
+
+
+def several(key: str, given: Iterable[T], told: str) -> tuple[T, ...]:
+    """What was given as several things, in a tuple; SceneError for a single one. ``told`` : what to give instead."""
+    if isinstance(given, str | bytes) or not isinstance(given, Iterable):
+        raise SceneError(f"{key}: {quoted(given)} will not do: {told}")
+    return tuple(given)

@@ -16,7 +16,7 @@ import flint
 from flint import arb, fmpq
 from sympy import Expr, Integer, Pow, Rational, cos, log, pi, sin, sinc, tan
 
-from haptisym.kernel.decimals import bits_for, outward, rounded
+from haptisym.kernel.decimals import bits_for, checked, outward, rounded
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.precision import SURE_BITS, at_rising_precision
 from haptisym.kernel.shown import Viewed
@@ -85,7 +85,7 @@ class RealNumber(Viewed, ABC):
         >>> ExactNumber(pi).digits(20), ExactNumber(Rational(1, 4)).digits(3)
         ('3.1415926535897932385', '0.250')
         """
-        bits = bits_for(count)
+        bits = bits_for(checked(count))
         while True:
             low, high = self.bounds(bits)
             # beyond that many digits more it is a tie
@@ -296,5 +296,5 @@ class Sliver(RealNumber):
         >>> Sliver(Fraction(1, 4), Fraction(1, 4) + Fraction(1, 2**40)).digits(30)
         '0.25000000000'
         """
-        known = (rounded(self.low, self.high, n) for n in range(count, 0, -1))
+        known = (rounded(self.low, self.high, n) for n in range(checked(count), 0, -1))
         return next(filter(None, known), "") or rounded(self.low, self.low, 1) or ""

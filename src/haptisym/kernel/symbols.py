@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from sympy import Expr, Symbol
 
+from haptisym.kernel.errors import need
+
 s = Symbol("s")
 """Laplace variable, rad/s; plain, so that an ordinary ``Symbol("s")`` of the user is the same one."""
 
@@ -26,6 +28,7 @@ def symbols(names: str) -> tuple[Symbol, ...] | Symbol:
     >>> symbols("omega_n")
     omega_n
     """
+    need("symbols", names, str, 'give names in one string, as "m b k"')
     made = tuple(Symbol(name, positive=True) for name in names.replace(",", " ").split())
     return made[0] if len(made) == 1 else made
 

@@ -17,6 +17,7 @@ from haptisym.kernel.shown import Shown, counted
 from haptisym.kernel.symbols import omega, s
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.chain import Chain
+from haptisym.model.given import given_effects, given_environment
 from haptisym.model.jnd import Part
 from haptisym.model.properties import ParameterJND, Properties, first_changeover, properties
 from haptisym.model.sampled import in_place
@@ -38,6 +39,8 @@ def distort(environment: Environment, *effects: Effect, rendered: Environment | 
     >>> d.perceived, d.real
     (2000/(s + 20), -100*omega**2/(omega**2 + 400))
     """
+    given_environment("environment", environment)
+    given_effects(effects)
     felt = rendered.tied_to(environment) if rendered else environment
     H = environment.H
     return Distortion.of(Chain(H, felt.H if rendered else H, tuple(e.matrix for e in in_place(effects, felt))))

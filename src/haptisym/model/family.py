@@ -9,7 +9,7 @@ from typing import Any
 from sympy import Expr
 
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.errors import SceneError, need
 from haptisym.kernel.shown import Shown, titled
 from haptisym.kernel.symbols import c
 from haptisym.model.jnd import Threshold
@@ -43,6 +43,9 @@ class SceneFamily(Shown):
         return f"{titled(self.title)}: {', '.join(self.scenes)}"
 
     def __post_init__(self) -> None:
+        need("environments", self.scenes, Mapping, 'give scenes by name, as {"soft": load_scene(...)}')
+        for name, scene in self.scenes.items():
+            need(f"environments: {name}", scene, Scene, "give a scene, as load_scene(...) makes one")
         if not 1 <= len(self.scenes) <= MOST_ENVIRONMENTS:
             raise SceneError(f"environments: {len(self.scenes)} were given: at least 1, at most {MOST_ENVIRONMENTS}")
         for name, scene in self.scenes.items():

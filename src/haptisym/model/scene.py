@@ -17,6 +17,7 @@ from haptisym.kernel.shown import Shown, titled
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion, distort
+from haptisym.model.given import given_band, given_effects, given_environment, given_hands
 from haptisym.model.hand import Hand
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.jndtables import read_threshold
@@ -65,8 +66,12 @@ class Scene(Shown):
 
     @spared()
     def __post_init__(self) -> None:
-        if len(self.band) != 2:
-            raise SceneError(f"band: {self.band} must be a low and a high end")
+        given_environment("environment", self.environment)
+        if self.rendered is not None:
+            given_environment("rendered", self.rendered)
+        object.__setattr__(self, "effects", given_effects(self.effects))
+        object.__setattr__(self, "hands", given_hands(self.hands))
+        object.__setattr__(self, "band", given_band(self.band))
         shown = [f'"{x}"' if isinstance(x, str) else f"{x} rad/s" for x in self.band]
         low, high = (frequency("band", x) for x in self.band)
         object.__setattr__(self, "band", (low, high))

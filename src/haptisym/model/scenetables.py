@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from sympy import Integer
 
-from haptisym.kernel.errors import SceneError, meant
+from haptisym.kernel.errors import SceneError, meant, need
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
 from haptisym.model.family import SceneFamily, named
 from haptisym.model.hand import Hand, hand
@@ -57,6 +57,7 @@ def _is_table_of_lines(text: str) -> bool:
 
 
 def _toml(text: str) -> Table:
+    need("scene", text, str, "give the text of a scene file; load_scene reads a file")
     try:
         return tomllib.loads(text.removeprefix("\N{BYTE ORDER MARK}"), parse_float=Decimal)
     except tomllib.TOMLDecodeError as error:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+from haptisym.kernel.errors import several
 from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
@@ -28,6 +29,9 @@ def derive(scene: Scene | str | Path, keep: Iterable[str] | None = None) -> Deri
     scene = as_scene(scene)
     if keep is None:
         return Derivation(scene, tuple(x.symbol for x in scene.parameters))
-    kept = [scene.knobs[name].felt() for name in ([keep] if isinstance(keep, str) else keep)]
+    kept = [
+        scene.knobs[name].felt()
+        for name in ([keep] if isinstance(keep, str) else several("keep", keep, "give names of parameters"))
+    ]
     thresholds = tuple(part for part in Part if any(part in x.parts for x in kept))
     return Derivation(scene, tuple(x.symbol for x in kept if not x.parts), thresholds)

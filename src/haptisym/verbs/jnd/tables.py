@@ -13,7 +13,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any, TextIO
 
-from haptisym.kernel.errors import SceneError, quoted
+from haptisym.kernel.errors import SceneError, need, quoted
 from haptisym.kernel.shown import counted
 from haptisym.verbs.jnd.answers import Answers, collected
 from haptisym.verbs.jnd.columns import TOLD, Columns, find_columns, position
@@ -32,6 +32,7 @@ _NOT_TEXT = {
 def read_answers(path: str | Path, named: Mapping[str, str], where: Mapping[str, str]) -> Answers:
     """The answers in a file. ``named`` : columns by what they hold; ``where`` : only lines with these values. SceneError says
     what is wrong."""
+    need("data", path, (str, Path), "give a file of answers, or Answers")
     path = Path(path)
     try:
         with path.open("rb") as raw:  # opened once, as it may be a pipe

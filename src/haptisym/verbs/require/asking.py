@@ -10,7 +10,7 @@ from sympy import Expr
 
 from haptisym.judge.criteria import Criterion
 from haptisym.kernel.budget import Budget, share
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.errors import SceneError, several
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.knobs import THRESHOLD, Knob
 from haptisym.model.quantities import Dimension, Number, number
@@ -23,6 +23,7 @@ from haptisym.verbs.require.proven import Proof
 from haptisym.verbs.require.slices import Slice
 from haptisym.verbs.require.wishes import STABLE, TRANSPARENT, further
 
+_RANGES = "give one for each of the two, as [(60, 200), (0.1, 1)]"
 _FOR_PROOFS = 0.3
 """Of the time, at most."""
 
@@ -68,6 +69,8 @@ class Asked:
         first, second = scene.knobs.chosen(paths)
         scene.knobs.need_numbers((first, second))
         judged = asked_of(scene, (first, second), **options) if TRANSPARENT in wanted else ()
+        if len(several("ranges", ranges, _RANGES)) != 2:
+            raise SceneError(f"ranges: {len(ranges)} will not do: {_RANGES}")
         across, along = ((free.number(a), free.number(b)) for free, (a, b) in zip((first, second), ranges, strict=True))
         for free, pair in zip((first, second), (across, along), strict=True):
             domain(free, pair)

@@ -11,7 +11,7 @@ from sympy import Expr, Integer
 
 from haptisym.judge.bounds import for_any_environment
 from haptisym.judge.criteria import Criterion, noticed, opened
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.errors import SceneError, several
 from haptisym.kernel.lattices import Lattice
 from haptisym.kernel.monomials import monomials
 from haptisym.kernel.response import RealFunction
@@ -40,7 +40,10 @@ def domain(free: Knob, given: tuple[Number, Number] | None) -> Domain:
     low, high, closed = _ALLOWED[free.rule]
     if given is None:
         return Domain(low, high, closed, closed)
-    start, end = (free.number(x) for x in given)
+    ends = several(free.path, given, "the range has two ends, as (20, 200)")
+    if len(ends) != 2:
+        raise SceneError(f"{free.path}: a range has two ends, not {len(ends)}")
+    start, end = (free.number(x) for x in ends)
     if sign_of_number(end - start) <= 0:
         raise SceneError(f"{free.path}: the range must go up, not from {given[0]} to {given[1]}")
     if (low is not None and sign_of_number(end - low) <= 0) or (high is not None and sign_of_number(high - start) <= 0):

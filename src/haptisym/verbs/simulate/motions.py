@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.errors import SceneError, several
 from haptisym.model.quantities import Dimension, Number, number, quantity
 from haptisym.model.quantities import MotionKind as Kind
 from haptisym.programs.values import Array
@@ -146,7 +146,7 @@ def multisine(amplitude: Number, omegas: Sequence[Number]) -> Sines:
     (0.005, 0.005)
     """
     size, kind = _amplitude(amplitude)
-    listed = tuple(_frequency(omega) for omega in omegas)
+    listed = tuple(_frequency(omega) for omega in several("omegas", omegas, "give several frequencies, as [1, 2]"))
     if not listed or len(set(listed)) < len(listed):
         raise SceneError("a multisine needs at least one frequency, and each only once")
     count = len(listed)

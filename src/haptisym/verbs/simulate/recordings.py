@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.errors import SceneError, need
 from haptisym.model.quantities import Dimension, Number, quantity
 from haptisym.model.quantities import MotionKind as Kind
 from haptisym.programs.values import Array
@@ -111,6 +111,7 @@ def recording(path: str | Path, *, lowpass: Number | None = None, order: int = 4
     ``Lowpass``); as recorded if not given. SceneError names the line of what is missing, not a number, or not in order, and
     gaps: spacings more than 1.5 times the usual one.
     """
+    need("recording", path, (str, Path), "give a CSV file")
     made = _read(path)
     if lowpass is None:
         return made

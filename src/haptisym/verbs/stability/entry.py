@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from haptisym.kernel.errors import SceneError, meant
+from haptisym.kernel.errors import SceneError, meant, several
 from haptisym.model.hand import Hand, hands
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
@@ -42,7 +42,7 @@ def stability(
         raise SceneError(f"digits: {digits} must be a whole number, at least 1")
     scene = in_hands(scene, hand)
     scene.knobs.need_numbers()
-    paths = [free] if isinstance(free, str) else [*free]
+    paths = [free] if isinstance(free, str) else several("free", free, "give paths or symbols of numbers")
     asked_of = [_number(scene, x) for x in scene.knobs.chosen(paths)]
     rows = tuple(held(scene, x) for x in scene.hands)
     near = tuple(_critical(scene, x, asked_of) for x in rows)
@@ -54,7 +54,10 @@ def in_hands(scene: Scene, hand: str | Hand | Iterable[str | Hand] | None) -> Sc
     """The scene in the hands that are asked about; as it is where none is. SceneError for one that is unknown, or there twice."""
     if hand is None:
         return scene
-    asked = [chosen(scene, x) for x in ([hand] if isinstance(hand, str | Hand) else hand)]
+    asked = [
+        chosen(scene, x)
+        for x in ([hand] if isinstance(hand, str | Hand) else several("hand", hand, "give a name, a Hand, or several"))
+    ]
     for name in (x.name for i, x in enumerate(asked) if x.name in [y.name for y in asked[:i]]):
         raise SceneError(f'the hand "{name}" is asked about twice')
     return scene.with_hands(*asked)

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.errors import SceneError, need
 from haptisym.kernel.reals import ExactNumber
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
@@ -41,6 +41,7 @@ def axes(scene: Scene, vary: Mapping[str, AxisValues]) -> tuple[SweepAxis, ...]:
 
     Values are floats, taken as exactly these binary numbers, or strings with units, taken as the nearest double in SI units.
     """
+    need("vary", vary, Mapping, 'give values by path, as {"effects.filter.omega_n": [20, 40]}')
     if not vary:
         raise SceneError(f"a sweep needs something to vary: the scene has {', '.join(x.path for x in scene.knobs)}")
     chosen = scene.knobs.chosen(vary)

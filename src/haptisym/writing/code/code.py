@@ -43,7 +43,7 @@ class Source:
     arguments: tuple[Argument, ...]
     about: About = About()
 
-    def code(self, language: Language, *, name: str = "distortion") -> str:
+    def code(self, language: Language | str, *, name: str = "distortion") -> str:
         """The text of one function that computes the program, self-contained, documented in the language's own style.
 
         ``arguments`` are all that the program needs, in the order of the call. NumPy, Octave and MATLAB functions take and
@@ -70,7 +70,7 @@ class Source:
         }
         <BLANKLINE>
         """
-        program, listed = self.program, self.arguments
+        language, program, listed = Language.of(language), self.program, self.arguments
         used = {program.inputs[step.arguments[0]] for step in program.operations if step.name == "input"}
         _check(program, used, listed)
         own = function_name(name, language)

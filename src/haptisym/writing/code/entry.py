@@ -44,7 +44,11 @@ _NOTES = (
 
 
 def scene_code(
-    scene: Scene | str | Path, language: Language, *, name: str = "distortion", parameters: Iterable[str] | None = None
+    scene: Scene | str | Path,
+    language: Language | str,
+    *,
+    name: str = "distortion",
+    parameters: Iterable[str] | None = None,
 ) -> str:
     """The closed forms of a scene as a function of omega and of its parameters.
 
@@ -84,7 +88,7 @@ def scene_program(scene: Scene | str | Path, parameters: Iterable[str] | None = 
     return Source(computed(chain), (FREQUENCY, *arguments), about)
 
 
-def distortion_code(distortion: Distortion, language: Language, *, name: str = "distortion") -> str:
+def distortion_code(distortion: Distortion, language: Language | str, *, name: str = "distortion") -> str:
     """The closed forms of a distortion as a function of omega and of the parameters that are still symbols, by name.
 
     >>> from haptisym import effects, environments

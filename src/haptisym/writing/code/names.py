@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from enum import Enum
 from itertools import chain, count
 
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.errors import SceneError, quoted
 from haptisym.writing.names import greek
 
 
@@ -21,6 +21,16 @@ class Language(Enum):
     OCTAVE = "m"
     JULIA = "jl"
     JAVASCRIPT = "js"
+
+    @classmethod
+    def of(cls, given: Language | str) -> Language:
+        """A language, or that of a name in small letters; SceneError for any other."""
+        known = {x.name.lower(): x for x in cls}
+        if isinstance(given, cls):
+            return given
+        if isinstance(given, str) and given.lower() in known:
+            return known[given.lower()]
+        raise SceneError(f"language: {quoted(given)} is none of {', '.join(known)}")
 
 
 def _words(text: str) -> frozenset[str]:

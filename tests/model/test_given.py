@@ -1,0 +1,56 @@
+"""What is given in Python and is of another type than it must be: one sentence that says what to give, and no other error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import haptisym as hs
+from haptisym.kernel.errors import HaptisymError
+
+SPRING = hs.environments.mass_spring_damper(k="100 N/m")
+LAG = hs.effects.first_order_lag("80 rad/s")
+
+WRONG: dict[str, tuple[Callable[[], object], str]] = {
+    "one effect": (lambda: hs.Scene(SPRING, LAG), "effects: "),  # type: ignore[arg-type]
+    "a name for effects": (lambda: hs.Scene(SPRING, "delay"), 'effects: "delay" will not do'),  # type: ignore[arg-type]
+    "a name among effects": (lambda: hs.Scene(SPRING, ("delay",)), 'effects: "delay" will not do'),  # type: ignore[arg-type]
+    "an environment among effects": (lambda: hs.Scene(SPRING, (SPRING,)), "give effects of haptisym.effects"),  # type: ignore[arg-type]
+    "an effect to feel": (lambda: hs.Scene(LAG), "give one of haptisym.environments"),  # type: ignore[arg-type]
+    "an effect to render": (lambda: hs.Scene(SPRING, rendered=LAG), "rendered: "),  # type: ignore[arg-type]
+    "a band of one end": (lambda: hs.Scene(SPRING, (LAG,), 15), 'band: "15" will not do'),  # type: ignore[arg-type]
+    "one hand": (lambda: hs.Scene(SPRING, hands=hs.Hand("h", m=1)), "hands: "),  # type: ignore[arg-type]
+    "effects in a list": (lambda: hs.distort(SPRING, [LAG]), "effects: "),  # type: ignore[arg-type]
+    "a scene's name to distort": (lambda: hs.distort("fu2019"), 'environment: "fu2019"'),  # type: ignore[arg-type]
+    "no digits": (lambda: hs.evaluate("fu2019").crossings[0].omega.digits(0), "digits: 0 must be a whole number"),
+    "half a digit": (lambda: hs.evaluate("fu2019").crossings[0].omega.digits(2.5), "digits: 2.5"),  # type: ignore[arg-type]
+    "a range of one end": (lambda: hs.require("fu2019", "zeta", 5), "the range has two ends"),  # type: ignore[arg-type]
+    "one range for two": (lambda: hs.design_map("fu2019", ["omega_n", "zeta"], [(60, 200)]), "one for each of the two"),
+    "a list to vary": (lambda: hs.sweep("fu2019", ["zeta"]), "vary: "),  # type: ignore[arg-type]
+    "a number for a hand": (lambda: hs.stability("fu2019", 5), 'hand: "5" will not do'),  # type: ignore[arg-type]
+    "a number to be free": (lambda: hs.stability("fu2019", "light-touch", free=3), 'free: "3"'),  # type: ignore[arg-type]
+    "a number to keep": (lambda: hs.derive("fu2019", keep=-1), 'keep: "-1"'),  # type: ignore[arg-type]
+    "a language that is none": (lambda: hs.scene_code("fu2019", "python"), "is none of numpy, c, octave"),
+    "one frequency": (lambda: hs.multisine("5 cm", 5), 'omegas: "5"'),  # type: ignore[arg-type]
+    "names for scenes": (lambda: hs.SceneFamily({"a": "fu2019"}), 'environments: a: "fu2019"'),  # type: ignore[dict-item]
+    "a list of scenes": (lambda: hs.SceneFamily(["fu2019"]), "environments: "),  # type: ignore[arg-type]
+    "a path for a text": (lambda: hs.parse_scene(Path("x.toml")), "load_scene reads a file"),  # type: ignore[arg-type]
+    "bytes for a text": (lambda: hs.parse_scene(b"title = 1"), "load_scene reads a file"),  # type: ignore[arg-type]
+    "a list of answers": (lambda: hs.jnd([(1, 2, 3)]), "data: "),  # type: ignore[arg-type]
+    "no recording": (lambda: hs.recording(None), 'recording: "None"'),  # type: ignore[arg-type]
+    "a list of symbols": (lambda: hs.symbols(["m", "b"]), "give names in one string"),  # type: ignore[arg-type]
+}
+
+
+@pytest.mark.parametrize(("give", "told"), WRONG.values(), ids=WRONG)
+def test_what_is_of_another_type_is_refused_in_one_sentence(give: Callable[[], object], told: str) -> None:
+    with pytest.raises(HaptisymError) as raised:
+        give()
+    assert told in str(raised.value)
+    assert "\n" not in str(raised.value)
+
+
+def test_a_language_goes_by_its_name_too() -> None:
+    assert hs.scene_code("fu2019", "c", parameters=()) == hs.scene_code("fu2019", hs.Language.C, parameters=())
