@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 import random
-from itertools import pairwise
+from itertools import islice, pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -22,7 +22,7 @@ from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.symbols import omega, s
 from haptisym.model.parameters import Rule
 from haptisym.verbs.stability import critical
-from haptisym.verbs.stability.boundary import _of_a_delay, meetings
+from haptisym.verbs.stability.boundary import _eliminated, _near, _of_a_delay, meetings
 from haptisym.verbs.stability.curves import Gap, _is_apart, minus, ordered
 from haptisym.verbs.stability.farout import from_infinity, is_neutral
 from haptisym.verbs.stability.loops import Loop, coefficients, zeros
@@ -488,3 +488,36 @@ def test_where_both_terms_are_alike_the_delay_is_0_or_of_half_turns_exactly() ->
     told = critical._Walk(loop_of(A - B * exp(-s * q)), free).nearest()
     assert (float(told.found[0].value), told.found[0].below, told.found[0].above, told.reason) == (0, 2, 0, "")
     assert winding(lambda z: z**2 + 2 * z + 100 - (2 * z + 50) * np.exp(-z / 100), 100.0) == 0
+
+
+OPEN: dict[str, tuple[Expr, Expr | None]] = {
+    "a power of s changes": (s**2 + s**q + 1, Integer(0)),
+    "a number that may be negative": (s**2 * (q**2 + exp(-s) - 3) + 1, None),
+    "many delays meet": (
+        s**2 * (9 + q + sum((exp(-s * Rational(1, 97 + n)) for n in range(7)), Integer(0))) + 1,
+        Integer(0),
+    ),
+    "delays meet that are no multiples": (s**2 * (1 + exp(-s * q) + 2 * exp(-s)) + 1, Integer(0)),
+    "a number that is in several delays": (s**2 + exp(-s * q) + exp(-s * q * pi) + 3, Integer(0)),
+    "a delay that comes back several times": (s**2 + s + exp(-s * q) + exp(-2 * s * q) + 9, Integer(0)),
+    "where roots meet the imaginary axis: its delays turn very often": (
+        q + s + s**2 / 10**6 + 900 * exp(-s),
+        Integer(0),
+    ),
+}
+
+
+@pytest.mark.parametrize("reason", OPEN)
+def test_what_one_equation_leaves_open_is_left_open_for_its_reason(reason: str) -> None:
+    expression, low = OPEN[reason]
+    with pytest.raises(UndecidedError, match=reason):
+        list(islice(_eliminated(loop_of(expression, low), Integer(1)), 3))
+
+
+def test_delays_may_turn_so_far_on_the_way_and_no_further() -> None:
+    own = loop_of(s + q * exp(-s))
+    assert _near(Rational(399), own) == 399
+    assert _near(Rational(1, 9), own) == 1
+    with pytest.raises(UndecidedError, match="its delays turn very often"):
+        _near(Rational(401), own)
+    assert _near(Rational(10**6), loop_of(s + q)) == 10**6
