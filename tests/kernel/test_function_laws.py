@@ -634,3 +634,18 @@ def test_dynamics_keep_their_values_in_a_ring_whatever_their_delays_and_powers(s
     for wrong in (exp(-(s**2)), exp(-s - 1), s ** (a * s)):
         with pytest.raises(SceneError):
             Ring.of([wrong]).convert(wrong)
+
+
+@pytest.mark.parametrize("digits", [1, 6, 40, 90])
+def test_roots_that_nearly_agree_are_two_numbers_however_large_they_are(digits: int) -> None:
+    """sqrt(n + 1) - sqrt(n) is less than any bound that sees 1, 0 and the coefficients of the difference alone."""
+    n = 10 ** (2 * digits) + 1
+    ring = Exponentials([(-n, 0, 1), (-n - 1, 0, 1)], [fmpq(1)])
+    with flint.ctx.workprec(2000):
+        place = {bool(z.real > 0): i for i, z in enumerate(ring._roots(2000)) if i < 2}
+        other = {bool(z.real > 0): i for i, z in enumerate(ring._roots(2000)) if i >= 2}
+        x = ring.root(other[True]) - ring.root(place[True])
+        assert abs(ring._value(x)) > arb(2) ** -ring._gap(x)
+    assert not ring.is_zero(x)
+    assert ring.is_zero(x * (ring.root(other[True]) + ring.root(place[True])) - 1)
+    assert ring.is_zero(ring.root(0) + ring.root(1))
