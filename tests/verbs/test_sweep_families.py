@@ -11,13 +11,13 @@ import flint
 import numpy as np
 import pytest
 from flint import arb
-from sympy import Expr, Rational, Symbol, exp
+from sympy import Expr, Rational, Symbol, exp, lambdify
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.response import on_axis
 from haptisym.kernel.symbols import s
 from haptisym.verbs.sweep.families import Family, Monomial, Powers, within_reach
-from haptisym.verbs.sweep.waves import Variables, WaveFamily, is_readable
+from haptisym.verbs.sweep.waves import Variables, WaveFamily, WaveReader, is_readable
 from haptisym.verbs.sweep.wavevalues import Factor, WaveFunction
 
 
@@ -152,3 +152,43 @@ def test_delays_that_are_monomials_and_powers_that_are_numbers_are_read_and_no_o
     H: Expr, *, expected: bool
 ) -> None:
     assert is_readable(on_axis(Ring.of([H, P, TAU]).convert(1 + H)).real) is expected
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("seed", range(6))
+def test_functions_that_are_read_and_constants_beside_them_have_their_values_on_every_set(seed: int) -> None:
+    """In x = omega/scale, beside waves and powers; of a constant the same at every frequency."""
+    pick = Random(seed)
+    H = draw_one(pick)
+    ring = Ring.of([H, P, TAU])
+    function, scale = on_axis(ring.convert(H)).real, Rational(pick.randint(2, 40))
+    reader = WaveReader(function, [P, TAU], scale)
+    sets = np.array([[pick.uniform(0.5, 2) for _ in range(5)] for _ in range(2)])
+    with flint.ctx.workprec(256):
+        powers, variables = Powers(sets), reader._variables
+    rates = np.array(
+        [[t.constant * p ** t.exponents[0] * tau ** t.exponents[1] for p, tau in sets.T] for t in variables.rates]
+    ).reshape(-1, 5)
+
+    def of(family: WaveFamily) -> WaveFunction:
+        return WaveFunction(variables, rates, (Factor(family, family.at(powers)),))
+
+    top, bottom = (
+        of(reader.family(x, Rational(1, 3))) for x in (function.half_angled.numerator, function.half_angled.denominator)
+    )
+    number = of(reader.constant(Monomial(0, 2.5, 0.0, (2, 1))))
+    assert number.is_polynomial
+    assert not any(number.above[0].family.degrees)
+    value = lambdify((s, P, TAU), H, "numpy")
+    for x in (0.1, 0.35, 0.9):
+        at = np.full((1, 5), x)
+        true = value(1j * x * float(scale), *sets).real
+        assert top.values(at)[0] / bottom.values(at)[0] == pytest.approx(true, rel=1e-9)
+        assert number.values(at)[0] == pytest.approx(2.5 * sets[0] ** 2 * sets[1])
+
+
+def draw_one(pick: Random) -> Expr:
+    """A stiffness, a mass or a damping, late, and perhaps a tissue."""
+    late = exp(-s * TAU * pick.choice([1, P, Rational(1, 3)]) / 50)
+    found = pick.randint(1, 9) * P + s**2 * pick.randint(0, 2) + (pick.randint(1, 9) + P * s) * late
+    return found + (s ** Rational(pick.randint(1, 3), 4) if pick.random() < 0.6 else 0)
