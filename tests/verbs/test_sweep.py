@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import random
 import signal
 import subprocess
 import sys
@@ -11,7 +12,7 @@ import warnings
 from collections.abc import Iterator
 from fractions import Fraction
 from functools import cache
-from itertools import pairwise
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
@@ -730,3 +731,23 @@ def test_two_coefficients_of_unknown_sign_between_two_runs_are_not_one_change() 
     real = [c for c in hs.evaluate(given.with_values(values)).crossings if c.part is hs.Part.REAL]
     assert found.crossings_real.item() == len(real) == 3
     assert found.first_crossing_real.item() == pytest.approx(float(real[0].omega), rel=1e-10)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_block_is_cut_into_first_sets_of_about_a_number_and_the_rest(seed: int) -> None:
+    draw = random.Random(seed)
+    for _ in range(20):
+        starts = [draw.randint(0, 5) for _ in range(draw.randint(1, 3))]
+        region = tuple(slice(x, x + draw.randint(1, 5)) for x in starts)
+        whole = blocks.size(region)
+        if whole == 1:
+            continue
+        most = draw.randint(1, whole - 1)
+        first, rest = blocks._cut(region, most)
+        sets = [[*product(*(range(x.start, x.stop) for x in part))] for part in (first, rest)]
+        assert sorted(sets[0] + sets[1]) == [*product(*(range(x.start, x.stop) for x in region))]
+        assert sets[0]
+        assert sets[1]
+        longest = next(x for x in region if x.stop - x.start > 1)
+        behind = whole // (longest.stop - longest.start)
+        assert len(sets[0]) == max(most // behind, 1) * behind

@@ -164,8 +164,7 @@ def test_functions_that_are_read_and_constants_beside_them_have_their_values_on_
     function, scale = on_axis(ring.convert(H)).real, Rational(pick.randint(2, 40))
     reader = WaveReader(function, [P, TAU], scale)
     sets = np.array([[pick.uniform(0.5, 2) for _ in range(5)] for _ in range(2)])
-    with flint.ctx.workprec(256):
-        powers, variables = Powers(sets), reader._variables
+    powers, variables = Powers(sets), reader._variables
     rates = np.array(
         [[t.constant * p ** t.exponents[0] * tau ** t.exponents[1] for p, tau in sets.T] for t in variables.rates]
     ).reshape(-1, 5)

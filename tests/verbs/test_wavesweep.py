@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from flint import arb
 from scan import FAMILIES, Draw
+from sympy import Rational
 
 import haptisym as hs
 from haptisym.verbs.sweep import libm, wavecurves
@@ -270,3 +271,18 @@ def test_sets_do_not_feel_which_others_are_there(name: str) -> None:
         alone, _ = kernel.in_floats(sets[:, [i]])
         for key, column in together.items():
             assert np.array_equal(column[[i]], alone[key], equal_nan=True), key
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["delayed-spring", "organ-tissue", "satellite-contact"])
+def test_a_threshold_that_is_swept_beside_waves_is_counted_in_floats_as_each_evaluation_counts_it(name: str) -> None:
+    scene, limits = hs.load_scene(name), [0.03, 0.0625, 0.125, 0.5]
+    found = hs.sweep(scene, {"evaluation.jnd": limits})
+    assert (found["method"] == 0).all()
+    for i, limit in enumerate(limits):
+        alone = hs.evaluate(scene.with_values({"evaluation.jnd": Rational(limit)}))
+        for part in ("real", "imag"):
+            own = [x for x in alone.crossings if x.part.value == part and x.kind.value != "touches"]
+            assert int(found[f"crossings_{part}"][i]) == len(own)
+            first = float(own[0].omega) if own else float("nan")
+            assert float(found[f"first_crossing_{part}"][i]) == pytest.approx(first, rel=1e-9, nan_ok=True)

@@ -141,9 +141,11 @@ class WaveReader:
 
     @cached_property
     def _variables(self) -> Variables:
-        scale, rates = expression_ball(self.scale), []
-        for angle in self.angles:
-            if not angle.constant:
-                ball, exponents = self._half_rate(angle.rate)
-                rates.append(monomial(0, exponents, ball * scale))
+        rates = []
+        with flint.ctx.workprec(BITS):
+            scale = expression_ball(self.scale)
+            for angle in self.angles:
+                if not angle.constant:
+                    ball, exponents = self._half_rate(angle.rate)
+                    rates.append(monomial(0, exponents, ball * scale))
         return Variables(tuple(rates), tuple(float(x) for x in self.orders))
