@@ -203,6 +203,17 @@ def test_several_environments_say_of_which_the_nominal_values_are_taken() -> Non
     assert "nominal" not in hs.evaluate_all("palpation-device").to_dict()
 
 
+def test_what_is_nominal_of_all_environments_is_said_once() -> None:
+    late = (hs.effects.delay("4 ms +- 25 %"),)
+    spring, pot = hs.environments.mass_spring_damper(k="100 N/m"), hs.environments.mass_spring_damper(k="90 N/m +- 5 %")
+    alike = hs.SceneFamily({"a": hs.Scene(spring, late), "b": hs.Scene(spring, late)})
+    assert alike.asides() == ["tau varies by 25 %: this is the nominal scene; see `haptisym tolerances`."]
+    apart = hs.SceneFamily(
+        {"a": hs.Scene(spring, late), "b": hs.Scene(pot, late), "c": hs.Scene(spring, late)}
+    ).asides()
+    assert [x.partition(": ")[0] for x in apart] == ["a, c", "b"]
+
+
 def test_what_was_left_out_was_nominal_too() -> None:
     more = RANGES + '\n[[effects]]\nname = "cable"\nmodel = "first-order-lag"\nomega_c = "9 Mrad/s +- 10 %"\n'
     found = hs.evaluate(hs.parse_scene(more), tolerance=0.001)

@@ -9,6 +9,7 @@ import pytest
 
 import haptisym as hs
 from haptisym.kernel.errors import HaptisymError
+from haptisym.verbs.sweep.swept import Swept
 
 SPRING = hs.environments.mass_spring_damper(k="100 N/m")
 LAG = hs.effects.first_order_lag("80 rad/s")
@@ -54,3 +55,18 @@ def test_what_is_of_another_type_is_refused_in_one_sentence(give: Callable[[], o
 
 def test_a_language_goes_by_its_name_too() -> None:
     assert hs.scene_code("fu2019", "c", parameters=()) == hs.scene_code("fu2019", hs.Language.C, parameters=())
+
+
+def test_the_published_hands_show_their_names() -> None:
+    assert repr(hs.hands) == f"<hands {', '.join(hs.hands)}>"
+
+
+@pytest.mark.slow
+def test_an_end_is_told_once_where_both_are_alike_and_nobody_is_other_where_none_is_left() -> None:
+    """A changeover of the environment does not move with the filter; a tolerance of 200 leaves no effect."""
+    flat = " ".join(str(hs.relevance("fu2019", tolerance=200)).split())
+    assert "Leaving out all of them together changes" in flat
+    paper = hs.load_scene("fu2019")
+    swept = str(Swept(paper, hs.sweep(paper, {"omega_n": [60, 80]})))
+    [row] = [x for x in swept.splitlines() if "of the environment" in x]
+    assert " to " not in row

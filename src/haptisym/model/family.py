@@ -85,8 +85,12 @@ class SceneFamily(Shown):
         return replace(self, scenes={name: scene.at_proportion(end) for name, scene in self.scenes.items()})
 
     def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
-        """What is to be said beside an answer for all: of each scene in which parameters vary, that it is the nominal one."""
-        return [f"{name}: {note}" for name, scene in self.scenes.items() for note in scene.asides(besides, varied)]
+        """What is to be said beside an answer for all, each thing once: of which scenes, unless it is of all of them."""
+        whose: dict[str, list[str]] = {}
+        for name, scene in self.scenes.items():
+            for note in scene.asides(besides, varied):
+                whose.setdefault(note, []).append(name)
+        return [x if len(names) == len(self.scenes) else f"{', '.join(names)}: {x}" for x, names in whose.items()]
 
     def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
         """The same as the key ``nominal`` of a document: the ranges of each scene in which something varies."""

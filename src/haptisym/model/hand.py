@@ -124,6 +124,9 @@ class _Shipped(Mapping[str, Hand]):
     def __len__(self) -> int:
         return len(_tables())
 
+    def __repr__(self) -> str:
+        return f"<hands {', '.join(self)}>"
+
 
 hands: Mapping[str, Hand] = _Shipped()
 """The published hands that the package ships, each with its source.

@@ -35,7 +35,7 @@ def _verdict(r: Relevance) -> Phrase:
         return of
     full, few = r.operations
     return (
-        of, " Leaving out all others together changes ", bounds(r.bound), " anywhere on the band ",
+        of, f" Leaving out all{' others' if kept else ' of them'} together changes ", bounds(r.bound), " anywhere on the band ",
         f"(tolerance {float(r.tolerance):g}). ",
         f"The distortion then takes {few} operations, written in steps, where it took {full}.",
     )  # fmt: skip

@@ -87,7 +87,7 @@ def _span(span: list[float] | None, unit: float = 1.0, digits: int = 5) -> Phras
     if span is None:
         return "none"
     low, high = (Number(f"{x / unit:.{digits}g}", x / unit) for x in span)
-    return low, " to ", high
+    return (low, " to ", high) if low != high else low
 
 
 def _certain(told: Mapping[str, Any]) -> Iterator[Block]:
