@@ -208,9 +208,12 @@ def test_what_was_found_stays_found_where_the_other_side_cannot_be_told(monkeypa
     found = critical(scene, scene.hands[0], scene.knobs["environment.k"])
     assert ([x.value.digits(7) for x in found.found], found.reason) == (["2.794315"], "the rest")
     monkeypatch.setattr("haptisym.verbs.require.held.meetings", cut_short)
-    asked = hs.require(scene, "environment.k", that="stable")
+    own = hs.Scene(
+        hs.environments.mass_spring_damper("250 g", 0, 282), (hs.effects.first_order_lag(348), hs.effects.delay("4 ms"))
+    ).with_hands(hs.Hand("hand", m="1.8 kg", b=14, k=196))
+    asked = hs.require(own, "hand.k", that="stable")
     [span] = asked.feasible
-    assert (float(span.low.value or 0), span.high.value and span.high.value.digits(7)) == (0, "2.794315")
+    assert (float(span.low.value or 0), span.high.value and float(span.high.value) > 3000) == (0, True)
     assert [low is not None for low, high in asked.undecided if high is None] == [True]
     assert asked.reason == "the rest"
 

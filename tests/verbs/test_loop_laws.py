@@ -22,13 +22,14 @@ from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.symbols import omega, s
 from haptisym.model.parameters import Rule
 from haptisym.verbs.stability import critical
-from haptisym.verbs.stability.boundary import _eliminated, _near, _of_a_delay, meetings
+from haptisym.verbs.stability.boundary import _eliminated, _near, meetings
 from haptisym.verbs.stability.curves import Gap, _is_apart, minus, ordered
 from haptisym.verbs.stability.farout import from_infinity, is_neutral
 from haptisym.verbs.stability.loops import Loop, coefficients, zeros
 from haptisym.verbs.stability.pairs import Characteristic
 from haptisym.verbs.stability.reach import lag_of, reach_of_axis
 from haptisym.verbs.stability.search import _Cells
+from haptisym.verbs.stability.switches import Switches
 
 SEEDS = range(30)
 q = Symbol("q", positive=True)
@@ -456,18 +457,18 @@ def test_delays_at_which_roots_meet_the_axis_are_all_turns_of_all_frequencies(se
         (x * s**n for n, x in enumerate(b[::-1])), Integer(0)
     ) * exp(-s * multiple * q)
     value = Rational(draw.randint(0, 8), 4)
-    found = _of_a_delay(loop_of(expression), value, ())
+    known, below = Switches.of(loop_of(expression)).up_to(value)
     A, B = np.poly1d(a), np.poly1d(b)
     even = np.poly1d([1, a[1] ** 2 - 2 * a[2], a[2] ** 2]) - np.poly1d([b[0] ** 2, b[1] ** 2])
     squares = [x.real for x in even.roots if abs(x.imag) < 1e-9 and x.real > 1e-9]
-    limit = float(found.below) if found.below is not None else 60.0
+    limit = float(below) if below is not None else 60.0
     true = []
     for w in np.sqrt(squares):
         angle = cmath.phase(-B(1j * w) / A(1j * w))
         true += [((angle + 2 * np.pi * n) / (w * float(multiple)), w) for n in range(-1, 400)]
     inside = sorted(x for x in true if -1e-9 < x[0] < limit - 1e-9)
-    mine = sorted((float(x.value), float(x.omega or 0)) for x in found.found if float(x.value) < limit - 1e-9)
-    if found.below is None:
+    mine = sorted((float(x.value), float(x.omega or 0)) for x in known if float(x.value) < limit - 1e-9)
+    if below is None:
         assert not squares
         assert not mine
     else:
@@ -478,9 +479,9 @@ def test_delays_at_which_roots_meet_the_axis_are_all_turns_of_all_frequencies(se
 def test_where_both_terms_are_alike_the_delay_is_0_or_of_half_turns_exactly() -> None:
     """s^2 + 2 s + 100 - (2 s + 50) exp(-s tau): at 0 s^2 + 50 is left; held by any small delay. With + it is so at half a turn."""
     A, B = s**2 + 2 * s + 100, 2 * s + 50
-    [first, *_] = _of_a_delay(loop_of(A - B * exp(-s * q)), Rational(1, 100), ()).found
+    [first, *_] = Switches.of(loop_of(A - B * exp(-s * q))).up_to(Rational(1, 100))[0]
     assert (first.value, first.omega and float(first.omega)) == (ExactNumber(Integer(0)), 50**0.5)
-    delays = [x.value for x in _of_a_delay(loop_of(A + B * exp(-s * q)), Rational(1, 100), ()).found]
+    delays = [x.value for x in Switches.of(loop_of(A + B * exp(-s * q))).up_to(Rational(1, 100))[0]]
     half = [MP.pi * (2 * n + 1) / MP.sqrt(50) for n in range(3)]
     for true in half:
         assert any(abs(MP.mpf(x.digits(30)) - true) < MP.mpf(10) ** -25 for x in delays)

@@ -104,10 +104,14 @@ def test_a_root_on_the_right_is_proven_for_whole_intervals_and_for_none_that_hol
     assert not everywhere("600", "600")
 
 
+@pytest.mark.slow
 def test_beyond_what_was_looked_at_values_are_told_as_open() -> None:
-    found = hs.require("wave-variable-link", "hand.k", that="stable", hand="firm-grip")
+    tissue = hs.environments.mass_spring_damper("0.15 kg", 0, 23)
+    own = hs.Scene(tissue, (hs.effects.delay("20 ms"),)).with_hands(hs.Hand("hand", m="1.8 kg", b=14, k=196))
+    found = hs.require(own, "hand.k", that="stable")
+    assert ends(found)[:2] == pytest.approx([0, 56493.4], rel=1e-5)
     [(low, high)] = found.undecided
-    assert (float(low or 0) > 1e9, high) == (True, None)
+    assert (float(low or 0) > 5e6, high) == (True, None)
     assert "critical values come as near to one as one likes" in found.reason
 
 

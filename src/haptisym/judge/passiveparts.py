@@ -13,6 +13,7 @@ from collections.abc import Iterable
 
 from sympy import Expr, Poly
 
+from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import Effect
@@ -24,6 +25,42 @@ def environment_alone(scene: Scene) -> Scene | None:
     if scene.rendered is not None or not scene.effects or not are_passive(scene.effects):
         return None
     return Scene(scene.environment, (), scene.band)
+
+
+def rests(scene: Scene, environment: Expr) -> bool:
+    """Whether a display has no root in Re s >= 0 but at 0 in any hand that damps, as nothing in it gives energy.
+
+    In Re s > 0 the hand's share of Re F/V is positive, and the display's is not negative. On the axis the hand would not move,
+    nor feel a force: then all that is behind chain matrices is at rest too, as they have inverses. ``environment`` : of the
+    scene, in which a number may be open: then it is so for all of its values > 0.
+    """
+    return environment_alone(scene) is not None and takes_energy(environment)
+
+
+def takes_energy(environment: Expr) -> bool:
+    """Whether H/s is positive real, and H finite at all frequencies > 0, for all values > 0 of what is open in it.
+
+    Told by signs alone, False says nothing: Im H >= 0 as no coefficient of it is negative; the denominator has its zeros in
+    Re s < 0, as those of degree 2 with coefficients > 0 have; and H is positive near 0 and far out along the real axis.
+
+    >>> from sympy.abc import k, q
+    >>> each = k + q * s, k * q * s / (k + q * s), k * s**q, 1 / (s**2 + q), k - q * s, q * s - k
+    >>> [takes_energy(H) for H in each]
+    [True, True, True, False, False, False]
+    """
+    ring = Ring.of([environment])
+    if ring.lags:
+        return False
+    H, axis = ring.convert(environment).reduced(), ring.axis
+    top, bottom = H.numerator, H.denominator
+    powers = {int(x[0]) for x in bottom.monoms()}
+    if len({c > 0 for c in (*top.coeffs(), *bottom.coeffs())}) > 1 or powers not in ({0}, {0, 1}, {0, 1, 2}):
+        return False
+    if any(any(x[ring.size :]) for x in bottom.monoms()):
+        return False
+    (a, b), (c, d) = axis.parts([top, bottom])
+    power = axis.without_circles(b * c - a * d)[0]
+    return all(x > 0 for x in power.coeffs())
 
 
 def are_passive(effects: Iterable[Effect]) -> bool:

@@ -28,6 +28,7 @@ from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.kernel.squares import late_turns, positive_from
 from haptisym.kernel.symbols import s
 from haptisym.kernel.terms import Terms, at_least, beginning_at_0, size, terms_of
+from haptisym.kernel.torus import least_on_torus
 
 _MOST_TURNING = 2000  # radians that the delays turn up to the reach: thousands of zeros take minutes
 _FINEST = 64  # times that a bound is halved before it is given up
@@ -53,8 +54,10 @@ class Roots:
     chain: RootChain | None = None
 
 
-def count_roots(polynomial: Polynomial, ring: Ring) -> Roots:
+def count_roots(polynomial: Polynomial, ring: Ring, *, rests: bool = False) -> Roots:
     """The roots of a polynomial of a ring in Re s >= 0, certified. UndecidedError where that stays open.
+
+    ``rests`` : whether it is known that there is none but one at 0, unless a chain comes as near to the axis as one likes.
 
     Guaranteed: for polynomials, and with delays where the highest power of s outweighs its own delayed terms (else the chain of
     roots that these make is recognised: exactly for one unit delay, and for independent ones that multiply it once each).
@@ -80,6 +83,9 @@ def count_roots(polynomial: Polynomial, ring: Ring) -> Roots:
     floor = floor_of(terms[degree], ring)
     if isinstance(floor, RootChain):
         return Roots(None, None, chain=floor)
+    if rests:
+        order = beginning_at_0(terms, ring)[0]
+        return Roots(at_least(order), 0, (ExactNumber(Integer(0)),) if order else ())
     reach, own = _reach(polynomial, terms, floor, ring)
     parts = parts_of(polynomial, ring)
     if any(part.is_zero for part in (*parts, *(() if own is None else parts_of(own, ring)))):
@@ -155,7 +161,7 @@ def floor_of(group: Mapping[tuple[int, ...], Expr], ring: Ring) -> Expr | RootCh
         return _floor_of_one(group, used.pop())
     if all(sum(turns) == 1 for turns in delayed) and _are_independent([ring.lags[i] for i in used]):
         return RootChain.RIGHT if sign_of_number(margin) else RootChain.NEAR  # the phases oppose as nearly as one likes
-    raise UndecidedError("the chain of roots of a neutral function with several delays")
+    return _floor_of_several(group)
 
 
 def _are_independent(lags: Sequence[Expr]) -> bool:
@@ -163,6 +169,17 @@ def _are_independent(lags: Sequence[Expr]) -> bool:
     rests = [lag.as_coeff_Mul()[1] for lag in lags]
     powers = all(rest == 1 or (rest.as_base_exp()[0] == pi and rest.as_base_exp()[1].is_Integer) for rest in rests)
     return powers and len(set(rests)) == len(rests)
+
+
+def _floor_of_several(group: Mapping[tuple[int, ...], Expr]) -> Expr | RootChain:
+    """With unit delays that are taken as independent: as where all are one, if L is not 0 on the axis whatever they are."""
+    least = least_on_torus(group)
+    if least is None:
+        raise UndecidedError("the chain of roots of a neutral function with several delays")
+    alike: dict[tuple[int, ...], Expr] = {}
+    for turns, c in group.items():
+        alike[(sum(turns),)] = alike.get((sum(turns),), Integer(0)) + c
+    return least if not isinstance(_floor_of_one(alike, 0), RootChain) else RootChain.RIGHT
 
 
 def _floor_of_one(group: Mapping[tuple[int, ...], Expr], place: int) -> Expr | RootChain:

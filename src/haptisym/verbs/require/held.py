@@ -27,6 +27,7 @@ from haptisym.verbs.stability.curves import Gap, Meetings, ordered
 from haptisym.verbs.stability.entry import chosen
 from haptisym.verbs.stability.loops import Loop
 from haptisym.verbs.stability.rightroot import RightRoots
+from haptisym.verbs.stability.tendency import Tendency
 
 _MOST_WINDOWS = 8
 """Of values about the scene's own, each about four times as wide as the one before it."""
@@ -60,6 +61,7 @@ def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
         return _with_a_clock(scene, hand, free, asked)
     loop = Loop.of(scene, hand, free)
     window = window_of(loop, free, asked)
+    one_by_one, one_way = RightRoots(loop), Tendency(loop)
     criterion = stable_in(hand)
     turns = [
         Turn(x.value, (Binding(criterion, x.omega, Kind.AXIS if x.omega is not None else Kind.FAR),))
@@ -72,7 +74,7 @@ def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
     return Question(
         turns, verdict, asked, closed=False, beyond=(window.above, window.below), spares=lambda x: _is_clear(loop, x),
         exists=lambda x: allowed(scene, free, x), gone=missing(scene, free), gaps=window.gaps,
-        fails=RightRoots(loop).everywhere, own=free.value,
+        fails=lambda low, high: one_by_one.everywhere(low, high) or one_way.everywhere(low, high), own=free.value,
     ).solve()  # fmt: skip
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from sympy import Expr, Integer
 
 from haptisym.judge.criteria import PASSIVE
+from haptisym.judge.passiveparts import environment_alone
 from haptisym.judge.passivity import passivity
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.eliminants import resultant
@@ -32,6 +33,8 @@ def solve_passive(scene: Scene, free: Knob, asked: Domain) -> Solved:
     if free.symbol in perceived.expression().free_symbols:
         [condition] = pieces(conditions(scene, [free], [PASSIVE])[PASSIVE])
         if condition.axis.functions:
+            if _is_of_passive_parts(scene, free, asked):
+                return _all(scene, free, asked)
             return solve_by_cells(scene, free, asked)
         turns = [*_of_signs(condition, free), *turns_of_poles(perceived, free)]
 
@@ -40,6 +43,25 @@ def solve_passive(scene: Scene, free: Knob, asked: Domain) -> Solved:
 
     return Question(
         turns, verdict, asked, closed=True, exists=lambda x: allowed(scene, free, x), gone=missing(scene, free)
+    ).solve()
+
+
+def _is_of_passive_parts(scene: Scene, free: Knob, asked: Domain) -> bool:
+    """Whether the environment alone is passive for all values, and all effects take energy with each of them."""
+    alone = environment_alone(scene)
+    if alone is None or asked.low is None or asked.low < 0:
+        return False
+    knob = next((x for x in alone.knobs if x.path == free.path), None)
+    if knob is None:
+        return passivity(alone).holds is True
+    found = solve_passive(alone, knob, asked)
+    return found == _all(alone, knob, asked)
+
+
+def _all(scene: Scene, free: Knob, asked: Domain) -> Solved:
+    """All values with which there is a scene."""
+    return Question(
+        [], lambda _: True, asked, closed=True, exists=lambda x: allowed(scene, free, x), gone=missing(scene, free)
     ).solve()
 
 

@@ -102,8 +102,7 @@ class Question:
     def _cell(self, a: Turn | None, b: Turn | None) -> bool | None:
         low, high = (None if x is None else x.value for x in (a, b))
         if self._is_beyond(high):
-            self.reasons.append(_BEYOND)
-            return None
+            return self._failed(low, high, _BEYOND)
         if (gap := next((x for x in self.gaps if x.holds(low, high)), None)) is not None:
             return self._failed(low, high, gap.reason or "critical values come as near to one as one likes")
         return self._told(rational_between(low, high, self.own), low, high)

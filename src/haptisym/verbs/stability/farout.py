@@ -17,7 +17,7 @@ from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.squares import Row
 from haptisym.kernel.symbols import s
-from haptisym.kernel.terms import size
+from haptisym.kernel.torus import least_on_torus
 from haptisym.verbs.stability.curves import Meeting, curve_of
 from haptisym.verbs.stability.loops import Loop, zeros
 
@@ -57,13 +57,10 @@ def _values(loop: Loop) -> Iterator[RealNumber]:
 def _need_same_zeros(leading: Leading, loop: Loop) -> None:
     """UndecidedError where an open delay meets another one in L: its zeros turn on whether their ratio is rational."""
     units = {i for turns in leading for i, n in enumerate(turns) if n}
-    if len(units) > 1 and any(loop.symbol in loop.ring.lags[i].free_symbols for i in units):
-        sizes = {turns: size(row[0]) for turns, row in leading.items()}
-        own = sizes.pop((0,) * len(loop.ring.lags), Integer(0))
-        if sign_of_number(own - sum(sizes.values(), Integer(0))) <= 0:
-            raise UndecidedError(
-                "where a chain of roots comes to the axis, as delays meet that are no multiples of one"
-            )
+    if len(units) < 2 or not any(loop.symbol in loop.ring.lags[i].free_symbols for i in units):
+        return
+    if least_on_torus({turns: row[0] for turns, row in leading.items()}) is None:
+        raise UndecidedError("where a chain of roots comes to the axis, as delays meet that are no multiples of one")
 
 
 def _is_product(leading: Leading) -> bool:

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from sympy import I
 
 from haptisym.judge.imposed import force_is_stable
-from haptisym.judge.passiveparts import environment_alone
+from haptisym.judge.passiveparts import environment_alone, rests
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
 from haptisym.kernel.rootcount import RootChain, Roots, count_roots
+from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.shown import Shown
 from haptisym.kernel.terms import at_least, order_at_0
 from haptisym.model.caveats import clocks
@@ -25,13 +26,14 @@ def unstable_roots(scene: Scene, hand: Hand) -> Roots:
     """The roots in Re s >= 0 of a display in a hand: the one place where that is decided. UndecidedError where it stays open."""
     if clocks(scene):
         return clocked_roots(scene, hand)
-    return roots_in_hand(scene.distortion().perc, hand)
+    at_rest = sign_of_number(hand.b.value) > 0 and rests(scene, scene.environment.H)
+    return roots_in_hand(scene.distortion().perc, hand, at_rest=at_rest)
 
 
-def roots_in_hand(perceived: RationalFunction, hand: Hand) -> Roots:
-    """The same of a dynamics without a clock."""
+def roots_in_hand(perceived: RationalFunction, hand: Hand, *, at_rest: bool = False) -> Roots:
+    """The same of a dynamics without a clock; ``at_rest``: whether none but one at 0 can lie in Re s >= 0."""
     ring = ring_of(perceived)
-    return zeros_of(characteristic(perceived, ring.convert(hand.Z)), perceived.denominator, ring)
+    return zeros_of(characteristic(perceived, ring.convert(hand.Z)), perceived.denominator, ring, rests=at_rest)
 
 
 def characteristic(perceived: RationalFunction, Z: RationalFunction) -> Polynomial:
@@ -45,12 +47,15 @@ def ring_of(dynamics: RationalFunction) -> Ring:
     return dynamics.ring
 
 
-def zeros_of(top: Polynomial, bottom: Polynomial, ring: Ring) -> Roots:
-    """The zeros of top/bottom in Re s >= 0; what both have at s = 0, as with 1 - exp(-s tau) over s, is none."""
+def zeros_of(top: Polynomial, bottom: Polynomial, ring: Ring, *, rests: bool = False) -> Roots:
+    """The zeros of top/bottom in Re s >= 0; what both have at s = 0, as with 1 - exp(-s tau) over s, is none.
+
+    ``rests`` : whether none but one at 0 can lie there.
+    """
     if top.is_zero():
         raise UndecidedError("the roots of what resists no motion at all")
     need_roots(top, ring)
-    found = count_roots(top, ring)
+    found = count_roots(top, ring, rests=rests)
     order = order_at_0(top, ring)
     shared = min(order, order_at_0(bottom, ring))
     if found.number is None or not shared:

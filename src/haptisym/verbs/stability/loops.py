@@ -10,13 +10,14 @@ import flint
 from flint import fmpq
 from sympy import Expr, Integer, Rational, Symbol, pi
 
+from haptisym.judge.passiveparts import rests
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.monomials import monomials
 from haptisym.kernel.reals import ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
 from haptisym.kernel.rootcount import Roots
-from haptisym.kernel.roots import chart
+from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.kernel.squares import Row
 from haptisym.kernel.symbols import omega
 from haptisym.kernel.terms import terms_of
@@ -39,7 +40,8 @@ ALLOWED: dict[Rule, tuple[Expr | None, Expr | None, bool]] = {
 class Loop:
     """The characteristic function of a display in a hand, over the denominator of H_perc; ``symbol`` stays open in both.
 
-    ``low``, ``high`` : between which values it may be, None where nothing bounds them.
+    ``low``, ``high`` : between which values it may be, None where nothing bounds them. ``rests`` : whether with all > 0
+    there are no roots in Re s >= 0 but at 0, as a hand that damps holds parts that only take energy.
     """
 
     ring: Ring
@@ -48,6 +50,7 @@ class Loop:
     symbol: Symbol
     low: Expr | None = None
     high: Expr | None = None
+    rests: bool = False
 
     @classmethod
     def of(cls, scene: Scene, hand: Hand, free: Knob) -> Loop:
@@ -58,7 +61,9 @@ class Loop:
         H = display.perceived(range(len(display.matrices)), ring)
         z = ring.convert(Z)
         top = H.numerator * z.denominator + z.numerator * H.denominator
-        return cls(ring, top, H.denominator, free.symbol, *ALLOWED[free.rule][:2])
+        low, high, _ = ALLOWED[free.rule]
+        damps = hand.b.symbol == free.symbol or sign_of_number(hand.b.value) > 0
+        return cls(ring, top, H.denominator, free.symbol, low, high, damps and rests(scene, display.environment))
 
     @cached_property
     def turns(self) -> bool:
@@ -82,12 +87,12 @@ class Loop:
             ring = Ring.of([x for x in meanings if x != pi])
             images = [ring.convert(x) for x in meanings]
             H = (_mapped(self.top, images) / _mapped(self.bottom, images)).reduced()
-            return zeros_of(H.numerator, H.denominator, ring)
+            return zeros_of(H.numerator, H.denominator, ring, rests=self.rests and value > 0)
         if self.symbol not in self.ring.meanings:
-            return zeros_of(self.top, self.bottom, self.ring)
+            return zeros_of(self.top, self.bottom, self.ring, rests=self.rests)
         here = {f"x{self._index}": fmpq(int(value.p), int(value.q))}
         found = RationalFunction(self.ring, self.top.subs(here), self.bottom.subs(here)).reduced()
-        return zeros_of(found.numerator, found.denominator, self.ring)
+        return zeros_of(found.numerator, found.denominator, self.ring, rests=self.rests and value > 0)
 
     def exists(self, value: Rational) -> bool:
         """Whether there is a dynamics at a number: not where it is divided by 0."""

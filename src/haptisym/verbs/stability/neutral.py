@@ -75,9 +75,9 @@ class _Cell:
 def neutral_meetings(loop: Loop, curve: Curve, far_out: Sequence[Meeting]) -> Iterator[Meetings]:
     """All, but for those in gaps, which become smaller."""
     reach = reach_of(loop)
-    cells = [cell for cell in _cells(loop, far_out) if loop.at(rational_between(cell.low, cell.high)).chain is None]
+    clear = cells(loop, far_out)
     for turning in _TURNINGS:
-        pieces = [piece for cell in cells for piece in _pieces(cell, reach, turning, _DEEPEST)]
+        pieces = [piece for cell in clear for piece in _pieces(cell, reach, turning, _DEEPEST)]
         known = [radius for _, radius in pieces if radius is not None]
         found = curve.meetings(max(known)) if known else ()
         gaps = tuple(_joined([cell for cell, radius in pieces if radius is None]))
@@ -86,8 +86,8 @@ def neutral_meetings(loop: Loop, curve: Curve, far_out: Sequence[Meeting]) -> It
             return
 
 
-def _cells(loop: Loop, far_out: Sequence[Meeting]) -> list[_Cell]:
-    """Between the values at which chains come to the axis, as far as a number may go."""
+def cells(loop: Loop, far_out: Sequence[Meeting]) -> list[_Cell]:
+    """Without chains on the right or at the axis, between the values at which these come, as far as a number may go."""
     low, high = (None if x is None else ExactNumber(x) for x in (loop.low, loop.high))
     inside = [
         x.value for x in far_out
@@ -95,7 +95,8 @@ def _cells(loop: Loop, far_out: Sequence[Meeting]) -> list[_Cell]:
     ]  # fmt: skip
     inside.sort(key=lambda x: x.ball(BITS).mid())
     apart = [x for i, x in enumerate(inside) if not i or ordered(inside[i - 1], x)]
-    return [_Cell(a, b) for a, b in pairwise([low, *apart, high])]
+    found = (_Cell(a, b) for a, b in pairwise([low, *apart, high]))
+    return [x for x in found if loop.at(rational_between(x.low, x.high)).chain is None]
 
 
 def _pieces(cell: _Cell, reach: Reach, turning: int, depth: int) -> Iterator[tuple[_Cell, Rational | None]]:

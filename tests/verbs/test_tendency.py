@@ -1,0 +1,261 @@
+"""Values without end: roots that cross one way only, ever more of them, or none: against winding numbers and counts far out."""
+
+from __future__ import annotations
+
+from random import Random
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from sympy import Expr, Integer, Rational, Symbol, exp, lambdify
+from windings import winding
+
+import haptisym as hs
+from haptisym.judge.passiveparts import takes_energy
+from haptisym.kernel.budget import limited
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import HaptisymError
+from haptisym.kernel.reals import ExactNumber
+from haptisym.kernel.symbols import s
+from haptisym.verbs.stability.held import roots_in_hand
+from haptisym.verbs.stability.loops import Loop
+from haptisym.verbs.stability.switches import Switches
+from haptisym.verbs.stability.tendency import Tendency
+
+E = hs.effects
+q = Symbol("q", real=True)
+
+
+def loop_of(expression: Expr, low: Expr | None = None) -> Loop:
+    ring = Ring.of([expression])
+    top = ring.convert(expression).numerator
+    return Loop(ring, top, top.context().constant(1), q, low)
+
+
+def number(x: Any) -> ExactNumber:
+    return ExactNumber(Rational(x))
+
+
+def right(expression: Expr, value: float, reach: float) -> int | None:
+    """Its zeros in Re s > 0, up to a size beyond which there are none."""
+    return winding(lambdify(s, expression.subs(q, value) + 0 * s, "numpy"), reach)
+
+
+# One way only
+
+
+SPRING = (
+    Rational(1, 2) * s**2 + 8 * s + 50 + q * exp(-s / 40)
+)  # |s| <= 16 + sqrt(2 (50 + q)) for all roots on the right
+
+
+def test_a_spring_behind_a_delay_that_shakes_shakes_however_much_stiffer_it_is() -> None:
+    way = Tendency(loop_of(SPRING))
+    end = 343
+    assert (right(SPRING, end - 1, 200), right(SPRING, end, 200)) == (0, 2)
+    assert way.everywhere(number(end), None)
+    assert not way.everywhere(number(end - 1), None)
+    counts = [right(SPRING, end * 4.0**n, 40 + 40 * 2.0**n) for n in range(7)]
+    assert counts == sorted(x for x in counts if x is not None)
+    assert (counts[0], (counts[-1] or 0) > 10) == (2, True)
+
+
+def test_what_is_asked_about_must_hold_no_value_that_comes_from_below_the_frequency_from_which_on_it_is_one_way() -> (
+    None
+):
+    """Stable between two values: (s^2 + s + 1) (1 - q/4 (s + 3)) + ... turns either way at first."""
+    expression = SPRING.subs(s, s) + 0 * q
+    way = Tendency(loop_of(expression))
+    assert not way.everywhere(number(300), number(400))
+    assert way.everywhere(number(400), number(500))
+    assert not way.everywhere(None, number(400))
+    assert not way.everywhere(number(-1), None)  # of numbers of both signs nothing is told
+
+
+@pytest.mark.parametrize(
+    ("low", "high"), [(400, None), (300, None), (400, 500), (None, -400), (-400, -300), (None, 400), (-40, -9)]
+)
+def test_of_a_number_with_the_other_sign_all_is_mirrored(low: int | None, high: int | None) -> None:
+    ends = [None if x is None else number(x) for x in (low, high)]
+    mirrored = [None if x is None else number(-x) for x in (high, low)]
+    told = Tendency(loop_of(SPRING)).everywhere(*ends)
+    assert Tendency(loop_of(SPRING.subs(q, -q))).everywhere(*mirrored) == told
+    if low is not None and low > 0:
+        assert told == (low == 400)
+
+
+def test_from_a_critical_value_itself_on_its_own_root_is_enough() -> None:
+    own = hs.load_scene("delayed-spring").with_hands(hs.hands["postural-arm"])
+    found = hs.require(own, "environment.k", that="stable")
+    [span] = found.feasible
+    way = Tendency(Loop.of(own, own.hands[0], own.knobs["environment.k"]))
+    assert span.high.value is not None
+    assert span.high.value.digits(15) == "199.852102258710"
+    assert way.everywhere(span.high.value, None)
+    assert not way.everywhere(number(199), None)
+    assert found.undecided == ()
+
+
+def test_nothing_is_told_where_roots_go_both_ways_for_ever() -> None:
+    """A mass behind a lag and a delay against a hand's stiffness: stable again and again further out."""
+    late = 20 * s**2 * exp(-s / 100) / (s + 200)
+    expression = 2 * s**2 + 4 * s + q + late
+    top = Ring.of([expression])
+    loop = Loop(top, top.convert(expression).numerator, top.convert(expression).denominator, q, Integer(0))
+    way = Tendency(loop)
+    assert not any(way.everywhere(number(x), None) for x in (10, 10**4, 10**7))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(30))
+def test_where_a_random_loop_is_said_to_have_roots_on_the_right_for_all_values_it_has_them(seed: int) -> None:
+    pick = Random(seed)
+    lag = Rational(pick.randint(1, 60), 1000)
+    own = Rational(pick.randint(1, 20), 10) * s**2 + pick.randint(0, 30) * s + pick.randint(0, 400)
+    late = [q, q * s, q * (1 + s / pick.randint(5, 90)), q * (s**2 + 3) / 50][seed % 4] * exp(-s * lag)
+    expression = own + late + pick.choice([0, pick.randint(1, 80) * exp(-2 * s * lag)])
+    way = Tendency(loop_of(expression))
+    value = lambdify((s, q), expression, "numpy")
+    for low in (Rational(pick.randint(1, 4000), 10) for _ in range(12)):
+        high = low * pick.choice([2, 30])
+        if not way.everywhere(ExactNumber(low), None) and not way.everywhere(ExactNumber(low), ExactNumber(high)):
+            continue
+        for share in (1.0001, 1.2, 1.7, 1.9999):
+            x = float(low) * share
+            count = winding(lambda at, x=x: value(at, x), 3e3)
+            assert count is None or count > 0, (expression, low, x)
+
+
+# Delays
+
+
+def counts_of(switches: Switches, tau: float, start: int) -> int:
+    """By the senses, from the roots without a delay."""
+    total = start
+    for first, sense in zip(switches.firsts, switches.senses, strict=True):
+        rate = float(first.omega) * float(first.multiple)
+        a, b = (float(x.ball(first.omega.ball(80)).mid()) for x in first.ratio)
+        angle = (-np.angle(complex(a, b))) % (2 * np.pi)
+        total += 2 * sense * int(np.floor((rate * tau - angle) / (2 * np.pi)) + 1)
+    return total
+
+
+TWO = s**3 + 3 * s**2 + 60 * s + 90  # |A| = |B| at several frequencies with what comes late
+LATE = [
+    (s**2 / 2 + 6 * s + 50, Integer(120)),
+    (s**2 / 2 + 2 * s + 50, 3 * s + 30),
+    (TWO, 40 * s + 20),
+    (TWO, 4 * s**2 + 150),
+]
+
+
+@pytest.mark.parametrize(("own", "late"), LATE)
+@pytest.mark.parametrize("multiple", [1, 2])
+def test_roots_are_as_many_as_have_come_less_those_that_have_gone(own: Expr, late: Expr, multiple: int) -> None:
+    expression = own + late * exp(-multiple * s * q)
+    switches = Switches.of(loop_of(expression))
+    assert switches.senses[-1] == 1
+    start = right(own + late, 0, 300)
+    assert start is not None
+    for tau in (0.013, 0.11, 0.37, 0.92, 1.7, 3.3):
+        assert counts_of(switches, tau, start) == right(expression, tau, 300)
+
+
+@pytest.mark.parametrize(("own", "late"), LATE)
+def test_beyond_the_delay_from_which_on_roots_are_on_the_right_they_are(own: Expr, late: Expr) -> None:
+    expression = own + late * exp(-s * q)
+    switches = Switches.of(loop_of(expression))
+    last = switches.unstable_from
+    assert last is not None
+    way = Tendency(loop_of(expression))
+    assert way.everywhere(ExactNumber(last), None)
+    assert not way.everywhere(ExactNumber(last * Rational(99, 100)), None)
+    for share in (1.0001, 1.01, 1.1, 1.3, 2, 3.1, 4.7):
+        count = right(expression, float(last) * share, 300)
+        assert count is None or count > 0
+    # it is no more than one turn of each frequency too late
+    if len(switches.firsts) == 1:
+        assert right(expression, float(last) * 0.999, 300) == 0
+
+
+def test_without_a_frequency_at_which_both_are_of_one_size_no_delay_changes_anything() -> None:
+    switches = Switches.of(loop_of(s**2 + 20 * s + 50 + 3 * exp(-s * q)))
+    assert (switches.firsts, switches.up_to(Integer(1)), switches.unstable_from) == ((), ((), None), None)
+
+
+def test_where_both_are_of_one_size_at_rest_nothing_is_told_of_all_delays() -> None:
+    switches = Switches.of(loop_of(s**2 + 2 * s + 50 - 50 * exp(-s * q)))
+    assert (switches.is_still, switches.unstable_from) == (False, None)
+
+
+# Parts that only take energy
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_an_environment_that_is_said_to_take_energy_does_for_all_values_that_are_open(seed: int) -> None:
+    pick = Random(seed)
+    a, b, c = (Rational(pick.randint(0, 900), pick.randint(1, 9)) for _ in range(3))
+    alpha = Rational(pick.randint(1, 9), 10)
+    H = pick.choice([a + q * s, c * s**2 + b * s + q, q * s**2 + b * s + a, a + q * s**alpha, a + (b + 1) * s**q,
+                     q + a * (b + 1) * s / (a + 1 + (b + 1) * s), (a + 1) * q * s / (a + 1 + q * s), a - q * s, q / (s + a + 1),
+                     (s + q) / (s + a + 1), (s**2 + q) / (s**2 + a + 1), q * s / (s**2 + b * s + 1)])  # fmt: skip
+    told = takes_energy(H)
+    value = lambdify((s, q), H, "mpmath")
+    largest = 1 if H.has(s**q) else 1000
+    points = [(pick.uniform(1e-3, 1) * largest, 10.0 ** pick.uniform(-3, 4)) for _ in range(200)]
+    parts = [mpmath.im(value(mpmath.mpc(0, w), x)) for x, w in points]
+    assert not told or min(parts) >= -1e-12 * max(abs(x) for x in parts)
+    inside = [mpmath.mpc(10.0 ** pick.uniform(-3, 3), w) for _, w in points]
+    assert not told or all(
+        mpmath.re(value(x, points[0][0]) / x) >= -1e-12 * abs(value(x, points[0][0]) / x) for x in inside
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(16))
+def test_in_a_hand_that_damps_passive_parts_are_stable_for_all_values_or_where_a_chain_allows_it(seed: int) -> None:
+    pick = Random(seed)
+    tissue = pick.choice([hs.environments.kelvin_voigt(pick.randint(0, 900), pick.randint(1, 9)),
+                          hs.environments.zener(pick.randint(10, 500), pick.randint(10, 500), pick.randint(1, 9)),
+                          hs.environments.maxwell(pick.randint(10, 500), pick.randint(1, 9))])  # fmt: skip
+    parts = [pick.choice([E.wave_variables(pick.randint(2, 40), Rational(pick.randint(1, 30), 1000)),
+                          E.compliance(k=pick.randint(100, 9000), b=pick.randint(1, 9)),
+                          E.shunt(m=Rational(pick.randint(0, 20), 10), b=pick.randint(0, 4))]) for _ in range(pick.randint(1, 3))]  # fmt: skip
+    hand = hs.Hand("hand", m=Rational(pick.randint(1, 30), 10), b=pick.randint(1, 40), k=pick.randint(0, 500))
+    own = hs.Scene(tissue, tuple(parts)).with_hands(hand)
+    for knob in (x for x in own.knobs if "jnd" not in x.path and "shunt" not in x.path and "hand.b" not in x.path):
+        found = hs.require(own, knob.path, that="stable", limit=10)
+        passive = hs.require(own, knob.path, that="passive", limit=10)
+        assert passive.undecided == (), knob.path
+        for factor in (Rational(1, 300), Rational(1, 7), 1, Rational(9, 2), 130):
+            moved = own.with_values({knob.path: knob.value * factor})
+            try:
+                with limited(1):
+                    told = roots_in_hand(moved.distortion().perc, moved.hands[0]).number == 0  # counted on a contour
+            except HaptisymError:
+                continue
+            inside = any(
+                (x.low.value is None or float(x.low.value) <= float(knob.value * factor))
+                and (x.high.value is None or float(knob.value * factor) <= float(x.high.value))
+                for x in found.feasible
+            )
+            if not found.undecided:
+                assert told == inside, (knob.path, factor)
+
+
+@pytest.mark.slow
+def test_two_wave_variable_links_are_passive_and_stable_for_every_delay_and_impedance() -> None:
+    links = E.wave_variables(13, "19 ms"), E.wave_variables(4, "15 ms")
+    own = hs.Scene(hs.environments.kelvin_voigt(400, 3), links).with_hands(hs.Hand("hand", m="1.8 kg", b=14, k=196))
+    for path in ("effects.wave-variables.tau", "effects.wave-variables-2.b", "environment.b", "hand.b"):
+        for that in ("stable", "passive"):
+            found = hs.require(own, path, that=that)
+            assert (found.undecided, [x.high.value for x in found.feasible]) == ((), [None]), (path, that)
+
+
+def test_a_link_with_nothing_that_damps_its_waves_is_stable_for_no_impedance() -> None:
+    """A spring-pot reflects ever more, the higher the frequency: a chain comes to the axis, whatever the link's impedance is."""
+    own = hs.Scene(hs.environments.spring_pot(30, "1/2"), (E.wave_variables(21, "2 ms"), E.compliance(k=5809)))
+    found = hs.require(own, "effects.wave-variables.b", that="stable", hand=hs.Hand("hand", m="0.4 kg", b=3, k=391))
+    assert (found.feasible, found.undecided) == ((), ())
