@@ -105,6 +105,12 @@ def test_nothing_is_told_where_roots_go_both_ways_for_ever() -> None:
     loop = Loop(top, top.convert(expression).numerator, top.convert(expression).denominator, q, Integer(0))
     way = Tendency(loop)
     assert not any(way.everywhere(number(x), None) for x in (10, 10**4, 10**7))
+    tissue = hs.environments.mass_spring_damper("250 g", 0, 282)
+    own = hs.Scene(tissue, (E.first_order_lag(348), E.delay("4 ms"))).with_hands(
+        hs.Hand("hand", m="1.8 kg", b=14, k=196)
+    )
+    found = hs.require(own, "hand.k", that="stable")
+    assert ([high for _, high in found.undecided], found.reason) == ([None], "further out was not looked at")
 
 
 @pytest.mark.slow
