@@ -21,6 +21,7 @@ from sympy import Expr, Integer, Rational, Symbol, pi
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.pulse import Plant, SampledLoop
 from haptisym.kernel.reals import ExactNumber
+from haptisym.kernel.rootcount import RootChain
 from haptisym.model.parameters import Rule
 from haptisym.verbs.stability import clockrange, neutral, plane, search
 from haptisym.verbs.stability.clockcritical import Opened, Walk
@@ -299,13 +300,18 @@ def test_what_is_left_of_a_cell_is_about_the_values_that_hide(seed: int) -> None
 
 
 def test_cells_lie_between_what_comes_from_infinity_as_far_as_a_number_may_go() -> None:
-    loop: Any = SimpleNamespace(low=Integer(0), high=None)
+    none: Any = SimpleNamespace(chain=None)
+    loop: Any = SimpleNamespace(low=Integer(0), high=None, at=lambda _: none)
     met = [SimpleNamespace(value=ExactNumber(Integer(x)), omega=None) for x in (5, -1, 2, 0, 5)]
-    ends = [(x.low and float(x.low), x.high and float(x.high)) for x in neutral._cells(loop, met)]  # type: ignore[arg-type]
+    ends = [(x.low and float(x.low), x.high and float(x.high)) for x in neutral.cells(loop, met)]  # type: ignore[arg-type]
     assert ends == [(0, 2), (2, 5), (5, None)]
-    loop = SimpleNamespace(low=None, high=Integer(4))
-    ends = [(x.low and float(x.low), x.high and float(x.high)) for x in neutral._cells(loop, met)]  # type: ignore[arg-type]
+    loop = SimpleNamespace(low=None, high=Integer(4), at=lambda _: none)
+    ends = [(x.low and float(x.low), x.high and float(x.high)) for x in neutral.cells(loop, met)]  # type: ignore[arg-type]
     assert ends == [(None, -1), (-1, 0), (0, 2), (2, 4)]
+    loop = SimpleNamespace(
+        low=None, high=Integer(4), at=lambda x: SimpleNamespace(chain=RootChain.RIGHT if x > 0 else None)
+    )
+    assert [float(x.high or 9) for x in neutral.cells(loop, met)] == [-1, 0]  # type: ignore[arg-type]
 
 
 # Windows of a search

@@ -35,6 +35,7 @@ _FINEST = Fraction(
     1, 1 << 24
 )  # of a value: where cells are shorter it is asked whether roots are more or fewer behind them
 _STEPS = (8, 64, 512)  # of such cells, over which roots are more or fewer, or proven to be as many throughout
+_DEEPEST = 8  # times that these are cut
 _MOST_CELLS = 500  # on a side
 
 
@@ -238,10 +239,17 @@ class Walk:
             if count != self.home:
                 return self._between(one, other, count), other
             low, high = sorted((one, other))
-            with flint.ctx.workprec(_BITS):
-                if self.loop.is_clear(_ball(low).union(_ball(high))):
-                    return None, other
+            if self._has_none(low, high, _DEEPEST):
+                return None, other
         raise UndecidedError("whether roots reach the unit circle and go back")
+
+    def _has_none(self, low: Fraction, high: Fraction, depth: int) -> bool:
+        """Whether no value between two puts a root on the circle, proven; in ever smaller pieces, as beside one that does."""
+        with flint.ctx.workprec(_BITS):
+            if self.loop.is_clear(_ball(low).union(_ball(high))):
+                return True
+        middle = (low + high) / 2
+        return depth > 0 and self._has_none(low, middle, depth - 1) and self._has_none(middle, high, depth - 1)
 
     def _between(self, one: Fraction, other: Fraction, count: int) -> Passage:
         """The change between two values that are close to each other, to a count at the other one."""
