@@ -16,6 +16,7 @@ import haptisym as hs
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.symbols import s
+from haptisym.verbs.stability.answer import _hand
 from haptisym.verbs.stability.boxes import Share, whole_box
 from haptisym.verbs.stability.clocked import clocked_roots
 from haptisym.verbs.stability.held import held, imposed, roots_in_hand, zeros_of
@@ -193,3 +194,13 @@ def test_roots_with_a_clock_are_eigenvalues_of_what_a_period_does(seed: int) -> 
     assert (found.number, found.right) == (int((sizes >= 1).sum()),) * 2
     told = held(scene, hand)
     assert (told.unstable, told.stable) == (found.number, found.number == 0)
+
+
+def test_a_document_holds_all_that_is_known_of_a_hand() -> None:
+    own = hs.Hand("mine", "0.2 kg", ["1", "3"], "5 N/m +- 20 %", source="measured")
+    for hand in (own, *hs.hands.values(), hs.Hand("plain", 1, 2, 3)):
+        told = _hand(hand)
+        ranges = {p.key: [float(x) for x in p.interval] for p in hand.parameters if p.interval}
+        expected = {"name": hand.name, "m": float(hand.m.value), "b": float(hand.b.value), "k": float(hand.k.value)}
+        expected |= ({"ranges": ranges} if ranges else {}) | ({"source": hand.source} if hand.source else {})
+        assert told == expected
