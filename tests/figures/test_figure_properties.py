@@ -217,6 +217,15 @@ def test_no_text_lies_on_another_or_leaves_the_figure(figures: list[Figure]) -> 
 
 
 @pytest.mark.slow
+def test_where_a_peak_is_cut_is_told_with_an_exponent_of_print(tmp_path: Path) -> None:
+    """It was 5·10⁸ at 1e+12."""
+    spring = hs.environments.mass_spring_damper(m="1e-12 kg", k="1e12 N/m")
+    ringing = hs.Scene(spring, (hs.effects.second_order_lowpass("1e12 rad/s", "1e-9"),), (0, "1e13 rad/s"))
+    for figure in written(lambda folder: save_figures(hs.evaluate(ringing), folder, [".svg"]), tmp_path):
+        assert not [x.get_text() for x in texts(figure) if re.search(r"\de[+-]?\d", x.get_text())]
+
+
+@pytest.mark.slow
 def test_environments_of_long_names_leave_room_for_what_is_drawn(tmp_path: Path) -> None:
     """A name of thirty letters took the axes' whole width; matplotlib warned, which is an error here."""
     paper_like = hs.load_scene("fu2019")

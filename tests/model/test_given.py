@@ -70,3 +70,8 @@ def test_an_end_is_told_once_where_both_are_alike_and_nobody_is_other_where_none
     swept = str(Swept(paper, hs.sweep(paper, {"omega_n": [60, 80]})))
     [row] = [x for x in swept.splitlines() if "of the environment" in x]
     assert " to " not in row
+
+
+def test_a_point_is_a_number_of_rad_per_second() -> None:
+    [transparent] = hs.evaluate("fu2019").transparent
+    assert (float(transparent.low), float(transparent.high)) == (0, pytest.approx(7.978916790174708))

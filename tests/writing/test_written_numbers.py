@@ -10,8 +10,10 @@ from sympy import Expr, Integer, Rational, Symbol, pi, sqrt
 
 import haptisym as hs
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import PolynomialRing
 from haptisym.kernel.symbols import omega, s
+from haptisym.pages.words import unlike
 from haptisym.programs.program import Writer
 from haptisym.writing.code.expressions import DIALECTS, CodeReader, nearest_double
 from haptisym.writing.code.names import Language, comment, function_name, identifiers
@@ -118,6 +120,13 @@ def test_a_quotient_that_is_rounded_has_its_delays_rounded_too_and_an_exact_one_
     (exact, _), (shown, _) = readable(late, s), readable(late, s, 4)
     assert "exp(-0.019093053221796195 s)" in plain(exact)
     assert "exp(-0.01909 s)" in plain(shown)
+
+
+def test_ends_of_a_band_that_would_look_alike_are_told_apart() -> None:
+    """A resonance of damping 1e-9: bands of step 2 went from 1000000000000 to 1000000000000 rad/s."""
+    near = [ExactNumber(x) for x in (Rational(1), Rational(10**9 + 1, 10**9), Rational(2), Rational(2))]
+    assert [x.digits for x in unlike(near)] == ["1", "1.000000001", "2", "2"]
+    assert [x.digits for x in unlike(near[1:3])] == ["1", "2"]
 
 
 def test_a_formula_is_broken_before_a_sign_rather_than_between_factors() -> None:

@@ -138,7 +138,10 @@ def _frequency_labels(
     """What stands above the axes: crossing frequencies while they are few, and the two highest peaks that are cut."""
     crossings = [(scale.of(float(c.omega)), scale.digits(c.omega, 4)) for c in evaluation.crossings]
     values, at = np.where(np.isnan(highest), np.inf, highest), scale.of(omega)
-    peaks = [(float(at[i]), f"{_height(values[i])} at {at[i]:.4g}") for i in _peaks(values, top)[:2]]
+    peaks = [
+        (float(at[i]), f"{_height(values[i])} at {number(at[i], 4 if at[i] < 1e4 else 6)}")
+        for i in _peaks(values, top)[:2]
+    ]
     return (crossings if len(crossings) <= MOST_LABELS else []) + peaks
 
 

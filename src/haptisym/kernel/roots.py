@@ -53,6 +53,9 @@ class Point(Viewed):
     def __repr__(self) -> str:
         return f"<Point at {self.omega!r} rad/s>"
 
+    def __float__(self) -> float:
+        return float(self.omega)
+
     @property
     def at(self) -> Signs:
         """The sign of each function right here: 0 at a zero; at a pole, the sign on both sides or 0."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from decimal import ROUND_CEILING, Context
+from itertools import pairwise
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -55,6 +56,19 @@ def short(x: RealNumber) -> Number:
     return Number(reals.short(x), float(x))
 
 
+def unlike(values: Sequence[RealNumber], digits: int = 5) -> list[Number]:
+    """Numbers in order as a sentence takes them, those that would look like the one before or behind with digits that differ."""
+    need = [digits] * len(values)
+    for i, (low, high) in enumerate(pairwise(values)):
+        if reals.short(low, digits) == reals.short(high, digits):
+            count = next((n for n in _MORE_DIGITS if reals.short(low, n) != reals.short(high, n)), digits)
+            need[i], need[i + 1] = max(need[i], count), max(need[i + 1], count)
+    return [Number(reals.short(x, n), float(x)) for x, n in zip(values, need, strict=True)]
+
+
+_MORE_DIGITS = range(6, 51)
+
+
 def exactly(x: RealNumber, digits: int) -> Number:
     """A number with so many digits."""
     return Number(x.digits(digits), float(x))
@@ -79,7 +93,10 @@ def span(x: Interval) -> Phrase:
 
 def ends(x: Interval) -> Phrase:
     """``2 to 3``."""
-    return short(x.low.omega) if x.low is x.high else (short(x.low.omega), " to ", short(x.high.omega))
+    if x.low is x.high:
+        return short(x.low.omega)
+    low, high = unlike((x.low.omega, x.high.omega))
+    return low, " to ", high
 
 
 def spans(bands: Iterable[Interval]) -> Phrase:
@@ -89,7 +106,7 @@ def spans(bands: Iterable[Interval]) -> Phrase:
 
 def places(points: Iterable[Point]) -> Phrase:
     """``2, 3 and 4 rad/s``."""
-    return listed(short(p.omega) for p in points), " rad/s"
+    return listed(unlike([p.omega for p in points])), " rad/s"
 
 
 _SYMBOLS = {"|G - 1|": Absolute(Sum(((1, named("G")), (-1, Numeral("1")))))}
