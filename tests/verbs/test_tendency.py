@@ -265,3 +265,20 @@ def test_a_link_with_nothing_that_damps_its_waves_is_stable_for_no_impedance() -
     own = hs.Scene(hs.environments.spring_pot(30, "1/2"), (E.wave_variables(21, "2 ms"), E.compliance(k=5809)))
     found = hs.require(own, "effects.wave-variables.b", that="stable", hand=hs.Hand("hand", m="0.4 kg", b=3, k=391))
     assert (found.feasible, found.undecided) == ((), ())
+
+
+@pytest.mark.parametrize("alpha", ["1/10", "1/2"])
+def test_fractional_tissue_behind_a_cable_is_stable_for_every_order(alpha: str) -> None:
+    own = hs.Scene(hs.environments.spring_pot(30, alpha), (E.compliance(k=5809), E.shunt(m="0.3 kg")))
+    own = own.with_hands(hs.Hand("hand", m="0.4 kg", b=3, k=391))
+    for path, high in (("environment.alpha", 1), ("environment.k_alpha", None)):
+        found = hs.require(own, path, that="stable")
+        [span] = found.feasible
+        assert (
+            found.undecided,
+            span.low.value and float(span.low.value),
+            span.high.value and float(span.high.value),
+        ) == ((), 0, high)
+    for order in ("1/50", "0.3", "0.97"):
+        moved = own.with_values({"environment.alpha": order})
+        assert roots_in_hand(moved.distortion().perc, moved.hands[0]).number == 0

@@ -46,6 +46,9 @@ def meetings(loop: Loop, value: Expr) -> Iterator[Meetings]:
 
 def _eliminated(loop: Loop, value: Expr) -> Iterator[Meetings]:
     """By one equation in omega."""
+    if loop.rests and not loop.ring.lags:  # nor does a root come from infinity, or a chain
+        yield _at_0(loop, ())
+        return
     far_out = from_infinity(loop)
     if loop.turns:
         if _has_chain(loop, value):  # whatever the delay, as long as there is one
