@@ -192,6 +192,7 @@ def test_where_roots_may_meet_the_circle_is_where_their_number_changes(seed: int
             assert form.is_stable({k: x}) in ((True,) if not inside else (False, None))
 
 
+@pytest.mark.slow
 def test_a_loop_of_one_root_meets_the_circle_where_it_is_at_minus_one() -> None:
     """z = 1 - k."""
     plant = Plant((Integer(0), Integer(1)), ((Integer(0), (Integer(1),)),))

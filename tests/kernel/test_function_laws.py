@@ -186,7 +186,7 @@ def test_numbers_are_put_in_order_however_near(seed: int) -> None:
 # States
 
 
-@pytest.mark.few(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 def test_states_are_moved_as_scipy_moves_them(seed: int) -> None:
     draw = random.Random(seed)
