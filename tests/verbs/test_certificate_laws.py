@@ -385,6 +385,10 @@ def test_zeros_with_pi_and_without_a_real_part() -> None:
         (s * (s + pi), 1),
         (s**3 + s**2 + 4 * s + 1, 0),
         (s**4 + s**3 + s**2 + 4 * s + 1, 2),
+        (s**3 + s + 1, 2),  # no s^2, and so an E that falls short of its place
+        (s**5 + s**4 + 3 * s + 1, 2),
+        (s**4 + 2 * s + 3, 2),
+        (s**7 + 2 * s**3 + s + 5, 4),
     ):
         told = zeros(ring.convert(f).reduced())
         assert counted(told, _pairs(f, Rational(1)), 20) == many
