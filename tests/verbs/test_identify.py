@@ -266,6 +266,10 @@ def test_environments_of_every_kind_are_written_as_they_were(name: str) -> None:
         (["--degrees", "1", "1", "--effect", "first-order-lag"], "goes with a delay alone"),
         (["--degrees", "12", "5"], "at most 16"),
         (["--degrees", "1", "0", "--band", "50 rad/s", "60 rad/s"], "no line of bench.csv"),
+        (
+            ["--degrees", "1", "0", "--band", "30 rad/s", "3 rad/s"],
+            "the high end, 3 rad/s, must be above the low end, 30 rad/s",
+        ),
         (["--degrees", "1", "0", "--band", "1 kg", "60 rad/s"], "band"),
         (["--degrees", "5", "5", "--band", "1 rad/s", "3 rad/s"], "cannot tell 11 parameters"),
         (["--degrees", "1", "0", "--averages", "9"], "averages is given, but no coherence"),

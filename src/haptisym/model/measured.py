@@ -158,6 +158,15 @@ class Measurement(Shown):
         target.write_text("\n".join(told) + "\n", encoding="utf-8")
         return target
 
+    def on_band(self, low: float, high: float) -> Measurement:
+        """The lines on a band, rad/s; a share of 1e-9 beyond its ends is on it, as files round. SceneError if there are none."""
+        if high <= low:
+            raise SceneError(f"band: the high end, {high:.6g} rad/s, must be above the low end, {low:.6g} rad/s")
+        inside = (self.omega >= low * (1 - 1e-9)) & (self.omega <= high * (1 + 1e-9))
+        if not inside.any():
+            raise SceneError(f"band: no line of {self.name} lies from {low:.6g} to {high:.6g} rad/s")
+        return self.at(inside)
+
     def at(self, lines: NDArray[Any]) -> Measurement:
         """Some of its lines."""
         coherence, radius = (None if x is None else x[lines] for x in (self.coherence, self.radius))

@@ -223,7 +223,7 @@ def identify(
         band = band or given.band
     assert isinstance(felt, Measurement)
     asked = wanted(environment, [effects] if isinstance(effects, str) else list(effects), degrees, known)
-    found = fit(asked, felt if band is None else _on(felt, band))
+    found = fit(asked, felt if band is None else felt.on_band(*(float(frequency("band", x)) for x in band)))
     name = name or f"{asked.words}, as measured"
     motion = felt.motion or (given.motion if isinstance(given, MeasuredScene) else None)
     return Identification(replace(felt, motion=motion), threshold, name, found, estimates(found), verdict(found))
@@ -267,12 +267,3 @@ def _runs(name: str) -> str:
     if own in bench_names():
         return f"its simulated bench run is {own}"
     return f"simulated bench runs are {', '.join(bench_names())}"
-
-
-def _on(m: Measurement, band: tuple[Number, Number]) -> Measurement:
-    """The lines on a band."""
-    low, high = (float(frequency("band", x)) for x in band)
-    inside = (m.omega >= low * (1 - 1e-9)) & (m.omega <= high * (1 + 1e-9))
-    if not inside.any():
-        raise SceneError(f"band: no line of {m.name} lies from {low:.6g} to {high:.6g} rad/s")
-    return m.at(inside)

@@ -57,11 +57,7 @@ def matched(scene: MeasuredScene) -> tuple[Measurement, Measurement | None]:
     where there are none."""
     felt, own = scene.perceived, scene.environment
     if scene.band is not None:
-        low, high = (float(x) for x in scene.band)
-        inside = (felt.omega >= low * (1 - _SAME)) & (felt.omega <= high * (1 + _SAME))
-        if not inside.any():
-            raise SceneError(f"band: no line of {felt.name} lies from {low:.6g} to {high:.6g} rad/s")
-        felt = felt.at(inside)
+        felt = felt.on_band(*map(float, scene.band))
     if isinstance(own, Environment):
         return felt, None
     nearest = _nearest(own.omega, felt.omega)
