@@ -17,8 +17,9 @@ from haptisym.kernel.budget import limited
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import HaptisymError
 from haptisym.kernel.reals import ExactNumber
+from haptisym.kernel.rootcount import RootChain
 from haptisym.kernel.symbols import s
-from haptisym.verbs.stability.held import roots_in_hand
+from haptisym.verbs.stability.held import held, roots_in_hand
 from haptisym.verbs.stability.loops import Loop
 from haptisym.verbs.stability.switches import Switches
 from haptisym.verbs.stability.tendency import Tendency
@@ -282,3 +283,38 @@ def test_fractional_tissue_behind_a_cable_is_stable_for_every_order(alpha: str) 
     for order in ("1/50", "0.3", "0.97"):
         moved = own.with_values({"environment.alpha": order})
         assert roots_in_hand(moved.distortion().perc, moved.hands[0]).number == 0
+
+
+def test_a_chain_that_reflects_all_is_at_the_axis_for_every_order_and_delay() -> None:
+    tissue, hand = hs.environments.spring_pot(30, "1/2"), hs.Hand("hand", m="1.8 kg", b=14, k=196)
+    link, other = E.wave_variables(13, "19 ms"), E.wave_variables(4, "15 ms")
+    one = hs.Scene(tissue, (link,)).with_hands(hand)
+    two = hs.Scene(hs.environments.mass_spring_damper("0.2 kg", 2, 30), (link, other)).with_hands(hand)
+    for own, path in (
+        (one, "environment.alpha"),
+        (two, "effects.wave-variables.tau"),
+        (two, "effects.wave-variables-2.tau"),
+    ):
+        found = hs.require(own, path, that="stable")
+        assert (found.feasible, found.undecided) == ((), ()), path
+        counted = roots_in_hand(
+            own.distortion().perc, hand
+        )  # of delays that are multiples of one, without what is known of parts
+        assert counted.chain is RootChain.NEAR
+        assert counted == held(own, hand).roots
+    far_apart = two.with_values({"effects.wave-variables.tau": "0.0193711"})
+    assert [x and x.chain for x in (held(far_apart, hand).roots,)] == [RootChain.NEAR]
+
+
+@pytest.mark.parametrize("mass", ["0 kg", "0.4 kg"])
+def test_an_order_behind_a_delay_is_answered_though_it_is_a_power_that_changes(mass: str) -> None:
+    """The highest power of s is 2, whatever the order is; with a mass that comes late it is so twice."""
+    own = hs.Scene(hs.environments.spring_pot(300, "1/2"), (E.shunt(m=mass, b=1), E.delay("13 ms")))
+    own = own.with_hands(hs.Hand("hand", m="1.8 kg", b=14, k=196))
+    found = hs.require(own, "environment.alpha", that="stable")
+    assert found.undecided == ()
+    inside = [(float(x.low.value or 0), float(x.high.value or 1)) for x in found.feasible]
+    for order in ("0.02", "0.2", "0.35", "0.5", "0.65", "0.8", "0.9", "0.98"):
+        moved = own.with_values({"environment.alpha": order})
+        told = roots_in_hand(moved.distortion().perc, moved.hands[0]).number == 0
+        assert told == any(low < float(order) < high for low, high in inside), (order, inside)

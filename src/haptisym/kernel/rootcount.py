@@ -28,7 +28,7 @@ from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.kernel.squares import late_turns, positive_from
 from haptisym.kernel.symbols import s
 from haptisym.kernel.terms import Terms, at_least, beginning_at_0, size, terms_of
-from haptisym.kernel.torus import least_on_torus
+from haptisym.kernel.torus import is_mirrored, least_on_torus
 
 _MOST_TURNING = 2000  # radians that the delays turn up to the reach: thousands of zeros take minutes
 _FINEST = 64  # times that a bound is halved before it is given up
@@ -80,7 +80,7 @@ def count_roots(polynomial: Polynomial, ring: Ring, *, rests: bool = False) -> R
     if (line := _root_of_line(terms)) is not None:
         return line
     degree = max(terms)
-    floor = floor_of(terms[degree], ring)
+    floor = RootChain.NEAR if rests and is_mirrored(terms[degree]) else floor_of(terms[degree], ring)
     if isinstance(floor, RootChain):
         return Roots(None, None, chain=floor)
     if rests:

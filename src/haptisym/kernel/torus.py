@@ -63,6 +63,19 @@ def least_on_torus(group: Mapping[tuple[int, ...], Expr]) -> Rational | None:
     return None
 
 
+def is_mirrored(group: Mapping[tuple[int, ...], Expr]) -> bool:
+    """Whether L(1/z) is L(z) or -L(z) but for powers of z: with each zero in s, -s is one too, however long the delays are.
+
+    >>> from sympy import Integer
+    >>> of = [{(0, 0): 3, (1, 0): 1, (0, 1): 1, (1, 1): 3}, {(0, 0): 3, (1, 0): 1, (0, 1): 2, (1, 1): 3}, {(0, 0): 3}]
+    >>> [is_mirrored({turns: Integer(c) for turns, c in group.items()}) for group in of]
+    [True, False, False]
+    """
+    most = [max(column) for column in zip(*group, strict=True)]
+    other = {turns: group.get(tuple(n - k for n, k in zip(most, turns, strict=True)), 0) for turns in group}
+    return len(group) > 1 and any(all(c == side * other[turns] for turns, c in group.items()) for side in (1, -1))
+
+
 def _halves(box: _Box, slopes: Sequence[Ball]) -> list[_Box]:
     """A box in two, across the angle along which L may change most."""
     k = max(range(len(box)), key=lambda i: float(slopes[i] * box[i][1]))

@@ -17,7 +17,7 @@ from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.squares import Row
 from haptisym.kernel.symbols import s
-from haptisym.kernel.torus import least_on_torus
+from haptisym.kernel.torus import is_mirrored, least_on_torus
 from haptisym.verbs.stability.curves import Meeting, curve_of
 from haptisym.verbs.stability.loops import Loop, zeros
 
@@ -31,9 +31,7 @@ def from_infinity(loop: Loop) -> tuple[Meeting, ...]:
 
 
 def _values(loop: Loop) -> Iterator[RealNumber]:
-    if any(loop.symbol in x.free_symbols for x in loop.ring.orders):
-        raise UndecidedError("where roots meet the imaginary axis as a power of s changes")
-    leading = loop.table[max(loop.table)]
+    leading = loop.leading
     _need_same_zeros(leading, loop)
     if not any(any(row[1:]) for row in leading.values()):
         return
@@ -59,7 +57,8 @@ def _need_same_zeros(leading: Leading, loop: Loop) -> None:
     units = {i for turns in leading for i, n in enumerate(turns) if n}
     if len(units) < 2 or not any(loop.symbol in loop.ring.lags[i].free_symbols for i in units):
         return
-    if least_on_torus({turns: row[0] for turns, row in leading.items()}) is None:
+    own = {turns: row[0] for turns, row in leading.items()}
+    if not (loop.rests and is_mirrored(own)) and least_on_torus(own) is None:
         raise UndecidedError("where a chain of roots comes to the axis, as delays meet that are no multiples of one")
 
 
@@ -98,4 +97,4 @@ def _on_circle(leading: Leading, unit: int, loop: Loop) -> Iterator[RealNumber]:
 
 def is_neutral(loop: Loop) -> bool:
     """Whether the highest power of s comes late too."""
-    return any(any(turns) for turns in loop.table[max(loop.table)])
+    return any(any(turns) for turns in loop.leading)

@@ -12,6 +12,7 @@ from sympy import Expr, Integer, Rational, Symbol, pi
 
 from haptisym.judge.passiveparts import rests
 from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.monomials import monomials
 from haptisym.kernel.reals import ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.response import RealFunction
@@ -110,6 +111,21 @@ class Loop:
                 for turns, c in group.items():
                     table.setdefault(power, {}).setdefault(turns, [Integer(0)] * len(found))[i] = c
         return table
+
+    @property
+    def leading(self) -> dict[tuple[int, ...], Row]:
+        """Of the table, the highest power of s; UndecidedError where an open order leaves that open."""
+        if not any(self.symbol in x.free_symbols for x in self.ring.orders):
+            return self.table[max(self.table)]
+        ends = [{self.symbol: x} for x in (self.low, self.high) if x is not None]
+        for (
+            power,
+            group,
+        ) in self.table.items():  # a power is linear in an order: it is the highest between two ends as at both
+            ahead = [[(power - x).xreplace(end) for end in ends] for x in self.table if x != power]
+            if len(ends) == 2 and all(min(row) >= 0 and max(row) > 0 for row in ahead):
+                return group
+        raise UndecidedError("where roots meet the imaginary axis as a power of s changes")
 
 
 def _mapped(polynomial: Polynomial, images: Sequence[RationalFunction]) -> RationalFunction:

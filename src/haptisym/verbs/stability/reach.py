@@ -63,7 +63,7 @@ def reach_of(loop: Loop) -> Reach:
     turns = {x for group in loop.table.values() for x in group if any(x)}
     longest = max((lag_of(x, loop) for x in turns), default=Integer(1))
     late = late_turns(turns, [*loop.table])
-    if late is not None and any(not any(x) for x in loop.table[max(loop.table)]):
+    if late is not None and any(not any(x) for x in loop.leading):
         return _Squares(longest, squares(loop.table, late))
     return _sums(loop, turns, longest)
 
