@@ -199,14 +199,15 @@ def test_where_both_are_of_one_size_at_rest_nothing_is_told_of_all_delays() -> N
 # Parts that only take energy
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", range(80))
 def test_an_environment_that_is_said_to_take_energy_does_for_all_values_that_are_open(seed: int) -> None:
     pick = Random(seed)
     a, b, c = (Rational(pick.randint(0, 900), pick.randint(1, 9)) for _ in range(3))
     alpha = Rational(pick.randint(1, 9), 10)
     H = pick.choice([a + q * s, c * s**2 + b * s + q, q * s**2 + b * s + a, a + q * s**alpha, a + (b + 1) * s**q,
                      q + a * (b + 1) * s / (a + 1 + (b + 1) * s), (a + 1) * q * s / (a + 1 + q * s), a - q * s, q / (s + a + 1),
-                     (s + q) / (s + a + 1), (s**2 + q) / (s**2 + a + 1), q * s / (s**2 + b * s + 1)])  # fmt: skip
+                     (s + q) / (s + a + 1), (s**2 + q) / (s**2 + a + 1), q * s / (s**2 + b * s + 1), s**4 + b * s + q,
+                     q * s**4 + s + a, (s**4 + q * s + 1) / (s**2 + 3 * s + 1), s**Rational(9, 2) + q * s])  # fmt: skip
     told = takes_energy(H)
     value = lambdify((s, q), H, "mpmath")
     largest = 1 if H.has(s**q) else 1000

@@ -11,9 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from sympy import Expr, Poly
+from sympy import Expr, Integer, Poly
 
 from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import Effect
@@ -41,7 +42,7 @@ def takes_energy(environment: Expr) -> bool:
     """Whether H/s is positive real, and H finite at all frequencies > 0, for all values > 0 of what is open in it.
 
     Told by signs alone, False says nothing: Im H >= 0 as no coefficient of it is negative; the denominator has its zeros in
-    Re s < 0, as those of degree 2 with coefficients > 0 have; and H is positive near 0 and far out along the real axis.
+    Re s < 0, as those of degree 2 with coefficients > 0 have; H(0) is finite, and far out H grows no faster than s^2, both > 0.
 
     >>> from sympy.abc import k, q
     >>> each = k + q * s, k * q * s / (k + q * s), k * s**q, 1 / (s**2 + q), k - q * s, q * s - k
@@ -56,11 +57,20 @@ def takes_energy(environment: Expr) -> bool:
     powers = {int(x[0]) for x in bottom.monoms()}
     if len({c > 0 for c in (*top.coeffs(), *bottom.coeffs())}) > 1 or powers not in ({0}, {0, 1}, {0, 1, 2}):
         return False
-    if any(any(x[ring.size :]) for x in bottom.monoms()):
+    if any(any(x[ring.size :]) for x in bottom.monoms()) or _growth(top, ring) > max(powers) + 2:
         return False
     (a, b), (c, d) = axis.parts([top, bottom])
     power = axis.without_circles(b * c - a * d)[0]
     return all(x > 0 for x in power.coeffs())
+
+
+def _growth(polynomial: Polynomial, ring: Ring) -> Expr:
+    """Its highest power of s, or more: an open order is below 1."""
+    orders = [x if x.is_Rational else Integer(1) for x in ring.orders]
+    powers = (
+        int(x[0]) + sum(int(n) * a for n, a in zip(x[ring.size :], orders, strict=False)) for x in polynomial.monoms()
+    )
+    return max(powers, default=Integer(0))
 
 
 def are_passive(effects: Iterable[Effect]) -> bool:
