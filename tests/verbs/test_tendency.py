@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from math import factorial
 from random import Random
 from typing import Any
 
 import mpmath
 import numpy as np
 import pytest
-from sympy import Expr, Integer, Rational, Symbol, exp, lambdify
+from sympy import Expr, Integer, Rational, Symbol, exp, lambdify, pi
 from windings import winding
 
 import haptisym as hs
@@ -319,3 +320,59 @@ def test_an_order_behind_a_delay_is_answered_though_it_is_a_power_that_changes(m
         moved = own.with_values({"environment.alpha": order})
         told = roots_in_hand(moved.distortion().perc, moved.hands[0]).number == 0
         assert told == any(low < float(order) < high for low, high in inside), (order, inside)
+
+
+def ends_of(own: hs.Scene, path: str, **asked: Any) -> list[tuple[float | None, float | None]]:
+    found = hs.require(own, path, that="stable", hand=hs.Hand("hand", m=1, b=5, k=20), **asked)
+    return [(x.low.value and float(x.low.value), x.high.value and float(x.high.value)) for x in found.feasible]
+
+
+def test_a_number_that_may_be_negative_is_not_told_by_what_positive_ones_do() -> None:
+    """(m + m_h) s^2 + (b + 6) s + 120 of a shunt, and of a formula b s (s^2 + 5 s + 20)/5000 to the third power."""
+    tissue = hs.environments.kelvin_voigt(100, 1)
+    assert ends_of(hs.Scene(tissue, (E.shunt(b=1),)), "effects.shunt.b") == [(-6, None)]
+    assert ends_of(hs.Scene(tissue, (E.shunt(m=1),)), "effects.shunt.m") == [(-1, None)]
+    formula = hs.environments.expression("k+b*s", parameters={"k": 100, "b": 3})
+    assert ends_of(hs.Scene(formula, (E.compliance(k=5000),)), "environment.b") == [(0, None)]
+
+
+@pytest.mark.slow
+def test_a_number_in_the_formula_of_a_shunt_is_none_of_a_part_that_only_takes_energy() -> None:
+    tissue, link = hs.environments.kelvin_voigt(100, 1), E.wave_variables(10, "5 ms")
+    own = hs.Scene(tissue, (link, E.shunt(Z="(10-a)*s", parameters={"a": 5})))
+    [(low, high)] = ends_of(own, "effects.shunt.a", range=(0, 100))
+    assert (low, high and 12 < high < 20) == (0, True)
+    found = hs.require(own, "effects.shunt.a", that="passive", range=(0, 100))
+    assert all(x.high.value is not None and float(x.high.value) < 12.6 for x in found.feasible)
+    hand = hs.Hand("hand", m=1, b=5, k=20)
+    for value, stable in ((12, True), (20, False), (50, False)):
+        assert held(own.with_values({"effects.shunt.a": value}), hand).stable is stable
+
+
+def test_an_environment_that_grows_too_fast_makes_a_hand_shake() -> None:
+    """With H = k + c s^4 behind a cable two roots lie on the right, as NumPy finds them: Im H is nowhere negative."""
+    c, k, cable = 1, 100, 5000
+    own = hs.Scene(hs.environments.expression("k+c*s^4", parameters={"k": k, "c": c}), (E.compliance(k=cable),))
+    hand = np.array([1, 5, 20])
+    tissue = np.array([c, 0, 0, 0, k])
+    roots = np.roots(np.polyadd(np.polymul(hand, np.polyadd(tissue, [cable])), cable * tissue))
+    assert held(own, hs.Hand("hand", m=1, b=5, k=20)).unstable == (roots.real >= 0).sum() == 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lag", [Rational(7, 640), Rational(28767, 781250)])
+def test_a_highest_power_that_turns_by_more_than_half_a_turn_is_followed(lag: Rational) -> None:
+    """m_h s^2 + s + 5 with masses that come late, (3.3 z)^n/n! of 1 kg: exp(3.3 z) has no zero, and turns by 3.3 rad."""
+    masses = [Rational(round(3.3**n / factorial(n) * 10**6), 10**6) for n in range(14)]
+    behind = [E.delay(pi * lag / 30)]
+    for mass in masses[:0:-1]:
+        behind += [E.shunt(m=mass), E.delay(lag)]
+    own = hs.Scene(hs.environments.mass_spring_damper("1 g", 0, 0), tuple(behind))
+
+    def characteristic(at: Any) -> Any:
+        z = np.exp(-at * float(lag))
+        late = sum(float(m) * z**n for n, m in enumerate(masses) if n)
+        last = 1e-3 * z**13 * np.exp(-at * float(pi * lag / 30))
+        return (1 + late + last) * at**2 + at + 5
+
+    assert held(own, hs.Hand("hand", m=1, b=1, k=5)).unstable == winding(characteristic, 1000.0) == 0

@@ -18,6 +18,7 @@ from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import Effect
+from haptisym.model.chain import Chain
 from haptisym.model.scene import Scene
 
 
@@ -28,14 +29,15 @@ def environment_alone(scene: Scene) -> Scene | None:
     return Scene(scene.environment, (), scene.band)
 
 
-def rests(scene: Scene, environment: Expr) -> bool:
+def rests(scene: Scene, chain: Chain) -> bool:
     """Whether a display has no root in Re s >= 0 but at 0 in any hand that damps, as nothing in it gives energy.
 
     In Re s > 0 the hand's share of Re F/V is positive, and the display's is not negative. On the axis the hand would not move,
-    nor feel a force: then all that is behind chain matrices is at rest too, as they have inverses. ``environment`` : of the
-    scene, in which a number may be open: then it is so for all of its values > 0.
+    nor feel a force: then all that is behind chain matrices is at rest too, as they have inverses. ``chain`` : of the scene, in
+    which a number may be open: then it is so for all of its values > 0, and False where it stands in a shunt.
     """
-    return environment_alone(scene) is not None and takes_energy(environment)
+    shunts = [m[1] for x, m in zip(scene.effects, chain.matrices, strict=True) if x.model == "shunt"]
+    return environment_alone(scene) is not None and all(map(_takes_energy, shunts)) and takes_energy(chain.environment)
 
 
 def takes_energy(environment: Expr) -> bool:

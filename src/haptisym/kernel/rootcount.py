@@ -14,7 +14,7 @@ from enum import Enum
 from math import ceil
 
 import flint
-from flint import arb
+from flint import acb, arb
 from sympy import Expr, I, Integer, Rational, pi
 
 from haptisym.kernel.contour import BITS, factor_at, parts_of, times, turned, value_at, whole
@@ -31,6 +31,7 @@ from haptisym.kernel.terms import Terms, at_least, beginning_at_0, size, terms_o
 from haptisym.kernel.torus import is_mirrored, least_on_torus
 
 _MOST_TURNING = 2000  # radians that the delays turn up to the reach: thousands of zeros take minutes
+_DEEPEST = 20  # times that a way is halved
 _FINEST = 64  # times that a bound is halved before it is given up
 
 
@@ -272,9 +273,23 @@ def prevailing(degree: Rational, floor: Expr, weights: Mapping[Rational, Expr]) 
 
 
 def _own_turn(group: Mapping[tuple[int, ...], Expr], reach: Expr, ring: Ring) -> Ball:
-    """The angle of L at j R, in quarters, beyond that of its undelayed term: 0 where one delay has made whole turns."""
+    """The angle of L at j R, in quarters, beyond that of its undelayed term: 0 where one delay has made whole turns.
+
+    L has no zero where all |z| <= 1: its angle is that which it turns by on the way from 0 to z, along rho z.
+    """
     if len(_delays_of(group, ring)) <= 1:
         return arb(0)
     with flint.ctx.workprec(BITS):
-        own = next(c for turns, c in group.items() if not any(turns))
-        return (factor_at(group, reach, ring) * sign_of_number(own)).arg() * 2 / arb.pi()
+        terms = [(factor_at({turns: c}, reach, ring), sum(turns)) for turns, c in group.items()]
+        return _turn_along(terms, arb(0), arb(1), _DEEPEST) * 2 / arb.pi()
+
+
+def _turn_along(terms: Sequence[tuple[acb, int]], low: Ball, high: Ball, depth: int) -> Ball:
+    """The angle by which a polynomial with these coefficients and powers turns: on pieces on which it stays in a half plane."""
+    between, start, end = (sum((c * x**n for c, n in terms), acb(0)) for x in (low.union(high), low, high))
+    if not (between.real.contains(0) and between.imag.contains(0)):
+        return (end / start).arg()
+    if not depth:
+        raise UndecidedError("how far the highest power of s turns with its delays")
+    middle = (low + high) / 2
+    return _turn_along(terms, low, middle, depth - 1) + _turn_along(terms, middle, high, depth - 1)

@@ -16,7 +16,7 @@ from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, RationalFunction
 from haptisym.model.distortion import Distortion
 from haptisym.model.knobs import Knob
-from haptisym.model.parameters import values
+from haptisym.model.parameters import Rule, values
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.boundary import critical, irreducible, real_roots
 from haptisym.verbs.require.existing import allowed, missing
@@ -49,7 +49,7 @@ def solve_passive(scene: Scene, free: Knob, asked: Domain) -> Solved:
 def _is_of_passive_parts(scene: Scene, free: Knob, asked: Domain) -> bool:
     """Whether the environment alone is passive for all values, and all effects take energy with each of them."""
     alone = environment_alone(scene)
-    if alone is None or asked.low is None or asked.low < 0:
+    if alone is None or free.rule is Rule.ANY:  # a shunt's may be negative, and a formula may do anything with a number
         return False
     knob = next((x for x in alone.knobs if x.path == free.path), None)
     if knob is None:

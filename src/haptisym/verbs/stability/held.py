@@ -18,6 +18,7 @@ from haptisym.kernel.shown import Shown
 from haptisym.kernel.terms import at_least, order_at_0
 from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand
+from haptisym.model.parameters import values
 from haptisym.model.scene import Scene
 from haptisym.verbs.stability.clocked import clocked_roots
 
@@ -26,7 +27,7 @@ def unstable_roots(scene: Scene, hand: Hand) -> Roots:
     """The roots in Re s >= 0 of a display in a hand: the one place where that is decided. UndecidedError where it stays open."""
     if clocks(scene):
         return clocked_roots(scene, hand)
-    at_rest = sign_of_number(hand.b.value) > 0 and rests(scene, scene.environment.H)
+    at_rest = sign_of_number(hand.b.value) > 0 and rests(scene, scene.chain.at(values(scene.parameters)))
     return roots_in_hand(scene.distortion().perc, hand, at_rest=at_rest)
 
 

@@ -64,7 +64,9 @@ class Loop:
         top = H.numerator * z.denominator + z.numerator * H.denominator
         low, high, _ = ALLOWED[free.rule]
         damps = hand.b.symbol == free.symbol or sign_of_number(hand.b.value) > 0
-        return cls(ring, top, H.denominator, free.symbol, low, high, damps and rests(scene, display.environment))
+        return cls(
+            ring, top, H.denominator, free.symbol, low, high, low is not None and damps and rests(scene, display)
+        )
 
     @cached_property
     def turns(self) -> bool:

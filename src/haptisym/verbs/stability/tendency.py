@@ -32,11 +32,12 @@ _MOST_TURNING = 400  # radians that a delay turns up to where roots cross either
 class _Settled:
     """The ``sense`` of the ``rate`` of g's phase beyond a frequency.
 
-    ``known`` : all values with roots on the axis below it, or at infinity.
+    ``curve`` : of the loop. ``known`` : all values with roots on the axis below that frequency, or at infinity.
     """
 
     sense: int
     rate: RationalFunction
+    curve: Curve
     known: tuple[RealNumber, ...]
 
 
@@ -79,7 +80,8 @@ class Tendency:
         if any(float(found.radius * lag) > _MOST_TURNING for lag in self.loop.ring.lags):
             return None
         near = curve.meetings(max(found.radius, Integer(1)))
-        return _Settled(found.sense.value, rate, tuple(x.value for x in (*near, *from_infinity(self.loop))))
+        known = tuple(x.value for x in (*near, *from_infinity(self.loop)))
+        return _Settled(found.sense.value, rate, curve, known)
 
     def _has_some_beyond(self, start: RealNumber, found: _Settled) -> bool:
         """Whether roots lie on the right beside a value, on the side to which others can only join them."""
@@ -87,8 +89,10 @@ class Tendency:
             return bool(self.loop.at(start.value).right)
         if not isinstance(start, ValueAt):
             return False
-        with flint.ctx.workprec(BITS):  # those on the axis itself
-            return bool(found.sense * RealFunction(found.rate).ball(start.omega.ball(BITS)) > 0)
+        with flint.ctx.workprec(BITS):  # those on the axis itself, if it is there that the value puts them
+            omega, curve = start.omega.ball(BITS), found.curve
+            rate, own, zero = (RealFunction(f).ball(omega) for f in (found.rate, curve.value, curve.condition))
+            return bool(own.overlaps(start.ball(BITS)) and zero.contains(0) and found.sense * rate > 0)
 
 
 def _rate(curve: Curve) -> RationalFunction:
