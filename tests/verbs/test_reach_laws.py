@@ -26,7 +26,7 @@ def loop(table: dict[int, dict[tuple[int, ...], list[int]]], lags: tuple[Any, ..
     own = {
         Rational(p): {turns: [Integer(c) for c in row] for turns, row in group.items()} for p, group in table.items()
     }
-    return SimpleNamespace(table=own, ring=SimpleNamespace(lags=lags), turns=())
+    return SimpleNamespace(table=own, leading=own[max(own)], ring=SimpleNamespace(lags=lags), turns=())
 
 
 def sizes(table: dict[int, dict[tuple[int, ...], list[int]]], q: float, w: float) -> dict[tuple[int, ...], complex]:
