@@ -81,14 +81,17 @@ def test_what_is_not_shown_is_said_to_be_open() -> None:
     r = hs.require("satellite-contact", "tau", that="passive")
     [(low, high)] = r.undecided
     assert (float(low), float(high) < 1e-4, r.certified) == (0, True, False)
-    lossless = hs.require("wave-variable-link", "environment.m", that="passive")
+    link, base = hs.effects.wave_variables(10, "20 ms"), hs.effects.shunt(m="0.1 kg")
+    scene = hs.Scene(hs.environments.mass_spring_damper("0.5 kg", 0, 30), (link, base))
+    lossless = hs.require(scene, "effects.shunt.m", (0, 5), that="passive")
     assert not lossless.feasible
     said = " ".join(str(lossless).split())
-    assert (
-        "for the values from 0 to infinity neither was proven: whether every passive hand may hold it: Im H_perc"
-        in said
-    )
+    assert "for the values from 0 to 5 neither was proven: whether every passive hand may hold it: Im H_perc" in said
     assert "About all others" not in said  # there are none
+    told = hs.require(
+        "wave-variable-link", "environment.m", that="passive"
+    )  # all of it takes energy, whatever the mass is
+    assert (told.undecided, [x.high.value for x in told.feasible]) == ((), [None])
     assert "About all others everything is" in " ".join(str(r).split())
 
 
