@@ -179,6 +179,27 @@ def test_ctrl_c_ends_a_verb_from_the_first_moment_on_without_a_traceback(seconds
     assert "Traceback" not in shown.text
 
 
+def test_ctrl_c_that_falls_into_a_finalizer_comes_again() -> None:
+    """Python drops what is raised there: the verb went on to its end as if nothing had been pressed."""
+    code = """
+import os, signal, sys, threading, time
+from haptisym.commands.streams import interrupts
+class Pressed:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(0.001)
+with interrupts() as seen:
+    Pressed()
+    try:
+        threading.Event().wait(20)
+    except KeyboardInterrupt:
+        print("ended", seen)
+assert sys.unraisablehook is sys.__unraisablehook__
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=30)
+    assert (done.stdout, done.stderr, done.returncode) == ("ended [2]\n", "", 0)
+
+
 @pytest.mark.slow
 def test_a_sweep_that_is_interrupted_says_how_it_is_continued(tmp_path: Path) -> None:
     out = tmp_path / "swept.zarr"

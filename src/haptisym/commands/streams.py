@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import _thread
 import os
 import shutil
 import signal
@@ -19,6 +20,9 @@ from haptisym.kernel.errors import HaptisymError
 
 if TYPE_CHECKING:
     from haptisym.writing.document import Document
+
+
+_MOMENT = 0.02  # s
 
 
 class ReaderLeft(Exception):  # noqa: N818  it is nobody's error
@@ -131,13 +135,23 @@ def _close() -> None:
         os.close(nowhere)
 
 
+def _interrupt() -> None:
+    """Ctrl-C to the main thread, which may wait for others."""
+    if sys.platform == "win32":
+        _thread.interrupt_main()
+    else:
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+
+
 @contextmanager
 def interrupts() -> Iterator[list[int]]:
     """Ctrl-C raises KeyboardInterrupt, once; what it yields then is not empty, even if an import made another error of it.
 
-    Whoever presses it again while things are being tidied up does not wait any longer: status 130 at once.
+    Whoever presses it again while things are being tidied up does not wait any longer: status 130 at once. Where it falls into
+    code whose errors Python drops (a finalizer, a callback of an import's lock) it comes again a moment later.
     """
     seen: list[int] = []
+    dropped = sys.unraisablehook
     is_ours = (
         threading.current_thread() is threading.main_thread()
         and signal.getsignal(signal.SIGINT) is signal.default_int_handler
@@ -150,10 +164,21 @@ def interrupts() -> Iterator[list[int]]:
         seen.append(number)
         raise KeyboardInterrupt
 
+    def again(lost: sys.UnraisableHookArgs) -> None:
+        if not issubclass(lost.exc_type, KeyboardInterrupt):
+            dropped(lost)
+            return
+        seen.clear()
+        later = threading.Timer(_MOMENT, _interrupt)
+        later.daemon = True
+        later.start()
+
     if is_ours:
         signal.signal(signal.SIGINT, interrupted)
+        sys.unraisablehook = again
     try:
         yield seen
     finally:
         if is_ours:
+            sys.unraisablehook = dropped
             signal.signal(signal.SIGINT, signal.default_int_handler)
