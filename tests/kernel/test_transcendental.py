@@ -164,3 +164,32 @@ def test_a_band_may_end_where_the_phase_of_a_delay_is_a_quarter_turn(
     low, high = (float(x) for x in found.scene.band)
     inside = [float(c.omega) for c in wider if low <= float(c.omega) <= high]
     assert [float(c.omega) for c in found.crossings] == pytest.approx(inside, rel=1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("order", "c"), [("0.5", 19), ("0.5", -19), ("1.5", 2), ("1.5", -2)])
+def test_half_orders_that_change_both_parts_alike_are_noticed_in_both_at_once(order: str, c: int) -> None:
+    """Re = +-Im of c (j omega)^(n + 1/2): both ratios meet 10 % where 50 c^2 omega^(2 n + 1) = k^2 + b^2 omega^2."""
+    k, b = 341, Rational("16.2")
+    scene = hs.Scene(E.kelvin_voigt(k, b), (F.shunt(Z=f"{c}*s^{order}"),), (0, 15))
+    found = hs.evaluate(scene)
+    equation = (
+        [float(-(b**2)), 50.0 * c**2, float(-(k**2))] if order == "0.5" else [50.0 * c**2, float(-(b**2)), 0, -(k**2)]
+    )
+    expected = sorted(x.real for x in np.roots(equation) if abs(x.imag) < 1e-9 and 0 < x.real < 15)
+    for part, sign in ((hs.Part.REAL, c if order == "0.5" else -c), (hs.Part.IMAG, c)):
+        of_part = [x for x in found.crossings if x.part is part]
+        assert [float(x.omega) for x in of_part] == pytest.approx(expected, rel=1e-12)
+        assert [x.kind.value for x in of_part] == ["exceeds"]
+        assert [x.sign * sign > 0 for x in of_part] == [True]
+    assert found.certified
+    floor = hs.evaluate(
+        hs.Scene(scene.environment, scene.effects, (0, 15), {"real": 0.001, "imag": 0.001, "floor": "5 N/m"})
+    )
+    [first, second, *_] = floor.crossings
+    assert {first.part, second.part} == {hs.Part.REAL, hs.Part.IMAG}
+    assert (
+        float(first.omega)
+        == float(second.omega)
+        == pytest.approx((5 * 2**0.5 / abs(c)) ** (1 / float(order)), rel=1e-12)
+    )
