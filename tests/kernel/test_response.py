@@ -18,7 +18,7 @@ from sympy import Abs, Expr, I, Integer, Rational, Symbol, exp, expand, fraction
 import haptisym as hs
 from haptisym.effects import compliance, first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import kelvin_voigt, mass_spring_damper
-from haptisym.kernel.axis import Axis, _harmonics
+from haptisym.kernel.axis import Axis, harmonics
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
 from haptisym.kernel.rings import Polynomial, RationalFunction
@@ -411,7 +411,7 @@ def test_half_angles_hold_no_more_of_cos_squared_plus_sin_squared_than_they_must
 def test_powers_of_half_angles_are_sums_of_waves(k: int, top: int) -> None:
     for x in (MP.mpf("0.3"), MP.mpf("2.2")):
         total = MP.mpf(0)
-        for i, c in _harmonics(k, top).items():
+        for i, c in harmonics(k, top).items():
             wave = MP.mpf(1) if i < 0 else (MP.sin if i % 2 else MP.cos)((i // 2 + 1) * x)
             total += wave * int(c.p) / int(c.q)
             assert c != 0

@@ -53,7 +53,8 @@ def test_signs_far_out_are_those_of_samples(seed: int) -> None:
         value, response = lambdify(s, x), on_axis(Ring.of([x]).convert(x))
         for raw, part in ((response.raw_real, np.real), (response.raw_imag, np.imag)):
             found = far(raw)
-            grid = np.linspace(1e9, 1e9 + 4000, 20_001)
+            begin = max(1e9, float(found.radius))
+            grid = np.linspace(begin, begin + 4000, 20_001)
             own = part(value(1j * grid))
             lead = float(raw_degree(x))
             own = own / grid**lead
@@ -74,6 +75,17 @@ def test_signs_far_out_are_those_of_samples(seed: int) -> None:
                 assert found.sense is (Sense.POSITIVE if low > 0 else Sense.NEGATIVE)
             if low < -0.2 * size and high > 0.2 * size:
                 assert found.sense is Sense.BOTH
+
+
+@pytest.mark.parametrize("turns", [1, 3, 16, 24])
+def test_how_far_out_a_sign_is_settled_does_not_turn_on_how_fine_the_unit_of_the_delays_is(turns: int) -> None:
+    """2 omega^2 outweighs 100 |omega|^(1/2) from 50^(2/3) rad/s on, whatever part of the delay is taken as the unit."""
+    ring = Ring.of([exp(-s / 500), s ** Rational(1, 2)])
+    late = ring.convert(exp(-s / 500))
+    x = ring.convert(2 * s**2) + ring.convert(100 * s ** Rational(1, 2)) * late**turns
+    found = far(on_axis(x).raw_real)
+    assert found.sense is Sense.NEGATIVE
+    assert found.radius <= 3 * 50 ** (2 / 3)
 
 
 def raw_degree(x: Expr) -> Rational:

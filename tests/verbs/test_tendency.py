@@ -308,6 +308,43 @@ def test_a_chain_that_reflects_all_is_at_the_axis_for_every_order_and_delay() ->
     assert [x and x.chain for x in (held(far_apart, hand).roots,)] == [RootChain.NEAR]
 
 
+@pytest.mark.parametrize(("free", "low"), [("hand.b", 8.819064481568287), ("effects.shunt.b", 5.0)])
+def test_damping_without_end_is_told_though_two_delays_have_a_fine_common_unit(free: str, low: float) -> None:
+    """9 ms and 14 ms are nine and fourteen times 1 ms: powers of a tangent of 0.5 ms that nearly cancel."""
+    wall = hs.environments.kelvin_voigt(300, 3)
+    parts = (E.delay("14 ms"), E.first_order_lag(543), E.delay("24 ms"))
+    own = hs.Scene(wall, (*parts, E.shunt(b=5)) if "shunt" in free else parts)
+    hand = hs.Hand("hand", m="1.75 kg", b=39, k=9)
+    found = hs.require(own, free, that="stable", hand=hand)
+    assert found.undecided == ()
+    last = found.feasible[-1] if free == "hand.b" else found.feasible[0]
+    if free == "hand.b":
+        assert last.high.value is None
+        assert float(last.low.value or 0) == pytest.approx(low, rel=1e-12)
+    for value in (1, 7, 30, 1000, 10**6, 10**9):
+        moved = own.with_hands(hand).with_values({free: value})
+        told = roots_in_hand(moved.distortion().perc, moved.hands[0]).number == 0
+        inside = any(
+            float(x.low.value or 0) < value < float("inf" if x.high.value is None else x.high.value)
+            for x in found.feasible
+        )
+        assert told == inside, value
+
+
+def test_a_highest_power_that_comes_late_in_all_its_terms_is_unstable_for_every_delay() -> None:
+    """A late mass behind a line without losses: s^4 comes with exp(-s tau) alone."""
+    block = hs.environments.mass_spring_damper("0.3 kg", 2, 100)
+    own = hs.Scene(block, (E.delay("29 ms"), E.wave_variables(21, "5 ms"))).with_hands(
+        hs.Hand("hand", m="1.55 kg", b=19, k=56)
+    )
+    for free in ("effects.delay.tau", "effects.wave-variables.tau"):
+        found = hs.require(own, free, that="stable")
+        assert (found.feasible, found.undecided) == ((), ())
+    assert held(own, own.hands[0]).roots.chain is RootChain.RIGHT
+    words = str(hs.stability(own))
+    assert "advanced" in words
+
+
 @pytest.mark.parametrize("mass", ["0 kg", "0.4 kg"])
 def test_an_order_behind_a_delay_is_answered_though_it_is_a_power_that_changes(mass: str) -> None:
     """The highest power of s is 2, whatever the order is; with a mass that comes late it is so twice."""

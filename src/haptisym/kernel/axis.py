@@ -22,6 +22,8 @@ from haptisym.kernel.symbols import omega
 
 ComplexPolynomial: TypeAlias = tuple[Polynomial, Polynomial]
 """Real and imaginary part."""
+CONSTANT = -1
+"""Among the harmonics of an angle, 1."""
 
 
 @dataclass(frozen=True)
@@ -143,7 +145,7 @@ class Axis(PolynomialRing):
             start = first
             for k, top in zip(turns, even, strict=True):
                 term *= sum(
-                    (c * (gens[start + i] if i >= 0 else 1) for i, c in _harmonics(k, top).items()), target.constant(0)
+                    (c * (gens[start + i] if i >= 0 else 1) for i, c in harmonics(k, top).items()), target.constant(0)
                 )
                 start += top
             total += term
@@ -213,8 +215,8 @@ def _half_waves(angle: Angle) -> tuple[Expr, Expr]:
 
 
 @lru_cache(maxsize=1024)
-def _harmonics(k: int, top: int) -> dict[int, fmpq]:
-    """sin(x/2)^k cos(x/2)^(top - k), top even, as a sum of waves: -1 the constant, 2 (n - 1) is cos n x, 2 n - 1 is sin n x."""
+def harmonics(k: int, top: int) -> dict[int, fmpq]:
+    """sin(x/2)^k cos(x/2)^(top - k), top even, as a sum of waves: `CONSTANT`, 2 (n - 1) is cos n x, 2 n - 1 is sin n x."""
     # z = exp(j x/2): sin = (z - 1/z)/(2 j), cos = (z + 1/z)/2, and j^k only turns the result
     coefficients: dict[int, int] = {}
     for a in range(k + 1):
@@ -227,7 +229,7 @@ def _harmonics(k: int, top: int) -> dict[int, fmpq]:
         if c == 0 or n < 0:
             continue
         if n == 0:
-            found[-1] = fmpq(sign * c, 2**top)
+            found[CONSTANT] = fmpq(sign * c, 2**top)
         else:  # even k pairs up to 2 cos, odd k to 2 j sin, over j^k
             found[n - 2 if k % 2 == 0 else n - 1] = fmpq(2 * sign * c, 2**top)
     return found

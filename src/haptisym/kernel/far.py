@@ -1,6 +1,6 @@
 """What a real function of omega does far out: which sign it has beyond a frequency, or that it changes sign for ever.
 
-In sines and cosines of half angles a function is a sum of powers of omega, each times a sum of waves. The waves of the
+A function is a sum of powers of omega, each times a sum of waves: sines and cosines of multiples of angles. The waves of the
 highest power decide, where they keep clear of 0: from some frequency on all lower powers are less. Where they take both
 signs, they take both again and again, as sums of waves come back as near as one likes to every value that they have.
 """
@@ -12,13 +12,14 @@ from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
 from itertools import product
+from math import prod
 from typing import Any, TypeAlias
 
 import flint
 from flint import arb, fmpq
 from sympy import Integer, Rational, tan
 
-from haptisym.kernel.axis import Axis
+from haptisym.kernel.axis import CONSTANT, Axis, harmonics
 from haptisym.kernel.budget import tick
 from haptisym.kernel.monomials import monomials
 from haptisym.kernel.polynomials import polynomial_factors
@@ -94,7 +95,7 @@ _Group: TypeAlias = dict[tuple[int, ...], Ball]
 
 
 class _Waves:
-    """A polynomial of an axis as sums of sin^k cos^(n - k) of half angles, by the powers of omega before them."""
+    """A polynomial of an axis as sums of products of harmonics of its angles, by the powers of omega before them."""
 
     def __init__(self, axis: Axis, polynomial: Polynomial) -> None:
         self.axis, self.polynomial = axis, polynomial
@@ -104,7 +105,7 @@ class _Waves:
 
     @cached_property
     def groups(self) -> dict[Rational, _Group]:
-        with flint.ctx.workprec(_BITS):
+        with flint.ctx.workprec(_BITS + sum(self.degrees)):  # sums of powers of a tangent cancel where harmonics are few
             fixed = {a: expression_ball(tan(x.value / 2)) for a, x in enumerate(self.axis.angles) if x.constant}
             found: dict[Rational, _Group] = {}
             for power, turns, constants, value in self._terms():
@@ -112,8 +113,15 @@ class _Waves:
                 for place, n in constants[1].items():
                     own *= fixed[place] ** n
                 group = found.setdefault(power, {})
-                group[turns] = group.get(turns, arb(0)) + own
+                for waves, share in self._spread(turns):
+                    group[waves] = group.get(waves, arb(0)) + own * share
             return found
+
+    def _spread(self, turns: Sequence[int]) -> Iterator[tuple[tuple[int, ...], fmpq]]:
+        """Powers of sines and cosines of half angles as a sum of products of waves."""
+        sums = [harmonics(k, top).items() for k, top in zip(turns, self.degrees, strict=True)]
+        for terms in product(*sums):
+            yield tuple(wave for wave, _ in terms), prod((share for _, share in terms), start=fmpq(1))
 
     def _terms(self) -> Iterator[tuple[Rational, tuple[int, ...], tuple[int, dict[int, int]], fmpq]]:
         axis, angles = self.axis, len(self.axis.angles)
@@ -124,17 +132,13 @@ class _Waves:
             constants = {i: n for i, n in enumerate(turns) if n and i not in self.turning}
             yield power, tuple(turns[i] for i in self.turning), (own[1], constants), value
 
-    def _value(self, group: _Group, halves: Sequence[Ball]) -> Ball:
-        rows = []
-        for x, n in zip(halves, self.degrees, strict=True):
-            sine, cosine = x.sin_cos()
-            rows.append([sine**k * cosine ** (n - k) for k in range(n + 1)])
-        total = arb(0)
-        for turns, c in group.items():
-            for row, k in zip(rows, turns, strict=True):
-                c = c * row[k]
-            total += c
-        return total
+    def _value(self, group: _Group, angles: Sequence[Ball]) -> Ball:
+        rows = [
+            {wave: _wave(wave, angle) for wave in {waves[i] for waves in group}} for i, angle in enumerate(angles)
+        ]
+        return sum(
+            (prod((row[x] for row, x in zip(rows, waves, strict=True)), start=c) for waves, c in group.items()), arb(0)
+        )
 
     def sense(self, power: Rational) -> _Clear:
         """Of the waves before one power of omega."""
@@ -148,13 +152,17 @@ class _Waves:
 
     def _along(self, group: _Group, k: int) -> Ball:
         """The waves at one of some frequencies, which turn the fastest angle by about 0.23 each."""
-        rates = [expression_ball(self.axis.angles[i].rate) / 2 for i in self.turning]
-        step = arb(fmpq(229, 1000)) / max(rates, key=float, default=arb(1))
+        rates = [expression_ball(self.axis.angles[i].rate) for i in self.turning]
+        step = arb(fmpq(229, 500)) / max(rates, key=float, default=arb(1))
         return self._value(group, [rate * step * (k + 1) for rate in rates])
 
     def _clear(self, group: _Group, sense: Sense) -> _Clear:
         """A bound that keeps the waves clear of 0 all over their angles; UNKNOWN where none is found."""
-        cell = arb.pi() / _PIECES
+        own = (CONSTANT,) * len(self.turning)
+        margin = group.get(own, arb(0)) * sense.value - sum((abs(c) for x, c in group.items() if x != own), arb(0))
+        if margin > 0:
+            return _Clear(sense, margin.lower())
+        cell = 2 * arb.pi() / _PIECES
         cells = [
             tuple(cell * n + arb(0).union(cell) if top else arb(0) for n, top in zip(place, self.degrees, strict=True))
             for place in product(*(range(_PIECES if n else 1) for n in self.degrees))
@@ -196,6 +204,14 @@ class _Waves:
             rows.setdefault(power, {})[k] = value
         found = {_weak_sign([row.get(n, fmpq(0)) for n in range(max(row) + 1)]) for row in rows.values()}
         return found.pop() if len(found) == 1 else Sense.UNKNOWN
+
+
+def _wave(wave: int, angle: Ball) -> Ball:
+    """A harmonic of an angle, as `harmonics` numbers them."""
+    if wave == CONSTANT:
+        return arb(1)
+    turned = angle * (wave // 2 + 1)
+    return turned.sin() if wave % 2 else turned.cos()
 
 
 def _halves(box: tuple[Ball, ...]) -> list[tuple[Ball, ...]]:

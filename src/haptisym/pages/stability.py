@@ -43,7 +43,8 @@ _LEFT, _RIGHT = compared(_REAL, "<"), compared(_REAL, "≥")
 _PLANE = "Hands of one mass: where the display is stable in them, and the number of roots on the right where it is not."
 _MOST = 6  # active intervals that are told
 _CHAINS = {
-    RootChain.RIGHT: "infinitely many roots lie to the right of the imaginary axis: the system is neutral",
+    RootChain.RIGHT: "infinitely many roots lie to the right of the imaginary axis: the highest power of s comes late too "
+    "(the system is neutral), or late alone (advanced)",
     RootChain.NEAR: "infinitely many roots come as near to the imaginary axis as one likes: the system is neutral",
 }
 

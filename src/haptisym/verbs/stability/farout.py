@@ -54,10 +54,11 @@ def _values(loop: Loop) -> Iterator[RealNumber]:
 
 def _need_same_zeros(leading: Leading, loop: Loop) -> None:
     """UndecidedError where an open delay meets another one in L: its zeros turn on whether their ratio is rational."""
-    units = {i for turns in leading for i, n in enumerate(turns) if n}
+    least = [min(column) for column in zip(*leading, strict=True)]  # what is in all terms has no zeros
+    own = {tuple(n - k for n, k in zip(turns, least, strict=True)): row[0] for turns, row in leading.items()}
+    units = {i for turns in own for i, n in enumerate(turns) if n}
     if len(units) < 2 or not any(loop.symbol in loop.ring.lags[i].free_symbols for i in units):
         return
-    own = {turns: row[0] for turns, row in leading.items()}
     if not (loop.rests and is_mirrored(own)) and least_on_torus(own) is None:
         raise UndecidedError("where a chain of roots comes to the axis, as delays meet that are no multiples of one")
 
