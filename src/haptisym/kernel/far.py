@@ -105,7 +105,8 @@ class _Waves:
 
     @cached_property
     def groups(self) -> dict[Rational, _Group]:
-        with flint.ctx.workprec(_BITS + sum(self.degrees)):  # sums of powers of a tangent cancel where harmonics are few
+        bits = _BITS + sum(self.degrees)  # sums of powers of a tangent cancel where harmonics are few
+        with flint.ctx.workprec(bits):
             fixed = {a: expression_ball(tan(x.value / 2)) for a, x in enumerate(self.axis.angles) if x.constant}
             found: dict[Rational, _Group] = {}
             for power, turns, constants, value in self._terms():
@@ -133,9 +134,7 @@ class _Waves:
             yield power, tuple(turns[i] for i in self.turning), (own[1], constants), value
 
     def _value(self, group: _Group, angles: Sequence[Ball]) -> Ball:
-        rows = [
-            {wave: _wave(wave, angle) for wave in {waves[i] for waves in group}} for i, angle in enumerate(angles)
-        ]
+        rows = [{wave: _wave(wave, angle) for wave in {waves[i] for waves in group}} for i, angle in enumerate(angles)]
         return sum(
             (prod((row[x] for row, x in zip(rows, waves, strict=True)), start=c) for waves, c in group.items()), arb(0)
         )
