@@ -189,6 +189,12 @@ RANGES = hs.Scene(
 )
 
 
+def test_a_limit_that_was_not_reached_is_not_said_to_be() -> None:
+    soft = hs.Scene(environments.mass_spring_damper(k="100 N/m +- 2 %"), (effects.first_order_lag(50),), (0, 15))
+    found = tolerances(soft, samples=1, limit=10**6)
+    assert (found.limit, "limit" in found.to_dict()) == (None, False)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("ticks", [30, 100, 300, 1000, 3000, 10_000])
 def test_enclosures_after_a_limit_hold_all_crossings(ticks: int, clock: Callable[[float], None]) -> None:

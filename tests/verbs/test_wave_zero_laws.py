@@ -76,7 +76,8 @@ def _hold(given: Placed, low: float) -> float:
     """What is decided and proven is right; how large a share is, of functions whose zeros are well apart."""
     f = given.function
     found = isolate(f, (low, 0.4, 1.0))
-    x, proven = refine(f.of(found.sets), found.low, found.high, 1e-9)
+    told = {accuracy: refine(f.of(found.sets), found.low, found.high, accuracy) for accuracy in (1e-9, 1e-14, 1e-16)}
+    _, proven = told[1e-9]
     clear = decided = asked = shown = 0
     for i in range(f.sets):
         inside = sorted(z for z in given.zeros[i] if low < z < 1)
@@ -90,7 +91,8 @@ def _hold(given: Placed, low: float) -> float:
         assert len(own) == len(inside)
         for j, z in zip(own, inside, strict=True):
             assert found.low[j] <= z <= found.high[j]
-            assert not proven[j] or abs(mpmath.mpf(float(x[j])) - z) <= mpmath.mpf(1e-9) * z
+            for accuracy, (x, sure) in told.items():
+                assert not sure[j] or abs(mpmath.mpf(float(x[j])) - z) <= mpmath.mpf(accuracy) * z
             asked, shown = asked + apart, shown + (apart and proven[j])
         assert found.first[i] == given.signs[i] * (-1) ** sum(z <= low for z in given.zeros[i])
     return min(decided / max(clear, 1), shown / max(asked, 1))
@@ -98,7 +100,14 @@ def _hold(given: Placed, low: float) -> float:
 
 @pytest.mark.parametrize(
     ("lines", "wave", "orders", "low"),
-    [(1, True, (), 0.0), (2, True, (), 0.03125), (2, False, (1,), 0.0), (1, True, (0,), 0.0), (1, True, (1,), 0.25)],
+    [
+        (1, True, (), 0.0),
+        (2, True, (), 0.03125),
+        (2, False, (1,), 0.0),
+        (1, True, (0,), 0.0),
+        (1, True, (1,), 0.25),
+        (0, False, (0, 1), 0.0),
+    ],
 )
 def test_zeros_that_were_placed_are_found_each_alone(
     lines: int,
@@ -108,7 +117,8 @@ def test_zeros_that_were_placed_are_found_each_alone(
 ) -> None:
     """Also where a power makes x = 0 a place at which no polynomial comes near to the function."""
     with mpmath.workdps(40):
-        assert _hold(placed(Random(f"{lines} {orders} {low}"), 60, lines, wave=wave, orders=orders), low) > 0.9
+        share = _hold(placed(Random(f"{lines} {orders} {low}"), 60, lines, wave=wave, orders=orders), low)
+    assert share > 0.9 or (share == 0 and len(orders) > 1)  # two powers at once are left open at 0
 
 
 @pytest.mark.slow

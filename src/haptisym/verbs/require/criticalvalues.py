@@ -164,7 +164,8 @@ class Problem:
         found = at_ends.values()
         touching = [criterion for criterion in self.conditions if (criterion, Kind.TOUCH) in reasons]
         try:
-            return (*found, *_distinct(x for criterion in touching for x in self._touches(criterion, value, around)))
+            touches = [x for criterion in touching for x in self._touches(criterion, value, around)]
+            return tuple(_distinct([*found, *touches]))  # a touch at an end of the band is what binds there
         except LimitError:  # at which frequency was not found in time
             return (*found, *(Binding(criterion, None, Kind.TOUCH) for criterion in touching))
 
@@ -194,7 +195,7 @@ def _equal(x: RealNumber, end: ExactNumber) -> bool:
 
 
 def _distinct(found: Iterable[Binding]) -> list[Binding]:
-    """Without those that another term of a region has at the same frequency."""
+    """Without those that another before them has at the same frequency, an end of the band or another term of a region."""
     kept: list[Binding] = []
     for x in found:
         if x.omega is None or not any(_alike(x, y) for y in kept):
