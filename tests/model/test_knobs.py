@@ -225,3 +225,61 @@ def test_elements_that_a_scene_gains_have_names_too() -> None:
     more = replace(PAPER, effects=(*PAPER.effects, effects.shunt(m=1, name="hand")))
     assert more.knobs["hand.m"].path == "effects.hand.m"
     assert more.knobs["m_hand"].value == Integer(1)
+
+
+DAMPER_C = """
+[environment]
+model = "expression"
+H = "m*s^2 + c*s + k"
+parameters = { m = "1.8 kg", c = "15 N*s/m", k = "100 N/m" }
+
+[rendered]
+model = "expression"
+H = "m*s^2 + d*s + k"
+parameters = { m = "environment.m", d = "environment.c", k = "environment.k" }
+
+[[effects]]
+name = "filter"
+model = "second-order-lowpass"
+omega_n = "80 rad/s"
+zeta = 0.5
+
+[[effects]]
+name = "link"
+model = "shunt"
+Z = "c*s^2"
+parameters = { c = "0 kg" }
+"""
+
+
+def test_a_damper_that_is_called_c_is_no_threshold() -> None:
+    """The threshold's symbol is c; every formula with a c of the scene's own was refused: two symbols of one name."""
+    scene, b = hs.parse_scene(DAMPER_C), hs.derive(PAPER)
+    assert [str(knob.symbol) for knob in scene.knobs.parameters] == ["m", "c_env", "k", "omega_n", "zeta", "c_link"]
+    derived = hs.derive(scene)
+    same = {Symbol("c_link", real=True): Integer(0)} | {
+        Symbol(mine, real=True): Symbol(theirs, positive=True)
+        for mine, theirs in (("m", "m"), ("c_env", "b"), ("k", "k"))
+    }
+    for name in ("Re dH", "Im dH"):
+        assert (derived[name].xreplace(same) - b[name]).simplify() == 0
+    moved, of_paper = (hs.sensitivity(x).crossings[0] for x in (scene, PAPER))
+    for mine, theirs in (("environment.c", "environment.b"), ("evaluation.jnd", "evaluation.jnd")):
+        assert moved[mine].derivative.digits(20) == of_paper[theirs].derivative.digits(20)
+    with pytest.raises(hs.SceneError, match="may be environment.c or effects.link.c or evaluation.jnd"):
+        scene.knobs["c"]
+
+
+@pytest.mark.parametrize("assumed", [{}, {"positive": True}])
+def test_a_symbol_that_is_called_c_may_stand_for_any_number_of_a_distortion(assumed: dict[str, bool]) -> None:
+    """With m, c, k = symbols("m c k") what was computed had no numbers: c was taken for a threshold, which a distortion has not."""
+    m, k, tau = (Symbol(name, **assumed) for name in ("m", "k", "tau"))
+
+    def distortion(damping: Symbol) -> hs.Distortion:
+        return hs.distort(environments.mass_spring_damper(m, damping, k), effects.delay(tau))
+
+    c, b = Symbol("c", **assumed), Symbol("b", **assumed)
+    given = {"m": 1.5, "k": 100.0, "tau": 0.01}
+    named, plain = distortion(c).compile()([3.0], c=2.0, **given), distortion(b).compile()([3.0], b=2.0, **given)
+    assert (named.real, named.imag) == (plain.real, plain.imag)
+    assert "c" in hs.distortion_code(distortion(c), "numpy").split("def distortion(")[1].split(")")[0].split(", ")

@@ -53,7 +53,8 @@ class Chain:
     def ring(self) -> Ring:
         """The ring that holds them all."""
         # the symbol c comes along so that thresholds may stay symbols; a variable that does not occur costs nothing
-        return Ring.of([*self.entries(), threshold])
+        own = {x.name for entry in self.entries() for x in entry.free_symbols}
+        return Ring.of([*self.entries(), *(() if threshold.name in own else (threshold,))])
 
     def entries(self) -> tuple[Expr, ...]:
         """All dynamics in it: H_env, what is rendered, and the entries of the matrices."""
@@ -62,7 +63,8 @@ class Chain:
     @property
     def parameters(self) -> tuple[Symbol, ...]:
         """The symbols in it, in the order of their names."""
-        return tuple(sorted(set(self.ring.symbols) - {threshold}, key=str))
+        own = {x for entry in self.entries() for x in entry.free_symbols}
+        return tuple(x for x in self.ring.symbols if x in own)
 
     def program(self, fields: Sequence[str]) -> Program:
         """The straight-line program of some fields of ``numeric.Values``; what is 0 everywhere is written as 0."""

@@ -132,11 +132,11 @@ class Knobs(Collection[Knob]):
 
     def __getitem__(self, name: str) -> Knob:
         given = str(name)
-        found = (
-            [x for x in self if given in x.paths]
-            or [x for x in self if given == x.name]
-            or [x for x in self if any(path.endswith(f".{given}") for path in x.paths)]
-        )
+        named = [x for x in self if given == x.name]
+        ended = [x for x in self if any(path.endswith(f".{given}") for path in x.paths)]
+        if any(x.parts for x in named):  # a number of the scene that is written c as well is no threshold
+            named = [x for x in self if x in named or x in ended]
+        found = [x for x in self if given in x.paths] or named or ended
         if len(found) > 1:
             raise SceneError(f'"{given}" may be {" or ".join(x.path for x in found)}: give the path')
         if not found:

@@ -37,19 +37,28 @@ def with_names(effects: Iterable[Effect]) -> list[Effect]:
 
 
 def symbol_names(elements: Iterable[tuple[str, HasParameters | None]]) -> list[dict[Symbol, Symbol]]:
-    """For each element, new symbols for those that another element names alike: ``zeta`` becomes ``zeta_filter``."""
+    """For each element, new symbols for those that another element names alike: ``zeta`` becomes ``zeta_filter``.
+
+    The first element, which has no label, is the environment: it keeps its names but for the threshold's, as ``c``, which
+    becomes ``c_env``.
+    """
     listed = list(elements)
-    uses = Counter(p.symbol.name for _, element in listed if element for p in element.parameters)
+    uses = Counter([p.symbol.name for _, element in listed if element for p in element.parameters])
+    uses.update(_OF_THRESHOLDS)
     taken = set(uses)
-    renamed = []
+    renamed: list[dict[Symbol, Symbol]] = []
     for label, element in listed:
-        suffix = "_" + re.sub(r"\W", "_", label)
-        own = [p.symbol for p in (element.parameters if element else ()) if label and not p.tie]
+        suffix, held = "_" + re.sub(r"\W", "_", label or "env"), element.parameters if element else ()
+        own = [p.symbol for p in held if not p.tie and (label or p.symbol.name in _OF_THRESHOLDS)]
         shared = [symbol for symbol in own if uses[symbol.name] > 1]
         names = {symbol: free_name(f"{symbol.name}{suffix}", taken) for symbol in shared}
         taken |= set(names.values())
-        renamed.append({symbol: _like(symbol, name) for symbol, name in names.items()})
+        tied = {p.symbol: renamed[0][p.symbol] for p in held if p.tie and p.symbol in renamed[0]}
+        renamed.append({**tied, **{symbol: _like(symbol, name) for symbol, name in names.items()}})
     return renamed
+
+
+_OF_THRESHOLDS = ("c", "c_real", "c_imag")
 
 
 def _like(symbol: Symbol, name: str) -> Symbol:
