@@ -16,12 +16,14 @@ import haptisym as hs
 from haptisym.judge.criteria import Criterion, noticed
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.lattices import Lattice
+from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import omega
 from haptisym.verbs.require.closedforms import closed_form
 from haptisym.verbs.require.criticalvalues import Problem
 from haptisym.verbs.require.feasible import Kind, Solved
 from haptisym.verbs.require.freeparameter import Domain
+from haptisym.verbs.require.thresholds import ThresholdProblem
 
 T = symbols("t", real=True)
 REAL, IMAG = noticed(hs.Threshold())
@@ -262,3 +264,69 @@ def test_a_formula_for_a_parameter_solves_the_condition_whatever_the_numbers_are
             other = {x: Rational(pick.randint(1, 90), 17) for x in condition.free_symbols - {T}}
             left = condition.subs(T, form).subs(other).evalf(40)
             assert abs(left) < 1e-25
+
+
+# --- thresholds ------------------------------------------------------------------------------------------------------
+
+
+def _cubic(pick: Random) -> tuple[Expr, list[Fraction]]:
+    """In W = omega^2, with slopes 0 at rational numbers: the function, and these numbers."""
+    p, q = (Fraction(pick.randint(-2, 20), pick.randint(1, 2)) for _ in range(2))
+    k, c = Fraction(pick.choice([0, 1, -1, 2]), pick.randint(1, 4)), Fraction(pick.randint(-9, 9), 3)
+    W = omega**2
+    slope = [k * p * q, -k * (p + q), k]
+    return sum((Rational(x) * W ** (n + 1) / (n + 1) for n, x in enumerate(slope)), Rational(c)), [p, q] if k else []
+
+
+def _largest(f: Expr, stops: list[Fraction], band: tuple[int, int]) -> tuple[Rational, list[Rational]]:
+    """Of |f| between two W, and where."""
+    low, high = (Fraction(x**2) for x in band)
+    places = sorted({low, high, *(x for x in stops if low < x < high)})
+    sizes = {x: abs(f.subs(omega**2, Rational(x))) for x in places}
+    most = max(sizes.values())
+    return most, [Rational(x) for x in places if sizes[x] == most]
+
+
+@pytest.mark.parametrize("seed", [0, *(pytest.param(n, marks=pytest.mark.slow) for n in range(1, 12))])
+def test_thresholds_that_do_begin_with_the_largest_ratio_whatever_range_is_asked_about(seed: int) -> None:
+    """Of two ratios that are |polynomials| in omega^2, at ends of the range that lie below, at and above it."""
+    pick = Random(seed)
+    for _ in range(12 if seed else 4):
+        band = (pick.choice([0, 1]), pick.randint(2, 4))
+        rows = [_cubic(pick) for _ in range(pick.choice([1, 2]))]
+        axis = Ring().axis
+        squares = {
+            x: RealFunction(axis.convert((f**2).expand())) for x, (f, _) in zip((REAL, IMAG), rows, strict=False)
+        }
+        told = {x: _largest(f, stops, band) for x, (f, stops) in zip((REAL, IMAG), rows, strict=False)}
+        most = max(x for x, _ in told.values())
+        kept = {} if pick.random() < 0.8 else {IMAG: RealFunction(axis.convert(omega**2 - Integer(band[1] ** 2 - 1)))}
+        near = [Integer(0), most / 2, most, most + 1, None]
+        i = pick.randrange(4)
+        asked = Domain(near[i], near[pick.randrange(i + 1, 5)], pick.random() < 0.5, pick.random() < 0.5)
+        if asked.low == asked.high:
+            continue
+        found = ThresholdProblem(squares, kept, tuple(map(Integer, band)), asked).solve()
+        low = max(asked.low, most)
+        empty = kept or (asked.high is not None and (low > asked.high or (low == asked.high and not asked.holds_high)))
+        assert bool(found) is not bool(empty)
+        for span in found:
+            assert Rational(str(span.low.value.digits(30))) == Rational(str(ExactNumber(low).digits(30)))
+            assert span.low.closed is (bool(asked.low < most) or asked.holds_low)
+            assert (span.high.value is None) is (asked.high is None)
+            assert span.high.closed is (asked.high is not None and asked.holds_high)
+            if asked.low < most:
+                places = sorted((x.name, w) for x, (size, own) in told.items() if size == most for w in own)
+                told_at = sorted((b.criterion.name, float(b.omega or 0) ** 2) for b in span.low.bindings)
+                assert [name for name, _ in told_at] == [name for name, _ in places]
+                assert [w for _, w in told_at] == pytest.approx([float(w) for _, w in places], rel=1e-14)
+            else:
+                assert span.low.bindings == ()
+
+
+def test_a_ratio_that_is_the_range_s_end_at_all_frequencies_leaves_one_threshold_alone() -> None:
+    """Half the force of a spring: r is 1/2 everywhere."""
+    half = hs.Scene(hs.environments.mass_spring_damper(k=100), (hs.effects.series("1/2"),), (0, 15))
+    [span] = hs.require(half, "evaluation.jnd", ("0.1", "0.5")).feasible
+    assert span.low is span.high
+    assert (span.low.closed, float(span.low.value or 0)) == (True, 0.5)

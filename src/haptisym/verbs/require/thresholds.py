@@ -66,7 +66,10 @@ class ThresholdProblem:
 
     def _touches(self, limit: Expr) -> bool:
         """Whether a ratio that does not exceed a limit meets it."""
-        table = chart(self._excess(limit), *self.band)
+        excess = self._excess(limit)
+        if any(isinstance(x, RealFunction) and x.is_zero for x in excess.values()):
+            return True  # at every frequency
+        table = chart(excess, *self.band)
         return any(n > 0 for point in table.points for n in point.orders.values())
 
     def _tops(self) -> list[tuple[Criterion, Top]] | None:
