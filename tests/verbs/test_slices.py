@@ -58,6 +58,21 @@ def test_too_few_slices_are_said_to_be_too_few() -> None:
     )
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("span", [("0.2", "0.5"), ("0.01", "0.6")])
+def test_slices_are_too_few_where_lines_may_be_off_by_more_than_the_share_of_the_range_between_its_ends(
+    span: tuple[str, str],
+) -> None:
+    """Not of its high end."""
+    coarse = set()
+    for within in ("0.01", "0.05", "0.07", "0.12", "0.3"):
+        found = hs.design_map(lag(), PLANE, [(20, 100), span], slices=5, within=within)
+        assert found.deviation is not None
+        assert found.is_coarse is (found.deviation > float(within) * (float(span[1]) - float(span[0])))
+        coarse.add(found.is_coarse)
+    assert coarse == {False, True}
+
+
 def test_even_slices_are_as_many_as_are_asked_for() -> None:
     found = hs.design_map(lag(), PLANE, RANGES, slices=8, uniform=True)
     assert [x.at for x in found.slices] == [20 + Rational(280, 7) * i for i in range(8)]

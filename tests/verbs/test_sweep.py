@@ -494,6 +494,38 @@ def test_another_sweep_is_not_mixed_in(tmp_path: Path) -> None:
         hs.sweep(PAPER.with_values({"c": "0.2"}), {MASS: [1.0, 2.0]}, out=tmp_path / "a.zarr")
 
 
+HELD = PAPER.with_hands(hs.Hand("one", m=1, b=5, k=40))
+
+
+@pytest.mark.parametrize(
+    "vary",
+    [
+        {"effects.filter.zeta": [0.4, 0.6]},
+        {"evaluation.jnd": [0.1, 0.2], "environment.m": [1.0, 2.0]},
+        {"evaluation.jnd.imag": [0.1, 0.2]},
+    ],
+)
+def test_a_sweep_is_another_one_if_anything_differs_but_the_own_values_of_what_is_swept(vary: dict[str, Any]) -> None:
+    def mark(scene: hs.Scene, values: dict[str, Any] = vary) -> str:
+        return SweepGrid.of(scene, axes(scene, values)).fingerprint
+
+    swept = {*vary, *(["evaluation.jnd.real", "evaluation.jnd.imag"] if "evaluation.jnd" in vary else [])}
+    paths = [*(p.path for p in HELD.parameters), "evaluation.jnd.real", "evaluation.jnd.imag"]
+    for path in paths:
+        other = HELD.with_values({path: HELD.knobs[path].value * Fraction(6, 5)})
+        assert (mark(other) == mark(HELD)) is (path in swept), path
+    others = [
+        HELD.with_band(1, 15), HELD.with_band(0, 14), PAPER, PAPER.with_hands(hs.Hand("one", m=2, b=5, k=40)),
+        hs.Scene(HELD.environment, HELD.effects * 2, HELD.band, HELD.threshold, hands=HELD.hands),
+        hs.Scene(HELD.environment, HELD.effects, HELD.band, HELD.threshold, HELD.environment, hands=HELD.hands),
+    ]  # fmt: skip
+    marks = [mark(x) for x in (HELD, *others)]
+    further = {path: [*x, 3.0] for path, x in vary.items()}
+    backward = dict(reversed(vary.items())) if len(vary) > 1 else {path: x[:1] for path, x in vary.items()}
+    marks += [mark(HELD, further), mark(HELD, backward)]
+    assert len(set(marks)) == len(marks)
+
+
 # --- what is refused -------------------------------------------------------------------------------------------------
 
 

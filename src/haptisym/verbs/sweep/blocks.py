@@ -14,6 +14,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
 from haptisym.verbs.sweep.axes import SweepAxis
 from haptisym.verbs.sweep.batch import Array
@@ -162,7 +163,9 @@ class SweepGrid:
             for place, x in scene.elements()
         ]
         c = scene.threshold
-        limits = [str(c.real), str(c.imag)] if c.is_plain else [json.dumps(c.row(), sort_keys=True)]
+        swept = {part for axis in self.axes for part in axis.knob.parts}
+        plain = ["" if part in swept else str(x) for part, x in ((Part.REAL, c.real), (Part.IMAG, c.imag))]
+        limits = plain if c.is_plain else [json.dumps(c.row(), sort_keys=True)]
         hands = [[x.name, [str(p.value) for p in x.parameters if not self._is_swept(p.symbol)]] for x in scene.hands]
         parts = [
             told,
