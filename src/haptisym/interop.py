@@ -239,9 +239,7 @@ def _number(given: Any) -> Expr:
         if given.imag != 0:
             raise SceneError(f"{given} is a complex coefficient: a system that can be built has real ones")
         given = given.real
-    if isinstance(given, np.floating):
-        return decimal(str(given))
-    return quantity(int(given) if isinstance(given, np.integer) else given, Dimension.ANY).value
+    return quantity(given, Dimension.ANY).value
 
 
 def _exact(expression: Expr) -> Expr:

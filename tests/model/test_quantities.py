@@ -5,6 +5,7 @@ from __future__ import annotations
 from decimal import Decimal
 from fractions import Fraction
 
+import numpy as np
 import pytest
 import sympy
 from hypothesis import given
@@ -186,6 +187,15 @@ def test_numbers_of_every_exact_kind_are_read_exactly() -> None:
         assert quantity(one, Dimension.MASS).value == 3  # type: ignore[arg-type]
     assert quantity(0.1, Dimension.RATIO).value == Rational(1, 10)
     assert quantity(sympy.Float(0.1), Dimension.RATIO).value == Rational(1, 10)
+
+
+@pytest.mark.parametrize("kind", [np.float16, np.float32, np.float64, np.longdouble, np.int8, np.int64, np.uint16])
+def test_scalars_of_numpy_are_the_numbers_that_they_show(kind: type) -> None:
+    """Of ``np.arange(100, 500, 100)`` each was refused as no number."""
+    shown = "12" if issubclass(kind, np.integer) else "1.8"
+    assert quantity(kind(shown), Dimension.STIFFNESS).value == decimal(shown)
+    with pytest.raises(hs.SceneError, match="not a number"):
+        quantity(np.bool_(1), Dimension.STIFFNESS)
 
 
 def test_a_unit_tells_the_motion_and_a_bare_number_does_not() -> None:

@@ -8,6 +8,7 @@ from decimal import Decimal
 from enum import Enum
 from fractions import Fraction
 from functools import cache
+from numbers import Real
 from typing import TypeAlias
 
 from sympy import Expr, Float, I, Pow, Rational, nan, oo, pi, preorder_traversal, zoo
@@ -78,8 +79,8 @@ class Quantity:
 def quantity(given: Number, dimension: Dimension) -> Quantity:
     """Read a number, or a string of number and unit, exactly.
 
-    ``given``: an int, Decimal, Fraction, float (read as its shortest decimal text), SymPy expression, or a string
-    such as ``"1.8 kg"``, ``"9/5 kg"`` or ``"0.5"``. Bare numbers are SI and rad/s. Raises SceneError, naming the value
+    ``given``: an int, Decimal, Fraction, float (read as its shortest decimal text), NumPy's of any width, SymPy expression, or a
+    string such as ``"1.8 kg"``, ``"9/5 kg"`` or ``"0.5"``. Bare numbers are SI and rad/s. Raises SceneError, naming the value
     and the unit expected, for anything else: NaN, infinities, unknown units, wrong dimensions.
 
     >>> quantity("1.8 kg", Dimension.MASS)
@@ -97,7 +98,7 @@ def quantity(given: Number, dimension: Dimension) -> Quantity:
         return Quantity(_exact_expression(given))
     if isinstance(given, Fraction):
         return Quantity(Rational(given.numerator, given.denominator))
-    if isinstance(given, int | float | Decimal) and not isinstance(given, bool):
+    if isinstance(given, Real | Decimal) and not isinstance(given, bool):
         return Quantity(decimal(str(given)))
     shown = str(given).lower() if isinstance(given, bool) else quoted(given)  # as TOML writes it
     raise SceneError(f"{shown} is not a number, nor a string of a number and a unit")
