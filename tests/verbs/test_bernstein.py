@@ -63,6 +63,17 @@ def test_every_decided_count_is_the_exact_one_and_nearly_all_are_decided(degree:
     assert undecided < 0.15 * len(polynomials)
 
 
+@pytest.mark.parametrize("cuts", [0, 1, 3])
+def test_however_few_cuts_there_are_no_decided_count_is_wrong(cuts: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bernstein, "_MOST_CUTS", cuts)
+    polynomials = random_polynomials(20, 5)
+    found = isolate(batch(*polynomials), EDGES)
+    counts = np.bincount(found.sets, minlength=len(polynomials))
+    for i in np.flatnonzero(found.decided):
+        assert counts[i] == len(zeros(polynomials[i], Fraction(0), Fraction(1)))
+    assert 0 < found.decided.sum() < len(polynomials)
+
+
 def test_refined_zeros_are_as_accurate_as_promised() -> None:
     polynomials = random_polynomials(60, 5)
     p = batch(*polynomials)

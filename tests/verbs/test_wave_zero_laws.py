@@ -12,6 +12,7 @@ import mpmath
 import numpy as np
 import pytest
 
+from haptisym.verbs.sweep import wavezeros
 from haptisym.verbs.sweep.families import Monomial, Powers
 from haptisym.verbs.sweep.waveroots import refine
 from haptisym.verbs.sweep.waves import Variables, WaveFamily
@@ -119,6 +120,14 @@ def test_zeros_that_were_placed_are_found_each_alone(
     with mpmath.workdps(40):
         share = _hold(placed(Random(f"{lines} {orders} {low}"), 60, lines, wave=wave, orders=orders), low)
     assert share > 0.9 or (share == 0 and len(orders) > 1)  # two powers at once are left open at 0
+
+
+@pytest.mark.parametrize("cuts", [0, 1, 3])
+def test_however_few_cuts_there_are_nothing_decided_is_wrong(cuts: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(wavezeros, "_MOST_CUTS", cuts)
+    monkeypatch.setattr(wavezeros, "_MOST_CUTS_AT_0", 1 + cuts)
+    with mpmath.workdps(40):
+        assert _hold(placed(Random(cuts), 40, 2, wave=True, orders=(1,)), 0.0) < 0.95
 
 
 @pytest.mark.slow
