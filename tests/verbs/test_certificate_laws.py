@@ -170,6 +170,44 @@ def test_taylors_sums_hold_a_wave_factor_and_its_signs_are_those_of_a_checker(se
             assert (also is None and moved is None) or list(moved or ()) == also
 
 
+def nowhere_zero(draw: random.Random) -> tuple[Any, Any, WaveFactor, Any]:
+    """a cos^2 x + b sin x cos x + c sin^2 x with b^2 < 4 a c: what ends a cell is what is left of Taylor's sum alone."""
+    delay, (a, c) = Fraction(draw.randint(1, 9), 7), (draw.randint(2, 9), draw.randint(2, 9))
+    b = draw.choice([-2, -1, 1, 2])
+    terms = (((0,), ((a,),)), ((1,), ((b,),)), ((2,), ((c,),)))
+
+    def at(w: Any) -> Any:
+        x = w * exact(delay) / 2
+        return a * MP.cos(x) ** 2 + b * MP.sin(x) * MP.cos(x) + c * MP.sin(x) ** 2
+
+    return (delay,), (), WaveFactor(terms, (2,), (delay,), ()), at
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", SEEDS)
+def test_from_0_on_a_sign_is_told_no_farther_than_a_checker_tells_it(seed: int) -> None:
+    """And as it is at no other number up to there: the widest cell leaves no room for a term that was forgotten."""
+    draw = random.Random(seed)
+    for i in range(8):
+        if i % 2:
+            delays = tuple(Fraction(n, 7) for n in draw.sample(range(1, 9), draw.randint(0, 2)))
+            orders = tuple(Fraction(n, 10) for n in draw.sample(range(1, 10), draw.randint(0 if delays else 1, 1)))
+            own, at = drawn(draw, delays, orders)
+        else:
+            delays, orders, own, at = nowhere_zero(draw)
+        other = checked_waves.WaveFactor(own.told(), delays, orders)
+        low, high = Fraction(1, 10**6), Fraction(64)
+        if own.moved(Fraction(0), high) is not None:
+            continue
+        while high > low * Fraction(1000001, 1000000):
+            middle = Fraction(round((low + high) / 2 * 10**9), 10**9)
+            low, high = (low, middle) if own.moved(Fraction(0), middle) is None else (middle, high)
+        told = own.moved(Fraction(0), low)
+        assert told is not None
+        assert list(told) == other.signs(Fraction(0), low)[1]
+        assert {sign(at(exact(low) * MP.mpf(n) / 40)) for n in range(1, 41)} == set(told)
+
+
 def test_what_cancels_at_0_is_seen_to_cancel() -> None:
     """pi (14 sin x - 3 omega cos x) + c omega^n cos x, x = 3 omega/14, begins with x^3 or omega^n."""
     tau = (Fraction(3, 7),)
