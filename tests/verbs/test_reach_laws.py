@@ -128,12 +128,26 @@ def test_a_root_on_the_right_is_proven_for_intervals_of_unstable_values_and_for_
             Integer(0),
         )
 
-    right = []
-    for n in range(5):
-        x = characteristic(Rational(low) + (Rational(high) - low) * n / 4)
+    def right(q: Expr) -> int:
+        x = characteristic(q)
         ring = Ring.of([x, exp(-s / 2)])
-        right.append(count_roots(ring.convert(x).numerator, ring).right or 0)
+        return count_roots(ring.convert(x).numerator, ring).right or 0
+
+    inside = [right(Rational(low) + (Rational(high) - low) * n / 4) for n in range(5)]
     found = RightRoots(own).everywhere(ExactNumber(Rational(low)), ExactNumber(Rational(high)), 2)
-    assert not found or min(right) > 0
-    assert not RightRoots(own).everywhere(None, ExactNumber(Rational(high)))
-    assert not RightRoots(own).everywhere(ExactNumber(Rational(low)), None)
+    assert not found or min(inside) > 0
+    assert not RightRoots(own).everywhere(None, ExactNumber(Rational(high)))  # 0 is among them
+    for side in (1, -1):
+        end = ExactNumber(side * Rational(low))
+        ends = (end, None) if side > 0 else (None, end)
+        if RightRoots(own).everywhere(*ends):
+            assert all(right(end.value * n) > 0 for n in (1, Rational(3, 2), 3, 20, 1000, 10**6))
+
+
+def test_the_root_of_a_limit_is_on_the_right_for_all_values_without_end() -> None:
+    """s^2 + 1 + q (s - 2): as q grows a root goes to 2; of q < 0 as well, and the other one goes to infinity."""
+    own = loop({2: {(0,): [1]}, 1: {(0,): [0, 1]}, 0: {(0,): [1, -2]}}, (Rational(1, 2),))
+    assert RightRoots(own).everywhere(ExactNumber(Integer(10)), None)
+    assert RightRoots(own).everywhere(None, ExactNumber(Integer(-10)))
+    other = loop({2: {(0,): [1]}, 1: {(0,): [0, 1]}, 0: {(0,): [1, 2]}}, (Rational(1, 2),))
+    assert not RightRoots(other).everywhere(ExactNumber(Integer(10)), None)

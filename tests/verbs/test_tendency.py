@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import factorial
 from random import Random
 from typing import Any
@@ -178,13 +179,33 @@ def test_beyond_the_delay_from_which_on_roots_are_on_the_right_they_are(own: Exp
     assert last is not None
     way = Tendency(loop_of(expression))
     assert way.everywhere(ExactNumber(last), None)
-    assert not way.everywhere(ExactNumber(last * Rational(99, 100)), None)
     for share in (1.0001, 1.01, 1.1, 1.3, 2, 3.1, 4.7):
         count = right(expression, float(last) * share, 300)
         assert count is None or count > 0
     # it is no more than one turn of each frequency too late
     if len(switches.firsts) == 1:
         assert right(expression, float(last) * 0.999, 300) == 0
+
+
+@pytest.mark.parametrize(("own", "late"), LATE)
+@pytest.mark.parametrize("multiple", [1, 2])
+def test_between_two_delays_as_many_pairs_have_come_as_lie_on_the_right(own: Expr, late: Expr, multiple: int) -> None:
+    """These have none on the right without a delay, so that all that is there has come."""
+    expression = own + late * exp(-multiple * s * q)
+    start = right(own + late, 0, 300)
+    switches, way = Switches.of(loop_of(expression)), Tendency(loop_of(expression, Integer(0)))
+    found = sorted((x.value for x in switches.up_to(Rational(5, 2))[0]), key=float)
+    ends = [ExactNumber(Integer(0)), *(x for x in found if float(x) < 2.5)]
+    for low, high in pairwise(ends):
+        inside = (float(low) + float(high)) / 2
+        count = right(expression, inside, 300)
+        assert (start or 0) + 2 * switches.come(low) == count
+        assert switches.come(number(f"{inside:.12g}")) == switches.come(low)
+        assert way.everywhere(low, high) == (switches.come(low) > 0 or inside > float(switches.unstable_from or 0))
+    some = [x for x in found if x.turn == 0]
+    for x in some:  # a number that cannot be told from it: one that comes is not counted, and one that goes is
+        same = ExactNumber(Rational(x.digits(300)))
+        assert switches.come(same) <= switches.come(x)
 
 
 def test_without_a_frequency_at_which_both_are_of_one_size_no_delay_changes_anything() -> None:
@@ -329,6 +350,27 @@ def test_damping_without_end_is_told_though_two_delays_have_a_fine_common_unit(f
             for x in found.feasible
         )
         assert told == inside, value
+
+
+def test_a_delay_behind_tissue_of_a_broken_order_is_told_without_end() -> None:
+    """At rest tissue of order 1/2 does not pull, so that |A| > |B| there, and one frequency alone brings roots over."""
+    own = hs.Scene(hs.environments.spring_pot(100, "1/2"), (E.first_order_lag(352), E.delay("40 ms")))
+    own = own.with_hands(hs.Hand("hand", m="0.8 kg", b=4, k=109))
+    found = hs.require(own, "effects.delay.tau", that="stable")
+    [span] = found.feasible
+    assert found.undecided == ()
+    last = float(span.high.value or 0)
+    for value in (last * 0.9999, last * 1.0001, 3 * last, 0.9, 1.3):
+        moved = own.with_values({"effects.delay.tau": f"{value:.12g}"})
+        assert (roots_in_hand(moved.distortion().perc, moved.hands[0]).number == 0) == (value < last)
+
+
+def test_where_all_vanishes_at_rest_whatever_the_number_is_no_value_is_left_out() -> None:
+    """Line and shunt share a zero at s = 0 that is no root: no value of the shunt has one there."""
+    tissue, link = hs.environments.kelvin_voigt(100, 1), E.wave_variables(10, "5 ms")
+    own = hs.Scene(tissue, (link, E.shunt(Z="(10-a)*s", parameters={"a": 5})))
+    [(low, high)] = ends_of(own, "effects.shunt.a", range=(0, 100))
+    assert (low, high) == (0, pytest.approx(15.909426991833095, rel=1e-14))
 
 
 def test_a_highest_power_that_comes_late_in_all_its_terms_is_unstable_for_every_delay() -> None:

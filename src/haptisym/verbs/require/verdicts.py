@@ -117,7 +117,7 @@ class Question:
         """The verdict on a value, and so on all between two."""
         known = len(self.reasons)
         told = self._asked(value)
-        if told is None and self.gaps and self._failed(low, high, "") is False:
+        if told is None and self._failed(low, high, "") is False:
             del self.reasons[known:]
             return False
         return told

@@ -65,8 +65,7 @@ def _eliminated(loop: Loop, value: Expr) -> Iterator[Meetings]:
     if loop.rests:
         yield _at_0(loop, far_out)
         return
-    if len(loop.powers) > 2:  # at omega = 0 one of the two equations is no condition
-        far_out = _at_0(loop, far_out).found
+    far_out = _at_0(loop, far_out).found
     curve = curve_of(loop)
     if curve is None:
         yield Meetings(far_out)

@@ -82,15 +82,12 @@ class Curve:
     square: RationalFunction
 
     def meetings(self, reach: Expr) -> tuple[Meeting, ...]:
-        """All up to a frequency."""
+        """All above 0 and up to a frequency; at 0 all is real, so that it tells nothing there."""
         value = RealFunction(self.value.reduced())
         table = chart({"0": RealFunction(self.condition.reduced()), "q": value}, Integer(0), reach)
         if any("0" in point.undecided for point in table.points):
             raise UndecidedError("whether a root touches the imaginary axis")
-        places = [x for x in table.points if x.orders.get("0", 0) > 0 and x.orders.get("q", 0) >= 0]
-        first = table.points[0]
-        if first not in places and first.orders.get("q", 0) >= 0:
-            places.append(first)  # at omega = 0 every characteristic function is real
+        places = [x for x in table.points[1:] if x.orders.get("0", 0) > 0 and x.orders.get("q", 0) >= 0]
         zero = ExactNumber(Integer(0))
         return tuple(Meeting(zero if x.orders.get("q") else ValueAt(value, x.omega), x.omega) for x in places)
 

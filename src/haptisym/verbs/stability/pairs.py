@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import comb, factorial, perm
+from math import comb, perm
 
 import flint
 from flint import acb, arb
-from sympy import Expr, Integer, Poly
+from sympy import Expr, Integer, Poly, factorial
 
 from haptisym.kernel.reals import Ball, Negative, RealNumber, expression_ball
 from haptisym.kernel.squares import Row
@@ -95,14 +95,17 @@ class Characteristic:
         return all(x.power.is_Integer for x in self._terms)
 
     @cached_property
-    def _beginning(self) -> tuple[int, Poly] | None:
-        """n, and the value of C/s^n n! at 0, a polynomial in q; None where that is not known."""
-        for n in range(_MOST_ORDERS if self._is_whole else 1):
+    def _beginning(self) -> tuple[Expr, Poly] | None:
+        """n, and the value of C/s^n at 0, a polynomial in q; None where that is not known, as where a power is open."""
+        if any(x.power.free_symbols for x in self._terms):
+            return None
+        orders = {x.power + k for x in self._terms for k in range(_MOST_ORDERS)}
+        for n in sorted(orders):
             total = Integer(0)
             for x in self._terms:
-                if x.power.is_Integer and x.power <= n:
+                if (k := n - x.power).is_Integer and k >= 0:
                     c = sum((y * self.loop.symbol**i for i, y in enumerate(x.row)), Integer(0))
-                    total += c * comb(n, int(x.power)) * factorial(int(x.power)) * (-x.lag) ** (n - int(x.power))
+                    total += c * (-x.lag) ** k / factorial(k)
             found = Poly(total.expand(), self.loop.symbol)
             if not found.is_zero:
                 return n, found
@@ -124,7 +127,7 @@ class Characteristic:
         if not self._is_whole or self._beginning is None:
             return False
         with flint.ctx.workprec(_BITS):
-            n = self._beginning[0]
+            n = int(self._beginning[0])
             return any(not self._derivative(i, omega, q).real.contains(0) for i in (n, n + 1))
 
     def _derivative(self, n: int, omega: Ball, q: Ball) -> Ball:

@@ -81,7 +81,7 @@ class Switches:
         parts = response.real, response.imag
         each = (DelayAt(parts, x.omega, 0, multiple, is_real=y) for x, y in zip(found, real, strict=True))
         senses = tuple((x.after[""] - x.before[""]) // 2 for x in found)
-        return cls(tuple(map(_first, each)), senses, first.orders.get("", 0) == 0)
+        return cls(tuple(map(_first, each)), senses, first.orders.get("", 0) <= 0)
 
     def up_to(self, value: Expr) -> tuple[tuple[Meeting, ...], Rational | None]:
         """All delays >= 0 up to some turns beyond a value, and up to which delay these are all; None where no others come."""
@@ -111,13 +111,42 @@ class Switches:
             return None
         with flint.ctx.workprec(_BITS):
             slope, lost = arb(0), arb(0)
-            for first, sense in zip(self.firsts, self.senses, strict=True):
+            for first, sense in self._each:
                 rate = first.omega.ball(_BITS) * expression_ball(first.multiple)
                 slope += sense * rate
                 lost += sense * _beginning(first.ball(_BITS) * rate) + (2 * arb.pi() if sense < 0 else 0)
             if not slope > 0:
                 return None
             return Rational(str(float((lost / slope).upper()) * (1 + 1e-9))) + Rational(1, 10**12)
+
+    def come(self, delay: RealNumber) -> int:
+        """How many pairs of roots have come to the right less those that have gone, from a delay on up to the next; at least.
+
+        ``delay`` : a number, or one of those at which roots switch sides. What stays open of a number is taken as gone.
+        """
+        passed = (_passed(x, delay, sense > 0, self._is_of(x, delay)) for x, sense in self._each)
+        return sum(sense * n for (_, sense), n in zip(self._each, passed, strict=True))
+
+    @property
+    def _each(self) -> list[tuple[DelayAt, int]]:
+        return [*zip(self.firsts, self.senses, strict=True)]
+
+    def _is_of(self, first: DelayAt, delay: RealNumber) -> bool:
+        """Whether a delay at which roots switch sides belongs to the frequency of the ``first``: to no other, that is."""
+        if not isinstance(delay, DelayAt):
+            return False
+        near = [x for x in self.firsts if x.omega.ball(_BITS).overlaps(delay.omega.ball(_BITS))]
+        return near == [first]
+
+
+def _passed(first: DelayAt, delay: RealNumber, surely: bool, own: bool) -> int:  # noqa: FBT001
+    """How many delays of a frequency are not beyond one; ``surely`` : of which that is shown, else of which it may be."""
+    if own and isinstance(delay, DelayAt):
+        return delay.turn - first.turn + 1
+    with flint.ctx.workprec(_BITS):
+        rate = first.omega.ball(_BITS) * expression_ball(first.multiple)
+        turns = (delay.ball(_BITS) - first.ball(_BITS)) * rate / (2 * arb.pi())
+        return max(0, int((turns.lower() if surely else turns.upper()).floor().unique_fmpz()) + 1)
 
 
 def _first(x: DelayAt) -> DelayAt:

@@ -23,6 +23,7 @@ from haptisym.kernel.rings import RationalFunction
 from haptisym.verbs.stability.curves import BITS, Curve, curve_of, ordered
 from haptisym.verbs.stability.farout import from_infinity
 from haptisym.verbs.stability.loops import Loop
+from haptisym.verbs.stability.pairs import Characteristic
 from haptisym.verbs.stability.switches import Switches
 
 _MOST_TURNING = 400  # radians that a delay turns up to where roots cross either way
@@ -54,8 +55,10 @@ class Tendency:
         return False
 
     def _of_a_delay(self, low: RealNumber | None) -> bool:
-        last = Switches.of(self.loop).unstable_from
-        return low is not None and last is not None and ordered(ExactNumber(last), low) >= 0
+        if low is None or not (found := Switches.of(self.loop)).is_still:
+            return False
+        last = found.unstable_from
+        return (last is not None and ordered(ExactNumber(last), low) >= 0) or found.come(low) > 0
 
     def _from_an_end(self, low: RealNumber | None, high: RealNumber | None) -> bool:
         """From the end on at which roots lie on the right already, if from there on they cross to the right alone."""
@@ -80,7 +83,7 @@ class Tendency:
         if any(float(found.radius * lag) > _MOST_TURNING for lag in self.loop.ring.lags):
             return None
         near = curve.meetings(max(found.radius, Integer(1)))
-        known = tuple(x.value for x in (*near, *from_infinity(self.loop)))
+        known = (*Characteristic(self.loop).at_0(), *(x.value for x in (*near, *from_infinity(self.loop))))
         return _Settled(found.sense.value, rate, curve, known)
 
     def _has_some_beyond(self, start: RealNumber, found: _Settled) -> bool:
