@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
+from random import Random
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from sympy import Rational
+from sympy import Expr, Rational
 
 import haptisym as hs
 from haptisym.cli import app
+from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError
+from haptisym.verbs.require.feasible import Kind
+from haptisym.verbs.require.placing import even, refined
+from haptisym.verbs.require.slices import _End, gaps
 
 PLANE, RANGES = ["omega_c", "evaluation.jnd"], [(20, 300), ("0.01", "0.6")]
 
@@ -117,3 +125,90 @@ def test_the_command_line_takes_one_way_to_place_slices() -> None:
     assert "leave out one of them" in str(said.exception)
     said = CliRunner().invoke(app, ["require", "fu2019", "--free", "zeta", "--uniform"])
     assert "--uniform is about a map of two parameters" in str(said.exception)
+
+
+# --- slices of sets whose boundaries are known ------------------------------------------------------------------------
+
+BOUND = frozenset({("real", Kind.EDGE)})
+
+
+def cut_at(at: Expr, *boundaries: Callable[[float], float | None]) -> Any:
+    """A slice of one set: an interval from 0, where the range ends, to each boundary that there is; undecided where it is NaN."""
+    values = [f(float(at)) for f in boundaries]
+    if any(x is not None and np.isnan(x) for x in values):
+        return SimpleNamespace(at=at, place=float(at), sets=(None,), ends=(None,))
+    ends = [_End(0.0, frozenset()), *(_End(x, BOUND) for x in values if x is not None)]
+    return SimpleNamespace(at=at, place=float(at), sets=(None,), ends=(tuple(ends),))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_lines_between_points_of_a_parabola_are_off_by_just_what_is_estimated(seed: int) -> None:
+    """c h^2/4 halfway, whichever way it bends and however the slices lie; of several boundaries the most."""
+    pick = Random(seed)
+    for _ in range(20):
+        shapes = [(pick.uniform(-3, 3), pick.uniform(-2, 2)) for _ in range(pick.randint(1, 2))]
+        boundaries = [lambda x, b=b, c=c: 50 + b * x + c * x**2 for b, c in shapes]
+        places = sorted(Rational(pick.randint(0, 10**6), 10**5) for _ in range(pick.randint(3, 6)))
+        if min(b - a for a, b in pairwise(places)) < Rational(1, 100):
+            continue
+        found = gaps([cut_at(x, *boundaries) for x in places])
+        for gap, (a, b) in zip(found, pairwise(places), strict=True):
+            assert (gap.low, gap.high) == (float(a), float(b))
+            assert gap.deviation == pytest.approx(max(abs(c) for _, c in shapes) * float(b - a) ** 2 / 4, rel=1e-5)
+
+
+def test_nothing_is_estimated_where_slices_differ_in_kind_or_are_open() -> None:
+    def until(x: float) -> float | None:
+        return 7 + x if x < 3 else None
+
+    def open_from(x: float) -> float:
+        return 7 + x if x < 3 else float("nan")
+
+    for boundary in (until, open_from):
+        found = gaps([cut_at(Rational(n), boundary) for n in range(5)])
+        assert [x.deviation is None for x in found[:3]] == [False, False, True]
+    assert [x.deviation for x in gaps([cut_at(Rational(n)) for n in range(4)])] == [0.0] * 3  # what ends is the range
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_slices_are_added_until_lines_are_near_enough_or_there_are_as_many_as_may_be(seed: int) -> None:
+    """Halfway between two; where the boundary ends, or bends, and not where it is straight, or where slices are left open."""
+    pick = Random(seed)
+    for _ in range(10):
+        corner, stop, from_here = (pick.uniform(2, 18) for _ in range(3))
+        bend, height, share = pick.uniform(0.1, 3), pick.choice([10.0, 40.0]), pick.choice([0.02, 0.1])
+        is_open = pick.random() < 0.4
+
+        def boundary(
+            x: float,
+            corner: float = corner,
+            stop: float = stop,
+            bend: float = bend,
+            here: float = from_here,
+            *,
+            nan: bool = is_open,
+        ) -> float | None:
+            if nan and x > here:
+                return float("nan")
+            return 9 + x + bend * max(x - corner, 0) ** 2 / 10 if x < stop else None
+
+        most = pick.choice([12, 40, 400])
+        start = [cut_at(x, boundary) for x in even(Rational(0), Rational(20), 9)]
+        with limited() as budget:
+            found = refined(start, lambda at, _, f=boundary: cut_at(at, f), budget, most, (20.0, height), share)
+        places = [x.at for x in found]
+        assert places == sorted(set(places))
+        assert len(found) <= most
+        assert set(places) >= {x.at for x in start}
+        for x in set(places) - {y.at for y in start}:
+            whole, wide = Rational(20), Rational(5, 2)
+            assert any((x * 2**n / wide).is_integer for n in range(30))
+            assert 0 < x < whole
+        if len(found) < most:
+            for gap, (a, b) in zip(gaps(found), pairwise(found), strict=True):
+                if None in (*a.ends, *b.ends):
+                    assert gap.high - gap.low >= 1.25  # another slice would be open too
+                elif gap.deviation is None:
+                    assert gap.high - gap.low <= 20 * share
+                else:
+                    assert gap.deviation <= height * share
