@@ -1,0 +1,83 @@
+"""Tolerances of ratios whose crossings are known in closed form: verdicts, enclosures and bandwidths of random boxes."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import sqrt
+from random import Random
+
+import pytest
+
+import haptisym as hs
+from haptisym.verbs.tolerances.proofs import Tolerances
+
+C = Fraction(1, 5)
+
+
+def drawn(pick: Random) -> tuple[list[Fraction], list[Fraction], Fraction, Fraction]:
+    """Ranges of a and b, a band of omega^2: r_r = |b - a omega^2| behind a spring, and r_i = 0."""
+    a = Fraction(pick.randint(5, 40), 1000)
+    b = pick.choice([Fraction(0), Fraction(1, 10), Fraction(15, 100), C, Fraction(3, 10), Fraction(1, 2)])
+    across = [a, a * (1 + Fraction(pick.choice([0, 1, 5, 20, 60]), 100))]
+    along = [b, b + Fraction(pick.choice([0, 1, 5, 10, 30]), 100)]
+    low = pick.choice([0, 0, 1, 2])
+    ends = [(C + x) / y for x in along for y in across] + [(x - C) / y for x in along for y in across if x > C]
+    near = pick.choice(ends) * pick.choice(
+        [Fraction(1, 2), Fraction(9, 10), Fraction(1), Fraction(11, 10), Fraction(2)]
+    )
+    high = max(Fraction(round(sqrt(near) * 100), 100), Fraction(low + 1))
+    return across, along, Fraction(low), high
+
+
+def _text(x: list[Fraction]) -> object:
+    return str(x[0]) if x[0] == x[1] else [str(x[0]), str(x[1])]
+
+
+def crossings(a: Fraction, b: Fraction, low: Fraction, high: Fraction) -> list[float]:
+    """The frequencies between the ends of the band at which r goes through c."""
+    return sorted(sqrt(w) for w in ((b - C) / a, (b + C) / a) if low**2 < w < high**2)
+
+
+def width(a: Fraction, b: Fraction, low: Fraction, high: Fraction) -> float | None:
+    """The bandwidth; None where it is noticed from the low end on."""
+    if abs(b - a * low**2) > C:
+        return None
+    return min(sqrt((C + b) / a), float(high))
+
+
+def _hold(pick: Random) -> Tolerances | None:
+    across, along, low, high = drawn(pick)
+    if across[0] == across[1] and along[0] == along[1]:
+        return None
+    gain = hs.effects.series("1 + b + a*s^2", parameters={"a": _text(across), "b": _text(along)})
+    scene = hs.Scene(hs.environments.mass_spring_damper(k=100), (gain,), (low, high), hs.Threshold(str(C), str(C)))
+    found = hs.tolerances(scene, samples=0)
+    sets = [(x, y) for x in across for y in along]
+    sets += [tuple(lo + (hi - lo) * Fraction(pick.randint(0, 16), 16) for lo, hi in (across, along)) for _ in range(20)]
+    widths = [width(a, b, low, high) for a, b in sets]
+    noticed = [max(abs(b - a * w**2) for w in (low, high)) > C for a, b in sets]
+    verdict = found.verdict.value
+    assert verdict != "all" or not any(noticed)
+    assert verdict != "none" or all(noticed)
+    touching = any(abs(b - a * w**2) == C for a, b in sets[:4] for w in (low, high))
+    # that all are noticed, but no frequency at which all of them are, may stay open
+    assert verdict != "undecided" or touching or all(noticed)
+    if verdict == "depends":
+        assert found.transparent is not None
+        assert found.noticed is not None
+    for a, b in sets:
+        for x in crossings(a, b, low, high):
+            assert any(float(e.low) * (1 - 1e-12) <= x <= float(e.high) * (1 + 1e-12) for e in found.enclosures)
+    if found.bandwidth is not None:
+        least, most = map(float, found.bandwidth)
+        assert all(x is not None and least * (1 - 1e-12) <= x <= most * (1 + 1e-12) for x in widths)
+        assert least >= 0.99 * min(x for x in widths if x is not None)
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(8))
+def test_random_boxes_of_a_ratio_that_is_a_line_in_the_square_of_frequency_are_told_as_they_are(seed: int) -> None:
+    pick = Random(seed)
+    for _ in range(5):
+        _hold(pick)
