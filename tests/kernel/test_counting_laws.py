@@ -109,6 +109,28 @@ def test_a_floor_is_below_what_stands_before_the_highest_power_and_a_chain_is_wh
     assert floor_of({(1,): Integer(1)}, ring) is RootChain.RIGHT
 
 
+@pytest.mark.parametrize("seed", range(2))
+def test_what_is_known_to_have_no_root_on_the_right_is_counted_like_anything_else(seed: int) -> None:
+    """None but one at 0; and a chain that comes near to the axis is seen."""
+    draw = random.Random(seed)
+    for _ in range(6):
+        total, _ = draw.choice([x for x in RIGHT if not x[1]])
+        for _ in range(draw.randint(0, 2)):
+            a, b = (Rational(draw.randint(1, 9), 2) for _ in range(2))
+            total *= draw.choice([s + a, s**2 + a * s + b])
+        at_0 = draw.choice([0, 1])
+        ring = Ring.of([total])
+        polynomial = ring.convert((total * s**at_0).expand()).numerator
+        known, counted = count_roots(polynomial, ring, rests=True), count_roots(polynomial, ring)
+        assert (known.number, known.right, known.chain) == (at_0, 0, None)
+        assert (counted.number, counted.right, counted.chain) == (at_0, 0, None)
+        assert [float(x) for x in known.on_axis] == [float(x) for x in counted.on_axis] == [0.0] * at_0
+        late = Ring.of([exp(-s)])
+        a, b = draw.randint(1, 9), draw.randint(1, 9)
+        mirrored = late.convert(s * (1 + exp(-s)) + a - b * exp(-s) / 10).numerator
+        assert count_roots(mirrored, late, rests=True).chain is RootChain.NEAR
+
+
 def test_two_delays_oppose_where_they_are_independent() -> None:
     ring = Ring.of([exp(-s), exp(-pi * s)])
     both = {(1, 0): Integer(1), (0, 1): Integer(1)}

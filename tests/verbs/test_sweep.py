@@ -503,6 +503,7 @@ HELD = PAPER.with_hands(hs.Hand("one", m=1, b=5, k=40))
         {"effects.filter.zeta": [0.4, 0.6]},
         {"evaluation.jnd": [0.1, 0.2], "environment.m": [1.0, 2.0]},
         {"evaluation.jnd.imag": [0.1, 0.2]},
+        {"hand.b": [4.0, 5.0]},
     ],
 )
 def test_a_sweep_is_another_one_if_anything_differs_but_the_own_values_of_what_is_swept(vary: dict[str, Any]) -> None:
@@ -510,12 +511,19 @@ def test_a_sweep_is_another_one_if_anything_differs_but_the_own_values_of_what_i
         return SweepGrid.of(scene, axes(scene, values)).fingerprint
 
     swept = {*vary, *(["evaluation.jnd.real", "evaluation.jnd.imag"] if "evaluation.jnd" in vary else [])}
-    paths = [*(p.path for p in HELD.parameters), "evaluation.jnd.real", "evaluation.jnd.imag"]
+    paths = [
+        *(p.path for p in HELD.parameters),
+        "evaluation.jnd.real",
+        "evaluation.jnd.imag",
+        "hand.m",
+        "hand.b",
+        "hand.k",
+    ]
     for path in paths:
         other = HELD.with_values({path: HELD.knobs[path].value * Fraction(6, 5)})
         assert (mark(other) == mark(HELD)) is (path in swept), path
     others = [
-        HELD.with_band(1, 15), HELD.with_band(0, 14), PAPER, PAPER.with_hands(hs.Hand("one", m=2, b=5, k=40)),
+        HELD.with_band(1, 15), HELD.with_band(0, 14), PAPER.with_hands(hs.Hand("two", m=1, b=5, k=40)), PAPER.with_hands(hs.Hand("one", m=2, b=5, k=40)),
         hs.Scene(HELD.environment, HELD.effects * 2, HELD.band, HELD.threshold, hands=HELD.hands),
         hs.Scene(HELD.environment, HELD.effects, HELD.band, HELD.threshold, HELD.environment, hands=HELD.hands),
     ]  # fmt: skip

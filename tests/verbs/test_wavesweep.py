@@ -69,6 +69,15 @@ def test_sines_and_logarithms_are_as_near_as_is_assumed() -> None:
     assert libm.is_trusted()
 
 
+@pytest.mark.parametrize("off", [2e-15, -2e-15])
+def test_the_worst_error_is_seen_on_either_side_and_wherever_it_is(off: float) -> None:
+    points = np.concatenate([np.linspace(-3, -0.1, 7), np.geomspace(1e-6, 50, 22)])
+    assert libm._worst(np.sin, points, arb.sin) < 1
+    for bad in points:
+        found = libm._worst(lambda x, bad=bad: np.sin(x) * np.where(x == bad, 1 + off, 1.0), points, arb.sin)
+        assert 4 < found < 20
+
+
 def test_where_they_are_not_every_set_is_answered_exactly(monkeypatch: pytest.MonkeyPatch) -> None:
     true = np.sin
     monkeypatch.setattr(np, "sin", lambda x: true(x) * (1 + 2e-15))
