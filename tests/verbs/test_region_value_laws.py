@@ -72,6 +72,8 @@ def _hold(pick: Random) -> bool:
         assert found.feasible == ()
         return False
     [span] = found.feasible
+    if low == high:  # one value alone, at which both bind
+        lowest = highest = lowest | highest
     _is(span.low, low, lowest, band)
     _is(span.high, high, highest, band)
     return True
