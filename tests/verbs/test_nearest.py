@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+from random import Random
+
 import numpy as np
 import pytest
 from sympy import Rational
 
 import haptisym as hs
+from haptisym import effects, environments
 from haptisym.model.jnd import Part
 from haptisym.verbs.require.entry import require
 from haptisym.verbs.require.feasible import Kind, spanned
@@ -108,3 +112,39 @@ def test_where_no_value_does_all_that_is_asked_each_thing_is_told_by_itself_and_
     nearest = known[known.index("Nearest of those") : known.index("Certain")]
     assert nearest in said
     assert require("fu2019", "omega_n", (1, 500), that=("transparent", "stable"), hand="postural-arm").alone == ()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(6))
+def test_of_parabolas_that_a_number_moves_up_and_down_the_middle_one_is_nearest(seed: int) -> None:
+    """|t - c w^2| over a band needs at least half of what c w^2 spans, at the t halfway; with just that it is the only value."""
+    pick = Random(seed)
+    for _ in range(5):
+        c, limit = Fraction(pick.randint(1, 5), 100), Fraction(pick.randint(1, 9), 100)
+        low = pick.choice([0, 1, 2])
+        high = low + pick.randint(2, 5)
+        half = c * (high**2 - low**2) / 2
+        limit = pick.choice([limit, limit, half])
+        gain = effects.series("1 + t + c*s^2", parameters={"t": "1/10", "c": str(c)})
+        scene = hs.Scene(
+            environments.mass_spring_damper(k=100), (gain,), (low, high), hs.Threshold(str(limit), str(limit))
+        )
+        found = hs.require(scene, "t", (-9, 9))
+        if half <= limit:
+            [span] = found.feasible
+            ends = c * high**2 - limit, c * low**2 + limit
+            for end, truth in zip((span.low, span.high), ends, strict=True):
+                assert end.value is not None
+                assert float(end.value) == pytest.approx(float(truth), rel=1e-14)
+            assert (" to " in spanned(span)) is (half < limit)
+            assert found.nearest is None
+            continue
+        best, near = float(half / limit), found.nearest
+        assert (found.feasible, found.undecided) == ((), ())
+        assert near is not None
+        own = Fraction(int(near.value.p), int(near.value.q))
+        needed = max(abs(own - c * low**2), abs(own - c * high**2))
+        assert float(near.ratio) == pytest.approx(float(needed), rel=1e-14)
+        assert near.times == pytest.approx(float(needed / limit), rel=1e-14)
+        assert near.at_least <= best <= near.times * (1 + 1e-14)
+        assert near.at_least > 0.9 * best

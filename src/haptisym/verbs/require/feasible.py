@@ -79,7 +79,7 @@ def spanned(span: Span) -> str:
     low, high = (None if x.value is None else x.value.digits(6) for x in (span.low, span.high))
     if low is None or high is None:
         return "any" if low == high else f"up to {high}" if low is None else f"from {low} on"
-    return low if span.low is span.high else f"{low} to {high}"
+    return low if span.low.value == span.high.value else f"{low} to {high}"
 
 
 def runs(at: Sequence[bool], between: Sequence[bool]) -> list[tuple[int, int, bool, bool]]:
