@@ -26,6 +26,7 @@ from haptisym.verbs.evaluate.powers import RectangularRing
 from haptisym.verbs.evaluate.products import Factor, products, rational_products, rows_of, told_rows
 from haptisym.verbs.evaluate.waves import ORDER, WaveFactor, cosine_factor
 from haptisym.verbs.evaluate.zeros import zeros
+from haptisym.verbs.require.certificate import _bounds as bounds_of
 from haptisym_check import RefusedError
 from haptisym_check.chart import Chart
 from haptisym_check.reading import polynomial
@@ -307,6 +308,17 @@ def test_products_know_even_functions_zero_and_what_is_in_common() -> None:
     assert sorted((f.step, f.rows) for f in factors) == [(1, ((0,), (1,))), (2, ((-1,), (1,))), (2, ((5,), (1,)))]
     mixed = {"a": real(omega**2 - 2 + omega), "b": real(omega**2 - 2)}
     assert {f.step for f in rational_products(mixed)[0]} == {1}
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_ends_that_are_rational_stand_in_a_certificate_as_they_are_and_others_in_narrow_bounds(seed: int) -> None:
+    draw = random.Random(seed)
+    for _ in range(20):
+        x = Fraction(draw.randint(-999, 999), draw.choice([1, 3, 7, 64, 10**9 + 7]))
+        assert bounds_of(ExactNumber(Rational(x.numerator, x.denominator))) == (x, x)
+        low, high = bounds_of(ExactNumber(Rational(x.numerator, x.denominator) + pi))
+        assert exact(low) < exact(x) + MP.pi < exact(high)
+        assert 0 < high - low < Fraction(1, 10**50)
 
 
 def test_rows_are_by_the_variable_and_then_by_pi() -> None:

@@ -157,6 +157,24 @@ def test_lines_between_points_of_a_parabola_are_off_by_just_what_is_estimated(se
             assert gap.deviation == pytest.approx(max(abs(c) for _, c in shapes) * float(b - a) ** 2 / 4, rel=1e-5)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_of_the_parabolas_through_three_slices_the_one_that_bends_more_is_taken(seed: int) -> None:
+    """Inside the map, of the two that meet between two slices; at its ends, as much more as the next one bends otherwise."""
+    pick = Random(seed)
+    for _ in range(10):
+        places = np.cumsum([pick.uniform(0.5, 3) for _ in range(pick.randint(4, 7))])
+        heights = {float(Rational(str(x))): pick.uniform(1, 9) for x in places}
+        slices = [cut_at(Rational(str(x)), heights.__getitem__) for x in places]
+        bends = [
+            np.polyfit([x - places[i + 1] for x in places[i : i + 3]], [*heights.values()][i : i + 3], 2)[0]
+            for i in range(len(places) - 2)
+        ]
+        for i, gap in enumerate(gaps(slices)):
+            near = [bends[n] for n in (i - 1, i) if 0 <= n < len(bends)]
+            bend = max(map(abs, near)) if len(near) == 2 else abs(near[0]) + abs(near[0] - bends[1 if i == 0 else -2])
+            assert gap.deviation == pytest.approx(bend * (places[i + 1] - places[i]) ** 2 / 4)
+
+
 def test_nothing_is_estimated_where_slices_differ_in_kind_or_are_open() -> None:
     def until(x: float) -> float | None:
         return 7 + x if x < 3 else None
