@@ -145,3 +145,17 @@ def test_quantities_answer_to_names_as_a_shell_likes_them(call) -> None:  # type
     one, two = (call("derive", "fu2019", "--of", name)[1] for name in ("Re dH", "re_dh"))
     assert one == two
     assert "Re dH = " in one
+
+
+@pytest.mark.slow
+def test_a_function_of_very_many_terms_is_named_and_not_looked_at() -> None:
+    """With two devices on two masses p_r has 220 thousand terms, which took minutes to be found too long for a page."""
+    tool = hs.environments.two_mass(1.56, 3.53, 103, 0.231, 0.323, 439)
+    loop = hs.effects.admittance_display("w^2/(s^2+2*z*w*s+w^2)", parameters={"w": 97, "z": 0.9})
+    port = hs.effects.two_port("w/(s+w)", "mm*s^2", "1/kk", "1", parameters={"w": 123, "mm": "0.0138", "kk": 2470})
+    for jnd, told in (
+        (0.1, r"p_r has \d{6} terms; ask for it by its name"),
+        ({"shape": "ellipse", "real": 0.1, "imag": 0.1}, "Too long"),
+    ):
+        text = str(hs.derive(hs.Scene(tool, (loop, port), (0, 50), jnd)))
+        assert re.search(told, text)

@@ -148,3 +148,19 @@ def test_of_parabolas_that_a_number_moves_up_and_down_the_middle_one_is_nearest(
         assert near.times == pytest.approx(float(needed / limit), rel=1e-14)
         assert near.at_least <= best <= near.times * (1 + 1e-14)
         assert near.at_least > 0.9 * best
+
+
+@pytest.mark.slow
+def test_of_a_number_that_nothing_depends_on_the_nearest_value_is_the_scenes_own() -> None:
+    """A four-channel teleoperator without delay passes H_env on, whatever it weighs; the answer was an error about parameters."""
+    channels = hs.effects.four_channel_teleoperator(Mm="0.5", Bm=16, Km=10, Ms=2, Bs=64, Ks=40)
+    scene = hs.Scene(hs.environments.kelvin_voigt(463, 3), (channels, hs.effects.first_order_lag(30)), (0, 15))
+    found = require(scene, "Mm")
+    nearest = found.nearest
+    assert nearest is not None
+    assert not found.feasible
+    assert float(nearest.value) == 0.5
+    wall = 463 + 45j
+    assert float(nearest.ratio) == pytest.approx(abs(((1 / (1 + 0.5j) - 1) * wall).imag) / abs(wall))
+    assert found.to_dict()["nearest"]["value"] == 0.5
+    assert len(found.figure().axes) == 1

@@ -187,7 +187,7 @@ def _worst(found: Requirement, t: Array) -> dict[Criterion, Array]:
     with np.errstate(all="ignore"):
         at = f(omega, **dict.fromkeys(f.parameters, t[None, :]))  # none for a threshold, and for a number of a hand
         curves = {x: _against(x, free, at, omega, t) for x in found.criteria}
-    return {x: curve for x, curve in curves.items() if curve is not None}
+    return {x: np.broadcast_to(curve, t.shape) for x, curve in curves.items() if curve is not None}
 
 
 def _against(x: Criterion, free: Knob, at: Values, omega: Array, t: Array) -> Array | None:

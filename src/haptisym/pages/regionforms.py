@@ -13,7 +13,7 @@ from haptisym.kernel.lattices import Lattice, Signed
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.solutions import solve
 from haptisym.model.regions import Shape
-from haptisym.pages.solved import MOST_STEPS, answers
+from haptisym.pages.solved import MOST_STEPS, MOST_TERMS, answers
 from haptisym.pages.words import H_ENV, OMEGA, region
 from haptisym.verbs.derive.derivation import Derivation
 from haptisym.writing.boxes import Absolute, Box, Fraction
@@ -55,7 +55,7 @@ def when(d: Derivation) -> Section:
             lines += [_relative("x_r", "Re dH"), _relative("x_i", "Im dH"), *(Line(*pair) for pair in borders)]
         notes.append(said)
         for name, f in functions:
-            form = f.factored() if isinstance(f, RealFunction) else None
+            form = f.factored() if isinstance(f, RealFunction) and len(f.function.numerator) <= MOST_TERMS else None
             if form is None or count_ops(form) > _LONGEST or len(long) + len(lines) >= _MOST:
                 long.append(name)
             else:
@@ -80,7 +80,7 @@ def _solved(x: Criterion, d: Derivation) -> tuple[list[Line], list[Phrase]]:
     notes: list[Phrase] = []
     for i, row in enumerate(terms):
         for j, f in enumerate(row[conditions[i] :], conditions[i] + 1):
-            if isinstance(f, RealFunction):
+            if isinstance(f, RealFunction) and len(f.function.numerator) <= MOST_TERMS:
                 place = "" if is_one else f"_{i + 1}{j}"
                 own, said = answers(named(f"omega_{x.name}{place}"), solve(f))
                 lines += [line for line in own if line.value not in [known.value for known in lines]]

@@ -13,7 +13,7 @@ from haptisym.kernel.symbols import omega
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension
 from haptisym.pages import regionforms
-from haptisym.pages.solved import MOST_STEPS, answers
+from haptisym.pages.solved import MOST_STEPS, MOST_TERMS, answers
 from haptisym.programs.steps import DISTORTION, Steps
 from haptisym.verbs.derive.derivation import QUANTITIES, Derivation, bare, listed_name
 from haptisym.verbs.derive.groups import Groups
@@ -161,6 +161,10 @@ def _when(d: Derivation) -> Section:
     notes: list[Phrase] = [("A ratio exceeds its threshold exactly where its p is positive.",)]
     for part in Part:
         letter = _RATIOS[part][-1]
+        terms = len(d.excess(part).function.numerator)
+        if terms > MOST_TERMS:
+            notes.append((named(f"p_{letter}"), f" has {terms} terms; ask for it by its name."))
+            continue
         polynomial = d[f"p_{letter}"]
         if count_ops(polynomial) <= LONGEST:
             rows.append(_named(f"p_{letter}", polynomial))
@@ -177,6 +181,8 @@ def _solved(d: Derivation) -> Section:
     rows: list[Line] = []
     notes: list[Phrase] = []
     for part in Part if d.steps.operations <= MOST_STEPS else ():
+        if len(d.excess(part).function.numerator) > MOST_TERMS:
+            continue
         solved, said = answers(
             quantity(f"omega_{_RATIOS[part][-1]}"), [x for x in d.crossings(part) if x.omega is not None]
         )

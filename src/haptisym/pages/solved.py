@@ -13,6 +13,9 @@ from haptisym.writing.document import Line, Phrase, listed
 from haptisym.writing.layout import layout
 
 MOST_STEPS = 150  # operations of the steps beyond which closed forms would fill pages
+MOST_TERMS = (
+    2000  # above the line of a function that is written, or solved, unasked: SymPy takes a second or two for them
+)
 
 
 def answers(left: Box, solutions: Iterable[Solution]) -> tuple[list[Line], list[Phrase]]:

@@ -87,9 +87,12 @@ class Guesses:
         low, high = (float(x) for x in self.scene.band)
         omega = np.linspace(low, high, _FREQUENCIES)[:, None]
         with np.errstate(all="ignore"):
-            at = self._compiled(omega, **{self.free.symbol.name: t[None, :]})
+            at = self._compiled(
+                omega, **dict.fromkeys(self._compiled.parameters, t[None, :])
+            )  # none where it does not matter
             listed = [x.sampled(at) / float(x.threshold) for x in self.criteria if x.sampled]
-        return np.asarray(np.fmax.reduce([np.fmax.reduce(x, axis=0) for x in listed], axis=0))
+        worst = np.fmax.reduce([np.fmax.reduce(x, axis=0) for x in listed], axis=0)
+        return np.asarray(np.broadcast_to(worst, t.shape))
 
     @cached_property
     def _exists_at_0(self) -> bool:
