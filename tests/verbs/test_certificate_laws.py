@@ -209,6 +209,22 @@ def test_from_0_on_a_sign_is_told_no_farther_than_a_checker_tells_it(seed: int) 
         assert {sign(at(exact(low) * MP.mpf(n) / 40)) for n in range(1, 41)} == set(told)
 
 
+@pytest.mark.parametrize("order", [(), (Fraction(1, 2),), (Fraction(3, 10),)])
+def test_from_0_on_a_sign_is_told_up_to_a_zero_that_was_placed_whatever_power_brings_it(
+    order: tuple[Fraction, ...],
+) -> None:
+    """a - b omega^n has its zero where it has; below ORDER a cell may end right before it, and none goes beyond."""
+    for n in range(1, ORDER + 3):
+        a, b = 3 + n % 4, 2 + n % 3
+        row = ((a,), *[(0,)] * (n - 1), (-b,))
+        own = WaveFactor((((0,) * (1 + 2 * len(order)), row),), (0,), (Fraction(1, 7),), order)
+        zero = Fraction(round((a / b) ** (1 / n) * 10**9), 10**9)
+        assert own.moved(Fraction(0), zero * Fraction(10001, 10000)) is None
+        assert own.moved(Fraction(0), zero / 50) == (1,)
+        if n < ORDER:
+            assert own.moved(Fraction(0), zero * Fraction(9999, 10000)) == (1,)
+
+
 def test_what_cancels_at_0_is_seen_to_cancel() -> None:
     """pi (14 sin x - 3 omega cos x) + c omega^n cos x, x = 3 omega/14, begins with x^3 or omega^n."""
     tau = (Fraction(3, 7),)

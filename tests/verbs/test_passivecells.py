@@ -66,6 +66,31 @@ def test_a_late_spring_is_passive_where_its_damper_makes_up_for_the_delay(free: 
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("seed", range(4))
+def test_a_range_that_ends_where_passivity_does_is_told_up_to_its_end(seed: int) -> None:
+    """k (tau + 1/omega_c) = b: from either side nothing is left open beside it."""
+    random = Random(seed)
+    tau, b, c = Rational(random.randint(1, 20), 1000), Rational(random.randint(1, 9), 4), random.randint(20, 90)
+    lagging = seed % 2
+    most = b / (tau + (Rational(1, c) if lagging else 0))
+    late = hs.Scene(
+        hs.environments.mass_spring_damper(k=50),
+        (hs.effects.delay(tau), *([hs.effects.first_order_lag(c)] if lagging else []), hs.effects.shunt(m="1/10", b=b)),
+    )
+    for span, expected in (
+        ((most / 2, most), (most / 2, most)),
+        ((most, 3 * most), (most, most)),
+        ((0, most), (0, most)),
+    ):
+        r = hs.require(late, "environment.k", span, that="passive")
+        assert r.undecided == ()
+        assert ends(r) == [pytest.approx([float(x) for x in expected], rel=1e-15)]
+        assert r.feasible[0].high.closed
+    b_least = hs.require(late.with_values({"environment.k": most}), "effects.shunt.b", (b, 2 * b), that="passive")
+    assert (b_least.undecided, ends(b_least)) == ((), [pytest.approx([float(b), float(2 * b)], rel=1e-15)])
+
+
+@pytest.mark.slow
 def test_what_begins_active_is_told_for_all_values_however_small_or_large() -> None:
     """Just above frequency 0 Im H has the sign of b - k tau; without a damper a spring that is late at all is active."""
     late = hs.require(LATE, "tau", that="passive")

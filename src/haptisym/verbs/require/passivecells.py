@@ -36,6 +36,7 @@ from haptisym.verbs.require.verdicts import Question, Turn
 from haptisym.verbs.tolerances.heldbox import count_at
 
 _FAR = 1000  # times the value that a parameter has, where the range has no end
+_FURTHER = Rational(1, 64)  # of a range, beyond an end at which signs may change
 _FINEST, _LEAST = Rational(1, 1 << 11), Rational(1, 1 << 24)  # of the values, and of the range
 _MOST = 200
 _BITS = 64
@@ -59,7 +60,7 @@ class _Cell:
 def solve_by_cells(scene: Scene, free: Knob, asked: Domain) -> Solved:
     """All values with which every passive hand may hold the display, as far as cells tell."""
     search = _Search(scene, free)
-    start, end = _window(free, asked)
+    start, end = _window(free, asked, search.openings)
     if not any(search.is_told(x) for x in (_near(free.value), start + (end - start) / 3, end)):
         raise UndecidedError(_TOO_NEAR)
     cells = list(search.cells(start, end))
@@ -123,12 +124,14 @@ _TOO_NEAR = "whether every passive hand may hold it: Im H_perc comes too near to
 _LEFT = "whether Im H_perc is negative somewhere is not shown for values so near to each other, or so far out"
 
 
-def _window(free: Knob, asked: Domain) -> tuple[Rational, Rational]:
-    """As far as cells go: beyond ends that are not rational by hardly more than a rounding."""
+def _window(free: Knob, asked: Domain, openings: Sequence[RealNumber]) -> tuple[Rational, Rational]:
+    """As far as cells go: beyond ends that are not rational by hardly more than a rounding, and beyond ends that are openings."""
     own = abs(_near(free.value)) or Rational(1)
     low = -_FAR * own if asked.low is None else _enclosed(asked.low)[0]
     high = _FAR * own if asked.high is None else _enclosed(asked.high)[1]
-    return low, high
+    turning, more = {x.value for x in openings if isinstance(x, ExactNumber)}, (high - low) * _FURTHER
+    ends = (x + y if x in turning and free.rule.allows(x + y) else x for x, y in ((low, -more), (high, more)))
+    return next(ends), next(ends)
 
 
 def _enclosed(value: Expr) -> tuple[Rational, Rational]:
