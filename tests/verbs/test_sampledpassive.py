@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 from math import sqrt
+from random import Random
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from sympy import Rational
+from sympy import Integer, Rational, Symbol
 
 import haptisym as hs
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.reals import ExactNumber, SquareRoot
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.symbols import omega
+from haptisym.verbs.require.sampledpassive import _is_positive
 
 
 def wall(
@@ -98,3 +105,18 @@ def test_of_two_devices_one_may_lack_what_the_other_has(key: str, least: float) 
     r = hs.require(found, f"effects.shunt-2.{key}", (Rational(str(least)) * Rational(9, 8), 10), that="passive")
     assert ends(r) == [(least, 10)]
     assert len(r.undecided) == 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
+def test_damping_is_called_left_over_only_where_it_is_at_every_angle(seed: int) -> None:
+    """(x - a)^2 + d t between 0 and 1, for t = 2^(1/2): positive for d > 0, not shown to be where it touches 0 or falls below."""
+    pick, free = Random(seed), Symbol("t", positive=True)
+    value = SquareRoot(ExactNumber(Integer(2)))
+    axis, knob = Ring([free]).axis, SimpleNamespace(symbol=free)
+    for _ in range(5):
+        a, outside = Rational(pick.randint(1, 6), 7), pick.choice([Rational(-1, 3), Rational(9, 7)])
+        d = pick.choice([0, Rational(1, 50), Rational(1, 9), -Rational(1, 10**6), -Rational(1, 9)])
+        margins = [RealFunction(axis.convert((omega - x) ** 2 + y * free)) for x, y in ((outside, 0), (a, d))]
+        assert _is_positive(margins, knob, value) is bool(d > 0)
+        assert _is_positive(margins[:1], knob, value)
