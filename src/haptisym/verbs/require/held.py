@@ -27,6 +27,7 @@ from haptisym.verbs.stability.curves import Gap, Meetings, ordered
 from haptisym.verbs.stability.entry import chosen
 from haptisym.verbs.stability.loops import Loop
 from haptisym.verbs.stability.rightroot import RightRoots
+from haptisym.verbs.stability.tally import Tally
 from haptisym.verbs.stability.tendency import Tendency
 
 _MOST_WINDOWS = 8
@@ -61,7 +62,7 @@ def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
         return _with_a_clock(scene, hand, free, asked)
     loop = Loop.of(scene, hand, free)
     window = window_of(loop, free, asked)
-    one_by_one, one_way = RightRoots(loop), Tendency(loop)
+    one_by_one, one_way, tally = RightRoots(loop), Tendency(loop), Tally(loop, window)
     criterion = stable_in(hand)
     turns = [
         Turn(x.value, (Binding(criterion, x.omega, Kind.AXIS if x.omega is not None else Kind.FAR),))
@@ -69,7 +70,7 @@ def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
     ]
 
     def verdict(value: Expr) -> bool | None:
-        return loop.exists(Rational(value)) and loop.at(Rational(value)).number == 0
+        return loop.exists(Rational(value)) and tally.at(value)[0] == 0
 
     return Question(
         turns, verdict, asked, closed=False, beyond=(window.above, window.below), spares=lambda x: _is_clear(loop, x),
@@ -147,4 +148,5 @@ def _wider(one: Meetings, other: Meetings) -> Meetings:
     """Two windows that both hold the scene's own value, as one."""
     above = None if one.above is None or other.above is None else min(one.above, other.above)
     below = None if one.below is None or other.below is None else max(one.below, other.below)
-    return Meetings((*one.found, *other.found), above, below, other.gaps)
+    new = [x for x in other.found if not any(x.is_like(y) for y in one.found)]
+    return Meetings((*one.found, *new), above, below, other.gaps)

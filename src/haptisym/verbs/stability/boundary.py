@@ -57,7 +57,7 @@ def _eliminated(loop: Loop, value: Expr) -> Iterator[Meetings]:
             yield _at_0(loop, far_out)
         else:
             found, last = Switches.of(loop).up_to(value)
-            yield Meetings((*far_out, *found), below=last)
+            yield Meetings((*_at_0(loop, far_out).found, *found), below=last)
         return
     if is_neutral(loop) and not cells(loop, far_out):
         yield Meetings(far_out)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
-from sympy import Expr, Rational
+from sympy import Expr
 
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
@@ -22,6 +22,7 @@ from haptisym.verbs.stability.boundary import meetings
 from haptisym.verbs.stability.clockcritical import passages
 from haptisym.verbs.stability.curves import BITS, Gap, Meeting, Meetings, ordered
 from haptisym.verbs.stability.loops import ALLOWED, Loop
+from haptisym.verbs.stability.tally import Tally
 
 Count: TypeAlias = tuple[int | None, RootChain | None]
 
@@ -118,7 +119,7 @@ class _Walk:
     def __init__(self, loop: Loop, free: Knob) -> None:
         self.loop, self.free, self.start = loop, free, ExactNumber(free.value)
         self.low, self.high, self.closed = ALLOWED[free.rule]
-        self.counts: dict[Expr, Count] = {}
+        self.tally = Tally(loop)
 
     def nearest(self) -> Nearest:
         """Below and above, as far as they are there: what was found stays so where the rest cannot be told."""
@@ -148,6 +149,7 @@ class _Walk:
                 yield _ENDLESS if found is None else _crowded(found)
 
     def _line(self, window: Meetings) -> _Line:
+        self.tally.window = window
         ends = [Meeting(x, None) for gap in window.gaps for x in (gap.low, gap.high) if x is not None]
         known = [x for x in (*window.found, *ends) if x.value.ball(BITS).is_finite()]
         known.sort(key=lambda x: x.value.ball(BITS).mid())
@@ -212,10 +214,7 @@ class _Walk:
         return None
 
     def _at(self, value: Expr) -> Count:
-        if value not in self.counts:
-            found = self.loop.at(Rational(value))
-            self.counts[value] = found.number, found.chain
-        return self.counts[value]
+        return self.tally.at(value)
 
     def _critical(self, line: _Line, i: int, below: Count | None, above: Count | None) -> Critical:
         assert below is not None

@@ -18,7 +18,7 @@ from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
 from haptisym.kernel.rings import Polynomial, RationalFunction
-from haptisym.kernel.roots import chart
+from haptisym.kernel.roots import Point, chart
 from haptisym.verbs.stability.loops import Loop, coefficients
 
 BITS = 600
@@ -34,10 +34,20 @@ def ordered(x: RealNumber, y: RealNumber) -> int:
 
 @dataclass(frozen=True)
 class Meeting:
-    """A ``value`` of the open number with roots on the axis at ``omega``, rad/s; None where they come from infinity."""
+    """A ``value`` of the open number with roots on the axis at ``omega``, rad/s; None where they come from infinity.
+
+    ``sense`` : how many pairs of roots go from its left to its right there as the number grows; None where that is not told.
+    """
 
     value: RealNumber
     omega: RealNumber | None
+    sense: int | None = None
+
+    def is_like(self, other: Meeting) -> bool:
+        """Whether both are alike as far as bits go."""
+        if self.omega is None or other.omega is None:
+            return self.omega is other.omega and not ordered(self.value, other.value)
+        return not ordered(self.omega, other.omega) and not ordered(self.value, other.value)
 
 
 @dataclass(frozen=True)
@@ -59,7 +69,7 @@ class Gap:
 
 @dataclass(frozen=True)
 class Meetings:
-    """All of them ``above`` one value and ``below`` another, but for ``gaps``; None where nothing bounds them on that side.
+    """All, each once, ``above`` one value and ``below`` another, but for ``gaps``; None where nothing bounds them there.
 
     Values with a chain of infinitely many roots on the right need not be among them, but for those where it comes or goes.
     """
@@ -74,12 +84,13 @@ class Meetings:
 class Curve:
     """Frequencies where ``condition`` vanishes, and the ``value`` of the open number there: functions of omega, over squares.
 
-    ``square`` : of that value, there.
+    ``square`` : of that value, there. ``is_linear`` : whether C is A + q B, -A/B being value - j condition.
     """
 
     condition: RationalFunction
     value: RationalFunction
     square: RationalFunction
+    is_linear: bool = False
 
     def meetings(self, reach: Expr) -> tuple[Meeting, ...]:
         """All above 0 and up to a frequency; at 0 all is real, so that it tells nothing there."""
@@ -89,7 +100,13 @@ class Curve:
             raise UndecidedError("whether a root touches the imaginary axis")
         places = [x for x in table.points[1:] if x.orders.get("0", 0) > 0 and x.orders.get("q", 0) >= 0]
         zero = ExactNumber(Integer(0))
-        return tuple(Meeting(zero if x.orders.get("q") else ValueAt(value, x.omega), x.omega) for x in places)
+        return tuple(
+            Meeting(zero if x.orders.get("q") else ValueAt(value, x.omega), x.omega, self._sense(x)) for x in places
+        )
+
+    def _sense(self, place: Point) -> int | None:
+        """To the right where -A/B, as omega grows, comes from below to above the real axis; a root that only touches it stays."""
+        return (place.before["0"] - place.after["0"]) // 2 if self.is_linear else None
 
 
 def minus(f: RationalFunction, number: Expr) -> RationalFunction:
@@ -107,7 +124,7 @@ def curve_of(loop: Loop) -> Curve | None:
     if len(powers) == 2:
         ratio = RationalFunction(loop.ring, powers[0], powers[1]).reduced()
         below = on_axis(ratio)
-        curve = Curve(below.raw_imag, -below.raw_real, squared_modulus(ratio).function)
+        curve = Curve(below.raw_imag, -below.raw_real, squared_modulus(ratio).function, is_linear=True)
     else:
         curve = _eliminated(loop)
     if not curve.condition.is_zero:

@@ -88,7 +88,11 @@ class Switches:
         if not self.firsts:
             return (), None
         end = self._end(value)
-        found = tuple(x for first in self.firsts for x in _turned(first, _turns(first, end)))
+        found = tuple(
+            x
+            for first, sense in self._each
+            for x in _turned(first, _turns(first, end), sense if self.is_still else None)
+        )
         last = min((2 * _turns(x, end) - 1) * 3.14 / _rate(x) for x in self.firsts)
         return found, Rational(last).limit_denominator(10**9)
 
@@ -167,14 +171,14 @@ def _turns(x: DelayAt, end: float) -> int:
     return int(_rate(x) * end / 6.28) + _FURTHER
 
 
-def _turned(first: DelayAt, turns: int) -> Iterator[Meeting]:
+def _turned(first: DelayAt, turns: int, sense: int | None) -> Iterator[Meeting]:
     """Of one frequency, from its first delay on."""
     for turn in range(turns + 1):
         delay = replace(first, turn=first.turn + turn)
         if delay.ball(_BITS).is_zero():
             yield Meeting(ExactNumber(Integer(0)), first.omega)
         elif float(delay) > 0:
-            yield Meeting(delay, first.omega)
+            yield Meeting(delay, first.omega, sense)
 
 
 def _ratio(loop: Loop) -> tuple[RationalFunction, Expr]:
