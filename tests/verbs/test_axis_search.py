@@ -22,7 +22,7 @@ from haptisym.kernel.symbols import s
 from haptisym.verbs.stability.boundary import meetings
 from haptisym.verbs.stability.critical import critical
 from haptisym.verbs.stability.curves import Meeting, Meetings
-from haptisym.verbs.stability.held import held
+from haptisym.verbs.stability.held import held, roots_in_hand
 from haptisym.verbs.stability.loops import Loop
 from haptisym.verbs.stability.pairs import Characteristic
 from haptisym.verbs.stability.rightroot import RightRoots
@@ -268,10 +268,24 @@ def test_a_stiffness_behind_three_late_products_is_required_up_to_its_critical_v
 
 @pytest.mark.slow
 def test_where_no_search_went_is_told_with_its_reason() -> None:
-    found = hs.require(late_link(), "hand.m", that="stable")
+    tissue, hand = hs.environments.spring_pot(60, "1/10"), hs.Hand("hand", m="0.75 kg", b=7, k=211)
+    lags = (hs.effects.first_order_lag(436), hs.effects.compliance(k=7408), hs.effects.first_order_lag(499))
+    found = hs.require(hs.Scene(tissue, lags), "environment.alpha", that="stable", hand=hand)
     assert "no search went there" in found.reason
-    assert found.undecided[-1][1] is None
+    assert float(found.undecided[-1][1] or 0) == 1
     assert not found.certified
+
+
+@pytest.mark.slow
+def test_mass_in_the_hand_that_holds_three_late_products_is_told_without_end() -> None:
+    scene = late_link()
+    found = hs.require(scene, "hand.m", that="stable")
+    assert found.certified
+    inside = [(float(x.low.value or 0), float("inf" if x.high.value is None else x.high.value)) for x in found.feasible]
+    for value in (0.003, 0.6, 40, 3000, 10**6, 10**9):
+        moved = scene.with_hands(hs.Hand("hand", m=value, b="9 N*s/m", k="200 N/m"))
+        counted = roots_in_hand(moved.distortion().perc, moved.hands[0]).number == 0
+        assert counted == any(low < value < high for low, high in inside), value
 
 
 @pytest.mark.slow
