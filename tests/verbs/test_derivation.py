@@ -12,6 +12,7 @@ from pdflatex import check_layout, compiled
 from sympy import Rational, sqrt
 
 import haptisym as hs
+from haptisym.kernel import budget
 from haptisym.kernel.symbols import X
 from haptisym.verbs.derive.derivation import QUANTITIES
 from haptisym.verbs.derive.entry import derive
@@ -159,3 +160,18 @@ def test_a_function_of_very_many_terms_is_named_and_not_looked_at() -> None:
     ):
         text = str(hs.derive(hs.Scene(tool, (loop, port), (0, 50), jnd)))
         assert re.search(told, text)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("jnd", [0.1, {"shape": "diamond", "real": 0.1, "imag": 0.1}])
+def test_a_chain_of_thirty_effects_is_derived_in_steps_without_being_multiplied_out(jnd: object) -> None:
+    """H_env was had from all closed forms together: with thirty symbols in H_perc the page took minutes, or for ever."""
+    wall = hs.environments.mass_spring_damper(2, 15, 100)
+    devices = [
+        (hs.effects.shunt(m="0.001"), hs.effects.second_order_lowpass(9000 + i, "0.7"), hs.effects.compliance(10**6))
+        for i in range(10)
+    ]
+    with budget.limited(20):
+        text = str(hs.derive(hs.Scene(wall, tuple(x for row in devices for x in row), (0, 15), jnd)))
+    assert "H_env(s) = m s^2 + b s + k" in text
+    assert "Closed forms of this chain are long" in text

@@ -45,14 +45,18 @@ def when(d: Derivation) -> Section:
     notes: list[Phrase] = [(limits, region(d.scene.threshold), ".")]
     lines: list[Line] = []
     long: list[Phrase] = []
+    is_short = d.steps.operations <= MOST_STEPS
     for x in noticed(d.scene.threshold):
-        said, functions = ways(x, x.function(d.distortion))
         if x.joint:
             borders = [(named(f"q_{i}"), form) for i, form in enumerate(_borders(x.joint), 1)]
             one_of = "one of " if len(borders) > 1 else ""
             shown = listed((name for name, _ in borders), "or")
             notes.append(("The ", x.joint.kind, " is left where ", one_of, shown, " is positive."))
             lines += [_relative("x_r", "Re dH"), _relative("x_i", "Im dH"), *(Line(*pair) for pair in borders)]
+        if not is_short:
+            continue
+        found = x.function(d.distortion)
+        said, functions = ways(x, found)
         notes.append(said)
         for name, f in functions:
             form = f.factored() if isinstance(f, RealFunction) and len(f.function.numerator) <= MOST_TERMS else None
@@ -60,20 +64,22 @@ def when(d: Derivation) -> Section:
                 long.append(name)
             else:
                 lines.append(Line(name, form))
-        if d.steps.operations <= MOST_STEPS:
-            solved, told = _solved(x, d)
-            lines += solved
-            notes += told
+        solved, told = _solved(x, found, d)
+        lines += solved
+        notes += told
+    if not is_short:
+        notes.append("Closed forms of this chain are long: which functions of ω decide it is not written out.")
     if long:
         notes.append(("Too long to be written out unasked: ", listed(long), ". Fewer symbols make them shorter."))
     notes.append("Its crossings, as numbers: `haptisym evaluate`.")
     return Section(("When it is noticed",), (Notes(tuple(notes)), *([Equations(tuple(lines))] if lines else [])))
 
 
-def _solved(x: Criterion, d: Derivation) -> tuple[list[Line], list[Phrase]]:
+def _solved(x: Criterion, found: Signed, d: Derivation) -> tuple[list[Line], list[Phrase]]:
     """Where what is judged meets its limit, solved for omega: of one function its crossings, of several where they may lie."""
-    found = x.function(d.distortion)
     terms: Sequence[Sequence[Signed]] = found.terms if isinstance(found, Lattice) else ((found,),)
+    if not any(isinstance(f, RealFunction) and len(f.function.numerator) <= MOST_TERMS for row in terms for f in row):
+        return [], []
     conditions = [len(term.where) for term in x.region.terms(d.distortion)] if x.region else [0]
     is_one = len(terms) == len(terms[0]) == 1
     lines: list[Line] = []

@@ -76,6 +76,12 @@ class Derivation(Answer):
         return Distortion.of(self.chain)
 
     @cached_property
+    def environment(self) -> Distortion:
+        """The closed forms of the environment alone, felt as it is: for these no chain is multiplied out."""
+        own = self.chain.environment
+        return Distortion.of(Chain(own, own, ()))
+
+    @cached_property
     def steps(self) -> Steps:
         """The distortion in named steps, which stay short as devices are cascaded."""
         return self.chain.steps
@@ -133,8 +139,7 @@ class Derivation(Answer):
 
     def stiffness(self, system: str) -> RealFunction:
         """Re H of the environment ("env") or of what is felt ("perc")."""
-        response = self.distortion.env_response if system == "env" else self.distortion.perc_response
-        return response.real
+        return self.environment.env_response.real if system == "env" else self.distortion.perc_response.real
 
     def changeovers(self, system: str) -> tuple[Solution, ...]:
         """Where Re H of the environment ("env") or of what is felt ("perc") vanishes."""
@@ -214,7 +219,7 @@ _SYSTEMS = {"env": "environment_properties", "perc": "perceived_properties"}
 
 QUANTITIES: Mapping[str, Callable[[Derivation], Expr]] = MappingProxyType(
     {
-        "H_env": _of_distortion("environment"),
+        "H_env": lambda d: d.environment.environment,
         "H_perc": _of_distortion("perceived"),
         "dH": _of_distortion("distortion"),
         "Re dH": _of_distortion("real"),
