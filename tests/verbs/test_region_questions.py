@@ -320,7 +320,8 @@ DISC = {"shape": "ellipse", "real": 0.1, "imag": 0.1}
 def test_a_disc_behind_a_filter_has_its_crossing_as_a_formula() -> None:
     """The paper's example: 7.922311857140609 rad/s."""
     d = hs.derive(with_jnd(DISC), ["omega_n", "zeta"])
-    [[line], _] = _solved(judged_by(d.scene.threshold)[0], d)
+    disc = judged_by(d.scene.threshold)[0]
+    [[line], _] = _solved(disc, disc.function(d.distortion), d)
     wn, zeta = symbols("omega_n zeta", positive=True)
     assert float(line.value.subs({wn: 80, zeta: Rational(1, 2)})) == pytest.approx(7.922311857140609, rel=1e-15)
     assert "ω_joint = ω_n sqrt((1/99) (2 sqrt(9801 zeta^4 + 99 zeta^2 + 25) - 1 - 198 zeta^2))" in str(d)
