@@ -337,7 +337,7 @@ def test_each_crossing_behind_a_delay_is_among_the_solutions_or_where_a_limit_ch
     k, tau = symbols("k tau", positive=True)
     found: list[float] = []
     for x in judged_by(scene.threshold):
-        lines, notes = _solved(x, d)
+        lines, notes = _solved(x, x.function(d.distortion), d)
         found += [float(line.value.subs({tau: Rational(1, 100), k: 100})) for line in lines]
         assert notes
     assert found
