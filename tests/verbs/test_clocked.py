@@ -14,6 +14,7 @@ import haptisym as hs
 from haptisym.judge.colgate import sampled_passivity
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.symbols import s as symbol
 from haptisym.model.hand import Hand
 from haptisym.verbs.stability.clocked import plant_of
@@ -208,6 +209,18 @@ def test_a_number_given_in_hertz_may_go_as_far_as_one_in_radians() -> None:
         (x["digits"], x["stable_side"]) for x in in_radians["found"]
     ]
     assert len(in_hertz["found"]) == 1
+
+
+def test_down_to_0_a_wall_in_a_clock_is_told_as_its_roots_are_counted() -> None:
+    """In a hand with stiffness no root comes to 1 as the wall gets softer, down to none at all."""
+    hand = hs.Hand("hand", m="0.1 kg", b=2, k=50)
+    found = hs.require("virtual-wall", "environment.k", that="stable", hand=hand)
+    [span] = [x for x in found.feasible if float(x.high.value or 0) > 1]
+    assert (span.low.value, span.low.closed) == (ExactNumber(Integer(0)), True)
+    assert all(low is not None and float(low) > 1 for low, _ in found.undecided)
+    scene = hs.load_scene("virtual-wall")
+    for value in (0, 10**-9, 0.01, 0.3, 5):
+        assert held(scene.with_values({"environment.k": value}), hand).stable is True
 
 
 def test_beyond_what_was_looked_at_nothing_is_said() -> None:

@@ -94,6 +94,12 @@ def test_every_set_is_what_its_evaluation_says(band: tuple[str, str], jnd: str) 
         agrees(one, evaluated(given.with_values(values)))
 
 
+@pytest.mark.parametrize("path", ["evaluation.jnd", "effects.filter.zeta"])
+def test_values_without_a_unit_are_told_without_a_space_for_it(path: str) -> None:
+    found = Swept(hs.load_scene("fu2019"), hs.sweep("fu2019", {path: [0.5, 0.7, 0.9]}))
+    assert "0.5 to 0.9, 3 values" in str(found)
+
+
 def test_thresholds_are_swept_together_or_apart() -> None:
     together = hs.sweep(PAPER, {"evaluation.jnd": [0.05, 0.125]})
     apart = hs.sweep(PAPER, {"evaluation.jnd.real": [0.05, 0.125], "evaluation.jnd.imag": [0.05, 0.125]})

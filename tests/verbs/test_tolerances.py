@@ -23,6 +23,7 @@ from haptisym.kernel.errors import LimitError
 from haptisym.kernel.reals import ExactNumber
 from haptisym.model.quantities import Dimension
 from haptisym.model.ranges import ranged
+from haptisym.pages.tolerances import page
 from haptisym.programs.taylormodels import Model, constant, halves, variable
 from haptisym.programs.valued import floated
 from haptisym.verbs.tolerances import single
@@ -196,6 +197,7 @@ def certified_excess(box, part: hs.Part, shares: np.ndarray) -> float:  # type: 
 def test_the_ends_of_a_boxs_crossing_are_known_by_hand() -> None:
     """Behind a lag, r_i of a spring is x/(1 + x^2), x = omega/omega_c: c at x = 5 - sqrt 24, whatever the stiffness."""
     found = tolerances(spring("first-order-lag", 'omega_c = "40 rad/s +- 10 %"', 10), samples=0)
+    assert "drawn at random" not in repr(page(found))
     [x] = found.enclosures
     assert (x.part, x.count, x.monotonic["omega_c"]) == (hs.Part.IMAG, 1, 1)
     assert [float(end) for end in (x.low, x.high)] == pytest.approx([w * (5 - sqrt(24)) for w in (36, 44)], rel=1e-14)

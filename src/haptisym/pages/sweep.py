@@ -52,7 +52,7 @@ def page(found: Swept) -> Document:
 
 def _varied(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
     for x in told["vary"]:
-        unit = "" if x["unit"] == "1" else f" {unit_text(x['unit'])}"
+        unit = "" if x["unit"] in ("", "1") else f" {unit_text(x['unit'])}"
         yield x["path"], (_span([x["low"], x["high"]], digits=6), f"{unit}, {x['values']:,} values")
     yield "band", (_span(told["band"], digits=6), " rad/s")
 

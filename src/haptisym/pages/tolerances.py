@@ -184,9 +184,8 @@ def _enclosures(a: Tolerances) -> Block:
     said = "An end marked = is reached, at a corner of the ranges; any other is a bound, which crossings may come near or not."
     if not a.box.sides:
         title, said = f"Proven: {what}", "An end marked = is a crossing, exactly; any other is a bound."
-    shown = (
-        "Grey: where crossings may lie, proven for all values. Dots: crossings of the sets that were drawn at random."
-    )
+    dots = "Dots: crossings of the sets that were drawn at random." if a.samples else ""
+    shown = f"Grey: where crossings may lie, proven for all values. {dots}".strip()
     figure = Figure("enclosures", shown, lambda: enclosures_figure(a))
     return Section(
         title,

@@ -202,7 +202,7 @@ class Walk:
         for _ in range(_MOST_CELLS):
             if at == end:
                 found = self._at_0(at, side)
-                return found, Fraction(0) if found else at
+                return found, Fraction(0) if found or self._is_clear_down_to_0(at, side) else at
             ahead = min(at + step, end) if side > 0 else max(at - step, end)
             if self._is_clear(at, ahead):
                 at, step = ahead, step * Fraction(3, 2)
@@ -263,6 +263,10 @@ class Walk:
             raise UndecidedError("where roots reach the unit circle together")
         value = CriticalValue(self.loop, changed[0], low, high)
         return Passage(value, Swing(value), below, above)
+
+    def _is_clear_down_to_0(self, at: Fraction, side: int) -> bool:
+        """Whether no value down to 0, where the number may not be less, puts a root on the circle; 0 is among them."""
+        return side < 0 < self.start and self.rule is not Rule.ANY and self._is_clear(at, Fraction(0))
 
     def _at_0(self, at: Fraction, side: int) -> Passage | None:
         """At the end of what was looked at: a change at 0 itself, where a root comes to 1; None where that stays open."""
