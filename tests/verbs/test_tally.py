@@ -78,6 +78,7 @@ def test_without_what_puts_roots_on_the_axis_each_value_is_counted() -> None:
         assert Counted.asked == asked, value
 
 
+@pytest.mark.slow
 def test_windows_that_hold_the_same_meeting_count_it_once() -> None:
     """Of a stiffness behind a delay, asked about in windows that grow."""
     own = hs.Scene(hs.environments.kelvin_voigt("100 N/m", 2), (E.delay("36 ms"),))

@@ -329,6 +329,7 @@ def test_a_chain_that_reflects_all_is_at_the_axis_for_every_order_and_delay() ->
     assert [x and x.chain for x in (held(far_apart, hand).roots,)] == [RootChain.NEAR]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("free", "low"), [("hand.b", 8.819064481568287), ("effects.shunt.b", 5.0)])
 def test_damping_without_end_is_told_though_two_delays_have_a_fine_common_unit(free: str, low: float) -> None:
     """9 ms and 14 ms are nine and fourteen times 1 ms: powers of a tangent of 0.5 ms that nearly cancel."""
@@ -352,6 +353,7 @@ def test_damping_without_end_is_told_though_two_delays_have_a_fine_common_unit(f
         assert told == inside, value
 
 
+@pytest.mark.slow
 def test_a_delay_behind_tissue_of_a_broken_order_is_told_without_end() -> None:
     """At rest tissue of order 1/2 does not pull, so that |A| > |B| there, and one frequency alone brings roots over."""
     own = hs.Scene(hs.environments.spring_pot(100, "1/2"), (E.first_order_lag(352), E.delay("40 ms")))
@@ -373,6 +375,7 @@ def test_where_all_vanishes_at_rest_whatever_the_number_is_no_value_is_left_out(
     assert (low, high) == (0, pytest.approx(15.909426991833095, rel=1e-14))
 
 
+@pytest.mark.slow
 def test_a_highest_power_that_comes_late_in_all_its_terms_is_unstable_for_every_delay() -> None:
     """A late mass behind a line without losses: s^4 comes with exp(-s tau) alone."""
     block = hs.environments.mass_spring_damper("0.3 kg", 2, 100)
