@@ -45,6 +45,9 @@ BAD = {
     ),
     # formulas: what is really wrong
     "an exponent that is a formula": (expression("s^(10^9)"), ["an exponent must be one number", "s^(-0.5)"]),
+    "a root of a sum": (expression("m*(s + 1)^0.5"), ["environment", "(s + 1)^(1/2) is no power of s", "0.17*s^0.5"]),
+    "a root of a number": (expression("m*(s/33)^0.5"), ["environment", "(33)^(1/2) is no power of s", "of s alone"]),
+    "a root of a square": (expression("m*(s^2)^0.5"), ["environment", "(s^2)^(1/2) is no power of s"]),
     "an exponent in powers of ten": (expression("m*s^1e1"), ["an exponent must be a short plain number"]),
     "a broken exponent below zero that is too high": (expression("m*s^(-60.5)"), ["the degree, 61, is higher than 60"]),
     "a long sum": (expression("+".join([f"{i}{'7' * 180}*s^{i}" for i in range(12)])), ["more than 2000 digits"]),

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from functools import wraps
 from typing import Any, TypeAlias, get_args, get_type_hints
 
-from sympy import Expr, Float, Integer, Symbol
+from sympy import Expr, Float, Integer, Pow, Symbol
 
 from haptisym.kernel.errors import SceneError, meant, quoted
 from haptisym.kernel.shown import Shown
@@ -257,6 +257,16 @@ def _given(
 
 def _formula(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
     """A formula as an expression in ``s`` and the parameters' symbols."""
+    found = _read(key, given, parameters)
+    for x in found.atoms(Pow):
+        if x.exp.is_Rational and not x.exp.is_Integer and x.base != s:
+            base = str(x.base).replace("**", "^")
+            rule = "one that is not whole is of s alone, as in 0.17*s^0.5"
+            raise SceneError(f"{key}: ({base})^({x.exp}) is no power of s: {rule}")
+    return found
+
+
+def _read(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
     if isinstance(given, Expr):
         by_name = {p.symbol.name: p.symbol for p in parameters}
         exact = {x: decimal(str(float(x))) for x in given.atoms(Float)}
