@@ -13,7 +13,7 @@ from haptisym_check.values import ZERO, Ratio, Value, degree, need
 T = TypeVar("T")
 NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3}(?![0-9]))?"
 EXPONENT = r"[+-]?(?:[0-9]{1,2}(?:\.[0-9]{0,12})?|\.[0-9]{1,12})"
-POWER = rf"(?:\^|\*\*)\s*(?:\(\s*{EXPONENT}\s*\)|{EXPONENT}(?![\w.]))"
+POWER = rf"(?:\^|\*\*)\s*(?:\(\s*(?:[+-]?[0-9]{{1,2}}\s*/\s*[1-9][0-9]?|{EXPONENT})\s*\)|{EXPONENT}(?![\w.]))"
 WORD = re.compile(rf"{NUMBER}|[^\W\d]\w*|[°%]|{POWER}|[-+*/()]")
 BINDS = {"+": 1, "-": 1, "*": 2, "/": 2}
 
@@ -44,7 +44,7 @@ def evaluated(text: str, leaf: Callable[[str], T], combine: Callable[[str, T, T]
             need(word[0] not in ")^*", f"{text[:60]!r} is not understood")
             found = leaf(word)
         if word not in BINDS and words and re.match(r"\^|\*\*", words[-1]):
-            base, n = found, Fraction(re.sub("[^-0-9.]", "", words.pop()))
+            base, n = found, Fraction(re.sub("[^-0-9./]", "", words.pop()))
             found = leaf("1" if n.denominator == 1 else f"{word}^{n}")
             for _ in range(abs(int(n)) if n.denominator == 1 else 0):
                 found = combine("*" if n > 0 else "/", found, base)

@@ -44,7 +44,11 @@ BAD = {
         ["[environment]", "[[environments]]"],
     ),
     # formulas: what is really wrong
-    "an exponent that is a formula": (expression("s^(10^9)"), ["an exponent must be one number", "s^(-0.5)"]),
+    "an exponent that is a formula": (expression("s^(10^9)"), ["an exponent must be one number", "s^(-1/2)"]),
+    "an exponent that is a quotient of decimals": (
+        expression("m*s^(0.5/2)"),
+        ["a quotient as an exponent is one of whole numbers"],
+    ),
     "a root of a sum": (expression("m*(s + 1)^0.5"), ["environment", "(s + 1)^(1/2) is no power of s", "0.17*s^0.5"]),
     "a root of a number": (expression("m*(s/33)^0.5"), ["environment", "(33)^(1/2) is no power of s", "of s alone"]),
     "a root of a square": (expression("m*(s^2)^0.5"), ["environment", "(s^2)^(1/2) is no power of s"]),
@@ -60,7 +64,10 @@ BAD = {
         f"{ENVIRONMENT}[evaluation]\nband = ['0 kg', '1 Hz']",
         ["evaluation: band", '"0 kg" is not a frequency'],
     ),
-    "an exponent that divides": (expression("m*s^(1/0)"), ["an exponent must be one number"]),
+    "an exponent that divides": (
+        expression("m*s^(1/0)"),
+        ["a quotient as an exponent is one of whole numbers up to 99", "m*s^(1/0)"],
+    ),
     "an exponent without its parenthesis": (expression("m*s^(2"), ['expected ")"']),
     "a division by zero": (expression("1/0"), ["division by zero"]),
     "a delay as exp": (expression("m*exp(-s*m)"), ["[[effects]]", 'model = "delay"', "tau"]),

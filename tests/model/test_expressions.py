@@ -13,6 +13,7 @@ from sympy import Rational
 
 import haptisym as hs
 from haptisym.environments import expression
+from haptisym.kernel.symbols import s as symbol
 from haptisym.model.expressions import evaluate
 
 NAMES = {"x": Fraction(3), "y": Fraction(-2, 7), "s_1": Fraction(5, 2)}
@@ -194,3 +195,11 @@ def test_an_unknown_name_lists_the_known_ones() -> None:
 def test_a_number_is_a_formula() -> None:
     for given_value in (2, 2.0, "2", "2.0"):
         assert expression(given_value).H == 2
+
+
+@pytest.mark.parametrize(
+    ("text", "order"), [("s^(1/3)", "1/3"), ("s^(-1/3)", "-1/3"), ("s^( 3 / 12 )", "1/4"), ("s^(6/3)", "2")]
+)
+def test_an_exponent_may_be_a_quotient_in_parentheses(text: str, order: str) -> None:
+    own = expression(f"5*{text}")
+    assert own.dynamics == 5 * symbol ** Rational(order)

@@ -314,7 +314,11 @@ const haptisymCheck = (function () {
       const bracket = sign("(");
       const minus = sign("+", "-") === "-";
       need(at < tokens.length && /^([0-9]{1,2}(\.[0-9]{0,12})?|\.[0-9]{1,12})$/.test(tokens[at][0]), why);
-      const size = decimal(tokens[at++][0]);
+      let size = decimal(tokens[at++][0]);
+      if (bracket && sign("/")) {
+        need(at < tokens.length && /^[1-9][0-9]?$/.test(tokens[at][0]) && /^[0-9]{1,2}$/.test(tokens[at - 2][0]), why);
+        size = size.over(decimal(tokens[at++][0]));
+      }
       need((!bracket || sign(")")) && !sign("^", "**"), why);
       const n = minus ? ZERO.minus(size) : size;
       if (n.d === 1n) return ["^", tree, Number(n.n)];

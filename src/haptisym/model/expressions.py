@@ -6,7 +6,7 @@
     product  = signed {("*" | "/") signed}
     signed   = ["+" | "-"] signed | power
     power    = atom [("^" | "**") exponent]
-    exponent = ["+" | "-"] number | "(" ["+" | "-"] number ")"
+    exponent = ["+" | "-"] number | "(" ["+" | "-"] (number | whole "/" whole) ")"
     atom     = number | name | "(" sum ")"
 
 Nothing is ever executed: a formula is data. Whoever evaluates it says what numbers and names mean.
@@ -27,6 +27,7 @@ T = TypeVar("T")
 _TOKEN = re.compile(
     r"(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[^\W\d]\w*|[°%])|(?P<operator>\*\*|[-+*/^()])|(?P<space>\s+)"
 )
+_LARGEST = 99  # whole number in an exponent that is a quotient
 LONGEST = 4000  # characters of a formula
 DEEPEST = 60  # nested parentheses or signs; far below Python's recursion limit
 HIGHEST_DEGREE = 60  # of the written-out formula; the threshold polynomial has about four times that degree
@@ -161,18 +162,31 @@ class _Reader(Generic[T]):
     def exponent(self) -> Fraction:
         bracket = self.take("(")
         sign = self.take("+", "-")
-        if self.token.kind != "number":
-            self.fail("an exponent must be a number")
-        if len(self.token.text) > 12 or "e" in self.token.text.lower():
-            self.fail("an exponent must be a short plain number")
-        value = Fraction(self.token.text)
-        self.position += 1
+        first, value = self.token, self._short()
+        if bracket and self.take("/"):
+            second, below = self.token, self._short()
+            whole = first.text.isdigit() and second.text.isdigit()
+            if not whole or not below or max(value, below) > _LARGEST:
+                self.fail(
+                    f"a quotient as an exponent is one of whole numbers up to {_LARGEST}, as in s^(1/3)", first.at
+                )
+            value /= below
         if bracket and not self.take(")"):
             is_open = self.token.kind == "end"
             self.fail(
-                'expected ")"' if is_open else "an exponent must be one number, as in s^2 or s^(-0.5), not a formula"
+                'expected ")"' if is_open else "an exponent must be one number, as in s^2 or s^(-1/2), not a formula"
             )
         return -value if sign and sign.text == "-" else value
+
+    def _short(self) -> Fraction:
+        """A number of an exponent."""
+        token = self.token
+        if token.kind != "number":
+            self.fail("an exponent must be a number")
+        if len(token.text) > 12 or "e" in token.text.lower():
+            self.fail("an exponent must be a short plain number")
+        self.position += 1
+        return Fraction(token.text)
 
     def atom(self, depth: int) -> _Value:
         token = self.token
