@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
+from sympy import Integer
 
 import haptisym as hs
 from haptisym.kernel.errors import HaptisymError
@@ -75,3 +78,24 @@ def test_an_end_is_told_once_where_both_are_alike_and_nobody_is_other_where_none
 def test_a_point_is_a_number_of_rad_per_second() -> None:
     [transparent] = hs.evaluate("fu2019").transparent
     assert (float(transparent.low), float(transparent.high)) == (0, pytest.approx(7.978916790174708))
+
+
+COUNTS: list[tuple[str, int, Callable[[Any], object]]] = [
+    ("digits", 1, lambda n: hs.evaluate("fu2019", digits=n)),
+    ("digits", 1, lambda n: hs.evaluate("fu2019").crossings[0].omega.digits(n)),
+    ("digits", 1, lambda n: hs.require("fu2019", "omega_n", digits=n)),
+    ("digits", 1, lambda n: hs.stability("fu2019", digits=n)),
+    ("samples", 0, lambda n: hs.tolerances("fu2019-tolerances", samples=n)),
+    ("block", 1, lambda n: hs.sweep("fu2019", {"zeta": [0.4, 0.5]}, block=n)),
+]
+
+
+@pytest.mark.parametrize(("name", "least", "ask"), COUNTS)
+def test_a_count_is_a_whole_number_of_any_kind_and_nothing_else_is(
+    name: str, least: int, ask: Callable[[Any], object]
+) -> None:
+    for few in (least, np.int16(least), Integer(least)):
+        ask(few)
+    for wrong in (least - 1, True, 2.0, "3", None, [2]):
+        with pytest.raises(hs.SceneError, match=rf"{name}: .* must be a whole number.* at least {least}"):
+            ask(wrong)

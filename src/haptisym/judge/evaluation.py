@@ -22,7 +22,8 @@ from haptisym.judge.imposed import force_is_stable
 from haptisym.judge.passivity import Passivity, passivity
 from haptisym.judge.percepts import Felt, Percept, changeovers, find_felt, find_percepts, outside_model, unnamed
 from haptisym.judge.spread import Compared, compared
-from haptisym.kernel.errors import SceneError, UndecidedError
+from haptisym.kernel.counts import whole
+from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Chart, Interval, Point, chart
 from haptisym.kernel.shown import counted, titled
@@ -267,8 +268,7 @@ def evaluate(scene: Scene | str | Path, digits: int = 15, *, left_out: LeftOut |
     ['7.9789167901747077028', '11.937310924322057781']
     """
     scene = as_scene(scene)
-    if not isinstance(digits, int) or digits < 1:
-        raise SceneError(f"digits: {digits} must be a whole number, at least 1")
+    digits = whole("digits", digits)
     scene.knobs.need_numbers()
     distortion = scene.distortion()
     started = time.perf_counter()

@@ -5,15 +5,6 @@ from __future__ import annotations
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
 
-from haptisym.kernel.errors import HaptisymError
-
-
-def checked(count: int) -> int:
-    """A number of digits; HaptisymError unless it is whole and at least 1."""
-    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
-        raise HaptisymError(f"digits: {count} must be a whole number, at least 1")
-    return count
-
 
 def bits_for(count: int) -> int:
     """Relative accuracy in bits with which ``count`` decimal digits are tried first."""

@@ -16,7 +16,8 @@ import flint
 from flint import arb, fmpq
 from sympy import Expr, Integer, Pow, Rational, cos, log, pi, sin, sinc, tan
 
-from haptisym.kernel.decimals import bits_for, checked, outward, rounded
+from haptisym.kernel.counts import whole
+from haptisym.kernel.decimals import bits_for, outward, rounded
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.precision import SURE_BITS, at_rising_precision
 from haptisym.kernel.shown import Viewed
@@ -73,9 +74,7 @@ class RealNumber(Viewed, ABC):
         bits = 240
         while True:
             low, high = self.bounds(bits)
-            if (
-                float(low) == float(high) or bits > 2000
-            ):  # beyond that it is the tie between two doubles: any is nearest
+            if float(low) == float(high) or bits > 2000:  # beyond that a tie between two doubles: any is nearest
                 return float(low)
             bits *= 4
 
@@ -85,7 +84,7 @@ class RealNumber(Viewed, ABC):
         >>> ExactNumber(pi).digits(20), ExactNumber(Rational(1, 4)).digits(3)
         ('3.1415926535897932385', '0.250')
         """
-        bits = bits_for(checked(count))
+        bits = bits_for(count := whole("digits", count))
         while True:
             low, high = self.bounds(bits)
             # beyond that many digits more it is a tie
@@ -296,5 +295,5 @@ class Sliver(RealNumber):
         >>> Sliver(Fraction(1, 4), Fraction(1, 4) + Fraction(1, 2**40)).digits(30)
         '0.25000000000'
         """
-        known = (rounded(self.low, self.high, n) for n in range(checked(count), 0, -1))
+        known = (rounded(self.low, self.high, n) for n in range(whole("digits", count), 0, -1))
         return next(filter(None, known), "") or rounded(self.low, self.low, 1) or ""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from sympy import pi
 
+from haptisym.kernel.counts import whole
 from haptisym.kernel.errors import SceneError, meant
 from haptisym.model.linearity import cube
 from haptisym.model.measured import CONFIDENCE, Complexes, Measurement, Reals, one_row
@@ -125,8 +126,7 @@ def _welch(
         raise SceneError(
             f'window: "{str(window)[:60]}" is none: {meant(str(window), WINDOWS)}valid are {", ".join(WINDOWS)}'
         )
-    if isinstance(every, bool) or not isinstance(every, int) or not 1 <= every <= 100:
-        raise SceneError(f"every: {every} must be a whole number from 1 to 100")
+    every = whole("every", every, 1, 100)
     if isinstance(overlap, bool) or not isinstance(overlap, int | float) or not 0 <= overlap <= 0.9:
         raise SceneError(f"overlap: {overlap} must lie from 0 to 0.9")
     length = samples // 8 if seconds is None else round(seconds * rate)

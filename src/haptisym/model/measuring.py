@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from haptisym.kernel.counts import whole
 from haptisym.kernel.errors import SceneError
 from haptisym.model.measured import CONFIDENCE, Measurement, one_row
 from haptisym.model.responsefile import read_file
@@ -78,8 +79,7 @@ def sampled(scene: Scene | str | Path, omega: ArrayLike | None = None, *, points
     """
     given = as_scene(scene)
     given.knobs.need_numbers()
-    if isinstance(points, bool) or not isinstance(points, int) or points < 2:
-        raise SceneError(f"points: {points} must be a whole number, at least 2")
+    points = whole("points", points, 2)
     low, high = (float(x) for x in given.band)
     at = one_row("omega", np.linspace(low, high, points) if omega is None else omega, float)
     Measurement(at, np.zeros(len(at)), name="sampled")  # refuses what no frequencies can be

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from haptisym.kernel.counts import whole
 from haptisym.kernel.decimals import rounded
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.shown import Shown
@@ -99,8 +100,7 @@ class Compiled(Shown):
         how many of the values, and ``seconds``, what that cost. "0", "inf", "-inf" and "nan" are written so. A tie within 200
         more digits goes to the even digit.
         """
-        if not isinstance(count, int) or count < 1:
-            raise SceneError(f"digits: {count} must be a whole number, at least 1")
+        count = whole("digits", count)
         started = time.perf_counter()
         inputs, shape, size = self._inputs(omega, values)
         texts, methods = self._texts(inputs, size, count)

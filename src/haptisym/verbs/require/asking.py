@@ -10,6 +10,7 @@ from sympy import Expr
 
 from haptisym.judge.criteria import Criterion
 from haptisym.kernel.budget import Budget, share
+from haptisym.kernel.counts import whole
 from haptisym.kernel.errors import SceneError, several
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.knobs import THRESHOLD, Knob
@@ -36,8 +37,7 @@ class Plan:
     within: Expr | None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.most, int) or self.most < 2:
-            raise SceneError(f"slices: {self.most} must be a whole number, at least 2")
+        whole("slices", self.most, 2)
 
 
 def share_of(given: Number) -> Expr:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from haptisym.judge.criteria import noticed
 from haptisym.kernel.budget import Told, limited
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.counts import whole
 from haptisym.kernel.response import RealFunction
 from haptisym.model.hand import Hand
 from haptisym.model.jnd import Part
@@ -55,8 +55,7 @@ def require(
     [('122.355814770', None)]
     """
     scene = as_scene(scene)
-    if not isinstance(digits, int) or digits < 1:
-        raise SceneError(f"digits: {digits} must be a whole number, at least 1")
+    digits = whole("digits", digits)
     scene = with_hands(scene, hand) if STABLE in that else scene
     free = scene.knobs[path]
     wanted, asked = wishes(that), domain(free, range)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+from haptisym.kernel.counts import whole
 from haptisym.kernel.errors import SceneError, meant, several
 from haptisym.model.hand import Hand, hands
 from haptisym.model.knobs import Knob
@@ -38,8 +39,7 @@ def stability(
     (True, False, False)
     """
     scene = as_scene(scene)
-    if not isinstance(digits, int) or digits < 1:
-        raise SceneError(f"digits: {digits} must be a whole number, at least 1")
+    digits = whole("digits", digits)
     scene = in_hands(scene, hand)
     scene.knobs.need_numbers()
     paths = [free] if isinstance(free, str) else several("free", free, "give paths or symbols of numbers")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from haptisym.kernel.counts import whole
 from haptisym.kernel.errors import SceneError
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
@@ -73,18 +74,12 @@ def sweep(
     """
     scene = in_hands(as_scene(scene), hand)
     xarray = _needed("xarray")
-    grid = SweepGrid.of(scene, axes(scene, vary), _whole(block))
+    grid = SweepGrid.of(scene, axes(scene, vary), whole("block", block, of=" of sets"))
     if out is not None:
         from haptisym.verbs.sweep.store import stored
 
         return stored(grid, Path(out), progress)
     return _lazy(grid, xarray) if lazy else _now(grid, xarray, progress)
-
-
-def _whole(block: int) -> int:
-    if not isinstance(block, int) or block < 1:
-        raise SceneError(f"block: {block} must be a whole number of sets, at least 1")
-    return block
 
 
 def _needed(package: str) -> Any:

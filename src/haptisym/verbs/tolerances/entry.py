@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from haptisym.kernel.budget import Told, limited, share
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.counts import whole
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
@@ -49,8 +49,7 @@ def tolerances(
     ('none', [('imag', '3.6367', '4.4449', 1), ('real', '12.000', '14.667', 1)])
     """
     scene = in_hands(as_scene(scene), hand)
-    if not isinstance(samples, int) or samples < 0:
-        raise SceneError(f"samples: {samples} must be a whole number, at least 0")
+    samples = whole("samples", samples, 0)
     box = box_of(scene)
     with limited(limit, told) as budget:
         with share(_FOR_HANDS):
