@@ -242,7 +242,10 @@ def peaks(t: Trial) -> None:
     h = MP.mpf(10) ** -12
     for x in found[:3]:
         w, part = MP.mpf(x.omega.digits(40)), x.criterion.name
-        top = t.ratio(part, w)
+        try:
+            top = t.ratio(part, w)
+        except ZeroDivisionError:  # at a pole of H_env on the axis itself the ratio is a limit
+            top = max(t.ratio(part, w * (1 + h * h)), t.ratio(part, w * (1 - h * h)))
         assert abs(top - MP.mpf(x.ratio.digits(20))) <= MP.mpf(10) ** -15 * top, part
         assert max(t.ratio(part, w * (1 + h)), t.ratio(part, w * (1 - h))) <= top * (1 + MP.mpf(10) ** -30), part
 
