@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import random
+from itertools import pairwise
 from typing import Any
 
 import mpmath
@@ -162,6 +164,34 @@ def test_a_lattice_has_a_pole_where_it_grows_without_bound_on_a_side(group: int)
                 assert seen[place] == (-1 if sides[0] * sides[1] < 0 or 0 in sides else -2)
             else:
                 assert seen.get(place, 0) >= 0
+
+
+@pytest.mark.few(3)
+@pytest.mark.parametrize("seed", range(12))
+def test_products_of_waves_are_zero_or_infinite_where_their_factors_are_and_as_often(seed: int) -> None:
+    """Half turns of a delay are places like any other: 1 + cos is zero twice there, and what is divided by it has a pole."""
+    draw = random.Random(seed)
+    tau = draw.choice([Rational(1), Rational(3, 2), Rational(2, 5)])
+    response = on_axis(Ring.of([exp(-tau * s)]).convert(exp(-tau * s)))
+    axis = response.real.axis
+    one, rest = axis.convert(Integer(1)), axis.convert(w**2 - 2)
+    cosine, sine = response.real.function, response.imag.function  # of which the sine has a minus
+    powers = dict(zip((one + cosine, one - cosine, sine, rest), (draw.randint(-2, 2) for _ in range(4)), strict=True))
+    whole = one
+    for f, n in powers.items():
+        whole = whole * f**n if n >= 0 else whole / f**-n
+    up, down, odd, own = powers.values()
+    table = chart({"f": RealFunction(whole.reduced())}, Integer(0), Integer(10))
+    found = {float(p.omega): int(p.orders.get("f", 0)) for p in table.points[:-1]}
+    turns = [k * math.pi / float(tau) for k in range(100) if k * math.pi / float(tau) < 10]
+    true = {x: 2 * (up if k % 2 else down) + odd for k, x in enumerate(turns)} | {math.sqrt(2): own}
+    true = {x: n for x, n in sorted(true.items()) if n or x == 0}
+    assert [*found] == pytest.approx([*true], rel=1e-12)
+    assert [*found.values()] == [*true.values()]
+    for a, b in pairwise(table.points):
+        at = (float(a.omega) + float(b.omega)) / 2
+        sign = (-math.sin(at * float(tau))) ** odd * (at**2 - 2) ** own
+        assert a.after["f"] == b.before["f"] == math.copysign(1, sign)
 
 
 def with_a_pole(draw: random.Random) -> Expr:
