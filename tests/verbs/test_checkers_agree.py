@@ -49,6 +49,22 @@ def truths() -> list[tuple[str, str]]:
 
 
 @pytest.mark.slow
+def test_delays_and_orders_of_a_proof_are_positive_and_no_larger_than_they_may_be() -> None:
+    """Beside a scene that has none they change nothing, and so both checkers take those that the format allows, and no others."""
+    proof, scene = certificate("fu2019"), text_of("fu2019")
+    small, huge = f"1/{2**100 - 1}", str(2**100 - 1)
+    for key, allowed, others in (
+        ("delays", ["1/3", "5", small, huge], ["0", "-1/3", str(2**100), f"1/{2**100}", f"3/{2**100 + 1}"]),
+        ("orders", ["1/3", small, f"{2**100 - 2}/{huge}"], ["0", "-1/3", "1", "4/3", f"1/{2**100}", f"3/{2**100 + 1}"]),
+    ):
+        own = json.loads(proof)["proof"][key]
+        asked = [(proof.replace(f'"{key}": []', f'"{key}": ["{x}"]', 1), scene) for x in (*allowed, *others)]
+        assert own == []
+        assert all(x != proof for x, _ in asked)
+        assert accepted(asked) == [True] * len(allowed) + [False] * len(others)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "seeds", often([range(20), *(range(n, n + 200) for n in range(20, 2020, 200))], range(20).__eq__)
 )
