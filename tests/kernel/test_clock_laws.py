@@ -207,6 +207,19 @@ def test_a_loop_of_one_root_meets_the_circle_where_it_is_at_minus_one() -> None:
     assert all(abs(float(x[0][0]) - 0.25) < 0.01 for x in left)
 
 
+@pytest.mark.parametrize(("late", "critical"), [(1, "1"), (0, "2")])
+def test_a_cell_is_clear_only_if_no_value_in_it_puts_a_root_on_the_circle(late: int, critical: str) -> None:
+    """z^2 - z + k: a pair at k = 1; z - 1 + k: a root at -1 at k = 2. Both leave z = 1 for k > 0."""
+    plant = Plant((Integer(0), Integer(1)), ((Integer(0), (Integer(1),)),))
+    own = SampledLoop(plant, Integer(1), (*[Integer(0)] * late, k), (Integer(1),))
+    form = OnCircle(own, {k: (Integer(0), Integer(4))})
+    on, ends = Fraction(critical), [Fraction(n, 16) for n in range(65)]
+    for a, b in [*pairwise(ends[1:]), *zip(ends, ends[5:], strict=False), *((x, x) for x in ends)]:
+        clear = form.is_clear((((a / 4), (b / 4)),))
+        assert not (clear and (a <= on <= b or a == 0))
+        assert clear or a == 0 or a - Fraction(1, 8) < on < b + Fraction(1, 8) or b - a > Fraction(1, 4)
+
+
 @pytest.mark.parametrize("times", range(4))
 def test_roots_at_minus_one_are_highest_coefficients_that_vanish(times: int) -> None:
     """z = -1 is v at infinity: the polynomial keeps its length, as roots beyond are counted by it."""
