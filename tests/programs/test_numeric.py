@@ -41,6 +41,7 @@ from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.symbols import s
 from haptisym.model.distortion import Distortion
 from haptisym.programs import floats, machine, stable
+from haptisym.programs import sinc as sinc_in_floats
 from haptisym.programs.certified import Certified, ProgramValue
 from haptisym.programs.doubled import Doubled
 from haptisym.programs.floats import Floats
@@ -440,21 +441,36 @@ def test_sin_x_over_x_less_one_keeps_its_digits_for_arguments_of_either_sign_and
     x = np.concatenate([np.geomspace(1e-150, 1e3, 300), np.linspace(1.9, 2.1, 21), [2.0, np.nextafter(2, 3)]])
     for at in (x, -x):
         into = np.empty_like(at)
-        for found in (floats._sincm1(at), floats._sincm1(at, into), np.array([floats._sincm1(a) for a in at.tolist()])):
+        for found in (
+            sinc_in_floats.sincm1(at),
+            sinc_in_floats.sincm1(at, into),
+            np.array([sinc_in_floats.sincm1(a) for a in at.tolist()]),
+        ):
             with mpmath.workdps(400):
                 true = [mpmath.sinc(mpmath.mpf(a)) - 1 for a in at.tolist()]
                 away = [abs(mpmath.mpf(f) / t - 1) for f, t in zip(found.tolist(), true, strict=True)]
             assert max(away) < 1e-15
-        assert (into == floats._sincm1(at)).all()
+        assert (into == sinc_in_floats.sincm1(at)).all()
     with np.errstate(invalid="ignore"):
-        assert floats._sincm1(np.array([0.0, -0.0])).tolist() == [0.0, 0.0]
+        assert sinc_in_floats.sincm1(np.array([0.0, -0.0])).tolist() == [0.0, 0.0]
     for at in (x, -x):
         into = np.empty_like(at)
-        assert np.allclose(floats._sinc(at), np.sin(at) / at, rtol=1e-15, atol=0)
-        assert (floats._sinc(at, into) == into).all()
-        assert (into == floats._sinc(at)).all()
+        assert np.allclose(sinc_in_floats.sinc(at), np.sin(at) / at, rtol=1e-15, atol=0)
+        assert (sinc_in_floats.sinc(at, into) == into).all()
+        assert (into == sinc_in_floats.sinc(at)).all()
     with np.errstate(invalid="ignore"):
-        assert floats._sinc(np.array([0.0])).tolist() == [1.0]
+        assert sinc_in_floats.sinc(np.array([0.0])).tolist() == [1.0]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("n", range(4))
+def test_the_slopes_of_sin_x_over_x_are_those_of_its_series_on_both_sides_of_where_it_is_used(n: int) -> None:
+    """The n-th is the integral of u^n cos(x u + n pi/2) over u from 0 to 1."""
+    x = np.concatenate([np.geomspace(1e-9, 1.4999, 40), [0.0, np.nextafter(1.5, 0), 1.5], np.linspace(1.6, 30, 40)])
+    for at in [*x.tolist(), *(-x).tolist()]:
+        with mpmath.workdps(60):
+            true = mpmath.quad(lambda u, a=at: u**n * mpmath.cos(a * u + n * mpmath.pi / 2), [0, 1])
+            assert abs(mpmath.mpf(float(sinc_in_floats.sinc_and_slopes(np.array([at]))[n][0])) - true) < 4e-15
 
 
 def test_a_constant_beyond_doubles_is_infinite_and_others_are_the_nearest() -> None:

@@ -16,6 +16,7 @@ from flint import arb
 from sympy import Expr, Integer, Rational, Symbol, exp, lambdify, pi
 from windings import winding
 
+from haptisym.kernel.alike import ordered
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import ExactNumber
@@ -23,7 +24,7 @@ from haptisym.kernel.symbols import omega, s
 from haptisym.model.parameters import Rule
 from haptisym.verbs.stability import critical
 from haptisym.verbs.stability.boundary import _eliminated, _near, meetings
-from haptisym.verbs.stability.curves import Gap, _is_apart, minus, ordered
+from haptisym.verbs.stability.curves import Gap, _is_apart, minus
 from haptisym.verbs.stability.farout import from_infinity, is_neutral
 from haptisym.verbs.stability.loops import Loop, coefficients, zeros
 from haptisym.verbs.stability.pairs import Characteristic

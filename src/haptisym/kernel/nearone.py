@@ -8,14 +8,16 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from math import comb
 from typing import Any
 
+import flint
 from flint import arb, arb_mat, arb_poly
 from sympy import Expr, Integer
 
-from haptisym.kernel.pulse import SampledLoop
+from haptisym.kernel.pulse import Plant, SampledLoop
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.states import States, matrix
 
@@ -24,26 +26,12 @@ _MOST_PIECES = 200  # of the axis, that are looked at for one polynomial
 
 def about_one(loop: SampledLoop, known: Mapping[Expr, Ball]) -> list[Ball]:
     """The coefficients of z^N C(1/z) in z - 1, ascending, in balls; roots at z = 0 may be added."""
-    plant, whole = loop.plant, loop.samples(known)
-    T, lead = (expression_ball(x, known) for x in (loop.T, plant.denominator[-1]))
-    Q = [expression_ball(x, known) / lead for x in plant.denominator]
-    n = len(Q) - 1
-    states = States(Q)
-    M = states.A * states.integral(T)
-    total, (den, adjugate) = arb_poly([]), _leverrier(M)
-    longest = max(whole) + 1
-    for (lag, above), ell in zip(plant.terms, whole, strict=True):
-        N = [expression_ball(x, known) / lead for x in above]
-        N += [arb(0)] * (n + 1 - len(N))
-        C = states.row([x - N[n] * q for x, q in zip(N, Q, strict=True)][:n])
-        late = expression_ball(lag - ell * loop.T, known)
-        own = _power(1) * _between(C, adjugate, states.held(T - late)) + N[n] * den
-        if not late.is_zero():
-            own += _between(C, adjugate, (states.A * (T - late)).exp() * states.held(late))
-        total += own * _power(longest - 1 - ell)
+    moved = _of_numbers(loop.plant, loop.T, flint.ctx.prec) if loop.is_of_numbers else _moved(loop.plant, loop.T, known)
     size = max(len(loop.above), len(loop.below)) - 1
-    above_z, below_z = (_shifted(row, size, known) for row in (loop.above, loop.below))
-    return [*(below_z * den * _power(longest) + above_z * total).coeffs()]
+    above, below = (
+        arb_poly([expression_ball(x, known) for x in _shifted(row, size)]) for row in (loop.above, loop.below)
+    )
+    return [*(below * moved.below + above * moved.above).coeffs()]
 
 
 def about_axis(row: Sequence[Ball]) -> list[Ball]:
@@ -90,6 +78,43 @@ def has_no_pair(c: Sequence[Ball]) -> bool:
     return not waiting
 
 
+@dataclass(frozen=True)
+class _Moved:
+    """``above`` and ``below`` of a pulse transfer function, polynomials in z - 1."""
+
+    above: Any
+    below: Any
+
+
+@lru_cache(maxsize=64)
+def _of_numbers(plant: Plant, period: Expr, bits: int) -> _Moved:
+    """Of a plant without symbols, at this working precision: one matrix exponential for all values of a controller."""
+    assert bits == flint.ctx.prec
+    return _moved(plant, period, {})
+
+
+def _moved(plant: Plant, period: Expr, known: Mapping[Expr, Ball]) -> _Moved:
+    """The pulse transfer function of a plant."""
+    whole = plant.samples(period, known)
+    T, lead = (expression_ball(x, known) for x in (period, plant.denominator[-1]))
+    Q = [expression_ball(x, known) / lead for x in plant.denominator]
+    n = len(Q) - 1
+    states = States(Q)
+    M = states.A * states.integral(T)
+    total, (den, adjugate) = arb_poly([]), _leverrier(M)
+    longest = max(whole) + 1
+    for (lag, above), ell in zip(plant.terms, whole, strict=True):
+        N = [expression_ball(x, known) / lead for x in above]
+        N += [arb(0)] * (n + 1 - len(N))
+        C = states.row([x - N[n] * q for x, q in zip(N, Q, strict=True)][:n])
+        late = expression_ball(lag - ell * period, known)
+        own = _power(1) * _between(C, adjugate, states.held(T - late)) + N[n] * den
+        if not late.is_zero():
+            own += _between(C, adjugate, (states.A * (T - late)).exp() * states.held(late))
+        total += own * _power(longest - 1 - ell)
+    return _Moved(total, den * _power(longest))
+
+
 def _leverrier(M: Any) -> tuple[Any, list[Any]]:
     """|x - M|, and the coefficients of adj(x - M), ascending in x: without differences of what is nearly equal (Leverrier)."""
     n = M.nrows()
@@ -116,10 +141,11 @@ def _power(k: int) -> Any:
     return arb_poly([comb(k, i) for i in range(k + 1)])
 
 
-def _shifted(row: tuple[Expr, ...], size: int, known: Mapping[Expr, Ball]) -> Any:
+@lru_cache(maxsize=64)
+def _shifted(row: tuple[Expr, ...], size: int) -> tuple[Expr, ...]:
     """z^size times a polynomial in 1/z, in z - 1: what cancels does so exactly."""
     sums = [Integer(0)] * (size + 1)
     for k, x in enumerate(row):
         for i in range(size - k + 1):
             sums[i] += x * comb(size - k, i)
-    return arb_poly([expression_ball(x.expand(), known) for x in sums])
+    return tuple(x.expand() for x in sums)

@@ -40,6 +40,10 @@ class Plant:
         if any(len(above) > len(self.denominator) for _, above in self.terms):
             raise SceneError("a force that jumps would move the sampled position by an impulse")
 
+    def samples(self, period: Expr, known: Mapping[Expr, Ball]) -> tuple[int, ...]:
+        """Of each delay the whole samples."""
+        return tuple(_floor(lag / period, known) for lag, _ in self.terms)
+
 
 @dataclass(frozen=True)
 class SampledLoop:
@@ -88,7 +92,14 @@ class SampledLoop:
 
     def samples(self, known: Mapping[Expr, Ball]) -> tuple[int, ...]:
         """Of each delay the whole samples."""
-        return tuple(_floor(lag / self.T, known) for lag, _ in self.plant.terms)
+        return self.plant.samples(self.T, known)
+
+    @cached_property
+    def is_of_numbers(self) -> bool:
+        """Whether no symbol stands in the plant nor in the period."""
+        plant = self.plant
+        every = (self.T, *plant.denominator, *(x for lag, N in plant.terms for x in (lag, *N)))
+        return not any(x.free_symbols for x in every)
 
     def exact(self) -> list[Element] | None:
         """The same times a number that is not 0; None where the plant holds pi."""

@@ -5,45 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import factorial
 from typing import Any
 
 import numpy as np
 from flint import fmpq
 
 from haptisym.kernel.reals import ExactNumber
-from haptisym.programs.program import LAST, SMALL, Operation, Program
+from haptisym.programs.program import Operation, Program
+from haptisym.programs.sinc import sinc, sincm1
 
 BLOCK = 8192
-
-
-def _sinc(x: Any, out: Any = None) -> Any:
-    """sin(x)/x, and 1 at 0."""
-    value = np.sin(x) / x
-    found = np.where(x == 0, 1.0, value)
-    if out is None:
-        return found
-    out[...] = found
-    return out
-
-
-_SERIES = [(-1) ** (n // 2) / factorial(n) for n in range(LAST, 1, -2)]  # of sin(x)/x - 1, the highest power first
-
-
-def _sincm1(x: Any, out: Any = None) -> Any:
-    """sin(x)/x - 1, by its series while it is small."""
-    size = np.abs(x)
-    square = np.minimum(size, SMALL) ** 2
-    series = np.full_like(square, _SERIES[0])
-    for c in _SERIES[1:]:
-        series *= square
-        series += c
-    series *= square
-    found = np.where(size <= SMALL, series, np.sin(x) / x - 1.0)
-    if out is None:
-        return found
-    out[...] = found
-    return out
 
 
 UFUNCS: dict[str, Callable[..., Any]] = {
@@ -56,8 +27,8 @@ UFUNCS: dict[str, Callable[..., Any]] = {
     "sqrt": np.sqrt,
     "cos": np.cos,
     "sin": np.sin,
-    "sinc": _sinc,
-    "sincm1": _sincm1,
+    "sinc": sinc,
+    "sincm1": sincm1,
     "power": np.power,
 }
 _SELDOM = frozenset({"sinc", "sincm1"})

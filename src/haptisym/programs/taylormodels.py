@@ -11,10 +11,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import factorial
 from typing import Any, TypeAlias
 
 import numpy as np
+
+from haptisym.programs.sinc import sinc_and_slopes, sincm1
 
 Array: TypeAlias = Any  # numpy arrays of floats
 
@@ -136,7 +137,7 @@ class Model:
     def sinc(self) -> Model:
         """sin x/x, whose n-th derivative is nowhere larger than 1/(n + 1); the first is a difference of larger numbers."""
         a, rest = self.c0[:, :1], self.deviation[:, :1] ** 3 / 6
-        f, df, d2f, d3f = _sinc(a)
+        f, df, d2f, d3f = sinc_and_slopes(a)
         lost = _ROUNDING * np.minimum(np.abs(a), 1)
         value, slope = self._composed(f, df, d2f / 2, rest / 4), self._composed(df, d2f, d3f / 2, rest / 5 + lost)
         return self._chained(value, slope)
@@ -144,9 +145,9 @@ class Model:
     def sincm1(self) -> Model:
         """sin x/x - 1, to within roundings of itself also where x is small."""
         a = self.c0[:, :1]
-        _, df, d2f, _ = _sinc(a)
-        value = self._composed(_sincm1(a), df, d2f / 2, self.deviation[:, :1] ** 3 / 24)
-        return value._over(self.sinc()._slopes)
+        _, df, d2f, _ = sinc_and_slopes(a)
+        value = self._composed(sincm1(a), df, d2f / 2, self.deviation[:, :1] ** 3 / 24)
+        return value._over(self.sinc()._slopes) if self.c0.shape[1] > 1 else value
 
     def to_the(self, order: Model) -> Model:
         """A function >= 0 to a power > 0: where it may be 0 its slopes are unknown."""
@@ -194,27 +195,6 @@ class Model:
         k = known[:, None]
         c1, c2 = np.where(k[..., None], self.c1, other.c1), np.where(k[..., None, None], self.c2, other.c2)
         return Model(np.where(k, self.c0, other.c0), c1, c2, np.where(k, self.r, other.r))
-
-
-def _sincm1(x: Array) -> Array:
-    near = np.polynomial.Polynomial(sum(_SERIES[1:]))
-    return np.where(np.abs(x) < 1.5, near(x), np.sin(x) / np.where(x == 0, 1.0, x) - 1)
-
-
-_SERIES = [(-1.0) ** k / factorial(2 * k + 1) * np.eye(1, 29, 2 * k)[0] for k in range(14)]
-"""The terms of sin x/x, each as the coefficients of a polynomial."""
-
-
-def _sinc(x: Array) -> tuple[Array, ...]:
-    """sin x/x and three derivatives: near 0 by their series, else by x f'' + 2 f' + x f = 0."""
-    near = [np.polynomial.Polynomial(sum(_SERIES))]
-    near += [near[0].deriv(n) for n in (1, 2, 3)]
-    far = np.where(np.abs(x) < 1.5, 1.5, x)
-    f = np.sin(far) / far
-    df = (np.cos(far) - f) / far
-    d2f = -f - 2 * df / far
-    d3f = -df - (3 * d2f + f) / far
-    return tuple(np.where(np.abs(x) < 1.5, p(x), y) for p, y in zip(near, (f, df, d2f, d3f), strict=True))
 
 
 def _product(x: Model, y: Model) -> Model:

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from sympy import Expr
 
+from haptisym.kernel.alike import ordered
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.monomials import monomials
@@ -18,7 +19,6 @@ from haptisym.model.parameters import values
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.boundary import real_roots
 from haptisym.verbs.require.feasible import End, Span
-from haptisym.verbs.require.verdicts import compared
 
 
 def missing(scene: Scene, free: Knob) -> list[RealNumber]:
@@ -61,8 +61,8 @@ def without(spans: Sequence[Span], gone: Sequence[RealNumber]) -> tuple[Span, ..
 
 def _cut(span: Span, x: RealNumber) -> Iterator[Span]:
     low, high = span.low, span.high
-    after = 1 if low.value is None else compared(low.value, x)
-    before = 1 if high.value is None else compared(x, high.value)
+    after = 1 if low.value is None else ordered(low.value, x)
+    before = 1 if high.value is None else ordered(x, high.value)
     if after > 0 and before > 0:
         yield from (Span(low, End(x)), Span(End(x), high))
     elif after < 0 or before < 0:

@@ -10,6 +10,7 @@ from flint import acb, arb
 from sympy import Expr, Rational, exp, pi
 
 from haptisym.judge.criteria import Criterion
+from haptisym.kernel.alike import ordered
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.symbols import s
@@ -23,7 +24,7 @@ from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.verdicts import Question, Turn
 from haptisym.verbs.stability.boundary import meetings
 from haptisym.verbs.stability.clockrange import passages_in
-from haptisym.verbs.stability.curves import Gap, Meetings, ordered
+from haptisym.verbs.stability.curves import Gap, Meetings
 from haptisym.verbs.stability.entry import chosen
 from haptisym.verbs.stability.loops import Loop
 from haptisym.verbs.stability.rightroot import RightRoots

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
-import flint
 from sympy import Expr, Rational
 
+from haptisym.kernel.alike import ascending, is_told, ordered
 from haptisym.kernel.budget import spared, tick
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
@@ -16,8 +16,6 @@ from haptisym.verbs.require.feasible import Binding, End, Solved, Span, runs
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.stability.curves import Gap
 
-_BITS = 600
-"""With which values are told apart; what is alike so far counts as one."""
 _BEYOND = "further out was not looked at"
 
 
@@ -82,10 +80,10 @@ class Question:
         ends = [Turn(ExactNumber(x), ()) for x in (low, high, *self.beyond) if x is not None and self._holds(x)]
         edges = [x for gap in self.gaps for x in (gap.low, gap.high) if x is not None]
         turns = [*self.turns, *(Turn(x, ()) for x in (*self.gone, *edges))]
-        inside = [x for x in turns if x.value.ball(_BITS).is_finite() and self._within(x.value)]
+        inside = [x for x in turns if is_told(x.value) and self._within(x.value)]
         found: list[Turn] = []
-        for x in sorted([*ends, *inside], key=lambda x: x.value.ball(_BITS).mid()):
-            if found and not compared(found[-1].value, x.value):
+        for x in ascending([*ends, *inside], lambda x: x.value):
+            if found and not ordered(found[-1].value, x.value):
                 found[-1] = replace(found[-1], bindings=tuple(dict.fromkeys([*found[-1].bindings, *x.bindings])))
             else:
                 found.append(x)
@@ -96,8 +94,8 @@ class Question:
 
     def _within(self, x: RealNumber) -> bool:
         low, high = self.domain.low, self.domain.high
-        above = low is None or compared(ExactNumber(low), x) >= 0
-        return above and (high is None or compared(x, ExactNumber(high)) >= 0)
+        above = low is None or ordered(ExactNumber(low), x) >= 0
+        return above and (high is None or ordered(x, ExactNumber(high)) >= 0)
 
     def _cell(self, a: Turn | None, b: Turn | None) -> bool | None:
         low, high = (None if x is None else x.value for x in (a, b))
@@ -110,8 +108,8 @@ class Question:
     def _is_beyond(self, high: RealNumber | None) -> bool:
         """Whether turns are not known in a cell up to there."""
         first, last = self.beyond
-        below = first is not None and high is not None and compared(high, ExactNumber(first)) >= 0
-        return below or (last is not None and (high is None or compared(ExactNumber(last), high) > 0))
+        below = first is not None and high is not None and ordered(high, ExactNumber(first)) >= 0
+        return below or (last is not None and (high is None or ordered(ExactNumber(last), high) > 0))
 
     def _told(self, value: Expr, low: RealNumber | None, high: RealNumber | None) -> bool | None:
         """The verdict on a value, and so on all between two."""
@@ -142,7 +140,7 @@ class Question:
     def _at(self, i: int, places: Sequence[Turn | None], cells: Sequence[bool | None]) -> bool | None:
         """At one of the places: as exact numbers tell; else as its neighbours do."""
         here = places[i]
-        if here is None or not self._belongs(here.value) or any(not compared(here.value, x) for x in self.gone):
+        if here is None or not self._belongs(here.value) or any(not ordered(here.value, x) for x in self.gone):
             return False
         if isinstance(here.value, ExactNumber) and isinstance(here.value.value, Rational):
             return self.exists(here.value.value) and self._told(here.value.value, here.value, here.value)
@@ -152,20 +150,13 @@ class Question:
         return self.closed or not here.bindings or self.spares(here)
 
     def _is_edge(self, x: RealNumber) -> bool:
-        return any(end is not None and not compared(x, ExactNumber(end)) for end in (self.domain.low, self.domain.high))
+        return any(end is not None and not ordered(x, ExactNumber(end)) for end in (self.domain.low, self.domain.high))
 
     def _belongs(self, x: RealNumber) -> bool:
         domain = self.domain
-        low = domain.low is not None and not compared(x, ExactNumber(domain.low))
-        high = domain.high is not None and not compared(x, ExactNumber(domain.high))
+        low = domain.low is not None and not ordered(x, ExactNumber(domain.low))
+        high = domain.high is not None and not ordered(x, ExactNumber(domain.high))
         return not (low and not domain.holds_low) and not (high and not domain.holds_high)
-
-
-def compared(x: RealNumber, y: RealNumber) -> int:
-    """1 where y is beyond x, -1 where it is before it, 0 where they are alike as far as bits go."""
-    with flint.ctx.workprec(_BITS):
-        change = y.ball(_BITS) - x.ball(_BITS)
-        return int(change > 0) - int(change < 0)
 
 
 def _listed(reasons: Iterable[str]) -> str:
@@ -220,11 +211,11 @@ def _answer(x: Solved, value: RealNumber) -> bool | None:
     """Whether a value is in a set; None where that is open."""
     for span in x.feasible:
         low, high = span.low, span.high
-        above = 1 if low.value is None else compared(low.value, value)
-        below = 1 if high.value is None else compared(value, high.value)
+        above = 1 if low.value is None else ordered(low.value, value)
+        below = 1 if high.value is None else ordered(value, high.value)
         if (above > 0 or (above == 0 and low.closed)) and (below > 0 or (below == 0 and high.closed)):
             return True
     for start, end in x.undecided:
-        if (start is None or compared(start, value) >= 0) and (end is None or compared(value, end) >= 0):
+        if (start is None or ordered(start, value) >= 0) and (end is None or ordered(value, end) >= 0):
             return None
     return False

@@ -10,6 +10,7 @@ from typing import TypeAlias
 
 from sympy import Expr
 
+from haptisym.kernel.alike import each_once, is_told, ordered
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
 from haptisym.kernel.rootcount import RootChain
@@ -20,7 +21,7 @@ from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.stability.boundary import meetings
 from haptisym.verbs.stability.clockcritical import passages
-from haptisym.verbs.stability.curves import BITS, Gap, Meeting, Meetings, ordered
+from haptisym.verbs.stability.curves import Gap, Meeting, Meetings
 from haptisym.verbs.stability.loops import ALLOWED, Loop
 from haptisym.verbs.stability.tally import Tally
 
@@ -151,9 +152,7 @@ class _Walk:
     def _line(self, window: Meetings) -> _Line:
         self.tally.window = window
         ends = [Meeting(x, None) for gap in window.gaps for x in (gap.low, gap.high) if x is not None]
-        known = [x for x in (*window.found, *ends) if x.value.ball(BITS).is_finite()]
-        known.sort(key=lambda x: x.value.ball(BITS).mid())
-        apart = [x for i, x in enumerate(known) if i == 0 or ordered(known[i - 1].value, x.value)]
+        apart = each_once((x for x in (*window.found, *ends) if is_told(x.value)), lambda x: x.value)
         low, low_is_whole = _nearer(window.above, self.low, -1)
         high, high_is_whole = _nearer(window.below, self.high, 1)
         within = [

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import flint
 from sympy import Expr, Integer
 
 from haptisym.judge.peaks import ValueAt
+from haptisym.kernel.alike import ordered
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.far import Sense, far
@@ -20,16 +20,6 @@ from haptisym.kernel.response import RealFunction, on_axis, squared_modulus
 from haptisym.kernel.rings import Polynomial, RationalFunction
 from haptisym.kernel.roots import Point, chart
 from haptisym.verbs.stability.loops import Loop, coefficients
-
-BITS = 600
-"""At which values that are still alike count as one."""
-
-
-def ordered(x: RealNumber, y: RealNumber) -> int:
-    """1 where y is beyond x, -1 where it is before it, 0 where they are alike as far as bits go."""
-    with flint.ctx.workprec(BITS):
-        change = y.ball(BITS) - x.ball(BITS)
-        return int(change > 0) - int(change < 0)
 
 
 @dataclass(frozen=True)

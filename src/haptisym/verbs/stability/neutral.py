@@ -16,8 +16,9 @@ import flint
 from flint import arb
 from sympy import Integer, Rational
 
+from haptisym.kernel.alike import each_once, ordered
 from haptisym.kernel.reals import ExactNumber, RealNumber, rational_between
-from haptisym.verbs.stability.curves import BITS, Curve, Gap, Meeting, Meetings, ordered
+from haptisym.verbs.stability.curves import Curve, Gap, Meeting, Meetings
 from haptisym.verbs.stability.loops import Loop
 from haptisym.verbs.stability.reach import Reach, reach_of
 
@@ -93,9 +94,7 @@ def cells(loop: Loop, far_out: Sequence[Meeting]) -> list[_Cell]:
         x.value for x in far_out
         if (low is None or ordered(low, x.value) > 0) and (high is None or ordered(x.value, high) > 0)
     ]  # fmt: skip
-    inside.sort(key=lambda x: x.ball(BITS).mid())
-    apart = [x for i, x in enumerate(inside) if not i or ordered(inside[i - 1], x)]
-    found = (_Cell(a, b) for a, b in pairwise([low, *apart, high]))
+    found = (_Cell(a, b) for a, b in pairwise([low, *each_once(inside, lambda x: x), high]))
     return [x for x in found if loop.at(rational_between(x.low, x.high)).chain is None]
 
 

@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 
 from sympy import Expr, Rational
 
+from haptisym.kernel.alike import ordered
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rootcount import RootChain
-from haptisym.verbs.stability.curves import Gap, Meetings, ordered
+from haptisym.verbs.stability.curves import Gap, Meetings
 from haptisym.verbs.stability.loops import Loop
 
 

@@ -15,12 +15,13 @@ import flint
 from sympy import Integer, Rational
 
 from haptisym.judge.peaks import ValueAt
+from haptisym.kernel.alike import ALIKE_BITS, ordered
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.far import Sense, far
 from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import RationalFunction
-from haptisym.verbs.stability.curves import BITS, Curve, curve_of, ordered
+from haptisym.verbs.stability.curves import Curve, curve_of
 from haptisym.verbs.stability.farout import from_infinity
 from haptisym.verbs.stability.loops import Loop
 from haptisym.verbs.stability.pairs import Characteristic
@@ -92,10 +93,10 @@ class Tendency:
             return bool(self.loop.at(start.value).right)
         if not isinstance(start, ValueAt):
             return False
-        with flint.ctx.workprec(BITS):  # those on the axis itself, if it is there that the value puts them
-            omega, curve = start.omega.ball(BITS), found.curve
+        with flint.ctx.workprec(ALIKE_BITS):  # those on the axis itself, if it is there that the value puts them
+            omega, curve = start.omega.ball(ALIKE_BITS), found.curve
             rate, own, zero = (RealFunction(f).ball(omega) for f in (found.rate, curve.value, curve.condition))
-            return bool(own.overlaps(start.ball(BITS)) and zero.contains(0) and found.sense * rate > 0)
+            return bool(own.overlaps(start.ball(ALIKE_BITS)) and zero.contains(0) and found.sense * rate > 0)
 
 
 def _rate(curve: Curve) -> RationalFunction:
