@@ -97,6 +97,22 @@ def test_a_floor_counts_where_it_is_above_the_limit() -> None:
     assert 44 * at[1] * (1 - 1e-12) <= float(x.high) == pytest.approx(44 * at[1], rel=2e-3)
 
 
+@pytest.mark.few(2)
+@pytest.mark.parametrize("floor", [{}, {"floor": "1 N/m"}])
+@pytest.mark.parametrize(("lower", "higher"), [("0.2", "0.05"), ("0.05", "0.2"), ("0.3", "0.3")])
+def test_what_shrinks_is_judged_by_the_lower_limit_and_what_grows_by_the_higher(
+    lower: str, higher: str, floor: dict[str, str]
+) -> None:
+    """Behind the lag a spring shrinks by k t^2/(1 + t^2); beside a negative mass it grows by |m| omega^2."""
+    sided = {"real": {"lower": lower, "higher": higher}, "imag": 9, **floor}
+    t = sqrt(float(lower) / (1 - float(lower)))
+    assert ends(hs.tolerances(lagged(sided, top=40), samples=0)) == pytest.approx([36 * t, 44 * t], rel=1e-13)
+    felt = hs.environments.mass_spring_damper(k="100 N/m")
+    beside = hs.Scene(felt, (hs.effects.shunt(m=["-0.5 kg", "-0.1 kg"]),), (0, 40), sided)
+    places = [sqrt(float(higher) * 100 / m) for m in (0.5, 0.1)]
+    assert ends(hs.tolerances(beside, samples=0)) == pytest.approx(places, rel=1e-13)
+
+
 @pytest.mark.parametrize(("top", "verdict"), [(7, "all"), (8, "depends"), (9.5, "none")])
 def test_the_verdict_is_for_all_for_some_or_for_none(top: float, verdict: str) -> None:
     """The disc of 0.2 is left between 7.35 and 8.98 rad/s."""
