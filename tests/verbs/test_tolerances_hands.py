@@ -231,6 +231,43 @@ def test_a_characteristic_function_lies_in_its_models_and_prevails_beyond_its_re
         assert z**3 > value * z**2 + 3 + value * z + value**2 + 1 + value * z**1.2
 
 
+@pytest.mark.few(2)
+@pytest.mark.parametrize("width", [0, Fraction(1, 1 << 40), Fraction(1, 1000), Fraction(1, 4)])
+@pytest.mark.parametrize("low", [-5, -1, "-1/3", 0, 2])
+def test_a_characteristic_function_lies_in_its_models_to_the_last_digit(low: Any, width: Fraction) -> None:
+    """With a number that may be negative, in points and in cells of any width: against 60 digits, nothing given away."""
+    a, t, w = Symbol("a", real=True), Symbol("t", positive=True), mpmath.mp.clone()
+    w.dps = 60
+    D = s**3 + a * s**2 + (3 + a * s) * exp(-s * t) + a**3 * exp(-2 * s * t) + a + a * s ** (1 + t) * exp(-s * t)
+    ring = Ring.of([D])
+    ranges = {a: (Rational(low), Rational(low) + Rational(10, 3)), t: (Rational(1, 10), Rational(1, 5))}
+    form, rng = OnAxis(ring, ring.convert(D).numerator, ranges), np.random.default_rng(4)
+    form.reach = 30.0
+    cells = [[[Fraction(x), Fraction(float(x + width))] for x in row] for row in rng.uniform(0, 0.7, (60, 3)).tolist()]
+    found = [x.bounds() for x in form.parts(np.array(cells, float))]
+    ways = [(Fraction(0), Fraction(30)), *((Fraction(str(x)), Fraction(str(y - x))) for x, y in ranges.values())]
+    for n, ((start, way), model) in enumerate(zip(ways, form._values(np.array(cells, float), 30.0), strict=True)):
+        for rest, least, most, cell in zip(*(x[:, 0].tolist() for x in (model.r, *model.bounds())), cells, strict=True):
+            assert rest >= 4 * Fraction(1, 2**53) * max(abs(start + way * x) for x in cell[n])
+            assert least <= start + way * cell[n][0] <= start + way * cell[n][1] <= most
+            assert most - least <= way * width + Fraction(1, 10**10)
+    for i, cell in enumerate(cells):
+        shares = [x + (y - x) * Fraction(rng.integers(0, 9).item(), 8) for x, y in cell]
+        omega, av, tv = (
+            w.mpf(x.numerator) / x.denominator
+            for x in (
+                30 * shares[0],
+                Fraction(low) + Fraction(10, 3) * shares[1],
+                Fraction(1, 10) + Fraction(1, 10) * shares[2],
+            )
+        )
+        z = w.mpc(0, omega)
+        late = w.exp(-z * tv)
+        exact = z**3 + av * z**2 + (3 + av * z) * late + av**3 * late**2 + av + av * z ** (1 + tv) * late
+        for (least, most), true in zip(found, (exact.real, exact.imag), strict=True):
+            assert float(least[i, 0]) <= true <= float(most[i, 0])
+
+
 @pytest.mark.parametrize("seed", [3, *(pytest.param(n, marks=pytest.mark.slow) for n in range(4, 50))])
 def test_no_set_of_values_in_a_random_box_is_against_the_verdict(seed: int) -> None:
     pick, rng = Seeded(9000 + seed), np.random.default_rng(seed)
