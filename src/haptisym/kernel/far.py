@@ -143,11 +143,22 @@ class _Waves:
         """Of the waves before one power of omega."""
         with flint.ctx.workprec(_BITS):
             group = self.groups[power]
-            places = range(_SAMPLES if any(self.degrees) else 1)
-            signs = {sign_of(self._along(group, k)) for k in places} - {0}
-            if len(signs) == 2:
-                return _Clear(Sense.BOTH)
+            found = self._dominated(group)
+            if found is not None:
+                return found
+            signs = set[int]()
+            for k in range(_SAMPLES if any(self.degrees) else 1):
+                signs |= {sign_of(self._along(group, k))} - {0}
+                if len(signs) == 2:
+                    return _Clear(Sense.BOTH)
             return self._clear(group, Sense(signs.pop())) if signs else _Clear(Sense.UNKNOWN)
+
+    def _dominated(self, group: _Group) -> _Clear | None:
+        """Where what does not turn is more than all that does together."""
+        own = (CONSTANT,) * len(self.turning)
+        still = group.get(own, arb(0))
+        margin = abs(still) - sum((abs(c) for x, c in group.items() if x != own), arb(0))
+        return _Clear(Sense(sign_of(still)), margin.lower()) if margin > 0 else None
 
     def _along(self, group: _Group, k: int) -> Ball:
         """The waves at one of some frequencies, which turn the fastest angle by about 0.23 each."""
@@ -157,10 +168,6 @@ class _Waves:
 
     def _clear(self, group: _Group, sense: Sense) -> _Clear:
         """A bound that keeps the waves clear of 0 all over their angles; UNKNOWN where none is found."""
-        own = (CONSTANT,) * len(self.turning)
-        margin = group.get(own, arb(0)) * sense.value - sum((abs(c) for x, c in group.items() if x != own), arb(0))
-        if margin > 0:
-            return _Clear(sense, margin.lower())
         cell = 2 * arb.pi() / _PIECES
         cells = [
             tuple(cell * n + arb(0).union(cell) if top else arb(0) for n, top in zip(place, self.degrees, strict=True))

@@ -37,9 +37,7 @@ def about_one(loop: SampledLoop, known: Mapping[Expr, Ball]) -> list[Ball]:
 def about_axis(row: Sequence[Ball]) -> list[Ball]:
     """The coefficients in v, ascending, of a polynomial in z - 1 = 2 v/(1 - v)."""
     n = len(row) - 1
-    turned = arb_poly([])
-    for k, x in enumerate(row):
-        turned += x * arb_poly([0] * k + [2**k]) * arb_poly([(-1) ** i * comb(n - k, i) for i in range(n - k + 1)])
+    turned = sum((x * own for x, own in zip(row, _turned(n), strict=True)), arb_poly([]))
     c = [*turned.coeffs()]
     return c + [arb(0)] * (n + 1 - len(c))
 
@@ -74,6 +72,8 @@ def has_no_pair(c: Sequence[Ball]) -> bool:
         at = arb(low).union(arb(high))
         if all(p(at).contains(0) for p in parts):
             middle = (low + high) / 2
+            if all(p(arb(middle)).contains(0) for p in parts):
+                return False  # at this very place it stays open, however small the piece
             waiting += [(parts, low, middle), (parts, middle, high)]
     return not waiting
 
@@ -133,6 +133,15 @@ def _leverrier(M: Any) -> tuple[Any, list[Any]]:
 def _between(C: Any, adjugate: list[Any], start: Any) -> Any:
     """C adj(x - M) start."""
     return arb_poly([(C * N * start)[0, 0] for N in adjugate])
+
+
+@lru_cache(maxsize=64)
+def _turned(n: int) -> list[Any]:
+    """(z - 1)^k (1 - v)^n in v, k = 0, ..., n."""
+    return [
+        arb_poly([0] * k + [2**k]) * arb_poly([(-1) ** i * comb(n - k, i) for i in range(n - k + 1)])
+        for k in range(n + 1)
+    ]
 
 
 @lru_cache(maxsize=64)

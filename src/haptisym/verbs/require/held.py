@@ -149,5 +149,7 @@ def _wider(one: Meetings, other: Meetings) -> Meetings:
     """Two windows that both hold the scene's own value, as one."""
     above = None if one.above is None or other.above is None else min(one.above, other.above)
     below = None if one.below is None or other.below is None else max(one.below, other.below)
+    if (above, below) == (other.above, other.below):  # all of the first is in the second
+        return other
     new = [x for x in other.found if not any(x.is_like(y) for y in one.found)]
     return Meetings((*one.found, *new), above, below, other.gaps)
