@@ -8,15 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import wraps
+from itertools import product
 from typing import Any
 
 import flint
 import numpy as np
 import pytest
 from flint import arb
+from sympy import Integer, Rational
 
 from haptisym.programs.taylormodels import Model, _product, between, constant, variable
+from haptisym.programs.valued import floated
 
 Array = Any
 ROUNDING = 2.0**-53
@@ -193,6 +197,25 @@ def test_a_sum_with_a_number_holds_it_and_a_number_has_no_slopes(sides: int, ord
         true = np.concatenate([np.full((100, 1), off), np.full((100, sides), arb(0))], 1)
         assert outside(own, points.t, true).tolist() == []
         assert [array.shape for array in own.arrays] == [array.shape for array in x.arrays]
+
+
+@pytest.mark.parametrize("order", [2, 1])
+@with_many_digits
+def test_exact_numbers_that_have_no_float_near_them_are_held_where_they_are_put_in(order: int) -> None:
+    """From 10^-420 on, many of which are 0 as floats: sums and products with them hold those of the numbers themselves."""
+    sizes = [
+        Integer(0),
+        *(Rational(sign * 7, 3) * Rational(10) ** n for n in (-420, -309, -16, 9) for sign in (1, -1)),
+    ]
+    like = constant(1.0, 1, 1, slopes=order)
+    for x, y in product(sizes, repeat=2):
+        own = like.number(floated(x))
+        for model, true in (
+            (own, x), (own.plus(floated(y)), x + y), (own.times(floated(y)), x * y),
+            (own + like.number(floated(y)), x + y), (own * like.number(floated(y)), x * y),
+        ):  # fmt: skip
+            least, most = (Fraction(end[0, 0].item()) for end in model.bounds())
+            assert least <= Fraction(int(true.p), int(true.q)) <= most
 
 
 @pytest.mark.parametrize("slopes", [2, 1])
