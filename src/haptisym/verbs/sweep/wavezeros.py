@@ -21,7 +21,7 @@ import numpy as np
 
 from haptisym.verbs.sweep.batch import Array, error
 from haptisym.verbs.sweep.bernstein import Zeros
-from haptisym.verbs.sweep.chebyshev import halving, nodes
+from haptisym.verbs.sweep.chebyshev import Nodes, halving, nodes
 from haptisym.verbs.sweep.wavevalues import WaveFunction
 
 Segments: TypeAlias = tuple[Array, Array, Array]
@@ -218,14 +218,23 @@ def _sign_from_0(f: WaveFunction, high: Array) -> Array:
     powers[place] = np.exp(f.variables.orders[place] * np.log(high)) * _SLACK
     value, _ = f.left_out(low, high, _DEGREE_AT_0, powers)
     sizes = f.sizes(high, powers=powers)
-    wrong = f.error(sizes, low, high, own_powers=True) + error(sizes, _DEGREE_AT_0 + n.degree + 5)
     x = high * m.high[:, None]
-    values = f.values(x, powers[:, None, None] * n.high[:, None, None])
-    coefficients = np.einsum("ki,mj,ijb->kmb", n.matrix, m.matrix, values)
+    coefficients, roundings = _in_both(n, m, f.values(x, powers[:, None, None] * n.high[:, None, None]))
+    wrong = f.error(sizes, low, high, own_powers=True) + error(sizes, roundings)
     bounds = n.amplified[:, None, None] * (m.amplified[:, None] * wrong + value)
     same = _one_sign(coefficients.reshape(-1, len(high)), bounds.reshape(-1, len(high)))
-    found: Array = np.where(same & (value < _READY_AT_0 * sizes), np.sign(values[0, 0]), 0.0)
+    found: Array = np.where(same & (value < _READY_AT_0 * sizes), np.sign(coefficients[0, 0]), 0.0)
     return found
+
+
+def _in_both(n: Nodes, m: Nodes, values: Array) -> tuple[Array, int]:
+    """From values at nodes of the power and of x to coefficients in both of Bernstein's bases, and how often a term is rounded.
+
+    One variable after the other: in a sum over both at once each term would be rounded with every one that follows it.
+    """
+    of_x = np.einsum("mj,ijb->imb", m.matrix, values)
+    # each time the weight, the product, and with all terms but its own the sum
+    return np.einsum("ki,imb->kmb", n.matrix, of_x), (m.degree + 2) + (n.degree + 2)
 
 
 def _pieces(segments: Segments) -> Iterator[Segments]:
