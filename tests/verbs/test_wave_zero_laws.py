@@ -7,6 +7,7 @@ from fractions import Fraction
 from itertools import pairwise
 from math import comb
 from random import Random
+from types import SimpleNamespace
 from typing import Any
 
 import mpmath
@@ -14,11 +15,12 @@ import numpy as np
 import pytest
 
 from haptisym.verbs.sweep import wavezeros
+from haptisym.verbs.sweep.batch import Batch
 from haptisym.verbs.sweep.chebyshev import nodes
 from haptisym.verbs.sweep.families import Monomial, Powers
 from haptisym.verbs.sweep.waveroots import refine
 from haptisym.verbs.sweep.waves import Variables, WaveFamily
-from haptisym.verbs.sweep.wavevalues import Factor, WaveFunction
+from haptisym.verbs.sweep.wavevalues import Factor, Points, WaveFunction
 from haptisym.verbs.sweep.wavezeros import Curves, _interpolated, isolate
 
 ORDERS = (0.25, 0.5)
@@ -140,6 +142,48 @@ def test_no_term_of_coefficients_in_two_bases_is_rounded_more_often_than_is_coun
         )
         size = Fraction(n.amplified[k].item()) * Fraction(m.amplified[i].item())
         assert abs(Fraction(plain[k, i, b].item()) - true) <= counted * Fraction(1, 2**53) * size
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_no_term_of_a_sum_of_waves_is_rounded_more_often_than_is_counted(seed: int) -> None:
+    """Of values from coefficients and an x that were rounded some times, and of their coefficients in all halvings."""
+    pick = Random(seed)
+    unit = (0, 1)
+    variables = Variables((Monomial(0, 1.0, 0.0, unit), Monomial(0, 2.0, 0.0, unit)), ORDERS)
+    for _ in range(20):
+        most = [pick.choice([0, 1, 2, 5, 9]), *(pick.choice([0, 1, 3]) for _ in range(6))]
+        rows = sorted({tuple(pick.randint(0, n) for n in most) for _ in range(pick.randint(1, 12))})
+        terms = tuple(Monomial(i, 1.0, 0.0, unit) for i in range(len(rows)))
+        known = np.array([[Rounded(pick.randint(0, 30))] for _ in rows], dtype=object)
+        batch = Batch(known, known, max(x.often for x in known.ravel()))
+        factor = Factor(WaveFamily(terms, variables, tuple(rows)), batch)
+        x, waves = np.array([Rounded(3)], dtype=object), [np.array([Rounded(0)], dtype=object)] * 6
+        [value] = factor.at(Points(x, waves), known)
+        assert value.often <= factor.roundings
+
+
+@pytest.mark.parametrize("degree", [5, 14])
+def test_no_coefficient_is_rounded_more_often_than_is_counted_however_often_it_is_halved(degree: int) -> None:
+    found = np.full((degree + 1, 1), Rounded(0), dtype=object)
+    found = np.einsum("ji,ib->jb", np.full((degree + 1, degree + 1), Rounded(1), dtype=object), found)
+    for _ in range(wavezeros._MOST_HALVINGS):
+        weights = np.full((degree + 1, degree + 1), Rounded(0), dtype=object)
+        found = np.einsum("ji,ib->jb", weights, found)
+    counted: list[int] = []
+    stub: Any = SimpleNamespace(
+        values=lambda x: np.zeros_like(x), error=lambda *_: np.zeros(1), sizes=lambda x: np.zeros_like(x)
+    )
+
+    def counts(_: Any, often: int) -> Any:
+        counted.append(often)
+        return np.zeros(1)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(wavezeros, "error", counts)
+        ends = np.array([0.25]), np.array([0.5])
+        _interpolated(stub, (np.array([0]), *ends), np.ones(1), (np.zeros(1), np.zeros(1)), degree)
+    [often] = counted
+    assert max(x.often for x in found.ravel()) <= often <= 2 * max(x.often for x in found.ravel())
 
 
 @pytest.mark.parametrize(
