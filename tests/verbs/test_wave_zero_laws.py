@@ -152,9 +152,11 @@ def test_no_term_of_a_sum_of_waves_is_rounded_more_often_than_is_counted(seed: i
     variables = Variables((Monomial(0, 1.0, 0.0, unit), Monomial(0, 2.0, 0.0, unit)), ORDERS)
     for _ in range(20):
         most = [pick.choice([0, 1, 2, 5, 9]), *(pick.choice([0, 1, 3]) for _ in range(6))]
-        rows = sorted({tuple(pick.randint(0, n) for n in most) for _ in range(pick.randint(1, 12))})
+        some = {tuple(pick.randint(0, n) for n in most) for _ in range(pick.randint(1, 12))}
+        every = {(n, *row[1:]) for row in some for n in range(row[0])} if pick.random() < 0.5 else set()  # of x
+        rows = sorted(some | every)
         terms = tuple(Monomial(i, 1.0, 0.0, unit) for i in range(len(rows)))
-        known = np.array([[Rounded(pick.randint(0, 30))] for _ in rows], dtype=object)
+        known = np.full((len(rows), 1), Rounded(pick.randint(0, 30)), dtype=object)
         batch = Batch(known, known, max(x.often for x in known.ravel()))
         factor = Factor(WaveFamily(terms, variables, tuple(rows)), batch)
         x, waves = np.array([Rounded(3)], dtype=object), [np.array([Rounded(0)], dtype=object)] * 6
