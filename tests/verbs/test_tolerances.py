@@ -315,6 +315,11 @@ SOFT = hs.environments.mass_spring_damper(k="100 N/m +- 10 %")
 LAG = hs.effects.first_order_lag("40 rad/s +- 10 %")
 
 
+def test_numbers_without_a_unit_are_told_in_those_of_translation_as_all_pages_do() -> None:
+    bare = hs.environments.mass_spring_damper([1, 2], [3, 4], [90, 110])
+    assert [x.unit for x in box_of(hs.Scene(bare, (LAG,))).sides] == ["kg", "N*s/m", "N/m", "rad/s"]
+
+
 def test_a_box_has_a_side_for_each_range_in_its_units_and_the_threshold_last() -> None:
     wheel = hs.environments.mass_spring_damper("0.05 kg*m^2 +- 5 %", "0.3 N*m*s/rad", "5 N*m/rad +- 10 %")
     for jnd, names in (
