@@ -9,6 +9,7 @@ from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any, ClassVar, Protocol
 
+from haptisym.kernel.copies import made, packed, state, unpacked
 from haptisym.kernel.errors import NothingToDrawError, SceneError
 from haptisym.kernel.shown import Shown
 
@@ -40,6 +41,11 @@ class Answer(Shown):
     _page: ClassVar[str]
     _figure: ClassVar[str] = ""
     _certificate: ClassVar[str] = ""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """So that pools of processes and files on disk take answers: a copy says the same, and asks nothing again."""
+        items = tuple(self) if isinstance(self, tuple) else None
+        return _restored, (type(self), packed((items, state(self))))
 
     @property
     def certified(self) -> bool:
@@ -121,3 +127,10 @@ class Answer(Shown):
     def __str__(self) -> str:
         page = self.document()
         return page if isinstance(page, str) else str(resolve_name("haptisym.writing.plain:plain")(page))
+
+
+def _restored(kind: type, content: bytes) -> Any:
+    items, attributes = unpacked(content)
+    found = made(kind, items)
+    vars(found).update(attributes)
+    return found

@@ -102,10 +102,6 @@ class Evaluation(Answer):
         found = counted(len(self.crossings), "crossing"), counted(len(self.percepts), "percept")
         return f"{titled(self.scene.title)}: {width}, {', '.join(found)}"
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        """A copy evaluates again: what was found holds what cannot be pickled."""
-        return _again, (self.scene, self.digits, self.relevance, self.regions)
-
     def with_regions(self) -> Evaluation:
         """The same, with what square, disc and diamond of the same half widths say."""
         return replace(self, regions=compared(self.distortion, self.scene.threshold, self.scene.band))
@@ -276,11 +272,6 @@ def evaluate(scene: Scene | str | Path, digits: int = 15, *, left_out: LeftOut |
     isolation = time.perf_counter() - started
     stable = force_is_stable(scene, distortion)
     return Evaluation(scene, distortion, table, stable, digits, left_out, isolation)
-
-
-def _again(scene: Scene, digits: int, left_out: LeftOut | None, regions: tuple[Compared, ...]) -> Evaluation:
-    found = evaluate(scene, digits, left_out=left_out)
-    return found.with_regions() if regions else found
 
 
 def _interval(x: Interval) -> list[float]:

@@ -106,9 +106,6 @@ class Peaks(Answer, tuple[Peak, ...]):
         self.scene, self.undecided = scene, tuple(undecided)
         return self
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return peaks, (self.scene,)
-
     def _line(self) -> str:
         return f"{titled(self.scene.title)}: {counted(len(self), 'peak')}"
 

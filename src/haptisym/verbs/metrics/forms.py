@@ -52,7 +52,6 @@ class Form(Shown):
     """A closed form by its name, of s or of omega."""
 
     name: str
-    of: Callable[[ChainSystem], Function | None]
     numbers: ChainSystem
     symbols: ChainSystem | None
 
@@ -62,12 +61,12 @@ class Form(Shown):
     @cached_property
     def symbolic(self) -> Function | None:
         """In the scene's symbols; None with too many of them, and where there is none (a division by 0)."""
-        return None if self.symbols is None else self.of(self.symbols)
+        return None if self.symbols is None else _FORMS[self.name](self.symbols)
 
     @cached_property
     def numeric(self) -> Function | None:
         """In the scene's numbers; None where there is none."""
-        return self.of(self.numbers)
+        return _FORMS[self.name](self.numbers)
 
     @property
     def value(self) -> Expr | None:
@@ -85,7 +84,7 @@ class MeasureForms:
 
     def __call__(self, *names: str) -> tuple[Form, ...]:
         """Some of them."""
-        return tuple(Form(name, _FORMS[name], self.numeric, self.symbolic) for name in names)
+        return tuple(Form(name, self.numeric, self.symbolic) for name in names)
 
 
 def _stiffness(x: ChainSystem) -> RealFunction:

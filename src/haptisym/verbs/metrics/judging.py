@@ -46,12 +46,12 @@ _Hybrid: TypeAlias = Callable[[RealFunction, RealFunction, RealFunction, RealFun
 """Of Im h11, Im h22, Re g and |g|^2, with g = -h12 h21."""
 
 
-def _read(f: _Hybrid, d: Distortion) -> RealFunction:
+def _read(rule: str, d: Distortion) -> RealFunction:
     port = TwoPort.of(d.chain, d.env.ring)  # type: ignore[arg-type]
     least, leak, gain = port.least, port.leak, port.gain
     if least is None or leak is None or gain is None:
         raise SceneError("D = 0: the hybrid matrix of this scene does not exist")
-    return f(on_axis(least).imag, on_axis(leak).imag, on_axis(gain).real, squared_modulus(gain))
+    return _CONDITIONS[rule](on_axis(least).imag, on_axis(leak).imag, on_axis(gain).real, squared_modulus(gain))
 
 
 def _lack(own: RealFunction, other: RealFunction, real: RealFunction, _: RealFunction) -> RealFunction:
@@ -65,7 +65,7 @@ _CONDITIONS: Mapping[str, _Hybrid] = {
     "Re g - 2 Im h11 Im h22 >= 0": _lack,
     "(Re g - 2 Im h11 Im h22)^2 >= |g|^2": lambda *x: x[3] - _lack(*x) * _lack(*x),
 }
-LLEWELLYN = tuple(Criterion(rule, rule, rule.split(" ")[0], rule, partial(_read, f)) for rule, f in _CONDITIONS.items())
+LLEWELLYN = tuple(Criterion(rule, rule, rule.split(" ")[0], rule, partial(_read, rule)) for rule in _CONDITIONS)
 """Conditions on the axis for absolute stability; those on the poles are others."""
 
 
