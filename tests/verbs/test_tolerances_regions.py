@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 from fractions import Fraction
 from itertools import pairwise
-from math import sqrt
+from math import cos, sin, sqrt
 from pathlib import Path
+from random import Random
 from typing import Any
 
 import numpy as np
@@ -95,6 +96,30 @@ def test_a_floor_counts_where_it_is_above_the_limit() -> None:
     assert float(x.low) == pytest.approx(36 * at[0], rel=2e-3)
     assert float(x.low) <= 36 * at[0] * (1 + 1e-12)
     assert 44 * at[1] * (1 - 1e-12) <= float(x.high) == pytest.approx(44 * at[1], rel=2e-3)
+
+
+@pytest.mark.few(4)
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("turns", range(4))
+def test_a_region_that_is_alike_on_no_two_sides_is_left_where_its_first_edge_is_met(turns: int, seed: int) -> None:
+    """H_env = s^n is j^n on the axis: x + j y = j^n (-t^2 - j t)/(1 + t^2), and p x + q y = 1 of an edge is quadratic in t."""
+    draw = Random(seed)
+    angles = [2.1 * n + draw.uniform(0, 0.7) + seed for n in range(3)]
+    sizes = [draw.uniform(0.1, 0.4) for _ in angles]
+    corners = [[round(r * cos(a), 3), round(r * sin(a), 3)] for a, r in zip(angles, sizes, strict=True)]
+    felt = hs.environments.expression(f"s^{turns}") if turns else hs.environments.mass_spring_damper(k=1)
+    scene = hs.Scene(
+        felt, (hs.effects.first_order_lag(["36", "44"]),), (0, 90), {"shape": "polygon", "corners": corners}
+    )
+    X, Y = ((0, -1), (-1, 0)) if turns % 2 == 0 else ((1, 0), (0, -1))  # before t and t^2
+    X, Y = (X, Y) if turns < 2 else ((-X[0], -X[1]), (-Y[0], -Y[1]))
+    places = []
+    for one, other in zip(corners, [*corners[1:], corners[0]], strict=True):
+        p, q = np.linalg.solve([one, other], [1, 1])
+        roots = np.roots([p * X[1] + q * Y[1] - 1, p * X[0] + q * Y[0], -1])
+        places += [x.real for x in roots if abs(x.imag) < 1e-12 and x.real > 0]
+    first = hs.tolerances(scene, samples=0).enclosures[0]
+    assert float(first.low) == pytest.approx(36 * min(places), rel=1e-9)
 
 
 @pytest.mark.few(2)
