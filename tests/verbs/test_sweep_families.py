@@ -13,9 +13,12 @@ import pytest
 from flint import arb
 from sympy import Expr, Rational, Symbol, exp, lambdify
 
+import haptisym as hs
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.response import on_axis
+from haptisym.kernel.response import RealFunction, on_axis
+from haptisym.kernel.symbols import omega as w
 from haptisym.kernel.symbols import s
+from haptisym.verbs.sweep.curves import ClosedForms, Reader
 from haptisym.verbs.sweep.families import Family, Monomial, Powers, within_reach
 from haptisym.verbs.sweep.waves import Variables, WaveFamily, WaveReader, is_readable
 from haptisym.verbs.sweep.wavevalues import Factor, WaveFunction
@@ -42,6 +45,27 @@ def drawn(pick: Random) -> tuple[list[Family], np.ndarray]:
     reach = pick.choice([3, 45, 300])
     sets = [[pick.choice([0.0, *[2.0 ** pick.randint(-reach, reach)] * 5]) for _ in range(4)] for _ in range(2)]
     return families, np.array(sets)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_function_is_read_as_the_signs_of_what_comes_an_odd_number_of_times(seed: int) -> None:
+    """What comes an even number of times above the line, and all below it, must not vanish: there the signs are not the answer."""
+    pick = Random(seed)
+    for _ in range(6):
+        squares = pick.sample((2, 3, 5, 6, 7, 8), 4)
+        whole = Rational(pick.choice([-3, -1, 2]), 5) * w ** pick.choice([0, 1, 2, 3])
+        powers = {n: pick.choice([-3, -2, -1, 1, 2, 3, 4]) for n in squares}
+        f = RealFunction(Ring().axis.convert(whole * prod((w**2 - n) ** k for n, k in powers.items())))
+        reader = Reader(hs.load_scene("fu2019"), [], ClosedForms({}, (f,)))
+        told = reader._signs(f)
+        rows = [[x.at(Powers(np.zeros((0, 1)))).values[:, 0] for x in own] for own in (told.factors, reader.definite)]
+        roots = [sorted(15**2 * (np.roots(row[::-1])[0] ** (2 / reader.step)).real for row in own) for own in rows]
+        assert roots[0] == pytest.approx(sorted(n for n, k in powers.items() if k % 2))
+        assert roots[1] == pytest.approx(sorted(n for n, k in powers.items() if k < 0 or k % 2 == 0))
+        assert told.begins_at_0 is whole.has(w)
+        for at in (0.5, 1.1, 1.6, 1.9, 2.1, 2.4, 2.6, 2.8, 3.5):
+            own = told.sign * prod(float(np.polyval(row[::-1], (at / 15) ** reader.step)) for row in rows[0])
+            assert np.sign(own) == np.sign(float(f.ball(arb(at))))
 
 
 @pytest.mark.parametrize("seed", range(4))
