@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator
+from itertools import product
 from types import SimpleNamespace
 from typing import Any
 
@@ -17,6 +18,7 @@ from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rootcount import RootChain, Roots
 from haptisym.kernel.symbols import s
 from haptisym.model.parameters import Rule
+from haptisym.verbs.require.held import _wider as wider
 from haptisym.verbs.stability import critical
 from haptisym.verbs.stability.curves import Gap, Meeting, Meetings
 from haptisym.verbs.stability.loops import ALLOWED, Loop
@@ -232,3 +234,23 @@ def test_beside_a_gap_that_may_have_no_end_its_reason_and_ends_are_told(
              (None, -3): "below -3.0000000", (-3, 4): "from -3.0000000 to 4.0000000", (0, 4): "from 0 to 4.0000000"}[ends]  # fmt: skip
     assert told.reason == f"{words}, {where}"
     assert values == {2: [-10.0], -7: [10.0], None: [10.0], -3: [], 0: [-10.0]}[ends[0]]
+
+
+def test_two_windows_that_overlap_are_one_that_holds_each_meeting_once() -> None:
+    """At some values one root, at others two, or one from infinity; windows between any two, about 3."""
+    every = [(1, 1), (1, 2), (2, None), (Rational(5, 2), 2), (3, None), (3, 1), (Rational(7, 2), 1), (5, 2)]
+
+    def told(low: int | None, high: int | None) -> Meetings:
+        inside = [(x, w) for x, w in every if (low is None or low < x) and (high is None or x < high)]
+        found = (Meeting(ExactNumber(Rational(x)), None if w is None else ExactNumber(Integer(w))) for x, w in inside)
+        return Meetings(tuple(found), *(None if x is None else Integer(x) for x in (low, high)))
+
+    windows = list(product((None, 0, 2), (None, 4, 6)))
+    for one, other in product(windows, repeat=2):
+        lows, highs = (
+            (None if None in x else own(x)) for x, own in zip(zip(one, other, strict=True), (min, max), strict=True)
+        )
+        found, whole = wider(told(*one), told(*other)), told(lows, highs)
+        assert (found.above, found.below) == (whole.above, whole.below)
+        pairs = [[(float(x.value), x.omega and float(x.omega)) for x in y.found] for y in (found, whole)]
+        assert sorted(pairs[0], key=str) == sorted(pairs[1], key=str)
