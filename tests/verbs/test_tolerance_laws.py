@@ -81,3 +81,28 @@ def test_random_boxes_of_a_ratio_that_is_a_line_in_the_square_of_frequency_are_t
     pick = Random(seed)
     for _ in range(5):
         _hold(pick)
+
+
+REAL = {"1/10": Fraction(1, 3), "1/5": Fraction(1, 2), "1/2": Fraction(1), "5": None}
+IMAG = {"3/10": Fraction(1, 3), "2/5": Fraction(1, 2), "5": None}
+"""Thresholds, and the t at which t^2/(1 + t^2), or t/(1 + t^2), gets there first."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("imag", IMAG)
+@pytest.mark.parametrize("real", REAL)
+def test_a_bandwidth_is_that_of_the_first_of_two_parts_or_the_end_of_the_band_whichever_is_nearer(
+    real: str, imag: str
+) -> None:
+    """Behind a lag of 36 to 44 rad/s; bands that end before, in, at the ends of and beyond where either part may be noticed."""
+    t = min((x for x in (REAL[real], IMAG[imag]) if x is not None), default=None)
+    felt, lag = hs.environments.mass_spring_damper(k=100), hs.effects.first_order_lag(["36 rad/s", "44 rad/s"])
+    for top in map(Fraction, ("10", "12", "13", "44/3", "16", "18", "20", "22", "25", "36", "40", "44", "50")):
+        found = hs.tolerances(hs.Scene(felt, (lag,), (0, top), hs.Threshold(real, imag)), samples=0)
+        ends = [top, top] if t is None else [min(top, 36 * t), min(top, 44 * t)]
+        assert found.bandwidth is not None
+        assert [float(x) for x in found.bandwidth] == pytest.approx([float(x) for x in ends], rel=1e-12)
+        told = "all" if t is None or top <= 36 * t else "depends" if top <= 44 * t else "none"
+        assert found.verdict.value == told or (t is not None and top == 36 * t and found.verdict.value == "undecided")
+        assert (found.transparent is not None) is (told != "none")
+        assert (found.noticed is not None) is (told != "all" and (t is None or top > 36 * t))
