@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from math import sqrt
 from random import Random
+from typing import Any
 
 import pytest
 
@@ -103,6 +104,28 @@ def test_a_bandwidth_is_that_of_the_first_of_two_parts_or_the_end_of_the_band_wh
         assert found.bandwidth is not None
         assert [float(x) for x in found.bandwidth] == pytest.approx([float(x) for x in ends], rel=1e-12)
         told = "all" if t is None or top <= 36 * t else "depends" if top <= 44 * t else "none"
-        assert found.verdict.value == told or (t is not None and top == 36 * t and found.verdict.value == "undecided")
+        assert found.verdict.value == told
         assert (found.transparent is not None) is (told != "none")
         assert (found.noticed is not None) is (told != "all" and (t is None or top > 36 * t))
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize(
+    ("cutoff", "limit", "told"),
+    [
+        (["36", "44"], "1/10", "all"), (["35.99", "44"], "1/10", "depends"), (["30", "36"], "1/10", "depends"),
+        ("36", ["1/10", "1/5"], "all"), ("36", ["1/20", "1/10"], "depends"), (["36", "44"], ["1/10", "1/5"], "all"),
+        (["30", "36"], ["1/20", "1/10"], "depends"), (["30", "35.99"], "1/10", "none"),
+    ],
+)  # fmt: skip
+def test_a_range_that_begins_where_a_requirement_ends_is_one_for_which_all_values_will_do(
+    cutoff: Any, limit: Any, told: str
+) -> None:
+    """The least cutoff that keeps r_r to 1/10 up to 12 rad/s is 36 rad/s, exactly."""
+    felt, lag = hs.environments.mass_spring_damper(k=100), hs.effects.first_order_lag
+    [span] = hs.require(hs.Scene(felt, (lag(50),), (0, 12), hs.Threshold("1/10", 5)), "omega_c").feasible
+    assert span.low.value is not None
+    assert span.low.value.enclosure() == ("36", "36")
+    found = hs.tolerances(hs.Scene(felt, (lag(cutoff),), (0, 12), hs.Threshold.of(limit, 5)), samples=0)
+    assert found.verdict.value == told
+    assert found.certified

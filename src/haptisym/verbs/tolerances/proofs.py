@@ -126,7 +126,28 @@ class Tolerances(Answer):
         alone = not self.box.sides or not any(own for _, own in self._search.values())
         if alone and self.nominal.transparent is not None:
             return Verdict.ALL if self.nominal.transparent else Verdict.NONE
-        return Verdict.NONE if self._always_noticed() else Verdict.UNDECIDED
+        if self._always_noticed():
+            return Verdict.NONE
+        return Verdict.ALL if self._never_noticed() else Verdict.UNDECIDED
+
+    def _never_noticed(self) -> bool:
+        """Whether for no values any frequency is, as where a ratio just reaches its threshold for some.
+
+        Where a cluster is steady, the values along which r grows everywhere lead to one corner, and r - c, once above 0, stays so
+        on the way: outside of clusters it is nowhere 0. So nothing is noticed if nothing is at those corners.
+        """
+        corners = [self._greatest(form, x) for form, own in self._search.values() for x in own]
+        try:
+            return all(x is not None and self.one(x).transparent is True for x in [{}, *corners])
+        except LimitError:
+            return False
+
+    def _greatest(self, form: Excess, cluster: Cluster) -> dict[str, Expr] | None:
+        """The values for which r - c is greatest in a cluster; None where that is not known."""
+        signs = [x if matters else 1 for x, matters in zip(cluster.signs[1:], form.matters[1:], strict=True)]
+        if not all(signs):
+            return None
+        return self.box.values({x.name: Fraction(int(n > 0)) for x, n in zip(self.box.sides, signs, strict=True)})
 
     @cached_property
     def transparent(self) -> One | None:
