@@ -94,6 +94,22 @@ def test_beyond_its_reach_the_highest_power_outweighs_all_others_whatever_the_ph
                     assert lead > sum(abs(c) * w**p for p, group in each.items() if p < degree for c in group.values())
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_of_two_delays_the_least_of_the_highest_power_is_what_is_left_where_all_that_is_late_opposes(seed: int) -> None:
+    """Of c_0 + c_1 z_1 + c_2 z_2 + ..., |z_i| = 1, all c anywhere in balls: |c_0| - |c_1| - |c_2|; nothing is told where that is not positive."""
+    draw = random.Random(seed)
+    own = reach_of(loop({1: {(0, 0): [1], (1, 0): [1], (0, 1): [1]}, 0: {(0, 0): [1]}}, (Integer(1), Rational(1, 3))))
+    for _ in range(40):
+        turns = [(0, 0), *draw.sample([(1, 0), (0, 1), (1, 1), (2, 0), (0, 3)], draw.randint(0, 3))]
+        middles = [draw.randint(-40, 40) * (5 if not any(x) else 1) for x in turns]
+        radii = [draw.choice([0, 1, 3]) for _ in turns]
+        least, *late = (abs(x) + (r if any(n) else -r) for x, r, n in zip(middles, radii, turns, strict=True))
+        found = own._floor({n: arb(x, r) for n, x, r in zip(turns, middles, radii, strict=True)})
+        true = max(least, 0) - sum(late)
+        assert (found is not None) is (true > 0)
+        assert found is None or true - 1e-6 <= float(found) <= true  # radii have 30 bits
+
+
 @pytest.mark.few(2)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_least_on_the_circle_is_below_all_samples_and_hardly_less(seed: int) -> None:
