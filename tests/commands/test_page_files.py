@@ -90,3 +90,17 @@ def test_every_verb_that_answers_has_both_options() -> None:
 def test_a_wrong_name_is_told_before_the_work_begins(call: Call, tmp_path: Path) -> None:
     status, out, err = call("require", "fu2019", "--free", "zeta", "--report", str(tmp_path / "x.docx"))
     assert (status, out, err) == (2, "", 'error: report: the name "x.docx" must end in .html or .pdf\n')
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CALLS)
+def test_no_table_of_a_report_has_to_be_scrolled_on_a_desk(
+    name: str, call: Call, opened: Browser, tmp_path: Path
+) -> None:
+    also = ["--regions"] if name in ("evaluate", "family") else []
+    page = tmp_path / "x.html"
+    call(*CALLS[name].split(), *also, "--report", str(page))
+    opened.open(page)
+    opened.look(1000)
+    scrolled = "[...document.querySelectorAll('.scroll')].filter(x => x.scrollWidth > x.clientWidth)"
+    assert opened.value(scrolled + ".map(x => x.textContent.slice(0, 80))") == []

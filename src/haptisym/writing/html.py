@@ -160,7 +160,10 @@ class _Writer:
     @block.register
     def _(self, block: Table) -> Html:
         """It scrolls by itself where it is too wide."""
-        look = [_look(x, [said(row[i]) for row in block.rows]) for i, x in enumerate(block.columns)]
+        shown = [[said(x.heading), *(said(row[i]) for row in block.rows)] for i, x in enumerate(block.columns)]
+        widths = [max(map(len, x)) for x in shown]
+        most = _WORDS if sum(_CUT if x > _WORDS else x for x in widths) <= _LINE else _TIGHT
+        look = [_look(x, own[1:], most) for x, own in zip(block.columns, shown, strict=True)]
         columns = list(zip(block.columns, look, strict=True))
         head = element("tr", *(element("th", phrase(x.heading), given={"scope": "col", **g}) for x, g in columns))
         cells = [[*map(phrase, row)] for row in block.rows]
@@ -173,13 +176,20 @@ class _Writer:
         return element("div", whole, given={"class": "scroll"})
 
 
-_WORDS = 34  # characters of a cell; columns with longer ones are set on several lines
+_WORDS, _TIGHT = 34, 18  # characters of a cell; columns with longer ones are set on several lines
+_LINE, _CUT = (
+    90,
+    24,
+)  # characters of a row, where the second number holds if they are more; and what such a column takes
 
 
-def _look(column: Column, shown: Sequence[str]) -> dict[str, str]:
+def _look(column: Column, shown: Sequence[str], most: int) -> dict[str, str]:
     if column.number:
         return {"class": "number"}
-    return {"class": "words"} if column.full or max(map(len, shown), default=0) > _WORDS else {}
+    longest = max(map(len, shown), default=0)
+    if column.full or longest > _WORDS:
+        return {"class": "words"}
+    return {"class": "words tight"} if longest > most else {}
 
 
 def _paired(figures: Iterable[Html]) -> Iterator[Html]:
