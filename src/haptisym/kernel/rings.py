@@ -207,6 +207,9 @@ class RationalFunction:
     def __truediv__(self, other: RationalFunction) -> RationalFunction:
         if other.is_zero:
             raise SceneError("division by zero")
+        if other.numerator.is_constant():  # the denominator stays what it was, so that sums have it in common
+            number = other.numerator.leading_coefficient()
+            return self._new(_times(self.numerator, other.denominator) / number, self.denominator)
         return self._new(_times(self.numerator, other.denominator), _times(self.denominator, other.numerator))
 
     def __pow__(self, exponent: int) -> RationalFunction:
