@@ -135,21 +135,21 @@ class Axis(PolynomialRing):
         return target.function(*(self._waves(p, even, target) for p in (function.numerator, function.denominator)))
 
     def _waves(self, polynomial: Polynomial, even: Sequence[int], target: PolynomialRing) -> Polynomial:
-        total = target.constant(0)
-        gens = target.context.gens()
-        first = target.size + len(self.orders)
+        rows: dict[tuple[int, ...], dict[tuple[int, ...], fmpq]] = {}  # by the powers of tangents, then by the waves
         for exponents, coefficient in monomials(polynomial):
             own = [int(n) for n in exponents]
             turns, powers = own[self.size : self.size + len(even)], own[self.size + len(even) :]
-            term = target.context.from_dict({(*own[: self.size], *powers, *[0] * (len(gens) - first)): coefficient})
-            start = first
-            for k, top in zip(turns, even, strict=True):
-                term *= sum(
-                    (c * (gens[start + i] if i >= 0 else 1) for i, c in harmonics(k, top).items()), target.constant(0)
-                )
-                start += top
-            total += term
-        return total
+            rows.setdefault(tuple(turns), {})[*own[: self.size], *powers] = coefficient
+        for i, top in enumerate(even):
+            told: dict[tuple[int, ...], dict[tuple[int, ...], fmpq]] = {}
+            for turned, row in rows.items():
+                for wave, share in harmonics(turned[i], top).items():
+                    into = told.setdefault((*turned[:i], wave, *turned[i + 1 :]), {})
+                    for rest, value in row.items():
+                        into[rest] = into.get(rest, 0) + share * value
+            rows = told
+        terms = {(*rest, *_places(waves, even)): x for waves, row in rows.items() for rest, x in row.items() if x}
+        return target.context.from_dict(terms)
 
     def without_circles(self, polynomial: Polynomial) -> tuple[Polynomial, list[int]]:
         """A polynomial without its factors 1 + tan^2, and how many there were of each angle: cos^2 + sin^2 is 1."""
@@ -207,6 +207,11 @@ class Axis(PolynomialRing):
             return target.context.from_dict(terms)
 
         return target.function(homogeneous(function.numerator), homogeneous(function.denominator))
+
+
+def _places(waves: Sequence[int], tops: Sequence[int]) -> list[int]:
+    """The exponents of a product of waves, one of each angle."""
+    return [int(n == wave) for wave, top in zip(waves, tops, strict=True) for n in range(top)]
 
 
 def _half_waves(angle: Angle) -> tuple[Expr, Expr]:
