@@ -27,7 +27,7 @@ from sympy import Expr, Integer, Rational, pi
 
 import haptisym as hs
 from haptisym.cli import main
-from haptisym.verbs.sweep import blocks, combined, kernel, passes
+from haptisym.verbs.sweep import blocks, combined, kernel, passes, store
 from haptisym.verbs.sweep.axes import axes, spaced
 from haptisym.verbs.sweep.blocks import Pace, SweepGrid
 from haptisym.verbs.sweep.exactly import exact_answers
@@ -383,6 +383,26 @@ def test_a_file_holds_the_same(small: Any, tmp_path: Path, name: str) -> None:
     with hs.sweep(PAPER, SMALL, out=tmp_path / name) as again:
         assert again.load().identical(small)
     assert [x.name for x in tmp_path.iterdir()] == [name]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_boxes_of_what_is_missing_are_those_sets_each_once(seed: int) -> None:
+    """Of blocks that begin anywhere, with nothing, all, or any sets missing: of all of it there is one box."""
+    pick = random.Random(seed)
+    for _ in range(30):
+        lengths = [pick.choice([1, 1, 2, 3, 5, 8]) for _ in range(pick.randint(1, 3))]
+        starts = [pick.choice([0, 3, 10]) for _ in lengths]
+        region = tuple(slice(a, a + n) for a, n in zip(starts, lengths, strict=True))
+        share = pick.choice([0.0, 0.3, 0.9, 1.0])
+        missing = np.array([pick.random() < share for _ in range(int(np.prod(lengths)))]).reshape(lengths)
+        seen = np.zeros([a + n for a, n in zip(starts, lengths, strict=True)], int)
+        boxes = list(store._missing(missing, region))
+        for box in boxes:
+            assert all(own.start <= x.start < x.stop <= own.stop for own, x in zip(region, box, strict=True))
+            seen[box] += 1
+        assert (seen[region] == missing).all()
+        assert seen.sum() == missing.sum()
+        assert not missing.all() or boxes == [region]
 
 
 @pytest.mark.slow

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from itertools import product
+from itertools import pairwise, product
 from math import log2, prod
 from random import Random
 
@@ -11,15 +11,17 @@ import flint
 import numpy as np
 import pytest
 from flint import arb
-from sympy import Expr, Rational, Symbol, exp, lambdify
+from sympy import Expr, Integer, Rational, Symbol, exp, lambdify, pi, sympify
 
 import haptisym as hs
 from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.symbols import omega as w
 from haptisym.kernel.symbols import s
 from haptisym.verbs.sweep.curves import ClosedForms, Reader
-from haptisym.verbs.sweep.families import Family, Monomial, Powers, within_reach
+from haptisym.verbs.sweep.families import Family, Monomial, Powers, monomial, within_reach
+from haptisym.verbs.sweep.passes import Band
 from haptisym.verbs.sweep.waves import Variables, WaveFamily, WaveReader, is_readable
 from haptisym.verbs.sweep.wavevalues import Factor, WaveFunction
 
@@ -63,9 +65,48 @@ def test_a_function_is_read_as_the_signs_of_what_comes_an_odd_number_of_times(se
         assert roots[0] == pytest.approx(sorted(n for n, k in powers.items() if k % 2))
         assert roots[1] == pytest.approx(sorted(n for n, k in powers.items() if k < 0 or k % 2 == 0))
         assert told.begins_at_0 is whole.has(w)
+        again = Reader(hs.load_scene("fu2019"), [], ClosedForms({}, (f,)))
+        turning = again._changeover(f)
+        assert turning is not None
+        zeros = [np.roots(x.at(Powers(np.zeros((0, 1)))).values[::-1, 0]) for x in turning]
+        places = sorted(15**2 * (x[0] ** (2 / again.step)).real for x in zeros if len(x))
+        assert places == pytest.approx(sorted(n for n, k in powers.items() if k > 0 and k % 2))
+        assert [x.terms for x in again.definite] == [x.terms for x in reader.definite]
         for at in (0.5, 1.1, 1.6, 1.9, 2.1, 2.4, 2.6, 2.8, 3.5):
             own = told.sign * prod(float(np.polyval(row[::-1], (at / 15) ** reader.step)) for row in rows[0])
             assert np.sign(own) == np.sign(float(f.ball(arb(at))))
+
+
+@pytest.mark.parametrize("step", [1, 2])
+def test_segments_of_a_band_ascend_from_its_low_end_to_1_and_are_alike_in_frequency(step: int) -> None:
+    """However near its ends are: also where only few doubles lie between them, or none."""
+    for low in (0, 1, "1/3", 7, "99/10", *(10 - Rational(10) ** -n for n in (3, 8, 13, 15, 16, 17, 30)), pi, "5"):
+        band = Band.of(sympify(low), Integer(10), step)
+        share = (sympify(low) / 10) ** step
+        for segments in (1, 2, 7, 64):
+            edges = band.edges(segments, step)
+            first, *_, last = edges
+            assert last == 1.0
+            assert all(a < b for a, b in pairwise(edges[:-1]))
+            assert edges[-2] < 1 or band.ends[-1] == 1
+            assert bool(share >= Rational(first))
+            assert bool(share <= Rational(band.ends[-1]))
+            assert band.doubtful is (len(band.ends) == 2) is not bool(share.is_rational and Rational(first) == share)
+            if float(share) < 0.98:
+                places = np.array(edges[len(band.ends) - 1 :]) ** (1 / step)
+                assert np.diff(places) == pytest.approx((1 - places[0]) / segments, rel=1e-9)
+
+
+def test_a_constant_is_read_only_where_128_bits_of_it_are_known() -> None:
+    with flint.ctx.workprec(200):
+        for ball in (arb(3), arb(2) ** 500, arb(1) / 3, arb.pi() * 10**30):
+            own = monomial(2, (1,), ball)
+            assert (own.power, own.exponents, own.constant) == (2, (1,), float(ball.mid()))
+            assert abs(arb(own.constant) + arb(own.rest) - ball) < abs(ball) * 2.0**-104
+        fine, coarse = arb(1, 2.0**-140), arb(1, 2.0**-120)
+        assert monomial(0, (), fine).constant == 1
+        with pytest.raises(UndecidedError, match="fewer than 128"):
+            monomial(0, (), coarse)
 
 
 @pytest.mark.parametrize("seed", range(4))

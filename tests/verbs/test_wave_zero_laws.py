@@ -188,6 +188,19 @@ def test_no_coefficient_is_rounded_more_often_than_is_counted_however_often_it_i
     assert max(x.often for x in found.ravel()) <= often <= 2 * max(x.often for x in found.ravel())
 
 
+@pytest.mark.parametrize("orders", [(), (0,), (1,), (0, 1)])
+@pytest.mark.parametrize("wave", [False, True])
+@pytest.mark.parametrize("lines", [0, 2])
+def test_a_product_is_a_polynomial_where_neither_a_wave_nor_a_power_is_in_any_factor(
+    *, lines: int, wave: bool, orders: tuple[int, ...]
+) -> None:
+    if lines or wave or orders:
+        function = placed(Random(1), 3, lines, wave=wave, orders=orders).function
+        assert function.is_polynomial is (not wave and not orders)
+        line = placed(Random(2), 3, 1, wave=False).function
+        assert (line - function).is_polynomial is (function - line).is_polynomial is function.is_polynomial
+
+
 @pytest.mark.parametrize(
     ("lines", "wave", "orders", "low"),
     [
