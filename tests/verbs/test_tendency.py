@@ -18,6 +18,7 @@ from haptisym.judge.passiveparts import takes_energy
 from haptisym.kernel.budget import limited
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import HaptisymError
+from haptisym.kernel.far import far
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rootcount import RootChain
 from haptisym.kernel.symbols import s
@@ -114,6 +115,30 @@ def test_nothing_is_told_where_roots_go_both_ways_for_ever() -> None:
     )
     found = hs.require(own, "hand.k", that="stable")
     assert ([high for _, high in found.undecided], found.reason) == ([None], "further out was not looked at")
+
+
+@pytest.mark.few(4)
+@pytest.mark.parametrize("seed", range(24))
+def test_all_values_are_known_that_put_roots_on_the_axis_before_they_cross_one_way_alone(seed: int) -> None:
+    """Where g = -A/B turns real, on a dense grid of frequencies; and beyond the last of these its phase goes one way."""
+    pick = Random(seed)
+    lag, own = Rational(pick.randint(1, 60), 1000), (s**2 + pick.randint(0, 9) * s + pick.randint(1, 400)) / 2
+    own += pick.choice([0, pick.randint(1, 80) * exp(-2 * s * lag), 3 * s**3 / pick.randint(50, 90)])
+    late = [1, s, 1 + s / pick.randint(5, 90), (s**2 + 3) / 50][seed % 4] * exp(-s * lag)
+    found = Tendency(loop_of(own + q * late))._settled
+    if found is None:
+        return
+    reach = float(far(found.rate).radius)
+    grid = np.linspace(reach / 200_000, reach, 200_001)
+    g = lambdify(s, -own / late, "numpy")(1j * grid)
+    turned = np.flatnonzero((g.imag[1:] * g.imag[:-1] < 0) & (abs(g.imag[1:] - g.imag[:-1]) < 1e-2 * (1 + abs(g[1:]))))
+    known = np.array([float(x) for x in found.known])
+    for i in turned:
+        share = g.imag[i] / (g.imag[i] - g.imag[i + 1])
+        value = g.real[i] + share * (g.real[i + 1] - g.real[i])
+        assert abs(known - value).min(initial=np.inf) < 1e-3 * (1 + abs(value))
+    beyond = lambdify(s, -own / late, "numpy")(1j * np.linspace(reach * 1.0001, reach * 1.2 + 1, 20_001))
+    assert (np.diff(np.unwrap(np.angle(beyond))) * found.sense > 0).all()
 
 
 @pytest.mark.slow
