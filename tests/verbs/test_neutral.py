@@ -220,3 +220,17 @@ def test_random_late_masses_are_held_where_their_contours_wind_around_no_root(
         told = verdict(found, value)
         wound = count([*row[:i], value, *row[i + 1 :]], lag, 2e3)
         assert told is None or wound is None or told == (wound == 0), (value, told, wound)
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("mass", ["1/2", "99/100", "1", "101/100", "2"])
+def test_the_delays_that_will_do_do_not_hang_on_the_one_that_a_scene_has_not_even_if_it_is_0(mass: str) -> None:
+    """m s^2 + M s^2 exp(-s tau) + b s + k: with M >= m no delay but 0 will do, as a chain of roots comes."""
+    felt, hand = hs.environments.mass_spring_damper(m=mass), hs.Hand("mine", m=1, b=1, k=1)
+    found = [
+        hs.require(hs.Scene(felt, (hs.effects.delay(x),), hands=(hand,)), "tau", that="stable").to_dict()
+        for x in ("0 ms", "1 ms", "3 s")
+    ]
+    assert found[0] == found[1] == found[2]
+    assert found[0]["certified"]
+    assert (found[0]["feasible"] == [[0.0, 0.0]]) is (Rational(mass) >= 1)
