@@ -233,4 +233,4 @@ def test_the_delays_that_will_do_do_not_hang_on_the_one_that_a_scene_has_not_eve
     ]
     assert found[0] == found[1] == found[2]
     assert found[0]["certified"]
-    assert (found[0]["feasible"] == [[0.0, 0.0]]) is (Rational(mass) >= 1)
+    assert (found[0]["feasible"] == [[0.0, 0.0]]) is bool(Rational(mass) >= 1)
