@@ -7,11 +7,11 @@ from typing import Any
 
 from haptisym_check.chart import CURVES, Chart, Curve, claimed
 from haptisym_check.link import PARTS, functions, link
-from haptisym_check.reading import keyed, listed, number, numbers
-from haptisym_check.requirement import values
+from haptisym_check.reading import keyed, listed, number, numbers, others
+from haptisym_check.requirement import requirement
 from haptisym_check.scene import Element, Scene
-from haptisym_check.values import MOST_OTHERS, UnreadableError, combined, need
-from haptisym_check.waves import factor_of, polynomial_factor
+from haptisym_check.values import UnreadableError, combined, need
+from haptisym_check.waves import factor_of
 from haptisym_check.words import words
 from haptisym_check.zeros import zeros
 
@@ -52,9 +52,7 @@ def check(text: bytes, scene_file: bytes) -> str:
 def evaluation(claim: dict[str, Any], proof: Any, scene: Scene) -> dict[str, Any]:
     """All that happens on the band."""
     lags, powers, points, told, products, poles = keyed(proof, *EVALUATION)
-    delays, orders = (tuple(number(x) for x in listed(row, MOST_OTHERS)) for row in (lags, powers))
-    fits = all(0 < x < 2**100 and x.denominator < 2**100 for x in delays + orders) and all(x < 1 for x in orders)
-    need(fits and len(delays + orders) <= MOST_OTHERS, "delays or orders are not positive, too large, or too many")
+    delays, orders = others(lags, powers)
     factors = [factor_of(x, delays, orders) for x in listed(told, 500)]
     at_point = partial(functions, scene, delays, orders)
     proven = link(products, NAMES, factors, at_point, scene.length, (len(delays), len(orders)))
@@ -82,19 +80,6 @@ def in_hand(hand: Any, scene: Scene) -> Any:
     own = scene.hand(hand) if isinstance(hand, str) else dict(zip("mbk", map(number, keyed(hand, *"mbk")), strict=True))
     z = Element({**own, "model": "mass-spring-damper"}, 1)
     return lambda point: combined("+", scene.at(point)[1], z.at(point)[0])
-
-
-def requirement(claim: dict[str, Any], proof: Any, scene: Scene) -> dict[str, Any]:
-    """For which values of a free parameter the display is transparent on the band."""
-    polynomials, products, slabs = keyed(proof, "factors", "functions", "slabs")
-    parts = [part for part in PARTS if part in listed(claim.get("parts"), 2, 1)]
-    factors = [polynomial_factor(x) for x in listed(polynomials, 500)]
-    need(parts, "the claim is of no part")
-    names, at_point = [f"excess.{part}" for part in parts], partial(functions, scene, (), ())
-    told = link(products, names, factors, at_point, scene.length)
-    found, binds = values(told, factors, slabs, scene)
-    free = listed(claim.get("free"), 9, 1)
-    return {"free": free, "parts": parts, "values": found, "binds": binds}
 
 
 EVALUATION = "delays", "orders", "breakpoints", "factors", "functions", "poles"

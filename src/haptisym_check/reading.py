@@ -5,7 +5,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from haptisym_check.values import need
+from haptisym_check.values import MOST_OTHERS, need
 
 Polynomial = list[list[int]]  # coefficients, ascending, each ascending powers of pi
 
@@ -40,6 +40,14 @@ def numbers(x: Any, most: int, least: int = 0) -> list[Fraction]:
     found = [number(y) for y in listed(x, most, least)]
     need(all(a < b for a, b in pairwise(found)), "numbers do not ascend")
     return found
+
+
+def others(*told: Any) -> list[tuple[Fraction, ...]]:
+    """Delays and orders."""
+    delays, orders = (tuple(number(x) for x in listed(row, MOST_OTHERS)) for row in told)
+    fits = all(0 < x < 2**100 and x.denominator < 2**100 for x in delays + orders) and all(x < 1 for x in orders)
+    need(fits and len(delays + orders) <= MOST_OTHERS, "delays or orders are not positive, too large, or too many")
+    return [delays, orders]
 
 
 def polynomial(x: Any) -> Polynomial:

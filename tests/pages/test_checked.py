@@ -334,6 +334,13 @@ ANSWERS: dict[str, tuple[Callable[[], Answer], str]] = {
         lambda: hs.require("fu2019", "omega_n"),
         "Checked here: not transparent from 0 to 122.35581477, transparent from 122.35581477 to ∞.",
     ),
+    "values beside a delay": (
+        lambda: hs.require("four-channel-teleoperation", "environment.k"),
+        (
+            "Checked here: not transparent from 0 to 46.3105346477, transparent from 46.3105346477 to 432.928698841, "
+            "not transparent from 432.928698841 to ∞."
+        ),
+    ),
     "roots on the right": (
         lambda: hs.stability(hs.parse_scene(OWN["unstable"]), "postural-arm"),
         "Checked here: 2 poles of H_perc in Re s ≥ 0; in the hand postural-arm no roots.",
@@ -347,7 +354,12 @@ def test_reports_about_stability_and_values_prove_their_answers(name: str, shown
     asked, words = ANSWERS[name]
     text = undrawn(asked())
     assert shown(text) == words
-    for old, new in {'"unstable": 0': '"unstable": 1', '"feasible": [[122.3': '"feasible": [[121.3'}.items():
+    wrong = {
+        '"unstable": 0': '"unstable": 1',
+        '"feasible": [[122.3': '"feasible": [[121.3',
+        '"feasible": [[46.3': '"feasible": [[46.4',
+    }
+    for old, new in wrong.items():
         if old in text:
             assert shown(text.replace(old, new)).startswith("NOT proven here: the page ")
 

@@ -12,7 +12,7 @@ import mpmath
 import pint
 import pytest
 
-from haptisym_check import RefusedError, chart, formulas, link, requirement, waves, zeros
+from haptisym_check import RefusedError, chart, formulas, link, requirement, slices, waves, zeros
 from haptisym_check.balls import SCALE
 from haptisym_check.formulas import FREE, Number
 from haptisym_check.link import PARTS, Product
@@ -524,28 +524,77 @@ def test_quantities_of_a_wrong_dimension_or_shape_are_refused() -> None:
 
 
 def test_a_slab_has_one_sign_if_all_coefficients_have_it() -> None:
-    rows = expanded([(-2, 1)])  # x - 2
     one = Fraction(1), Fraction(3, 2)
-    assert requirement.side([[-2, 1]], *one, None) == -1
-    assert requirement.side([[-2, 1]], Fraction(3), Fraction(4), (True, True)) == 1
-    assert refused(requirement.side, [[-2, 1]], Fraction(1), Fraction(3), None)
-    assert refused(requirement.side, [[0, 0]], *one, None)
-    assert requirement.side([[-2, 1]], Fraction(1), Fraction(2), None) == -1
-    assert refused(requirement.side, [[-2, 1]], Fraction(1), Fraction(2), (False, False))
-    vanishing, there = [-1, 1], [3, 1]  # the first is zero at 1
-    assert requirement.side([vanishing, there], Fraction(1), Fraction(2), None) == 1
-    assert requirement.side([vanishing, there], Fraction(1), Fraction(2), (False, False)) == 1
-    assert requirement.side([vanishing, there], Fraction(1), Fraction(2), (False, True)) == 1
-    assert refused(requirement.side, [vanishing, there], Fraction(1), Fraction(2), (True, False))
-    assert refused(requirement.side, [there, vanishing], Fraction(1), Fraction(2), (False, True))
-    assert requirement.side([there, vanishing], Fraction(1), Fraction(2), (True, False)) == 1
-    assert requirement.point(None, -1) == (-1, 0)
-    assert requirement.point("-3/6", 1) == (-1, 2)
+    assert side([[-2, 1]], *one) == -1  # x - 2
+    assert side([[-2, 1]], Fraction(3), Fraction(4), (True, True)) == 1
+    assert refused(side, [[-2, 1]], Fraction(1), Fraction(3))
+    assert refused(side, [[0, 0]], *one)
+    assert side([[-2, 1]], Fraction(1), Fraction(2), (True, True)) == -1
+    assert slices.point(None, -1) == (-1, 0)
+    assert slices.point("-3/6", 1) == (-1, 2)
     ordered = [(-1, 0), (-3, 1), (-1, 2), (0, 1), (2, 3), (5, 1), (1, 0)]
     for i, x in enumerate(ordered):
         for k, y in enumerate(ordered):
-            assert requirement.is_less(x, y) == (i < k) or (x[1] == y[1] == 0)
-    assert len(rows) == 2
+            assert slices.is_less(x, y) == (i < k) or (x[1] == y[1] == 0)
+
+
+def side(rows: list[list[int]], a: Fraction, b: Fraction, closed: tuple[bool, bool] = (False, False)) -> int:
+    """Of a factor with these slices."""
+    found = object.__new__(slices.Slices)
+    found.step, found.rows, found.waves = 1, rows, []
+    return found.side(a, b, closed)
+
+
+@pytest.mark.parametrize("closed", [(True, False), (False, True), (False, False), (True, True)])
+def test_an_end_belongs_to_a_slab_where_the_slice_there_is_not_zero(closed: tuple[bool, bool]) -> None:
+    """At a point, or everywhere in a cell: a zero at the end of a cell alone is none inside."""
+    at, there, zero = Fraction(1), [3, 1], [0, 0]
+    vanishing = [-1, 1]  # at 1 alone
+    for low, high in ((vanishing, there), (there, vanishing)):
+        assert side([low, high], at, Fraction(2), closed) == 1
+    for first, last, kept in (
+        ([vanishing, there], at, not closed[0]),
+        ([there, vanishing], at, not closed[1]),
+        ([zero, there], Fraction(2), not closed[0]),
+        ([there, zero, zero], Fraction(2), not closed[1]),
+        ([there, zero, there], Fraction(2), True),
+    ):
+        assert refused(side, first, at, last, closed) is not kept
+    assert refused(side, [zero, vanishing], at, at, closed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(4))
+def test_the_slices_of_a_factor_with_waves_have_the_sign_of_all_its_values(seed: int) -> None:
+    """Against its values in mpmath at values and frequencies between, ends of the slab and omega = 0 among them."""
+    draw, told = random.Random(seed), 0
+    for _ in range(60):
+        delays = tuple(Fraction(n, 7) for n in draw.sample(range(1, 9), draw.randint(0, 2)))
+        orders = tuple(Fraction(n, 10) for n in draw.sample(range(1, 10), draw.randint(0 if delays else 1, 1)))
+        factor, value = wave_factor(draw, delays, orders, constant=draw.choice([0, 30, -30]))
+        first = draw.choice([None, Fraction(draw.randint(-4, 4), 2)])
+        last = None if first is not None and draw.random() < 0.3 else (first or 0) + Fraction(draw.randint(1, 8), 8)
+        a = draw.choice([Fraction(0), Fraction(draw.randint(1, 20), 10)])
+        b = a + draw.choice([0, Fraction(1, 50), Fraction(1, 2)])
+        closed = draw.random() < 0.5 and first is not None, draw.random() < 0.5 and last is not None
+        low, high = (
+            (-1, 0) if first is None else first.as_integer_ratio(),
+            (1, 0) if last is None else last.as_integer_ratio(),
+        )
+        try:
+            found = slices.Slices(factor, low, high).side(a, b, closed)
+        except RefusedError:
+            continue
+        told += 1
+        start = first if first is not None else (last or 0) - 50
+        end = last if last is not None else start + 50
+        for u in range(0 if closed[0] else 1, 6 if closed[1] else 5):
+            for v in range(1, 4):
+                q, omega = start + (end - start) * Fraction(u, 5), a + (b - a) * Fraction(v, 4)
+                assert (
+                    found * value(MP.mpf(omega.numerator) / omega.denominator, MP.mpf(q.numerator) / q.denominator) > 0
+                )
+    assert told > 8
 
 
 def slab(low: str | None, high: str | None, points: list[str], part: str | None = None) -> dict[str, Any]:
@@ -600,22 +649,23 @@ def test_values_of_a_requirement_follow_from_their_slabs() -> None:
 
 
 def wave_factor(
-    draw: random.Random, delays: tuple[Fraction, ...], orders: tuple[Fraction, ...]
+    draw: random.Random, delays: tuple[Fraction, ...], orders: tuple[Fraction, ...], constant: int = 0
 ) -> tuple[waves.WaveFactor, Any]:
-    """A random one, and its value in mpmath."""
+    """A random one, and its value in mpmath, with pi unless a value takes its place; ``constant`` is added to one term."""
     most = [draw.randint(0, 2) for _ in delays]
     rows: dict[tuple[int, ...], list[list[int]]] = {}
     for _ in range(draw.randint(1, 4)):
         turns = tuple(draw.randint(0, k) for k in most) + tuple(draw.randint(0, 2) for _ in range(2 * len(orders)))
         p = [[draw.randint(-9, 9) for _ in range(draw.randint(1, 2))] for _ in range(draw.randint(1, 3))]
         p[-1][-1] = draw.choice([-3, 2])
+        p[0][0] += 0 if rows else constant
         rows[turns] = p
     told = {"waves": most, "terms": [[list(k), [[str(c) for c in row] for row in p]] for k, p in rows.items()]}
 
-    def value(w: Any) -> Any:
+    def value(w: Any, q: Any = MP.pi) -> Any:
         total = MP.mpf(0)
         for turns, p in rows.items():
-            term = MP.fsum(MP.fsum(c * MP.pi**k for k, c in enumerate(row)) * w**n for n, row in enumerate(p))
+            term = MP.fsum(MP.fsum(c * q**k for k, c in enumerate(row)) * w**n for n, row in enumerate(p))
             for tau, k, m in zip(delays, turns, most, strict=False):
                 angle = w * tau.numerator / tau.denominator / 2
                 term *= MP.sin(angle) ** k * MP.cos(angle) ** (m - k)

@@ -40,12 +40,13 @@ def accepted(asked: list[tuple[str, str]]) -> list[bool]:
 
 
 SMALL = ("fu2019", "sidestick", *OWN)
+VALUED = ("up to a value", "a threshold", "two intervals", "a threshold above a delay", "a device on a power")
 
 
 def truths() -> list[tuple[str, str]]:
     """Certificates and their scenes, of each question."""
     asked = [(certificate(name), text_of(name)) for name in SMALL] + [of_stability(name) for name in HELD]
-    return asked + [of_requirement(name) for name in ("up to a value", "a threshold", "two intervals")]
+    return asked + [of_requirement(name) for name in VALUED]
 
 
 @pytest.mark.slow

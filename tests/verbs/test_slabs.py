@@ -13,7 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from haptisym.verbs.evaluate.products import Factor
-from haptisym.verbs.require.slabs import Ends, Problem, Slab, _sliced, ascending, moved
+from haptisym.verbs.require.slabs import Ends, Problem, Slab, ascending
+from haptisym.verbs.require.slicing import moved
 
 NUMBERS = st.lists(st.integers(-9, 9), min_size=1, max_size=5)
 PAIRS = st.tuples(st.integers(-6, 6), st.integers(1, 6))
@@ -87,7 +88,7 @@ def test_what_slabs_say_holds_at_each_of_their_values_and_frequencies(seed: int)
     pick, told = random.Random(seed), {"fails": 0, "holds": 0}
     for _ in range(20):
         problem, ends = drawn(pick)
-        slab = Slab(problem, ends, [_sliced(f, ends) for f in problem.factors])
+        slab = Slab(problem, ends, ends.slices(problem.factors))
         width = 40 if ends.low is None or ends.high is None else ends.high - ends.low
         first = ends.high - width if ends.low is None else ends.low  # type: ignore[operator]
         held = (0 if ends.holds_low else 1), (9 if ends.holds_high else 8)

@@ -153,14 +153,8 @@ def mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
     for i, factor in enumerate(factors):
         for what, change in factor_mutants(factor):
             yield changed(f"{what} of factor {i}", lambda x, i=i, change=change: change(x["proof"]["factors"][i]))
-    others = [(key, i, n) for key in ("delays", "orders") for i, n in enumerate(proof["proof"][key])]
-    for key, i, n in others:
-        yield changed(f"{key} without {i}", lambda x, key=key, i=i: x["proof"][key].pop(i))
-        for by in (Fraction(1, 2), Fraction(10**9 + 1, 10**9), 2, -1, 0, 10**100):
-            yield changed(
-                f"{key}: {i} times {by}",
-                lambda x, key=key, i=i, m=str(Fraction(n) * by): x["proof"][key].__setitem__(i, m),
-            )
+    for what, change in others_mutants(proof["proof"]):
+        yield changed(what, lambda x, change=change: change(x["proof"]))
     for name, told in functions.items():
         own = lambda x, name=name: x["proof"]["functions"][name]  # noqa: E731
         if told["number"] != "0":
@@ -213,6 +207,18 @@ def mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
     for what, change in zeros_mutants(poles, stable=proof["claim"]["stable"]) if poles else ():
         yield changed(what, lambda x, change=change: change(x["proof"]["poles"]))
     yield from frame_mutants(proof)
+
+
+def others_mutants(proof: dict[str, Any]) -> Iterator[tuple[str, Callable[[dict[str, Any]], object]]]:
+    """Changes of delays and orders."""
+    listed = [(key, i, n) for key in ("delays", "orders") for i, n in enumerate(proof.get(key, []))]
+    for key, i, n in listed:
+        yield f"{key} without {i}", lambda x, key=key, i=i: x[key].pop(i)
+        for by in (Fraction(1, 2), Fraction(10**9 + 1, 10**9), 2, -1, 0, 10**100):
+            yield (
+                f"{key}: {i} times {by}",
+                lambda x, key=key, i=i, m=str(Fraction(n) * by): x[key].__setitem__(i, m),
+            )
 
 
 def factor_mutants(factor: dict[str, Any]) -> Iterator[tuple[str, Callable[[dict[str, Any]], object]]]:
@@ -336,6 +342,20 @@ ASKED = {
     "two intervals": (_WIDE, "environment.k"),
     "a parameter of a formula": (OWN["touches"].replace("3*s/(s^2 + 3*s + 9)", "20/(s + w)\"\nparameters = { w = 20 }\n#"), "w"),
 }  # fmt: skip
+_SHUNTED = (
+    text_of("powers alone").replace('"80 mN*s^0.5/mm"', "17").replace('"1/2"\n[[', "0.2\nk = 190\n[[")
+    + 'jnd = "7/100"\n'
+)
+WAVED = {
+    "a threshold above a delay": (text_of("delayed-spring"), "evaluation.jnd"),
+    "two ends beside a delay": (text_of("four-channel-teleoperation"), "environment.k"),
+    "a clock's wall": (text_of("virtual-wall"), "environment.b"), "a device on a clock": (text_of("a clock"), "m"),
+    "a power from 0 on": (_SHUNTED, "environment.k_alpha"), "a device on a power": (_SHUNTED, "effects.shunt.m"),
+    "two orders": (text_of("orders of a formula").replace("band = [1, 30]", 'band = [1, 30]\njnd = "1/5"'), "omega_c"),
+    "a lag on tissue": (text_of("organ-tissue"), "omega_c"),
+}  # fmt: skip
+"""Those with delays, holds, clocks and powers of s."""
+ASKED |= WAVED
 """Scenes and parameters of requirements."""
 
 
@@ -365,10 +385,10 @@ def requirement_mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, 
         yield changed(f"interval {i} otherwise", lambda x, i=i, y=holds: x["claim"]["values"][i].__setitem__(2, not y))
         yield changed(f"interval {i} left out", lambda x, i=i: x["claim"]["values"].pop(i))
         if i:
-            beyond = str(Fraction(low) - (Fraction(low) - Fraction(values[i - 1][0] or 0)) / 1000)
+            beyond = str(Fraction(low) - abs(Fraction(low)) / 1000)
             yield changed(f"interval {i} from before its end", lambda x, a=low, b=beyond: moved(x, a, b))
         if i + 1 < len(values):
-            beyond = str(Fraction(high) * Fraction(1001, 1000))
+            beyond = str(Fraction(high) + abs(Fraction(high)) / 1000)
             yield changed(f"interval {i} beyond its end", lambda x, a=high, b=beyond: moved(x, a, b))
     for i, slab in enumerate(slabs):
         last, part = slab["points"][-1], slab["part"]
@@ -403,10 +423,15 @@ def requirement_mutants(proof: dict[str, Any]) -> Iterator[tuple[str, dict[str, 
         own = lambda x, name=name: x["proof"]["functions"][name]  # noqa: E731
         number = str(-Fraction(told["number"]))
         yield changed(f"{name} with another sign", lambda x, own=own, n=number: own(x).update(number=n))
-        yield changed(f"{name} without a factor", lambda x, own=own: own(x)["powers"].pop())
+        for n in range(len(told["powers"][-1:])):
+            yield changed(f"{name} without a factor", lambda x, own=own, n=n: own(x)["powers"].pop(n - 1))
         yield changed(f"{name} not told", lambda x, name=name: x["proof"]["functions"].pop(name))
+    for what, change in others_mutants(proof["proof"]):
+        yield changed(what, lambda x, change=change: change(x["proof"]))
     for i, factor in enumerate(proof["proof"]["factors"]):
-        for k, row in enumerate(factor["polynomial"]):
+        for what, change in factor_mutants(factor) if "waves" in factor else ():
+            yield changed(f"{what} of factor {i}", lambda x, i=i, change=change: change(x["proof"]["factors"][i]))
+        for k, row in enumerate(factor.get("polynomial", ())):
             more = str(int(row[-1]) + 1)
             yield changed(
                 f"coefficient {k} of factor {i}",
@@ -520,9 +545,63 @@ def _hostile() -> Iterator[tuple[str, str]]:
         "slabs of far points": [{**slab, "from": str(n), "to": str(n + 1), "points": far} for n in range(100, 500)],
     }.items():
         yield name, json.dumps({**values, "proof": {**values["proof"], "slabs": slabs}})
+    wide = {"step": 1, "polynomial": [["1"] * 100]}
+    other = json.loads(of_requirement("a threshold")[0])
+    first = len(other["proof"]["factors"])
+    other["proof"]["factors"] += [wide, wide]
+    for told in other["proof"]["functions"].values():
+        told["powers"] += [[first, 1], [first + 1, -1]]
+    ends = {"from": f"1.{'3' * 1900}", "to": f"2.{'3' * 1900}"}
+    other["proof"]["slabs"] = [{**other["proof"]["slabs"][-1], **ends}]
+    yield "many slices between long numbers", json.dumps(other)
     yield from many_small_ones()
     for free in (["effects"] * 9, ["environment", 10**5], [[], {}]):
         yield f"the path {free}", json.dumps({**values, "claim": {**values["claim"], "free": free}})
+
+
+def hostile_slabs() -> Iterator[tuple[str, str, str]]:
+    """Of requirements with waves, each with its scene: slabs and slices without end, of claims that are true."""
+    proof, text = of_requirement("a clock's wall")
+    good = json.loads(proof)
+    slabs = good["proof"]["slabs"]
+    kept = next(x for x in slabs if x["part"] is None)
+    fine = [f"{n}/20" for n in range(401)]
+
+    def with_proof(**other: Any) -> str:
+        return json.dumps({**good, "proof": {**good["proof"], **other}})
+
+    yield (
+        "many cells",
+        with_proof(
+            slabs=[x if x is not kept else {**x, "points": [str(Fraction(n) * 6) for n in fine]} for x in slabs]
+        ),
+        text,
+    )
+    ends = [str(Fraction(kept["from"]) + (Fraction(kept["to"]) - Fraction(kept["from"])) * n / 300) for n in range(301)]
+    many = [{**kept, "from": a, "to": b, "points": ["0", "30", "60", "90", "120"]} for a, b in pairwise(ends)]
+    yield "many slabs", with_proof(slabs=[slabs[0], *many, slabs[-1]]), text
+    first = next(x for x in good["proof"]["factors"] if "waves" in x)
+    n = len(good["proof"]["factors"])
+    for name, rows in (
+        ("high powers of the value", [["1"] * 100] * 20),
+        ("long coefficients", [["9" * 2000, "1" * 2000, "7" * 2000]] * 20),
+    ):
+        factor = {**first, "terms": [[x, rows] for x, _ in first["terms"]]}
+        functions = {
+            key: {**told, "powers": [*told["powers"], [n, 1], [n + 1, -1]]}
+            for key, told in good["proof"]["functions"].items()
+        }
+        yield name, with_proof(factors=[*good["proof"]["factors"], factor, factor], functions=functions), text
+    long = [{**kept, "from": f"{n}.{'3' * 1900}", "to": f"{n + 1}.{'3' * 1900}"} for n in range(15, 30)]
+    factor = {**first, "terms": [[[0], [["1"] * 100]]], "waves": [0]}
+    functions = {
+        key: {**told, "powers": [*told["powers"], [n, 1], [n + 1, -1]]}
+        for key, told in good["proof"]["functions"].items()
+    }
+    slices = with_proof(factors=[*good["proof"]["factors"], factor, factor], functions=functions, slabs=long)
+    yield "many slices between long numbers", slices, text
+    yield "delays without end", with_proof(delays=[f"1/{n}" for n in range(1, 100_000)]), text
+    yield "a long delay", with_proof(delays=[f"{10**40}"]), text
 
 
 def many_small_ones(times: float = 1) -> Iterator[tuple[str, str]]:

@@ -47,6 +47,8 @@ def forgeries() -> dict[str, tuple[str, str]]:
         _scene_of_another_kind,
         _claims_of_another_kind,
         _powers,
+        _values_beside_delays,
+        _delays_and_orders_that_are_free,
     ]
     return {f"{f.__name__.strip('_')} {i}": pair for f in every for i, pair in enumerate(f())}
 
@@ -236,6 +238,55 @@ def _powers() -> Iterator[tuple[str, str]]:
         ("s^(1.3)", "30^0.3*s"),
     ):
         yield of_scene(told, text.replace(old, new)), text.replace(old, new)
+
+
+LATE_GAIN = gain("11/10 + (w - 2)^2/10", "1/10", "[0, 1]").replace(
+    "[evaluation]", 'parameters = { w = 3 }\n[[effects]]\nmodel = "delay"\ntau = "10 ms"\n[evaluation]'
+)
+"""Of any w but 2 the real part exceeds its threshold at low frequencies, and of 2 it is the threshold at 0."""
+
+
+def with_slabs(*slabs: dict[str, Any]) -> str:
+    """The certificate of a claim about the real part in that scene."""
+    found = json.loads(hs.require(hs.parse_scene(LATE_GAIN), "w", ("2.5 1", "3 1")).certificate())
+    found["proof"]["slabs"] = list(slabs)
+    ends = slabs[0]["from"], slabs[-1]["to"]
+    found["claim"] |= {"values": [[*ends, slabs[0]["part"] is None]], "binds": []}
+    return json.dumps(found)
+
+
+def slab(low: str, high: str, points: list[str], part: str | None = "real") -> dict[str, Any]:
+    """One of a proof."""
+    return {"from": low, "to": high, "points": points, "part": part}
+
+
+def _values_beside_delays() -> Iterator[tuple[str, str]]:
+    """An end that belongs to a slab is one of its values; at no other frequency than 0, nor for all of the band, is it shown there."""
+    for point in ("0", "1/1000000", "1"):
+        yield with_slabs(slab("1", "2", [point]), slab("2", "3", [point])), LATE_GAIN
+        yield with_slabs(slab("1", "3", [point])), LATE_GAIN
+    for points in (["0", "1"], ["0", "1/2", "1"]):
+        yield with_slabs(slab("1", "2", points, None)), LATE_GAIN
+        yield with_slabs(slab("2", "3", points, None)), LATE_GAIN
+        yield with_slabs(slab("199/100", "201/100", points, None)), LATE_GAIN
+    yield with_slabs(slab("2", "3", ["-1"])), LATE_GAIN
+    yield with_slabs(slab("2", "3", ["1/2"], "imag")), LATE_GAIN
+
+
+def _delays_and_orders_that_are_free() -> Iterator[tuple[str, str]]:
+    """They are no coefficients: what holds for one holds for no other."""
+    for name, path in (("a threshold above a delay", "tau"), ("a device on a power", "alpha")):
+        proof, text = of_requirement(name)
+        for place in (["effects", 0, path], ["environment", path], ["effects", 0, "T"]):
+            told = json.loads(proof)
+            told["claim"]["free"] = place
+            yield json.dumps(told), text
+        for key in ("delays", "orders"):
+            for wrong in (None, [], {}, ["0"], ["-1"], ["1"] * 5, [1], [["1"]], "1", [f"1/{2**100}"], [f"{2**100}"]):
+                told = json.loads(proof)
+                if told["proof"].get(key, []) != wrong:
+                    told["proof"][key] = wrong
+                    yield json.dumps(told), text
 
 
 def _claims_of_another_kind() -> Iterator[tuple[str, str]]:

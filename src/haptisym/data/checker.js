@@ -952,6 +952,7 @@ const haptisymCheck = (function () {
     const powers = terms.map(([turns]) => pairs(turns.slice(waves.length)).map(([x, y]) => x + y));
     return {
       waves,
+      terms,
       isRaised: powers.some((row) => row.some((n) => n)),
       words: terms.reduce((n, [, p]) => n + p.flat().reduce((m, c) => m + 1 + Math.floor(bitsOf(c) / 64), 0), 10),
       degrees: [step * (Math.max(...terms.map(([, p]) => p.length)) - 1), inPi, ...waves, ...powers[0].map((_, i) => Math.max(...powers.map((row) => row[i])))],
@@ -1168,7 +1169,11 @@ const haptisymCheck = (function () {
     const sizes = every.reduce((n, row) => n + Math.max(...row.map(bitsOf)) + row.length + 40, 0);
     const cost = (sizes + 500 * terms.length * common.degrees.slice(2).reduce((n, k) => n + k, 1)) * 2;
     need(cost < 1e7, "a factor is too large");
+    return waved(waves, terms, delays, orders, common, cost);
+  }
 
+  /** The same from what is told of it. */
+  function waved(waves, terms, delays, orders, common, cost) {
     /** Exponents of omega, of sines and cosines, and of real and imaginary parts, with coefficients; `number`: what one is, with pi in it. */
     const numbers = (some, number = inPi) =>
       some.map(([turns, p]) => [[0, ...waves.flatMap((n, i) => [turns[i], n - turns[i]]), ...turns.slice(waves.length)], p.map(number)]);
@@ -1252,6 +1257,13 @@ const haptisymCheck = (function () {
       sign(at) {
         const { row, lost } = seriesOf(all, delays, orders, at, at, ZERO);
         return strict(row[0], lost);
+      },
+
+      /** With other coefficients. */
+      refilled(coefficients) {
+        let used = 0;
+        const others = terms.map(([turns, p]) => [turns, p.map(() => [coefficients[used++]])]);
+        return waved(waves, others, delays, orders, {}, 0);
       },
     };
   }
@@ -1472,29 +1484,51 @@ const haptisymCheck = (function () {
     return rows[0].map((_, i) => rows.map((row) => row[i]));
   }
 
-  /** The sign from a to b, for all values of a slab; zero nowhere if `closed` says which of its borders belong to it. */
-  function side(slices, a, b, closed) {
-    const rows = slices.map((q) => moved(q, a, b));
-    const found = new Set(rows.flat().map(signOf).filter((x) => x));
-    need(found.size === 1, "a sign is not proven");
-    const full = (row) => row.every((x) => x);
-    const firm = !closed || (rows[0].every((_, i) => rows.some((row) => row[i])) && (!closed[0] || full(rows[0])) && (!closed[1] || full(rows[rows.length - 1])));
-    need(firm, "a factor may be zero");
-    return [...found][0];
+  /** The slices of a factor between two values: functions of omega alone. */
+  function slicesOf(f, low, high) {
+    const bits = [low.n, low.d, high.n, high.d].reduce((n, x) => n + bitsOf(x), 0);
+    need(bits * (f.degrees[1] + 1) < 1e5, "the ends of a slab are too long");
+    const every = sliced(f.terms.flatMap(([, p]) => p), low, high);
+    const waves = f.refilled ? every.map((row) => (row.some((c) => c) ? f.refilled(row) : null)) : null;
+    const known = new Map();
+
+    /** The signs that each may have from a to b; none where it is zero everywhere. */
+    function signs(a, b) {
+      const isPoint = a.compare(b) === 0;
+      if (waves) return waves.map((x) => (!x ? [] : isPoint ? [x.sign(a)] : x.signs(a, b)[1]));
+      const [start, end] = [a, b].map((x) => x.power(f.step));
+      return every.map((row) => moved(row, start, end).map(signOf).filter((x) => x));
+    }
+
+    /** The sign from a to b, for all values between those two; `closed`: for which of these it must have it as well. */
+    return (a, b, closed) => {
+      const key = [a, b].map((x) => `${x.n}/${x.d}`).join();
+      if (!known.has(key)) known.set(key, signs(a, b));
+      const own = known.get(key);
+      const found = new Set(own.flat());
+      need(found.size === 1, "a sign is not proven");
+      need((own[0].length || !closed[0]) && (own[own.length - 1].length || !closed[1]), "a factor may be zero");
+      return [...found][0];
+    };
+  }
+
+  /** What it costs to find their signs, as the limits have it: for each bit of a point, and with waves for each point. */
+  function costOfSlices(f) {
+    const [count, width] = [f.terms.reduce((n, [, p]) => n + p.length, 0), f.degrees[1] + 1];
+    return f.refilled ? [2 * count * width ** 2, f.cost * width] : [2 * (count * width) ** 2 + 2000, 0];
   }
 
   /** That no excess is positive anywhere on the band, or that the one of a part is at some point of it. */
   function verify(told, slices, closed, points, part, band) {
     const at = ascending(points, 500, 1);
     const sign = (x, a, b, firm) => [...x.powers].reduce((found, [i, n]) => {
-      const [step, own] = slices[i];
-      const one = side(own, a.power(step), b.power(step), firm || n < 0 ? closed : null);
+      const one = slices[i](a, b, firm || n < 0 ? closed : [false, false]);
       return n % 2 ? found * one : found;
     }, signOf(x.number.n));
     if (part === null) {
       need(at[0].n >= 0n && at[0].compare(band[0][0]) <= 0 && at[at.length - 1].compare(band[1][1]) >= 0, "the cells do not hold the band");
-      Object.values(told).forEach((x) => {
-        need(at.slice(1).every((b, i) => sign(x, at[i], b, false) <= 0), "an excess may be positive");
+      at.slice(1).forEach((b, i) => {
+        need(Object.values(told).every((x) => sign(x, at[i], b, false) <= 0), "an excess may be positive");
       });
       return;
     }
@@ -1509,8 +1543,9 @@ const haptisymCheck = (function () {
   function valuesOf(told, factors, slabs, scene) {
     const rows = listed(slabs, 500, 1).map((x) => keyed(x, "from", "to", "points", "part"));
     const triples = rows.flatMap(([low, high, points]) => listed(points, 500, 1).map((x) => [low, high, x]));
-    const cost = 2 * factors.reduce((n, { rows: p }) => n + (p.length * Math.max(...p.map((row) => row.length))) ** 2 + 1000, 0);
+    const [cost, costOfWaves] = [0, 1].map((i) => factors.reduce((n, f) => n + costOfSlices(f)[i], 0));
     affordable(triples.flat().filter((x) => x !== null).map(number), cost);
+    need(triples.length * costOfWaves < 1e8, "the cells are too many for factors with waves");
     const joined = (i) => i > 0 && i < rows.length && rows[i - 1][1] === rows[i][0] && (rows[i - 1][3] === null) === (rows[i][3] === null);
     const point = (x, infinity) => (x === null ? { n: infinity, d: 0n } : number(x));
     const band = endsOf(scene);
@@ -1519,7 +1554,7 @@ const haptisymCheck = (function () {
       const [start, end, last] = [point(low, -1n), point(high, 1n), found[found.length - 1]];
       need(isLess(start, end) && !(last && (low === null || isLess(start, point(last[1], 1n)))), "the slabs do not ascend");
       need(joined(i) || !last || last[2] !== (part === null), "between two slabs there is more than an end");
-      const slices = factors.map(({ step, rows: p }) => [step, sliced(p, start, end)]);
+      const slices = factors.map((f) => slicesOf(f, start, end));
       verify(told, slices, [joined(i), joined(i + 1)], points, part, band);
       if (last && !joined(i)) binds.push(part === null ? rows[i - 1][3] : part);
       return joined(i) ? [...found.slice(0, -1), [last[0], high, part === null]] : [...found, [low, high, part === null]];
@@ -1529,17 +1564,18 @@ const haptisymCheck = (function () {
 
   // The questions that a certificate may answer, each with what follows from its proof.
 
-  function othersOf(told) {
-    const found = listed(told, MOST_OTHERS).map(number);
-    need(found.every((x) => x.n > 0n && x.n < x.d << 100n && x.d < 1n << 100n), "a delay is not positive, or too long");
-    return found;
+  /** Delays and orders. */
+  function othersOf(...told) {
+    const both = told.map((row) => listed(row, MOST_OTHERS).map(number));
+    need(both.flat().every((x) => x.n > 0n && x.n < x.d << 100n && x.d < 1n << 100n), "a delay is not positive, or too long");
+    const fits = both.flat().length <= MOST_OTHERS && both[1].every((x) => x.compare(ONE) < 0);
+    need(fits, "there are too many delays and orders, or an order is not below 1");
+    return both;
   }
 
   function evaluation(claim, proof, scene) {
     const [lags, powers, points, told, products, poles] = keyed(proof, "delays", "orders", "breakpoints", "factors", "functions", "poles");
-    const [delays, orders] = [lags, powers].map(othersOf);
-    const fits = delays.length + orders.length <= MOST_OTHERS && orders.every((x) => x.compare(ONE) < 0);
-    need(fits, "there are too many delays and orders, or an order is not below 1");
+    const [delays, orders] = othersOf(lags, powers);
     const factors = listed(told, 500).map((x) => factorOf(x, delays, orders));
     need(isSquare(scene.region), "the JND is a region of its own");
     const names = CURVES.flatMap((x) => PARTS.map((part) => `${x}.${part}`));
@@ -1568,19 +1604,20 @@ const haptisymCheck = (function () {
   }
 
   function requirement(claim, proof, scene) {
-    const [polynomials, products, slabs] = keyed(proof, "factors", "functions", "slabs");
+    const isObject = proof && typeof proof === "object" && !Array.isArray(proof);
+    const [lags, powers, every, products, slabs] = keyed(isObject ? { delays: [], orders: [], ...proof } : null, "delays", "orders", "factors", "functions", "slabs");
+    const [delays, orders] = othersOf(lags, powers);
     const asked = listed(claim.parts, 2, 1);
     const parts = PARTS.filter((part) => asked.includes(part));
     need(isSquare(scene.region), "the JND is a region of its own");
     const [free, names] = [listed(claim.free, 9, 1), parts.map((part) => `excess.${part}`)];
-    const factors = listed(polynomials, 500).map((x) => factorOf(x, [], []));
-    need(factors.every((x) => x.rows), "a factor is no polynomial");
+    const factors = listed(every, 500).map((x) => factorOf(x, delays, orders));
     const written = keyed(products, ...names).map((x) => product(x, factors));
     const told = Object.fromEntries(names.map((x, i) => [x, written[i]]));
-    link(told, factors, (x, pi) => {
-      const every = functions(scene, onAxis(x, pi));
-      return Object.fromEntries(names.map((name) => [name, every[name]]));
-    }, scene.length);
+    link(told, factors, (x, pi, others) => {
+      const found = functions(scene, onAxis(x, pi, delays, orders, others));
+      return Object.fromEntries(names.map((name) => [name, found[name]]));
+    }, scene.length, delays, orders);
     return { free, parts, ...valuesOf(told, factors, slabs, scene) };
   }
 

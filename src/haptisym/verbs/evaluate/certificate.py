@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
@@ -82,9 +82,16 @@ def _room(e: Evaluation, linked: Linked) -> int:
 def _afford(points: Sequence[Fraction], ends: Sequence[str], costs: Sequence[int]) -> None:
     """SceneError where a checker would refuse to find so many signs."""
     for numbers, cost in ((points, sum(costs)), (map(Fraction, ends), max(costs, default=0) // 10)):
-        bits = sum(x.numerator.bit_length() + x.denominator.bit_length() for x in numbers)
-        if bits * cost >= _MOST_WORK:
-            raise SceneError("a certificate of this scene would take a checker too long")
+        afford(numbers, cost)
+
+
+def afford(numbers: Iterable[Fraction], cost: int) -> None:
+    """SceneError where signs at so many numbers, with that cost for each bit, take a checker too long."""
+    if sum(x.numerator.bit_length() + x.denominator.bit_length() for x in numbers) * cost >= _MOST_WORK:
+        raise SceneError(TOO_LONG)
+
+
+TOO_LONG = "a certificate of this scene would take a checker too long"
 
 
 def _poles(e: Evaluation) -> dict[str, Any] | None:

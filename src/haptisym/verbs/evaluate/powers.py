@@ -13,17 +13,19 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.rings import Polynomial, RationalFunction
 from haptisym.model.distortion import Distortion
 
+_LAST = "\U0010ffff"
+"""Symbols are sorted by their names: no other one stands behind those with this."""
+
 
 class RectangularAxis(Axis):
     """Real functions in omega, pi, tan(omega tau/2) and two independent variables for each power: its real and imaginary part."""
 
-    def __init__(self, lags: Sequence[Expr], powers: Sequence[Expr], others: int, *, j: bool) -> None:
-        """``others`` : how many symbols the dynamics' ring has, none of them in the dynamics."""
-        names = [Symbol(f"z{i:02}{part}") for i in range(len(powers)) for part in "ab"]
-        super().__init__(names, lags, (), j=j)
+    def __init__(self, symbols: Sequence[Symbol], lags: Sequence[Expr], powers: Sequence[Expr], *, j: bool) -> None:
+        names = [Symbol(f"{_LAST}{i:02}{part}") for i in range(len(powers)) for part in "ab"]
+        super().__init__([*symbols, *names], lags, (), j=j)
         self.powers = tuple(powers)
-        self._inner = Ring(names, lags, (), j=j)
-        self._others = others
+        self._inner = Ring([*symbols, *names], lags, (), j=j)
+        self._start = 2 + len(symbols)
 
     def parts(self, polynomials: Sequence[Polynomial]) -> list[ComplexPolynomial]:
         split = [self._by_powers(p) for p in polynomials]
@@ -31,13 +33,13 @@ class RectangularAxis(Axis):
         return [self._joined([*row], found) for row in split]
 
     def _by_powers(self, polynomial: Polynomial) -> dict[tuple[int, ...], Polynomial]:
-        """What stands before each product of powers: the dynamics' variables are s, pi, delays, powers and j."""
-        start = 2 + self._others
+        """What stands before each product of powers: the dynamics' variables are s, pi, symbols, delays, powers and j."""
+        start = self._start
         first, rows = start + self.delays, dict[tuple[int, ...], dict[tuple[int, ...], object]]()
         for exponents, value in polynomial.to_dict().items():
             own = tuple(map(int, exponents))
             powers, rest = own[first : first + len(self.powers)], own[first + len(self.powers) :]
-            inner = (*own[:2], *[0] * (2 * len(self.powers)), *own[start:first], *rest)
+            inner = (*own[:start], *[0] * (2 * len(self.powers)), *own[start:first], *rest)
             rows.setdefault(powers, {})[inner] = value
         return {powers: self._inner.context.from_dict(row) for powers, row in rows.items()}
 
@@ -46,7 +48,7 @@ class RectangularAxis(Axis):
         gens, real, imag = self.context.gens(), self.constant(0), self.constant(0)
         for exponents, (x, y) in zip(powers, found, strict=False):
             for i, n in enumerate(exponents):
-                a, b = gens[2 + 2 * i], gens[3 + 2 * i]
+                a, b = gens[self._start + 2 * i : self._start + 2 * i + 2]
                 for _ in range(n):
                     x, y = x * a - y * b, x * b + y * a
             real, imag = real + x, imag + y
@@ -63,7 +65,7 @@ class RectangularRing(Ring):
 
     @cached_property
     def axis(self) -> RectangularAxis:
-        return RectangularAxis(self.lags, self.orders, len(self.symbols), j=super().axis.complex)
+        return RectangularAxis(self.symbols, self.lags, self.orders, j=super().axis.complex)
 
 
 def rectangular(d: Distortion) -> Distortion:

@@ -115,14 +115,19 @@ def rows_of(polynomial: Polynomial, second: int = PI) -> Rows:
     """The coefficients of a polynomial with whole ones in the variable and pi, or another; SceneError where it holds more."""
     rows: dict[int, dict[int, int]] = {}
     for powers, value in polynomial.to_dict().items():
-        others = [i for i, n in enumerate(powers) if n and i not in (0, second)]
-        if others:
-            raise SceneError(BESIDE_PI if others == [PI] else NOT_RATIONAL)
+        _need_alone([int(n) for n in powers], second)
         rows.setdefault(int(powers[0]), {})[int(powers[second])] = int(value.p)
     return tuple(
         tuple(row.get(i, 0) for i in range(max(row, default=0) + 1))
         for row in (rows.get(n, {}) for n in range(max(rows) + 1))
     )
+
+
+def _need_alone(powers: Sequence[int], second: int) -> None:
+    """SceneError where a polynomial holds more than the variable and what stands beside it."""
+    others = [i for i, n in enumerate(powers) if n and i not in (0, second)]
+    if others:
+        raise SceneError(BESIDE_PI if others == [PI] else NOT_RATIONAL)
 
 
 def told_rows(rows: Rows) -> list[list[str]]:
@@ -158,19 +163,19 @@ class Linked:
     orders: tuple[Fraction, ...] = ()
 
 
-def products(functions: Mapping[str, RealFunction]) -> Linked:
-    """The factors of real functions, and each function as the product of them."""
+def products(functions: Mapping[str, RealFunction], second: int = PI) -> Linked:
+    """The factors of real functions, and each function as the product of them; ``second`` : as of ``Factors``."""
     axis = next(iter(functions.values())).axis
     powers = axis.powers if isinstance(axis, RectangularAxis) else ()
     if not axis.functions and not powers:
-        factors, told = rational_products(functions)
+        factors, told = rational_products(functions, second)
         return Linked([*factors], told)
     others = [*axis.lags[::-1], *powers]
     if len(others) > _MOST_OTHERS or not all(x.is_Rational and max(x.p, x.q) < _LARGEST for x in others):
         raise SceneError(NO_ROOM)
     exact = tuple(Fraction(int(x.p), int(x.q)) for x in others)
     delays, orders = exact[: len(axis.lags)], exact[len(axis.lags) :]
-    waves = WaveProducts(axis, delays, orders)
+    waves = WaveProducts(axis, delays, orders, second)
     told = {name: waves.product(f) for name, f in functions.items()}
     return Linked(list(waves.listed), told, delays, orders)
 
@@ -185,8 +190,10 @@ NO_ROOM = (
 class WaveProducts:
     """The factors of functions with delays or powers, each of them once."""
 
-    def __init__(self, axis: Axis, delays: tuple[Fraction, ...], orders: tuple[Fraction, ...]) -> None:
-        self.axis, self.delays, self.orders = axis, delays, orders
+    def __init__(
+        self, axis: Axis, delays: tuple[Fraction, ...], orders: tuple[Fraction, ...], second: int = PI
+    ) -> None:
+        self.axis, self.delays, self.orders, self.second = axis, delays, orders, second
         self.listed: dict[Factor | WaveFactor, int] = {}
         self.known: list[tuple[Polynomial, Any]] = []
 
@@ -215,11 +222,13 @@ class WaveProducts:
         size, count = self.axis.size, len(self.delays)
         number, factors = self.axis.factors(self.axis.without_circles(polynomial)[0], in_square=False)
         found = list[tuple[Factor | WaveFactor, int]]()
+        first = size - 2 * len(self.orders)
         for factor, n in factors:
-            if any(factor.degrees()[size - 2 * len(self.orders) :]):
-                found.append((wave_factor(factor, size, self.delays, self.orders), n))
+            _need_alone([int(k) for k in factor.degrees()[:first]], self.second)
+            if any(factor.degrees()[first:]):
+                found.append((wave_factor(factor, size, self.delays, self.orders, self.second), n))
             else:
-                found.append((Factor(rows_of(factor), 1), n))
+                found.append((Factor(rows_of(factor, self.second), 1), n))
         turning = [int(n) for n in polynomial.degrees()[size : size + count]][::-1]
         cosines = [(cosine_factor(i, self.delays, self.orders), -n) for i, n in enumerate(turning) if n]
         return number, [*found, *cosines]
@@ -229,8 +238,6 @@ def rational_products(
     functions: Mapping[str, RealFunction], second: int = PI
 ) -> tuple[list[Factor], dict[str, dict[str, Any]]]:
     """The same of functions without delays; ``second`` : as of ``Factors``."""
-    if any(f.axis.functions for f in functions.values()):
-        raise SceneError(NOT_RATIONAL)
     factors, even = Factors(second=second), are_even(list(functions.values()))
     told = {name: factors.product(f, in_square=even) for name, f in functions.items()}
     return list(factors.listed), told

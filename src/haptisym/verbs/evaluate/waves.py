@@ -250,11 +250,11 @@ def _sides(balls: Sequence[Any]) -> tuple[int, ...]:
 
 
 def wave_factor(
-    factor: Polynomial, first: int, delays: tuple[Fraction, ...], orders: tuple[Fraction, ...] = ()
+    factor: Polynomial, first: int, delays: tuple[Fraction, ...], orders: tuple[Fraction, ...] = (), second: int = 1
 ) -> WaveFactor:
     """A polynomial made homogeneous in cosine and sine of half angles. Tangents begin at ``first``, the last one's first.
 
-    Before them are Re and Im of powers.
+    Before them are Re and Im of powers; at ``second`` is pi, or what takes its place.
     """
     places, terms = slice(first, first + len(delays)), dict[Turns, dict[tuple[int, int], int]]()
     raised = slice(first - 2 * len(orders), first)
@@ -263,7 +263,7 @@ def wave_factor(
         raise SceneError(f"a certificate has room for delays that are at most about {_MOST} times a common one")
     for exponents, value in factor.to_dict().items():
         own = [int(n) for n in exponents]
-        terms.setdefault((*own[places][::-1], *own[raised]), {})[own[0], own[1]] = int(value.p)
+        terms.setdefault((*own[places][::-1], *own[raised]), {})[own[0], own[second]] = int(value.p)
     if len(terms) > _MOST_TERMS or any(n > _MOST for n in factor.degrees()[raised]):
         raise SceneError(
             f"a certificate has room for {_MOST_TERMS} products of sines and powers in a factor, to at most {_MOST}"

@@ -3,21 +3,30 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from functools import partial
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypeAlias
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.response import RealFunction
 from haptisym.model.scene import Scene
-from haptisym.verbs.evaluate.certificate import document, named
-from haptisym.verbs.evaluate.products import rational_products
+from haptisym.verbs.evaluate.certificate import TOO_LONG, afford, document, named
+from haptisym.verbs.evaluate.powers import rectangular
+from haptisym.verbs.evaluate.products import Linked, products
+from haptisym.verbs.evaluate.waves import WaveFactor
 from haptisym.verbs.require.feasible import End
 from haptisym.verbs.require.freeparameter import conditions
 from haptisym.verbs.require.required import Requirement
 from haptisym.verbs.require.slabs import Ends, Problem, Value, ascending
+from haptisym.verbs.require.slicing import cost, width
+
+Bounds: TypeAlias = tuple[Fraction, Fraction]
+
+_MOST_AMONG_WAVES = 10**8  # of a checker: points times cost
+_MOST_BITS = 10**5  # of the ends of a slab, times the highest width of a factor
 
 
 def certificate(found: Requirement) -> str:
@@ -33,14 +42,16 @@ def certificate(found: Requirement) -> str:
     _refuse(found)
     path = _keys(scene, found, environment)
     functions = _functions(found)
-    second = next(iter(functions.values())).axis.meanings.index(found.free.symbol)
-    factors, told = rational_products(functions, second)
-    problem = Problem(factors, told, _band(scene), _starts(found))
-    values = _values(found)
+    linked = products(functions, next(iter(functions.values())).axis.meanings.index(found.free.symbol))
+    problem = Problem(linked.factors, linked.told, _band(scene), _starts(found))
+    bounds = partial(_end, digits=found.digits, apart=any(isinstance(f, WaveFactor) for f in linked.factors))
+    values = _values(found, bounds)
     slabs = [[*problem.slabs(Ends(low, high), holds=holds)] for low, high, holds in values]
-    proof = {
-        "factors": [f.told() for f in factors],
-        "functions": told,
+    _afford([x for row in slabs for x in row], linked)
+    others = {"delays": [str(x) for x in linked.delays], "orders": [str(x) for x in linked.orders]}
+    proof = {key: told for key, told in others.items() if told} | {
+        "factors": [f.told() for f in linked.factors],
+        "functions": linked.told,
         "slabs": [x for row in slabs for x in row],
     }
     claim = {
@@ -48,18 +59,32 @@ def certificate(found: Requirement) -> str:
         "free": path,
         "parts": [name.partition(".")[2] for name in functions],
         "values": [[None if x is None else str(x) for x in row[:2]] + [row[2]] for row in values],
-        "binds": _binds(found, values, slabs),
+        "binds": _binds({bounds(x): x for x in found.ends}, values, slabs),
     }
     return document(scene, environment, claim, proof)
 
 
+def _afford(slabs: Sequence[dict[str, Any]], linked: Linked) -> None:
+    """SceneError where a checker would refuse to find so many signs, or to look at slabs between so long numbers."""
+    ends = [
+        sum(n.bit_length() for x in (row["from"], row["to"]) for n in Fraction(x or 0).as_integer_ratio())
+        for row in slabs
+    ]
+    if (max(ends, default=0) + 2) * max(map(width, linked.factors), default=0) >= _MOST_BITS:
+        raise SceneError(TOO_LONG)
+    triples = [(x["from"], x["to"], point) for x in slabs for point in x["points"]]
+    costs = [cost(f) for f in linked.factors]
+    afford((Fraction(x) for triple in triples for x in triple if x is not None), sum(x for x, _ in costs))
+    if len(triples) * sum(x for _, x in costs) >= _MOST_AMONG_WAVES:
+        raise SceneError(TOO_LONG)
+
+
 def _binds(
-    found: Requirement, values: Sequence[tuple[Value, Value, bool]], slabs: Sequence[Sequence[Any]]
+    ends: Mapping[Any, End], values: Sequence[tuple[Value, Value, bool]], slabs: Sequence[Sequence[Any]]
 ) -> list[str]:
     """The part that binds at each end; of several the one that exceeds in the slab beside it."""
-    bindings: dict[Any, list[str]] = {_end(x, found.digits): [b.criterion.name for b in x.bindings] for x in found.ends}
     beside = (
-        (a[-1]["part"] or b[0]["part"], bindings[x[1], y[0]])
+        (a[-1]["part"] or b[0]["part"], [found.criterion.name for found in ends[x[1], y[0]].bindings])
         for (a, x), (b, y) in pairwise(zip(slabs, values, strict=True))
     )
     return [part if part in names else names[0] for part, names in beside]
@@ -75,8 +100,12 @@ def _refuse(found: Requirement) -> None:
 
 def _functions(found: Requirement) -> dict[str, RealFunction]:
     """The excess of each part, the parameter being free."""
-    told = conditions(found.scene, [found.free], found.criteria)
-    return {f"excess.{x.name}": f for x, f in told.items() if isinstance(f, RealFunction)}
+    told = conditions(found.scene, [found.free], found.criteria, rectangular)
+    functions = {f"excess.{x.name}": f for x, f in told.items() if isinstance(f, RealFunction)}
+    axis = next(iter(functions.values())).axis
+    if any(found.free.symbol in x.free_symbols for x in (*axis.lags, *getattr(axis, "powers", ()))):
+        raise SceneError("a certificate of a requirement needs a free number that is no delay and no power of s")
+    return functions
 
 
 def _keys(scene: Scene, found: Requirement, environment: str | None) -> list[str | int]:
@@ -129,12 +158,12 @@ def _starts(found: Requirement) -> list[Fraction]:
     return sorted({min(max(x, low), high) for x in places})
 
 
-def _values(found: Requirement) -> list[tuple[Value, Value, bool]]:
+def _values(found: Requirement, bounds: Callable[[End], Bounds | None]) -> list[tuple[Value, Value, bool]]:
     """Intervals of values, ascending, each with whether it is feasible."""
     first, last = (None if x is None else _bounds(ExactNumber(x)) for x in (found.domain.low, found.domain.high))
     here, rows = None if first is None else first[1], list[tuple[Value, Value, bool]]()
     for span in found.feasible:
-        low, high = _end(span.low, found.digits), _end(span.high, found.digits)
+        low, high = bounds(span.low), bounds(span.high)
         if low and high and low[1] >= high[0]:
             raise SceneError("a certificate of a requirement has no room for a single value")
         if span.low.bindings and low is not None:
@@ -149,5 +178,10 @@ def _values(found: Requirement) -> list[tuple[Value, Value, bool]]:
     return rows
 
 
-def _end(x: End, digits: int) -> tuple[Fraction, Fraction] | None:
-    return None if x.value is None else _bounds(x.value, digits)
+def _end(x: End, *, digits: int, apart: bool) -> Bounds | None:
+    """Bounds of an end; ``apart`` : where something binds it is neither of them, as no bounds of sines show that zero."""
+    if x.value is None:
+        return None
+    low, high = _bounds(x.value, digits)
+    beside = (abs(low) or 1) / Fraction(10) ** digits if apart and low == high and x.bindings else Fraction(0)
+    return low - beside, high + beside

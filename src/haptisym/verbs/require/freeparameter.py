@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import prod
 from typing import TypeAlias
@@ -92,10 +92,18 @@ def pieces(condition: Condition) -> tuple[RealFunction, ...]:
     return tuple(map(_rational, term))
 
 
-def conditions(scene: Scene, free: Iterable[Knob], criteria: Iterable[Criterion]) -> dict[Criterion, Condition]:
-    """What criteria ask, with the free parameters left as symbols; of a region with several terms each of them."""
+def conditions(
+    scene: Scene,
+    free: Iterable[Knob],
+    criteria: Iterable[Criterion],
+    seen: Callable[[Distortion], Distortion] = lambda d: d,
+) -> dict[Criterion, Condition]:
+    """What criteria ask, with the free parameters left as symbols; of a region with several terms each of them.
+
+    ``seen`` : as what the distortion is taken, where not as it is.
+    """
     listed = [x.felt() for x in free]
-    d, parts = _distortion(scene, listed), {part for x in listed for part in x.parts}
+    d, parts = seen(_distortion(scene, listed)), {part for x in listed for part in x.parts}
     found: dict[Criterion, Condition] = {}
     for x in opened(criteria, parts):
         own = x.function(d)

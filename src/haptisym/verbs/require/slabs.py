@@ -12,25 +12,14 @@ from typing import Any, TypeAlias
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import UndecidedError
 from haptisym.verbs.evaluate.products import Factor
+from haptisym.verbs.evaluate.waves import WaveFactor
+from haptisym.verbs.require.slicing import Slices, WaveSlices, sliced
 
-Pair: TypeAlias = tuple[int, int]
 Value: TypeAlias = Fraction | None
 """A value of the parameter; None where it is unbounded."""
 
 _MOST_CELLS, _MOST_SLABS = 50, 150
-
-
-def moved(p: Sequence[int], low: Pair, high: Pair) -> list[int]:
-    """The coefficients of p((a + b u)/(c + d u)) (c + d u)^n, low = a/c and high = b/d."""
-
-    def stretched(q: Sequence[int], a: int, b: int) -> list[int]:
-        return [a * x + b * y for x, y in zip([*q, 0], [0, *q], strict=True)]
-
-    found, power = [p[-1]], [1]
-    for c in p[-2::-1]:
-        power = stretched(power, low[1], high[1])
-        found = [x + c * y for x, y in zip(stretched(found, low[0], high[0]), power, strict=True)]
-    return found
+_MOST_WITH_WAVES = 40
 
 
 @dataclass(frozen=True)
@@ -46,6 +35,12 @@ class Ends:
         """Two of them that meet inside."""
         cut = _middle(self.low, self.high)
         return Ends(self.low, cut, self.holds_low, True), Ends(cut, self.high, True, self.holds_high)  # noqa: FBT003
+
+    def slices(self, factors: Sequence[Factor | WaveFactor]) -> list[Slices | WaveSlices]:
+        """Of each factor, over the slab."""
+        low = (-1, 0) if self.low is None else self.low.as_integer_ratio()
+        high = (1, 0) if self.high is None else self.high.as_integer_ratio()
+        return [sliced(f, low, high) for f in factors]
 
 
 def _middle(low: Value, high: Value) -> Fraction:
@@ -64,13 +59,14 @@ def _middle(low: Value, high: Value) -> Fraction:
 class Problem:
     """Excesses as products of factors, on a band; ``starts`` : points of the band at which something binds."""
 
-    factors: Sequence[Factor]
+    factors: Sequence[Factor | WaveFactor]
     functions: Mapping[str, Mapping[str, Any]]
     band: tuple[Fraction, Fraction, Fraction, Fraction]
     starts: Sequence[Fraction]
 
     def slabs(self, ends: Ends, *, holds: bool) -> Iterator[dict[str, Any]]:
         """Slabs from end to end, each with its proof. UndecidedError where so many as a certificate may have do not suffice."""
+        most = _MOST_WITH_WAVES if any(isinstance(f, WaveFactor) for f in self.factors) else _MOST_SLABS
         waiting, count = [*ends.halves()[::-1]] if ends.low is ends.high is None else [ends], 1
         while waiting:
             tick()
@@ -78,14 +74,16 @@ class Problem:
             found = self._slab(here, holds=holds)
             if found is not None:
                 yield {"from": _text(here.low), "to": _text(here.high), **found}
-            elif count < _MOST_SLABS:
+            elif count < most:
                 waiting += here.halves()[::-1]
                 count += 1
             else:
-                raise UndecidedError("the slabs of a certificate")
+                raise UndecidedError(
+                    "a certificate: so many slabs of values, and cells of the band, as it may have are not enough"
+                )
 
     def _slab(self, ends: Ends, *, holds: bool) -> dict[str, Any] | None:
-        slab = Slab(self, ends, [_sliced(f, ends) for f in self.factors])
+        slab = Slab(self, ends, ends.slices(self.factors))
         if not holds:
             found = next(((x, part) for x in self._tried for part in self.functions if slab.fails(part, x)), None)
             return None if found is None else {"points": [str(found[0])], "part": found[1].partition(".")[2]}
@@ -96,28 +94,26 @@ class Problem:
     def _tried(self) -> list[Fraction]:
         """Points of the band at which an excess may be positive: those that bind, and some between."""
         _, low, high, _ = self.band
-        return [*self.starts, high, low, *(low + (high - low) * n / 16 for n in range(1, 16))]
+        near_0 = [Fraction(1, 10**n) for n in (15, 40, 70)] if low == 0 and _have_powers(self.factors) else []
+        return [*self.starts, *near_0, high, low, *(low + (high - low) * n / 16 for n in range(1, 16))]
+
+
+def _have_powers(factors: Sequence[Factor | WaveFactor]) -> bool:
+    """Whether there are powers of omega, which have no bounds at 0."""
+    return any(isinstance(f, WaveFactor) and f.orders for f in factors)
 
 
 def _text(x: Value) -> str | None:
     return None if x is None else str(x)
 
 
-def _sliced(factor: Factor, ends: Ends) -> list[list[int]]:
-    low = (-1, 0) if ends.low is None else ends.low.as_integer_ratio()
-    high = (1, 0) if ends.high is None else ends.high.as_integer_ratio()
-    width = max(map(len, factor.rows))
-    rows = [moved([*row, *[0] * (width - len(row))], low, high) for row in factor.rows]
-    return [list(x) for x in zip(*rows, strict=True)]
-
-
 @dataclass(frozen=True)
 class Slab:
-    """Values between two, with the factors as sums, of positive weights, of polynomials of omega alone."""
+    """Values between two, with the factors as sums, of positive weights, of functions of omega alone."""
 
     problem: Problem
     ends: Ends
-    slices: Sequence[list[list[int]]]
+    slices: Sequence[Slices | WaveSlices]
 
     def fails(self, name: str, x: Fraction) -> bool:
         """Whether an excess is positive at a point of the band for all values."""
@@ -143,22 +139,13 @@ class Slab:
     def _sign(self, told: Mapping[str, Any], a: Fraction, b: Fraction, *, firm: bool) -> int | None:
         number = Fraction(told["number"])
         found = (number > 0) - (number < 0)
+        held = self.ends.holds_low, self.ends.holds_high
         for i, n in told["powers"]:
-            own = self._side(i, a, b, firm=firm or n < 0)
+            own = self.slices[i].side(a, b, held if firm or n < 0 else None)
             if own is None:
                 return None
             found *= own ** abs(n)
         return found
-
-    def _side(self, i: int, a: Fraction, b: Fraction, *, firm: bool) -> int | None:
-        """The sign of a factor from a to b for all values; None where it is not shown."""
-        step = self.problem.factors[i].step
-        rows = [moved(q, (a**step).as_integer_ratio(), (b**step).as_integer_ratio()) for q in self.slices[i]]
-        signs = {(x > 0) - (x < 0) for row in rows for x in row} - {0}
-        borders = [row for row, own in ((rows[0], self.ends.holds_low), (rows[-1], self.ends.holds_high)) if own]
-        if len(signs) != 1 or (firm and not (all(map(any, zip(*rows, strict=True))) and all(map(all, borders)))):
-            return None
-        return signs.pop()
 
 
 def ascending(values: Sequence[tuple[Value, Value, bool]]) -> bool:
