@@ -7,14 +7,16 @@ import random
 from itertools import pairwise
 from typing import Any
 
+import flint
 import mpmath
 import numpy as np
 import pytest
-from flint import fmpq
+from flint import arb, fmpq
 from sympy import Expr, Integer, Rational, exp, lambdify, pi
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.exponentials import Exponentials
+from haptisym.kernel.factoring import _polynomial_factor
 from haptisym.kernel.far import Sense, far
 from haptisym.kernel.lattices import Lattice
 from haptisym.kernel.response import RealFunction, on_axis
@@ -192,6 +194,24 @@ def test_products_of_waves_are_zero_or_infinite_where_their_factors_are_and_as_o
         at = (float(a.omega) + float(b.omega)) / 2
         sign = (-math.sin(at * float(tau))) ** odd * (at**2 - 2) ** own
         assert a.after["f"] == b.before["f"] == math.copysign(1, sign)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_factor_without_waves_has_the_values_of_its_polynomial_whatever_is_missing_of_it(seed: int) -> None:
+    """Of powers of omega and of pi before them, each there or not: what is even is kept in squares, and nothing else is."""
+    draw = random.Random(seed)
+    for _ in range(40):
+        rows = [
+            [draw.choice([0, 0, -2, 1, 3]) for _ in range(draw.choice([1, 1, 2, 3]))] for _ in range(draw.randint(1, 6))
+        ]
+        own = sum((c * pi**k * w**n for n, row in enumerate(rows) for k, c in enumerate(row)), Integer(0))
+        if own == 0:
+            continue
+        factor = _polynomial_factor(AXIS.convert(own).numerator)
+        for x in (0.5, 1.0, 2.75):
+            with flint.ctx.workprec(128):
+                ball = factor.value(arb(x))
+            assert float(ball) == pytest.approx(float(own.subs(w, Rational(x))), rel=1e-12, abs=1e-12)
 
 
 def with_a_pole(draw: random.Random) -> Expr:
