@@ -139,3 +139,8 @@ hands: Mapping[str, Hand] = _Shipped()
 @cache
 def _tables() -> Mapping[str, Mapping[str, Any]]:
     return MappingProxyType(tomllib.loads((Path(__file__).parents[1] / "hands.toml").read_text(encoding="utf-8")))
+
+
+def how_to_give() -> str:
+    """How a hand is given to a question, for an error that lacks one."""
+    return f"--hand NAME (in Python hand=NAME), or [hand] in the scene; haptisym ships {', '.join(hands)}"

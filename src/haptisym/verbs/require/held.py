@@ -15,7 +15,7 @@ from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.symbols import s
 from haptisym.model.caveats import clocks
-from haptisym.model.hand import Hand, hands
+from haptisym.model.hand import Hand, how_to_give
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.require.existing import allowed, missing
@@ -50,10 +50,7 @@ def with_hands(scene: Scene, given: str | Hand | None) -> Scene:
     """The scene in the hand that is asked about; its own if none is."""
     found = scene if given is None else scene.with_hands(chosen(scene, given))
     if not found.hands:
-        raise SceneError(
-            "whether a display is stable is asked of it in a hand: --hand NAME, or [hand] in the scene; haptisym ships "
-            + ", ".join(hands)
-        )
+        raise SceneError(f"whether a display is stable is asked of it in a hand: {how_to_give()}")
     return found
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.terms import at_least, order_at_0
 from haptisym.model.caveats import clocks
-from haptisym.model.hand import Hand, hands
+from haptisym.model.hand import Hand, how_to_give
 from haptisym.model.quantities import Dimension, Number, quantity
 from haptisym.model.quantities import MotionKind as Kind
 from haptisym.model.scene import Scene
@@ -114,9 +114,7 @@ def _the_hand(scene: Scene, given: str | Hand | None) -> Hand:
     several = (
         f"which one of {', '.join(x.name for x in scene.hands)}" if scene.hands else "of this scene nothing tells which"
     )
-    raise SceneError(
-        f"letting go needs a hand, {several}: --hand NAME, or one [hand] in the scene; haptisym ships {', '.join(hands)}"
-    )
+    raise SceneError(f"letting go needs a hand, {several}: {how_to_give()}")
 
 
 def _one_kind(scene: Scene, kind: Kind | None, hand: Hand) -> None:

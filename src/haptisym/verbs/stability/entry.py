@@ -7,7 +7,7 @@ from pathlib import Path
 
 from haptisym.kernel.counts import whole
 from haptisym.kernel.errors import SceneError, meant, several
-from haptisym.model.hand import Hand, hands
+from haptisym.model.hand import Hand, hands, how_to_give
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
@@ -69,7 +69,7 @@ def _number(scene: Scene, x: Knob) -> Knob:
             f"{x.path} is a threshold, which moves no root: ask for a number of the display or of the hand"
         )
     if not scene.hands:
-        raise SceneError(f"{x.path}: how far it may go depends on the hand: give [hand] in the scene, or --hand NAME")
+        raise SceneError(f"{x.path}: how far it may go depends on the hand: {how_to_give()}")
     return x
 
 
