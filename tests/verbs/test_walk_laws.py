@@ -19,7 +19,8 @@ from flint import acb, arb
 from scipy import ndimage
 from sympy import Expr, Integer, Rational, Symbol, pi
 
-from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.budget import limited
+from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.pulse import Plant, SampledLoop
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rootcount import RootChain
@@ -221,6 +222,33 @@ def test_two_changes_that_are_close_to_each_other_are_never_passed_by(seed: int)
                 clear = loop.is_clear(arb(low).union(arb(high)))
             grid = np.linspace(low, high, 101)
             assert not clear or (abs(2 + float(sign * e) - float(c) * (grid - 1) ** 2 - 2) > 0).all()
+
+
+def _at_its_delay(k: Symbol) -> Opened:
+    """z = 1 - k."""
+    plant = Plant((Integer(0), Integer(1)), ((Integer(0), (Integer(1),)),))
+    return Opened(SampledLoop(plant, Integer(1), (k,), (Integer(1),)), k)
+
+
+def test_a_walk_keeps_to_its_limit() -> None:
+    with limited(1e-9), pytest.raises(LimitError):
+        Walk(_at_its_delay(k), Fraction(1, 2), 0, Rule.POSITIVE).towards(1)
+
+
+def test_a_walk_that_gets_ahead_by_the_shortest_cells_alone_gives_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It had taken minutes where roots stay beside the circle, without getting anywhere; what it passed is told."""
+    walk, asked = Walk(_at_its_delay(k), Fraction(1, 2), 0, Rule.POSITIVE), []
+
+    def over(_: Walk, at: Fraction, step: Fraction) -> tuple[None, Fraction]:
+        asked.append(at)
+        return None, at + step
+
+    monkeypatch.setattr(Walk, "_is_clear", lambda *_: False)
+    monkeypatch.setattr(Walk, "_over", over)
+    found, known = walk.towards(1)
+    assert found is None
+    assert Fraction(1, 2) < known < Fraction(1, 2) + Fraction(1, 1000)
+    assert 20 < len(asked) < 100
 
 
 # Cells between values at which chains come to the axis

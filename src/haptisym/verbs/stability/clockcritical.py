@@ -17,6 +17,7 @@ import flint
 from flint import acb_poly, arb
 from sympy import Add, Expr, Integer, Rational, Symbol
 
+from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.nearone import about_axis, about_one, has_no_pair, hurwitz
 from haptisym.kernel.pulse import SampledLoop
@@ -36,7 +37,7 @@ _FINEST = Fraction(
 )  # of a value: where cells are shorter it is asked whether roots are more or fewer behind them
 _STEPS = (8, 64, 512)  # of such cells, over which roots are more or fewer, or proven to be as many throughout
 _DEEPEST = 8  # times that these are cut
-_MOST_CELLS = 500  # on a side
+_MOST_CELLS, _MOST_FINE = 500, 40  # on a side; of them the shortest
 
 
 @dataclass(frozen=True)
@@ -109,6 +110,15 @@ def circle_tests(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, alway
     return c[0] if always else expression_ball(one, known), c[-1], hurwitz(c)
 
 
+def is_clear(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0) -> bool:
+    """Whether no root is on the circle for any numbers in balls, proven; two real ones may add up to 0 in v."""
+    c = about_axis(about_one(loop, known)[always:])
+    ends = c[0] if always else expression_ball(one, known), c[-1]
+    if any(x.contains(0) or not x.is_finite() for x in ends):
+        return False
+    return not hurwitz(c).contains(0) or has_no_pair(c)
+
+
 @dataclass(frozen=True)
 class Opened:
     """A loop in which a symbol stands for one number."""
@@ -166,10 +176,11 @@ class Opened:
         return circle_tests(self.loop, {self.symbol: q}, self.at_one, self.always)
 
     def is_clear(self, q: Ball) -> bool:
-        """Whether no root is on the circle for any number in a ball, proven; two real ones may add up to 0 in v."""
-        ends = self.tests(q)[:2]
-        c = about_axis(about_one(self.loop, {self.symbol: q})[self.always :])
-        return not any(x.contains(0) or not x.is_finite() for x in ends) and has_no_pair(c)
+        """Whether no root is on the circle for any number in a ball, proven."""
+        try:
+            return is_clear(self.loop, {self.symbol: q}, self.at_one, self.always)
+        except (UndecidedError, ZeroDivisionError):
+            return False
 
     def angle(self, q: Ball, bits: int) -> Ball:
         """Of the pair on the circle: its argument, to so many bits; not finite where balls do not tell."""
@@ -198,8 +209,9 @@ class Walk:
         """The nearest change on one side, None where there is none, and as far as that is known."""
         scale = abs(self.start) or Fraction(1)
         end = self._end(side, scale)
-        at, step = self.start, scale / 64
+        at, step, fine = self.start, scale / 64, 0
         for _ in range(_MOST_CELLS):
+            tick()
             if at == end:
                 found = self._at_0(at, side)
                 return found, Fraction(0) if found or self._is_clear_down_to_0(at, side) else at
@@ -213,8 +225,11 @@ class Walk:
                     found, at = self._over(at, side * step)
                 except UndecidedError:
                     break
+                fine += 1
                 if found is not None:
                     return found, at
+                if fine > _MOST_FINE:
+                    break
         return None, at
 
     def _end(self, side: int, scale: Fraction) -> Fraction:
@@ -223,11 +238,7 @@ class Walk:
 
     def _is_clear(self, one: Fraction, other: Fraction) -> bool:
         with flint.ctx.workprec(_BITS):
-            q = _ball(one).union(_ball(other))
-            try:
-                return not any(x.contains(0) or not x.is_finite() for x in self.loop.tests(q))
-            except (UndecidedError, ZeroDivisionError):
-                return False
+            return self.loop.is_clear(_ball(one).union(_ball(other)))
 
     def _over(self, one: Fraction, step: Fraction) -> tuple[Passage | None, Fraction]:
         """Past values where balls do not tell: a change there, None if there is none, and how far that goes."""
@@ -245,6 +256,7 @@ class Walk:
 
     def _has_none(self, low: Fraction, high: Fraction, depth: int) -> bool:
         """Whether no value between two puts a root on the circle, proven; in ever smaller pieces, as beside one that does."""
+        tick()
         with flint.ctx.workprec(_BITS):
             if self.loop.is_clear(_ball(low).union(_ball(high))):
                 return True

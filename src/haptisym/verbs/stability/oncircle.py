@@ -18,14 +18,13 @@ from sympy import Expr, Symbol
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.nearone import about_axis, about_one, has_no_pair, hurwitz
 from haptisym.kernel.pulse import SampledLoop
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.schurcohn import count_on_circle
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
-from haptisym.verbs.stability.clockcritical import at_one
+from haptisym.verbs.stability.clockcritical import at_one, is_clear
 from haptisym.verbs.stability.clocked import loop_of
 
 _BITS = 96
@@ -66,12 +65,7 @@ class OnCircle:
         """Whether no root is on the circle for any values of a cell, proven."""
         with flint.ctx.workprec(_BITS):
             try:
-                known = self._at(cell)
-                c = about_axis(about_one(self.loop, known))
-                ends = expression_ball(self._at_one, known), c[-1]
-                return not any(x.contains(0) or not x.is_finite() for x in ends) and (
-                    not hurwitz(c).contains(0) or has_no_pair(c)
-                )
+                return is_clear(self.loop, self._at(cell), self._at_one)
             except (UndecidedError, ZeroDivisionError, ValueError):
                 return False
 
