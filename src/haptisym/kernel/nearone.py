@@ -15,7 +15,7 @@ from typing import Any
 
 import flint
 from flint import arb, arb_mat, arb_poly
-from sympy import Expr, Integer
+from sympy import Add, Expr, Integer
 
 from haptisym.kernel.pulse import Plant, SampledLoop
 from haptisym.kernel.reals import Ball, expression_ball
@@ -76,6 +76,30 @@ def has_no_pair(c: Sequence[Ball]) -> bool:
                 return False  # at this very place it stays open, however small the piece
             waiting += [(parts, low, middle), (parts, middle, high)]
     return not waiting
+
+
+def at_one(loop: SampledLoop) -> Expr:
+    """B(1) Q(0) + A(1) N(0): C(1) times what is nowhere 0."""
+    plant = loop.plant
+    return (Add(*loop.below) * plant.denominator[0] + Add(*loop.above) * Add(*(N[0] for _, N in plant.terms))).expand()
+
+
+def circle_tests(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0) -> tuple[Ball, Ball, Ball]:
+    """At z = 1, at z = -1, and where two roots v add up to 0: numbers that vanish where a root is on the circle.
+
+    ``one`` : ``at_one``; ``always`` : how many roots lie at 1 whatever the numbers are.
+    """
+    c = about_axis(about_one(loop, known)[always:])
+    return c[0] if always else expression_ball(one, known), c[-1], hurwitz(c)
+
+
+def is_clear(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0) -> bool:
+    """Whether no root is on the circle for any numbers in balls, proven; two real ones may add up to 0 in v."""
+    c = about_axis(about_one(loop, known)[always:])
+    ends = c[0] if always else expression_ball(one, known), c[-1]
+    if any(x.contains(0) or not x.is_finite() for x in ends):
+        return False
+    return not hurwitz(c).contains(0) or has_no_pair(c)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ vanishes follow each other, as long as they may be, up to one in which the numbe
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -15,11 +14,11 @@ from typing import Any
 
 import flint
 from flint import acb_poly, arb
-from sympy import Add, Expr, Integer, Rational, Symbol
+from sympy import Expr, Integer, Rational, Symbol
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.nearone import about_axis, about_one, has_no_pair, hurwitz
+from haptisym.kernel.nearone import at_one, circle_tests, is_clear
 from haptisym.kernel.pulse import SampledLoop
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.schurcohn import count_on_circle
@@ -93,30 +92,6 @@ def start_of(loop: Opened, value: Expr) -> Rational:
         if any(x.contains(0) or not x.is_finite() for x in loop.tests(q)):
             raise UndecidedError("how far a number may go that is no rational one")
     return near
-
-
-def at_one(loop: SampledLoop) -> Expr:
-    """B(1) Q(0) + A(1) N(0): C(1) times what is nowhere 0."""
-    plant = loop.plant
-    return (Add(*loop.below) * plant.denominator[0] + Add(*loop.above) * Add(*(N[0] for _, N in plant.terms))).expand()
-
-
-def circle_tests(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0) -> tuple[Ball, Ball, Ball]:
-    """At z = 1, at z = -1, and where two roots v add up to 0: numbers that vanish where a root is on the circle.
-
-    ``one`` : ``at_one``; ``always`` : how many roots lie at 1 whatever the numbers are.
-    """
-    c = about_axis(about_one(loop, known)[always:])
-    return c[0] if always else expression_ball(one, known), c[-1], hurwitz(c)
-
-
-def is_clear(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0) -> bool:
-    """Whether no root is on the circle for any numbers in balls, proven; two real ones may add up to 0 in v."""
-    c = about_axis(about_one(loop, known)[always:])
-    ends = c[0] if always else expression_ball(one, known), c[-1]
-    if any(x.contains(0) or not x.is_finite() for x in ends):
-        return False
-    return not hurwitz(c).contains(0) or has_no_pair(c)
 
 
 @dataclass(frozen=True)

@@ -18,13 +18,13 @@ from sympy import Expr, Symbol
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.nearone import at_one, is_clear
 from haptisym.kernel.pulse import SampledLoop
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.schurcohn import count_on_circle
 from haptisym.model.hand import Hand
 from haptisym.model.scene import Scene
-from haptisym.verbs.stability.clockcritical import at_one, is_clear
 from haptisym.verbs.stability.clocked import loop_of
 
 _BITS = 96
