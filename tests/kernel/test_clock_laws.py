@@ -9,14 +9,16 @@ from math import prod
 from typing import Any
 
 import flint
+import mpmath
 import numpy as np
 import pytest
 from flint import acb, arb
 from scipy.linalg import expm
 from sympy import Expr, Integer, Rational, Symbol
 
-from haptisym.kernel.nearone import about_axis, about_one, has_no_pair, hurwitz
+from haptisym.kernel.nearone import about_axis, about_one, has_no_pair, hurwitz, in_v
 from haptisym.kernel.pulse import Plant, SampledLoop
+from haptisym.kernel.states import States, opposite_response
 from haptisym.model.parameters import Rule
 from haptisym.verbs.stability.clockcritical import Opened, Walk
 from haptisym.verbs.stability.oncircle import OnCircle
@@ -124,6 +126,69 @@ def test_about_z_equal_to_one_a_loop_is_the_same_but_for_roots_at_0(seed: int) -
     powers = [np.log(x) / np.log(z) for x, z in zip(ratios, (2.0, 3.0, 2.5), strict=True)]
     assert np.allclose(powers, round(powers[0]), atol=1e-7)
     assert powers[0] > len(plain) - 1.5
+
+
+@pytest.mark.few(3)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_at_z_equal_to_minus_one_a_loop_is_what_its_coefficients_add_up_to(seed: int) -> None:
+    """Of numbers that are known well, and for all of wide ones."""
+    draw = random.Random(seed)
+    own, number = loop(draw), Fraction(draw.randint(1, 20), 7)
+    if draw.random() < 0.7:  # slow compared with its clock, as plants are
+        own = SampledLoop(own.plant, own.T / draw.choice([4, 20]), own.above, own.below)
+    rest = Rational(draw.randint(1, 9), 7)
+    own = draw.choice(
+        [own, SampledLoop(own.plant, own.T, own.above, (rest, rest))]
+    )  # a pole there, as Tustin's rule has
+    with flint.ctx.workprec(400):
+        true = about_axis(about_one(own, {k: arb(number.numerator) / number.denominator}))
+    with flint.ctx.workprec(128):
+        for width in ("0", "1e-6", "0.1", "3"):
+            wide: dict[Expr, Any] = {k: arb(number.numerator) / number.denominator + arb(0, width)}
+            told = in_v(own, wide)
+            assert len(told) == len(true)
+            assert all(x.overlaps(y) for x, y in zip(told, true, strict=True))
+            assert told[-1].overlaps(about_axis(about_one(own, wide))[-1])
+    with flint.ctx.workprec(640):
+        [*_, sharp] = in_v(own, {k: arb(number.numerator) / number.denominator})
+        assert sharp.contains(0) or sharp.rel_accuracy_bits() > 400
+
+
+@pytest.mark.few(3)
+@pytest.mark.parametrize("seed", range(12))
+def test_a_force_that_changes_its_sign_each_period_moves_a_plant_as_matrix_exponentials_tell(seed: int) -> None:
+    """(1 + Phi)^-1 Gamma with 60 digits, for plants with poles at 0 and without, wide ones too."""
+    draw = random.Random(seed)
+    n = draw.randint(1, 4)
+    row = [draw.choice([0, draw.randint(1, 60)]) if i < 2 else draw.randint(1, 60) for i in range(n)]
+    read, T = [draw.randint(-5, 5) for _ in range(n)], Fraction(1, draw.choice([90, 500, 4000]))
+    with mpmath.workdps(60):
+        A = mpmath.zeros(n + 1)
+        for i in range(n - 1):
+            A[i, i + 1] = 1
+        for j in range(n):
+            A[n - 1, j] = -row[j]
+        A[n - 1, n] = 1
+        moved = mpmath.expm(A * mpmath.mpf(T.numerator) / T.denominator)
+        at = mpmath.lu_solve(moved[:n, :n] + mpmath.eye(n), moved[:n, n])
+        true = mpmath.fsum(c * x for c, x in zip(read, at, strict=True))
+        with flint.ctx.workprec(160):
+            states = States([*map(arb, row), arb(1)])
+            found = opposite_response(states, states.row([arb(x) for x in read]), arb(T.numerator) / T.denominator)
+            assert found is not None
+            assert float(abs(found - arb(mpmath.nstr(true, 55))).upper()) <= 1e-12 * abs(float(true))
+            around = States([*(arb(x, arb(x) / 8) for x in row), arb(1)])
+            wide = opposite_response(around, around.row([arb(x) for x in read]), arb(T.numerator) / T.denominator)
+            assert wide is not None
+            assert wide.contains(found.mid())
+
+
+def test_a_plant_that_is_fast_compared_with_its_clock_is_left_to_other_ways() -> None:
+    states = States([arb(9), arb(1)])
+    for T, told in (("0.3", False), ("0.17", True)):  # 9 T/2 < pi/4
+        assert (opposite_response(states, states.row([arb(1)]), arb(T)) is not None) is told
+    fast_if_at_all = States([arb(1, 8), arb(1)])
+    assert opposite_response(fast_if_at_all, fast_if_at_all.row([arb(1)]), arb("0.2")) is None
 
 
 @pytest.mark.few(2)

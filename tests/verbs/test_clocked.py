@@ -393,3 +393,28 @@ def test_a_box_of_hands_holds_a_sampled_wall_or_does_not(k: int, b: tuple[int, i
     wall = hs.Scene(hs.environments.mass_spring_damper(k=k), loop)
     [row] = hs.stability(wall, hs.Hand("mine", b=list(b))).to_dict()["held"]
     assert row["whole_box"] == share
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["tustin", "backward-difference"])
+@pytest.mark.parametrize("late", [0, 1])
+def test_every_number_of_a_wall_has_its_stable_values_told_by_either_rule(method: str, late: int) -> None:
+    """Tustin's rule has a pole at z = -1, and a fast clock a root beside it: both nearly cancel. At eight values each the roots are counted."""
+    scene = wall(300, 4, "0.5 ms", late, {"m": "0.3", "b": "0.2"}, method).with_hands(Hand("hand", "0.5", "0.7", "40"))
+    for knob in scene.knobs:
+        if knob.parts or "jnd" in knob.path or knob.path.startswith("hands."):
+            continue
+        found = hs.require(scene, knob.path, that="stable")
+        own = knob.value
+        doubt = [tuple(None if x is None else float(x) for x in pair) for pair in found.undecided]
+        assert not any((a is None or a < 50 * own) and (b is None or b > own / 100) for a, b in doubt), knob.path
+        for n in range(8):
+            value = Rational(own) * Rational(3) ** n / 81
+            spans = [(x.low.value, x.high.value) for x in found.feasible]
+            inside = any(
+                (a is None or float(a) < value) and (b is None or value < float(b)) for a, b in spans
+            )  # none is an end
+            known = held(scene.with_values({knob.path: value}), scene.with_values({knob.path: value}).hands[0])
+            assert (known.unstable == 0) is inside, (knob.path, value)
+        for a, b in spans:
+            assert all(x is None or len(x.digits(40)) >= 40 or float(x) == 0 for x in (a, b))

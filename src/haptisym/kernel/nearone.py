@@ -19,19 +19,26 @@ from sympy import Add, Expr, Integer
 
 from haptisym.kernel.pulse import Plant, SampledLoop
 from haptisym.kernel.reals import Ball, expression_ball
-from haptisym.kernel.states import States, matrix
+from haptisym.kernel.states import States, matrix, opposite_response
 
 _MOST_PIECES = 200  # of the axis, that are looked at for one polynomial
 
 
 def about_one(loop: SampledLoop, known: Mapping[Expr, Ball]) -> list[Ball]:
     """The coefficients of z^N C(1/z) in z - 1, ascending, in balls; roots at z = 0 may be added."""
-    moved = _of_numbers(loop.plant, loop.T, flint.ctx.prec) if loop.is_of_numbers else _moved(loop.plant, loop.T, known)
+    return _row(loop, _plant(loop, known), known)
+
+
+def _row(loop: SampledLoop, moved: _Moved, known: Mapping[Expr, Ball]) -> list[Ball]:
     size = max(len(loop.above), len(loop.below)) - 1
     above, below = (
         arb_poly([expression_ball(x, known) for x in _shifted(row, size)]) for row in (loop.above, loop.below)
     )
     return [*(below * moved.below + above * moved.above).coeffs()]
+
+
+def _plant(loop: SampledLoop, known: Mapping[Expr, Ball]) -> _Moved:
+    return _of_numbers(loop.plant, loop.T, flint.ctx.prec) if loop.is_of_numbers else _moved(loop.plant, loop.T, known)
 
 
 def about_axis(row: Sequence[Ball]) -> list[Ball]:
@@ -84,18 +91,31 @@ def at_one(loop: SampledLoop) -> Expr:
     return (Add(*loop.below) * plant.denominator[0] + Add(*loop.above) * Add(*(N[0] for _, N in plant.terms))).expand()
 
 
+def in_v(loop: SampledLoop, known: Mapping[Expr, Ball], always: int = 0) -> list[Ball]:
+    """The coefficients in v, ascending, without so many roots that always lie at 1.
+
+    The highest is told at z = -1 itself: with Tustin's rule the controller has a pole there, and all but little of it cancels.
+    """
+    moved = _plant(loop, known)
+    c = about_axis(_row(loop, moved, known)[always:])
+    size = max(len(loop.above), len(loop.below)) - 1
+    above, below = (expression_ball(_at_minus_one(row, size), known) for row in (loop.above, loop.below))
+    there = (below * moved.below(arb(-2)) + above * moved.opposite) / (-2) ** always
+    return [*c[:-1], there if len(c) % 2 else -there]
+
+
 def circle_tests(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0) -> tuple[Ball, Ball, Ball]:
     """At z = 1, at z = -1, and where two roots v add up to 0: numbers that vanish where a root is on the circle.
 
     ``one`` : ``at_one``; ``always`` : how many roots lie at 1 whatever the numbers are.
     """
-    c = about_axis(about_one(loop, known)[always:])
+    c = in_v(loop, known, always)
     return c[0] if always else expression_ball(one, known), c[-1], hurwitz(c)
 
 
 def is_clear(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0) -> bool:
     """Whether no root is on the circle for any numbers in balls, proven; two real ones may add up to 0 in v."""
-    c = about_axis(about_one(loop, known)[always:])
+    c = in_v(loop, known, always)
     ends = c[0] if always else expression_ball(one, known), c[-1]
     if any(x.contains(0) or not x.is_finite() for x in ends):
         return False
@@ -104,10 +124,11 @@ def is_clear(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: i
 
 @dataclass(frozen=True)
 class _Moved:
-    """``above`` and ``below`` of a pulse transfer function, polynomials in z - 1."""
+    """``above`` and ``below`` of a pulse transfer function, polynomials in z - 1; ``opposite`` : the first at z = -1."""
 
     above: Any
     below: Any
+    opposite: Ball
 
 
 @lru_cache(maxsize=64)
@@ -125,8 +146,8 @@ def _moved(plant: Plant, period: Expr, known: Mapping[Expr, Ball]) -> _Moved:
     n = len(Q) - 1
     states = States(Q)
     M = states.A * states.integral(T)
-    total, (den, adjugate) = arb_poly([]), _leverrier(M)
-    longest = max(whole) + 1
+    total, opposite, (den, adjugate) = arb_poly([]), arb(0), _leverrier(M)
+    longest, there = max(whole) + 1, den(arb(-2))
     for (lag, above), ell in zip(plant.terms, whole, strict=True):
         N = [expression_ball(x, known) / lead for x in above]
         N += [arb(0)] * (n + 1 - len(N))
@@ -136,7 +157,12 @@ def _moved(plant: Plant, period: Expr, known: Mapping[Expr, Ball]) -> _Moved:
         if not late.is_zero():
             own += _between(C, adjugate, (states.A * (T - late)).exp() * states.held(late))
         total += own * _power(longest - 1 - ell)
-    return _Moved(total, den * _power(longest))
+        told = [own(arb(-2))]
+        least = opposite_response(states, C, T) if late.is_zero() else None
+        if least is not None:  # as narrow as its numbers, but no narrower than its series
+            told.append((least + N[n]) * there)
+        opposite += (-1) ** (longest - 1 - ell) * min(told, key=lambda x: float(x.rad()))
+    return _Moved(total, den * _power(longest), opposite)
 
 
 def _leverrier(M: Any) -> tuple[Any, list[Any]]:
@@ -182,3 +208,9 @@ def _shifted(row: tuple[Expr, ...], size: int) -> tuple[Expr, ...]:
         for i in range(size - k + 1):
             sums[i] += x * comb(size - k, i)
     return tuple(x.expand() for x in sums)
+
+
+@lru_cache(maxsize=64)
+def _at_minus_one(row: tuple[Expr, ...], size: int) -> Expr:
+    """The same at z = -1."""
+    return Add(*(x * (-1) ** (size - k) for k, x in enumerate(row))).expand()

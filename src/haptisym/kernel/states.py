@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from flint import arb, arb_mat
+from flint import arb, arb_mat, fmpq
 
 from haptisym.kernel.reals import Ball
 
@@ -65,3 +65,38 @@ class States:
         rows = [[*(A[i, j] for j in range(n)), *(self.rate * int(i == j) for j in range(n))] for i in range(n)]
         moved = (matrix([*rows, *([arb(0)] * (2 * n) for _ in range(n))]) * time).exp()
         return matrix([[moved[i, n + j] / self.rate for j in range(n)] for i in range(n)])
+
+
+def opposite_response(states: States, C: Any, period: Ball) -> Ball | None:
+    """What C reads, just before the force changes, of a force that changes its sign each period: at z = -1.
+
+    C tanh(X)/A e, X = A T/2, is T/2 C e + T/2 C (tanh(X)/X - 1) e, by Taylor's series: where the plant is slow compared with the
+    clock little of it is left, without a difference of what is nearly equal. None where the series is of no use.
+    """
+    n = states.size
+    X = states.A * (period / 2)
+    if not all(4 * sum((abs(X[i, j]) for j in range(n)), arb(0)) < arb.pi() for i in range(n)):
+        return None
+    column = matrix([[arb(int(i == n - 1))] for i in range(n)], 1)
+    found = matrix([[arb(0)] for _ in range(n)], 1)
+    for share in _TANH[1:]:
+        column = X * (X * column)
+        found += column * arb(share)
+    left = (
+        max((abs(column[i, 0]).upper() for i in range(n)), default=arb(0)) * (4 / arb.pi() ** 2) ** (len(_TANH) - 1) / 3
+    )
+    found += matrix([[arb(0, left)] for _ in range(n)], 1)
+    direct = C[0, n - 1] if n else arb(0)
+    return (direct + (C * found)[0, 0] if n else direct) * period / 2
+
+
+def _tanh(count: int) -> list[fmpq]:
+    """The coefficients of tanh(x)/x in x^2: tanh' = 1 - tanh^2."""
+    row = [fmpq(1)]
+    for k in range(1, count):
+        row.append(-sum((row[i] * row[k - 1 - i] for i in range(k)), fmpq(0)) / (2 * k + 1))
+    return row
+
+
+_TANH = _tanh(16)
+"""Each at most (4/pi^2)^k large: tanh(x)/x is the sum of 8/((2 j - 1)^2 pi^2 + 4 x^2)."""
