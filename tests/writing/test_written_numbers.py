@@ -6,6 +6,7 @@ import random
 import re
 
 import pytest
+from plainreader import expression
 from sympy import Expr, Integer, Rational, Symbol, pi, sqrt
 
 import haptisym as hs
@@ -144,3 +145,9 @@ def test_a_formula_is_broken_before_a_sign_rather_than_between_factors() -> None
 def test_frequencies_and_s_come_first_where_terms_are_ordered() -> None:
     b, c = Symbol("b"), Symbol("c")
     assert plain(b * omega + c * omega + b * omega**2 + 1) == "b omega^2 + (b + c) omega + 1"
+
+
+@pytest.mark.parametrize("value", [Rational(323, 250) ** 9, Rational(3, 10) ** 40, Rational(10**35 + 1, 2)])
+def test_a_decimal_of_more_than_28_digits_is_written_with_all_of_them(value: Rational) -> None:
+    """It had been rounded, without a word."""
+    assert expression(plain(value), {}) == value

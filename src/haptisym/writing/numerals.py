@@ -43,7 +43,8 @@ def _terminating(value: Rational) -> Decimal | None:
         while below % prime == 0:
             below, power = below // prime, power + 1
         places = max(places, power)
-    return None if below > 1 else Decimal(int(value.p) * 10**places // int(value.q)).scaleb(-places)
+    # from text: arithmetic of decimals rounds to 28 digits
+    return None if below > 1 else Decimal(f"{int(value.p) * 10**places // int(value.q)}E-{places}")
 
 
 def decimal(value: Decimal) -> Numeral:
