@@ -9,6 +9,8 @@ from random import Random
 import flint
 import pytest
 from flint import arb, fmpq, fmpq_poly
+from mpmath import cosh, mpc, mpf, sinh
+from mpmath import sqrt as root
 from sympy import Rational, pi, symbols
 
 import haptisym as hs
@@ -26,7 +28,7 @@ from haptisym.verbs.require.limits import Limit, _expanded, _terms
 from haptisym.verbs.require.lowest import beginning
 from haptisym.verbs.require.monomials import Monomials, power
 from haptisym.verbs.require.rows import Row
-from haptisym.verbs.require.strips import Shape, value_from_zero
+from haptisym.verbs.require.strips import Shape
 
 
 def terms(**given: int) -> dict[tuple[Q, Q], fmpq]:
@@ -251,11 +253,11 @@ def test_a_condition_that_vanishes_at_0_with_powers_is_enclosed_over_what_it_van
         with flint.ctx.workprec(256):
             compiled = shape.over(arb(13000))
             for end in (arb(1) / 8, arb(4)):
-                whole = value_from_zero(compiled, end, shape.order_at_zero)
+                whole = shape.from_zero(compiled, end)
                 assert whole.is_finite()
                 for n in range(1, 40):
                     x = (end * n / 40).mid()
-                    assert whole.overlaps(compiled.value(x) / x**shape.order_at_zero)
+                    assert whole.overlaps(compiled.value(x) / x ** arb(float(shape.order_at_zero)))
 
 
 @pytest.mark.slow
@@ -267,6 +269,22 @@ def test_a_spring_pot_behind_a_hold_has_an_end_that_is_known_to_all_digits() -> 
     for value, kept in (("13344.8", False), ("13344.9", True)):
         e = hs.evaluate(found.free.put(POT_BEHIND_A_HOLD, value))
         assert ([(x.low, x.high) for x in e.transparent] == [(e.chart.points[0], e.chart.points[-1])]) is kept
+
+
+@pytest.mark.slow
+def test_a_spring_pot_that_has_no_force_at_rest_behind_waves_is_decided_from_0_on() -> None:
+    scene = hs.Scene(environments.spring_pot(80, "1/2"), (effects.wave_variables(4, "0.05"),), (0, 1))
+    found = hs.require(scene, "environment.k_alpha")
+    assert found.undecided == ()
+    [span] = found.feasible
+    for end, part in ((span.low, "real"), (span.high, "imag")):
+        [binding] = end.bindings
+        assert (binding.criterion.name, float(binding.omega)) == (part, 1.0)
+        k, s = mpf(end.value.digits(15)), mpc(0, 1)
+        force, wave = k * root(s), s / 20
+        felt = (force * cosh(wave) + 4 * s * sinh(wave)) / (cosh(wave) + force * sinh(wave) / (4 * s))
+        change = felt - force
+        assert abs(abs(change.real if part == "real" else change.imag) / abs(force) - mpf("0.1")) < 1e-13
 
 
 def test_a_sum_over_a_box_holds_its_exact_values_at_each_point() -> None:

@@ -23,7 +23,7 @@ from haptisym.verbs.require.corners import ZeroAt
 from haptisym.verbs.require.feasible import Kind
 from haptisym.verbs.require.limits import Limit, long, short
 from haptisym.verbs.require.places import CellVerdict, CriticalPlace, MaximumAt, Strip
-from haptisym.verbs.require.strips import Shape, value_from_zero
+from haptisym.verbs.require.strips import Shape
 
 MP = mpmath.mp.clone()
 MP.prec = 400
@@ -46,11 +46,12 @@ def drawn(draw: random.Random, kind: str) -> Shape:
         "power": c[4] * q * s ** Rational(1, 3) + c[5] * s ** Rational(4, 3),
         "all": c[4] * s * exp(-s / 5) * s ** Rational(1, 2) + c[5] * q**3 * exp(-q * s),
         "from zero": c[4] - c[0] * q - c[4],
+        "power from zero": c[4] * q * s ** Rational(1, 3) + c[5] * s ** Rational(4, 3) - c[0] * q,
     }[kind]
     return Shape.of(real_part(found), q)
 
 
-KINDS = ("rational", "delay", "free delay", "power", "all", "from zero")
+KINDS = ("rational", "delay", "free delay", "power", "all", "from zero", "power from zero")
 
 
 def number(x: Any) -> Any:
@@ -65,14 +66,14 @@ def number(x: Any) -> Any:
 
 @cache
 def terms(shape: Shape) -> tuple[list[Any], list[Any], list[Any]]:
-    """Rates of half angles, without and with the parameter; orders; and coefficients with all exponents."""
+    """Rates of half angles and orders, without and with the parameter; and coefficients with all exponents."""
     axis = shape.axis
     halves = [(a.constant, number(pi * 0 + a.rate.subs(q, 0)) / 2, number(a.rate.diff(q)) / 2) for a in axis.angles]
     rows = [
         (MP.mpf(int(c.p)) / int(c.q) * MP.pi ** int(e[1]), [int(n) for n in e])
         for e, c in shape.polynomial.to_dict().items()
     ]
-    return halves, [number(x) for x in axis.orders], rows
+    return halves, [(number(pi * 0 + x.subs(q, 0)), number(pi * 0 + x.diff(q))) for x in axis.orders], rows
 
 
 def exact(shape: Shape, x: Any, t: Any, *, negative: bool = False) -> Any:
@@ -82,7 +83,7 @@ def exact(shape: Shape, x: Any, t: Any, *, negative: bool = False) -> Any:
     index, first = axis.meanings.index(q), axis.size + len(axis.angles)
     halves, orders, rows = terms(shape)
     waves = [MP.cos_sin(own + slope * t if constant else (own + slope * t) * at) for constant, own, slope in halves]
-    powers = [at**alpha for alpha in orders]
+    powers = [at ** (own + slope * t) for own, slope in orders]
     for c, e in rows:
         term = c * at ** e[0] * t ** e[index]
         for (cosine, sine), k, n in zip(waves, e[axis.size : first], shape.degrees, strict=True):
@@ -91,6 +92,10 @@ def exact(shape: Shape, x: Any, t: Any, *, negative: bool = False) -> Any:
             term *= power**n
         total += term
     return total
+
+
+def begins_with(shape: Shape) -> Any:
+    return number(Rational(*shape.order_at_zero.as_integer_ratio()))
 
 
 def ball(x: Fraction) -> Any:
@@ -125,23 +130,22 @@ def test_a_shape_has_the_values_and_slopes_of_its_function(kind: str, seed: int)
         beyond = shape.beyond(1 / ball(t)).value(ball(x))
         width = 1e-12 if not any(a.rate.has(q) for a in shape.axis.angles) else 1e9
         assert holds(beyond, exact(shape, X, T) / T ** (most + most % 2), width)
-        k = shape.order_at_zero
+        k = begins_with(shape)
+        tiny = MP.mpf(10) ** -30
+        assert MP.log(abs(exact(shape, tiny, T) / exact(shape, tiny / 2, T))) / MP.log(2) > k - 1e-6
         if not shape.axis.orders:
-            tiny = MP.mpf(10) ** -30
-            assert MP.log(abs(exact(shape, tiny, T) / exact(shape, tiny / 2, T))) / MP.log(2) > k - 1e-6
+            k = int(k)
             ratio = exact(shape, X, T, negative=True) / exact(shape, X, T) * (-1) ** k
             assert not shape.is_even or abs(ratio - 1) < 1e-30
             assert shape.is_even or abs(ratio - 1) > 1e-30
         for end in (Fraction(1, 4), Fraction(2)):
-            whole = value_from_zero(compiled, ball(end), k)
+            whole = shape.from_zero(compiled, ball(end))
             for n in range(1, 9):
                 at = number(Rational(end.numerator * n, end.denominator * 8))
                 true = exact(shape, at, T) / at**k
                 assert near(whole, true)
-        at_0 = shape.seen_at(compiled, arb(0)) if not shape.axis.orders else None
-        if at_0 is not None:
-            tiny = MP.mpf(10) ** -40
-            assert abs(float(at_0.mid()) - float(exact(shape, tiny, T) / tiny**k)) < 1e-9 * (1 + abs(float(at_0.mid())))
+        at_0, tiny = shape.seen_at(compiled, arb(0)), MP.mpf(10) ** -40
+        assert abs(float(at_0.mid()) - float(exact(shape, tiny, T) / tiny**k)) < 1e-9 * (1 + abs(float(at_0.mid())))
         assert not shape.is_fixed
 
 
@@ -151,7 +155,7 @@ def test_a_shape_has_the_values_and_slopes_of_its_function(kind: str, seed: int)
 def test_a_strip_holds_its_function_for_all_values_of_its_cell_and_is_as_wide_as_needed(kind: str, seed: int) -> None:
     draw = random.Random(f"strip {kind} {seed}")
     shape = drawn(draw, kind)
-    k = shape.order_at_zero
+    k = begins_with(shape)
     t, size = Fraction(draw.randint(2, 40), 16), Fraction(1, 2 ** draw.randint(2, 9))
     x, reach = Fraction(draw.choice([0, *range(4, 40)]), 8), Fraction(1, 2 ** draw.randint(2, 7))
     with flint.ctx.workprec(150):
@@ -184,6 +188,29 @@ def test_a_strip_holds_its_function_for_all_values_of_its_cell_and_is_as_wide_as
         middle = strip.broken_in_the_middle(ball(x + reach))
         true = exact(shape, end, number(Rational((2 * t + size).numerator, 2 * (2 * t + size).denominator)))
         assert abs(true) < 1e-9 or middle == (true > 0)
+
+
+@pytest.mark.few("1", "2")
+@pytest.mark.parametrize("seed", SEEDS)
+def test_next_to_0_the_power_decides_with_which_a_function_begins_whatever_its_order_in_a_cell(seed: int) -> None:
+    draw = random.Random(seed)
+    c = [Rational(draw.choice([-5, -3, -2, 1, 2, 4]), draw.choice([1, 3])) for _ in range(4)]
+    held = s ** draw.randint(0, 1)
+    shape = Shape.of(real_part(held * (c[0] * s**q + c[1] * s * s**q + c[2] * s * exp(-s / 3) + c[3] * s**3)), q)
+    low = draw.choice([1, 2, 5, 9, 14, 16, 20, 30])  # thirty-seconds
+    with flint.ctx.workprec(150):
+        strip = Strip.of(shape, arb(low) / 32, arb(low + 1) / 32)
+        tiny = arb(10) ** -300
+        short = strip.over(arb(0).union(tiny))[0]
+        for end in (tiny, arb(1) / 8, arb(3)):
+            found = strip.over(arb(0).union(end))[0]
+            for n in range(1, 9):
+                x = MP.mpf(str(float(end))) * n / 8
+                for t in (low, low + MP.mpf(1) / 2, low + 1):
+                    true = exact(shape, x, t / MP.mpf(32))
+                    assert not found > 0 or true > 0
+                    assert not found < 0 or true < 0
+    assert short > 0 or short < 0
 
 
 def shape_of(x: Expr) -> Shape:

@@ -17,7 +17,7 @@ from haptisym.kernel.reals import Ball, RealNumber, expression_ball
 from haptisym.kernel.wavesums import CompiledWaves
 from haptisym.kernel.zeros import rounded_up, tightened
 from haptisym.verbs.require.feasible import Kind
-from haptisym.verbs.require.strips import Shape, value_from_zero
+from haptisym.verbs.require.strips import Shape
 
 _MOST_ROWS = 4  # of a Taylor series in the parameter: conditions are squares of what is mostly linear in it
 _NARROWED = 6  # times that the frequencies around a maximum are cut from both sides
@@ -107,7 +107,7 @@ class Strip:
     def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
         """Value, slope and half curvature over a ball of frequencies."""
         if self.whole.exponents and not box > 0:
-            return value_from_zero(self.whole, box.upper(), self.shape.order_at_zero), NOTHING, NOTHING
+            return self.shape.from_zero(self.whole, box.upper()), NOTHING, NOTHING
         if self.shape.order_at_zero and not box > 0:
             return self._over_zero(box)
         value, slope, bend = self.whole.over(box)
@@ -122,7 +122,7 @@ class Strip:
 
         The slope of an even function is 2 x times half a curvature in between: that has its sign, and stands for it.
         """
-        k = self.shape.order_at_zero
+        k = int(self.shape.order_at_zero)
         value = self.coefficient(box, k)
         if value < 0 or self.coefficient(arb(0), k) < 0:  # of a piece that shows to be kept when it is cut
             return value, NOTHING, NOTHING

@@ -7,14 +7,16 @@ function of omega with balls for coefficients.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from fractions import Fraction
+from functools import cache, cached_property, lru_cache
+from operator import sub
 from typing import TypeAlias
 
 import flint
 from flint import arb, arb_poly
-from sympy import Symbol
+from sympy import Rational, Symbol
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.errors import SceneError
@@ -26,6 +28,22 @@ from haptisym.kernel.wavesums import CompiledWaves
 
 _Waves: TypeAlias = tuple[int, ...]
 _Rows: TypeAlias = Mapping[tuple[_Waves, _Waves], list[arb_poly]]
+
+
+@dataclass(frozen=True, order=True)
+class _Exponent:
+    """A power of omega in a term: a number, and how often it holds each omega^alpha whose order is not known as one."""
+
+    known: Fraction
+    open: tuple[int, ...]
+
+    def __sub__(self, other: _Exponent) -> _Exponent:
+        return _Exponent(self.known - other.known, tuple(map(sub, self.open, other.open)))
+
+    def over(self, orders: Sequence[Ball]) -> Ball:
+        """Its values for all orders in balls."""
+        known = arb(self.known.numerator) / self.known.denominator
+        return sum((order * n for order, n in zip(orders, self.open, strict=True) if n), known)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,22 +90,58 @@ class Shape:
         return not inside and not self.polynomial.degrees()[axis.meanings.index(self.free)]
 
     @cached_property
-    def order_at_zero(self) -> int:
-        """A power of omega that every term holds, by itself or in sines, whatever the parameter: what a hold divides by."""
-        axis = self.axis
-        turning = [i for i, angle in enumerate(axis.angles, axis.size) if not angle.constant]
-        return min(int(e[0]) + sum(int(e[i]) for i in turning) for e in self.polynomial.monoms())
+    def order_at_zero(self) -> Fraction:
+        """A power of omega that every term holds, by itself, in sines and in omega^alpha, whatever the parameter.
+
+        A hold divides by one, and an environment that has no force at rest begins with one.
+        """
+        return min(x.known for x in self._exponents)
 
     @cached_property
     def is_even(self) -> bool:
-        """Whether the function over that power of omega is one of omega^2."""
-        axis, k = self.axis, self.order_at_zero
+        """Whether the function over that power of omega is one of omega^2; not where there are powers of omega."""
+        return not any((x.known - self.order_at_zero) % 2 for x in self._exponents)
+
+    @cached_property
+    def _exponents(self) -> set[_Exponent]:
+        """Of omega, with which the terms begin."""
+        axis = self.axis
         turning = [i for i, angle in enumerate(axis.angles, axis.size) if not angle.constant]
-        return not any((int(e[0]) + sum(int(e[i]) for i in turning) - k) % 2 for e in self.polynomial.monoms())
+        first = axis.size + len(axis.angles)
+        monoms = [[int(n) for n in e] for e in self.polynomial.monoms()]
+        return {self._exponent(e[0] + sum(e[i] for i in turning), e[first:]) for e in monoms}
+
+    def _exponent(self, n: int, powers: Sequence[int]) -> _Exponent:
+        """Of omega in omega^n and products of omega^alpha."""
+        own = list(zip(self.axis.orders, powers, strict=True))
+        known = sum((Fraction(a.p, a.q) * k for a, k in own if isinstance(a, Rational)), Fraction(n))
+        return _Exponent(known, tuple(0 if isinstance(a, Rational) else k for a, k in own))
+
+    def _least(self, orders: Sequence[Ball]) -> _Exponent:
+        """An exponent of omega that is nowhere less in another term, for all orders of powers in balls."""
+        for x in sorted(self._exponents):
+            if all(y == x or (y - x).over(orders) >= 0 for y in self._exponents):
+                return x
+        return _Exponent(self.order_at_zero, (0,) * len(orders))
 
     def seen_at(self, compiled: CompiledWaves, at: Ball) -> Ball:
-        """The value of the function, or of its derivative in the parameter, at a frequency; over that power of omega at 0."""
-        return compiled.taylor(at, self.order_at_zero) if at.is_zero() else compiled.value(at)
+        """The value of the function, or of its derivative in the parameter, at a frequency; at 0 as ``from_zero``."""
+        return self.from_zero(compiled, at) if at.is_zero() else compiled.value(at)
+
+    def from_zero(self, compiled: CompiledWaves, end: Ball) -> Ball:
+        """A ball around the values from omega = 0 to a number, over the power of omega with which the function begins there.
+
+        ``compiled`` : the function, or its derivative in the parameter, which begins with no lower one.
+        """
+        box, total, least = arb(0).union(end), arb(0), self._least(compiled.exponents)
+        raised = cache(lambda exponent: _power(end, (exponent - least).over(compiled.exponents)))
+        for turns, powers, row in compiled.terms:
+            held = [self._exponent(n + sum(turns), powers) for n in range(len(row))]
+            term = sum((x * raised(own) for x, own in zip(row, held, strict=True) if not x.is_zero()), arb(0))
+            for rate, k, degree in zip(compiled.rates, turns, compiled.degrees, strict=True):
+                term = term * (rate * (rate * box).sinc()) ** k * (rate * box).cos() ** (degree - k)
+            total = total + term
+        return total
 
     def over(self, value: Ball) -> CompiledWaves:
         """The function of omega for a ball of values of the parameter, at the current working precision."""
@@ -157,25 +211,6 @@ def _wave(half: Ball | None, k: int, degree: int) -> Ball:
     return sine**k * cosine ** (degree - k)
 
 
-def value_from_zero(compiled: CompiledWaves, end: Ball, order: int = 0) -> Ball:
-    """A ball around the values from omega = 0 to a dyadic number, also with powers omega^alpha, which have no slope at 0.
-
-    They are taken over a power of omega that every term holds, by itself or in sines.
-    """
-    box = arb(0).union(end)
-    powers = [arb(0).union((end.log() * a).exp()) for a in compiled.exponents]
-    total = arb(0)
-    for turns, own, row in compiled.terms:
-        left = order - sum(turns)
-        term = sum((x * _power(box, n - left) for n, x in enumerate(row) if n >= left), arb(0))
-        for rate, k, degree in zip(compiled.rates, turns, compiled.degrees, strict=True):
-            term = term * (rate * (rate * box).sinc()) ** k * (rate * box).cos() ** (degree - k)
-        for power, n in zip(powers, own, strict=True):
-            term = term * power**n if n else term
-        total = total + term
-    return total
-
-
-def _power(box: Ball, n: int) -> Ball:
-    """Of a ball from 0 to a number, from 0 on."""
-    return box**n if n == 0 else arb(0).union(box.upper() ** n)
+def _power(end: Ball, exponent: Ball) -> Ball:
+    """Of a ball from 0 to a number, from 0 on; the exponent is not negative."""
+    return arb(1) if exponent == 0 else arb(0) if end.is_zero() else arb(0).union(end.upper() ** exponent)
