@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from terminal import COMMAND, all_in_terminal, environment, in_terminal
 
 import haptisym as hs
+from haptisym.commands.progress import _figure
 from haptisym.commands.spelling import escaped, spelt
 from haptisym.writing.document import Document, Section, chosen
 from haptisym.writing.plain import plain
@@ -210,6 +211,14 @@ def test_a_sweep_that_is_interrupted_says_how_it_is_continued(tmp_path: Path) ->
         "\r\n", " "
     )
     assert out.exists()
+
+
+@given(st.integers(0, 10**9) | st.floats(1e-3, 1e9) | st.floats(999, 1001))
+def test_how_far_something_came_is_written_in_plain_figures(x: float) -> None:
+    text = _figure(x)
+    assert set(text) <= set("0123456789.,")
+    assert abs(float(text.replace(",", "")) - x) <= (0.005 * x if x < 999 else 0.5)
+    assert isinstance(x, float) or text == f"{x:,}"
 
 
 @pytest.mark.slow

@@ -14,7 +14,7 @@ from sympy import Rational
 import haptisym as hs
 from haptisym.environments import expression
 from haptisym.kernel.symbols import s as symbol
-from haptisym.model.expressions import evaluate
+from haptisym.model.expressions import HIGHEST_DEGREE, evaluate
 
 NAMES = {"x": Fraction(3), "y": Fraction(-2, 7), "s_1": Fraction(5, 2)}
 
@@ -168,6 +168,45 @@ def test_any_unicode_text_as_dynamics_is_either_a_formula_or_an_error_of_ours(te
     except hs.SceneError:
         return
     assert found.H.free_symbols <= {hs.s}
+
+
+@st.composite
+def powers(draw: Callable[[st.SearchStrategy[object]], object]) -> tuple[str, int]:
+    """A product of powers of sums of s, and a bound on its degree: each power counts whichever way it stands."""
+    text, degree = "1", 0
+    for _ in range(3):
+        own, top, below = (draw(st.integers(1, high)) for high in (3, 99, 4))
+        assert isinstance(own, int)
+        assert isinstance(top, int)
+        assert isinstance(below, int)
+        sign, joined = draw(st.sampled_from(["", "-", "+"])), draw(st.sampled_from(["*", "/"]))
+        text += f" {joined} ({'*'.join(['(s + 2)'] * own)})^({sign}{top}/{below})"
+        degree += own * (top // below + (top % below > 0))
+    return text, degree
+
+
+class Felt:
+    """What stands for a name: powers of it are not written out."""
+
+    def same(self, _: object) -> Felt:
+        return self
+
+    __add__ = __radd__ = __mul__ = __rmul__ = __truediv__ = __rtruediv__ = __pow__ = same
+
+    def __bool__(self) -> bool:
+        return True
+
+
+@given(powers())
+def test_a_degree_is_counted_whichever_way_a_power_stands(given_power: tuple[str, int]) -> None:
+    text, degree = given_power
+    try:
+        evaluate(text, number=Fraction, name=lambda _: Felt())
+    except hs.ExpressionError as error:
+        assert f"is higher than {HIGHEST_DEGREE}" in str(error)  # noqa: PT017  only of those that are refused
+        assert degree > HIGHEST_DEGREE
+    else:
+        assert degree <= HIGHEST_DEGREE
 
 
 @pytest.mark.parametrize("text", ["1/0", "s + 1/(1/(s - s))", "0^-1", "1/(s - s)", "0/0"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from contextlib import nullcontext
 from fractions import Fraction
 from types import SimpleNamespace
 from typing import Any
@@ -23,14 +24,17 @@ from haptisym.verbs.evaluate import certificate as written
 from haptisym.verbs.evaluate import checkable, waves
 from haptisym.verbs.evaluate.breakpoints import breakpoints
 from haptisym.verbs.evaluate.powers import RectangularRing
-from haptisym.verbs.evaluate.products import Factor, products, rational_products, rows_of, told_rows
+from haptisym.verbs.evaluate.products import Factor, Linked, products, rational_products, rows_of, told_rows
 from haptisym.verbs.evaluate.waves import ORDER, WaveFactor, cosine_factor
 from haptisym.verbs.evaluate.zeros import zeros
+from haptisym.verbs.require import certificate as requirements
 from haptisym.verbs.require.certificate import _bounds as bounds_of
 from haptisym_check import RefusedError
 from haptisym_check.chart import Chart
 from haptisym_check.reading import polynomial
+from haptisym_check.slices import Slices
 from haptisym_check.values import ONE, Value, combined
+from haptisym_check.waves import factor_of
 from haptisym_check.zeros import zeros as counted
 
 MP = mpmath.mp.clone()
@@ -497,6 +501,20 @@ def test_a_checker_that_would_work_too_long_is_told_of() -> None:
         with pytest.raises(SceneError):
             written._afford(points, ends, costs)
     written._afford([], ["3/4", "1"], [10 * (limit // 7)])
+
+
+@pytest.mark.parametrize("width", [10, 13, 17])
+def test_slabs_are_written_between_ends_that_a_checker_takes_and_hardly_shorter_ones(width: int) -> None:
+    """The numbers of both ends have so many bits together; the writer keeps two of them in hand."""
+    factor = Factor(((1,) * width, (1,)), 1)
+    own = factor_of(factor.told(), (), ())
+    most = (10**5 - 1) // width
+    for bits, is_written, is_taken in ((most - 2, True, True), (most, False, True), (most + 1, False, False)):
+        low, high = Fraction(1), Fraction(2 ** (bits - 4))
+        with nullcontext() if is_written else pytest.raises(SceneError, match="too long"):
+            requirements._afford([{"from": str(low), "to": str(high), "points": []}], Linked([factor], {}))
+        with nullcontext() if is_taken else pytest.raises(RefusedError, match="too long"):
+            Slices(own, low.as_integer_ratio(), high.as_integer_ratio())
 
 
 def test_frequencies_have_room_for_digits_by_what_a_checker_knows() -> None:

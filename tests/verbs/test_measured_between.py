@@ -101,6 +101,35 @@ def test_stretches_end_where_no_swept_disc_tells_any_more() -> None:
     assert seen > 80
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(6))
+def test_two_lines_contradict_a_slope_where_no_way_between_them_keeps_to_it(seed: int) -> None:
+    """A relative slope lets a response grow and shrink like an exponential: where two ways meet soonest is found by trying."""
+    rng = np.random.default_rng(seed)
+    for _ in range(4):
+        omega = np.sort(rng.uniform(1, 15, 2))
+        apart = omega[1] - omega[0]
+        steep, sizes = rng.uniform(0.1, 1.2) / apart, rng.uniform(40, 160, 2)
+        radius = rng.uniform(0, 5, 2) * rng.integers(0, 2)
+        ways = np.linspace(0, apart, 10_001)
+        reach = sum(
+            r + (a + r) * np.expm1(steep * way) for a, r, way in zip(sizes, radius, (ways, ways[::-1]), strict=True)
+        ).min()
+        low, high = abs(sizes[0] - sizes[1]), sizes.sum()
+        for far in (reach * 0.999, reach * 1.001):
+            if not low < far < high:
+                continue
+            turn = np.arccos((sizes @ sizes - far**2) / (2 * sizes.prod()))
+            e = evaluated(omega, sizes * np.exp([0, 1j * turn]), f"{steep:.17g} s", radius)
+            assert e.between is not None
+            assert bool(e.between.contradicted) == (far > reach)
+    # lines of one phase: the larger one shrinks or the smaller one grows, exp(2/10 2) = 1.49 times
+    for ratio in (1.49, 1.492):
+        e = evaluated(np.array([3.0, 5.0]), np.array([50.0, 50 * ratio]), "0.2 s")
+        assert e.between is not None
+        assert bool(e.between.contradicted) == (ratio > np.exp(0.4))
+
+
 class Random:
     """A response with a bound on its slope that is known by hand, lines of it with errors within their discs, and an environment."""
 

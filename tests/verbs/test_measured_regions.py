@@ -19,7 +19,7 @@ from sympy import Rational
 import haptisym as hs
 from haptisym.kernel.symbols import omega as OMEGA  # noqa: N812
 from haptisym.model.jndtables import read_threshold
-from haptisym.verbs.measured.regions import _from_ellipse, values_of
+from haptisym.verbs.measured.regions import _from_ellipse, _two_way, values_of
 
 FU = hs.load_scene("fu2019")
 HEXAGON = [[0.1, 0.01], [0.05, 0.09], [-0.05, 0.12], [-0.1, 0], [-0.05, -0.09], [0.05, -0.07]]
@@ -35,6 +35,27 @@ REGIONS: dict[str, Any] = {
 }
 JOINT = {"disc", "ellipse", "narrow", "diamond", "polygon", "formula"}
 LEAST = {"real": 0.0, "imag": 0.0}
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_way_to_where_a_change_of_one_part_is_noticed_is_that_to_the_ends_of_what_is_not(seed: int) -> None:
+    """By the definition in fractions: what grows in magnitude has one limit and what shrinks another; ends are where that changes."""
+    draw = random.Random(seed)
+    step = Fraction(1, 1000)
+    for _ in range(25):
+        up, down = (Fraction(draw.randint(1, 12), 4) for _ in range(2))
+        e = Fraction(draw.choice([-1, 1]) * draw.randint(1, 20), 8)
+
+        def is_noticed(x: Fraction) -> bool:
+            larger, same = abs(e + x) > abs(e), abs(e + x) == abs(e)  # noqa: B023
+            return abs(x) > (max(up, down) if same else up if larger else down)  # noqa: B023
+
+        places = {sign * x for x in (up, down, 2 * abs(e)) for sign in (1, -1)}
+        ends = [x for x in places if len({is_noticed(y) for y in (x - step, x, x + step)}) == 2]
+        for x in (Fraction(draw.randint(-60, 60), 16) for _ in range(12)):
+            way = min(abs(x - end) for end in ends)
+            [found] = _two_way(*(np.array([float(n)]) for n in (up, down, x, e)))
+            assert found == (way if is_noticed(x) else -way)
 
 
 def noticed(name: str, omega: float, env: np.ndarray, perc: np.ndarray) -> dict[str, np.ndarray]:

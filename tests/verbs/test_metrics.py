@@ -16,6 +16,7 @@ from sympy import Expr, Rational, lambdify
 
 import haptisym as hs
 from haptisym import effects, environments
+from haptisym.verbs.metrics.freeresponse import ComplexPair, _ratio_check
 from haptisym.verbs.metrics.measured import Measured
 from haptisym.verbs.metrics.metric import Metrics
 
@@ -257,6 +258,17 @@ def test_tolerances_break_one_after_the_other(mass: str, kept: dict[str, bool]) 
     for x in found[:2]:
         off = abs(float(x.value) / float(x.reference) - 1)  # type: ignore[arg-type]
         assert x.kept == (off < float(x.tolerance[:2]) / 100)
+
+
+@pytest.mark.parametrize("places", [3, 14, 18, 30, 60])
+def test_how_near_a_period_comes_to_its_tolerance_does_not_matter(places: int) -> None:
+    """Poles at -1 +- j 6/5 and -1 +- j (1 + x) : periods that differ by a fifth at x = 0, and by less or more beside it."""
+    for sign in (-1, 1):
+        w = 1 + sign * Rational(1, 10**places)
+        env, perc = (ComplexPair((1 + x**2, Rational(2), Rational(1))) for x in (Rational(6, 5), w))
+        check = _ratio_check("P_1", env.period, perc.period, 20)
+        assert check.passes is (sign > 0)
+        assert _ratio_check("P_1", perc.period, env.period, 20).passes is True
 
 
 def test_the_test_is_blind_to_a_filter_in_series_and_says_so() -> None:

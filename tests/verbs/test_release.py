@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import random
 from math import log
 
 import mpmath
@@ -11,13 +12,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from marks import examples
-from sympy import Rational, exp
+from sympy import Expr, Integer, Rational, exp, pi
 
 import haptisym as hs
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.symbols import s
 from haptisym.verbs.simulate.pencil import modes
-from haptisym.verbs.simulate.rightmost import rightmost_root
+from haptisym.verbs.simulate.rightmost import Characteristic, rightmost_root
 
 TURNED = hs.Hand("turned", m="0.01 kg*m^2", b="0.1 N*m*s/rad", k="2 N*m/rad")
 LIGHT = hs.Hand("light", m="0.1 kg", b="0.3 N*s/m")
@@ -184,6 +185,63 @@ def test_no_root_of_a_late_spring_and_damper_lies_right_of_the_one_that_is_calle
     A[1, -2], A[1, -1] = -k / float(m), -float(c) / float(m)
     rightmost = max(np.linalg.eigvals(A).real)
     assert found.s.real == pytest.approx(rightmost, abs=1e-4 * max(1, abs(found.s)))
+
+
+def numbers(draw: random.Random, *, chain: bool) -> tuple[Expr, int, dict[tuple[int, Rational], Expr]]:
+    """A characteristic function, its degree, and what stands before each power of s and delay: often of several powers of pi."""
+    degree, lags = draw.randint(1, 4), [Integer(0), Rational(1, draw.randint(2, 9)), Rational(draw.randint(1, 9), 10)]
+    table = {(degree, Integer(0)): draw.choice([Integer(1), Integer(3), 4 - pi, pi - 3, -2 - pi])}
+    for n in range(degree):
+        for lag in draw.sample(lags, draw.randint(0, 3)):
+            table[n, lag] = Rational(draw.randint(-60, 60), draw.randint(1, 9)) + draw.choice([0, 0, -7 * pi])
+    if chain:
+        table[degree, lags[1]] = table[degree, Integer(0)] * Rational(draw.choice([-1, 1]) * draw.randint(1, 7), 8)
+    formula = sum((c * s**n * exp(-s * lag) for (n, lag), c in table.items()), Integer(0))
+    return formula, degree, table
+
+
+@pytest.mark.few(1)
+@pytest.mark.parametrize("seed", range(8))
+def test_beyond_its_radius_the_highest_power_outweighs_all_others_and_within_it_may_not(seed: int) -> None:
+    draw = random.Random(seed)
+    for n in range(6):
+        formula, degree, table = numbers(draw, chain=n % 3 == 2)
+        ring = Ring.of([formula])
+        found = Characteristic.of(ring.convert(formula).numerator, ring)
+        line = draw.uniform(-1, 0.5)
+        radius = found._radius(line)
+        own = [(abs(float(c)), k, float(lag)) for (k, lag), c in table.items() if c]
+        floor = sum((-1) ** (lag > 0) * c * np.exp(-lag * line) for c, k, lag in own if k == degree)
+        assert (radius is None) == (floor <= 0)
+        if radius is None:
+            continue
+
+        def others(x: float, least: float = line) -> float:
+            return sum(c * np.exp(-lag * least) * x ** (k - degree) for c, k, lag in own if k < degree)  # noqa: B023
+
+        assert others(radius) < floor
+        assert radius < 2e-3 or others(radius / 1.6) > 0.8 * floor
+        for far in (1, 1.7, 30):
+            phases = np.exp(1j * np.linspace(-np.pi, np.pi, 721)) * radius * far
+            places = np.append(phases[phases.real >= line], [complex(max(line, 0), radius * far)])
+            values = sum(float(c) * places**k * np.exp(-places * float(lag)) for (k, lag), c in table.items())
+            assert (np.abs(values) > 0.05 * floor * np.abs(places) ** degree).all()
+
+
+def test_several_powers_of_pi_before_one_power_of_s_are_one_number() -> None:
+    """As where a frequency in Hz meets a stiffness: roots of a square by its formula, and a chain by its own."""
+    formula = (4 - pi) * s**2 + (pi - 300) * s + 2
+    ring = Ring.of([formula])
+    found = rightmost_root(ring.convert(formula).numerator, ring)
+    assert found is not None
+    assert found.certified
+    a, b = float(4 - pi), float(pi - 300)
+    assert found.s == pytest.approx((-b + (b**2 - 8 * a) ** 0.5) / (2 * a), rel=1e-12)
+    for tau in (Rational(1, 10), Rational(1, 3)):
+        formula = (4 - pi) * s + (pi - 3) * s * exp(-s * tau) + 5
+        ring = Ring.of([formula])
+        chain = Characteristic.of(ring.convert(formula).numerator, ring).chain
+        assert chain == pytest.approx(log(float((pi - 3) / (4 - pi))) / float(tau), rel=1e-12)
 
 
 @pytest.mark.slow

@@ -21,6 +21,7 @@ from sympy import Expr, Rational, exp, lambdify, pi
 import haptisym as hs
 from haptisym.judge.criteria import noticed
 from haptisym.judge.regions import Sided
+from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import EFFECTS
 from haptisym.model.jndtables import read_threshold
@@ -29,7 +30,7 @@ from haptisym.verbs.effects.ballchain import TERMS, BallChain, BandPiece, Kept
 from haptisym.verbs.effects.differences import Difference, _down, _Expansion, _up
 from haptisym.verbs.effects.enclosing import _reach, levels
 from haptisym.verbs.effects.entry import relevance
-from haptisym.verbs.effects.relevance import Relevance
+from haptisym.verbs.effects.relevance import CrossingEnclosure, Relevance
 from haptisym.verbs.effects.subsets import SubsetSearch
 from haptisym.verbs.effects.suprema import WIDTH
 from haptisym.verbs.simulate.entry import simulate
@@ -38,6 +39,20 @@ MP = mpmath.MPContext()
 MP.dps = 40
 MANY = "control-stick-in-detail"
 SPRING = hs.environments.mass_spring_damper(k=100)
+
+
+def test_the_ends_of_an_enclosure_are_the_nearest_floats_that_hold_it() -> None:
+    """What a float can say exactly is said so."""
+    draw = Random(1)
+    for _ in range(60):
+        parts = [draw.choice([1, 3, 8, 2**20]) for _ in range(2)]
+        low, high = sorted(Rational(draw.randint(1, 10**6), q) for q in parts)
+        own = CrossingEnclosure(
+            noticed(hs.Scene(SPRING).threshold)[0], ExactNumber(low), ExactNumber(high), certain=True
+        )
+        down, up = own.bounds
+        assert Fraction(down) <= low < Fraction(nextafter(down, inf))
+        assert Fraction(nextafter(up, 0)) < high <= Fraction(up)
 
 
 class Witness:

@@ -45,6 +45,14 @@ def test_a_sensitivity_is_the_slope_of_certified_crossings(name: str) -> None:
         )
 
 
+def test_a_line_counts_what_the_tables_list() -> None:
+    """Both kinds of changeovers: the paper's example has one of each."""
+    found = sensitivity(hs.load_scene("fu2019"))
+    rows = found.to_dict()
+    assert {name: len(own) for name, own in rows["changeovers"].items()} == {"environment": 1, "perceived": 1}
+    assert f": {len(rows['crossings'])} crossings, 2 changeovers>" in repr(found)
+
+
 @pytest.mark.slow
 def test_changeovers_move_as_certified_changeovers_do() -> None:
     scene = hs.load_scene("fu2019")

@@ -98,7 +98,7 @@ class ProgressBar:
 
 
 def _figure(x: float) -> str:
-    return f"{x:,.0f}" if isinstance(x, int) or x >= 1000 else f"{x:.3g}"
+    return f"{x:,.0f}" if x >= 999.5 else f"{x:.3g}"
 
 
 def _bar() -> Progress:

@@ -8,7 +8,7 @@ region ``enclosing`` has the two levels.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby
 from math import inf, nextafter
@@ -92,7 +92,7 @@ class Relevance(Answer):
     pruned: Scene
     bound: Mapping[Part, Supremum]
     smallest: bool
-    balls: BallChain = field(repr=False)
+    balls: BallChain
 
     def _line(self) -> str:
         kept = f"{len(self.pruned.effects)} of {len(self.scene.effects)} effects"

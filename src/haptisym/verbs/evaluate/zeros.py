@@ -75,10 +75,10 @@ def _cells(rows: Rows) -> list[Fraction]:
 
 
 def _is_told(even: Factor, odd: Factor, low: Fraction, high: Fraction | None) -> bool:
-    found = even.moved(low, high), odd.moved(low, high)
-    if found[0] is None or found[1] is None or not found[0][0] or not (found[0][-1] or high is None):
+    own, other = even.moved(low, high), odd.moved(low, high)
+    if own is None or other is None or not own[0] or not (own[-1] or high is None):
         return False
-    turns, others = (sum(a != b for a, b in pairwise(x for x in signs if x)) for signs in found if signs is not None)
+    turns, others = (sum(a != b for a, b in pairwise(x for x in signs if x)) for signs in (own, other))
     return turns == 0 or turns + others == 1
 
 

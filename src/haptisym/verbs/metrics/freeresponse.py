@@ -19,6 +19,7 @@ from typing import Any
 
 import flint
 from flint import acb, acb_poly, arb
+from sympy import Rational
 
 from haptisym.kernel.precision import SURE_BITS, at_rising_precision
 from haptisym.kernel.reals import Ball, RealNumber, expression_ball
@@ -194,7 +195,7 @@ def _checks(env: ComplexPair, perc: ComplexPair) -> list[Check]:
 
 
 def _ratio_check(name: str, env: RealNumber, perc: RealNumber, percent: int) -> Check:
-    passes = _at_most(lambda bits: abs(perc.ball(bits) / env.ball(bits) - 1), arb(percent) / 100)
+    passes = _at_most(lambda bits: abs(perc.ball(bits) / env.ball(bits) - 1), Rational(percent, 100))
     return Check(name, env, perc, "s", f"{percent} %", passes)
 
 
@@ -212,9 +213,9 @@ def _close(n: int, env: ComplexPair, perc: ComplexPair) -> bool:
     def off(bits: int) -> Ball:
         return abs(perc.overshoot(n).ball(bits) - env.overshoot(n).ball(bits)) / env.overshoot(1).ball(bits)
 
-    return _at_most(off, arb(1) / 10)
+    return _at_most(off, Rational(1, 10))
 
 
-def _at_most(value: Callable[[int], Ball], limit: Ball) -> bool:
+def _at_most(value: Callable[[int], Ball], limit: Rational) -> bool:
     """Whether a number is at most a limit; one that cannot be told from it at the last precision is not."""
-    return at_rising_precision(lambda bits: -sign_of(value(bits) - limit) or None, 64) == 1
+    return at_rising_precision(lambda bits: -sign_of(value(bits) - expression_ball(limit)) or None, 64) == 1

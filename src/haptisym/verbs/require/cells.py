@@ -120,8 +120,8 @@ class ValueSearch:
     def _next_to_zero(self, low: Fraction, high: Fraction) -> Iterator[Leaf]:
         sign = 1 if high else -1
         verdict, reach = self._limit(sign, abs(high or low), inverse=False)
-        if verdict is CellVerdict.OPEN or reach >= abs(high or low):
-            yield from self._cut(low, high) if verdict is CellVerdict.OPEN else [Leaf(low, high, verdict)]
+        if verdict is CellVerdict.OPEN:
+            yield from self._cut(low, high)
         elif sign > 0:
             yield Leaf(low, reach, verdict)
             yield from self._told(self.quick(float(reach), float(high)))
@@ -130,7 +130,7 @@ class ValueSearch:
             yield Leaf(-reach, high, verdict)
 
     def _limit(self, sign: int, reach: Fraction, *, inverse: bool) -> tuple[CellVerdict, Fraction]:
-        """What is known of t, or of 1/t, next to 0 on one side, up to that number or less."""
+        """What is known of t, or of 1/t, next to 0 on one side, up to that number, which is much less than ``reach``."""
         near = self._near_limit(sign, inverse=inverse)
         with suppress(LimitError), flint.ctx.workprec(BITS):
             for n, parts in _NEARER.items():

@@ -112,7 +112,10 @@ class Characteristic:
     @classmethod
     def of(cls, polynomial: Polynomial, ring: Ring) -> Characteristic:
         """That of a polynomial of a ring, with numbers only."""
-        return cls(tuple(_terms(polynomial, ring)))
+        found: dict[tuple[Rational, Expr], Expr] = {}
+        for t in _terms(polynomial, ring):  # several powers of pi may stand before one power of s
+            found[t.power, t.lag] = found.get((t.power, t.lag), Integer(0)) + t.coefficient
+        return cls(tuple(Term(c, *place) for place, c in found.items()))
 
     @cached_property
     def chain(self) -> float | None:
@@ -237,12 +240,8 @@ class Characteristic:
         radius = self._radius(line)
         if radius is None:
             return None
-        corners = [
-            complex(line, -radius),
-            complex(line + radius, -radius),
-            complex(line + radius, radius),
-            complex(line, radius),
-        ]
+        right = line + radius
+        corners = [complex(line, -radius), complex(right, -radius), complex(right, radius), complex(line, radius)]
         with flint.ctx.workprec(64):
             total, left = arb(0), [_MOST_PIECES]
             for a, b in zip(corners, [*corners[1:], corners[0]], strict=True):

@@ -78,7 +78,7 @@ class WaveFamily(Family):
 def is_readable(function: RealFunction) -> bool:
     """Whether every power of s is a number, and every delay a number times powers of parameters."""
     ring, axis = function.half_angled.ring, function.axis
-    rates = [ring.convert(x.rate).reduced() for x in axis.angles if not x.constant]
+    rates = [ring.convert(x).reduced() for x in axis.lags]
     return all(x.is_number for x in axis.orders) and all(
         len(f.numerator) == 1 and f.denominator.is_constant() for f in rates
     )
