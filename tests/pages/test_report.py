@@ -28,7 +28,7 @@ from sympy import Rational, lambdify
 import haptisym as hs
 from haptisym.cli import main
 from haptisym.kernel.symbols import s
-from haptisym.pages import pdf as report_pdf
+from haptisym.pages import report as report_page
 from haptisym.pages.report import page, save_report
 from haptisym.writing.htmltext import Html, element, script
 from haptisym.writing.names import named
@@ -318,7 +318,7 @@ def test_the_same_evaluation_gives_the_same_pdf_of_the_day_that_is_asked_for(mon
     """SOURCE_DATE_EPOCH is the day of reproducible builds: 1551398400 s are the first of March 2019."""
     required("pdflatex", shutil.which("pdflatex"))
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1551398400")
-    first, second = (report_pdf.pdf(evaluated("fu2019").document()) for _ in range(2))
+    first, second = (report_page.pdf(evaluated("fu2019").document()) for _ in range(2))
     assert first == second
     assert b"D:20190301" in first
 
@@ -334,8 +334,8 @@ def test_the_pdf_shows_all_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         )
         run(program, folder)
 
-    run = report_pdf._run
-    monkeypatch.setattr(report_pdf, "_run", kept)
+    run = report_page._run
+    monkeypatch.setattr(report_page, "_run", kept)
     save_report(evaluated("fu2019"), tmp_path / "x.pdf")
     text, files = seen[0]
     assert len(files) == 5
@@ -358,7 +358,7 @@ def test_other_names_and_a_missing_program_are_errors_that_say_so(
 def test_a_document_that_latex_refuses_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     required("pdflatex", shutil.which("pdflatex"))
     monkeypatch.setattr(
-        "haptisym.pages.pdf.latex", lambda *_: r"\documentclass{article}\begin{document}\no\end{document}"
+        "haptisym.pages.report.latex", lambda *_: r"\documentclass{article}\begin{document}\no\end{document}"
     )
     with pytest.raises(hs.SceneError, match="could not set the document: ! Undefined control sequence"):
         save_report(evaluated("fu2019"), tmp_path / "x.pdf")

@@ -317,7 +317,7 @@ def test_the_command_compares_regions_of_all_environments(call, tmp_path: Path) 
 
 @pytest.mark.slow
 def test_the_figure_has_a_mark_for_each_bandwidth_and_says_where_there_is_none() -> None:
-    from haptisym.figures.familyregions import family_regions_figure
+    from haptisym.figures.regions import family_regions_figure
 
     found = hs.evaluate_all(hs.load_scenes("palpation-device"), regions=True)
     [ax] = family_regions_figure(found).axes

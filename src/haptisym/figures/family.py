@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from haptisym.figures.familyregions import family_regions_figure
 from haptisym.figures.judged import columns, limit_of, name_of
 from haptisym.figures.labels import label_above
+from haptisym.figures.regions import family_regions_figure
 from haptisym.figures.sampling import broken, sampled
 from haptisym.figures.scales import RADIANS, Scale, band_scale
 from haptisym.figures.sheet import laid_out, save

@@ -8,9 +8,11 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from sympy import Expr, Rational, Symbol
 
+from haptisym.figures.sheet import one_column
 from haptisym.figures.stability import ROOM, draw_boundary, draw_boxes, draw_points, name_axes
 from haptisym.figures.style import SHADE, UNSTABLE, legend, number
 from haptisym.kernel.errors import NothingToDrawError, UndecidedError
@@ -23,10 +25,16 @@ from haptisym.verbs.stability.plane import Plane, Window, boundary
 from haptisym.verbs.tolerances.heldplane import HeldPlane, held_plane
 from haptisym.verbs.tolerances.proofs import Tolerances
 
+HEIGHT = 2.6  # inches
 _FINEST = (2.0**-8, 2.0**-7)
 _COARSE = 2.0**-6
 """Of both ranges, by how many others there are."""
 _MOST = 100_000
+
+
+def hands_figure(a: Tolerances) -> Figure:
+    """The plane of the hand alone."""
+    return one_column(HEIGHT, lambda ax: draw_held(ax, a))
 
 
 def draw_held(ax: Axes, a: Tolerances) -> list[Artist]:

@@ -8,19 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from haptisym.figures.sheet import one_column
-from haptisym.figures.style import (
-    BLUE,
-    DASHED,
-    DOTTED,
-    GREY,
-    RED,
-    SCENES,
-    TEXT,
-    dress,
-    entries,
-    legend,
-    write_note,
-)  # fmt: skip
+from haptisym.figures.style import BLUE, DASHED, DOTTED, GREY, RED, SCENES, TEXT, dress, entries, legend, write_note
 from haptisym.verbs.jnd.entry import Psychometric
 
 _HEIGHT = 2.3

@@ -36,7 +36,7 @@ KINDS: Mapping[str, Mapping[str, Drawing]] = MappingProxyType({
     "evaluations": {
         "real": ("single:draw_worst", 0),
         "imag": ("single:draw_worst", 1),
-        "regions": ("familyregions:draw_family_regions",),
+        "regions": ("regions:draw_family_regions",),
     },
     "measured": {"ratios": ("measured:draw_measured_ratios",), "nyquist": ("measured:draw_measured_nyquist",)},
     "derivation": {"ratios": ("single:draw_formulas",)},

@@ -1,22 +1,50 @@
-"""Does it survive another JND model: the distortion's way through the plane of Re and Im, with the regions that it may leave."""
+"""Does it survive another JND model?
+
+Of one environment the distortion's way through the plane of Re and Im, with the regions that it may leave; of several the
+bandwidth of each by every region.
+"""
 
 from __future__ import annotations
 
+from textwrap import fill
+
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.transforms import Affine2D
 
 from haptisym.figures.outlines import outline
 from haptisym.figures.sampling import sampled
-from haptisym.figures.style import BLUE, DASHED, DOTTED, GREY, INK, RED, SOLID, TEXT, dress, handle, legend, limit
+from haptisym.figures.scales import band_scale
+from haptisym.figures.sheet import one_column
+from haptisym.figures.style import (
+    BLUE,
+    DASHED,
+    DOTTED,
+    GREY,
+    INK,
+    RED,
+    SCENES,
+    SMALL,
+    SOLID,
+    TEXT,
+    dress,
+    handle,
+    legend,
+    limit,
+)
 from haptisym.judge.criteria import noticed
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.spread import Compared, half_widths
 from haptisym.programs.formulas import floats_of
 from haptisym.programs.values import Array
+from haptisym.verbs.family.entry import FamilyEvaluation
 
-_LOOKS = ((GREY, SOLID), (BLUE, DASHED), (RED, DOTTED), ("#d0701f", SOLID))
+_LOOKS = ((GREY, SOLID, "s"), (BLUE, DASHED, "o"), (RED, DOTTED, "D"), (SCENES[1], SOLID, "x"))
+"""Of each region: colour, stroke of its border, mark of its bandwidth."""
+_BROAD = 16
+"""Letters of a name in a line of it: more leave the axes no room."""
 
 
 def draw_regions(ax: Axes, evaluation: Evaluation) -> list[Line2D]:
@@ -30,7 +58,7 @@ def draw_regions(ax: Axes, evaluation: Evaluation) -> list[Line2D]:
     way = _way(f(omega))
     corners = [_draw_region(ax, evaluation, x, look) for x, look in zip(evaluation.regions, _LOOKS, strict=False)]
     [line] = ax.plot(*way.T, color=INK, linewidth=1.1)
-    for x, (color, _) in zip(evaluation.regions, _LOOKS, strict=False):
+    for x, (color, _, _) in zip(evaluation.regions, _LOOKS, strict=False):
         if x.crossing:
             [place] = _way(f(np.array([float(x.crossing.omega)])))
             ax.plot(*place[:, None], marker="o", markersize=3.6, color=color, zorder=4)
@@ -42,7 +70,9 @@ def draw_regions(ax: Axes, evaluation: Evaluation) -> list[Line2D]:
     dress(ax)
     ax.set_xlabel(r"$\mathrm{Re}\,\Delta H/|H_\mathrm{env}|$", fontsize=TEXT)
     ax.set_ylabel(r"$\mathrm{Im}\,\Delta H/|H_\mathrm{env}|$", fontsize=TEXT)
-    shown = [handle(color, style, x.name, 1.0) for x, (color, style) in zip(evaluation.regions, _LOOKS, strict=False)]
+    shown = [
+        handle(color, style, x.name, 1.0) for x, (color, style, _) in zip(evaluation.regions, _LOOKS, strict=False)
+    ]
     legend(ax, [handle(INK, SOLID, r"$\Delta H$ over the band", 1.1), *shown])
     return [line]
 
@@ -57,10 +87,10 @@ def _way(values: object) -> Array:
     return found
 
 
-def _draw_region(ax: Axes, evaluation: Evaluation, x: Compared, look: tuple[str, object]) -> Array:
+def _draw_region(ax: Axes, evaluation: Evaluation, x: Compared, look: tuple[str, object, str]) -> Array:
     """One region about 0, where H_env is real and 1; its corners."""
     at = float(x.crossing.omega if x.crossing else evaluation.chart.points[-1].omega)
-    color, style = look
+    color, style, _ = look
     given = {"facecolor": "none", "edgecolor": color, "linewidth": 1.0, "linestyle": style, "zorder": 2}
     criteria = noticed(x.threshold)
     if criteria[0].joint:
@@ -77,3 +107,46 @@ def _draw_region(ax: Axes, evaluation: Evaluation, x: Compared, look: tuple[str,
         patch.set_transform(Affine2D().translate(*-tip).scale(1 / size) + ax.transData)
         ax.add_patch(patch)
     return (around.corners - tip) / size
+
+
+def draw_family_regions(ax: Axes, evaluation: FamilyEvaluation) -> list[Line2D]:
+    """A row for each environment and one for all together; a mark for the bandwidth that each region gives.
+
+    A region that gives no bandwidth has no mark in that row. Returns the marks of each region.
+    """
+    names = [*evaluation.family, "all together"]
+    scale = band_scale(evaluation.family.first.band)
+    low, high = (scale.of(float(evaluation.chart.points[i].omega)) for i in (0, -1))
+    rows, marks = np.arange(len(names)), list[Line2D]()
+    for i, (x, (color, _, marker)) in enumerate(zip(evaluation.regions, _LOOKS, strict=False)):
+        widths = [*(x.answers[name].bandwidth for name in evaluation.family), x.bandwidth]
+        at = [np.nan if w is None else float(scale.of(float(w))) for w in widths]
+        marks += ax.plot(
+            at, rows + 0.2 * (i - 1.5), color=color, linestyle="", marker=marker, markersize=3.4, label=x.name
+        )
+        marks[-1].set(zorder=3, clip_on=False)
+    empty = np.isnan(np.array([x.get_xdata() for x in marks], dtype=float)).all(axis=0)
+    for row in rows[empty]:
+        ax.text(low + 0.01 * (high - low), row, "no bandwidth", fontsize=SMALL, color=INK, va="center")
+    ax.axhline(len(names) - 1.5, color=GREY, linewidth=0.5)
+    ax.set(xlim=(low, high), ylim=(len(names) - 0.5, -0.5))
+    dress(ax)
+    ax.set_yticks(range(len(names)), [fill(x, _BROAD, max_lines=3, placeholder="…") for x in names])
+    ax.set_xlabel(f"bandwidth ({scale.unit})", fontsize=TEXT)
+    legend(ax, marks)
+    return marks
+
+
+def family_regions_figure(evaluation: FamilyEvaluation) -> Figure:
+    """The figure, as high as its rows need."""
+
+    def draw(ax: Axes) -> None:
+        draw_family_regions(ax, evaluation)
+        figure = ax.get_figure(root=True)
+        assert figure is not None
+        engine = figure.get_layout_engine()
+        assert engine is not None
+        engine.execute(figure)
+        legend(ax, [])  # in as many columns as the names leave room for
+
+    return one_column(0.6 + 0.36 * (len(evaluation.family) + 1), draw)

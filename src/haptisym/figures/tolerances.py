@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from haptisym.figures.heldbox import draw_held
+from haptisym.figures.heldbox import HEIGHT, draw_held, hands_figure
 from haptisym.figures.scales import Scale, scale_of
 from haptisym.figures.sheet import laid_out, one_column
 from haptisym.figures.style import (
@@ -34,7 +34,6 @@ from haptisym.kernel.errors import NothingToDrawError
 from haptisym.verbs.tolerances.proofs import Tolerances
 
 _HEIGHT = 0.7
-_PLANE = 2.6  # inches
 
 
 def draw_tolerances(
@@ -106,7 +105,7 @@ def tolerances_figure(a: Tolerances) -> Figure:
     """The rows of both parts, and below them the plane of the hand; NothingToDrawError where there is neither."""
     if a.held:
         with suppress(NothingToDrawError):
-            return _with_hands(a) if _has_rows(a) else one_column(_PLANE, lambda ax: draw_held(ax, a))
+            return _with_hands(a) if _has_rows(a) else hands_figure(a)
     return enclosures_figure(a)
 
 
@@ -127,7 +126,7 @@ def _height(a: Tolerances) -> float:
 
 def _with_hands(a: Tolerances) -> Figure:
     """Both on one sheet."""
-    heights = (_height(a), _PLANE)
+    heights = (_height(a), HEIGHT)
     figure = Figure(figsize=(WIDTH, sum(heights)), layout="compressed")
     upper, lower = figure.subplots(2, 1, height_ratios=heights)
     draw_tolerances(upper, a)

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
-from typing import TYPE_CHECKING
 
 from haptisym.judge.climb import Bandwidths, Jump
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.published import like
-from haptisym.model.quantities import Dimension, MotionKind
+from haptisym.model.quantities import Dimension
 from haptisym.model.ranges import ExactRange
-from haptisym.pages.words import PART_NAMES, both, percent, short
-from haptisym.writing.document import Block, Code, Figure, Number, Paragraph, Phrase, Strong, listed
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Canvas
+from haptisym.pages.late import drawing
+from haptisym.pages.words import PART_NAMES, both, percent, short, unit
+from haptisym.writing.document import Block, Code, Number, Paragraph, Phrase, Strong, listed
 
 
 def bandwidths(e: Evaluation) -> Iterator[Block]:
@@ -28,13 +24,7 @@ def bandwidths(e: Evaluation) -> Iterator[Block]:
     yield Paragraph(("For ", _range(threshold), " ", _said(found, threshold), _blocked(found, threshold), _open(found)))
     if found.is_one_curve:
         caption = "The bandwidth over the range; a dot is reached, a ring is not."
-        yield Figure("bandwidths", caption, partial(_drawn, e))
-
-
-def _drawn(e: Evaluation) -> Canvas:
-    from haptisym.figures.files import draw_figure  # matplotlib is loaded where something is drawn
-
-    return draw_figure(e, "bandwidths")
+        yield drawing("bandwidths", caption, "files:draw_figure", e, "bandwidths")
 
 
 def _range(threshold: Threshold) -> Phrase:
@@ -63,7 +53,7 @@ def _named(name: str, threshold: Threshold) -> str:
 
 
 def _unit(threshold: Threshold) -> str:
-    return Dimension.STIFFNESS.unit(threshold.region.motion or MotionKind.TRANSLATION).replace("*", "·")
+    return unit(Dimension.STIFFNESS, threshold.region.motion)
 
 
 def _ends(interval: ExactRange) -> str:

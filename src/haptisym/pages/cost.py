@@ -1,20 +1,23 @@
-"""The page of what accuracy costs: a sentence, a table for each question, and what was measured on what."""
+"""The pages of what accuracy costs: a sentence, a table for each question, what was measured on what; and the hard cases."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import isinf
+from statistics import median
 
 from haptisym.model.jnd import Part
 from haptisym.pages.words import RATIOS, lead, title
 from haptisym.verbs.cost.entry import Cost
-from haptisym.verbs.cost.measurement import Measurement
-from haptisym.verbs.cost.summary import duration, not_reached, share_wrong, wrong
+from haptisym.verbs.cost.hardcases import FAMILIES
+from haptisym.verbs.cost.hardcosts import HardCosts
+from haptisym.verbs.cost.measurement import HardRow, Measurement
+from haptisym.verbs.cost.summary import duration, not_reached, share_wrong, worst_verdict, wrong
 from haptisym.writing.document import Block, Column, Document, Figure, Notes, Number, Paragraph, Phrase, Section, Table
 from haptisym.writing.names import named
 
 _RATIOS = "The ratios ", RATIOS[Part.REAL], " and ", RATIOS[Part.IMAG]
-TASKS: dict[str, Phrase] = {
+_TASKS: dict[str, Phrase] = {
     "evaluate": (_RATIOS, ": time for one frequency"),
     "crossings": "The crossings on the band: time for all of them",
     "delay": "The crossings with approximated delays, against the exact ones",
@@ -27,20 +30,20 @@ TASKS: dict[str, Phrase] = {
 
 def page(found: Cost) -> Document:
     """The whole page."""
-    tables = (_table(found, task) for task in TASKS if found.task(task))
+    tables = (_table(found, task) for task in _TASKS if found.task(task))
     proof = (
         "Right digits are those of the worst number, held against a certified reference of higher precision. Times are medians "
         "of repeats in turns; the equations are given to all. Ratios of times travel between machines, times do not."
     )
     omitted = (f"Left out: {x.method} ({x.reason})." for x in found.left_out)
     late = (f"{x.method}: {not_reached(x)}." for x in found.rows if x.left_open)
-    notes = Notes((proof, *late, *omitted, measured_on(found.machine)))
+    notes = Notes((proof, *late, *omitted, _measured_on(found.machine)))
     shown = "Right digits against time for each question; filled marks are proven."
     blocks = Paragraph(found.summary), *tables, Figure("cost", shown, found.figure, wide=True), notes
     return Document(f"{title(found.scene)}: what accuracy costs", lead(found.scene, found.asides()), blocks)
 
 
-def measured_on(machine: Mapping[str, str]) -> str:
+def _measured_on(machine: Mapping[str, str]) -> str:
     """On what it was measured."""
     return "Measured on " + ", ".join(f"{name} {value}" for name, value in machine.items()) + "."
 
@@ -50,9 +53,62 @@ def _table(found: Cost, task: str) -> Block:
     condition = "" if size is None else f" (condition number {'infinite: a touch' if isinf(size) else f'{size:.2g}'})"
     last = Column("sets with a wrong count" if task == "sweep" else "")
     columns = Column("method"), Column("right digits", number=True), Column("time"), Column("proven"), last
-    return Section((TASKS[task], condition), (Table(columns, tuple(map(_row, found.task(task))), (TASKS[task], ".")),))
+    return Section(
+        (_TASKS[task], condition), (Table(columns, tuple(map(_row, found.task(task))), (_TASKS[task], ".")),)
+    )
 
 
 def _row(row: Measurement) -> tuple[Phrase, ...]:
     digits = Number(f"{row.digits:.{int(row.digits < 20)}f}", row.digits)
     return row.method, digits, duration(row.seconds), "yes" if row.proven else "no", share_wrong(row) or wrong(row)
+
+
+_TOLD = (
+    "Right: to the digits that the method's numbers hold but for one, and no crossing missed or invented. Digits are "
+    "those of the worst case, times medians over the cases. The condition number says how much an answer changes, "
+    "relatively, with the frequency or the threshold; what a method loses beyond its logarithm is the method's own loss."
+)
+
+
+def hard_page(found: HardCosts) -> Document:
+    """The page of the hard cases: a section for each family, a line in it for each method."""
+    groups = {name: [row for row in found.rows if row.family == name] for name in FAMILIES}
+    families = (_family(name, rows) for name, rows in groups.items() if rows)
+    shown = "How many questions of each family each method answers right; the darker the fewer. Filled marks: proven."
+    figure = Figure("hard-cases", shown, found.figure, wide=True)
+    blocks = Paragraph(found.summary), *families, figure, Paragraph(_TOLD), Paragraph(_measured_on(found.machine))
+    return Document("The hard cases", (), blocks)
+
+
+def _family(family: str, rows: Sequence[HardRow]) -> Block:
+    cases = dict.fromkeys(row.case for row in rows)
+    hardest = max(row.condition for row in rows)
+    condition = "infinity" if isinf(hardest) else f"{hardest:.2g}"
+    asks = "values of r_r and r_i" if rows[0].task == "evaluate" else "crossings"
+    counted = f"{len(cases)} question{'s' * (len(cases) > 1)} about {asks}, condition number up to {condition}"
+    columns = (
+        Column("method"), Column("right"), Column("digits", number=True), Column("time"), Column("proven"), Column(""),
+    )  # fmt: skip
+    methods = dict.fromkeys(row.method for row in rows)
+    table = Table(
+        columns, tuple(_hard_row([x for x in rows if x.method == method]) for method in methods), f"{family}."
+    )
+    return Section(f"{family}: {FAMILIES[family]}", (Paragraph(f"{counted}."), table))
+
+
+def _hard_row(rows: Sequence[HardRow]) -> tuple[Phrase, ...]:
+    answered = [row for row in rows if row.answered]
+    if not answered:
+        return rows[0].method, "", "", "", "", rows[0].verdict
+    right = sum(row.verdict == "right" for row in answered)
+    worst = min(row.digits for row in answered)
+    proven = "yes" if all(row.proven for row in answered) else "no"
+    time = duration(median(row.seconds for row in answered))
+    return (
+        rows[0].method,
+        f"{right}/{len(answered)}",
+        Number(f"{worst:.1f}", worst),
+        time,
+        proven,
+        worst_verdict(answered),
+    )

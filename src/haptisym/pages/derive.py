@@ -8,7 +8,7 @@ from typing import Any
 from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import Dimension, MotionKind
 from haptisym.pages.sections import sections
-from haptisym.pages.words import lead, title
+from haptisym.pages.words import page_about
 from haptisym.verbs.derive.derivation import QUANTITIES, Derivation
 from haptisym.writing.document import Column, Document, Equations, Line, Notes, Paragraph, Phrase, Section, Table, coded
 from haptisym.writing.latex import fragment
@@ -24,7 +24,7 @@ def page(d: Derivation) -> Document:
     """The parameters, and the sections."""
     rows = tuple((named(p.symbol.name), _meaning(p, d.scene.motion), _state(d, p)) for p in d.scene.parameters)
     table = Table((Column("symbol"), Column("what it is"), Column("value")), rows, "The parameters, in SI units.")
-    return Document(title(d.scene), lead(d.scene, _asides(d)), ((table,) if rows else ()) + sections(d), "Derivation")
+    return page_about(d.scene, ((table,) if rows else ()) + sections(d), "Derivation", _asides(d))
 
 
 def latex(d: Derivation) -> str:

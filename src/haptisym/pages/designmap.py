@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import ceil
 
 from haptisym.pages.require import heading, sets, unit_of
-from haptisym.pages.words import lead, rounded_up, rule, short, title
+from haptisym.pages.words import page_about, rounded, rounded_up, rule, short
 from haptisym.verbs.require.designmap import DesignMap
 from haptisym.verbs.require.required import Requirement
 from haptisym.verbs.require.wishes import STABLE
@@ -22,7 +22,7 @@ from haptisym.writing.document import (
     Strong,
     Table,
     listed,
-)  # fmt: skip
+)
 from haptisym.writing.names import named
 
 _WORDS = {"transparent": "transparent", "stable": "stable", "passive": "fit for every passive hand"}
@@ -52,7 +52,7 @@ def page(m: DesignMap) -> Document:
     more: Phrase = f" Listed here: {len(table.rows)} of the slices; the others are in --json." if left else ""
     beside = *_stiffest(m), *_contours(m), *_classical(m)
     blocks = Facts(tuple(_wished(m))), Paragraph((*said, more)), table, *beside, figure, Paragraph(last), *_proven(m)
-    return Document(title(m.scene), lead(m.scene, m.asides()), blocks, "Which values will do")
+    return page_about(m.scene, blocks, "Which values will do", m.asides())
 
 
 def _why(m: DesignMap) -> str:
@@ -116,11 +116,11 @@ def _stiffest(m: DesignMap) -> Iterator[Block]:
     if m.stiffest is None:
         return
     at, top = m.stiffest
-    (b, k), damping = m.free, float(at.at)
+    b, k = m.free
     yield Paragraph((
         "The stiffest wall of these slices that is ", listed(x.kept for x in m.criteria if x.name == "stable"), " stays below ",
         named(k.symbol.name), " = ", short(top), unit_of(k), ", at ", named(b.symbol.name), " = ",
-        Number(f"{damping:.6g}", damping), unit_of(b), ".",
+        rounded(float(at.at), 6), unit_of(b), ".",
     ))  # fmt: skip
 
 
@@ -155,4 +155,4 @@ def _slices(m: DesignMap) -> Table:
         Column("will do" if len(m.that) > 1 else f"{_WORDS[m.that[0]]} for"),
     )
     caption = ("Some of the slices" if len(some) < len(m.slices) else "The slices") + ", proven."
-    return Table(columns, tuple((Number(f"{at:.6g}", at), found) for at, found in rows), caption)
+    return Table(columns, tuple((rounded(at, 6), found) for at, found in rows), caption)

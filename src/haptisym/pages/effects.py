@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from haptisym.model.jnd import Part
-from haptisym.pages.words import H_ENV, OMEGA, RATIOS, bounds, compared, lead, rounded_up, title
+from haptisym.pages.words import H_ENV, OMEGA, RATIOS, bounds, compared, page_about, rounded, rounded_up
 from haptisym.verbs.effects.relevance import CrossingEnclosure, Relevance
 from haptisym.writing.document import (
     Block,
@@ -25,7 +25,7 @@ from haptisym.writing.document import (
 def page(r: Relevance) -> Document:
     """What matters, by how much each changes the ratios, where, and what is certain."""
     blocks = [Paragraph(_verdict(r)), *_effects(r), *_dominance(r), _crossings(r), Paragraph(_certain(r))]
-    return Document(title(r.scene), lead(r.scene), tuple(blocks), "Which effects matter")
+    return page_about(r.scene, blocks, "Which effects matter")
 
 
 def _verdict(r: Relevance) -> Phrase:
@@ -91,11 +91,11 @@ def _crossings(r: Relevance) -> Block:
 
 def _interval(x: CrossingEnclosure) -> Phrase:
     low, high = x.bounds
-    return Number(f"{low:.6g}", low) if high - low < 1e-6 * high else _span(low, high, 6)
+    return rounded(low, 6) if high - low < 1e-6 * high else _span(low, high, 6)
 
 
 def _span(low: float, high: float, digits: int) -> Phrase:
-    return Number(f"{low:.{digits}g}", low), " to ", Number(f"{high:.{digits}g}", high)
+    return rounded(low, digits), " to ", rounded(high, digits)
 
 
 def _certain(r: Relevance) -> Phrase:

@@ -17,24 +17,24 @@ from haptisym.model.jnd import Part
 from haptisym.pages.bandwidths import bandwidths, published_words
 from haptisym.pages.crossings import crossings, joint, proven, ratios_caption, transparency, undecided
 from haptisym.pages.held import held
-from haptisym.pages.leftout import left_out
-from haptisym.pages.regions import REGIONS, regions
+from haptisym.pages.late import drawing, proof
+from haptisym.pages.regions import regions
 from haptisym.pages.words import (
     CHANGE,
     H_ENV,
     H_PERC,
     OPERATORS,
     both,
+    bounds,
     caveats,
     compared,
     ends,
-    lead,
     limits,
+    page_about,
     places,
     short,
     spans,
     stiffness_unit,
-    title,
 )
 from haptisym.writing.boxes import Prefixed
 from haptisym.writing.document import (
@@ -52,13 +52,11 @@ from haptisym.writing.document import (
     Table,
     Versions,
     listed,
-)  # fmt: skip
+)
 from haptisym.writing.equations import equation
 from haptisym.writing.formula import readable
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Canvas
-
     from haptisym.pages.sceneforms import SceneForms
 
 
@@ -66,26 +64,21 @@ def page(e: Evaluation) -> Document:
     """The whole page."""
     full = _InFull(e)
     certain: tuple[Block, ...] = (*caveats(e.caveats), Paragraph(_certain(e)))
-    blocks: list[Block] = [
-        *left_out(e),
+    blocks = (
+        *_left_out(e),
         Versions((Facts(tuple(_dynamics(e))),), full.findings),
         Section("Scene", (Versions((), full.scene),), "scene"),
         Section("Step 1. When does the hand begin to notice?", tuple(_step_1(e)), "step-1"),
-        *(
-            [Section("Does it survive another JND model?", (*regions(e), _figure(e, "regions", REGIONS)), "regions")]
-            if e.regions
-            else []
-        ),
+        *regions(e),
         Section("Step 2. How is it felt?", tuple(_step_2(e)), "step-2"),
         Section("Which values would do?", (Versions((), full.design),), "which-values-would-do"),
         Section("Explorer", (Live(full.explorer),), "explorer"),
         Versions(
-            certain, lambda: [Section("What is certain", (*certain, Live(full.checked), *_assumed()), "certainty")]
+            certain, lambda: [Section("What is certain", (*certain, proof(e, e.scene), *_assumed()), "certainty")]
         ),
         Section("Derivation", (Versions((), full.derivation),), "derivation", appendix=True),
-    ]
-    kind = "Two-step evaluation of a haptic display"
-    return Document(title(e.scene), lead(e.scene, e.asides()), tuple(blocks), kind)
+    )
+    return page_about(e.scene, blocks, "Two-step evaluation of a haptic display", e.asides())
 
 
 @dataclass(frozen=True)
@@ -120,15 +113,23 @@ class _InFull:
 
         return explorer(self.evaluation, self._forms)
 
-    def checked(self) -> str:
-        from haptisym.pages.checked import checked
-
-        return checked(self.evaluation, self.evaluation.scene)
-
     def derivation(self) -> Iterable[Block]:
         from haptisym.pages.derivation import derivation
 
         return derivation(self._forms)
+
+
+def _left_out(e: Evaluation) -> Iterator[Block]:
+    """What was left out of the scene, and what that changes at most."""
+    r = e.relevance
+    if r is None or not r.dropped:
+        return
+    found = listed(f"[{x.bounds[0]:.6g}, {x.bounds[1]:.6g}] ({x.criterion.name})" for x in r.crossings)
+    yield Paragraph((
+        "Without ", listed(x.name for x in r.dropped), ": leaving them out changes ", bounds(r.bound), " anywhere on the band, ",
+        f"proven (tolerance {float(r.tolerance):g}). What follows is exact for the scene without them. The full scene differs ",
+        "by no more than that. ", ("Its crossings lie in ", found, " rad/s.") if found else "It has no crossings on the band.",
+    ))  # fmt: skip
 
 
 def _dynamics(e: Evaluation) -> Iterator[tuple[str, Phrase]]:
@@ -204,12 +205,7 @@ def _step_2(e: Evaluation) -> Iterator[Block]:
 
 
 def _figure(e: Evaluation, name: str, caption: str, *, wide: bool = False) -> Figure:
-    def draw() -> Canvas:
-        from haptisym.figures.files import draw_figure  # matplotlib is loaded where something is drawn
-
-        return draw_figure(e, name, wide=wide)
-
-    return Figure(name, caption, draw, wide)
+    return drawing(name, caption, "files:draw_figure", e, name, wide=wide)
 
 
 def percepts(e: Evaluation) -> Block:

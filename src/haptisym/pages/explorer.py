@@ -15,10 +15,9 @@ from haptisym.model.parameters import Parameter, Rule
 from haptisym.model.quantities import Dimension, MotionKind
 from haptisym.model.regions import Shape
 from haptisym.pages.checked import is_provable
-from haptisym.pages.explorerlimits import limit_sliders, region_record
 from haptisym.pages.sceneforms import SceneForms
-from haptisym.pages.sliders import Slider
-from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OMEGA, RATIOS
+from haptisym.pages.sliders import Slider, limit_sliders, region_record
+from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OMEGA, RATIOS, unit
 from haptisym.verbs.evaluate.certificate import named_in_file
 from haptisym.writing.code.entry import scene_program
 from haptisym.writing.code.expressions import nearest_double
@@ -42,7 +41,7 @@ def explorer(e: Evaluation, forms: SceneForms) -> Html:
     names = [a.symbol for a in program.arguments[1:]]
     record = {
         "band": [probe[0].low, probe[0].high],
-        "unit": Dimension.STIFFNESS.unit(e.scene.motion or MotionKind.TRANSLATION).replace("*", "·"),
+        "unit": unit(Dimension.STIFFNESS, e.scene.motion),
         "arguments": [sliders[x][0].identity for x in names],
         "region": region_record(e.scene.threshold, limits),
         "limits": list(dict.fromkeys(slider.identity for slider, _ in limits.values())),
@@ -130,7 +129,7 @@ def _parameters(e: Evaluation, forms: SceneForms) -> dict[Symbol, tuple[Slider, 
     found: dict[Symbol, tuple[Slider, str]] = {}
     for p in e.scene.parameters:
         label = inline(named(forms.short_names.get(p.symbol, p.symbol).name))
-        slider = _parameter(p, f"explorer-{len(found)}", label, e.scene.motion or MotionKind.TRANSLATION)
+        slider = _parameter(p, f"explorer-{len(found)}", label, e.scene.motion)
         found[p.symbol] = slider, f"{p.key} of {p.place.removeprefix('effects.')}"
     return found
 
@@ -138,22 +137,18 @@ def _parameters(e: Evaluation, forms: SceneForms) -> dict[Symbol, tuple[Slider, 
 _MOST_AT_ZERO = {Dimension.TIME: 0.1, Dimension.FORCE: 1.0}  # of a slider whose parameter is zero in the scene
 
 
-def _parameter(p: Parameter, identity: str, label: str, motion: MotionKind) -> Slider:
+def _parameter(p: Parameter, identity: str, label: str, motion: MotionKind | None) -> Slider:
     """A decade to each side of a positive value; else a range around it, or from zero."""
-    unit = (
-        {Dimension.ANY: "", Dimension.RATIO: ""}.get(p.dimension, p.dimension.unit(motion))
-        .replace("*", "·")
-        .replace("^2", "²")
-    )
+    own = "" if p.dimension in (Dimension.ANY, Dimension.RATIO) else unit(p.dimension, motion)
     value, rule = nearest_double(p.value), p.rule
     if rule is Rule.FRACTION:
-        return Slider(identity, label, unit, value, 0.01, 0.99, rule)
+        return Slider(identity, label, own, value, 0.01, 0.99, rule)
     if rule is Rule.ANY:
         reach = 2 * abs(value) or 1.0
-        return Slider(identity, label, unit, value, -reach, reach, rule)
+        return Slider(identity, label, own, value, -reach, reach, rule)
     if value > 0:
-        return Slider(identity, label, unit, value, value / 10, value * 10, rule, is_logarithmic=True)
-    return Slider(identity, label, unit, value, 0.0, _MOST_AT_ZERO.get(p.dimension, 1.0), rule)
+        return Slider(identity, label, own, value, value / 10, value * 10, rule, is_logarithmic=True)
+    return Slider(identity, label, own, value, 0.0, _MOST_AT_ZERO.get(p.dimension, 1.0), rule)
 
 
 def _probe(e: Evaluation) -> tuple[Slider, str]:

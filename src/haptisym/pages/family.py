@@ -9,8 +9,8 @@ from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.caveats import caveats as cautions
 from haptisym.model.jnd import Part
-from haptisym.pages.familyregions import family_regions
-from haptisym.pages.words import both, caveats, lead, limits, short, spans, title
+from haptisym.pages.regions import family_regions
+from haptisym.pages.words import both, caveats, limits, page_about, short, spans
 from haptisym.verbs.family.entry import FamilyEvaluation
 from haptisym.verbs.family.worst import FamilyBinding
 from haptisym.writing.document import (
@@ -35,7 +35,7 @@ def page(w: FamilyEvaluation) -> Document:
     family = w.family
     told = Facts(tuple(_asked(w))), _each(w), _worst(w), *family_regions(w)
     blocks = *told, *caveats(cautions(family.first)), Paragraph(_certain(w))
-    return Document(title(family), lead(family), blocks, "Evaluation with several environments")
+    return page_about(family, blocks, "Evaluation with several environments")
 
 
 def _asked(w: FamilyEvaluation) -> Iterator[tuple[str, Phrase]]:

@@ -8,8 +8,8 @@ from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.passivity import Beyond, Passivity
 from haptisym.kernel.reals import ExactNumber
 from haptisym.model.jnd import Part
-from haptisym.model.quantities import MotionKind
-from haptisym.pages.words import H_PERC, NOT_HELD, OPERATORS, compared, short, spans
+from haptisym.model.quantities import Dimension
+from haptisym.pages.words import H_PERC, NOT_HELD, OPERATORS, compared, plain_unit, short, spans, stiffness_unit
 from haptisym.writing.boxes import Prefixed
 from haptisym.writing.document import Phrase, Strong
 from haptisym.writing.names import named
@@ -89,8 +89,7 @@ def _energy(e: Evaluation, found: Passivity) -> Phrase:
     given = found.most_given
     if given is None or given.omega is None:
         return "It gives energy away there, ", _per_cycle(), " per cycle of amplitude A."
-    unit = "N m/rad" if e.scene.motion is MotionKind.ROTATION else "N/m"
-    most = f"{short(given.value).digits} {unit}"
+    most = f"{short(given.value).digits} {stiffness_unit(e.scene)}"
     said = (" per cycle of amplitude A (with ", _IMAG, f" = −{most} at ", short(given.omega), " rad/s).")
     return "It gives energy away there, ", _per_cycle(), said
 
@@ -101,7 +100,7 @@ def _per_cycle() -> Phrase:
 
 def _damping(e: Evaluation, found: Passivity) -> Phrase:
     """What a hand must damp at least to be held whatever its mass and stiffness."""
-    unit = "N m s/rad" if e.scene.motion is MotionKind.ROTATION else "N s/m"
+    unit = plain_unit(Dimension.DAMPING, e.scene.motion)
     if found.damping is not None and found.poles_allow:
         return (
             " A hand that damps more than ",

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context, Decimal
 from math import ceil, floor, log10
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,8 +12,8 @@ from haptisym.kernel.shown import counted
 from haptisym.kernel.symbols import s
 from haptisym.model.distortion import distort
 from haptisym.model.quantities import unit_text
-from haptisym.pages.linearity import linearity
-from haptisym.pages.measured import measured_words
+from haptisym.pages.measuredlines import linearity, measured_words
+from haptisym.pages.words import rounded
 from haptisym.verbs.identify.entry import Identification, correlation
 from haptisym.verbs.identify.judging import Estimate
 from haptisym.writing.document import (
@@ -36,18 +35,17 @@ from haptisym.writing.equations import equation
 from haptisym.writing.formula import readable
 from haptisym.writing.names import named
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Canvas
-
 _ALIKE = 0.95
 """A correlation from which on two parameters are told together rather than apart."""
 
 
 def page(a: Identification) -> Document:
     """The whole page."""
+    shown = "The model over what was measured, with discs, and the residuals in units of their standard error."
+    figure = Figure("model", shown, a.figure)
     blocks: tuple[Block, ...] = (
         Facts(tuple(_about(a))),
-        Section("Does the model hold?", (Paragraph(_verdict(a)), Notes(tuple(_tests(a))), _figure(a)), "verdict"),
+        Section("Does the model hold?", (Paragraph(_verdict(a)), Notes(tuple(_tests(a))), figure), "verdict"),
         Section("Parameters", (_table(a), Notes(tuple(_told(a)))), "parameters"),
         Paragraph(_certain(a)),
     )
@@ -109,12 +107,12 @@ def _tests(a: Identification) -> Iterator[Phrase]:
     v = a.verdict
     if v.square is not None and v.chance is not None:
         yield (
-            "Size of the residuals: chi^2 = ", _number(v.square), f" of {v.freedom} degrees of freedom; one as large or larger ",
+            "Size of the residuals: chi^2 = ", rounded(v.square), f" of {v.freedom} degrees of freedom; one as large or larger ",
             "has a chance ", *_chance(v.chance), " if the model holds.",
         )  # fmt: skip
     if v.neighbours is not None and v.neighbours_chance is not None:
         yield (
-            "Order: residuals of neighbouring lines correlate by ", _number(v.neighbours, 2), "; so much or more has a chance ",
+            "Order: residuals of neighbouring lines correlate by ", rounded(v.neighbours, 2), "; so much or more has a chance ",
             *_chance(v.neighbours_chance), " if they are independent.",
         )  # fmt: skip
         if v.neighbours_chance < (1 - a.fit.lines.confidence) / 3 < (v.chance or 1):
@@ -125,11 +123,7 @@ def _tests(a: Identification) -> Iterator[Phrase]:
 
 def _chance(x: float) -> tuple[Phrase, ...]:
     """``of 0.003``; a double has none below some 1e-308."""
-    return ("of ", _number(x, 3)) if x else ("below ", Number("1e-300", x))
-
-
-def _number(x: float, digits: int = 5) -> Number:
-    return Number(f"{x:.{digits}g}", x)
+    return ("of ", rounded(x, 3)) if x else ("below ", Number("1e-300", x))
 
 
 def _table(a: Identification) -> Block:
@@ -148,7 +142,7 @@ def _table(a: Identification) -> Block:
 def _row(a: Identification, x: Estimate) -> tuple[Phrase, ...]:
     unit = a.unit(x)
     sides = (_ends(x, x.low, x.high), _ends(x, x.least, x.most))
-    return _name(a, x), _certain_digits(x, x.value), _number(x.error, 2), *sides, "" if unit == "1" else unit_text(unit)
+    return _name(a, x), _certain_digits(x, x.value), rounded(x.error, 2), *sides, "" if unit == "1" else unit_text(unit)
 
 
 def _ends(x: Estimate, low: float, high: float) -> Phrase:
@@ -189,16 +183,3 @@ def _certain(a: Identification) -> Phrase:
         start, ", if the discs are, and if neighbouring lines are independent; then the box holds the true values with a ",
         f"confidence of {a.confidence_words}. Nothing is said of frequencies beyond the lines.",
     )  # fmt: skip
-
-
-def _figure(a: Identification) -> Figure:
-    def draw() -> Canvas:
-        from haptisym.figures.identify import identification_figure  # matplotlib is loaded where something is drawn
-
-        return identification_figure(a)
-
-    return Figure(
-        "model",
-        "The model over what was measured, with discs, and the residuals in units of their standard error.",
-        draw,
-    )

@@ -1,23 +1,21 @@
-"""The page of a measured JND: the threshold, how certain it is, the line for a scene, and the answers beside the curve."""
+"""The pages of just-noticeable differences.
+
+Of one that was measured: the threshold, how certain it is, the line for a scene, and the answers beside the curve; and of the
+published ones.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import numpy as np
 
+from haptisym.model.published import Published
+from haptisym.pages.words import noted, rounded
 from haptisym.verbs.jnd.entry import METHODS, Psychometric
 from haptisym.verbs.jnd.fit import Estimate
-from haptisym.writing.boxes import (
-    Applied,
-    Box,
-    Fenced,
-    Fraction,
-    Numeral,
-    Product,
-    Sum,
-)  # fmt: skip
+from haptisym.verbs.jnd.published import PublishedThresholds
+from haptisym.writing.boxes import Applied, Box, Fenced, Fraction, Numeral, Product, Sum
 from haptisym.writing.document import (
     Block,
     Code,
@@ -28,7 +26,6 @@ from haptisym.writing.document import (
     Figure,
     Line,
     Notes,
-    Number,
     Paragraph,
     Phrase,
     Section,
@@ -36,9 +33,6 @@ from haptisym.writing.document import (
     Table,
 )
 from haptisym.writing.names import named
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Canvas
 
 
 def page(p: Psychometric) -> Document:
@@ -49,9 +43,9 @@ def page(p: Psychometric) -> Document:
         *_warned(p),
         *_for_a_scene(p),
         Section("The curve", (Equations((_equation(p),)), Facts(tuple(_facts(p)))), "curve"),
-        Figure("answers", caption, _draw(p)),
+        Figure("answers", caption, p.figure),
         Section("The answers", (_answers(p),), "answers"),
-        *((Notes(p.notes),) if p.notes else ()),
+        *noted(p.notes),
         Paragraph(_ESTIMATED),
     )
     return Document(
@@ -65,27 +59,15 @@ _ESTIMATED = (
 )
 
 
-def _draw(p: Psychometric) -> Callable[[], Canvas]:
-    def draw() -> Canvas:
-        found: Canvas = p.figure()
-        return found
-
-    return draw
-
-
 def _percent(share: float) -> str:
     return f"{100 * share:.4g}\xa0%"
 
 
-def _number(x: float, digits: int = 5) -> Number:
-    return Number(f"{x:.{digits}g}", x)
-
-
 def _estimate(p: Psychometric, x: Estimate) -> Phrase:
-    ends = tuple("unbounded" if end is None else _number(end, 4) for end in (x.low, x.high))
+    ends = tuple("unbounded" if end is None else rounded(end, 4) for end in (x.low, x.high))
     if ends == ("unbounded", "unbounded"):
-        return _number(x.value)
-    return _number(x.value), f" ({_percent(p.confidence)}: ", ends[0], " to ", ends[1], ")"
+        return rounded(x.value)
+    return rounded(x.value), f" ({_percent(p.confidence)}: ", ends[0], " to ", ends[1], ")"
 
 
 def _found(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
@@ -96,7 +78,7 @@ def _found(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
     )
     yield "JND", (_estimate(p, p.jnd), f", where {share} of the answers {where}")
     if p.fraction and p.reference:
-        yield "fraction", (_estimate(p, p.fraction), " of the standard, ", _number(p.reference))
+        yield "fraction", (_estimate(p, p.fraction), " of the standard, ", rounded(p.reference))
     yield "fit", _fit(p)
     if not p.table:
         yield (
@@ -120,7 +102,7 @@ def _fit(p: Psychometric) -> Phrase:
     tested = p.deviance
     if tested.p is None:
         return "cannot be tested: no more levels with enough answers than numbers that are fitted"
-    told = "deviance ", _number(tested.value, 4), f", {tested.degrees} degrees of freedom, p = ", _number(tested.p, 2)
+    told = "deviance ", rounded(tested.value, 4), f", {tested.degrees} degrees of freedom, p = ", rounded(tested.p, 2)
     return (*told, ": within chance") if tested.fits else (*told, ": ", Strong("NOT"), " within chance")
 
 
@@ -151,10 +133,10 @@ def _facts(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
     curve = p.fit.curve
     middle = "middle of the curve" if p.asked.alternatives else "point of subjective equality"
     yield named("mu"), (_estimate(p, p.middle), f", the {middle}")
-    yield named("sigma"), _number(curve.sigma)
+    yield named("sigma"), rounded(curve.sigma)
     if curve.guess or curve.lapse:
-        yield named("gamma"), (_number(curve.guess), ", guesses")
-        yield named("lambda"), (_number(curve.lapse), ", lapses")
+        yield named("gamma"), (rounded(curve.guess), ", guesses")
+        yield named("lambda"), (rounded(curve.lapse), ", lapses")
     if p.answers.earlier:
         yield "in the file", p.answers.earlier
 
@@ -170,9 +152,38 @@ def _answers(p: Psychometric) -> Block:
     curve = p.fit.curve(np.array([x.level for x in rows]))
     columns = tuple(Column(x, number=True) for x in ("level", "k", "n", "share", "curve"))
     told = tuple(
-        (_number(x.level, 6), str(x.count), str(x.trials), f"{x.share:.3f}", f"{y:.3f}")
+        (rounded(x.level, 6), str(x.count), str(x.trials), f"{x.share:.3f}", f"{y:.3f}")
         for x, y in zip(rows, curve, strict=True)
     )
     return Table(
         columns, told, "The answers: how many (k) of how many (n) counted at each level, and what the curve has there."
     )
+
+
+def published_page(found: PublishedThresholds) -> Document:
+    """The page of published thresholds: what they are, and where they come from."""
+    columns = Column("name"), Column("JND"), Column("criterion"), Column("of what")
+    rows = tuple((Code(x.name), x.written.replace(" %", "\xa0%"), _criterion(x), x.quantity) for x in found)
+    named = next(x.name for x in found if x.criterion)
+    lead = "By its name in a scene: ", Code(f'jnd = {{ like = "{named}" }}'), "; a range gives a range of bandwidths."
+    blocks = (
+        Table(
+            columns, rows, "Published thresholds, and the share of answers at which each was taken where that is known."
+        ),
+        Section("Sources, and how far they were read", (Notes(tuple(map(_reference, found))),)),
+        Paragraph(_DIFFER),
+    )
+    return Document("Published thresholds", (lead,), blocks, "Just-noticeable differences")
+
+
+_DIFFER = "They differ by what was felt, by whom, by movement and criterion. None of them was measured on your display."
+
+
+def _criterion(x: Published) -> str:
+    return "" if x.criterion is None else f"{float(100 * x.criterion):g}\xa0%"
+
+
+def _reference(x: Published) -> Phrase:
+    doi = f", doi:{x.doi}" if x.doi else ""
+    apart = f". Not for a scene: {x.apart}" if x.apart else ""
+    return Code(x.name), f": {x.source}{doi} [{x.read}]; {x.reference}{apart}."

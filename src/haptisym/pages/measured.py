@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from itertools import islice
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,12 +13,12 @@ from haptisym.kernel.shown import counted
 from haptisym.kernel.symbols import s
 from haptisym.model.jnd import Part
 from haptisym.model.measured import Measurement, coherence_for
-from haptisym.pages.linearity import linearity
+from haptisym.pages.late import drawing
 from haptisym.pages.measuredbetween import between_section, stated
-from haptisym.pages.measuredtable import MOST_ROWS, cut, ends, rounded, runs, shape, table
-from haptisym.pages.words import OMEGA, PART_NAMES, RATIOS, limits, stiffness_unit
+from haptisym.pages.measuredlines import MOST_ROWS, cut, ends, linearity, measured_words, runs, shape, table
+from haptisym.pages.words import OMEGA, PART_NAMES, RATIOS, limits, page_about, rounded, stiffness_unit
 from haptisym.verbs.measured.entry import MeasuredEvaluation
-from haptisym.verbs.measured.judging import CODES, certainty, limits_of
+from haptisym.verbs.measured.judging import CODES, limits_of
 from haptisym.verbs.measured.needed import Share
 from haptisym.writing.document import (
     Block,
@@ -32,18 +32,13 @@ from haptisym.writing.document import (
     Section,
     Strong,
     Table,
-    coded,
 )
 from haptisym.writing.equations import equation
 from haptisym.writing.formula import readable
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Canvas
-
 
 def page(e: MeasuredEvaluation) -> Document:
     """The whole page."""
-    lead: tuple[Phrase, ...] = tuple(x for x in (e.scene.source, *map(coded, e.scene.asides())) if x)
     blocks: tuple[Block, ...] = (
         Facts(tuple(_about(e))),
         Section("Step 1. When does the hand begin to notice?", tuple(_step_1(e)), "step-1"),
@@ -51,7 +46,7 @@ def page(e: MeasuredEvaluation) -> Document:
         Section("Step 2. How is it felt?", tuple(_step_2(e)), "step-2"),
         Paragraph(_certain(e)),
     )
-    return Document(e.scene.title or "Untitled scene", lead, blocks, "Two-step evaluation of a measured display")
+    return page_about(e.scene, blocks, "Two-step evaluation of a measured display")
 
 
 def _share(x: float, digits: int = 4) -> str:
@@ -86,19 +81,6 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
         yield "discs", _discs(e)
     if e.scene.slopes:
         yield "slope", stated(e)
-
-
-def measured_words(m: Measurement) -> Phrase:
-    """``bench.csv: 60 lines from 1 to 15 rad/s``, and what its discs come from."""
-    low, high = float(m.omega[0]), float(m.omega[-1])
-    where: Phrase = ("at ", rounded(low)) if len(m) == 1 else ("from ", rounded(low), " to ", rounded(high))
-    if m.welch is not None:
-        return (m.name, ": ", counted(len(m), "line"), " ", where, " rad/s; ", m.welch.words)
-    lines: Phrase = (m.name, ": ", counted(len(m), "line"), " ", where, " rad/s")
-    if m.coherence is None:
-        return lines, "; ", certainty(m)
-    seen = f"{float(m.coherence.min()):.4g} to {float(m.coherence.max()):.4g}"
-    return lines, f"; coherence {seen}, {m.averages:g} averages"
 
 
 def _discs(e: MeasuredEvaluation) -> Phrase:
@@ -227,12 +209,7 @@ def _felt_words(e: MeasuredEvaluation, part: Part | None, line: int) -> str:
 
 
 def _figure(e: MeasuredEvaluation, name: str, caption: str, *, wide: bool = False) -> Figure:
-    def draw() -> Canvas:
-        from haptisym.figures.measured import draw_measured_figure  # matplotlib is loaded where something is drawn
-
-        return draw_measured_figure(e, name, wide=wide)
-
-    return Figure(name, caption, draw, wide)
+    return drawing(name, caption, "measured:draw_measured_figure", e, name, wide=wide)
 
 
 def _certain(e: MeasuredEvaluation) -> Phrase:

@@ -10,8 +10,8 @@ from haptisym.kernel.shown import counted
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import unit_text
 from haptisym.model.slope import Slope
-from haptisym.pages.measuredtable import MOST_ROWS, rounded, shape, verdict
-from haptisym.pages.words import OMEGA, PART_NAMES, RATIOS
+from haptisym.pages.measuredlines import MOST_ROWS, shape, verdict
+from haptisym.pages.words import OMEGA, PART_NAMES, RATIOS, rounded
 from haptisym.verbs.measured.between import Between, Stretches
 from haptisym.verbs.measured.entry import MeasuredEvaluation
 from haptisym.verbs.measured.judging import CODES

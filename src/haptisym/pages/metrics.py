@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.symbols import omega, s
-from haptisym.pages.words import caveats, lead, percent, region, short, spans, title
+from haptisym.pages.words import caveats, noted, page_about, percent, region, short, spans
 from haptisym.verbs.metrics.forms import Form
 from haptisym.verbs.metrics.metric import Metric, Metrics, Value
 from haptisym.writing.boxes import (
@@ -24,7 +24,7 @@ from haptisym.writing.boxes import (
     Product,
     Sum,
     Titled,
-)  # fmt: skip
+)
 from haptisym.writing.document import (
     Block,
     Column,
@@ -40,7 +40,7 @@ from haptisym.writing.document import (
     Strong,
     Table,
     Versions,
-)  # fmt: skip
+)
 from haptisym.writing.equations import meaning, quantity
 from haptisym.writing.formula import readable
 from haptisym.writing.layout import layout
@@ -54,12 +54,12 @@ _MOST_LETTERS = 180  # of a formula in symbols; a longer one is told in numbers
 def page(m: Metrics) -> Document:
     """The whole page."""
     shown = "Distance of each measure from transparency over the band, and below where each measure is content."
-    notes = (Section("Where they disagree", (Notes(tuple(map(formulated, m.notes))),)),) if m.notes else ()
-    blocks = (
+    notes = Section("Where they disagree", noted(map(formulated, m.notes)))
+    blocks: tuple[Block, ...] = (
         Versions((Facts((("JND", jnd_verdict(m)),)),), lambda: (_overview(m),)), *map(_measure, m.metrics),
-        Figure("metrics", shown, m.figure), *notes, *caveats(m.evaluation.caveats), Paragraph(_certain(m)),
+        Figure("metrics", shown, m.figure), notes, *caveats(m.evaluation.caveats), Paragraph(_certain(m)),
     )  # fmt: skip
-    return Document(title(m.scene), lead(m.scene, m.asides()), blocks, "Measures of transparency")
+    return page_about(m.scene, blocks, "Measures of transparency", m.asides())
 
 
 def jnd_verdict(m: Metrics) -> Phrase:

@@ -5,20 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from haptisym.judge.peaks import Peak, Peaks
-from haptisym.pages.words import OMEGA, exactly, hertz, lead, symbol, title
-from haptisym.writing.document import (
-    Block,
-    Column,
-    Document,
-    Notes,
-    Number,
-    Paragraph,
-    Phrase,
-    Section,
-    Strong,
-    Table,
-    listed,
-)
+from haptisym.pages.words import OMEGA, exactly, hertz, noted, page_about, symbol
+from haptisym.writing.document import Block, Column, Document, Number, Paragraph, Phrase, Section, Strong, Table, listed
 
 _DIGITS = 15
 
@@ -26,7 +14,7 @@ _DIGITS = 15
 def page(found: Peaks) -> Document:
     """The whole page."""
     blocks = (_listed(found), Paragraph(_certain(found)))
-    return Document(title(found.scene), lead(found.scene, found.asides()), blocks, "Peaks of the ratios")
+    return page_about(found.scene, blocks, "Peaks of the ratios", found.asides())
 
 
 def _listed(found: Peaks) -> Block:
@@ -39,8 +27,7 @@ def _listed(found: Peaks) -> Block:
         Column("value", number=True),
     )
     table = Table(columns, tuple(map(_row, found)), "All local maxima of the ratios inside the band.")
-    remarks = Notes(tuple(_remarks(found)))
-    return Section("Where a ratio is larger than on either side", (table, remarks) if remarks.entries else (table,))
+    return Section("Where a ratio is larger than on either side", (table, *noted(_remarks(found))))
 
 
 def _row(x: Peak) -> tuple[Phrase, ...]:

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 
 from haptisym.kernel.rootcount import RootChain
 from haptisym.model.caveats import clocks
-from haptisym.model.quantities import MotionKind
-from haptisym.pages.words import H_PERC, lead, title
+from haptisym.pages.words import H_PERC, page_about, plain_unit, rounded
 from haptisym.verbs.simulate.released import Closed, Release
 from haptisym.writing.document import (
     Block,
@@ -30,14 +29,12 @@ def page(r: Release) -> Document:
     """The whole page."""
     shown = "Motion after the hand lets go, and the envelope of the closed form's rightmost root."
     blocks = Facts(tuple(_run(r))), *_table(r), Figure("release", shown, r.figure), *_remarks(r), Paragraph(_verdict(r))
-    return Document(title(r.scene), lead(r.scene, r.asides()), blocks, "Held displaced, and let go")
+    return page_about(r.scene, blocks, "Held displaced, and let go", r.asides())
 
 
 def _run(r: Release) -> Iterator[tuple[str, Phrase]]:
-    units = ("kg m^2", "N m s/rad", "N m/rad") if r.scene.motion is MotionKind.ROTATION else ("kg", "N s/m", "N/m")
-    numbers = ", ".join(
-        f"{p.key} = {float(p.value):.6g} {unit}" for p, unit in zip(r.hand.parameters, units, strict=True)
-    )
+    motion = r.scene.motion
+    numbers = ", ".join(f"{p.key} = {float(p.value):.6g} {plain_unit(p.dimension, motion)}" for p in r.hand.parameters)
     yield "simulated", ", ".join(r.built)
     yield "hand", f"{r.hand.name}: {numbers}"
     yield "held at", f"{r.displacement:.6g} {r.unit}, at rest, then let go"
@@ -48,8 +45,8 @@ def _table(r: Release) -> Iterator[Block]:
     """Rate and frequency as read from the motion, and of the closed form."""
     rows: list[tuple[Phrase, ...]] = []
     if r.fitted is not None:
-        omega: Phrase = "-" if r.is_envelope else Number(f"{r.fitted.omega:.9g}", r.fitted.omega)
-        rows.append(("read from the motion", Number(f"{r.fitted.rate:.9g}", r.fitted.rate), omega, f"{r.error:.2g}"))
+        omega: Phrase = "-" if r.is_envelope else rounded(r.fitted.omega, 9)
+        rows.append(("read from the motion", rounded(r.fitted.rate, 9), omega, f"{r.error:.2g}"))
     if r.closed is not None and not r.is_envelope:
         rate, omega = r.closed.root.digits()
         proven = "proven" if r.closed.root.certified else "not proven to be the rightmost"

@@ -9,7 +9,8 @@ from haptisym.kernel.decimals import outward
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver
 from haptisym.model.knobs import Knob
 from haptisym.model.quantities import unit_text
-from haptisym.pages.words import both, exactly, lead, rule, short, symbol, title
+from haptisym.pages.late import proof
+from haptisym.pages.words import both, exactly, page_about, rounded, rule, short, symbol
 from haptisym.verbs.require.feasible import Binding, End, Kind, Span
 from haptisym.verbs.require.required import Requirement
 from haptisym.writing.document import (
@@ -20,7 +21,6 @@ from haptisym.writing.document import (
     Facts,
     Figure,
     Line,
-    Live,
     Number,
     Paragraph,
     Phrase,
@@ -28,7 +28,7 @@ from haptisym.writing.document import (
     Strong,
     Table,
     listed,
-)  # fmt: skip
+)
 from haptisym.writing.names import named
 
 _PLACES = {
@@ -46,9 +46,9 @@ def page(r: Requirement) -> Document:
     caption = (worst, kept, "; hatched: undecided." if r.undecided else ".")
     blocks = (
         Facts(tuple(_question(r))), Paragraph(_answer(r)), *_nearest(r), *_ends(r), *_formulas(r),
-        Figure("requirement", caption, r.figure), Paragraph(_certain(r)), Live(lambda: _checked(r)),
+        Figure("requirement", caption, r.figure), Paragraph(_certain(r)), proof(r, r.scene),
     )  # fmt: skip
-    return Document(title(r.scene), lead(r.scene, r.asides()), blocks, "Which values will do")
+    return page_about(r.scene, blocks, "Which values will do", r.asides())
 
 
 def _question(r: Requirement) -> Iterator[tuple[str, Phrase]]:
@@ -149,7 +149,7 @@ def _nearest(r: Requirement) -> Iterator[Block]:
         else "How near other values come was not proven."
     )
     yield Paragraph((
-        "Nearest of those that were tried is ", named(r.free.symbol.name), " = ", Number(f"{float(x.value):.6g}", float(x.value)),
+        "Nearest of those that were tried is ", named(r.free.symbol.name), " = ", rounded(float(x.value), 6),
         unit_of(r.free), ": ", _part(x.binding), f" reaches {100 * float(x.ratio):.4g}\xa0% there (", _where(x.binding),
         f"), {x.times:.4g} times its threshold. {least}",
     ))  # fmt: skip
@@ -184,12 +184,6 @@ def _formulas(r: Requirement) -> Iterator[Block]:
     forms = tuple(Line(named(r.free.symbol.name), form) for form in r.forms if form is not None)
     if forms:
         yield Section("Closed form, from the condition at the end of the band:", (Equations(forms),))
-
-
-def _checked(r: Requirement) -> str:
-    from haptisym.pages.checked import checked  # what reports alone say is loaded where one is written
-
-    return checked(r, r.scene)
 
 
 def _is_all(r: Requirement) -> bool:

@@ -11,10 +11,10 @@ from haptisym.kernel.reals import ExactNumber
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment
 from haptisym.model.jnd import Threshold, is_irrational_algebraic
 from haptisym.model.knobs import Knob
-from haptisym.model.quantities import Dimension, MotionKind, unit_text
+from haptisym.model.quantities import Dimension
 from haptisym.model.regions import Shape
 from haptisym.model.scene import Scene
-from haptisym.pages.words import H_ENV, H_PERC, both, lead, region, title
+from haptisym.pages.words import H_ENV, H_PERC, both, page_about, region, unit
 from haptisym.writing.boxes import Absolute, Equation
 from haptisym.writing.document import Block, Column, Document, Flow, Paragraph, Phrase, Strong, Table
 from haptisym.writing.layout import layout
@@ -27,7 +27,7 @@ _AS_THEY_ARE: Mapping[Symbol, Symbol] = MappingProxyType({})
 
 def page(scene: Scene) -> Document:
     """A scene as a notebook shows it."""
-    return Document(title(scene), lead(scene), tuple(scene_blocks(scene)))
+    return page_about(scene, scene_blocks(scene))
 
 
 def scene_blocks(scene: Scene, short_names: Mapping[Symbol, Symbol] = _AS_THEY_ARE) -> Iterator[Block]:
@@ -78,10 +78,10 @@ def _link(place: str, part: Environment | Effect) -> Phrase:
 
 def _parameter(scene: Scene, short_names: Mapping[Symbol, Symbol], p: Knob) -> tuple[Phrase, ...]:
     quantity = "" if p.dimension is Dimension.ANY else p.dimension.name.lower()
-    unit = unit_text(p.dimension.unit(scene.motion or MotionKind.TRANSLATION))
+    own = unit(p.dimension, scene.motion)
     symbol = named(short_names.get(p.symbol, p.symbol).name)
     places = ", ".join(x.removeprefix("effects.").rpartition(".")[0] for x in p.paths)
-    return symbol, places, p.key, quantity, _value(p.value), unit or "SI"
+    return symbol, places, p.key, quantity, _value(p.value), own or "SI"
 
 
 def _value(value: Expr) -> Phrase:

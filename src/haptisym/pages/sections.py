@@ -14,11 +14,12 @@ from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension
 from haptisym.pages import regionforms
 from haptisym.pages.solved import MOST_STEPS, MOST_TERMS, answers
+from haptisym.pages.words import noted
 from haptisym.programs.steps import DISTORTION, Steps
 from haptisym.verbs.derive.derivation import QUANTITIES, Derivation, bare, listed_name
 from haptisym.verbs.derive.groups import Groups
 from haptisym.writing.boxes import Fraction, Product
-from haptisym.writing.document import Equations, Line, Notes, Phrase, Section, listed
+from haptisym.writing.document import Equations, Line, Phrase, Section, listed
 from haptisym.writing.equations import quantity
 from haptisym.writing.layout import layout
 from haptisym.writing.names import named
@@ -32,8 +33,8 @@ _SHOWN = dict(zip(("Re dH", "Im dH", "r_r", "r_i", "Re(dH/H_env)", "Im(dH/H_env)
 
 def _section(title: Phrase, rows: Iterable[Line] = (), notes: Iterable[Phrase] = ()) -> Section:
     """A heading, sentences that say what the equations mean or what is missing, and these."""
-    said, lines = Notes(tuple(notes)), Equations(tuple(rows))
-    return Section(title, (*([said] if said.entries else []), *([lines] if lines.lines else [])))
+    lines = Equations(tuple(rows))
+    return Section(title, (*noted(notes), *([lines] if lines.lines else [])))
 
 
 def sections(d: Derivation) -> tuple[Section, ...]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from haptisym.kernel.reals import RealNumber
 from haptisym.model.quantities import unit_text
-from haptisym.pages.words import OMEGA, both, lead, title
+from haptisym.pages.words import OMEGA, both, noted, page_about
 from haptisym.verbs.sensitivity.entry import Sensitivities
 from haptisym.verbs.sensitivity.slopes import Sensitive, Sensitivity
 from haptisym.writing.document import (
@@ -15,7 +15,6 @@ from haptisym.writing.document import (
     Column,
     Document,
     Figure,
-    Notes,
     Number,
     Paragraph,
     Phrase,
@@ -31,10 +30,9 @@ _DIGITS = 5
 
 def page(found: Sensitivities) -> Document:
     """The whole page."""
-    scene = found.evaluation.scene
     frequencies = [*_crossings(found), *_changeovers(found)]
     blocks = [*frequencies, Paragraph(_bandwidth(found)), Paragraph(_certain(found))]
-    return Document(title(scene), lead(scene, found.asides()), tuple(blocks), "Sensitivity to each parameter")
+    return page_about(found.scene, blocks, "Sensitivity to each parameter", found.asides())
 
 
 def _crossings(found: Sensitivities) -> Iterator[Block]:
@@ -77,7 +75,7 @@ def _moved(what: Phrase, x: Sensitive) -> Section:
         p.reason: [q.name for q in x.ranked if q.reason == p.reason] for p in x.ranked if p.derivative and p.reason
     }
     told = tuple((listed(map(named, names)), f": {reason}.") for reason, names in alike.items())
-    return Section(heading, (Table(columns, tuple(map(_row, x.ranked)), caption), *((Notes(told),) if told else ())))
+    return Section(heading, (Table(columns, tuple(map(_row, x.ranked)), caption), *noted(told)))
 
 
 def _row(p: Sensitivity) -> tuple[Phrase, ...]:

@@ -3,31 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import partial
 from math import pi
-from typing import TYPE_CHECKING
 
-from haptisym.model.quantities import MotionKind as Kind
-from haptisym.pages.words import H_PERC, lead, stiffness_unit, title
+from haptisym.model.quantities import Dimension
+from haptisym.pages.late import drawing
+from haptisym.pages.words import H_PERC, noted, page_about, plain_unit, rounded, stiffness_unit
 from haptisym.verbs.simulate.results import Estimate, Simulation, Simulations
-from haptisym.writing.document import (
-    Block,
-    Column,
-    Document,
-    Facts,
-    Figure,
-    Notes,
-    Number,
-    Paragraph,
-    Phrase,
-    Section,
-    Strong,
-    Table,
-    listed,
-)  # fmt: skip
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Canvas
+from haptisym.writing.document import Block, Column, Document, Facts, Paragraph, Phrase, Section, Strong, Table, listed
 
 _AGREES: dict[bool | None, Phrase] = {True: "yes", False: Strong("NO"), None: "-"}
 _CAPTIONS = {
@@ -40,30 +22,19 @@ _CAPTIONS = {
 
 def page(found: Simulation | Simulations) -> Document:
     """The whole page; several runs of one scene, one for each frequency, are one table."""
-    runs, scene = found.runs, found.scene
-    notes = (Notes(runs[0].notes),) if runs[0].notes else ()
+    runs = found.runs
     drawn = (
-        Figure(name, caption, partial(_drawn, runs, name))
+        drawing(name, caption, "simulate:simulation_figure", runs, name)
         for name, caption in _CAPTIONS.items()
-        if _is_there(name, runs)
+        if name.startswith("simulated") or any(run.estimates for run in runs)
     )
-    blocks = Facts(tuple(_simulated(runs))), *_table(runs), *drawn, *notes, Paragraph(_verdict(runs))
-    return Document(title(scene), lead(scene, found.asides()), blocks, "Simulation in time")
-
-
-def _is_there(name: str, runs: Sequence[Simulation]) -> bool:
-    return name.startswith("simulated") or any(run.estimates for run in runs)
-
-
-def _drawn(runs: Sequence[Simulation], name: str) -> Canvas:
-    from haptisym.figures.simulate import simulation_figure  # matplotlib is loaded for reports alone
-
-    return simulation_figure(runs, name)
+    blocks = Facts(tuple(_simulated(runs))), *_table(runs), *drawn, *noted(runs[0].notes), Paragraph(_verdict(runs))
+    return page_about(found.scene, blocks, "Simulation in time", found.asides())
 
 
 def _simulated(runs: Sequence[Simulation]) -> Iterator[tuple[str, Phrase]]:
     first = runs[0]
-    length, force = ("rad", "N m") if first.scene.motion is Kind.ROTATION else ("m", "N")
+    length, force = (plain_unit(x, first.scene.motion) for x in (Dimension.DISPLACEMENT, Dimension.FORCE))
     kind = first.motion.name + (f", {len(runs)} runs" if len(runs) > 1 else "")
     most = max(float(abs(run.force).max()) for run in runs)
     yield "simulated", ", ".join(first.built)
@@ -91,7 +62,7 @@ def _row(x: Estimate) -> tuple[Phrase, ...]:
         (x.difference, 2),
         (x.error, 2),
     )
-    return *(Number(f"{value:.{digits}g}", value) for value, digits in numbers), _AGREES[x.agrees]
+    return *(rounded(*number) for number in numbers), _AGREES[x.agrees]
 
 
 def _verdict(runs: Sequence[Simulation]) -> Phrase:

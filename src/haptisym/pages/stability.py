@@ -10,9 +10,23 @@ from haptisym.kernel.rootcount import RootChain
 from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand, hands
 from haptisym.model.jnd import Part
-from haptisym.model.quantities import Dimension, MotionKind, unit_text
+from haptisym.model.quantities import Dimension, unit_text
 from haptisym.pages.clock import looked_at, sampled_condition
-from haptisym.pages.words import H_PERC, OMEGA, OPERATORS, both, compared, exactly, lead, short, span, title
+from haptisym.pages.late import proof
+from haptisym.pages.words import (
+    H_PERC,
+    OMEGA,
+    OPERATORS,
+    both,
+    compared,
+    exactly,
+    noted,
+    page_about,
+    rounded,
+    short,
+    span,
+    unit,
+)
 from haptisym.verbs.stability.answer import Stability
 from haptisym.verbs.stability.boxes import Box, Share
 from haptisym.verbs.stability.critical import Critical, Nearest
@@ -25,9 +39,7 @@ from haptisym.writing.document import (
     Column,
     Document,
     Figure,
-    Live,
     Notes,
-    Number,
     Paragraph,
     Phrase,
     Section,
@@ -57,9 +69,9 @@ def page(found: Stability) -> Document:
         Section("Held: the display in a hand", (*_held(found), *drawn)),
         Section("Every passive hand", tuple(_every(found.every_passive_hand, _units(found)[1]))),
         Paragraph(_certain(found)),
-        Live(lambda: _checked(found)),
+        proof(found, found.scene),
     )
-    return Document(title(found.scene), lead(found.scene, found.asides()), blocks, "Stability")
+    return page_about(found.scene, blocks, "Stability", found.asides())
 
 
 def _imposed(found: Stability) -> Phrase:
@@ -88,8 +100,7 @@ def _held(found: Stability) -> Iterator[Block]:
         (x.hand.name, ": ", _reason(x), _none_grows(found, x), ".") for x in found.held if _reason(x)
     ]
     notes += [_box(x.hand, box) for x, box in zip(found.held, found.boxes, strict=True) if box]
-    if notes:
-        yield Notes(tuple(notes))
+    yield from noted(notes)
     yield from (_going(found, x, rows) for x, rows in zip(found.held, found.critical, strict=True) if rows)
 
 
@@ -147,13 +158,12 @@ def _critical(found: Stability, x: Critical) -> tuple[Phrase, ...]:
 
 def _units(found: Stability) -> list[str]:
     """Of mass, damping and stiffness."""
-    motion = found.scene.motion or MotionKind.TRANSLATION
-    return [unit_text(x.unit(motion)) for x in (Dimension.MASS, Dimension.DAMPING, Dimension.STIFFNESS)]
+    return [unit(x, found.scene.motion) for x in (Dimension.MASS, Dimension.DAMPING, Dimension.STIFFNESS)]
 
 
 def _row(x: Held) -> tuple[Phrase, ...]:
     verdict: Phrase = Strong("UNDECIDED") if x.stable is None else "yes" if x.stable else Strong("NO")
-    return x.hand.name, *map(_value, (x.hand.m.value, x.hand.b.value, x.hand.k.value)), verdict, _count(x)
+    return x.hand.name, *(rounded(float(p.value), 6) for p in x.hand.parameters), verdict, _count(x)
 
 
 def _count(x: Held) -> str:
@@ -161,11 +171,6 @@ def _count(x: Held) -> str:
     if x.roots is None or x.roots.chain is RootChain.NEAR:  # of a chain that only comes near, none need lie there
         return "" if x.roots is None else "a chain near it"
     return "infinite" if x.unstable is None else str(x.unstable)
-
-
-def _value(x: object) -> Number:
-    value = float(x)  # type: ignore[arg-type]
-    return Number(f"{value:.6g}", value)
 
 
 def _reason(x: Held) -> Phrase:
@@ -197,8 +202,8 @@ def _every(x: EveryPassiveHand, unit: str) -> Iterator[Block]:
         yield Paragraph(("Holds: ", _IM, " ≥ 0 on all of [0, ∞), and no pole of ", H_PERC, "/s forbids it."))
     else:
         yield Paragraph((Strong("Does NOT hold"), ": there is a passive hand in which a motion grows."))
-    if p is not None and (notes := tuple(_notes(p, unit))):
-        yield Notes(notes)
+    if p is not None:
+        yield from noted(_notes(p, unit))
 
 
 def _open(p: Passivity) -> Phrase:
@@ -241,12 +246,6 @@ def _bands(p: Passivity) -> Phrase:
     more = [f"{len(p.active) - _MOST} more intervals"] if len(p.active) > _MOST else []
     again = [("again and again beyond ", short(ExactNumber(p.high)), " rad/s")] if p.beyond is Beyond.AGAIN else []
     return listed([*shown, *more, *again])
-
-
-def _checked(found: Stability) -> str:
-    from haptisym.pages.checked import checked  # what reports alone say is loaded where one is written
-
-    return checked(found, found.scene)
 
 
 def _certain(found: Stability) -> Phrase:

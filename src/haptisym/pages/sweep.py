@@ -7,21 +7,9 @@ from math import pi
 from typing import Any
 
 from haptisym.model.quantities import unit_text
-from haptisym.pages.words import lead, title
+from haptisym.pages.words import page_about, rounded
 from haptisym.verbs.sweep.swept import Swept
-from haptisym.writing.document import (
-    Block,
-    Column,
-    Document,
-    Facts,
-    Figure,
-    Notes,
-    Number,
-    Paragraph,
-    Phrase,
-    Strong,
-    Table,
-)
+from haptisym.writing.document import Block, Column, Document, Facts, Figure, Notes, Paragraph, Phrase, Strong, Table
 
 _FREQUENCIES: dict[str, Phrase] = {
     "bandwidth": "bandwidth",
@@ -47,7 +35,7 @@ def page(found: Swept) -> Document:
     figure = (Figure("sweep", shown, found.figure),) if is_drawn else ()
     counts = Facts((*_counts(told), *_held(told)))
     blocks = Facts(tuple(_varied(told))), _frequencies(told), counts, *figure, *_certain(told)
-    return Document(title(found.scene), lead(found.scene, found.asides()), blocks, "Sweep of parameters")
+    return page_about(found.scene, blocks, "Sweep of parameters", found.asides())
 
 
 def _varied(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
@@ -86,7 +74,7 @@ _ENDLESS = {"infinite": "a chain of infinitely many", "undecided": "not decided"
 def _span(span: list[float] | None, unit: float = 1.0, digits: int = 5) -> Phrase:
     if span is None:
         return "none"
-    low, high = (Number(f"{x / unit:.{digits}g}", x / unit) for x in span)
+    low, high = (rounded(x / unit, digits) for x in span)
     return (low, " to ", high) if low != high else low
 
 

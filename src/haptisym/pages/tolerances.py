@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
 
 from sympy import Expr
 
@@ -13,25 +12,13 @@ from haptisym.model.hand import Hand
 from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import MotionKind, unit_text
 from haptisym.model.ranges import spread
-from haptisym.pages.words import CHANGE, both, lead, symbol, title
+from haptisym.pages.late import drawing
+from haptisym.pages.words import CHANGE, both, noted, page_about, rounded, symbol
 from haptisym.verbs.stability.boxes import Share
 from haptisym.verbs.tolerances.proofs import Tolerances
 from haptisym.verbs.tolerances.quantiles import LEVELS, quantiles
 from haptisym.verbs.tolerances.verdicts import Enclosure, Verdict
-from haptisym.writing.document import (
-    Block,
-    Column,
-    Document,
-    Figure,
-    Notes,
-    Number,
-    Paragraph,
-    Phrase,
-    Section,
-    Strong,
-    Table,
-    listed,
-)
+from haptisym.writing.document import Block, Column, Document, Number, Paragraph, Phrase, Section, Strong, Table, listed
 from haptisym.writing.names import named
 
 _VERDICTS: dict[Verdict, Phrase] = {
@@ -56,7 +43,7 @@ def page(a: Tolerances) -> Document:
     low, high = scene.band
     asides = filter(None, [scene.untied_note(scene.ranges()), f"Band: {float(low):.6g} to {float(high):.6g} rad/s"])
     blocks = [_varying(a), *_verdict(a), *_held(a), _enclosures(a), Paragraph(_bandwidth(a)), *_estimates(a)]
-    return Document(title(scene), lead(scene, asides), tuple(blocks), "What holds for all values")
+    return page_about(scene, blocks, "What holds for all values", asides)
 
 
 def _varying(a: Tolerances) -> Block:
@@ -73,7 +60,7 @@ def _varying(a: Tolerances) -> Block:
 
 def _side(name: Phrase, nominal: Expr, ends: tuple[Expr, Expr], unit: str) -> tuple[Phrase, ...]:
     told = "" if unit == "1" else unit_text(unit)
-    return name, *(_rounded(float(x), 6) for x in ends), told, spread(nominal, ends)
+    return name, *(rounded(float(x), 6) for x in ends), told, spread(nominal, ends)
 
 
 def _verdict(a: Tolerances) -> Iterator[Block]:
@@ -89,8 +76,7 @@ def _verdict(a: Tolerances) -> Iterator[Block]:
             f"Work was cut short to keep within the limit of {a.limit:g} s: enclosures may be wider than they need be, and ",
             f"{len(a.samples)} sets of values were drawn. What is said to be proven is.",
         ))  # fmt: skip
-    if told:
-        yield Notes(tuple(told))
+    yield from noted(told)
 
 
 _ALONE: dict[Verdict, Phrase] = {
@@ -106,26 +92,11 @@ _SHARES: dict[Share, Phrase] = {
 }
 
 
-def enclosures_figure(a: Tolerances) -> Any:
-    """The rows of the ratios."""
-    from haptisym.figures.tolerances import enclosures_figure as drawn
-
-    return drawn(a)
-
-
 _HANDS = (
     "Hands of the first one's mass, by stiffness and damping. White: the display is stable for all values within the ranges, "
     "and red: for none; both proven. Grey: it depends, or was not shown."
 )
 _LINE = " Line: the boundary for the nominal values, in floats."
-
-
-def hands_figure(a: Tolerances) -> Any:
-    """The plane of the hand."""
-    from haptisym.figures.heldbox import draw_held
-    from haptisym.figures.sheet import one_column
-
-    return one_column(2.6, lambda ax: draw_held(ax, a))
 
 
 def _held(a: Tolerances) -> Iterator[Block]:
@@ -142,10 +113,10 @@ def _held(a: Tolerances) -> Iterator[Block]:
         examples = (("Stable", x.stable), ("Not stable", x.unstable))
         if x.share is not Share.ALL and x.share is not Share.NONE:
             told = [(f"{how}, for example, with ", _at(a, found), ".") for how, found in examples if found]
-            yield from [Notes(tuple(told))] if told else []
+            yield from noted(told)
     if a.held:
         line = "" if clocks(a.box.scene) else _LINE
-        yield Figure("hands", _HANDS + line, lambda: hands_figure(a))
+        yield drawing("hands", _HANDS + line, "heldbox:hands_figure", a)
 
 
 def _ranges(hand: Hand) -> list[tuple[Parameter, tuple[Expr, Expr]]]:
@@ -186,7 +157,7 @@ def _enclosures(a: Tolerances) -> Block:
         title, said = f"Proven: {what}", "An end marked = is a crossing, exactly; any other is a bound."
     dots = "Dots: crossings of the sets that were drawn at random." if a.samples else ""
     shown = f"Grey: where crossings may lie, proven for all values. {dots}".strip()
-    figure = Figure("enclosures", shown, lambda: enclosures_figure(a))
+    figure = drawing("enclosures", shown, "tolerances:enclosures_figure", a)
     return Section(
         title,
         (
@@ -242,8 +213,4 @@ def _estimates(a: Tolerances) -> Iterator[Block]:
 
 
 def _quantile(x: float | None) -> Phrase:
-    return "none" if x is None else _rounded(x, 5)
-
-
-def _rounded(x: float, digits: int) -> Number:
-    return Number(f"{x:.{digits}g}", x)
+    return "none" if x is None else rounded(x)

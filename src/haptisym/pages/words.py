@@ -20,12 +20,13 @@ from haptisym.kernel.roots import Interval, Point
 from haptisym.kernel.symbols import omega
 from haptisym.model.family import SceneFamily
 from haptisym.model.jnd import Part, Threshold
+from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.proportions import DIGITS
-from haptisym.model.quantities import MotionKind
+from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.model.regions import Shape
 from haptisym.model.scene import Scene
 from haptisym.writing.boxes import Absolute, Box, Equation, Numeral, Operator, Prefixed, Sum, Titled
-from haptisym.writing.document import Notes, Number, Phrase, Strong, coded, listed
+from haptisym.writing.document import Block, Document, Notes, Number, Phrase, Strong, coded, listed
 from haptisym.writing.layout import layout
 from haptisym.writing.names import named
 
@@ -41,12 +42,22 @@ NOT_HELD = "Whether the display is stable in a hand was not looked at."
 """Said beside every word about imposed motion, which is easily taken for more."""
 
 
-def title(scene: Scene | SceneFamily) -> str:
+def page_about(
+    scene: Scene | SceneFamily | MeasuredScene,
+    blocks: Iterable[Block],
+    kind: str = "",
+    asides: Iterable[str] | None = None,
+) -> Document:
+    """A page about a scene: its title and where it comes from, what it says, and what a report calls itself."""
+    return Document(title(scene), lead(scene, asides), tuple(blocks), kind)
+
+
+def title(scene: Scene | SceneFamily | MeasuredScene) -> str:
     """The title of a page about a scene."""
     return scene.title or "Untitled scene"
 
 
-def lead(scene: Scene | SceneFamily, asides: Iterable[str] | None = None) -> tuple[Phrase, ...]:
+def lead(scene: Scene | SceneFamily | MeasuredScene, asides: Iterable[str] | None = None) -> tuple[Phrase, ...]:
     """Where a scene comes from, and what holds of it besides: by default its own asides."""
     return tuple(x for x in (scene.source, *map(coded, scene.asides() if asides is None else asides)) if x)
 
@@ -67,6 +78,11 @@ def unlike(values: Sequence[RealNumber], digits: int = 5) -> list[Number]:
 
 
 _MORE_DIGITS = range(6, 51)
+
+
+def rounded(x: float, digits: int = 5) -> Number:
+    """A float with a few digits."""
+    return Number(f"{x:.{digits}g}", x)
 
 
 def exactly(x: RealNumber, digits: int) -> Number:
@@ -158,12 +174,10 @@ def region(c: Threshold) -> Phrase:
         widths = amount(c.real)
     kind = () if own.shape is Shape.SQUARE else f"{c.kind}, "
     tilt = (", tilt ", layout(own.tilt)) if own.tilt else ()
-    floor = (
-        ()
-        if own.floor is None
-        else (", and at least ", layout(own.floor), " N m/rad" if own.motion is MotionKind.ROTATION else " N/m")
-    )
-    return kind, widths, *of, *tilt, *floor
+    floor: Phrase = ()
+    if own.floor is not None:
+        floor = ", and at least ", layout(own.floor), f" {plain_unit(Dimension.STIFFNESS, own.motion)}"
+    return kind, widths, *of, *tilt, floor
 
 
 def _width(c: Threshold, part: Part) -> Phrase:
@@ -188,15 +202,30 @@ def compared(left: Box, relation: str) -> Box:
     return Equation((left, Numeral("0")), (relation,))
 
 
+def unit(of: Dimension, motion: MotionKind | None) -> str:
+    """A unit as it is printed: that of a translation where nothing tells the motion."""
+    return unit_text(of.unit(motion or MotionKind.TRANSLATION))
+
+
+def plain_unit(of: Dimension, motion: MotionKind | None) -> str:
+    """The same as it is typed, with spaces."""
+    return of.unit(motion or MotionKind.TRANSLATION).replace("*", " ")
+
+
 def stiffness_unit(scene: Scene) -> str:
     """The unit of all dynamics of a scene."""
-    return "N m/rad" if scene.motion is MotionKind.ROTATION else "N/m"
+    return plain_unit(Dimension.STIFFNESS, scene.motion)
+
+
+def noted(remarks: Iterable[Phrase]) -> tuple[Notes, ...]:
+    """Remarks as a block; nothing where there is none."""
+    entries = tuple(remarks)
+    return (Notes(entries),) if entries else ()
 
 
 def caveats(found: Iterable[str]) -> tuple[Notes, ...]:
-    """What the answers do not say, a remark each; nothing where there is none."""
-    rows = tuple((Strong("But:"), f" {caveat}") for caveat in found)
-    return (Notes(rows),) if rows else ()
+    """What the answers do not say, a remark each."""
+    return noted((Strong("But:"), f" {caveat}") for caveat in found)
 
 
 def is_transparent_throughout(e: Evaluation) -> bool:

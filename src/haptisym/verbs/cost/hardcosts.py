@@ -53,7 +53,7 @@ class HardCosts(Answer):
     """Every hard case with every method, measured."""
 
     _schema: ClassVar[str] = "haptisym.cost/1"
-    _page: ClassVar[str] = "haptisym.pages.hardcosts:page"
+    _page: ClassVar[str] = "haptisym.pages.cost:hard_page"
     _figure: ClassVar[str] = "haptisym.figures.hardcosts:hard_costs_figure"
 
     rows: tuple[HardRow, ...]

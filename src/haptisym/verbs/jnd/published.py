@@ -15,7 +15,7 @@ class PublishedThresholds(Answer, tuple[Published, ...]):
     """Published just-noticeable differences, each usable by its name: ``jnd = { like = "viscosity-forced-choice" }``."""
 
     _schema: ClassVar[str] = "haptisym.published/1"
-    _page: ClassVar[str] = "haptisym.pages.published:page"
+    _page: ClassVar[str] = "haptisym.pages.jnd:published_page"
 
     def __new__(cls, found: Iterable[Published]) -> PublishedThresholds:
         return super().__new__(cls, found)

@@ -1,4 +1,4 @@
-"""The table of a measured evaluation: a row for each line, or for neighbours that are judged alike."""
+"""Measured lines on a page: where they come from, and a row of a table for each, or for neighbours that are judged alike."""
 
 from __future__ import annotations
 
@@ -9,19 +9,51 @@ from typing import Any
 
 import numpy as np
 
+from haptisym.kernel.shown import counted
 from haptisym.model.jnd import Part
-from haptisym.pages.words import OMEGA, PART_NAMES, RATIOS
+from haptisym.model.measured import Measurement
+from haptisym.model.welch import Welch
+from haptisym.pages.words import OMEGA, PART_NAMES, RATIOS, rounded
 from haptisym.verbs.measured.entry import MeasuredEvaluation
-from haptisym.verbs.measured.judging import CODES
+from haptisym.verbs.measured.judging import CODES, certainty
 from haptisym.writing.document import Block, Column, Notes, Number, Phrase, Strong, Table
+
+_UNLIKELY = 0.01
+"""A chance below which a display is called not linear."""
+
+
+def measured_words(m: Measurement) -> Phrase:
+    """``bench.csv: 60 lines from 1 to 15 rad/s``, and what its discs come from."""
+    low, high = float(m.omega[0]), float(m.omega[-1])
+    where: Phrase = ("at ", rounded(low)) if len(m) == 1 else ("from ", rounded(low), " to ", rounded(high))
+    if m.welch is not None:
+        return (m.name, ": ", counted(len(m), "line"), " ", where, " rad/s; ", m.welch.words)
+    lines: Phrase = (m.name, ": ", counted(len(m), "line"), " ", where, " rad/s")
+    if m.coherence is None:
+        return lines, "; ", certainty(m)
+    seen = f"{float(m.coherence.min()):.4g} to {float(m.coherence.max()):.4g}"
+    return lines, f"; coherence {seen}, {m.averages:g} averages"
+
+
+def linearity(w: Welch) -> Phrase | None:
+    """How far the force follows the cube of what the response predicts; None where that was not asked."""
+    if w.cube is None or w.cube_chance is None:
+        return None
+    told: Phrase = (
+        "the force follows the cube of what the response predicts by ", Number(f"{w.cube:.3g}", w.cube), " standard errors; so ",
+        "many or more have a chance of ", Number(f"{w.cube_chance:.3g}", w.cube_chance), " if the display is linear",
+    )  # fmt: skip
+    if w.cube_chance >= _UNLIKELY:
+        return told
+    as_if = "stays behind, as one that saturates" if w.cube < 0 else "grows beyond, as one that hardens or has play"
+    return (
+        Strong("NOT LINEAR"), f": it {as_if}: ", told, ". The response is that of a motion as large as this one; less motion ",
+        "gives another",
+    )  # fmt: skip
+
 
 MOST_ROWS = 40
 """Of a table with a row for each line; where there are more, lines that are judged alike and follow each other share one."""
-
-
-def rounded(x: float, digits: int = 5) -> Number:
-    """A number with a few digits."""
-    return Number(f"{x:.{digits}g}", x)
 
 
 def shape(e: MeasuredEvaluation) -> str:
