@@ -21,6 +21,7 @@ from haptisym.environments import mass_spring_damper
 from haptisym.judge.bandwidths import _lower
 from haptisym.judge.climb import Bandwidths, Jump
 from haptisym.kernel.reals import ExactNumber
+from haptisym.writing.plain import plain
 
 RESONANT = hs.Scene(mass_spring_damper(k=100), (hs.effects.series("1 + 0.4*s/(s^2 + 2*s + 9)"),), (0, 40))
 """G - 1 runs on a circle: the real part peaks at 3 rad/s with 1/5, the imaginary part twice with 1/10, where the real part has 1/10 too."""
@@ -62,6 +63,14 @@ def test_the_bandwidth_jumps_over_a_peak_and_the_threshold_of_the_peak_gives_the
     assert width(RESONANT, "0.2") == 40
     assert width(RESONANT, Fraction(1, 5) - Fraction(1, 10**30)) < 3
     assert 3 - width(RESONANT, Fraction(1, 5) - Fraction(1, 10**30)) < Fraction(1, 10**10)
+
+
+@pytest.mark.slow
+def test_a_jump_of_two_ranges_apart_is_told_without_a_threshold_and_that_of_one_with_it() -> None:
+    """The imaginary part stays below its range: what jumps is the same."""
+    for imag, more in ((["1", "2"], ""), (None, " (the threshold passes a peak of 20 %)")):
+        said = " ".join(plain(ranged(RESONANT, ["0.05", "0.29"], imag).document()).split())
+        assert f"each value between is reached but those from 3 to below 40 rad/s{more}." in said
 
 
 def test_an_end_of_the_range_at_the_very_peak_gives_the_far_side_or_the_jump_alone() -> None:

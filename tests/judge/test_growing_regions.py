@@ -248,3 +248,18 @@ def test_a_scale_is_drawn_with_its_jump_and_what_moves_apart_is_not() -> None:
         draw_bandwidths(
             Figure().add_subplot(), judged(PAPER, {"shape": "diamond", "real": ["0.09", "0.11"], "imag": 0.1})
         )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("order", "more"), [("1/2", "2*s"), ("1/3", "2*s^(2/3)")])
+def test_a_scale_that_is_needed_where_powers_of_s_leave_0_over_0_stays_open_and_is_said_to(
+    order: str, more: str
+) -> None:
+    """At 0 rad/s the real part is larger by a quarter, which no ball around 0/0 shows."""
+    felt = hs.environments.expression(f"100*s^({order}) + {more}")
+    jnd = {"shape": "ellipse", "real": 0.05, "imag": 0.05, "scale": ["1/2", "90"]}
+    e = hs.evaluate(hs.Scene(hs.environments.spring_pot(80, order), (), (0, 60), jnd, rendered=felt))
+    assert e.bandwidths.least is None
+    assert float(e.bandwidths.most) == 60
+    assert "bits of a number were not reached" in e.bandwidths.undecided
+    assert "bits of a number were not reached" in json.dumps(e.to_dict())

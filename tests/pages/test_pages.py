@@ -8,11 +8,16 @@ from typing import Any
 
 import pytest
 from marks import often
+from sympy import Rational, Symbol
 
 import haptisym as hs
 from haptisym.commands.spelling import spelt
+from haptisym.model.parameters import Parameter, Rule
+from haptisym.model.quantities import Dimension, MotionKind
+from haptisym.pages.explorer import _parameter
 from haptisym.verbs.cost.hardcases import hard_cases
 from haptisym.verbs.jnd.answers import Answers, Row
+from haptisym.verbs.stability.loops import ALLOWED
 from haptisym.verbs.sweep.swept import Swept
 from haptisym.writing.document import Block, Document, Equations, Figure, Number, Phrase, Section, Table, chosen
 from haptisym.writing.plain import plain, said
@@ -116,3 +121,28 @@ def test_a_requirement_says_what_was_asked_of_the_display() -> None:
 
 def test_a_greek_letter_stands_apart_from_a_word_but_not_from_a_bracket() -> None:
     assert spelt("(τ), cos ωτ", "ascii") == "(tau), cos omega tau"
+
+
+VALUES = {
+    Rule.ANY: [-3, Rational(-1, 7), 0, Rational(2, 9), 40],
+    Rule.POSITIVE: [Rational(1, 10**6), 3, 10**5],
+    Rule.NONNEGATIVE: [0, Rational(1, 90), 12],
+    Rule.FRACTION: [Rational(1, 3), Rational(9, 10)],
+}
+
+
+@pytest.mark.parametrize("rule", VALUES)
+@pytest.mark.parametrize("dimension", [Dimension.ANY, Dimension.MASS, Dimension.RATIO])
+def test_a_slider_begins_between_its_ends_all_of_which_its_rule_allows(rule: Rule, dimension: Dimension) -> None:
+    least, most, _ = ALLOWED[rule]
+    for value in VALUES[rule]:
+        slider = _parameter(
+            Parameter(Symbol("q"), Rational(value), dimension, rule=rule), "q", "q", MotionKind.TRANSLATION
+        )
+        assert slider.value == float(value)
+        assert slider.low < slider.high
+        assert slider.low <= slider.value <= slider.high
+        assert least is None or slider.low >= least
+        assert most is None or slider.high <= most
+        assert not slider.is_logarithmic or slider.low > 0
+        assert rule is not Rule.ANY or slider.low == -slider.high

@@ -168,6 +168,15 @@ def test_marks_are_filled_exactly_where_an_answer_is_proven() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("tasks", [("crossings",), ("evaluate", "crossings"), ("evaluate", "crossings", "effects")])
+def test_what_the_marks_mean_stands_once_beside_any_number_of_panels(tasks: tuple[str, ...]) -> None:
+    figure = replace(found(), rows=tuple(row for row in found().rows if row.task in tasks)).figure()
+    legends = [*figure.legends, *(x for ax in figure.axes if (x := ax.get_legend()))]
+    words = ["proven", "not proven", "best of the proven", "best of all", "no digit right, or a wrong count"]
+    assert [[x.get_text() for x in legend.get_texts()] for legend in legends] == [words]
+
+
+@pytest.mark.slow
 def test_no_name_in_a_figure_covers_another_one() -> None:
     measured = {
         "grid of 10^2": (4.8, 5.5e-4), "grid of 10^3": (6.8, 3.6e-4), "grid of 10^4": (8.8, 1.1e-3), "grid of 10^5": (10.8, 5e-2),

@@ -16,6 +16,7 @@ from haptisym.kernel import budget
 from haptisym.kernel.symbols import X
 from haptisym.verbs.derive.derivation import QUANTITIES
 from haptisym.verbs.derive.entry import derive
+from haptisym.writing.plain import plain
 
 SHORT = ["fu2019", "delayed-spring", "undamped-resonance", "zener-tissue", "stick-with-friction"]
 
@@ -122,6 +123,18 @@ def test_code_keeps_the_parameters_that_are_asked_for(language: str, call) -> No
     out = call("derive", "fu2019", "--to", language, "--keep", "omega_n")[1]
     assert "omega_n" in out
     assert "zeta = 0.5" in out
+
+
+@pytest.mark.few(1)
+@pytest.mark.parametrize("kept", [(), ("omega_n",), ("m", "zeta"), ("m", "b", "k", "omega_n", "zeta")])
+def test_the_table_of_parameters_says_which_stay_symbols_and_what_all_are_in_the_scene(kept: tuple[str, ...]) -> None:
+    values = {"m": "1.8", "b": "15", "k": "100", "omega_n": "80", "zeta": "0.5"}
+    names = {"omega_n": "ω_n", "zeta": "ζ"}
+    shown = plain(derive(hs.load_scene("fu2019"), keep=kept).document())
+    for name, value in values.items():
+        [row] = [x.split() for x in shown.splitlines() if x.split()[:1] == [names.get(name, name)]]
+        assert " ".join(row).endswith(f"a symbol; {value} in the scene") == (name in kept)
+        assert name in kept or row[-1] == value
 
 
 @pytest.mark.parametrize(

@@ -260,6 +260,28 @@ def test_tolerances_break_one_after_the_other(mass: str, kept: dict[str, bool]) 
         assert x.kept == (off < float(x.tolerance[:2]) / 100)
 
 
+BEYOND = {"never negative": {1}, "negative again and again": {1, -1}}
+"""What is said of Im H_perc far out, and which signs it then has there."""
+
+
+@pytest.mark.parametrize(
+    "name", ["fu2019", pytest.param("position-force-teleoperation", marks=pytest.mark.slow), "sidestick"]
+)
+def test_what_is_said_of_passive_hands_is_what_samples_show(name: str) -> None:
+    e = hs.evaluate(name)
+    rows = {x.what: x.value for x in hs.metrics(name)["passivity"].values}
+    [(looked, active)] = [(what, x) for what, x in rows.items() if "looked at up to" in what]
+    assert len(active) == len(e.passivity.active)  # type: ignore[arg-type]
+    high = float(looked.split()[-2])
+    far, near = (
+        hs.sampled(name, high * x).H.imag for x in (np.geomspace(1.01, 30, 4000), np.linspace(0.001, 0.999, 4000))
+    )
+    assert {int(x) for x in np.sign(far)} == BEYOND[str(rows["Im H_perc beyond that"])]
+    assert bool((near < 0).any()) == bool(active)
+    assert rows["every passive hand"] == ("does not hold" if active else "holds")
+    assert rows["force stable under imposed motion"] == "yes"
+
+
 @pytest.mark.parametrize("places", [3, 14, 18, 30, 60])
 def test_how_near_a_period_comes_to_its_tolerance_does_not_matter(places: int) -> None:
     """Poles at -1 +- j 6/5 and -1 +- j (1 + x) : periods that differ by a fifth at x = 0, and by less or more beside it."""
