@@ -12,6 +12,7 @@ from sympy import Rational, Symbol
 
 import haptisym as hs
 from haptisym.commands.spelling import spelt
+from haptisym.figures.style import WIDTH
 from haptisym.model.parameters import Parameter, Rule
 from haptisym.model.quantities import Dimension, MotionKind
 from haptisym.pages.explorer import _parameter
@@ -19,7 +20,18 @@ from haptisym.verbs.cost.hardcases import hard_cases
 from haptisym.verbs.jnd.answers import Answers, Row
 from haptisym.verbs.stability.loops import ALLOWED
 from haptisym.verbs.sweep.swept import Swept
-from haptisym.writing.document import Block, Document, Equations, Figure, Number, Phrase, Section, Table, chosen
+from haptisym.writing.document import (
+    Block,
+    Document,
+    Equations,
+    Figure,
+    Number,
+    Phrase,
+    Section,
+    Table,
+    chosen,
+    figures_of,
+)
 from haptisym.writing.plain import plain, said
 
 SPRING = hs.environments.mass_spring_damper(k="100 N/m +- 10 %")
@@ -98,6 +110,13 @@ def test_figures_of_a_page_can_be_drawn_and_have_names_of_their_own(page: Docume
     for x in figures:
         assert x.draw().axes, x.name
         assert said(x.caption).endswith("."), x.name
+
+
+@pytest.mark.slow
+def test_a_figure_that_takes_the_width_of_the_page_is_drawn_wider_than_a_column() -> None:
+    pages = hs.evaluate("fu2019").document(), hs.evaluate("fu2019-bench").document()
+    drawn = [x for page in pages for x in figures_of(page.blocks) if x.name in ("ratios", "nyquist")]
+    assert [(x.wide, x.draw().get_figwidth() > 1.4 * WIDTH) for x in drawn] == [(True, True), (False, False)] * 2
 
 
 def test_tables_are_as_wide_as_their_headings_and_called_something(page: Document) -> None:

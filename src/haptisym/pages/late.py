@@ -11,8 +11,9 @@ from haptisym.writing.document import Figure, Live, Phrase
 
 
 def drawing(name: str, caption: Phrase, function: str, *given: Any, wide: bool = False) -> Figure:
-    """A figure, made by a function below ``haptisym.figures``, ``"module:function"``, of what is given."""
-    return Figure(name, caption, lambda: resolve_name(f"haptisym.figures.{function}")(*given), wide)
+    """A figure, made by a function below ``haptisym.figures``, ``"module:function"``, of what is given; it is told ``wide``."""
+    told = {"wide": True} if wide else {}
+    return Figure(name, caption, lambda: resolve_name(f"haptisym.figures.{function}")(*given, **told), wide)
 
 
 def proof(answer: Answer, scene: Scene) -> Live:
