@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from certificates import region_scene
+from flint import arb
 from marks import often
 from matplotlib.figure import Figure
 
@@ -250,16 +251,32 @@ def test_a_scale_is_drawn_with_its_jump_and_what_moves_apart_is_not() -> None:
         )
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("order", "more"), [("1/2", "2*s"), ("1/3", "2*s^(2/3)")])
-def test_a_scale_that_is_needed_where_powers_of_s_leave_0_over_0_stays_open_and_is_said_to(
-    order: str, more: str
-) -> None:
-    """At 0 rad/s the real part is larger by a quarter, which no ball around 0/0 shows."""
+def felt_by_a_quarter_more(order: str, more: str) -> hs.Evaluation:
+    """Of a spring-pot, at 0 rad/s, where its powers of s leave 0/0."""
     felt = hs.environments.expression(f"100*s^({order}) + {more}")
     jnd = {"shape": "ellipse", "real": 0.05, "imag": 0.05, "scale": ["1/2", "90"]}
-    e = hs.evaluate(hs.Scene(hs.environments.spring_pot(80, order), (), (0, 60), jnd, rendered=felt))
+    return hs.evaluate(hs.Scene(hs.environments.spring_pot(80, order), (), (0, 60), jnd, rendered=felt))
+
+
+@pytest.mark.parametrize(("order", "more"), [("1/2", "2*s"), ("1/3", "2*s^(2/3)")])
+def test_a_scale_that_is_needed_where_powers_of_s_leave_0_over_0_is_that_of_the_limit(order: str, more: str) -> None:
+    """Five times a disc of a twentieth."""
+    e = felt_by_a_quarter_more(order, more)
+    assert e.bandwidths.certified
+    assert [float(x) for x in (e.bandwidths.most, *e.bandwidths.blocked.values())] == [60, 5]
+    assert json.dumps(e.to_dict())
+
+
+def test_a_scale_that_balls_cannot_tell_stays_open_and_is_said_to(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Unknown(hs.RealNumber):
+        def __init__(self, *_: Any) -> None: ...
+
+        def ball(self, bits: int) -> Any:
+            return arb("nan")
+
+    monkeypatch.setattr("haptisym.judge.growth.ValueAt", Unknown)
+    monkeypatch.setattr("haptisym.kernel.reals.SURE_BITS", 1 << 10)
+    e = felt_by_a_quarter_more("1/2", "2*s")
     assert e.bandwidths.least is None
-    assert float(e.bandwidths.most) == 60
-    assert "bits of a number were not reached" in e.bandwidths.undecided
-    assert "bits of a number were not reached" in json.dumps(e.to_dict())
+    assert "64 bits of a number were not reached" in e.bandwidths.undecided
+    assert "64 bits of a number were not reached" in json.dumps(e.to_dict())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from fractions import Fraction
 
 import flint
@@ -335,6 +336,29 @@ def test_on_the_axis_every_form_has_the_values_of_mpmath(name: str) -> None:
                 ball = found.ball(arb(str(x)))
                 assert ball.rad() < 1e-30 * (1 + abs(float(value)) + abs(complex(mp_value(f, x))) ** 3)
                 assert abs(MP.mpf(ball.mid().str(60, radius=False)) - value) <= limit, kind
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_at_rest_powers_of_s_that_are_not_whole_leave_the_limit_whatever_cancels(seed: int) -> None:
+    """Sums of few powers over others, with and without a delay: at 10^-900 rad/s all but the first power is lost."""
+    draw = random.Random(seed)
+    for _ in range(4):
+        order, first = Rational(draw.choice(["1/2", "1/3", "2/3", "3/4"])), draw.choice([0, 1, 2])
+        late = draw.choice([1, 1, exp(-s / 7)])
+        above, below = (
+            sum(
+                draw.choice([-3, 1, 2, 7]) * late ** draw.randint(0, 1) * s ** (first * order + n)
+                for n in (0, *draw.sample([order, 3 * order, 1 + order], 2))
+            )
+            for _ in range(2)
+        )
+        f = above / below * draw.choice([1, 1, s])
+        response, near = on_axis(Ring.of([f]).convert(f)), mp_value(f, MP.mpf(10) ** -900)
+        for part, true in ((response.real, near.real), (response.imag, near.imag)):
+            with flint.ctx.workprec(200):
+                ball = part.ball(arb(0))
+            assert ball.rad() < 1e-30
+            assert abs(MP.mpf(ball.mid().str(40, radius=False)) - true) < 1e-30
 
 
 @pytest.mark.parametrize("counts", [(0, 0), (1, 0), (0, 3), (2, 1), (4, 2)])

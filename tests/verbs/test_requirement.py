@@ -1326,6 +1326,27 @@ def test_an_order_lies_between_0_and_1_and_a_device_may_be_negative() -> None:
     assert (device.low, device.high) == (None, None)
 
 
+ROOT_2 = 2**0.5
+
+
+@pytest.mark.parametrize(
+    ("felt", "needed"),
+    [
+        ("100*s^(1/2) + 2*s", (10 * ROOT_2 + 2) / 80),  # r_i at the high end
+        ("70*s^(1/2) - 3*s", (5 * ROOT_2 + 3) / 80),
+        ("100*s^(1/2) - 2*s", ROOT_2 / 8),  # r_r everywhere, and r_i at rest
+    ],
+)
+def test_a_threshold_beside_powers_of_s_that_leave_0_over_0_at_rest_is_the_largest_ratio(
+    felt: str, needed: float
+) -> None:
+    """80 s^(1/2) is 40 sqrt(2) (1 + j) sqrt(omega), and its modulus 80 sqrt(omega)."""
+    pot = hs.Scene(environments.spring_pot(80, "1/2"), (), (0, 1), rendered=environments.expression(felt))
+    found = hs.require(pot, "evaluation.jnd")
+    assert found.certified
+    assert [float(x.value) for x in found.ends] == pytest.approx([needed], rel=1e-14)
+
+
 def test_a_threshold_may_be_free_of_one_part_or_of_both() -> None:
     """The paper's ratios are at most 0.1162 and 0.1554: the free part's must not be below its own."""
     scene = PAPER.with_band(0, 15)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from fractions import Fraction
+from math import pi
 
 import pytest
 from hypothesis import given
@@ -212,9 +213,9 @@ def formula(H: str, **parameters: float | str) -> hs.Scene:
     return hs.Scene(hs.environments.expression(H, parameters=parameters), (), (5, 15))
 
 
-def filtered(zeta: object, band: tuple[int, int] = (0, 100)) -> hs.Scene:
+def filtered(zeta: object, band: tuple[int, int] = (0, 100), omega_n: str = "80 rad/s") -> hs.Scene:
     env = hs.environments.mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m")
-    return hs.Scene(env, (hs.effects.second_order_lowpass("80 rad/s", zeta),), band)
+    return hs.Scene(env, (hs.effects.second_order_lowpass(omega_n, zeta),), band)
 
 
 def beside_a_mass(low: int, high: int) -> hs.Scene:
@@ -222,9 +223,15 @@ def beside_a_mass(low: int, high: int) -> hs.Scene:
     return hs.Scene(hs.environments.mass_spring_damper(k=100), (hs.effects.shunt(m="0.1"),), (low, high))
 
 
+IN_HZ = 20 * pi
 MEETINGS = {
     "a pole without damping goes on as a zero": (filtered(0), "perceived", 80, "zeta", "above", -64 * 15 / 114.2),
     "a pole moves with its frequency": (filtered(0), "perceived", 80, "omega_n", "", 1),
+    "a pole at a frequency in Hz moves with it": (filtered(0, omega_n="10 Hz"), "perceived", IN_HZ, "omega_n", "", 1),
+    "a pole at a frequency in Hz goes on as a zero": (
+        filtered(0, omega_n="10 Hz"), "perceived", IN_HZ, "zeta", "above", 15 * IN_HZ**2 / (100 - 1.8 * IN_HZ**2),
+    ),
+    "a pole at a frequency in Hz does not move with a mass": (filtered(0, omega_n="10 Hz"), "perceived", IN_HZ, "m", "", 0),
     "a crossing at the least damping": (filtered(0), "crossings", 24.828, "zeta", "above", 27.714),
     "a parameter that does not matter, at its least value": (filtered(0), "environment", 7.4536, "zeta", "", 0),
     "a delay at its least value": (

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from operator import mul
 
-from sympy import Expr
+from sympy import Expr, Integer
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.monomials import monomials
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction
 from haptisym.kernel.symbols import omega
@@ -131,11 +133,37 @@ class RealFunction:
         return RealFunction(((above * bottom - top * below) / (bottom * bottom)).reduced())
 
     def ball(self, x: Ball) -> Ball:
-        """A ball around the values at a ball of frequencies, at the current working precision; no symbol may be left."""
+        """A ball around the values at a ball of frequencies, at the current working precision; no symbol may be left.
+
+        At omega = 0 around the limit.
+        """
         ring = self.half_angled.ring
         values = {g: expression_ball(g, {omega: x}) for g in ring.meanings if not g.is_Symbol or g == omega}
-        above, below = self.half_angled.numerator, self.half_angled.denominator
+        above, below = (self.axis.orders and x.is_zero() and self._beginning) or (
+            self.half_angled.numerator,
+            self.half_angled.denominator,
+        )
         return ring.ball(above, values) / ring.ball(below, values)
+
+    @cached_property
+    def _beginning(self) -> tuple[Polynomial, Polynomial] | None:
+        """Both parts over the lowest power of omega in them, broken or not, at omega = 0; None where orders are open."""
+        ring = self.half_angled.ring
+        weights = [x.as_base_exp()[1] if x.as_base_exp()[0] == omega else Integer(0) for x in ring.meanings]
+        if not all(x.is_Rational for x in weights):
+            return None
+        parts = [
+            [(sum(map(mul, row, weights)), row, c) for row, c in monomials(p)]
+            for p in (self.half_angled.numerator, self.half_angled.denominator)
+        ]
+        least = min(x[0] for part in parts for x in part)
+        above, below = (
+            ring.context.from_dict(
+                {tuple(0 if w else n for n, w in zip(row, weights, strict=True)): c for x, row, c in part if x == least}
+            )
+            for part in parts
+        )
+        return above, below
 
     @cached_property
     def half_angled(self) -> RationalFunction:

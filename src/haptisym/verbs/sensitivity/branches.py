@@ -14,8 +14,8 @@ from functools import cached_property
 from typing import Any, TypeAlias
 
 import flint
-from flint import fmpq
-from sympy import Expr, Rational, Symbol
+from flint import arb, fmpq
+from sympy import Expr, Rational, Symbol, pi
 
 from haptisym.kernel.implicit import Equation, ImplicitSlope
 from haptisym.kernel.precision import at_rising_precision
@@ -150,8 +150,8 @@ def not_clear(factors: Factors, values: SymbolValues) -> Factors:
 
 
 def balls(values: SymbolValues, bits: int) -> dict[Expr, Ball]:
-    """Enclosures of exact values."""
-    return {symbol: number.ball(bits) for symbol, number in values}
+    """Enclosures of exact values, and of pi at the working precision."""
+    return {pi: arb.pi(), **{symbol: number.ball(bits) for symbol, number in values}}
 
 
 def _multiplicity(core: Polynomial, polynomial: Polynomial) -> int:
