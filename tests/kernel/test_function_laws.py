@@ -318,6 +318,36 @@ def test_polynomials_and_quotients_of_a_ring_are_those_of_sympy(seed: int) -> No
     assert float(ball) == pytest.approx(float(ring.expression(p).subs({omega: 2, a: 3, b: 5})))
 
 
+@pytest.mark.few(4)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_slope_is_that_of_the_quotient_rule_in_lowest_terms_and_so_is_what_it_is_known_to_be_made_of(
+    seed: int,
+) -> None:
+    draw = random.Random(seed)
+    tail = draw.choice([1, exp(-s / 3), s ** Rational(1, 3), a * s, exp(-s / 5) * sqrt(s), exp(-s / 3) * a])
+    below = draw.choice([1, s, s**2, s ** Rational(1, 3) + 2, (s + 1) ** 2, s * (1 + exp(-s / 5))])
+    x = (some(draw) * s**2 + some(draw) * s * draw.randint(0, 1) + some(draw) * tail) / below
+    ring = Ring.of([x, a * s])
+    f, modulus = on_axis(ring.convert(x)), squared_modulus(ring.convert(x))
+    given = [f.real, f.imag, modulus]
+    given += [part.square_over(modulus) for part in given[:2]]
+    for own in [*given, *(one.derivative() for one in given)]:
+        found = own.derivative()
+        axis = own.axis
+        top, bottom = (axis.function(p) for p in (own.function.numerator, own.function.denominator))
+        above, below = (axis.derivative(p.numerator) for p in (top, bottom))
+        plain = axis.reduced((above * bottom - top * below) / (bottom * bottom))
+        assert (found.function.numerator, found.function.denominator) == (plain.numerator, plain.denominator)
+        for function in (own, found):
+            pairs = (function.function.numerator, function.above), (function.function.denominator, function.below)
+            for whole_one, parts in pairs:
+                assert not parts or whole_one.is_zero() or (math.prod(parts, start=1) / whole_one).is_constant()
+        if not found.is_zero:
+            taken, again = (factored_function(z, Known()) for z in (found, RealFunction(found.function)))
+            assert (taken.sign, taken.power) == (again.sign, again.power)
+            assert {str(k): n for k, n in taken.exponents.items()} == {str(k): n for k, n in again.exponents.items()}
+
+
 @pytest.mark.few(2)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_functions_on_the_axis_have_their_values_slopes_and_squares(seed: int) -> None:

@@ -6,7 +6,7 @@ of polynomials, exact, with exact cancellation. Cosines and sines come back wher
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import comb
@@ -191,22 +191,36 @@ class Axis(PolynomialRing):
         degrees = [
             degree_in([function.numerator, function.denominator], self.size + i) for i in range(len(self.angles))
         ]
-        waves = [wave for angle in self.angles for wave in _half_waves(angle)]
-        target = PolynomialRing(omega, self.symbols, [*self.functions[len(self.angles) :], *waves])
+        target = self._with_waves(_half_waves)
+        return target.function(
+            *(self._homogeneous(p, degrees, target, over=1) for p in (function.numerator, function.denominator))
+        )
 
-        def homogeneous(polynomial: Polynomial) -> Polynomial:
-            polynomial, circles = self.without_circles(polynomial)
-            tops = [n - 2 * circle for n, circle in zip(degrees, circles, strict=True)]
-            terms = {}
-            for exponents, coefficient in monomials(polynomial):
-                own = [int(n) for n in exponents]
-                turns, powers = own[self.size : self.size + len(degrees)], own[self.size + len(degrees) :]
-                own[0] += sum(k for k, angle in zip(turns, self.angles, strict=True) if not angle.constant)
-                halves = [n for k, top in zip(turns, tops, strict=True) for n in (top - k, k)]
-                terms[(*own[: self.size], *powers, *halves)] = coefficient
-            return target.context.from_dict(terms)
+    def in_half_angles(self, polynomial: Polynomial) -> RationalFunction:
+        """A polynomial times cosines of half angles, in their cosines and sines: as short as in tangents, with all its zeros."""
+        degrees = [degree_in([polynomial], self.size + i) for i in range(len(self.angles))]
+        target = self._with_waves(lambda angle: (cos(angle.value / 2), sin(angle.value / 2)))
+        return target.function(self._homogeneous(polynomial, degrees, target, over=0))
 
-        return target.function(homogeneous(function.numerator), homogeneous(function.denominator))
+    def _with_waves(self, waves: Callable[[Angle], tuple[Expr, Expr]]) -> PolynomialRing:
+        """A ring with two waves of each angle in place of its tangent."""
+        own = [wave for angle in self.angles for wave in waves(angle)]
+        return PolynomialRing(omega, self.symbols, [*self.functions[len(self.angles) :], *own])
+
+    def _homogeneous(
+        self, polynomial: Polynomial, degrees: Sequence[int], target: PolynomialRing, *, over: int
+    ) -> Polynomial:
+        """Of these degrees in cosine and sine of each half angle, the sines over that power of omega."""
+        polynomial, circles = self.without_circles(polynomial)
+        tops = [n - 2 * circle for n, circle in zip(degrees, circles, strict=True)]
+        terms = {}
+        for exponents, coefficient in monomials(polynomial):
+            own = [int(n) for n in exponents]
+            turns, powers = own[self.size : self.size + len(degrees)], own[self.size + len(degrees) :]
+            own[0] += over * sum(k for k, angle in zip(turns, self.angles, strict=True) if not angle.constant)
+            halves = [n for k, top in zip(turns, tops, strict=True) for n in (top - k, k)]
+            terms[(*own[: self.size], *powers, *halves)] = coefficient
+        return target.context.from_dict(terms)
 
 
 def _places(waves: Sequence[int], tops: Sequence[int]) -> list[int]:

@@ -6,7 +6,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import compress
-from operator import ge, index
+from math import inf
+from operator import index
 from typing import TypeAlias
 
 import flint
@@ -20,6 +21,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.levels import Level
 from haptisym.kernel.monomials import monomials
 from haptisym.kernel.periodic import PeriodicFactor
+from haptisym.kernel.pieces import pieces, sign_between
 from haptisym.kernel.polynomials import PolynomialFactor, polynomial_factors
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.rings import Polynomial, RationalFunction
@@ -48,20 +50,6 @@ class Known:
     polynomials: list[tuple[Polynomial, Factored]] = field(default_factory=list)
     factors: list[tuple[Polynomial, Factor]] = field(default_factory=list)
 
-    def divided(self, polynomial: Polynomial) -> tuple[list[tuple[Polynomial, int]], Polynomial]:
-        """The known factors of a polynomial, how often each is in it, and what is left."""
-        found, degrees = [], polynomial.degrees()
-        for factor, _ in self.factors:
-            if len(factor) > 1 and all(map(ge, degrees, factor.degrees())):
-                often = 0
-                quotient, rest = divmod(polynomial, factor)
-                while rest.is_zero():
-                    polynomial, often = quotient, often + 1
-                    quotient, rest = divmod(polynomial, factor)
-                if often:
-                    found.append((factor, often))
-        return found, polynomial
-
 
 def factored_function(function: RealFunction | Level, known: Known, *, in_square: bool = True) -> Product:
     """The function taken apart; ``known`` gathers what was on the way.
@@ -77,10 +65,12 @@ def factored_function(function: RealFunction | Level, known: Known, *, in_square
     if top.is_zero():
         return Product(0, Integer(0), {})
     sign, power, exponents = 1, Integer(0), Counter[Factor]()
-    for polynomial, direction in ((top, 1), (bottom, -1)):
+    for polynomial, parts, direction in ((top, function.above, 1), (bottom, function.below, -1)):
         found = next((taken for other, taken in known.polynomials if other == polynomial), None)
         if found is None:
-            found = _factored(polynomial, function.axis, known, in_square=in_square, is_below=direction < 0)
+            found = _factored(
+                polynomial, parts or (polynomial,), function.axis, known, in_square=in_square, is_below=direction < 0
+            )
             known.polynomials.append((polynomial, found))
         own_sign, own_power, factors = found
         if own_sign == 0 and direction < 0:
@@ -103,9 +93,18 @@ def is_even_or_odd(function: RealFunction | Level) -> bool:
     return all(int(p.deflation_index()[0][0]) % 2 == 0 for p in (f.numerator, f.denominator))
 
 
-def _factored(polynomial: Polynomial, axis: Axis, known: Known, *, in_square: bool, is_below: bool) -> Factored:
+def _factored(
+    polynomial: Polynomial,
+    parts: Sequence[Polynomial],
+    axis: Axis,
+    known: Known,
+    *,
+    in_square: bool,
+    is_below: bool,
+) -> Factored:
     """Sign, power of omega and irreducible factors; half-angle tangents made homogeneous in cosine and sine.
 
+    ``parts`` : polynomials of which it is the product, up to a number; it alone if none are known.
     The sign is 0 where a factor is zero at every frequency, as cos(2 pi/4) is, or omega^(1/2) omega^(1/2) - omega.
     """
     plain = axis.univariate(polynomial)
@@ -114,13 +113,11 @@ def _factored(polynomial: Polynomial, axis: Axis, known: Known, *, in_square: bo
         return own_sign, Integer(lowest), [*simple]
     # where sines meet odd powers of omega not all functions are even
     in_square = in_square and not axis.functions
-    apart, rest = axis.without_circles(polynomial)[0], list[tuple[Polynomial, int]]()
-    if axis.functions and (is_below or len(apart) <= _SHORT):
-        rest, apart = known.divided(apart)
-    number, factors = axis.factors(apart, in_square=in_square)
-    sign, power = (1 if number.p > 0 else -1), Integer(0)
-    found: list[tuple[Factor, int]] = []
-    for factor, exponent in [*rest, *factors]:
+    tried = [factor for factor, _ in known.factors] if axis.functions else []
+    sign, own = pieces(parts, axis, tried, longest=inf if is_below else _SHORT, in_square=in_square)
+    sign *= sign_between(polynomial, parts)
+    power, found = Integer(0), list[tuple[Factor, int]]()
+    for factor, exponent in own:
         exponents = _power_of_omega(factor, axis)
         if exponents is not None:
             power += exponent * exponents

@@ -6,8 +6,9 @@ polynomial arithmetic alone: no complex numbers, no ``as_real_imag``, no ``simpl
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, reduce
 from operator import mul
 
 from sympy import Expr, Integer
@@ -73,8 +74,11 @@ def _lowest(function: RationalFunction) -> RationalFunction:
     return axis.reduced(function) if len(axis.angles) > 1 else function.reduced()
 
 
-def _square_over(f: Polynomial, g: Polynomial) -> tuple[Polynomial, Polynomial]:
-    """f^2/g in lowest terms: a factor that both have is one of f, and perhaps once more of what is left of g."""
+def _square_over(f: Polynomial, g: Polynomial) -> tuple[Polynomial, Polynomial, Polynomial]:
+    """f^2/g in lowest terms, the two factors above the line and what stands below.
+
+    A factor that f and g have is one of f, and perhaps once more of what is left of g.
+    """
     one, other = f, f
     common = f.gcd(g)
     if not common.is_constant():
@@ -82,14 +86,20 @@ def _square_over(f: Polynomial, g: Polynomial) -> tuple[Polynomial, Polynomial]:
         common = f.gcd(g)
         if not common.is_constant():
             other, g = f / common, g / common
-    return one * other, g
+    return one, other, g
 
 
 @dataclass(frozen=True)
 class RealFunction:
-    """A real function of omega, in lowest terms as a quotient of polynomials of an ``Axis``."""
+    """A real function of omega, in lowest terms as a quotient of polynomials of an ``Axis``.
+
+    ``above``, ``below`` : polynomials of which numerator and denominator are known to be products, up to a number: to take
+    these apart one by one is quicker.
+    """
 
     function: RationalFunction
+    above: tuple[Polynomial, ...] = field(default=(), repr=False, compare=False)
+    below: tuple[Polynomial, ...] = field(default=(), repr=False, compare=False)
 
     def __add__(self, other: RealFunction) -> RealFunction:
         return RealFunction(_lowest(self.function + other.function))
@@ -113,9 +123,10 @@ class RealFunction:
         f, g = self.function, other.function
         if g.is_zero:
             raise SceneError("division by zero")
-        above, below = _square_over(f.numerator, g.numerator)
-        right, left = _square_over(f.denominator, g.denominator)  # both are in lowest terms: no more can cancel
-        return RealFunction((f.ring.function(above, right) * f.ring.function(left, below)).monic())
+        *above, below = _square_over(f.numerator, g.numerator)
+        *right, left = _square_over(f.denominator, g.denominator)  # both are in lowest terms: no more can cancel
+        parts = (*above, left), (*right, below)
+        return RealFunction(f.ring.function(*(reduce(mul, x) for x in parts)).monic(), *parts)
 
     @property
     def is_zero(self) -> bool:
@@ -128,9 +139,18 @@ class RealFunction:
         >>> RealFunction(Ring().axis.convert(1 / (omega**2 + 1))).derivative().factored()
         -2*omega/(omega**2 + 1)**2
         """
-        top, bottom = (self.axis.function(p) for p in (self.function.numerator, self.function.denominator))
-        above, below = (self.axis.derivative(p.numerator) for p in (top, bottom))
-        return RealFunction(((above * bottom - top * below) / (bottom * bottom)).reduced())
+        axis, f = self.axis, self.function
+        if f.is_zero:
+            return self
+        top, bottom = _Derived.of(axis, f.numerator, self.above), _Derived.of(axis, f.denominator, self.below)
+        core = top.change * axis.function(bottom.own) - bottom.change * axis.function(top.own)
+        if core.is_zero:
+            return RealFunction(axis.function(core.numerator))
+        small, rest = bottom.doubtful
+        core = _lowest(core / axis.function(small))
+        common = top.shared.gcd(core.denominator)
+        above, below = (top.shared / common, core.numerator), (*rest, core.denominator / common)
+        return RealFunction(axis.function(reduce(mul, above), reduce(mul, below)).monic(), above, below)
 
     def ball(self, x: Ball) -> Ball:
         """A ball around the values at a ball of frequencies, at the current working precision; no symbol may be left.
@@ -189,3 +209,45 @@ class RealFunction:
     def factored(self) -> Expr:
         """The closed form in omega, numerator and denominator in factors."""
         return self.written.factored()
+
+
+@dataclass(frozen=True)
+class _Derived:
+    """A polynomial p = shared own, and its derivative p' = shared change: own has each factor of p once, if p' lacks one of it.
+
+    So (p/q)' = p.shared (p.change q.own - q.change p.own)/(q q.own), where hardly more than numbers, powers and 1 + tan^2 can
+    cancel: of the quotient rule it would be most of p and q, and the search for it takes minutes where this takes a second.
+    """
+
+    axis: Axis
+    shared: Polynomial
+    own: Polynomial
+    change: RationalFunction
+
+    @classmethod
+    def of(cls, axis: Axis, polynomial: Polynomial, parts: Sequence[Polynomial]) -> _Derived:
+        """``parts`` : of which it is known to be the product, up to a number; a power of one is derived by that one."""
+        one, *others = [x for x in parts if not x.is_constant()] or [polynomial]
+        is_power = all(x == one for x in others)
+        base, n = (one, 1 + len(others)) if is_power else (polynomial, 1)
+        slope = axis.derivative(base).reduced()
+        shared = base.gcd(slope.numerator)
+        own = base / shared
+        return cls(axis, polynomial / own, own, axis.function(n * slope.numerator / shared, slope.denominator))
+
+    @property
+    def doubtful(self) -> tuple[Polynomial, list[Polynomial]]:
+        """What (p q.own - q p.own)/(q q.own), a derivative over q, may still cancel with, and the factors of all else.
+
+        A factor of q that is not one of q' becomes one power more of the denominator. That leaves factors of q' that q has as
+        often, as powers and 1 + tan^2 are, and powers of omega, of which omega^alpha loses one.
+        """
+        special, common = self.shared, self.shared.gcd(self.own)
+        while not common.is_constant():
+            special = special / common
+            common = special.gcd(self.own)
+        small, rest = special, list[Polynomial]()
+        for factor in (self.shared / special, self.own, self.own):
+            power = self.axis.context.gens()[0] ** int(factor.deflation_index()[1][0])
+            small, rest = small * power, [*rest, factor / power]
+        return small, rest

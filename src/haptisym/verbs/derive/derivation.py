@@ -162,7 +162,8 @@ class Derivation(Answer):
         lines = (
             f.axis.factors(x, in_square=not f.axis.functions)[1] for x in (f.function.numerator, f.function.denominator)
         )
-        return tuple((_equation(RealFunction(f.axis.function(factor))), n) for factor, n in chain(*lines))
+        pairs = ((f.axis.in_half_angles(factor), n) for factor, n in chain(*lines))
+        return tuple((Equation(own.ring, own.numerator), n) for own, n in pairs)
 
     @cached_property
     def groups(self) -> Groups:
