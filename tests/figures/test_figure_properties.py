@@ -28,12 +28,12 @@ from haptisym.figures.files import save_figures
 from haptisym.figures.jnd import draw_jnd
 from haptisym.figures.metrics import draw_measures, draw_verdicts
 from haptisym.figures.nyquist import HEAD, draw_nyquist
+from haptisym.figures.pen import SHADE
 from haptisym.figures.projections import draw_projections
 from haptisym.figures.ratios import draw_ratios
 from haptisym.figures.sensitivity import draw_elasticities
 from haptisym.figures.simulate import draw_loop, draw_recovered, draw_time, save_simulation_figures
 from haptisym.figures.square import draw_jnd_square
-from haptisym.figures.style import SHADE
 from haptisym.figures.tolerances import draw_tolerances
 from haptisym.verbs.jnd.answers import Answers, Row
 from haptisym.verbs.sweep.swept import Swept

@@ -10,7 +10,7 @@ from sympy import Rational
 
 import haptisym as hs
 from haptisym.figures.heldbox import draw_held
-from haptisym.figures.style import UNSTABLE
+from haptisym.figures.pen import UNSTABLE
 from haptisym.verbs.stability.held import unstable_roots
 from haptisym.writing.document import figures_of
 

@@ -15,8 +15,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import haptisym as hs
+from haptisym.figures.pen import SCENES
 from haptisym.figures.plots import KINDS
-from haptisym.figures.style import CURVES, SCENES
+from haptisym.figures.style import CURVES
 from haptisym.writing.schemas import schema_names
 
 PAPER = hs.load_scene("fu2019")

@@ -9,10 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
+from haptisym.figures import pen
 from haptisym.figures.judged import columns, limit_of
 from haptisym.figures.sampling import sampled
 from haptisym.figures.scales import Scale, scale_of
-from haptisym.figures.style import DOTTED, GREY, INK, TEXT, dress, entries, handle, legend, number
+from haptisym.figures.style import dress, entries, handle, legend, number
 from haptisym.judge.climb import Bandwidths
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.errors import NothingToDrawError
@@ -41,7 +42,7 @@ def draw_bandwidths(
     if not has_bandwidths(e):
         raise NothingToDrawError("the JND has no one number with a range that gives a range of bandwidths")
     assert e.bandwidths
-    own, suffix = color or INK, f", {label}" if label else ""
+    own, suffix = color or pen.INK, f", {label}" if label else ""
     scale = scale_of(ax, e.scene.band, hertz=hertz)
     moving = _moving(e)
     low, high = moving.ends
@@ -58,8 +59,8 @@ def draw_bandwidths(
     ax.set_ylim(bottom=0)
     dress(ax)
     ax.xaxis.set_major_formatter(FuncFormatter(lambda x, _: number(x)))
-    ax.set_xlabel(moving.label, fontsize=TEXT)
-    ax.set_ylabel(f"bandwidth ({scale.unit})", fontsize=TEXT)
+    ax.set_xlabel(moving.label, fontsize=pen.TEXT)
+    ax.set_ylabel(f"bandwidth ({scale.unit})", fontsize=pen.TEXT)
     legend(ax, [*entries(ax).values(), *told])
     return [line]
 
@@ -106,7 +107,7 @@ def _jumps(ax: Axes, found: Bandwidths, color: str, scale: Scale, unit: float) -
     for jump in found.jumps:
         at = unit * float(jump.threshold or 0)
         low, high = (scale.of(float(x)) for x in (jump.low, jump.high))
-        ax.plot([at, at], [low, high], color=GREY, linewidth=0.6, linestyle=DOTTED, zorder=1)
+        ax.plot([at, at], [low, high], color=pen.GREY, linewidth=0.6, linestyle=pen.DOTTED, zorder=1)
         ax.plot([at], [low], "o", color=color, markersize=3.6, markerfacecolor="white", zorder=3)
         ax.plot([at], [high], "o", color=color, markersize=3.6, zorder=3)
-    return [handle(GREY, DOTTED, "jump at a peak of the ratio", width=0.6)] if found.jumps else []
+    return [handle(pen.GREY, pen.DOTTED, "jump at a peak of the ratio", width=0.6)] if found.jumps else []

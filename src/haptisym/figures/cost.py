@@ -17,7 +17,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-from haptisym.figures.style import GREY, INK, SHADE, SMALL, TEXT, number, raised
+from haptisym.figures import pen
+from haptisym.figures.style import dots, number, raised, thin
 from haptisym.verbs.cost.entry import Cost
 from haptisym.verbs.cost.measurement import Measurement, front
 from haptisym.verbs.cost.summary import duration, summary, wrong
@@ -45,16 +46,22 @@ def draw_cost(ax: Axes, rows: Sequence[Measurement]) -> None:
     times = [row.seconds for row in rows]
     ax.set_xlim(min(times) / 3, max(times) * 3)
     ax.set_ylim(_STRIP / 1.5, 2.5 * max(20.0, *(row.digits for row in rows)))
-    ax.axhspan(ax.get_ylim()[0], _LEAST / 1.1, facecolor=SHADE, linewidth=0, zorder=0)
+    ax.axhspan(ax.get_ylim()[0], _LEAST / 1.1, facecolor=pen.SHADE, linewidth=0, zorder=0)
     telling = [row for row in rows if row.digits > _LEAST]
-    _draw_front(ax, telling, color=GREY, linewidth=0.9, linestyle=_DASHED)
-    _draw_front(ax, [row for row in telling if row.proven], color=INK, linewidth=1.2)
+    _draw_front(ax, telling, color=pen.GREY, linewidth=0.9, linestyle=_DASHED)
+    _draw_front(ax, [row for row in telling if row.proven], color=pen.INK, linewidth=1.2)
     for row in rows:
         _mark(ax, row)
     _dress(ax)
-    ax.set_title(_TITLES[rows[0].task], fontsize=TEXT, loc="left", color=INK)
-    ax.set_xlabel("time", fontsize=SMALL)
-    ax.set_ylabel("right digits", fontsize=SMALL)
+    ax.set_title(_TITLES[rows[0].task], fontsize=pen.TEXT, loc="left", color=pen.INK)
+    ax.set_xlabel("time", fontsize=pen.SMALL)
+    ax.set_ylabel("right digits", fontsize=pen.SMALL)
+
+
+def draw_task(ax: Axes, found: Cost, task: str = "") -> None:
+    """Right digits over time for the methods of one task: the first, if none is named."""
+    names = list(dict.fromkeys(row.task for row in found.rows))
+    draw_cost(ax, found.task(task or names[0]))
 
 
 def _place(row: Measurement) -> tuple[float, float]:
@@ -72,23 +79,20 @@ def _draw_front(ax: Axes, rows: Iterable[Measurement], **style: Any) -> None:
 
 def _mark(ax: Axes, row: Measurement) -> None:
     ax.plot(
-        *_place(row), linestyle="none", marker="o", markersize=4.6, color=INK,
-        markerfacecolor=INK if row.proven else "white", markeredgewidth=0.9, zorder=4,
+        *_place(row), color=pen.INK, zorder=4,
+        **dots(4.6, markerfacecolor=pen.INK if row.proven else "white", markeredgewidth=0.9),
     )  # fmt: skip
 
 
 def _dress(ax: Axes) -> None:
-    ax.tick_params(labelsize=SMALL, width=0.5, length=2.5, color=GREY)
-    ax.spines[["top", "right"]].set_visible(False)
-    for spine in ax.spines.values():
-        spine.set(linewidth=0.5, color=GREY)
+    thin(ax)
     ax.xaxis.set_major_locator(LogLocator(numticks=8))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda x, _: duration(x).replace("us", "µs")))
     ax.yaxis.set_major_formatter(FuncFormatter(lambda y, _: number(y)))
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_minor_locator(NullLocator())
     ax.set_yticks([y for y in (1, 3, 10, 16, 30, 100, 300, 1000) if y < ax.get_ylim()[1]])
-    ax.grid(visible=True, axis="y", color=SHADE, linewidth=0.5, zorder=0)
+    ax.grid(visible=True, axis="y", color=pen.SHADE, linewidth=0.5, zorder=0)
     ax.set_axisbelow(True)
 
 
@@ -101,7 +105,7 @@ _Box = tuple[float, float, float, float]
 
 def _draw_names(ax: Axes, rows: Sequence[Measurement]) -> None:
     """The name of each method beside its mark, where it covers neither a mark nor another name; once the axes have their size."""
-    em = SMALL * ax.figure.dpi / 72
+    em = pen.SMALL * ax.figure.dpi / 72
     places = [tuple(float(x) / em for x in ax.transData.transform(_place(row))) for row in rows]
     frame: _Box = (ax.bbox.x0 / em, ax.bbox.y0 / em, ax.bbox.x1 / em, ax.bbox.y1 / em)
     taken: list[_Box] = [(x - 0.5, y - 0.5, x + 0.5, y + 0.5) for x, y in places]
@@ -161,10 +165,10 @@ def _write(ax: Axes, name: str, box: _Box, mark: tuple[float, float], em: float)
     if abs(middle[1] - mark[1]) > 1.6:
         nearest = (min(max(mark[0], box[0]), box[2]), box[1] if box[1] > mark[1] else box[3])
         ends = inside.transform([(x * em, y * em) for x, y in (mark, nearest)])
-        ax.plot(*ends.T, color=GREY, linewidth=0.4, transform=ax.transAxes, zorder=3)
+        ax.plot(*ends.T, color=pen.GREY, linewidth=0.4, transform=ax.transAxes, zorder=3)
     place = inside.transform((middle[0] * em, middle[1] * em))
     ground = {"facecolor": "white", "edgecolor": "none", "pad": 0.4} if mark[1] > _strip_top(ax, em) else None
-    style: dict[str, Any] = {"fontsize": SMALL - 0.5, "ha": "center", "va": "center", "color": INK, "zorder": 5}
+    style: dict[str, Any] = {"fontsize": pen.SMALL - 0.5, "ha": "center", "va": "center", "color": pen.INK, "zorder": 5}
     ax.text(place[0], place[1], name, transform=ax.transAxes, bbox=ground, **style)
 
 
@@ -186,8 +190,8 @@ def cost_figure(found: Cost) -> Figure:
     axes = figure.subplots(lines, columns, squeeze=False).ravel()
     for ax, group in zip(axes, groups, strict=False):
         draw_cost(ax, group)
-    figure.suptitle("\n".join(wrap(found.scene.title, 88)), fontsize=TEXT + 1, color=INK)
-    style: dict[str, Any] = {"handles": _handles(rows), "fontsize": SMALL, "frameon": False, "handlelength": 2}
+    figure.suptitle("\n".join(wrap(found.scene.title, 88)), fontsize=pen.TEXT + 1, color=pen.INK)
+    style: dict[str, Any] = {"handles": _handles(rows), "fontsize": pen.SMALL, "frameon": False, "handlelength": 2}
     if len(groups) < len(axes):
         _explain(axes[-1], summary(rows), style)
     else:
@@ -202,27 +206,19 @@ def cost_figure(found: Cost) -> Figure:
 def _explain(ax: Axes, said: str, style: dict[str, Any]) -> None:
     """The sentence and the legend, in the place of a panel."""
     ax.set_axis_off()
-    ax.text(
-        0,
-        0.97,
-        fill(raised(said.replace(" us", " µs")), 52),
-        fontsize=SMALL,
-        color=INK,
-        va="top",
-        linespacing=1.5,
-        transform=ax.transAxes,
-    )
+    told = fill(raised(said.replace(" us", " µs")), 52)
+    ax.text(0, 0.97, told, fontsize=pen.SMALL, color=pen.INK, va="top", linespacing=1.5, transform=ax.transAxes)
     ax.legend(loc="lower left", bbox_to_anchor=(-0.02, 0.0), labelspacing=0.6, **style)
 
 
 def _handles(rows: Sequence[Measurement]) -> list[Any]:
     """What the legend explains: only what is there."""
-    mark: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4.6, "color": INK, "markeredgewidth": 0.9}
+    mark = dots(4.6, color=pen.INK, markeredgewidth=0.9)
     proven = any(row.proven for row in rows)
     return [
         *([Line2D([], [], **mark, label="proven")] if proven else []),
         Line2D([], [], markerfacecolor="white", **mark, label="not proven"),
-        *([Line2D([], [], color=INK, linewidth=1.2, label="best of the proven")] if proven else []),
-        Line2D([], [], color=GREY, linewidth=0.9, linestyle=_DASHED, label="best of all"),
-        Patch(facecolor=SHADE, label="no digit right, or a wrong count"),
+        *([Line2D([], [], color=pen.INK, linewidth=1.2, label="best of the proven")] if proven else []),
+        Line2D([], [], color=pen.GREY, linewidth=0.9, linestyle=_DASHED, label="best of all"),
+        Patch(facecolor=pen.SHADE, label="no digit right, or a wrong count"),
     ]

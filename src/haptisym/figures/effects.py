@@ -11,22 +11,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.text import Annotation
 
-from haptisym.figures.labels import _spread
+from haptisym.figures import pen
+from haptisym.figures.labels import spread
 from haptisym.figures.scales import scale_of
-from haptisym.figures.style import (
-    DOTTED,
-    GREY,
-    INK,
-    SCENES,
-    SHADE,
-    SMALL,
-    TEXT,
-    WIDTH,
-    dress,
-    limit,
-    name_frequency,
-    text_width,
-)
+from haptisym.figures.style import dress, limit, name_frequency, text_width
 from haptisym.kernel.errors import SceneError
 from haptisym.model.jnd import Part
 from haptisym.programs.series import series_arithmetic
@@ -53,14 +41,14 @@ def draw_influences(
     2
     """
     number = sum(line.get_label() == _TOLERANCE for line in ax.lines)
-    ink, scale = color or SCENES[number % len(SCENES)], scale_of(ax, found.scene.band, hertz=hertz)
+    ink, scale = color or pen.SCENES[number % len(pen.SCENES)], scale_of(ax, found.scene.band, hertz=hertz)
     grid, curves = _sampled(found, part)
     floor, top = _limits(found, curves)
     tolerance = float(found.tolerance)
-    ax.axhline(tolerance, color=GREY, linewidth=0.6, linestyle=DOTTED, label=_TOLERANCE)
+    ax.axhline(tolerance, color=pen.GREY, linewidth=0.6, linestyle=pen.DOTTED, label=_TOLERANCE)
     styles, lines = iter(_STYLES * len(curves)), list[Line2D]()
     for influence, values in zip(found.effects, curves, strict=True):
-        look = (ink, 1.2, next(styles)) if influence.kept else (GREY, 0.6, "-")
+        look = (ink, 1.2, next(styles)) if influence.kept else (pen.GREY, 0.6, "-")
         shown = np.where(values >= floor / 10, values, np.nan)
         lines += ax.plot(scale.of(grid), shown, color=look[0], linewidth=look[1], linestyle=look[2])
     dress(ax)
@@ -69,14 +57,14 @@ def draw_influences(
     limit(ax, (low, high), (floor, top), number=number)
     ax.tick_params(axis="y", which="minor", length=0)
     symbol = r"r_\mathrm{r}" if part is Part.REAL else r"r_\mathrm{i}"
-    ax.set_ylabel(f"change of ${symbol}$", fontsize=TEXT)
+    ax.set_ylabel(f"change of ${symbol}$", fontsize=pen.TEXT)
     name_frequency(ax, scale)
     told = f", {label}" if label else f" ({number + 1})" if number else ""
     ends = [
-        (f"{x.effect.name}{told}", values[-1], ink if x.kept else GREY)
+        (f"{x.effect.name}{told}", values[-1], ink if x.kept else pen.GREY)
         for x, values in zip(found.effects, curves, strict=True)
     ]
-    _name_ends(ax, ends if number else [*ends, (_TOLERANCE, tolerance, GREY)])
+    _name_ends(ax, ends if number else [*ends, (_TOLERANCE, tolerance, pen.GREY)])
     return lines
 
 
@@ -97,7 +85,7 @@ def draw_dominance(ax: Axes, found: Relevance) -> list[Patch]:
     seen = set[str]()
     for x in found.dominance:
         low, high = float(x.low), float(x.high)
-        face = SHADE if names.index(x.effect.name) % 2 == 0 else "#c4c4c4"
+        face = pen.SHADE if names.index(x.effect.name) % 2 == 0 else "#c4c4c4"
         pieces.append(ax.axvspan(low, high, facecolor=face, linewidth=0))
         room, name = (high - low) / (end - start), x.effect.name
         if text_width(ax, name) >= room > text_width(ax, "1"):
@@ -108,13 +96,13 @@ def draw_dominance(ax: Axes, found: Relevance) -> list[Patch]:
             name = ""
         else:
             seen.add(name)
-        ax.text((low + high) / 2, 0.45, name, ha="center", va="center", fontsize=SMALL, color=INK)
+        ax.text((low + high) / 2, 0.45, name, ha="center", va="center", fontsize=pen.SMALL, color=pen.INK)
     ax.axis("off")
     ax.set_title(_dominance_title(narrow, sorted(set(slivers) - seen - set(narrow))), **_QUIET)
     return pieces
 
 
-_QUIET: dict[str, Any] = {"fontsize": SMALL, "color": GREY, "loc": "left", "pad": 2}
+_QUIET: dict[str, Any] = {"fontsize": pen.SMALL, "color": pen.GREY, "loc": "left", "pad": 2}
 
 
 def _dominance_title(narrow: list[str], slivers: list[str]) -> str:
@@ -130,7 +118,7 @@ def influences_figure(found: Relevance) -> Figure:
     """The influences on both parts, below the strip of which effect changes them most; SceneError where there are no effects."""
     if not found.effects:
         raise SceneError("figure: the scene has no effects to draw")
-    figure = Figure(figsize=(1.3 * WIDTH, 4.3))
+    figure = Figure(figsize=(1.3 * pen.WIDTH, 4.3))
     figure.subplots_adjust(left=0.13, right=0.74, top=0.94, bottom=0.09, hspace=0.12)
     strip, real, imag = figure.subplots(3, 1, height_ratios=(0.09, 1, 1))
     draw_dominance(strip, found)
@@ -174,11 +162,11 @@ def _name_ends(ax: Axes, ends: list[tuple[str, float, str]]) -> None:
         for name, value, color in [*rows, *ends]
         if value
     )
-    height = SMALL * 1.15 * ax.figure.dpi / (72 * ax.bbox.height)
-    places = _spread([share for share, *_ in seen], [height] * len(seen))
+    height = pen.SMALL * 1.15 * ax.figure.dpi / (72 * ax.bbox.height)
+    places = spread([share for share, *_ in seen], [height] * len(seen))
     for (_, name, value, color), place in zip(seen, places, strict=True):
         ax.annotate(
             name, xy=(1, value), xytext=(1.05, place), xycoords=ax.get_yaxis_transform(), textcoords="axes fraction",
-            va="center", fontsize=SMALL, color=color, label=_END,
-            arrowprops={"arrowstyle": "-", "linewidth": 0.4, "color": GREY, "shrinkA": 0, "shrinkB": 0, "relpos": (0, 0.5)},
+            va="center", fontsize=pen.SMALL, color=color, label=_END,
+            arrowprops={"arrowstyle": "-", "linewidth": 0.4, "color": pen.GREY, "shrinkA": 0, "shrinkB": 0, "relpos": (0, 0.5)},
         )  # fmt: skip

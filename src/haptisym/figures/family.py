@@ -12,34 +12,24 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from haptisym.figures import pen
 from haptisym.figures.judged import columns, limit_of, name_of
-from haptisym.figures.labels import label_above
+from haptisym.figures.labels import label_above, shade
 from haptisym.figures.regions import family_regions_figure
 from haptisym.figures.sampling import broken, sampled
 from haptisym.figures.scales import RADIANS, Scale, band_scale
-from haptisym.figures.sheet import laid_out, save
-from haptisym.figures.style import (
-    BLUE,
-    DASHED,
-    DOTTED,
-    GREY,
-    INK,
-    RED,
-    SHADE,
-    SOLID,
-    TEXT,
-    WIDTH,
-    dress,
-    handle,
-    legend,
-    name_frequency,
-    shade,
-)
+from haptisym.figures.sheet import laid_out, save_all
+from haptisym.figures.style import dress, handle, legend, name_frequency
 from haptisym.judge.criteria import noticed
 from haptisym.programs.values import Array
 from haptisym.verbs.family.entry import FamilyEvaluation
 
-_BINDING: tuple[tuple[str, Any], ...] = ((BLUE, SOLID), (RED, DASHED), ("#7cc0c8", SOLID), ("#d0701f", DASHED))
+_BINDING: tuple[tuple[str, Any], ...] = (
+    (pen.BLUE, pen.SOLID),
+    (pen.RED, pen.DASHED),
+    ("#7cc0c8", pen.SOLID),
+    ("#d0701f", pen.DASHED),
+)
 """Colours and strokes of the environments that bind, in the order in which they do."""
 
 
@@ -61,19 +51,27 @@ def draw_envelope(
     c, at = limit_of(criterion), scale.of(omega)
     looks = binding_looks(evaluation)
     shade(ax, evaluation.transparent, scale)
-    ax.axhline(c, color=GREY, linewidth=0.6, linestyle=DOTTED)
+    ax.axhline(c, color=pen.GREY, linewidth=0.6, linestyle=pen.DOTTED)
     lines = []
     for name, values in ratios.items():
-        color, style = looks.get(name, (GREY, SOLID))
+        color, style = looks.get(name, (pen.GREY, pen.SOLID))
         width = 1.1 if name in looks else 0.6
         lines += ax.plot(at, values, color=color, linestyle=style, linewidth=width, zorder=3)
-    ax.plot(at, envelope, color=INK, linewidth=2.2, alpha=0.35, zorder=2, solid_capstyle="butt")
+    ax.plot(at, envelope, color=pen.INK, linewidth=2.2, alpha=0.35, zorder=2, solid_capstyle="butt")
     for x in (x for x in evaluation.binding if x.criterion == criterion):
         color, place = looks[x.environment][0], scale.of(float(x.omega))
         ax.plot([place], [c], marker="o", markersize=3.8, color=color, zorder=4, clip_on=False)
     ax.set(xlim=(at[0], at[-1]), ylim=(0, _height(envelope, c)))
-    dress(ax)
-    ax.set_ylabel(name_of(criterion), fontsize=TEXT)
+    dress(ax, y=name_of(criterion))
+    return lines
+
+
+def draw_worst(ax: Axes, found: FamilyEvaluation, which: int = 0) -> list[Line2D]:
+    """One ratio of each environment, and the largest of them: the ``which``-th criterion. Returns a line for each."""
+    scale, (omega, values) = band_scale(found.family.first.band), sampled_family(found)
+    lines = draw_envelope(ax, found, which, omega, values, scale)
+    name_frequency(ax, scale)
+    legend(ax, envelope_handles(found))
     return lines
 
 
@@ -111,19 +109,16 @@ def binding_looks(evaluation: FamilyEvaluation) -> dict[str, tuple[str, Any]]:
 
 
 def save_family_figures(evaluation: FamilyEvaluation, directory: str | Path) -> list[Path]:
-    """``worst-case``, and ``regions`` where they were asked for, as SVG, PDF and PNG, one column (3.4 in) wide, in a directory
-    that is made if need be."""
-    folder = Path(directory)
-    folder.mkdir(parents=True, exist_ok=True)
-    more = save(folder / "regions", family_regions_figure(evaluation)) if evaluation.regions else []
-    return [*save(folder / "worst-case", family_figure(evaluation)), *more]
+    """``worst-case``, and ``regions`` where they were asked for, as files one column wide."""
+    more = {"regions": family_regions_figure(evaluation)} if evaluation.regions else {}
+    return save_all({"worst-case": family_figure(evaluation), **more}, directory)
 
 
 def family_figure(evaluation: FamilyEvaluation) -> Figure:
     """A panel for each criterion, one above the other, with one legend."""
     count = len(noticed(evaluation.family.threshold))
     height = 0.7 + 1.3 * count
-    figure = Figure(figsize=(WIDTH, height), layout="compressed")
+    figure = Figure(figsize=(pen.WIDTH, height), layout="compressed")
     panels = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
     scale, (omega, sampled) = band_scale(evaluation.family.first.band), sampled_family(evaluation)
     for which, ax in enumerate(panels):
@@ -144,12 +139,12 @@ def envelope_handles(evaluation: FamilyEvaluation) -> list[Any]:
         handle(color, style, fill(f"{name} binds", 40), 1.1, marker="o", markersize=3.8)
         for name, (color, style) in looks.items()
     ]
-    others = [] if len(looks) == len(evaluation.family) else [handle(GREY, SOLID, "others", 0.6)]
-    shade = [Patch(facecolor=SHADE, label="all transparent")] if evaluation.transparent else []
+    others = [] if len(looks) == len(evaluation.family) else [handle(pen.GREY, pen.SOLID, "others", 0.6)]
+    ground = [Patch(facecolor=pen.SHADE, label="all transparent")] if evaluation.transparent else []
     return [
-        handle(INK, SOLID, "largest", 2.2, alpha=0.35),
+        handle(pen.INK, pen.SOLID, "largest", 2.2, alpha=0.35),
         *bound,
         *others,
-        handle(GREY, DOTTED, "threshold", 0.6),
-        *shade,
+        handle(pen.GREY, pen.DOTTED, "threshold", 0.6),
+        *ground,
     ]

@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
-from haptisym.figures.style import GREY, INK, SMALL, TEXT, raised
+from haptisym.figures import pen
+from haptisym.figures.style import dots, raised
 from haptisym.verbs.cost.hardcosts import HardCosts
 from haptisym.verbs.cost.measurement import HardRow
 from haptisym.verbs.cost.summary import worst_verdict
@@ -37,7 +38,7 @@ def hard_costs_figure(found: HardCosts) -> Figure:
         place = (_LEFT / width, (top - _LINE * lines) / height, _CELL * columns / width, _LINE * lines / height)
         draw_table(figure.add_axes(place), group)
         top -= _LINE * lines
-    figure.legend(handles=_handles(), loc="lower center", ncols=4, fontsize=SMALL, frameon=False, handlelength=1.4)
+    figure.legend(handles=_handles(), loc="lower center", ncols=4, fontsize=pen.SMALL, frameon=False, handlelength=1.4)
     return figure
 
 
@@ -47,37 +48,51 @@ def draw_table(ax: Axes, rows: Sequence[HardRow]) -> None:
     ax.set(xlim=(0, len(methods)), ylim=(len(families), 0))
     ax.set_axis_off()
     title = _TITLES[rows[0].task]
-    ax.text(-_LEFT / _CELL + 0.1, -0.6, title, fontsize=TEXT + 1, color=INK, fontweight="bold")
+    ax.text(-_LEFT / _CELL + 0.1, -0.6, title, fontsize=pen.TEXT + 1, color=pen.INK, fontweight="bold")
     for j, method in enumerate(methods):
         ours = any(row.ours for row in rows if row.method == method)
         weight = "bold" if ours else "normal"
-        ax.text(j + 0.5, -0.2, _folded(method), fontsize=SMALL, color=INK, ha="center", va="bottom", fontweight=weight)
+        ax.text(
+            j + 0.5,
+            -0.2,
+            _folded(method),
+            fontsize=pen.SMALL,
+            color=pen.INK,
+            ha="center",
+            va="bottom",
+            fontweight=weight,
+        )
     for i, family in enumerate(families):
-        ax.text(-0.08, i + 0.5, family, fontsize=SMALL, color=INK, ha="right", va="center")
+        ax.text(-0.08, i + 0.5, family, fontsize=pen.SMALL, color=pen.INK, ha="right", va="center")
         for j, method in enumerate(methods):
             _draw_cell(ax, (j, i), [row for row in rows if row.family == family and row.method == method])
+
+
+def draw_cases(ax: Axes, found: HardCosts) -> None:
+    """How many of the hard cases each method answers, for the first task."""
+    draw_table(ax, [row for row in found.rows if row.task == found.rows[0].task])
 
 
 def _draw_cell(ax: Axes, place: tuple[int, int], rows: Sequence[HardRow]) -> None:
     x, y = place
     answered = [row for row in rows if row.answered]
     if not answered:
-        ax.text(x + 0.5, y + 0.5, "cannot", fontsize=SMALL, color=GREY, ha="center", va="center", fontstyle="italic")
+        ax.text(
+            x + 0.5, y + 0.5, "cannot", fontsize=pen.SMALL, color=pen.GREY, ha="center", va="center", fontstyle="italic"
+        )
         return
     right = sum(row.verdict == "right" for row in answered)
     share = 1 - right / len(answered)
-    ax.add_patch(Rectangle((x + 0.02, y + 0.05), 0.96, 0.9, facecolor=_shade(share), edgecolor=GREY, linewidth=0.4))
-    proven = all(row.proven for row in answered)
-    ax.plot(
-        x + 0.13, y + 0.34, marker="o", markersize=4, color=INK, markeredgewidth=0.8, markerfacecolor=INK if proven else "white"
-    )  # fmt: skip
-    ax.text(x + 0.22, y + 0.34, f"{right} of {len(answered)}", fontsize=SMALL, color=INK, va="center")
+    ax.add_patch(Rectangle((x + 0.02, y + 0.05), 0.96, 0.9, facecolor=_shade(share), edgecolor=pen.GREY, linewidth=0.4))
+    face = pen.INK if all(row.proven for row in answered) else "white"
+    ax.plot(x + 0.13, y + 0.34, color=pen.INK, **dots(4, markeredgewidth=0.8, markerfacecolor=face))
+    ax.text(x + 0.22, y + 0.34, f"{right} of {len(answered)}", fontsize=pen.SMALL, color=pen.INK, va="center")
     said = _short(worst_verdict(answered)) or f"{min(row.digits for row in answered):.0f} digits"
-    ax.text(x + 0.08, y + 0.71, said, fontsize=SMALL - 1, color=INK, va="center")
+    ax.text(x + 0.08, y + 0.71, said, fontsize=pen.SMALL - 1, color=pen.INK, va="center")
 
 
 def _shade(share: float) -> Any:
-    ink = to_rgb(INK)
+    ink = to_rgb(pen.INK)
     return tuple(1 - _DARKEST * share * (1 - level) for level in ink)
 
 
@@ -95,10 +110,10 @@ def _names(rows: Sequence[HardRow], attribute: str) -> list[str]:
 
 
 def _handles() -> list[Any]:
-    mark: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4, "color": INK, "markeredgewidth": 0.8}
+    mark = dots(4, color=pen.INK, markeredgewidth=0.8)
     return [
         Line2D([], [], **mark, label="proven"),
         Line2D([], [], markerfacecolor="white", **mark, label="not proven"),
-        Patch(facecolor=_shade(1), edgecolor=GREY, linewidth=0.4, label="no answer right"),
+        Patch(facecolor=_shade(1), edgecolor=pen.GREY, linewidth=0.4, label="no answer right"),
         Line2D([], [], linestyle="none", label="−  crossings missed   +  invented"),
     ]

@@ -7,14 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from sympy import Expr, Rational, Symbol
 
+from haptisym.figures import pen
 from haptisym.figures.sheet import one_column
 from haptisym.figures.stability import ROOM, draw_boundary, draw_boxes, draw_points, name_axes
-from haptisym.figures.style import SHADE, UNSTABLE, legend, number
+from haptisym.figures.style import legend, number, rectangles
 from haptisym.kernel.errors import NothingToDrawError, UndecidedError
 from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand
@@ -81,14 +81,8 @@ def _found(a: Tolerances, hand: Hand, window: Window) -> HeldPlane:
         others[hand.m.symbol] = hand.m.interval
     finest = _FINEST[len(others)] if len(others) < len(_FINEST) else _COARSE
     try:
-        return held_plane(
-            a.box.scene,
-            [hand],
-            {hand.k.symbol: (low, high), hand.b.symbol: (least, most)},
-            others,
-            finest=finest,
-            most=_MOST,
-        )
+        free = {hand.k.symbol: (low, high), hand.b.symbol: (least, most)}
+        return held_plane(a.box.scene, [hand], free, others, finest=finest, most=_MOST)
     except UndecidedError as error:
         raise NothingToDrawError(f"of hands held nothing is known: {error}") from None
 
@@ -105,18 +99,14 @@ def _window(hands: Sequence[Hand], *, sampled: bool) -> Window:
 def _grounds(ax: Axes, found: HeldPlane, window: Window) -> list[Artist]:
     """White, tinted and grey."""
     rows = (
-        (found.stable, "white", "stable for all values"), (found.unstable, UNSTABLE, "for none"),
-        (found.left, SHADE, "it depends, or not shown"),
+        (found.stable, "white", "stable for all values"), (found.unstable, pen.UNSTABLE, "for none"),
+        (found.left, pen.SHADE, "it depends, or not shown"),
     )  # fmt: skip
     made: list[Artist] = []
     low, high, least, most = window
     for cells, color, label in rows:
         if len(cells):
             places: Array = np.array([low, least])[:, None] + cells * np.array([high - low, most - least])[:, None]
-            (x0, x1), (y0, y1) = places[:, 0].T, places[:, 1].T
-            corners = np.stack([np.stack(x, -1) for x in ((x0, y0), (x1, y0), (x1, y1), (x0, y1))], 1)
-            ax.add_collection(
-                PolyCollection(list(corners), facecolors=color, linewidths=0, antialiased=False, zorder=0)
-            )
+            rectangles(ax, places[:, 0].T, places[:, 1].T, color)
             made.append(Patch(facecolor=color, edgecolor="black", linewidth=0.3, label=label))
     return made

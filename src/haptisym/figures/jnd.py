@@ -1,15 +1,19 @@
-"""The figure of a measured JND: the shares of the answers, the curve, its middle, and the JND with its interval."""
+"""Figures of JNDs: of a measured one the shares of the answers, the curve, and the JND with its interval; the published ones."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from haptisym.figures import pen
 from haptisym.figures.sheet import one_column
-from haptisym.figures.style import BLUE, DASHED, DOTTED, GREY, RED, SCENES, TEXT, dress, entries, legend, write_note
+from haptisym.figures.style import dots, dress, entries, legend, write_note
 from haptisym.verbs.jnd.entry import Psychometric
+from haptisym.verbs.jnd.published import PublishedThresholds
 
 _HEIGHT = 2.3
 _LEAST, _MOST = 3.0, 7.0
@@ -22,38 +26,28 @@ def draw_jnd(ax: Axes, p: Psychometric, *, color: str | None = None, label: str 
     ``color``, ``label`` : of this person or condition; a further one gets the next colour. Returns the curve and the dots.
     """
     before = len([x for x in ax.lines if x.get_linestyle() == "-"])
-    own = color or (BLUE if not before else SCENES[before % len(SCENES)])
+    own = color or (pen.BLUE if not before else pen.SCENES[before % len(pen.SCENES)])
     suffix = f", {label}" if label else ""
     rows, (low, high) = p.answers.rows, _reach(p)
     level = np.linspace(low, high, 400)
     [curve] = ax.plot(level, p.fit.curve(level), color=own, linewidth=1.1, label=f"fitted curve{suffix}", zorder=2)
     most = max(x.trials for x in rows)
-    dots: list[Line2D] = []
+    rim: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.5}
+    shares: list[Line2D] = []
     for x in rows:
         size = max(_LEAST, _MOST * (x.trials / most) ** 0.5)
-        dots += ax.plot(
-            [x.level],
-            [x.share],
-            "o",
-            color=own,
-            markersize=size,
-            markeredgecolor="white",
-            markeredgewidth=0.5,
-            zorder=3,
-        )
-    dots[0].set_label(f"answers{suffix}")
-    told = [curve, Line2D([], [], linestyle="none", marker="o", color=own, markersize=5, label=f"answers{suffix}")]
+        shares += ax.plot([x.level], [x.share], color=own, zorder=3, **dots(size, **rim))
+    shares[0].set_label(f"answers{suffix}")
+    told = [curve, Line2D([], [], color=own, label=f"answers{suffix}", **dots(5))]
     if not before:
         told += _mark(ax, p)
     ax.set_ylim(-0.03, 1.03)
     ax.set_xlim(low, high)
-    dress(ax)
-    ax.set_xlabel("level", fontsize=TEXT)
-    ax.set_ylabel("share of right answers" if p.asked.alternatives else "share of “more”", fontsize=TEXT)
+    dress(ax, "level", "share of right answers" if p.asked.alternatives else "share of “more”")
     legend(ax, [*entries(ax).values(), *told])
     if p.deviance.fits is False:
         write_note(ax, "the curve does not fit these answers")
-    return [curve, *dots]
+    return [curve, *shares]
 
 
 def jnd_figure(p: Psychometric) -> Figure:
@@ -80,16 +74,34 @@ def _mark(ax: Axes, p: Psychometric) -> list[Line2D]:
     made: list[Line2D] = []
     if not p.asked.alternatives:
         half = float(p.fit.curve(np.array([start]))[0])
-        ax.plot([start, start], [-0.03, half], color=GREY, linewidth=0.6, linestyle=DOTTED, zorder=1)
-        made.append(Line2D([], [], color=GREY, linewidth=0.6, linestyle=DOTTED, label="subjective equality"))
-    ax.plot([at, at], [-0.03, share], color=RED, linewidth=0.8, linestyle=DASHED, zorder=1)
-    ax.plot([ax.get_xlim()[0], at], [share, share], color=RED, linewidth=0.8, linestyle=DASHED, zorder=1)
+        ax.plot([start, start], [-0.03, half], color=pen.GREY, linewidth=0.6, linestyle=pen.DOTTED, zorder=1)
+        made.append(Line2D([], [], color=pen.GREY, linewidth=0.6, linestyle=pen.DOTTED, label="subjective equality"))
+    ax.plot([at, at], [-0.03, share], color=pen.RED, linewidth=0.8, linestyle=pen.DASHED, zorder=1)
+    ax.plot([ax.get_xlim()[0], at], [share, share], color=pen.RED, linewidth=0.8, linestyle=pen.DASHED, zorder=1)
     made.append(
-        Line2D([], [], color=RED, linewidth=0.8, linestyle=DASHED, label=f"JND at {100 * p.asked.proportion:.4g} %")
+        Line2D(
+            [], [], color=pen.RED, linewidth=0.8, linestyle=pen.DASHED, label=f"JND at {100 * p.asked.proportion:.4g} %"
+        )
     )
     if p.jnd.low is not None and p.jnd.high is not None:
         ends = [start + p.jnd.low, start + p.jnd.high]
-        ax.plot(ends, [share, share], color=RED, linewidth=3, alpha=0.35, solid_capstyle="butt", zorder=1)
+        ax.plot(ends, [share, share], color=pen.RED, linewidth=3, alpha=0.35, solid_capstyle="butt", zorder=1)
         told = f"{100 * p.confidence:.4g} % interval"
-        made.append(Line2D([], [], color=RED, linewidth=3, alpha=0.35, label=told))
+        made.append(Line2D([], [], color=pen.RED, linewidth=3, alpha=0.35, label=told))
+    return made
+
+
+def draw_published(ax: Axes, found: PublishedThresholds) -> list[Line2D]:
+    """A bar for each threshold that a scene can take, from its least to its largest fraction. Returns the bars."""
+    rows = [x for x in found if not x.apart]
+    made = [
+        ax.plot([100 * float(x.low), 100 * float(x.high)], [i, i], "o-", color=pen.INK, markersize=3.5, linewidth=1.1)[
+            0
+        ]
+        for i, x in enumerate(rows)
+    ]
+    dress(ax)
+    ax.set_yticks(range(len(rows)), [x.name for x in rows], fontsize=pen.SMALL)
+    ax.invert_yaxis()
+    ax.set_xlabel("just-noticeable difference (%)", fontsize=pen.TEXT)
     return made

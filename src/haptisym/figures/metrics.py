@@ -9,27 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from haptisym.figures import pen
 from haptisym.figures.judged import is_share, limit_of
 from haptisym.figures.sampling import band_of, ends_of, sampled
 from haptisym.figures.scales import scale_of
 from haptisym.figures.sheet import laid_out
-from haptisym.figures.style import (
-    BLUE,
-    DASHED,
-    GREY,
-    INK,
-    RED,
-    SMALL,
-    SOLID,
-    TEXT,
-    WIDTH,
-    Look,
-    dress,
-    entries,
-    legend,
-    limit,
-    name_frequency,
-)
+from haptisym.figures.style import Look, dress, entries, legend, limit, name_frequency
 from haptisym.verbs.metrics.measured import Bands
 from haptisym.verbs.metrics.metric import Metrics
 
@@ -40,7 +25,7 @@ _FINE: Any = (0, (1, 1))
 def metrics_figure(m: Metrics) -> Figure:
     """Curves above; below, for each measure, a bar where it is content."""
     height = 3.4
-    figure = Figure(figsize=(WIDTH, height), layout="compressed")
+    figure = Figure(figsize=(pen.WIDTH, height), layout="compressed")
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1.1))
     draw_measures(upper, m)
     draw_verdicts(lower, m)
@@ -70,32 +55,32 @@ def draw_measures(
     with np.errstate(divide="ignore", invalid="ignore"):
         size = np.abs(perc / env - 1)
     rows = (
-        (v.ratio_real, INK, SOLID, r"$r_\mathrm{r}$"),
-        (v.ratio_imag, INK, DASHED, r"$r_\mathrm{i}$"),
-        (relative, RED, _DOTS_AND_DASHES, r"$|\Delta H/H_\mathrm{env}|$"),
-        (size, BLUE, _FINE, r"$||\Gamma| - 1|$"),
+        (v.ratio_real, pen.INK, pen.SOLID, r"$r_\mathrm{r}$"),
+        (v.ratio_imag, pen.INK, pen.DASHED, r"$r_\mathrm{i}$"),
+        (relative, pen.RED, _DOTS_AND_DASHES, r"$|\Delta H/H_\mathrm{env}|$"),
+        (size, pen.BLUE, _FINE, r"$||\Gamma| - 1|$"),
     )
     lines = [
         line
         for values, own, style, name in rows
         for line in ax.plot(
-            scale.of(omega), values, color=own if look.plain else look.color, linestyle=style, linewidth=1.1,
+            scale.of(omega), values, color=look.ink(own), linestyle=style, linewidth=1.1,
             label=f"{name}{look.suffix}",
         )
     ]  # fmt: skip
     limits = sorted({limit_of(x) for x in e.criteria if not is_share(x)})
     told = entries(ax)
     thresholds = [
-        ax.axhline(c, color=GREY, linewidth=0.6, label=f"$c = {c:.3g}$") for c in limits if f"$c = {c:.3g}$" not in told
+        ax.axhline(c, color=pen.GREY, linewidth=0.6, label=f"$c = {c:.3g}$")
+        for c in limits
+        if f"$c = {c:.3g}$" not in told
     ]
     finite = relative[np.isfinite(relative)]
     most = max(limits, default=0.1)
     top = max(1.06 * float(finite.max()) if finite.size else 0.0, 1.6 * most)
     low, high = band_of(e)
     limit(ax, (scale.of(low), scale.of(high)), (0, min(top, 8 * most)), number=look.number)
-    dress(ax)
-    name_frequency(ax, scale)
-    ax.set_ylabel(r"fraction of $|H_\mathrm{env}|$", fontsize=TEXT)
+    dress(ax, scale.label, r"fraction of $|H_\mathrm{env}|$")
     legend(ax, [*lines, *thresholds])
     return lines
 
@@ -108,7 +93,9 @@ def draw_verdicts(
     Returns the bars.
     """
     before = len({str(line.get_color()) for line in ax.lines})
-    look = Look(color or (INK, BLUE, RED)[before % 3], color is not None, f", {label}" if label else "", before)
+    look = Look(
+        color or (pen.INK, pen.BLUE, pen.RED)[before % 3], color is not None, f", {label}" if label else "", before
+    )
     scale = scale_of(ax, m.evaluation.scene.band, hertz=hertz)
     rows = verdict_bands(m)
     made: list[Line2D] = []
@@ -123,7 +110,7 @@ def draw_verdicts(
     low, high = band_of(m.evaluation)
     limit(ax, (scale.of(low), scale.of(high)), (-0.6, len(rows) - 0.4), number=before)
     dress(ax)
-    ax.set_yticks(range(len(rows)), [name for name, _ in reversed(rows)], fontsize=SMALL)
+    ax.set_yticks(range(len(rows)), [name for name, _ in reversed(rows)], fontsize=pen.SMALL)
     ax.tick_params(axis="y", length=0)
     name_frequency(ax, scale)
     return made

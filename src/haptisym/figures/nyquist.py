@@ -9,14 +9,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from haptisym.figures import pen
 from haptisym.figures.sampling import band_of, broken, evenly, in_window, poles_of, refined, sampled
 from haptisym.figures.scales import Scale, band_scale
 from haptisym.figures.style import (
-    GREY,
-    INK,
     Look,
     curve_handles,
     curves,
+    dots,
+    draw_origin,
     dress,
     entries,
     handle,
@@ -60,8 +61,7 @@ def draw_nyquist(
     omega = refined(lambda w: in_window(responses(f, w), np.tile(low, 2), np.tile(high, 2)), grid)
     values = broken(responses(f, omega), omega, poles_of(evaluation))
     if not look.number:
-        ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
-        ax.axvline(0, color=GREY, linewidth=0.4, zorder=0)
+        draw_origin(ax)
     chosen = marks if marks is not None else () if look.number else _default_marks(evaluation, f, (low, high))
     marked, lines = np.asarray(chosen, dtype=float), list[Line2D]()
     for points, (colour, style, _), share in zip(_points(values), curves(look), (0.42, 0.58), strict=True):
@@ -78,7 +78,7 @@ def draw_nyquist(
     handles = curve_handles(look)
     for line, one in zip(lines, handles, strict=True):
         line.set_label(str(one.get_label()))
-    directions = [handle(INK, "none", "rising frequency", marker=">", markersize=4.2)] if ax.texts else []
+    directions = [handle(pen.INK, "none", "rising frequency", marker=">", markersize=4.2)] if ax.texts else []
     marking = _mark_frequencies(ax, f, marked, look, band_scale(evaluation.scene.band))
     legend(ax, [*handles, *directions, *marking])
     return lines
@@ -165,11 +165,11 @@ def _mark_frequencies(ax: Axes, f: Callable[..., Values], marks: Array, look: Lo
     for omega, marker in zip(marks, free * len(marks), strict=False):
         label = f"{number(scale.of(omega))} {scale.unit}"
         shape = told[label].get_marker() if label in told else marker
-        style: dict[str, Any] = {"marker": shape, "markersize": 4.2, "markeredgewidth": 0.9, "linestyle": "none"}
+        style = dots(4.2, str(shape), markeredgewidth=0.9)
         colours = [colour for colour, _, _ in curves(look)]
         for [point], colour, face in zip(
             _points(responses(f, np.array([omega]))), colours, (colours[0], "white"), strict=True
         ):
             ax.plot(*point, color=colour, markerfacecolor=face, zorder=4, **style)
-        handles.append(Line2D([], [], color=INK, markerfacecolor="none", label=label, **style))
+        handles.append(Line2D([], [], color=pen.INK, markerfacecolor="none", label=label, **style))
     return handles

@@ -13,7 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from haptisym.figures.style import SCENES, WIDTH, entries
+from haptisym.figures import pen
+from haptisym.figures.style import entries
 from haptisym.kernel.errors import NothingToDrawError, meant
 from haptisym.model.jnd import Part
 
@@ -34,12 +35,12 @@ KINDS: Mapping[str, Mapping[str, Drawing]] = MappingProxyType({
         "regions": ("regions:draw_regions",),
     },
     "evaluations": {
-        "real": ("single:draw_worst", 0),
-        "imag": ("single:draw_worst", 1),
+        "real": ("family:draw_worst", 0),
+        "imag": ("family:draw_worst", 1),
         "regions": ("regions:draw_family_regions",),
     },
     "measured": {"ratios": ("measured:draw_measured_ratios",), "nyquist": ("measured:draw_measured_nyquist",)},
-    "derivation": {"ratios": ("single:draw_formulas",)},
+    "derivation": {"ratios": ("ratios:draw_formulas",)},
     "effects": {
         **{name: ("effects:draw_influences", part) for name, part in _PARTS},
         "dominance": ("effects:draw_dominance",),
@@ -47,11 +48,11 @@ KINDS: Mapping[str, Mapping[str, Drawing]] = MappingProxyType({
     "requirement": {"worst": ("require:draw_requirement",)},
     "designmap": {"map": ("designmap:draw_map",), "wishes": ("wishes:draw_wishes",)},
     "stability": {"hands": ("stability:draw_plane",)},
-    "sensitivity": {"elasticities": ("single:draw_first",)},
+    "sensitivity": {"elasticities": ("sensitivity:draw_first",)},
     "tolerances": {"enclosures": ("tolerances:draw_tolerances",), "hands": ("heldbox:draw_held",)},
     "metrics": {"measures": ("metrics:draw_measures",), "verdicts": ("metrics:draw_verdicts",)},
-    "cost": {"time": ("single:draw_task",)},
-    "hardcosts": {"cases": ("single:draw_cases",)},
+    "cost": {"time": ("cost:draw_task",)},
+    "hardcosts": {"cases": ("hardcosts:draw_cases",)},
     "simulation": {"time": ("simulate:draw_time",), "loop": ("simulate:draw_loop",), **_RUNS},
     "release": {"motion": ("release:draw_release",)},
     "identification": {
@@ -60,9 +61,9 @@ KINDS: Mapping[str, Mapping[str, Drawing]] = MappingProxyType({
         "residuals": ("identify:draw_residuals",),
     },
     "jnd": {"answers": ("jnd:draw_jnd",)},
-    "published": {"fractions": ("single:draw_published",)},
-    "peaks": {"ratios": ("single:draw_peaks",)},
-    "sweep": {"chart": ("single:draw_swept",)},
+    "published": {"fractions": ("jnd:draw_published",)},
+    "peaks": {"ratios": ("ratios:draw_peaks",)},
+    "sweep": {"chart": ("sweep:draw_swept",)},
 })  # fmt: skip
 """Of each kind of document what can be drawn of it; the first is drawn unasked."""
 _GROUP = "haptisym plot "
@@ -83,7 +84,7 @@ def plot(found: Answer, ax: Axes | None, kind: str, color: str | None, label: st
         _widen(axes, limits)
     if not takes and (label or number):
         _named(axes, told, f", {label}" if label else f" ({number + 1})")
-    own = None if takes else color or (SCENES[number % len(SCENES)] if number else None)
+    own = None if takes else color or (pen.SCENES[number % len(pen.SCENES)] if number else None)
     for artist in _with_entries(axes, made, told):
         _coloured(artist, own)
         artist.set(**style)
@@ -121,7 +122,7 @@ def _axes() -> Axes:
     """New ones, of pyplot: notebooks show them by themselves, and ``plt.show()`` does in a script."""
     from matplotlib import pyplot
 
-    figure = pyplot.figure(figsize=(1.5 * WIDTH, WIDTH), layout="constrained")
+    figure = pyplot.figure(figsize=(1.5 * pen.WIDTH, pen.WIDTH), layout="constrained")
     return figure.add_subplot()
 
 

@@ -10,19 +10,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from haptisym.figures.labels import _share, _spread
+from haptisym.figures import pen
+from haptisym.figures.labels import mark_bands, share_of, spread
 from haptisym.figures.nyquist import responses
 from haptisym.figures.sampling import band_of, broken, ends_of, evenly, in_window, poles_of, refined, sampled, top_of
 from haptisym.figures.scales import Scale, scale_of
 from haptisym.figures.style import (
-    DOTTED,
-    GREY,
-    INK,
-    LEADER,
     MOST_NUMBERS,
-    SMALL,
     Look,
-    bars,
     curve_handles,
     curves,
     dress,
@@ -31,9 +26,7 @@ from haptisym.figures.style import (
     legend,
     limit,
     name_dynamics,
-    name_frequency,
     plate,
-    shade,
     text_width,
     write_note,
 )
@@ -86,8 +79,7 @@ def draw_projections(
     top = 1.3 * top_of(_magnitudes(f, grid, part), _magnitudes(f, evenly(evaluation), part)) or 1.0
     omega = refined(lambda w: in_window(_magnitudes(f, w, part), 0, top), grid)
     values = broken(_magnitudes(f, omega, part), omega, poles_of(evaluation))
-    where = f"not noticed{look.suffix}"
-    spans = bars(ax, unnoticed, look, scale, where) if look.number else shade(ax, unnoticed, scale, where)
+    spans = mark_bands(ax, unnoticed, look, scale, "not noticed")
     handles, lines = curve_handles(look, rf"|{name}\,", "|"), list[Line2D]()
     for magnitude, (colour, style, _), one in zip(values.T, curves(look), handles, strict=True):
         for weight, among in ((1.6, noticed), (0.7, unnoticed)):
@@ -96,8 +88,7 @@ def draw_projections(
         lines[-2].set_label(str(one.get_label()))
     low, high = band_of(evaluation)
     limit(ax, (scale.of(low), scale.of(high)), (0, top), number=look.number)
-    dress(ax)
-    name_frequency(ax, scale)
+    dress(ax, scale.label)
     name_dynamics(ax.yaxis, rf"|{name}\,H|", evaluation.scene)
     numbered = _write_all(ax, _percept_labels(evaluation, part, scale)) if not look.number else []
     legend(ax, [*handles, *spans[:1], *numbered])
@@ -157,27 +148,27 @@ def _write_percepts(ax: Axes, labels: Sequence[_Label]) -> list[Line2D]:
     numbers = {words: str(n) for n, words in enumerate(dict.fromkeys(x.words for x in named), 1)}
     _write_inside(ax, {x: fitting.get(x) or numbers[x.words] for x in labels if x in fitting or x in named})
     handles = [
-        handle(INK, "none", words, marker=f"${n}$", markersize=4, markeredgewidth=0) for words, n in numbers.items()
+        handle(pen.INK, "none", words, marker=f"${n}$", markersize=4, markeredgewidth=0) for words, n in numbers.items()
     ]
     return handles + ([entry(f"and {len(narrow) - len(named)} narrower")] if len(narrow) > len(named) else [])
 
 
 def _write_inside(ax: Axes, texts: Mapping[_Label, str]) -> None:
     """Texts side by side at the top of the axes, each in its band or tied to it."""
-    centres = [_share(ax, (label.low + label.high) / 2) for label in texts]
-    places = _spread(centres, [text_width(ax, text) for text in texts.values()])
+    centres = [share_of(ax, (label.low + label.high) / 2) for label in texts]
+    places = spread(centres, [text_width(ax, text) for text in texts.values()])
     for (label, text), centre, place in zip(texts.items(), centres, places, strict=True):
-        beside = abs(place - centre) > _share(ax, label.high) - centre
+        beside = abs(place - centre) > share_of(ax, label.high) - centre
         ax.annotate(
             text, xy=(centre, 0.82), xytext=(place, 0.98), xycoords="axes fraction", textcoords="axes fraction",
-            ha="center", va="top", fontsize=SMALL, linespacing=1.1, bbox=plate("white"),
-            arrowprops=LEADER if beside else None,
+            ha="center", va="top", fontsize=pen.SMALL, linespacing=1.1, bbox=plate("white"),
+            arrowprops=pen.LEADER if beside else None,
         )  # fmt: skip
 
 
 def _fitting(ax: Axes, label: _Label) -> str:
     """The words on one line or two, as fits into the band; nothing if neither does."""
-    room = _share(ax, label.high) - _share(ax, label.low)
+    room = share_of(ax, label.high) - share_of(ax, label.low)
     gap = ", " if ", " in label.words else " "
     layouts = (label.words, label.words.replace(gap, f"{gap.strip()}\n", 1))
     return next((text for text in layouts if text_width(ax, text) <= room), "")
@@ -185,4 +176,4 @@ def _fitting(ax: Axes, label: _Label) -> str:
 
 def _draw_boundaries(ax: Axes, labels: Iterable[_Label]) -> None:
     for omega in sorted({x for label in labels for x in (label.low, label.high)} - set(ax.get_xlim())):
-        ax.axvline(omega, color=GREY, linewidth=0.5, linestyle=DOTTED, zorder=1)
+        ax.axvline(omega, color=pen.GREY, linewidth=0.5, linestyle=pen.DOTTED, zorder=1)

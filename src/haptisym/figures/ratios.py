@@ -4,36 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import groupby
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from haptisym.figures import pen
 from haptisym.figures.judged import columns, is_share, limit_of, name_of
-from haptisym.figures.labels import label_above
+from haptisym.figures.labels import label_above, mark_bands
 from haptisym.figures.sampling import band_of, broken, evenly, in_window, refined, sampled, top_of
 from haptisym.figures.scales import Scale, scale_of
-from haptisym.figures.style import (
-    DASHED,
-    GREY,
-    MOST_LABELS,
-    SOLID,
-    STROKES,
-    TEXT,
-    Look,
-    bars,
-    dress,
-    entries,
-    entry,
-    legend,
-    limit,
-    name_frequency,
-    number,
-    shade,
-)
+from haptisym.figures.style import MOST_LABELS, Look, dots, dress, entries, entry, legend, limit, number
 from haptisym.judge.criteria import Criterion
 from haptisym.judge.evaluation import Evaluation
+from haptisym.judge.peaks import Peaks
 from haptisym.programs.values import Array
+from haptisym.verbs.evaluate.entry import evaluate
+
+if TYPE_CHECKING:
+    from haptisym.verbs.derive.derivation import Derivation
 
 
 def draw_ratios(
@@ -68,30 +58,34 @@ def draw_ratios(
     top = max(top_of(judged(grid), judged(evenly(evaluation)), max(limits)), 2 * max(limits))
     omega = refined(lambda w: in_window(judged(w), 0, top), grid)
     ratios = broken(judged(omega), omega, evaluation.unbounded)
-    where = f"transparent{look.suffix}"
-    found = evaluation.transparent
-    spans = bars(ax, found, look, scale, where) if look.number else shade(ax, found, scale, where)
+    spans = mark_bands(ax, evaluation.transparent, look, scale, "transparent")
     thresholds = _draw_thresholds(ax, limits, shares=any(map(is_share, criteria)))
-    lines = [
-        line
-        for values, x, style in zip(ratios.T, criteria, STROKES, strict=False)
-        for line in ax.plot(
-            scale.of(omega),
-            values,
-            color=look.color,
-            linewidth=1.1,
-            linestyle=style,
-            label=f"{name_of(x)}{look.suffix}",
-        )
-    ]
+    lines: list[Line2D] = []
+    for values, x, stroke in zip(ratios.T, criteria, pen.STROKES, strict=False):
+        label = f"{name_of(x)}{look.suffix}"
+        lines += ax.plot(scale.of(omega), values, color=look.color, linewidth=1.1, linestyle=stroke, label=label)
     limit(ax, _span(evaluation, scale), (0, top), number=look.number)
-    dress(ax)
-    name_frequency(ax, scale)
-    ax.set_ylabel(_judged(criteria), fontsize=TEXT)
-    dots = _mark_crossings(ax, evaluation, look, scale)
+    dress(ax, scale.label, _judged(criteria))
+    marks = _mark_crossings(ax, evaluation, look, scale)
     label_above(ax, _frequency_labels(evaluation, scale, omega, ratios.max(axis=1), top), look.color)
     shown = spans[:1] or [entry(f"nowhere transparent{look.suffix}")]
-    legend(ax, [*lines, *thresholds, *shown, *dots, *_counted(evaluation, look)], lines=1)
+    legend(ax, [*lines, *thresholds, *shown, *marks, *_counted(evaluation, look)], lines=1)
+    return lines
+
+
+def draw_formulas(ax: Axes, found: Derivation, *, color: str | None = None, label: str = "") -> list[Line2D]:
+    """The ratios that the formulas give with the scene's values. Returns the lines."""
+    return draw_ratios(ax, evaluate(found.scene), color=color, label=label)
+
+
+def draw_peaks(ax: Axes, found: Peaks, *, color: str | None = None, label: str = "") -> list[Line2D]:
+    """The ratios over the band, and a triangle at each of their local maxima. Returns the lines of the ratios."""
+    look, scale = Look.on(ax, "peaks", color, label), scale_of(ax, found.scene.band)
+    lines = draw_ratios(ax, evaluate(found.scene), color=color, label=label)
+    at = [(scale.of(float(x.omega)), float(x.ratio)) for x in found]
+    if at:
+        x, y = zip(*at, strict=True)
+        legend(ax, ax.plot(x, y, "v", color=look.color, markersize=4, zorder=5, label=f"peaks{look.suffix}"), lines=1)
     return lines
 
 
@@ -111,10 +105,10 @@ def _draw_thresholds(ax: Axes, limits: Sequence[float], *, shares: bool) -> list
     """The thresholds that are not drawn yet; entries of them all."""
     names = (r"c_\mathrm{r}", r"c_\mathrm{i}") if len(set(limits)) > 1 else ("c",)
     made = []
-    for name, c, style in zip(names, limits, (SOLID, DASHED), strict=False):
+    for name, c, style in zip(names, limits, (pen.SOLID, pen.DASHED), strict=False):
         label = "limit" if shares and c == 1 else f"${name} = {c:.3g}$"
         if label not in entries(ax):
-            made.append(ax.axhline(c, color=GREY, linewidth=0.6, linestyle=style, label=label))
+            made.append(ax.axhline(c, color=pen.GREY, linewidth=0.6, linestyle=style, label=label))
     return made
 
 
@@ -126,8 +120,8 @@ def _mark_crossings(ax: Axes, evaluation: Evaluation, look: Look, scale: Scale) 
         if not omega:  # an unclipped line without points would upset the layout
             continue
         made += ax.plot(
-            omega, [limit_of(x)] * len(omega), linestyle="none", marker="o", markersize=3.6, color=look.color,
-            markerfacecolor=face, markeredgewidth=0.8, zorder=4, clip_on=False, label=f"{name_of(x)} crosses{look.suffix}",
+            omega, [limit_of(x)] * len(omega), color=look.color, zorder=4, clip_on=False,
+            label=f"{name_of(x)} crosses{look.suffix}", **dots(3.6, markerfacecolor=face, markeredgewidth=0.8),
         )  # fmt: skip
     return made
 

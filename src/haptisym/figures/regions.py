@@ -14,26 +14,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.transforms import Affine2D
 
+from haptisym.figures import pen
 from haptisym.figures.outlines import outline
 from haptisym.figures.sampling import sampled
 from haptisym.figures.scales import band_scale
 from haptisym.figures.sheet import one_column
-from haptisym.figures.style import (
-    BLUE,
-    DASHED,
-    DOTTED,
-    GREY,
-    INK,
-    RED,
-    SCENES,
-    SMALL,
-    SOLID,
-    TEXT,
-    dress,
-    handle,
-    legend,
-    limit,
-)
+from haptisym.figures.style import dots, draw_origin, dress, handle, legend, limit
 from haptisym.judge.criteria import noticed
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.spread import Compared, half_widths
@@ -41,7 +27,12 @@ from haptisym.programs.formulas import floats_of
 from haptisym.programs.values import Array
 from haptisym.verbs.family.entry import FamilyEvaluation
 
-_LOOKS = ((GREY, SOLID, "s"), (BLUE, DASHED, "o"), (RED, DOTTED, "D"), (SCENES[1], SOLID, "x"))
+_LOOKS = (
+    (pen.GREY, pen.SOLID, "s"),
+    (pen.BLUE, pen.DASHED, "o"),
+    (pen.RED, pen.DOTTED, "D"),
+    (pen.SCENES[1], pen.SOLID, "x"),
+)
 """Of each region: colour, stroke of its border, mark of its bandwidth."""
 _BROAD = 16
 """Letters of a name in a line of it: more leave the axes no room."""
@@ -57,7 +48,7 @@ def draw_regions(ax: Axes, evaluation: Evaluation) -> list[Line2D]:
     omega = sampled(evaluation)
     way = _way(f(omega))
     corners = [_draw_region(ax, evaluation, x, look) for x, look in zip(evaluation.regions, _LOOKS, strict=False)]
-    [line] = ax.plot(*way.T, color=INK, linewidth=1.1)
+    [line] = ax.plot(*way.T, color=pen.INK, linewidth=1.1)
     for x, (color, _, _) in zip(evaluation.regions, _LOOKS, strict=False):
         if x.crossing:
             [place] = _way(f(np.array([float(x.crossing.omega)])))
@@ -65,15 +56,12 @@ def draw_regions(ax: Axes, evaluation: Evaluation) -> list[Line2D]:
     reach = 1.6 * np.abs(np.concatenate(corners)).max()
     limit(ax, (-reach, reach), (-reach, reach))
     ax.set_aspect("equal", adjustable="box")
-    ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
-    ax.axvline(0, color=GREY, linewidth=0.4, zorder=0)
-    dress(ax)
-    ax.set_xlabel(r"$\mathrm{Re}\,\Delta H/|H_\mathrm{env}|$", fontsize=TEXT)
-    ax.set_ylabel(r"$\mathrm{Im}\,\Delta H/|H_\mathrm{env}|$", fontsize=TEXT)
+    draw_origin(ax)
+    dress(ax, r"$\mathrm{Re}\,\Delta H/|H_\mathrm{env}|$", r"$\mathrm{Im}\,\Delta H/|H_\mathrm{env}|$")
     shown = [
         handle(color, style, x.name, 1.0) for x, (color, style, _) in zip(evaluation.regions, _LOOKS, strict=False)
     ]
-    legend(ax, [handle(INK, SOLID, r"$\Delta H$ over the band", 1.1), *shown])
+    legend(ax, [handle(pen.INK, pen.SOLID, r"$\Delta H$ over the band", 1.1), *shown])
     return [line]
 
 
@@ -121,18 +109,16 @@ def draw_family_regions(ax: Axes, evaluation: FamilyEvaluation) -> list[Line2D]:
     for i, (x, (color, _, marker)) in enumerate(zip(evaluation.regions, _LOOKS, strict=False)):
         widths = [*(x.answers[name].bandwidth for name in evaluation.family), x.bandwidth]
         at = [np.nan if w is None else float(scale.of(float(w))) for w in widths]
-        marks += ax.plot(
-            at, rows + 0.2 * (i - 1.5), color=color, linestyle="", marker=marker, markersize=3.4, label=x.name
-        )
+        marks += ax.plot(at, rows + 0.2 * (i - 1.5), color=color, label=x.name, **dots(3.4, marker))
         marks[-1].set(zorder=3, clip_on=False)
     empty = np.isnan(np.array([x.get_xdata() for x in marks], dtype=float)).all(axis=0)
     for row in rows[empty]:
-        ax.text(low + 0.01 * (high - low), row, "no bandwidth", fontsize=SMALL, color=INK, va="center")
-    ax.axhline(len(names) - 1.5, color=GREY, linewidth=0.5)
+        ax.text(low + 0.01 * (high - low), row, "no bandwidth", fontsize=pen.SMALL, color=pen.INK, va="center")
+    ax.axhline(len(names) - 1.5, color=pen.GREY, linewidth=0.5)
     ax.set(xlim=(low, high), ylim=(len(names) - 0.5, -0.5))
     dress(ax)
     ax.set_yticks(range(len(names)), [fill(x, _BROAD, max_lines=3, placeholder="…") for x in names])
-    ax.set_xlabel(f"bandwidth ({scale.unit})", fontsize=TEXT)
+    ax.set_xlabel(f"bandwidth ({scale.unit})", fontsize=pen.TEXT)
     legend(ax, marks)
     return marks
 

@@ -10,8 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from haptisym.figures.sheet import one_column, save
-from haptisym.figures.style import DASHED, GREY, RED, TEXT, Look, dress, legend, limit
+from haptisym.figures import pen
+from haptisym.figures.sheet import one_column, save_all
+from haptisym.figures.style import Look, dress, legend, limit
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.propagate import finer
 from haptisym.verbs.simulate.released import Release
@@ -26,10 +27,8 @@ def release_figure(r: Release) -> Figure:
 
 
 def save_release_figures(r: Release, directory: str | Path) -> list[Path]:
-    """The figure as SVG, PDF and PNG, in a directory that is made if need be."""
-    folder = Path(directory)
-    folder.mkdir(parents=True, exist_ok=True)
-    return save(folder / "release", release_figure(r))
+    """The figure as files."""
+    return save_all({"release": release_figure(r)}, directory)
 
 
 def draw_release(ax: Axes, r: Release, *, color: str | None = None, label: str = "") -> list[Line2D]:
@@ -53,13 +52,11 @@ def draw_release(ax: Axes, r: Release, *, color: str | None = None, label: str =
     )
     lines = motion
     if not look.number:
-        ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
+        ax.axhline(0, color=pen.GREY, linewidth=0.4, zorder=0)
         lines = [*motion, *_envelope(ax, r, time[inside], x[inside], factor)]
     most = 1.08 * factor * float(np.abs(x[inside]).max())
     limit(ax, (0, end), (-most, most), number=look.number)
-    dress(ax)
-    ax.set_xlabel("time (s)", fontsize=TEXT)
-    ax.set_ylabel(f"motion ({unit})", fontsize=TEXT)
+    dress(ax, "time (s)", f"motion ({unit})")
     legend(ax, lines)
     return lines
 
@@ -80,7 +77,7 @@ def _envelope(ax: Axes, r: Release, time: Array, x: Array, factor: float) -> lis
     late = time > time[-1] / 3
     shape = np.exp(r.closed.rate * time)
     height = float(np.max(np.abs(x[late]) / shape[late])) * factor
-    style: dict[str, Any] = {"color": RED, "linestyle": DASHED, "linewidth": 0.9}
+    style: dict[str, Any] = {"color": pen.RED, "linestyle": pen.DASHED, "linewidth": 0.9}
     upper = ax.plot(time, height * shape, label="envelope of the closed form", **style)
     if r.closed.omega:
         ax.plot(time, -height * shape, **style)

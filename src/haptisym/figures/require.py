@@ -13,26 +13,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from sympy import Expr, Float, S
 
+from haptisym.figures import pen
 from haptisym.figures.judged import judged, limit_of
 from haptisym.figures.scales import RADIANS, Scale, band_scale
 from haptisym.figures.sheet import one_column
-from haptisym.figures.style import (
-    BLUE,
-    DASHED,
-    GREY,
-    INK,
-    RED,
-    SHADE,
-    SOLID,
-    TEXT,
-    Look,
-    dress,
-    entries,
-    entry,
-    legend,
-    limit,
-    name_parameter,
-)
+from haptisym.figures.style import Look, dress, entries, entry, legend, limit, name_parameter
 from haptisym.judge.criteria import Criterion
 from haptisym.model.distortion import Distortion
 from haptisym.model.knobs import Knob
@@ -43,7 +28,7 @@ from haptisym.verbs.require.feasible import Span
 from haptisym.verbs.require.required import Requirement
 
 _GRID, _VALUES = 600, 400
-HATCH: dict[str, Any] = {"facecolor": "none", "edgecolor": GREY, "hatch": "////", "linewidth": 0}
+HATCH: dict[str, Any] = {"facecolor": "none", "edgecolor": pen.GREY, "hatch": "////", "linewidth": 0}
 
 
 class CriterionLook(NamedTuple):
@@ -56,10 +41,10 @@ class CriterionLook(NamedTuple):
 
 def look_of(x: Criterion) -> CriterionLook:
     """The same in all figures."""
-    return _LOOKS.get(x.name, CriterionLook(INK, (0, (5, 1.5, 1, 1.5)), "D"))
+    return _LOOKS.get(x.name, CriterionLook(pen.INK, (0, (5, 1.5, 1, 1.5)), "D"))
 
 
-_LOOKS = {"real": CriterionLook(BLUE, SOLID, "o"), "imag": CriterionLook(RED, DASHED, "s")}
+_LOOKS = {"real": CriterionLook(pen.BLUE, pen.SOLID, "o"), "imag": CriterionLook(pen.RED, pen.DASHED, "s")}
 
 
 def requirement_figure(found: Requirement) -> Figure:
@@ -100,20 +85,20 @@ def draw_requirement(ax: Axes, found: Requirement, *, color: str | None = None, 
     for x, one in zip(found.criteria, looks, strict=True):
         own = look_of(x)
         lines += ax.plot(
-            scale.of(t), curves[x], color=own.color if one.plain else one.color, linestyle=own.stroke, linewidth=1.1,
+            scale.of(t), curves[x], color=one.ink(own.color), linestyle=own.stroke, linewidth=1.1,
             label=f"{x.words}{one.suffix}",
         ) if x in curves else []  # fmt: skip
     ends = [scale.of(float(end.value)) for end in found.ends if end.value is not None]
-    dots = _dots(ax, ends, INK if look.plain else look.color, f"ends, proven{look.suffix}")
+    dots = _dots(ax, ends, look.ink(pen.INK), f"ends, proven{look.suffix}")
     is_new = bool(lines) and "threshold" not in entries(ax)
-    threshold = [ax.axhline(1, color=GREY, linewidth=0.6, label="threshold")] if is_new else []
+    threshold = [ax.axhline(1, color=pen.GREY, linewidth=0.6, label="threshold")] if is_new else []
     lowest = [float(np.min(worst[np.isfinite(worst)], initial=np.inf)) for worst in curves.values()]
     top = max([3.0, *(1.5 * x for x in lowest if x < np.inf)])  # each curve is seen somewhere
     limit(ax, (scale.of(low), scale.of(high)), (0, top), number=look.number)
     dress(ax)
-    ax.set_xlabel(label_of(found.free, scale), fontsize=TEXT)
+    ax.set_xlabel(label_of(found.free, scale), fontsize=pen.TEXT)
     if lines:
-        ax.set_ylabel("worst case on the band, $r/c$", fontsize=TEXT)
+        ax.set_ylabel("worst case on the band, $r/c$", fontsize=pen.TEXT)
     else:  # what was asked has no course along a band
         ax.set_yticks([])
         ax.set_ylim(0, 2)
@@ -143,9 +128,9 @@ def _draw_set(ax: Axes, found: Requirement, look: Look, scale: Scale, window: tu
                 [a, b], y, color=look.color, linewidth=2.5, alpha=0.6, marker=marker, transform=ax.get_xaxis_transform()
             )
         elif a == b:
-            made.append(ax.axvline(a, color=SHADE, linewidth=2, zorder=0))
+            made.append(ax.axvline(a, color=pen.SHADE, linewidth=2, zorder=0))
         else:
-            made.append(ax.axvspan(a, b, facecolor=SHADE, linewidth=0, zorder=0))
+            made.append(ax.axvspan(a, b, facecolor=pen.SHADE, linewidth=0, zorder=0))
     word = kept_words(found.that)
     told = made[:1] or [entry(f"no value is {word if found.certified else f'proven {word}'}{look.suffix}")]
     told[0].set_label(f"{word}{look.suffix}" if made else str(told[0].get_label()))

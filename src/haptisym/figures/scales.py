@@ -37,10 +37,17 @@ HERTZ = Scale("Hz", "frequency (Hz)", tau)
 
 def scale_of(ax: Axes, band: Iterable[Expr], *, hertz: bool | None = None) -> Scale:
     """The unit of the horizontal axis: what was asked for, else the one that it has, else that of the band."""
-    drawn = {HERTZ.label: HERTZ, RADIANS.label: RADIANS}.get(ax.get_xlabel())
-    if hertz is None:
-        return drawn or band_scale(band)
-    return HERTZ if hertz else RADIANS
+    return wanted_scale(hertz=hertz) or labelled_scale(ax.get_xlabel()) or band_scale(band)
+
+
+def wanted_scale(*, hertz: bool | None) -> Scale | None:
+    """What was asked for; None where nothing was."""
+    return None if hertz is None else HERTZ if hertz else RADIANS
+
+
+def labelled_scale(label: str) -> Scale | None:
+    """That of an axis with this label; None where that tells none."""
+    return next((x for x in (HERTZ, RADIANS) if x.label == label), None)
 
 
 def band_scale(band: Iterable[Expr]) -> Scale:

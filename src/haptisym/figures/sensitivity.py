@@ -10,8 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from sympy import Symbol
 
+from haptisym.figures import pen
 from haptisym.figures.scales import RADIANS, Scale, band_scale
-from haptisym.figures.style import BLUE, GREY, INK, RED, SCENES, SMALL, TEXT, WIDTH, entries, legend, number, written
+from haptisym.figures.style import dress_rows, entries, legend, number, written
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.verbs.sensitivity.entry import Sensitivities
 from haptisym.verbs.sensitivity.slopes import Sensitive
@@ -43,24 +44,31 @@ def draw_elasticities(
     ticks = [text.get_text() for text in ax.get_yticklabels()] if before else []
     ticks += [name for name in names if name not in ticks]
     places = [ticks.index(name) for name in names]
-    one = color or (SCENES[before] if before else None)
+    one = color or (pen.SCENES[before] if before else None)
     bars = ax.barh(
-        places, values, height=0.28 if before else 0.62, color=one or [BLUE if v > 0 else RED for v in values]
+        places, values, height=0.28 if before else 0.62, color=one or [pen.BLUE if v > 0 else pen.RED for v in values]
     )
     if not before:
-        ax.axvline(0, color=INK, linewidth=0.6)
+        ax.axvline(0, color=pen.INK, linewidth=0.6)
         where = f"{scale.digits(found.omega, 5)} {scale.unit}{': undefined' if found.reason else ''}"
-        ax.set_title(f"{title}\n{where}", fontsize=TEXT, loc="left")
+        ax.set_title(f"{title}\n{where}", fontsize=pen.TEXT, loc="left")
         _write_values(ax, values)
-    ax.set_yticks(range(len(ticks)), ticks, fontsize=SMALL)
-    ax.set_ylim(len(ticks) - 0.5, -0.5)
-    ax.tick_params(labelsize=SMALL, length=2, width=0.5, color=INK)
-    ax.tick_params(axis="y", length=0)
-    ax.spines[["top", "right", "left"]].set_visible(False)
+    dress_rows(ax, ticks)
     ax.margins(x=0.28)
     if label:
-        legend(ax, [*entries(ax).values(), Patch(color=one or BLUE, label=label)], lines=2)
+        legend(ax, [*entries(ax).values(), Patch(color=one or pen.BLUE, label=label)], lines=2)
     return bars
+
+
+def draw_first(ax: Axes, found: Sensitivities, *, color: str | None = None, label: str = "") -> list[Patch]:
+    """The elasticities of the bandwidth, or of the first frequency where there is none. Returns the bars."""
+    listed = [("bandwidth", found.bandwidth)] if found.bandwidth else panels(found)
+    if not listed:
+        raise NothingToDrawError("there is no crossing nor changeover on the band that parameters could move")
+    title, first = listed[0]
+    assert first is not None
+    scale = band_scale(found.evaluation.scene.band)
+    return list(draw_elasticities(ax, first, title, scale, color=color, label=label))
 
 
 def _write_values(ax: Axes, values: Sequence[float]) -> None:
@@ -68,7 +76,7 @@ def _write_values(ax: Axes, values: Sequence[float]) -> None:
     for i, v in enumerate(values):
         shown = f"+{number(v, 3)}" if v > 0 else number(v, 3)
         ax.annotate(shown, (v, i), (3 if v > 0 else -3, 0), textcoords="offset points",
-                    ha="left" if v > 0 else "right", va="center", fontsize=SMALL, color=GREY)  # fmt: skip
+                    ha="left" if v > 0 else "right", va="center", fontsize=pen.SMALL, color=pen.GREY)  # fmt: skip
 
 
 def elasticities_figure(found: Sensitivities) -> Figure:
@@ -77,7 +85,7 @@ def elasticities_figure(found: Sensitivities) -> Figure:
     if not shown:
         raise NothingToDrawError("there is no crossing nor changeover on the band that parameters could move")
     rows = [max(1, min(sum(bool(p.elasticity and float(p.elasticity)) for p in x.parameters), _MOST)) for _, x in shown]
-    figure = Figure(figsize=(WIDTH, sum(_ROW * n + _HEAD for n in rows) + _FOOT))
+    figure = Figure(figsize=(pen.WIDTH, sum(_ROW * n + _HEAD for n in rows) + _FOOT))
     scale, axes = band_scale(found.evaluation.scene.band), list[Axes]()
     for title, x in shown:
         axes.append(figure.add_axes((0.1, 0.1, 0.8, 0.8), sharex=axes[0] if axes else None, label=str(len(axes))))
@@ -87,7 +95,7 @@ def elasticities_figure(found: Sensitivities) -> Figure:
     more = len(found.crossings) + len(found.changeovers_environment) + len(found.changeovers_perceived) - len(shown)
     rest = f"\n({more} more frequencies in the text)" if more > 0 else ""
     axes[-1].tick_params(labelbottom=True)
-    axes[-1].set_xlabel(rf"elasticity, $(p/\omega)\,\mathrm{{d}}\omega/\mathrm{{d}}p${rest}", fontsize=TEXT)
+    axes[-1].set_xlabel(rf"elasticity, $(p/\omega)\,\mathrm{{d}}\omega/\mathrm{{d}}p${rest}", fontsize=pen.TEXT)
     return figure
 
 

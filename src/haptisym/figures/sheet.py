@@ -1,16 +1,55 @@
-"""A figure as a sheet: one column of a journal, with room for its legend, and its files."""
+"""A figure as a sheet: one column of a journal, with room for its legend; and all figures of an answer as files."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
+from types import MappingProxyType
+from typing import Generic, TypeVar
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from haptisym.figures import pen
 from haptisym.figures.kinds import UNDATED, checked
-from haptisym.figures.style import WIDTH
+
+A = TypeVar("A")
+
+
+class Drawings(Generic[A]):
+    """The figures of a kind of answer by their names: how high each is, in inches, and what draws it.
+
+    ``without`` : the names of those for which an answer has nothing.
+    """
+
+    def __init__(
+        self, rows: Mapping[str, tuple[float, Callable[[Axes, A], object]]], without: Callable[[A], Collection[str]]
+    ) -> None:
+        self._rows = MappingProxyType(dict(rows))
+        self._without = without
+
+    def figure(self, answer: A, name: str, *, wide: bool = False) -> Figure:
+        """One of them, one column wide, or one and a half."""
+        height, draw = self._rows[name]
+        return one_column(height, lambda ax: draw(ax, answer), 1.5 * pen.WIDTH if wide else pen.WIDTH)
+
+    def save(self, answer: A, directory: str | Path, kinds: Iterable[str] = tuple(UNDATED)) -> list[Path]:
+        """All of them as files, as of ``save_all``."""
+        without = self._without(answer)
+        return save_all(
+            {name: self.figure(answer, name) for name in self._rows if name not in without}, directory, kinds
+        )
+
+
+def save_all(figures: Mapping[str, Figure], directory: str | Path, kinds: Iterable[str] = tuple(UNDATED)) -> list[Path]:
+    """Figures by their names as SVG, PDF and PNG, or as some of them, in a directory that is made if need be.
+
+    The same figures give the same files, byte for byte.
+    """
+    folder = Path(directory)
+    folder.mkdir(parents=True, exist_ok=True)
+    return [path for name, figure in figures.items() for path in save(folder / name, figure, kinds)]
 
 
 def save(stem: Path, figure: Figure, kinds: Iterable[str] = tuple(UNDATED)) -> list[Path]:
@@ -26,7 +65,7 @@ def save_as(figure: Figure, path: str | Path) -> Path:
     return target
 
 
-def one_column(height: float, draw: Callable[[Axes], object], width: float = WIDTH) -> Figure:
+def one_column(height: float, draw: Callable[[Axes], object], width: float = pen.WIDTH) -> Figure:
     """A drawing of that height, in inches, without its legend; one with equal scales takes the height that it needs."""
     figure = Figure(figsize=(width, height), layout="compressed")
     ax = figure.add_subplot()

@@ -5,19 +5,17 @@ Each ``draw_`` function draws on the axes that it is given; ``save_simulation_fi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
-from types import MappingProxyType
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from haptisym.figures import pen
 from haptisym.figures.scales import scale_of
-from haptisym.figures.sheet import one_column, save
-from haptisym.figures.style import BLUE, DASHED, GREY, INK, RED, SMALL, TEXT, Look, dress, legend, limit, name_frequency
+from haptisym.figures.sheet import Drawings
+from haptisym.figures.style import Look, dots, draw_origin, dress, legend, limit
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import MotionKind as Kind
 from haptisym.programs.values import Array
@@ -47,17 +45,20 @@ def draw_time(ax: Axes, run: Simulation, *, color: str | None = None, label: str
     most, reach = (float(np.abs(x).max()) or 1.0 for x in (force, motion))
     lines = ax.plot(time, force, color=look.color, linewidth=1.0, label=f"force{look.suffix}", zorder=3)
     if not look.number:
-        ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
+        ax.axhline(0, color=pen.GREY, linewidth=0.4, zorder=0)
         factor, shown = _length(reach, length)
         share = most / (reach * factor)  # the motion is drawn as high as the force
         lines += ax.plot(
-            time, motion * factor * share, color=BLUE, linestyle=DASHED, linewidth=1.0, label=f"motion{look.suffix}"
+            time,
+            motion * factor * share,
+            color=pen.BLUE,
+            linestyle=pen.DASHED,
+            linewidth=1.0,
+            label=f"motion{look.suffix}",
         )
         _right_axis(ax, share, f"motion ({shown})")
     limit(ax, (time[0], time[-1]), (-1.08 * most, 1.08 * most), number=look.number)
-    dress(ax)
-    ax.set_xlabel("time (s)", fontsize=TEXT)
-    ax.set_ylabel(f"force ({newton})", fontsize=TEXT)
+    dress(ax, "time (s)", f"force ({newton})")
     legend(ax, lines)
     return lines
 
@@ -66,9 +67,9 @@ def _right_axis(ax: Axes, share: float, label: str) -> None:
     """An axis at the right, for what is drawn that many times as high."""
     there: Any = (lambda y: y / share, lambda y: y * share)
     right: Any = ax.secondary_yaxis("right", functions=there)
-    right.set_ylabel(label, fontsize=TEXT, color=BLUE)
-    right.tick_params(labelsize=SMALL, width=0.5, length=2.5, color=GREY, labelcolor=BLUE)
-    right.spines["right"].set(linewidth=0.5, color=GREY)
+    right.set_ylabel(label, fontsize=pen.TEXT, color=pen.BLUE)
+    right.tick_params(labelsize=pen.SMALL, width=0.5, length=2.5, color=pen.GREY, labelcolor=pen.BLUE)
+    right.spines["right"].set(linewidth=0.5, color=pen.GREY)
 
 
 def draw_loop(ax: Axes, run: Simulation, *, color: str | None = None, label: str = "") -> list[Line2D]:
@@ -83,30 +84,20 @@ def draw_loop(ax: Axes, run: Simulation, *, color: str | None = None, label: str
     factor, shown = _length(run.motion.amplitude, length)
     look = Look.on(ax, "at the hand", color, label)
     if not look.number:
-        ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
-        ax.axvline(0, color=GREY, linewidth=0.4, zorder=0)
+        draw_origin(ax)
     x, force, name = _environment_loop(run, part)
-    blue, red = (BLUE, RED) if look.plain else (look.color, look.color)
+    blue, red = (pen.BLUE, pen.RED) if look.plain else (look.color, look.color)
     lines = ax.plot(_smooth(x) * factor, _smooth(force), color=blue, linewidth=1.1, label=f"{name}{look.suffix}")
     lines += ax.plot(
-        _smooth(run.displacement[part]) * factor, _smooth(run.force[part]), color=red, linestyle=DASHED, linewidth=1.1,
+        _smooth(run.displacement[part]) * factor, _smooth(run.force[part]), color=red, linestyle=pen.DASHED, linewidth=1.1,
         label=f"at the hand{look.suffix}",
     )  # fmt: skip
-    dress(ax)
-    ax.set_xlabel(f"displacement ({shown})", fontsize=TEXT)
-    ax.set_ylabel(f"force ({newton})", fontsize=TEXT)
+    dress(ax, f"displacement ({shown})", f"force ({newton})")
     legend(ax, lines)
     return lines
 
 
-_RING: dict[str, Any] = {
-    "marker": "o",
-    "markersize": 3.8,
-    "markerfacecolor": "white",
-    "markeredgewidth": 0.9,
-    "linestyle": "none",
-    "zorder": 4,
-}
+_RING = dots(3.8, markerfacecolor="white", markeredgewidth=0.9, zorder=4)
 
 
 def draw_recovered(
@@ -131,17 +122,16 @@ def draw_recovered(
     curve = values.perceived_real if part is Part.REAL else values.perceived_imag
     found = [x.simulated.real if part is Part.REAL else x.simulated.imag for x in rows]
     if not look.number:
-        ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
-    line, ring = (RED, INK) if look.plain else (look.color, look.color)
+        ax.axhline(0, color=pen.GREY, linewidth=0.4, zorder=0)
+    line, ring = (pen.RED, pen.INK) if look.plain else (look.color, look.color)
     named = {name: f"{name}{look.suffix}" for name in ("closed form", "from the simulated force")}
-    lines = ax.plot(scale.of(grid), curve, color=line, linestyle=DASHED, linewidth=1.1, label=named["closed form"])
+    lines = ax.plot(scale.of(grid), curve, color=line, linestyle=pen.DASHED, linewidth=1.1, label=named["closed form"])
     lines += ax.plot(scale.of(omegas), found, color=ring, label=named["from the simulated force"], **_RING)
     limit(ax, (scale.of(grid[0]), scale.of(grid[-1])), _limits(curve, np.array(found)), number=look.number)
-    dress(ax)
-    name_frequency(ax, scale)
+    dress(ax, scale.label)
     unit = "N·m/rad" if scene.motion is Kind.ROTATION else "N/m"
     name = rf"\mathrm{{{'Re' if part is Part.REAL else 'Im'}}}"
-    ax.set_ylabel(rf"${name}\,H_\mathrm{{perc}}$ ({unit})", fontsize=TEXT)
+    ax.set_ylabel(rf"${name}\,H_\mathrm{{perc}}$ ({unit})", fontsize=pen.TEXT)
     legend(ax, lines)
     return lines
 
@@ -151,31 +141,6 @@ def _around(omegas: Array) -> Array:
     low, high = omegas[0], omegas[-1]
     margin = 0.04 * (high - low) or 0.1 * high
     return np.linspace(max(low - margin, low / 2), high + margin, 601)
-
-
-def save_simulation_figures(runs: Sequence[Simulation], directory: str | Path) -> list[Path]:
-    """All figures of a simulation as SVG, PDF and PNG, one column (3.4 in) wide, in a directory that is made if need be.
-
-    Time and loops are those of the middle run; H_perc is drawn where at least one ratio was recovered.
-    """
-    folder = Path(directory)
-    folder.mkdir(parents=True, exist_ok=True)
-    names = [name for name in _DRAWINGS if name.startswith("simulated") or any(run.estimates for run in runs)]
-    return [path for name in names for path in save(folder / name, simulation_figure(runs, name))]
-
-
-def simulation_figure(runs: Sequence[Simulation], name: str) -> Figure:
-    """One of the figures of a simulation by its name."""
-    height, draw = _DRAWINGS[name]
-    return one_column(height, lambda ax: draw(ax, runs))
-
-
-_DRAWINGS: Mapping[str, tuple[float, Callable[[Axes, Sequence[Simulation]], object]]] = MappingProxyType({
-    "simulated-time": (2.0, lambda ax, runs: draw_time(ax, runs[len(runs) // 2])),
-    "simulated-loop": (2.4, lambda ax, runs: draw_loop(ax, runs[len(runs) // 2])),
-    "recovered-real": (2.0, lambda ax, runs: draw_recovered(ax, runs, Part.REAL)),
-    "recovered-imag": (2.0, lambda ax, runs: draw_recovered(ax, runs, Part.IMAG)),
-})  # fmt: skip
 
 
 def _last(run: Simulation, periods: int) -> slice:
@@ -219,3 +184,16 @@ def _units(run: Simulation) -> tuple[str, str]:
 def _length(largest: float, unit: str) -> tuple[float, str]:
     """How many of the unit in which a displacement is drawn make one of its own, and that unit: mm for small ones."""
     return (1e3, "mm") if unit == "m" and largest < 0.2 else (1.0, unit)
+
+
+_DRAWINGS = Drawings[Sequence[Simulation]](
+    {
+        "simulated-time": (2.0, lambda ax, runs: draw_time(ax, runs[len(runs) // 2])),
+        "simulated-loop": (2.4, lambda ax, runs: draw_loop(ax, runs[len(runs) // 2])),
+        "recovered-real": (2.0, lambda ax, runs: draw_recovered(ax, runs, Part.REAL)),
+        "recovered-imag": (2.0, lambda ax, runs: draw_recovered(ax, runs, Part.IMAG)),
+    },
+    lambda runs: () if any(run.estimates for run in runs) else ("recovered-real", "recovered-imag"),
+)
+simulation_figure, save_simulation_figures = _DRAWINGS.figure, _DRAWINGS.save
+"""Time and loops are those of the middle run; H_perc is drawn where at least one ratio was recovered."""

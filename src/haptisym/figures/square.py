@@ -10,20 +10,16 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
+from haptisym.figures import pen
 from haptisym.figures.nyquist import HEAD, arrow, responses, stacked
 from haptisym.figures.outlines import Outline, outline
 from haptisym.figures.sampling import band_of
 from haptisym.figures.scales import band_scale
 from haptisym.figures.style import (
-    DOTTED,
-    GREY,
-    INK,
-    SHADE,
-    SMALL,
-    TEXT,
     Look,
     curve_handles,
     curves,
+    draw_origin,
     dress,
     handle,
     legend,
@@ -77,14 +73,14 @@ def draw_jnd_square(
         handles[1].set_label(f"{handles[1].get_label()}: {_verdict(noticed)}")
     title = ax.get_title() if look.number else f"{at}: {_verdict(noticed)}"
     rows = legend(ax, [*handles, region, *_projected()])
-    ax.set_title(title, fontsize=TEXT, pad=(0.8 + 1.42 * rows) * SMALL)
+    ax.set_title(title, fontsize=pen.TEXT, pad=(0.8 + 1.42 * rows) * pen.SMALL)
     return [region, *arrows]
 
 
 def _projected() -> list[Artist]:
     return [
-        handle(INK, DOTTED, "projections", 0.6),
-        handle(GREY, "-", "not noticed in one part", 3, alpha=0.5, solid_capstyle="butt"),
+        handle(pen.INK, pen.DOTTED, "projections", 0.6),
+        handle(pen.GREY, "-", "not noticed in one part", 3, alpha=0.5, solid_capstyle="butt"),
     ]
 
 
@@ -109,7 +105,7 @@ def _sign_at(evaluation: Evaluation, omega: float, criterion: Criterion) -> int:
 
 def _style(look: Look) -> dict[str, Any]:
     """Of the region; of a further scene its outline alone."""
-    style: dict[str, Any] = {"facecolor": SHADE, "edgecolor": GREY, "label": "not noticed"}
+    style: dict[str, Any] = {"facecolor": pen.SHADE, "edgecolor": pen.GREY, "label": "not noticed"}
     if look.number:
         style = {"facecolor": "none", "edgecolor": look.color, "label": f"not noticed{look.suffix}"}
     return {**style, "linewidth": 0.6, "zorder": 1}
@@ -120,9 +116,8 @@ def _draw_region(ax: Axes, around: Outline, look: Look) -> Patch:
     for patch in around.patches:
         ax.add_patch(patch)
     if not look.number:
-        ax.axhline(0, color=GREY, linewidth=0.4, zorder=0)
-        ax.axvline(0, color=GREY, linewidth=0.4, zorder=0)
-        bar: dict[str, Any] = {"color": GREY, "alpha": 0.5, "linewidth": 3, "solid_capstyle": "butt", "zorder": 1}
+        draw_origin(ax)
+        bar: dict[str, Any] = {"color": pen.GREY, "alpha": 0.5, "linewidth": 3, "solid_capstyle": "butt", "zorder": 1}
         for low, high in around.stretches[0]:
             ax.plot([low, high], [0, 0], **bar)
         for low, high in around.stretches[1]:
@@ -132,7 +127,7 @@ def _draw_region(ax: Axes, around: Outline, look: Look) -> Patch:
 
 def _draw_vector(ax: Axes, tip: Array, color: str, style: Any) -> Artist:
     """An arrow from the origin whose shaft ends where its head begins, and the projections of its tip on both axes."""
-    ax.plot([tip[0], tip[0], 0], [0, tip[1], tip[1]], color=color, linewidth=0.6, linestyle=DOTTED, zorder=2)
+    ax.plot([tip[0], tip[0], 0], [0, tip[1], tip[1]], color=color, linewidth=0.6, linestyle=pen.DOTTED, zorder=2)
     if not tip.any():
         [spot] = ax.plot([0], [0], color=color, marker="o", markersize=3.6, zorder=3)
         return spot

@@ -11,24 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
+from haptisym.figures import pen
 from haptisym.figures.names import Room
 from haptisym.figures.sheet import one_column
-from haptisym.figures.style import (
-    BLUE,
-    DASHED,
-    GREY,
-    INK,
-    RED,
-    SHADE,
-    SMALL,
-    SOLID,
-    TEXT,
-    UNSTABLE,
-    dress,
-    handle,
-    legend,
-    number,
-)
+from haptisym.figures.style import dress, handle, legend, number
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.model.caveats import clocks
 from haptisym.model.hand import Hand, hands
@@ -36,7 +22,7 @@ from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.verbs.stability.answer import Stability
 from haptisym.verbs.stability.plane import Plane, Window, plane
 
-_SMALLER = SMALL - 1
+_SMALLER = pen.SMALL - 1
 ROOM = 1.25  # of the largest number that is shown
 _TOGETHER = 2.5  # pt: marks that are nearer to each other cover each other
 _NARROW, _RIM = 9, 4  # pixels of a cell in which nothing is written, and of its rim
@@ -83,8 +69,8 @@ def name_axes(ax: Axes, motion: MotionKind | None, mass: str) -> None:
     """Of a plane of hands of that mass."""
     dress(ax)
     unit, damping, stiffness = (unit_text(x.unit(motion or MotionKind.TRANSLATION)) for x in _KINDS)
-    ax.set_xlabel(rf"$k_\mathrm{{h}}$ ({stiffness}), for a hand of {mass} {unit}", fontsize=TEXT)
-    ax.set_ylabel(rf"$b_\mathrm{{h}}$ ({damping})", fontsize=TEXT)
+    ax.set_xlabel(rf"$k_\mathrm{{h}}$ ({stiffness}), for a hand of {mass} {unit}", fontsize=pen.TEXT)
+    ax.set_ylabel(rf"$b_\mathrm{{h}}$ ({damping})", fontsize=pen.TEXT)
 
 
 _KINDS = (Dimension.MASS, Dimension.DAMPING, Dimension.STIFFNESS)
@@ -107,8 +93,8 @@ def _ground(ax: Axes, drawn: Plane) -> list[Artist]:
     """Cells by whether they are stable."""
     low, high, least, most = drawn.window
     grounds = (
-        ("not stable", UNSTABLE, [x for x in drawn.cells if x.roots is not None and not x.is_stable]),
-        ("not decided", SHADE, [x for x in drawn.cells if x.roots is None]),
+        ("not stable", pen.UNSTABLE, [x for x in drawn.cells if x.roots is not None and not x.is_stable]),
+        ("not decided", pen.SHADE, [x for x in drawn.cells if x.roots is None]),
     )
     made: list[Artist] = []
     for label, color, cells in grounds:
@@ -122,13 +108,13 @@ def _ground(ax: Axes, drawn: Plane) -> list[Artist]:
 
 def draw_boundary(ax: Axes, drawn: Plane, label: str = "boundary") -> list[Artist]:
     """The boundary, and where a root is at 0."""
-    ax.plot(drawn.k, drawn.b, color=BLUE, linewidth=1.1)
+    ax.plot(drawn.k, drawn.b, color=pen.BLUE, linewidth=1.1)
     low, high, least, most = drawn.window
     is_here = bool(((drawn.k > low) & (drawn.k < high) & (drawn.b > least) & (drawn.b < most)).any())
-    made: list[Artist] = [handle(BLUE, SOLID, label if is_here else f"{label} (elsewhere)")]
+    made: list[Artist] = [handle(pen.BLUE, pen.SOLID, label if is_here else f"{label} (elsewhere)")]
     if drawn.at_0 is not None and low < drawn.at_0 < high:
-        ax.axvline(drawn.at_0, color=RED, linewidth=0.9, linestyle=DASHED)
-        made.append(handle(RED, DASHED, "root at 0"))
+        ax.axvline(drawn.at_0, color=pen.RED, linewidth=0.9, linestyle=pen.DASHED)
+        made.append(handle(pen.RED, pen.DASHED, "root at 0"))
     return made
 
 
@@ -137,7 +123,7 @@ def draw_boxes(ax: Axes, asked: Iterable[Hand]) -> list[Artist]:
     for x in asked:
         if x.k.interval or x.b.interval:
             (k, k_high), (b, b_high) = ([float(end) for end in p.interval or (p.value, p.value)] for p in (x.k, x.b))
-            ax.add_patch(Rectangle((k, b), k_high - k, b_high - b, fill=False, edgecolor=INK, linewidth=0.9))
+            ax.add_patch(Rectangle((k, b), k_high - k, b_high - b, fill=False, edgecolor=pen.INK, linewidth=0.9))
     return []
 
 
@@ -147,20 +133,20 @@ def draw_points(ax: Axes, asked: list[Hand], shown: list[Hand], drawn: Plane) ->
     for x in listed:
         room.take_point(*_place(x))
     for x in listed:
-        face = INK if x in asked and float(x.m.value) == drawn.mass else "none"
-        color = INK if x in asked else GREY
+        face = pen.INK if x in asked and float(x.m.value) == drawn.mass else "none"
+        color = pen.INK if x in asked else pen.GREY
         ax.plot(*_place(x), "o", color=color, markerfacecolor=face, markersize=3.5, markeredgewidth=0.7)
-    named = [(x.name, _place(x), INK) for x in asked]
-    named += [(name, place, GREY) for name, place in _names(shown, room)]
+    named = [(x.name, _place(x), pen.INK) for x in asked]
+    named += [(name, place, pen.GREY) for name, place in _names(shown, room)]
     for name, (k, b), color in named:
         at = room.beside(k, b, name, _SMALLER)
         ax.annotate(name, (k, b), at, textcoords="offset points", fontsize=_SMALLER, color=color)
     _counts(ax, drawn, room)
     here = [x for x in asked if float(x.m.value) == drawn.mass]
     marker: dict[str, Any] = {"marker": "o", "markersize": 3.5}
-    made: list[Artist] = [handle(INK, "none", "of this mass", **marker)] if here else []
+    made: list[Artist] = [handle(pen.INK, "none", "of this mass", **marker)] if here else []
     if len(here) < len(listed):
-        made.append(handle(GREY, "none", "of another", markerfacecolor="none", markeredgewidth=0.7, **marker))
+        made.append(handle(pen.GREY, "none", "of another", markerfacecolor="none", markeredgewidth=0.7, **marker))
     return made
 
 
@@ -204,8 +190,8 @@ def _counts(ax: Axes, drawn: Plane, room: Room) -> None:
         share = (inner[:: max(1, len(inner) // 400)] + 0.5) / x.pixels.shape
         others = np.array([low, least]) + share * np.array([high - low, most - least])
         places = [(x.k, x.b), *((float(k), float(b)) for k, b in others)]
-        k, b = min(places, key=lambda place: (room.crowded(place, TEXT), room.away(place, (x.k, x.b))))
-        ax.annotate(shown, (k, b), ha="center", va="center", fontsize=TEXT, color=INK)
+        k, b = min(places, key=lambda place: (room.crowded(place, pen.TEXT), room.away(place, (x.k, x.b))))
+        ax.annotate(shown, (k, b), ha="center", va="center", fontsize=pen.TEXT, color=pen.INK)
 
 
 def _without_rim(pixels: Any) -> Any:

@@ -11,34 +11,20 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
+from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, MaxNLocator, ScalarFormatter
 from matplotlib.transforms import ScaledTranslation
 from sympy import Symbol
 
-from haptisym.figures.sampling import ends_of
-from haptisym.figures.scales import RADIANS, Scale
+from haptisym.figures import pen
+from haptisym.figures.scales import Scale
 from haptisym.judge.criteria import Criterion
-from haptisym.kernel.roots import Interval
 from haptisym.model.quantities import MotionKind, unit_text
+from haptisym.programs.values import Array
 from haptisym.writing.texprinter import formula
 
-WIDTH = 3.4
-"""Inches: one column of a journal."""
-TEXT, SMALL = 8.0, 7.0
-"""Points: labels of axes; ticks, legends and notes."""
-INK, BLUE, RED, GREY, SHADE = "#222222", "#1f4e9e", "#c03028", "#7a7a7a", "#e6e6e6"
-UNSTABLE = "#f3dcd8"  # the ground where a hand is shaken
-SOLID: Any = "-"
-DASHED: Any = (0, (4, 1.6))
-DOTTED: Any = (0, (1, 2))
-LEADER = {"arrowstyle": "-", "linewidth": 0.5, "color": GREY, "shrinkA": 0, "shrinkB": 0}
-CURVES = ((BLUE, SOLID, r"H_\mathrm{env}"), (RED, DASHED, r"H_\mathrm{perc}"))
-STROKES = (SOLID, DASHED, DOTTED)
-"""Of the criteria of a scene, in their order."""
-SCENES = (INK, "#d0701f", BLUE, "#7cc0c8", "#8f5a9e")
-"""Colours of the first, second, ... scene that is drawn on the same axes."""
+CURVES = ((pen.BLUE, pen.SOLID, r"H_\mathrm{env}"), (pen.RED, pen.DASHED, r"H_\mathrm{perc}"))
 MOST_LABELS, MOST_NUMBERS = 4, 8
 
 
@@ -74,23 +60,49 @@ class Look:
         """The look of a scene on axes where each one has an entry of that name in the legend."""
         number = sum(text.startswith((f"{name}, ", f"{name} (")) or text == name for text in entries(ax))
         suffix = f", {label}" if label else f" ({number + 1})" if number else ""
-        return cls(color or SCENES[number % len(SCENES)], color is not None, suffix, number)
+        return cls(color or pen.SCENES[number % len(pen.SCENES)], color is not None, suffix, number)
 
     @property
     def plain(self) -> bool:
         """Whether the scene is alone so far, and drawn in the usual colours."""
         return not (self.given or self.number)
 
+    def ink(self, usual: str) -> str:
+        """The colour of something that usually has one of its own."""
+        return usual if self.plain else self.color
 
-def dress(ax: Axes) -> None:
-    """Thin lines, no box, few and plain numbers."""
-    ax.tick_params(labelsize=SMALL, width=0.5, length=2.5, color=GREY)
+
+def thin(ax: Axes) -> None:
+    """Thin lines and no box."""
+    ax.tick_params(labelsize=pen.SMALL, width=0.5, length=2.5, color=pen.GREY)
     ax.spines[["top", "right"]].set_visible(False)
     for spine in ax.spines.values():
-        spine.set(linewidth=0.5, color=GREY)
-    for axis in (ax.xaxis, ax.yaxis):
+        spine.set(linewidth=0.5, color=pen.GREY)
+
+
+def dress(ax: Axes, x: str = "", y: str = "") -> None:
+    """Thin lines, no box, few and plain numbers; ``x``, ``y`` : the labels of the axes, which stay as they are if not given."""
+    thin(ax)
+    for axis, label in ((ax.xaxis, x), (ax.yaxis, y)):
         axis.set_major_formatter(_Plain())
         axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
+        if label:
+            axis.set_label_text(label, fontsize=pen.TEXT)
+
+
+def dress_rows(ax: Axes, names: Sequence[str], size: float = pen.SMALL) -> None:
+    """Of axes with rows that have names, the first on top: no lines but the lower one."""
+    ax.set_yticks(range(len(names)), names, fontsize=size)
+    ax.set_ylim(len(names) - 0.5, -0.5)
+    ax.tick_params(labelsize=pen.SMALL, length=2, width=0.5, color=pen.INK)
+    ax.tick_params(axis="y", length=0, labelsize=size)
+    ax.spines[["top", "right", "left"]].set_visible(False)
+
+
+def draw_origin(ax: Axes) -> None:
+    """Thin lines through 0, both ways."""
+    ax.axhline(0, color=pen.GREY, linewidth=0.4, zorder=0)
+    ax.axvline(0, color=pen.GREY, linewidth=0.4, zorder=0)
 
 
 class _Plain(ScalarFormatter):
@@ -140,7 +152,7 @@ def name_dynamics(axis: Axis, name: str, scene: _Moving) -> None:
     most = np.abs(axis.get_view_interval()).max()
     factor, prefix = next(((f, p) for f, p in ((1e6, "M"), (1e3, "k")) if most >= 100 * f), (1.0, ""))
     unit = "N·m/rad" if scene.motion is MotionKind.ROTATION else "N/m"
-    axis.set_label_text(f"${name}$ ({prefix}{unit})", fontsize=TEXT)
+    axis.set_label_text(f"${name}$ ({prefix}{unit})", fontsize=pen.TEXT)
     if prefix:
         axis.set_major_formatter(FuncFormatter(lambda value, _: number(value / factor)))
 
@@ -157,7 +169,7 @@ def name_parameter(name: str, unit: str) -> str:
 
 def name_frequency(ax: Axes, scale: Scale) -> None:
     """The label of the horizontal axis where that is frequency."""
-    ax.set_xlabel(scale.label, fontsize=TEXT)
+    ax.set_xlabel(scale.label, fontsize=pen.TEXT)
 
 
 def limit(ax: Axes, x: tuple[float, float], y: tuple[float, float], *, number: int = 0) -> None:
@@ -167,31 +179,11 @@ def limit(ax: Axes, x: tuple[float, float], y: tuple[float, float], *, number: i
         put(min(low, asked[0]), max(high, asked[1]))
 
 
-def shade(ax: Axes, intervals: Iterable[Interval], scale: Scale = RADIANS, label: str = "") -> list[Patch]:
-    """Grey bands at some frequencies; the first one bears the label."""
-    made: list[Patch] = []
-    for low, high in (scale.of(np.array(ends_of(x))) for x in intervals):
-        if low == high:
-            ax.axvline(low, color=SHADE, linewidth=1, zorder=0)
-        else:
-            made.append(ax.axvspan(low, high, facecolor=SHADE, linewidth=0, zorder=0))
-    if made and label:
-        made[0].set_label(label)
-    return made
-
-
-def bars(ax: Axes, intervals: Iterable[Interval], look: Look, scale: Scale, label: str) -> list[Line2D]:
-    """The bands of a further scene as bars of its colour at the top of the axes, each scene below the one before."""
-    made: list[Line2D] = []
-    for ends in (scale.of(np.array(ends_of(x))) for x in intervals):
-        place = [0.985 - 0.03 * look.number] * 2
-        made += ax.plot(
-            ends, place, color=look.color, transform=ax.get_xaxis_transform(), zorder=1, linewidth=2.5, alpha=0.6,
-            solid_capstyle="butt",
-        )  # fmt: skip
-    if made:
-        made[0].set_label(label)
-    return made
+def rectangles(ax: Axes, x: Array, y: Array, color: str, zorder: float = 0) -> None:
+    """Rectangles side by side, without a seam: from where to where they go, a column each."""
+    (a, b), (c, d) = x, y
+    corners = np.stack([np.stack(corner, -1) for corner in ((a, c), (b, c), (b, d), (a, d))], 1)
+    ax.add_collection(PolyCollection(list(corners), facecolors=color, linewidths=0, antialiased=False, zorder=zorder))
 
 
 def text_width(ax: Axes, text: str) -> float:
@@ -201,7 +193,7 @@ def text_width(ax: Axes, text: str) -> float:
 
 def em(ax: Axes) -> float:
     """The size of a small text, as a fraction of the width of the axes."""
-    return SMALL * ax.figure.dpi / (72 * ax.bbox.width)
+    return pen.SMALL * ax.figure.dpi / (72 * ax.bbox.width)
 
 
 def entries(ax: Axes) -> dict[str, Any]:
@@ -219,10 +211,10 @@ def legend(ax: Axes, handles: Iterable[Artist], *, lines: int = 0) -> int:
     for x in handles:
         told.setdefault(str(x.get_label()), x)
     columns = _columns(ax, list(told))
-    raised = ScaledTranslation(0, (0.5 + 1.9 * lines) * SMALL / 72, ax.figure.dpi_scale_trans)
+    raised = ScaledTranslation(0, (0.5 + 1.9 * lines) * pen.SMALL / 72, ax.figure.dpi_scale_trans)
     ax.legend(
         handles=list(told.values()), labels=list(told), ncols=columns, loc="lower left",
-        bbox_to_anchor=(0, 1), bbox_transform=ax.transAxes + raised, borderaxespad=0, borderpad=0, fontsize=SMALL,
+        bbox_to_anchor=(0, 1), bbox_transform=ax.transAxes + raised, borderaxespad=0, borderpad=0, fontsize=pen.SMALL,
         frameon=False, handlelength=2.2, handletextpad=0.5, columnspacing=1.2, labelspacing=0.3,
     )  # fmt: skip
     return -(-len(told) // columns)
@@ -258,9 +250,14 @@ def handle(color: str, style: Any, label: str, width: float = 1.1, **marker: Any
     return Line2D([], [], color=color, linestyle=style, linewidth=width, label=label, **marker)
 
 
+def dots(size: float, shape: str = "o", **more: Any) -> dict[str, Any]:
+    """The style of marks that no line joins."""
+    return {"linestyle": "none", "marker": shape, "markersize": size, **more}
+
+
 def entry(label: str) -> Line2D:
     """A legend entry of words alone."""
-    return handle(INK, "none", label)
+    return handle(pen.INK, "none", label)
 
 
 def plate(color: str) -> dict[str, Any]:
@@ -270,4 +267,4 @@ def plate(color: str) -> dict[str, Any]:
 
 def write_note(ax: Axes, text: str) -> None:
     """A sentence in the middle of the axes, at the top."""
-    ax.text(0.5, 0.97, text, transform=ax.transAxes, ha="center", va="top", fontsize=SMALL, bbox=plate(SHADE))
+    ax.text(0.5, 0.97, text, transform=ax.transAxes, ha="center", va="top", fontsize=pen.SMALL, bbox=plate(pen.SHADE))

@@ -17,46 +17,40 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
+from haptisym.figures import pen
 from haptisym.figures.designmap import draw_boundary
-from haptisym.figures.heldsets import draw_held_curves, draw_held_map, held_in
-from haptisym.figures.jumps import crossing_counts, judged_in, jump_edges, jumps_of
-from haptisym.figures.scales import HERTZ, RADIANS, Scale, floats_scale
+from haptisym.figures.scales import Scale, floats_scale, labelled_scale
 from haptisym.figures.sheet import one_column
-from haptisym.figures.style import (
-    BLUE,
-    DASHED,
-    GREY,
-    INK,
-    RED,
-    SMALL,
-    SOLID,
-    TEXT,
-    Look,
-    dress,
-    entries,
-    handle,
-    legend,
-    limit,
-    name_parameter,
-    number,
+from haptisym.figures.style import Look, dots, dress, entries, handle, legend, limit, number
+from haptisym.figures.sweepdata import (
+    axis_name,
+    axis_scale,
+    crossing_counts,
+    dimensions,
+    held_in,
+    is_logarithmic,
+    judged_in,
+    jump_edges,
+    jumps_of,
+    thinned_data,
 )
-from haptisym.kernel.errors import SceneError
 from haptisym.model.scene import Scene
 from haptisym.programs.values import Array
 from haptisym.verbs.require.designmap import DesignMap, design_map
 from haptisym.verbs.require.entry import is_quick
 from haptisym.verbs.sweep.swept import Swept
+from haptisym.verbs.sweep.told import UNKNOWN
 
 if TYPE_CHECKING:
     import xarray as xr
 
-_MOST_PIXELS = 1200  # along an axis; a chart in print shows no more
+
 _LEVELS, _SLICES = 7, 31
 _MAP = LinearSegmentedColormap.from_list("bandwidth", ["#5b7fa6", "#a9c0d6", "#f4f7fa"])  # monotone in grey, too
 _CURVES = {
-    "real": (BLUE, SOLID, "real part crosses"),
-    "imag": (RED, DASHED, "imaginary part crosses"),
-    "joint": (BLUE, SOLID, "leaves the JND region"),
+    "real": (pen.BLUE, pen.SOLID, "real part crosses"),
+    "imag": (pen.RED, pen.DASHED, "imaginary part crosses"),
+    "joint": (pen.BLUE, pen.SOLID, "leaves the JND region"),
 }
 
 
@@ -73,44 +67,43 @@ def draw_curves(ax: Axes, data: xr.Dataset, *, color: str | None = None, label: 
     >>> [line.get_label() for line in draw_curves(Figure().add_subplot(), found)]
     ['bandwidth', 'real part crosses', 'imaginary part crosses']
     """
-    [path] = _dimensions(data, 1)
+    [path] = dimensions(data, 1)
     data = data.load()
     look = Look.on(ax, "bandwidth", color, label)
-    along, upwards = _axis_scale(data, path), _frequency_scale(ax, data)
+    along, upwards = axis_scale(data, path), _frequency_scale(ax, data)
     x = along.of(data[path].values)
     low, high = (upwards.of(float(end)) for end in data.attrs["band"])
     counts = crossing_counts(data)
-    style: dict[str, Any] = {"color": GREY if look.plain else look.color, "linewidth": 3.2, "alpha": 0.5}
+    style: dict[str, Any] = {"color": look.ink(pen.GREY), "linewidth": 3.2, "alpha": 0.5}
     rows = [("bandwidth", "bandwidth", {**style, "solid_capstyle": "butt"})]
     for criterion in judged_in(data):
         own, stroke, name = _CURVES[criterion]
-        shown = own if look.plain else look.color
+        shown = look.ink(own)
         rows.append((f"first_crossing_{criterion}", name, {"color": shown, "linestyle": stroke, "linewidth": 1.1}))
-    lines, dots = list[Line2D](), list[Line2D]()
+    lines, breaks = list[Line2D](), list[Line2D]()
     for variable, name, style in rows:
         y = upwards.of(data[variable].values)
         parts = [i for i, x in enumerate(judged_in(data)) if variable in ("bandwidth", f"first_crossing_{x}")]
         jumps = jumps_of(y, counts[parts], high - low)
         broken = np.insert(x, jumps, np.nan), np.insert(y, jumps, np.nan)
         lines += ax.plot(*broken, label=f"{name}{look.suffix}", **style)
-        dots += _draw_ends(ax, x, y, jumps, str(style["color"]))
+        breaks += _draw_ends(ax, x, y, jumps, str(style["color"]))
     told = "end of the band" in entries(ax)
-    end = [] if told else [ax.axhline(high, color=GREY, linewidth=0.4, zorder=0, label="end of the band")]
+    end = [] if told else [ax.axhline(high, color=pen.GREY, linewidth=0.4, zorder=0, label="end of the band")]
     limit(ax, (x.min(), x.max()), (low, high * 1.04), number=look.number)
     dress(ax)
     _scale(ax, "x", x)
-    ax.set_xlabel(_name(data, path, along), fontsize=TEXT)
-    ax.set_ylabel(upwards.label, fontsize=TEXT)
-    jump = [handle(INK, "none", "crossings come or go", marker="o", markersize=2.4)] if dots else []
-    legend(ax, [*lines[1:], lines[0], *end, *jump, *draw_held_curves(ax, data, x)])
+    ax.set_xlabel(axis_name(data, path, along), fontsize=pen.TEXT)
+    ax.set_ylabel(upwards.label, fontsize=pen.TEXT)
+    jump = [handle(pen.INK, "none", "crossings come or go", marker="o", markersize=2.4)] if breaks else []
+    legend(ax, [*lines[1:], lines[0], *end, *jump, *_draw_held_curves(ax, data, x)])
     return lines
 
 
 def _draw_ends(ax: Axes, x: Array, y: Array, jumps: Any, color: str) -> list[Line2D]:
     """A dot on each side of each break."""
     ends = np.union1d(jumps - 1, jumps).astype(int)
-    style: dict[str, Any] = {"color": color, "linestyle": "none", "marker": "o", "markersize": 2.4, "zorder": 4}
-    return ax.plot(x[ends], y[ends], **style) if len(ends) else []
+    return ax.plot(x[ends], y[ends], color=color, zorder=4, **dots(2.4)) if len(ends) else []
 
 
 def draw_map(ax: Axes, data: xr.Dataset, exact: DesignMap | None = None) -> list[Artist]:
@@ -129,9 +122,9 @@ def draw_map(ax: Axes, data: xr.Dataset, exact: DesignMap | None = None) -> list
     >>> ax.get_xlabel(), ax.get_ylabel()
     ('$m$ (kg)', '$\\\\omega_n$ (rad/s)')
     """
-    upwards, along = _dimensions(data, 2)
-    data = _thinned(data, (upwards, along)).sortby([upwards, along])
-    scales, unit = (_axis_scale(data, along), _axis_scale(data, upwards)), floats_scale(data.attrs["band"])
+    upwards, along = dimensions(data, 2)
+    data = thinned_data(data, (upwards, along)).sortby([upwards, along])
+    scales, unit = (axis_scale(data, along), axis_scale(data, upwards)), floats_scale(data.attrs["band"])
     x, y = scales[0].of(data[along].values), scales[1].of(data[upwards].values)
     z, (low, high) = unit.of(data.bandwidth.values), (unit.of(float(end)) for end in data.attrs["band"])
     _scale_axes(ax, x, y)
@@ -139,14 +132,14 @@ def draw_map(ax: Axes, data: xr.Dataset, exact: DesignMap | None = None) -> list
     jumps = jump_edges(data, x, y, z, high - low)
     _draw_contours(ax, x, y, z, high, shown)
     if jumps:
-        ax.add_collection(LineCollection(jumps, colors=GREY, linewidths=1.8, alpha=0.8, capstyle="projecting"))
+        ax.add_collection(LineCollection(jumps, colors=pen.GREY, linewidths=1.8, alpha=0.8, capstyle="projecting"))
     ax.set(xlim=(x.min(), x.max()), ylim=(y.min(), y.max()))
-    ax.set_xlabel(_name(data, along, scales[0]), fontsize=TEXT)
-    ax.set_ylabel(_name(data, upwards, scales[1]), fontsize=TEXT)
+    ax.set_xlabel(axis_name(data, along, scales[0]), fontsize=pen.TEXT)
+    ax.set_ylabel(axis_name(data, upwards, scales[1]), fontsize=pen.TEXT)
     boundary = [x for _, x in draw_boundary(ax, exact, width=1.1)] if exact else []
-    jump = [handle(GREY, SOLID, "bandwidth jumps", 1.8, alpha=0.8)] if jumps else []
-    lines = [handle(INK, SOLID, f"bandwidth ({unit.unit})", 0.7)]
-    held = draw_held_map(ax, data, x, y)
+    jump = [handle(pen.GREY, pen.SOLID, "bandwidth jumps", 1.8, alpha=0.8)] if jumps else []
+    lines = [handle(pen.INK, pen.SOLID, f"bandwidth ({unit.unit})", 0.7)]
+    held = _draw_held_map(ax, data, x, y)
     legend(ax, [*lines, *jump, *_plateaus(ax, (x, y, z), high, unit), *held, *boundary])
     return shown
 
@@ -154,8 +147,8 @@ def draw_map(ax: Axes, data: xr.Dataset, exact: DesignMap | None = None) -> list
 def _draw_contours(ax: Axes, x: Array, y: Array, z: Array, high: float, shown: list[Artist]) -> None:
     levels = _round_levels(z, high)
     if len(levels):
-        lines = ax.contour(x, y, z, levels=levels, colors=INK, linewidths=0.7)
-        ax.clabel(lines, fontsize=SMALL, fmt=number, inline_spacing=3)
+        lines = ax.contour(x, y, z, levels=levels, colors=pen.INK, linewidths=0.7)
+        ax.clabel(lines, fontsize=pen.SMALL, fmt=number, inline_spacing=3)
         shown.append(lines)
 
 
@@ -166,15 +159,21 @@ def _plateaus(ax: Axes, map_: tuple[Array, Array, Array], high: float, unit: Sca
     whole = f"whole band, {number(high, 4)} {unit.unit}"
     for where, hatch, label in ((np.isnan(z), "xxxx", "not at the low end"), (z >= high, "....", whole)):
         if where.any() and not where.all():
-            _hatched(ax, x, y, where, hatch)
+            _hatched(ax, x, y, where, hatch, pen.GREY)
         if where.any():
-            handles.append(Patch(facecolor="white", edgecolor=GREY, hatch=hatch, linewidth=0.4, label=label))
+            handles.append(Patch(facecolor="white", edgecolor=pen.GREY, hatch=hatch, linewidth=0.4, label=label))
     return handles
 
 
-def _hatched(ax: Axes, x: Array, y: Array, where: Any, hatch: str) -> None:
+def _hatched(ax: Axes, x: Array, y: Array, where: Any, hatch: str, color: str) -> None:
     found = ax.contourf(x, y, where.astype(float), levels=[0.5, 1.5], colors="none", hatches=[hatch])
-    found.set(edgecolor=GREY, linewidth=0.0)
+    found.set(edgecolor=color, linewidth=0.0)
+
+
+def draw_swept(ax: Axes, found: Swept) -> list[Artist]:
+    """The chart of a sweep over one parameter, or over two. Returns what it is made of."""
+    one = len(found.data.bandwidth.dims) == 1
+    return list(draw_curves(ax, found.data)) if one else draw_map(ax, found.data)
 
 
 def swept_figure(found: Swept) -> Figure:
@@ -191,62 +190,17 @@ def sweep_figure(data: xr.Dataset, scene: Scene | None = None) -> Figure:
 
 
 def _exact(data: xr.Dataset, scene: Scene) -> DesignMap:
-    upwards, along = _dimensions(data, 2)
+    upwards, along = dimensions(data, 2)
     ranges = [tuple(float(x) for x in (data[path].min(), data[path].max())) for path in (along, upwards)]
     return design_map(scene, (along, upwards), [(low, high) for low, high in ranges], slices=_SLICES)
 
 
-def _dimensions(data: xr.Dataset, count: int) -> list[str]:
-    found = [str(name) for name in data.bandwidth.dims]
-    if len(found) != count or min(data.bandwidth.shape) < 2:
-        raise SceneError(
-            f"a chart shows one or two parameters with at least two values each, not {dict(data.bandwidth.sizes)}: "
-            "choose with Dataset.sel, or sweep fewer"
-        )
-    return found
-
-
-def _thinned(data: xr.Dataset, names: tuple[str, str]) -> xr.Dataset:
-    steps = {name: slice(None, None, -(-data.sizes[name] // _MOST_PIXELS)) for name in names}
-    wanted = ["bandwidth", *(f"crossings_{name}" for name in judged_in(data)), *held_in(data)]
-    return data[wanted].isel(steps).load()
-
-
-def _name(data: xr.Dataset, path: str, scale: Scale) -> str:
-    """Symbol and unit of a parameter, whose element is named only where another one has the same symbol."""
-    keys = {str(other): _symbol(str(other)) for other in data.bandwidth.dims}
-    shared = list(keys.values()).count(keys[path]) > 1 or path.startswith("rendered.")
-    element = "_" + "_".join(path.split(".")[:-1]).removeprefix("effects_").replace("-", "_") if shared else ""
-    unit = str(data[path].attrs.get("units", ""))
-    return name_parameter(keys[path] + element, unit if scale.factor == 1 else scale.unit)
-
-
-def _symbol(path: str) -> str:
-    _, _, key = path.rpartition(".")
-    return key if not path.startswith("evaluation.") else "c" if key == "jnd" else f"c_{key}"
-
-
-def _axis_scale(data: xr.Dataset, path: str) -> Scale:
-    """Hz where the frequencies of an axis begin and end with short numbers in Hz."""
-    is_frequency = data[path].attrs.get("units") == "rad/s"
-    return floats_scale([data[path].values.min(), data[path].values.max()]) if is_frequency else RADIANS
-
-
 def _frequency_scale(ax: Axes, data: xr.Dataset) -> Scale:
-    drawn = {HERTZ.label: HERTZ, RADIANS.label: RADIANS}.get(ax.get_ylabel())
-    return drawn or floats_scale(data.attrs["band"])
-
-
-def _is_logarithmic(x: Array) -> bool:
-    """Whether values are spaced by equal ratios rather than evenly."""
-    if len(x) < 3 or x.min() <= 0:
-        return False
-    even, ratio = np.diff(x), np.diff(np.log(x))
-    return bool(np.ptp(ratio) < 1e-6 * abs(ratio).max() and np.ptp(even) > 1e-6 * abs(even).max())
+    return labelled_scale(ax.get_ylabel()) or floats_scale(data.attrs["band"])
 
 
 def _scale(ax: Axes, which: str, values: Array) -> None:
-    if not _is_logarithmic(values):
+    if not is_logarithmic(values):
         return
     getattr(ax, f"set_{which}scale")("log")
     axis = getattr(ax, f"{which}axis")
@@ -270,3 +224,36 @@ def _round_levels(z: Array, high: float) -> Array:
     levels: Array = np.asarray(MaxNLocator(_LEVELS, steps=[1, 2, 2.5, 5, 10]).tick_values(inside.min(), inside.max()))
     kept: Array = levels[(levels > inside.min()) & (levels < min(inside.max(), 0.999 * high))]
     return kept
+
+
+_HATCHES = ("////", "\\\\\\\\", "||||", "----")
+
+
+def _draw_held_curves(ax: Axes, data: xr.Dataset, x: Array) -> list[Patch]:
+    """Upright strips about the sets that are not stable in a hand, over the values of one parameter; entries for a legend."""
+
+    def strip(where: Any, style: dict[str, Any]) -> None:
+        ax.fill_between(x, 0, 1, where=where, step="mid", transform=ax.get_xaxis_transform(), zorder=0, **style)
+
+    return _each(data, strip)
+
+
+def _draw_held_map(ax: Axes, data: xr.Dataset, x: Array, y: Array) -> list[Patch]:
+    """The same over two parameters."""
+
+    return _each(data, lambda where, style: _hatched(ax, x, y, where, style["hatch"], style["edgecolor"]))
+
+
+def _each(data: xr.Dataset, draw: Any) -> list[Patch]:
+    handles = []
+    for name, hatch in zip(held_in(data), _HATCHES, strict=False):
+        counts, hand = data[name].values, str(data[name].attrs["hand"])
+        for where, said, color in (
+            (counts > 0, "not stable", pen.RED),
+            (counts == UNKNOWN, "stability not decided", pen.GREY),
+        ):
+            style: dict[str, Any] = {"facecolor": "none", "edgecolor": color, "linewidth": 0.0, "hatch": hatch}
+            if np.any(where):
+                draw(where, style)
+                handles.append(Patch(label=f"{said} in {hand}", **{**style, "linewidth": 0.4}))
+    return handles

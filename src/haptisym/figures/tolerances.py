@@ -11,24 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from haptisym.figures import pen
 from haptisym.figures.heldbox import HEIGHT, draw_held, hands_figure
 from haptisym.figures.scales import Scale, scale_of
 from haptisym.figures.sheet import laid_out, one_column
-from haptisym.figures.style import (
-    BLUE,
-    GREY,
-    INK,
-    SHADE,
-    SMALL,
-    TEXT,
-    WIDTH,
-    Look,
-    legend,
-    limit,
-    name_frequency,
-    threshold_symbol,
-    written,
-)
+from haptisym.figures.style import Look, dots, dress_rows, legend, limit, name_frequency, threshold_symbol, written
 from haptisym.judge.criteria import Criterion
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.verbs.tolerances.proofs import Tolerances
@@ -54,7 +41,7 @@ def draw_tolerances(
     name = "guaranteed for all values"
     look, scale = Look.on(ax, name, color, label), scale_of(ax, a.box.scene.band, hertz=hertz)
     low, high = (scale.of(float(x)) for x in a.box.scene.band)
-    face: dict[str, Any] = {"facecolor": SHADE, "edgecolor": GREY if look.plain else look.color, "linewidth": 0.5}
+    face: dict[str, Any] = {"facecolor": pen.SHADE, "edgecolor": look.ink(pen.GREY), "linewidth": 0.5}
     if look.number:
         face |= {"facecolor": "none", "linewidth": 1.0}
     bars: list[Artist] = []
@@ -65,18 +52,14 @@ def draw_tolerances(
                 bars += ax.barh(row, right - left, left=left, height=_HEIGHT, zorder=1, **face)
         _draw_row(ax, a, row, criterion.name, look, scale)
     limit(ax, (low, high), (-0.5, len(a.criteria) - 0.5), number=look.number)
-    ax.set_ylim(len(a.criteria) - 0.5, -0.5)
-    ax.set_yticks(range(len(a.criteria)), [_name(x) for x in a.criteria], fontsize=TEXT)
-    ax.tick_params(labelsize=SMALL, length=2, width=0.5, color=INK)
-    ax.tick_params(axis="y", length=0, labelsize=TEXT)
-    ax.spines[["top", "right", "left"]].set_visible(False)
+    dress_rows(ax, [_name(x) for x in a.criteria], pen.TEXT)
     name_frequency(ax, scale)
-    dots: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 2.2}
-    stroke: dict[str, Any] = {"linestyle": "none", "marker": "|", "markersize": 7, "markeredgewidth": 1.4}
     handles = [
         Patch(label=f"{name}{look.suffix}", **face),
-        Line2D([], [], color=BLUE if look.plain else look.color, label=f"drawn at random{look.suffix}", **dots),
-        Line2D([], [], color=INK if look.plain else look.color, label=f"nominal values{look.suffix}", **stroke),
+        Line2D([], [], color=look.ink(pen.BLUE), label=f"drawn at random{look.suffix}", **dots(2.2)),
+        Line2D(
+            [], [], color=look.ink(pen.INK), label=f"nominal values{look.suffix}", **dots(7, "|", markeredgewidth=1.4)
+        ),
     ]
     some = {
         0: bars,
@@ -95,10 +78,10 @@ def _name(x: Criterion) -> str:
 def _draw_row(ax: Axes, a: Tolerances, row: int, name: str, look: Look, scale: Scale) -> None:
     drawn = [(scale.of(float(x)), n) for n, one in enumerate(a.samples) for x in one.crossings[name]]
     heights = [row + 0.5 * ((n * 0.618) % 1 - 0.5) for _, n in drawn]  # spread evenly, to tell dots apart
-    ax.plot([x for x, _ in drawn], heights, ".", markersize=1.6, color=BLUE if look.plain else look.color, zorder=2)
+    ax.plot([x for x, _ in drawn], heights, ".", markersize=1.6, color=look.ink(pen.BLUE), zorder=2)
     nominal = [scale.of(float(x)) for x in a.nominal.crossings[name]]
     ends = (row - _HEIGHT / 2, row + _HEIGHT / 2)
-    ax.vlines(nominal, *ends, color=INK if look.plain else look.color, linewidth=1.4, zorder=3)
+    ax.vlines(nominal, *ends, color=look.ink(pen.INK), linewidth=1.4, zorder=3)
 
 
 def tolerances_figure(a: Tolerances) -> Figure:
@@ -127,7 +110,7 @@ def _height(a: Tolerances) -> float:
 def _with_hands(a: Tolerances) -> Figure:
     """Both on one sheet."""
     heights = (_height(a), HEIGHT)
-    figure = Figure(figsize=(WIDTH, sum(heights)), layout="compressed")
+    figure = Figure(figsize=(pen.WIDTH, sum(heights)), layout="compressed")
     upper, lower = figure.subplots(2, 1, height_ratios=heights)
     draw_tolerances(upper, a)
     draw_held(lower, a)

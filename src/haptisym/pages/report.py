@@ -16,9 +16,9 @@ import matplotlib as mpl
 from matplotlib.figure import Figure as Canvas
 
 from haptisym import __version__
+from haptisym.figures import pen
 from haptisym.figures.kinds import checked_report
 from haptisym.figures.sheet import save_as
-from haptisym.figures.style import BLUE, GREY, INK, RED, SHADE, UNSTABLE
 from haptisym.judge.answers import Answer
 from haptisym.kernel.errors import NothingToDrawError, SceneError
 from haptisym.writing.document import Document, Figure, figures_of
@@ -65,12 +65,12 @@ def _page(document: Document, record: str) -> str:
 
 
 _COLOURS = {
-    INK: "ink",
-    BLUE: "env",
-    RED: "perc",
-    GREY: "grey",
-    SHADE: "shade",
-    UNSTABLE: "unstable",
+    pen.INK: "ink",
+    pen.BLUE: "env",
+    pen.RED: "perc",
+    pen.GREY: "grey",
+    pen.SHADE: "shade",
+    pen.UNSTABLE: "unstable",
     "#ffffff": "paper",
 }
 """The figures' colours, and the names by which the page's style sheet gives them, in the light and in the dark."""
@@ -80,12 +80,8 @@ def _drawn(figure: Figure) -> Html:
     """A figure as a drawing within a page."""
     with suppress(NothingToDrawError):
         drawing = _inline(_svg(figure.draw()), figure.name, said(figure.caption))
-        return element(
-            "figure",
-            drawing,
-            element("figcaption", phrase(figure.caption)),
-            given={"class": "wide" if figure.wide else figure.name},
-        )
+        below = element("figcaption", phrase(figure.caption))
+        return element("figure", drawing, below, given={"class": "wide" if figure.wide else figure.name})
     return Html()
 
 

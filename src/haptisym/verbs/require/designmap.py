@@ -43,7 +43,7 @@ class DesignMap(Answer):
 
     _schema: ClassVar[str] = "haptisym.designmap/1"
     _page: ClassVar[str] = "haptisym.pages.designmap:page"
-    _figure: ClassVar[str] = "haptisym.figures.maps:map_figure"
+    _figure: ClassVar[str] = "haptisym.figures.wishes:map_figure"
 
     scene: Scene
     free: tuple[Knob, Knob]
