@@ -60,15 +60,8 @@ def _notes(x: SampledPassivity, unit: str) -> Iterator[Phrase]:
         return
     assert best.omega is not None
     place = ("at ", named("theta"), " = ", short(best.omega))
-    has = f" {unit}; it has ", short(ExactNumber(x.damping)), f" {unit}"
-    yield (
-        "The device's damping must exceed ",
-        short(best.value),
-        *has,
-        " (the largest right-hand side is ",
-        *place,
-        ").",
-    )
+    needs = short(best.value), f" {unit}; it has ", short(ExactNumber(x.damping)), f" {unit}"
+    yield "The device's damping must exceed ", needs, " (the largest right-hand side is ", place, ")."
     if x.passive is False and x.hand_needed is not None:
         lacking = short(x.hand_needed), f" {unit}"
         yield "In a hand that damps more than ", *lacking, " no motion grows, whatever its mass and stiffness."

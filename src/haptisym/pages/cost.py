@@ -104,11 +104,5 @@ def _hard_row(rows: Sequence[HardRow]) -> tuple[Phrase, ...]:
     worst = min(row.digits for row in answered)
     proven = "yes" if all(row.proven for row in answered) else "no"
     time = duration(median(row.seconds for row in answered))
-    return (
-        rows[0].method,
-        f"{right}/{len(answered)}",
-        Number(f"{worst:.1f}", worst),
-        time,
-        proven,
-        worst_verdict(answered),
-    )
+    counted = f"{right}/{len(answered)}"
+    return rows[0].method, counted, Number(f"{worst:.1f}", worst), time, proven, worst_verdict(answered)

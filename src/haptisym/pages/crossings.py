@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
+from haptisym.judge.criteria import Criterion
 from haptisym.judge.crossings import Crossing, CrossingKind
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.regions import Joint
@@ -11,22 +14,21 @@ from haptisym.writing.document import Block, Column, Paragraph, Phrase, Table
 from haptisym.writing.names import named
 
 
-def joint(e: Evaluation) -> Joint | None:
+def joint(criteria: Iterable[Criterion]) -> Joint | None:
     """The region that judges both parts at once, where there is one."""
-    return next((x.joint for x in e.criteria if x.joint), None)
+    return next((x.joint for x in criteria if x.joint), None)
+
+
+def nothing_meets(region: Joint | None) -> str:
+    """That what is judged meets no limit."""
+    return f"The distortion does not meet the border of the {region.kind}" if region else "No ratio meets its threshold"
 
 
 def crossings(e: Evaluation) -> Block:
     """Every crossing on the band: digits, what happens, enclosure."""
     if not e.crossings:
         decided = ", as far as that was decided" if e.undecided else ""
-        region = joint(e)
-        none = (
-            f"The distortion does not meet the border of the {region.kind}"
-            if region
-            else "No ratio meets its threshold"
-        )
-        return Paragraph(f"{none} on the band{decided}.")
+        return Paragraph(f"{nothing_meets(joint(e.criteria))} on the band{decided}.")
     columns = (
         Column("part"), Column((OMEGA, " (rad/s)"), number=True), Column("Hz", number=True), Column("what happens"),
         Column("distortion"), Column(("enclosure of ", OMEGA), full=True),
@@ -93,7 +95,7 @@ _JOINT_RATIOS = (
 
 def ratios_caption(e: Evaluation) -> str:
     """What the figure of ratios shows."""
-    return _JOINT_RATIOS if joint(e) else _RATIOS
+    return _JOINT_RATIOS if joint(e.criteria) else _RATIOS
 
 
 def transparency(e: Evaluation) -> Phrase:

@@ -75,13 +75,8 @@ def _between(m: DesignMap) -> Phrase:
     if m.deviation is not None:
         share = f" ({100 * m.deviation / m.height:.2g}\xa0% of the range)"
         most = Number(rounded_up(m.deviation), m.deviation)
-        off = (
-            " by ",
-            most,
-            unit_of(m.free[1]),
-            share,
-            " at the most, as estimated from how its boundary bends at the slices",
-        )
+        how = " at the most, as estimated from how its boundary bends at the slices"
+        off = " by ", most, unit_of(m.free[1]), share, how
     apart = sum(1 for x in m.gaps if x.deviation is None)
     pairs = "one pair" if apart == 1 else f"{apart} pairs"
     others = f" Between {pairs} of slices, which differ in kind or are undecided, nothing is said." if apart else ""
@@ -102,13 +97,8 @@ def _proven(m: DesignMap) -> Iterator[Block]:
             near = " Where lines join slices, its boundary lies within ", far, " of them, or of an end of the range."
         share = rounded_up(100 * x.rectangles.share_left)
         left = f"{share}\xa0% of the area of the map, which is left open and holds its boundary."
-        said = (
-            "Proven for all values of both, between slices too: what is ",
-            what,
-            threshold,
-            ", and what is not, but for ",
-        )
-        yield Paragraph((said, left, near))
+        said = "Proven for all values of both, between slices too: what is ", what, threshold
+        yield Paragraph((*said, ", and what is not, but for ", left, near))
 
 
 def _stiffest(m: DesignMap) -> Iterator[Block]:

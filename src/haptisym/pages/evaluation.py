@@ -210,7 +210,7 @@ def _figure(e: Evaluation, name: str, caption: str, *, wide: bool = False) -> Fi
 
 def percepts(e: Evaluation) -> Block:
     """What is felt where a ratio exceeds its threshold."""
-    region = joint(e)
+    region = joint(e.criteria)
     if not e.felt:
         why = f"the distortion never leaves the {region.kind}" if region else "neither ratio exceeds its threshold"
         return Paragraph(f"Nothing is noticed on the band: {why}.")

@@ -31,11 +31,8 @@ def _imposed(e: Evaluation) -> Phrase:
     if e.stable is None:
         return "Whether the force under imposed motion is stable was not decided."
     if e.stable:
-        return (
-            "The force under imposed motion is stable: ",
-            ("all poles of ", H_PERC, " have ", compared(pole, "<")),
-            ".",
-        )
+        left = ("all poles of ", H_PERC, " have ", compared(pole, "<"))
+        return "The force under imposed motion is stable: ", left, "."
     right = ("a pole of ", H_PERC, " has ", compared(pole, "≥"))
     return "The force under imposed motion is ", Strong("NOT"), " stable: ", right, "."
 
@@ -53,11 +50,8 @@ def _of_hands(e: Evaluation, found: Passivity | None) -> Phrase:
         )
         return f"Every passive hand may hold it: {why}."
     if found.holds:
-        return (
-            "Every passive hand may hold it: ",
-            _KEPT,
-            " at all frequencies, not on this band alone, and no pole forbids it.",
-        )
+        everywhere = " at all frequencies, not on this band alone, and no pole forbids it."
+        return "Every passive hand may hold it: ", _KEPT, everywhere
     if found.sampled:
         return "Not with every passive hand: Colgate and Schenkel's condition is not met."
     return "Not with every passive hand: ", _KEPT, " at all frequencies, but poles forbid it."
@@ -102,11 +96,8 @@ def _damping(e: Evaluation, found: Passivity) -> Phrase:
     """What a hand must damp at least to be held whatever its mass and stiffness."""
     unit = plain_unit(Dimension.DAMPING, e.scene.motion)
     if found.damping is not None and found.poles_allow:
-        return (
-            " A hand that damps more than ",
-            short(found.damping.value),
-            f" {unit} holds it, whatever its mass and stiffness.",
-        )
+        held = f" {unit} holds it, whatever its mass and stiffness."
+        return " A hand that damps more than ", short(found.damping.value), held
     if found.is_unbounded:
         return " No damping of a hand makes up for that: it grows faster than frequency."
     return ""

@@ -68,9 +68,8 @@ def _response(a: Identification) -> Phrase:
     values = {x.parameter: f"{x.value:.{digits + 2}g}" for x in a.estimates}
     own, effects = a.wanted.elements(values.__getitem__)
     form, _ = readable(distort(own, *effects).perc, s, _digits(a))
-    return equation(
-        "H_perc", form, relation="≈"
-    ), "  as far as the errors let one write it; the scene file has every digit"
+    limits = "  as far as the errors let one write it; the scene file has every digit"
+    return equation("H_perc", form, relation="≈"), limits
 
 
 def _digits(a: Identification) -> int:
@@ -91,16 +90,12 @@ def _certain_digits(x: Estimate, value: float, way: str = ROUND_HALF_EVEN) -> Nu
 
 def _verdict(a: Identification) -> Phrase:
     if a.verdict.fits is None:
-        return Strong(
-            "UNTESTED"
-        ), ": no discs of the lines are known, so that nothing tells how large the residuals may be."
+        unknown = ": no discs of the lines are known, so that nothing tells how large the residuals may be."
+        return Strong("UNTESTED"), unknown
     if a.verdict.fits:
         return "The model fits: neither the size of the residuals nor their order speaks against it. That does not prove it."
-    return (
-        "The model does ",
-        Strong("NOT"),
-        " fit what was measured. Its parameters are those nearest to it, and no more.",
-    )
+    nearest = " fit what was measured. Its parameters are those nearest to it, and no more."
+    return "The model does ", Strong("NOT"), nearest
 
 
 def _tests(a: Identification) -> Iterator[Phrase]:
@@ -164,13 +159,8 @@ def _told(a: Identification) -> Iterator[Phrase]:
         one, other = (_name(a, a.estimates[k]) for k in (i, j))
         yield one, " and ", other, f" are told together more than apart: correlation {correlation(a.fit)[i, j]:.3g}."
     if a.has_ranges:
-        yield (
-            "The scene file (",
-            Code("--scene FILE"),
-            ") has the box as its ranges, which ",
-            Code("haptisym tolerances"),
-            " takes.",
-        )
+        takes = Code("haptisym tolerances"), " takes."
+        yield "The scene file (", Code("--scene FILE"), ") has the box as its ranges, which ", takes
     else:
         yield "The scene file (", Code("--scene FILE"), ") has values and no ranges: here a range would mean nothing."
 

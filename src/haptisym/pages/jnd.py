@@ -81,14 +81,8 @@ def _found(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
         yield "fraction", (_estimate(p, p.fraction), " of the standard, ", rounded(p.reference))
     yield "fit", _fit(p)
     if not p.table:
-        yield (
-            "in a scene",
-            (
-                "a threshold is a fraction of the standard: give its level with ",
-                Code("--reference"),
-                " (1 for fractions)",
-            ),
-        )
+        how = "a threshold is a fraction of the standard: give its level with "
+        yield "in a scene", (how, Code("--reference"), " (1 for fractions)")
 
 
 def _for_a_scene(p: Psychometric) -> Iterator[Block]:

@@ -86,9 +86,8 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
 def _discs(e: MeasuredEvaluation) -> Phrase:
     radius = e.lines.radius
     if radius is None:
-        return Strong(
-            "UNKNOWN"
-        ), ": neither coherence nor radius is given, and every line is judged as if it were exact"
+        unknown = ": neither coherence nor radius is given, and every line is judged as if it were exact"
+        return Strong("UNKNOWN"), unknown
     ends = [float(x) for x in (radius.min(), radius.max())]
     seen = tuple("unbounded" if np.isinf(x) else _share(x) for x in ends)
     return f"{_share(e.scene.perceived.confidence)} confidence, radius {seen[0]} to {seen[1]} of ", _SIZE
@@ -102,12 +101,8 @@ _SIZE: Phrase = "the environment's magnitude"
 
 def _step_1(e: MeasuredEvaluation) -> Iterator[Block]:
     if e.joint is not None:
-        yield Paragraph(
-            (
-                *_counted(e, e.joint.verdict, f"The change lies outside the {shape(e)}", "inside it"),
-                " A part by itself:",
-            )
-        )
+        outside = f"The change lies outside the {shape(e)}"
+        yield Paragraph((*_counted(e, e.joint.verdict, outside, "inside it"), " A part by itself:"))
     for part in Part:
         exceeds = f" ({PART_NAMES[part]} part) exceeds its threshold"
         yield Paragraph((RATIOS[part], *_counted(e, e.verdict[part], exceeds, "below it")))
@@ -116,11 +111,8 @@ def _step_1(e: MeasuredEvaluation) -> Iterator[Block]:
     yield _figure(e, "ratios", "Distortion ratios at the measured lines. Bars: how far the disc of each line reaches. Filled: "
                   "the whole disc exceeds the threshold or is below it; open: it does not tell.", wide=True)  # fmt: skip
     if e.joint is not None:
-        yield _figure(
-            e,
-            "plane",
-            "The change of each line with its disc, in the plane of both parts, and the region that is not noticed.",
-        )
+        shown = "The change of each line with its disc, in the plane of both parts, and the region that is not noticed."
+        yield _figure(e, "plane", shown)
     if e.needed is not None:
         yield Notes(tuple(_resolving(e)))
 
@@ -136,14 +128,8 @@ def _counted(e: MeasuredEvaluation, codes: Any, exceeds: str, below: str) -> tup
     if not count[1]:
         return said, "."
     first = int(np.argmax(codes == 1))
-    return (
-        said,
-        "; the first line outside is at "
-        if e.joint and codes is e.joint.verdict
-        else ("; the first line that exceeds is at "),
-        rounded(float(e.lines.omega[first])),
-        " rad/s.",
-    )
+    which = "outside" if e.joint and codes is e.joint.verdict else "that exceeds"
+    return said, f"; the first line {which} is at ", rounded(float(e.lines.omega[first])), " rad/s."
 
 
 def _resolving(e: MeasuredEvaluation) -> Iterator[Phrase]:
@@ -178,11 +164,8 @@ def _step_2(e: MeasuredEvaluation) -> Iterator[Block]:
     rows = tuple(islice(_felt(e), MOST_ROWS + 1))
     if rows:
         caption = "What is felt at the lines that exceed, where their discs tell it; how it is felt between lines is not told."
-        yield Table(
-            (Column((OMEGA, " (rad/s)")), Column("lines", number=True), Column("part"), Column("felt as")),
-            rows,
-            caption,
-        )
+        columns = Column((OMEGA, " (rad/s)")), Column("lines", number=True), Column("part"), Column("felt as")
+        yield Table(columns, rows, caption)
     if len(rows) > MOST_ROWS:
         yield Notes((f"The first {MOST_ROWS} groups of lines that are felt alike; JSON has every line.",))
     if not rows:

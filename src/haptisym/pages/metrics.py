@@ -96,13 +96,8 @@ def _value(x: Value) -> Phrase:
     if x.reference is None:
         return _number(x.value), unit
     verdict: Phrase = "kept" if x.kept else Strong("NOT KEPT")
-    return (
-        _number(x.value),
-        f"{unit}, environment ",
-        _number(x.reference),
-        f"{unit}; tolerance {x.tolerance}: ",
-        verdict,
-    )
+    values = _number(x.value), f"{unit}, environment ", _number(x.reference)
+    return *values, f"{unit}; tolerance {x.tolerance}: ", verdict
 
 
 def _number(x: RealNumber | int | str) -> Phrase:

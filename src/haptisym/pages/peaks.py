@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from haptisym.judge.peaks import Peak, Peaks
+from haptisym.pages.crossings import joint
 from haptisym.pages.words import OMEGA, exactly, hertz, noted, page_about, symbol
 from haptisym.writing.document import Block, Column, Document, Number, Paragraph, Phrase, Section, Strong, Table, listed
 
@@ -20,12 +21,8 @@ def page(found: Peaks) -> Document:
 def _listed(found: Peaks) -> Block:
     if not found:
         return Paragraph("No ratio has a local maximum inside the band.")
-    columns = (
-        Column("ratio"),
-        Column((OMEGA, " (rad/s)"), number=True),
-        Column("Hz", number=True),
-        Column("value", number=True),
-    )
+    numbers = (OMEGA, " (rad/s)"), "Hz", "value"
+    columns = Column("ratio"), *(Column(x, number=True) for x in numbers)
     table = Table(columns, tuple(map(_row, found)), "All local maxima of the ratios inside the band.")
     return Section("Where a ratio is larger than on either side", (table, *noted(_remarks(found))))
 
@@ -36,25 +33,18 @@ def _row(x: Peak) -> tuple[Phrase, ...]:
 
 
 def _remarks(found: Peaks) -> Iterator[Phrase]:
-    joint = next((x.criterion.joint for x in found if x.criterion.joint), None)
-    if joint:
-        yield "The value is how many times the ", joint.kind, " must be enlarged to hold the distortion."
+    region = joint(x.criterion for x in found)
+    if region:
+        yield "The value is how many times the ", region.kind, " must be enlarged to hold the distortion."
     for x in found:
         if x.jump:
-            yield (
-                "At ",
-                exactly(x.omega, 6),
-                " rad/s the limit changes: the ratio comes as near to the value as one likes, and drops.",
-            )
+            drops = " rad/s the limit changes: the ratio comes as near to the value as one likes, and drops."
+            yield "At ", exactly(x.omega, 6), drops
 
 
 def _certain(found: Peaks) -> Phrase:
     if found.undecided:
         where = listed(Number(x.digits(6), float(x)) for x in found.undecided)
-        return (
-            Strong("UNDECIDED"),
-            " at the precision limit: whether a slope changes its sign at ",
-            where,
-            " rad/s. All others are proven.",
-        )
+        open_ = " at the precision limit: whether a slope changes its sign at "
+        return Strong("UNDECIDED"), open_, where, " rad/s. All others are proven."
     return "Certain: these are all of them inside the band, none is missed and none invented; every digit is proven."

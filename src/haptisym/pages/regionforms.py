@@ -13,11 +13,11 @@ from haptisym.kernel.lattices import Lattice, Signed
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.solutions import solve
 from haptisym.model.regions import Shape
-from haptisym.pages.solved import MOST_STEPS, MOST_TERMS, answers
+from haptisym.pages.solved import MOST_STEPS, MOST_TERMS, Written, answers
 from haptisym.pages.words import H_ENV, OMEGA, region
 from haptisym.verbs.derive.derivation import Derivation
 from haptisym.writing.boxes import Absolute, Box, Fraction
-from haptisym.writing.document import Equations, Line, Notes, Phrase, Section, listed
+from haptisym.writing.document import Line, Phrase, Section, listed
 from haptisym.writing.equations import function, quantity
 from haptisym.writing.names import named
 
@@ -42,8 +42,7 @@ def _called(x: Criterion, i: int, j: int, terms: Sequence[Sequence[Signed]]) -> 
 def when(d: Derivation) -> Section:
     """Of a region, or of limits that are formulas in omega: its border, and each function in closed form where it is short."""
     limits = "The limits are " if d.scene.threshold.region.shape is Shape.SQUARE else "The JND is "
-    notes: list[Phrase] = [(limits, region(d.scene.threshold), ".")]
-    lines: list[Line] = []
+    out = Written(notes=[(limits, region(d.scene.threshold), ".")])
     long: list[Phrase] = []
     is_short = d.steps.operations <= MOST_STEPS
     for x in noticed(d.scene.threshold):
@@ -51,28 +50,28 @@ def when(d: Derivation) -> Section:
             borders = [(named(f"q_{i}"), form) for i, form in enumerate(_borders(x.joint), 1)]
             one_of = "one of " if len(borders) > 1 else ""
             shown = listed((name for name, _ in borders), "or")
-            notes.append(("The ", x.joint.kind, " is left where ", one_of, shown, " is positive."))
-            lines += [_relative("x_r", "Re dH"), _relative("x_i", "Im dH"), *(Line(*pair) for pair in borders)]
+            out.notes.append(("The ", x.joint.kind, " is left where ", one_of, shown, " is positive."))
+            out.lines += [_relative("x_r", "Re dH"), _relative("x_i", "Im dH"), *(Line(*pair) for pair in borders)]
         if not is_short:
             continue
         found = x.function(d.distortion)
         said, functions = ways(x, found)
-        notes.append(said)
+        out.notes.append(said)
         for name, f in functions:
             form = f.factored() if isinstance(f, RealFunction) and len(f.function.numerator) <= MOST_TERMS else None
-            if form is None or count_ops(form) > _LONGEST or len(long) + len(lines) >= _MOST:
+            if form is None or count_ops(form) > _LONGEST or len(long) + len(out.lines) >= _MOST:
                 long.append(name)
             else:
-                lines.append(Line(name, form))
+                out.lines.append(Line(name, form))
         solved, told = _solved(x, found, d)
-        lines += solved
-        notes += told
+        out.lines += solved
+        out.notes += told
     if not is_short:
-        notes.append("Closed forms of this chain are long: which functions of ω decide it is not written out.")
+        out.notes.append("Closed forms of this chain are long: which functions of ω decide it is not written out.")
     if long:
-        notes.append(("Too long to be written out unasked: ", listed(long), ". Fewer symbols make them shorter."))
-    notes.append("Its crossings, as numbers: `haptisym evaluate`.")
-    return Section(("When it is noticed",), (Notes(tuple(notes)), *([Equations(tuple(lines))] if lines else [])))
+        out.notes.append(("Too long to be written out unasked: ", listed(long), ". Fewer symbols make them shorter."))
+    out.notes.append("Its crossings, as numbers: `haptisym evaluate`.")
+    return out.section("When it is noticed")
 
 
 def _solved(x: Criterion, found: Signed, d: Derivation) -> tuple[list[Line], list[Phrase]]:

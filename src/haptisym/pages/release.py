@@ -50,23 +50,12 @@ def _table(r: Release) -> Iterator[Block]:
     if r.closed is not None and not r.is_envelope:
         rate, omega = r.closed.root.digits()
         proven = "proven" if r.closed.root.certified else "not proven to be the rightmost"
-        rows.append(
-            (
-                "largest root z, ln z/T" if clocks(r.scene) else "rightmost root",
-                Number(rate, r.closed.rate),
-                Number(omega, r.closed.omega),
-                proven,
-            )
-        )
+        root = "largest root z, ln z/T" if clocks(r.scene) else "rightmost root"
+        rows.append((root, Number(rate, r.closed.rate), Number(omega, r.closed.omega), proven))
     if rows:
         caption = "The motion that lasts longest: it goes as exp(rate t). The error of what is read is estimated."
-        columns = (
-            Column("what lasts longest"),
-            Column("rate (1/s)", number=True),
-            Column("rad/s", number=True),
-            Column("error"),
-        )
-        yield Table(columns, tuple(rows), caption)
+        numbers = (Column(x, number=True) for x in ("rate (1/s)", "rad/s"))
+        yield Table((Column("what lasts longest"), *numbers, Column("error")), tuple(rows), caption)
 
 
 def _remarks(r: Release) -> Iterator[Block]:

@@ -13,8 +13,7 @@ from haptisym.kernel.symbols import omega
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension
 from haptisym.pages import regionforms
-from haptisym.pages.solved import MOST_STEPS, MOST_TERMS, answers
-from haptisym.pages.words import noted
+from haptisym.pages.solved import MOST_STEPS, MOST_TERMS, Written
 from haptisym.programs.steps import DISTORTION, Steps
 from haptisym.verbs.derive.derivation import QUANTITIES, Derivation, bare, listed_name
 from haptisym.verbs.derive.groups import Groups
@@ -33,8 +32,7 @@ _SHOWN = dict(zip(("Re dH", "Im dH", "r_r", "r_i", "Re(dH/H_env)", "Im(dH/H_env)
 
 def _section(title: Phrase, rows: Iterable[Line] = (), notes: Iterable[Phrase] = ()) -> Section:
     """A heading, sentences that say what the equations mean or what is missing, and these."""
-    lines = Equations(tuple(rows))
-    return Section(title, (*noted(notes), *([lines] if lines.lines else [])))
+    return Written(list(rows), list(notes)).section(title)
 
 
 def sections(d: Derivation) -> tuple[Section, ...]:
@@ -54,21 +52,18 @@ def beyond(d: Derivation) -> tuple[Section, ...]:
 
 def asked(d: Derivation, names: Iterable[str]) -> tuple[Section, ...]:
     """The quantities with these names, each written out; SceneError for a name that is none."""
-    rows: list[Line] = []
-    notes: list[Phrase] = []
+    found = Written()
     for name in names:
         slope = _SLOPE.fullmatch("".join(name.split()))
         key = bare(name)
         if slope:
-            rows.append(_sensitivity(d, slope[1], slope[2]))
-            notes += _touches(d, slope[1])
+            found.lines.append(_sensitivity(d, slope[1], slope[2]))
+            found.notes += _touches(d, slope[1])
         elif key in _SOLVED:
-            solved, said = answers(quantity(_SOLVED[key]), _solutions(d, _SOLVED[key]))
-            rows += solved
-            notes += [(named(_SOLVED[key]), ": ", x) for x in said]
+            found.solve(quantity(_SOLVED[key]), _solutions(d, _SOLVED[key]), named(_SOLVED[key]))
         else:
-            rows.append(_named(canonical(name), d[name]))
-    return (_section(("Formulas",), tuple(rows), tuple(notes)),)
+            found.lines.append(_named(canonical(name), d[name]))
+    return (found.section("Formulas"),)
 
 
 _SLOPE = re.compile(r"domega_([ri])/d([\w.\[\]-]+)")
@@ -129,11 +124,11 @@ def _dynamics(d: Derivation) -> Section:
     perceived = d["H_perc"] if d.steps.operations <= MOST_STEPS else None
     if perceived is not None and count_ops(perceived) <= LONGEST:
         rows.append(_named("H_perc", perceived))
-    return _section(("Dynamics",), tuple(rows), ((note,),))
+    return _section("Dynamics", rows, [note])
 
 
 def _in_steps(d: Derivation) -> Section:
-    return _section((f"In steps ({d.steps.operations} operations in all)",), tuple(_steps(d.steps)))
+    return _section(f"In steps ({d.steps.operations} operations in all)", _steps(d.steps))
 
 
 def _steps(steps: Steps) -> Iterator[Line]:
@@ -148,68 +143,58 @@ def _written_out(d: Derivation) -> Section:
     """Re dH and Im dH as quotients of polynomials in lowest terms, if they are short."""
     if d.steps.operations > MOST_STEPS:
         note = f"Closed forms of this chain are long. Ask for one by its name: {', '.join(QUANTITIES)}."
-        return _section(("Written out",), (), ((note,),))
+        return _section("Written out", notes=[note])
     names = ("Re dH", "Im dH", "|H_env|^2")
     short = [name for name in names if d.operations(name) <= LONGEST]
-    return _section(("Written out, in lowest terms",), tuple(_named(name, d[name]) for name in short))
+    return _section("Written out, in lowest terms", (_named(name, d[name]) for name in short))
 
 
 def _when(d: Derivation) -> Section:
-    title = ("When it is noticed",)
+    title = "When it is noticed"
     if d.steps.operations > MOST_STEPS:
         return _section(title)
-    rows: list[Line] = []
-    notes: list[Phrase] = [("A ratio exceeds its threshold exactly where its p is positive.",)]
+    found = Written(notes=["A ratio exceeds its threshold exactly where its p is positive."])
     for part in Part:
         letter = _RATIOS[part][-1]
         terms = len(d.excess(part).function.numerator)
         if terms > MOST_TERMS:
-            notes.append((named(f"p_{letter}"), f" has {terms} terms; ask for it by its name."))
+            found.notes.append((named(f"p_{letter}"), f" has {terms} terms; ask for it by its name."))
             continue
         polynomial = d[f"p_{letter}"]
         if count_ops(polynomial) <= LONGEST:
-            rows.append(_named(f"p_{letter}", polynomial))
+            found.lines.append(_named(f"p_{letter}", polynomial))
         else:
-            notes.append((named(f"p_{letter}"), f" takes {count_ops(polynomial)} operations; ask for it by its name."))
-        solved, said = answers(quantity(f"omega_{letter}"), d.crossings(part))
-        rows += solved
-        notes += [(named(_RATIOS[part]), ": ", x) for x in said]
-    return _section(title, tuple(rows), tuple(notes))
+            long = f" takes {count_ops(polynomial)} operations; ask for it by its name."
+            found.notes.append((named(f"p_{letter}"), long))
+        found.solve(quantity(f"omega_{letter}"), d.crossings(part), named(_RATIOS[part]))
+    return found.section(title)
 
 
 def _solved(d: Derivation) -> Section:
     """The crossings that have a readable formula."""
-    rows: list[Line] = []
-    notes: list[Phrase] = []
+    found = Written()
     for part in Part if d.steps.operations <= MOST_STEPS else ():
-        if len(d.excess(part).function.numerator) > MOST_TERMS:
-            continue
-        solved, said = answers(
-            quantity(f"omega_{_RATIOS[part][-1]}"), [x for x in d.crossings(part) if x.omega is not None]
-        )
-        rows += solved
-        notes += [(named(_RATIOS[part]), ": ", x) for x in said]
-    return _section(("Crossings, solved",), tuple(rows), tuple(notes))
+        if len(d.excess(part).function.numerator) <= MOST_TERMS:
+            readable = [x for x in d.crossings(part) if x.omega is not None]
+            found.solve(quantity(f"omega_{_RATIOS[part][-1]}"), readable, named(_RATIOS[part]))
+    return found.section("Crossings, solved")
 
 
 def _changeovers(d: Derivation) -> Section:
-    rows: list[Line] = []
-    notes: list[Phrase] = []
+    found = Written()
     for system in ("env", "perc") if d.steps.operations <= MOST_STEPS else ("env",):
-        solved, said = answers(quantity(f"omega_{system}"), d.changeovers(system))
-        rows += solved
-        notes += [(named(f"H_{system}"), ": ", x) for x in said]
-    return _section(("Where spring and inertia change over",), tuple(rows), tuple(notes))
+        found.solve(quantity(f"omega_{system}"), d.changeovers(system), named(f"H_{system}"))
+    return found.section("Where spring and inertia change over")
 
 
 def _dimensionless(d: Derivation) -> Iterator[Section]:
-    title = ("Without dimensions",)
+    title = "Without dimensions"
     if len(d.scene.parameters) > _MOST_PARAMETERS:
         return
     try:
         found = d.groups
     except SceneError as error:
-        yield _section(title, (), ((f"Not possible: {error}.",),))
+        yield _section(title, notes=[f"Not possible: {error}."])
         return
     named = [x for x in (found.frequency, *found.groups) if x.symbol.name != str(x.value)]  # what stays is not told
     rows = [_defined(group.symbol, group.value) for group in named]
@@ -218,9 +203,9 @@ def _dimensionless(d: Derivation) -> Iterator[Section]:
         f"{before} and ", layout(omega), " become ", layout(found.frequency.symbol), f" and {after}; H is in units of ",
         layout(found.stiffness), ". The ratios, as functions of these:",
     )  # fmt: skip
-    yield _section(title, tuple(rows), (note,))
+    yield _section(title, rows, [note])
     steps = _in_x(found, found.chain.at(found.values).steps)
-    yield _section((), tuple(_steps(steps)))
+    yield _section((), _steps(steps))
 
 
 def _counted(n: int, what: str) -> str:
@@ -249,22 +234,11 @@ def _fast(d: Derivation) -> Iterator[Section]:
     if not rows:
         return
     low, high = (layout(x) for x in d.scene.band)
-    errors = [
-        (f"{bound.enclosure(1)[1]} in ", named(_RATIOS[part]))
-        for part, bound in found.bounds.items()
-        if bound is not None
-    ]
-    said = (
-        "What is left out makes at most ",
-        listed(errors),
-        " on ",
-        low,
-        " to ",
-        high,
-        " rad/s with the scene's numbers: proven.",
-    )
+    errors = [(f"{x.enclosure(1)[1]} in ", named(_RATIOS[part])) for part, x in found.bounds.items() if x is not None]
+    on = " on ", low, " to ", high, " rad/s with the scene's numbers: proven."
+    said: Phrase = ("What is left out makes at most ", listed(errors), *on)
     fast = listed((named(x.name), f" {_direction(d, x)}") for x in found.fast)
-    yield _section(("Fast devices: ", fast), tuple(rows), (said,) if errors else ())
+    yield _section(("Fast devices: ", fast), rows, [said] if errors else ())
 
 
 def _direction(d: Derivation, fast: Symbol) -> str:

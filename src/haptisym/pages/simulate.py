@@ -54,15 +54,9 @@ def _table(runs: Sequence[Simulation]) -> Iterator[Block]:
 
 
 def _row(x: Estimate) -> tuple[Phrase, ...]:
-    numbers = (
-        (x.omega, 4),
-        (x.omega / (2 * pi), 4),
-        (x.simulated.real, 9),
-        (x.simulated.imag, 9),
-        (x.difference, 2),
-        (x.error, 2),
-    )
-    return *(rounded(*number) for number in numbers), _AGREES[x.agrees]
+    frequency = rounded(x.omega, 4), rounded(x.omega / (2 * pi), 4)
+    found = rounded(x.simulated.real, 9), rounded(x.simulated.imag, 9)
+    return *frequency, *found, rounded(x.difference, 2), rounded(x.error, 2), _AGREES[x.agrees]
 
 
 def _verdict(runs: Sequence[Simulation]) -> Phrase:

@@ -1,21 +1,42 @@
-"""Solutions of an equation as lines of a page: the formulas, when they are in force, and where there is none."""
+"""Sections of equations as they are put together; solutions of one as formulas, when these hold, or that there is none."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass, field
 
 from sympy import Add, Expr, Integer, count_ops
 
 from haptisym.kernel.solutions import Solution
 from haptisym.kernel.symbols import omega
+from haptisym.pages.words import noted
 from haptisym.writing.boxes import Box, Equation
-from haptisym.writing.document import Line, Phrase, listed
+from haptisym.writing.document import Equations, Line, Phrase, Section, listed
 from haptisym.writing.layout import layout
 
 MOST_STEPS = 150  # operations of the steps beyond which closed forms would fill pages
 MOST_TERMS = (
     2000  # above the line of a function that is written, or solved, unasked: SymPy takes a second or two for them
 )
+
+
+@dataclass
+class Written:
+    """What a section says, as it is put together: equations, and what they mean or why there is none."""
+
+    lines: list[Line] = field(default_factory=list)
+    notes: list[Phrase] = field(default_factory=list)
+
+    def solve(self, left: Box, solutions: Iterable[Solution], of: Phrase) -> None:
+        """Some solutions as formulas, and what is to be said about the others; ``of`` : what is solved."""
+        lines, said = answers(left, solutions)
+        self.lines += lines
+        self.notes += [(of, ": ", x) for x in said]
+
+    def section(self, title: Phrase) -> Section:
+        """It below a heading, the words before the equations."""
+        equations = (Equations(tuple(self.lines)),) if self.lines else ()
+        return Section(title, (*noted(self.notes), *equations))
 
 
 def answers(left: Box, solutions: Iterable[Solution]) -> tuple[list[Line], list[Phrase]]:

@@ -179,11 +179,8 @@ def _reason(x: Held) -> Phrase:
     if x.roots.chain:
         return _CHAINS[x.roots.chain]
     if x.on_axis:
-        return (
-            "on the imaginary axis, at ",
-            listed(map(short, x.on_axis)),
-            " rad/s, lie roots that neither grow nor decay",
-        )
+        where = listed(map(short, x.on_axis))
+        return "on the imaginary axis, at ", where, " rad/s, lie roots that neither grow nor decay"
     return ""
 
 
@@ -218,13 +215,8 @@ def _notes(p: Passivity, unit: str) -> Iterator[Phrase]:
     if p.holds is False and p.poles_allow is False:
         yield "Whatever a hand damps: a pole of ", H_PERC, "/s to the right, on the axis, at 0 or at ∞ forbids it."
     if p.is_unbounded:
-        yield (
-            "No damping of a hand is enough for all its masses and stiffnesses: −",
-            _IM,
-            "/",
-            OMEGA,
-            " grows without bound.",
-        )
+        none = "No damping of a hand is enough for all its masses and stiffnesses: −"
+        yield none, _IM, "/", OMEGA, " grows without bound."
     elif p.is_active and p.damping:
         place: Phrase = ", approached as ω grows" if p.damping.omega is None else (", at ", both(p.damping.omega))
         value = "b* = sup(−", _IM, "/", OMEGA, ") = ", short(p.damping.value), f" {unit}", place

@@ -87,13 +87,7 @@ def _certain(told: Mapping[str, Any]) -> Iterator[Block]:
     if told["open"]:
         part = ", or not in all" if "held" in told else ""
         first = ", ".join(f"{name} = {x:.17g}" for name, x in told["open_at"][0].items())
-        yield Notes(
-            (
-                (
-                    Strong("NOT ANSWERED"),
-                    f": {told['open']:,} sets (undecided, or no dynamics){part}, the first at {first}.",
-                ),
-            )
-        )
+        sets = f": {told['open']:,} sets (undecided, or no dynamics){part}, the first at {first}."
+        yield Notes(((Strong("NOT ANSWERED"), sets),))
     if told["out"]:
         yield Paragraph(f"Written to {told['out']}.")

@@ -12,6 +12,7 @@ from haptisym.model.hand import Hand
 from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import MotionKind, unit_text
 from haptisym.model.ranges import spread
+from haptisym.pages.crossings import joint, nothing_meets
 from haptisym.pages.late import drawing
 from haptisym.pages.words import CHANGE, both, noted, page_about, rounded, symbol
 from haptisym.verbs.stability.boxes import Share
@@ -134,14 +135,9 @@ def values(found: Mapping[str, Expr]) -> Phrase:
 
 
 def _enclosures(a: Tolerances) -> Block:
-    region = next((x.joint for x in a.criteria if x.joint), None)
+    region = joint(a.criteria)
     if not a.enclosures:
-        none = (
-            f"The distortion does not meet the border of the {region.kind}"
-            if region
-            else "No ratio meets its threshold"
-        )
-        return Paragraph(f"{none} on the band, for no values within the ranges: proven.")
+        return Paragraph(f"{nothing_meets(region)} on the band, for no values within the ranges: proven.")
     columns = (
         Column("distortion" if region else "ratio"), Column("from (rad/s)", number=True),
         Column("to (rad/s)", number=True), Column("crossings"), Column("it grows with"), Column("it falls with"),
@@ -158,26 +154,15 @@ def _enclosures(a: Tolerances) -> Block:
     dots = "Dots: crossings of the sets that were drawn at random." if a.samples else ""
     shown = f"Grey: where crossings may lie, proven for all values. {dots}".strip()
     figure = drawing("enclosures", shown, "tolerances:enclosures_figure", a)
-    return Section(
-        title,
-        (
-            Table(columns, tuple(map(_row, a.enclosures)), "Enclosures of the crossings, proven."),
-            Paragraph(said),
-            figure,
-        ),
-    )
+    table = Table(columns, tuple(map(_row, a.enclosures)), "Enclosures of the crossings, proven.")
+    return Section(title, (table, Paragraph(said), figure))
 
 
 def _row(x: Enclosure) -> tuple[Phrase, ...]:
     count = "any number" if x.count is None else f"{x.count} always"
     moves = [[named(name) for name, n in x.monotonic.items() if n == sign] for sign in (1, -1)]
-    return (
-        CHANGE if x.criterion.joint else symbol(x.criterion.symbol),
-        _end(x.low, x.at_low),
-        _end(x.high, x.at_high),
-        count,
-        *(_series(names) for names in moves),
-    )
+    what = CHANGE if x.criterion.joint else symbol(x.criterion.symbol)
+    return what, _end(x.low, x.at_low), _end(x.high, x.at_high), count, *map(_series, moves)
 
 
 def _series(names: Iterable[Phrase]) -> Phrase:
@@ -207,9 +192,8 @@ def _estimates(a: Tolerances) -> Iterator[Block]:
     columns = Column("rad/s"), *(Column(f"{p}\xa0%", number=True) for p in LEVELS)
     title = f"quantiles over {len(a.samples)} sets of values, drawn uniformly (seed {a.seed})"
     share = Paragraph(f"Of these sets {q.transparent} are transparent on the whole band.")
-    yield Section(
-        ("Estimated, ", Strong("NOT"), f" guaranteed: {title}"), (Table(columns, cells, "Quantiles, estimated."), share)
-    )
+    table = Table(columns, cells, "Quantiles, estimated.")
+    yield Section(("Estimated, ", Strong("NOT"), f" guaranteed: {title}"), (table, share))
 
 
 def _quantile(x: float | None) -> Phrase:
