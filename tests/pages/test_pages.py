@@ -12,7 +12,7 @@ from sympy import Rational, Symbol
 
 import haptisym as hs
 from haptisym.commands.spelling import spelt
-from haptisym.figures.style import WIDTH
+from haptisym.figures.pen import WIDTH
 from haptisym.model.parameters import Parameter, Rule
 from haptisym.model.quantities import Dimension, MotionKind
 from haptisym.pages.explorer import _parameter
