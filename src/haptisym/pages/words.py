@@ -20,7 +20,6 @@ from haptisym.kernel.roots import Interval, Point
 from haptisym.kernel.symbols import omega
 from haptisym.model.family import SceneFamily
 from haptisym.model.jnd import Part, Threshold
-from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.proportions import DIGITS
 from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.model.regions import Shape
@@ -31,6 +30,7 @@ from haptisym.writing.layout import layout
 from haptisym.writing.names import named
 
 if TYPE_CHECKING:
+    from haptisym.model.measuredscene import MeasuredScene
     from haptisym.verbs.effects.suprema import Supremum
 
 RATIOS: dict[Part, Box] = {Part.REAL: named("r_r"), Part.IMAG: named("r_i")}
