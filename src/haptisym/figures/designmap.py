@@ -38,7 +38,9 @@ def draw_map(ax: Axes, found: DesignMap, *, color: str | None = None, label: str
     ['imaginary part, band-edge']
     """
     look, plane = Look.on(ax, "exact slices", color, label), MapPlane(found)
-    strokes = plane.strokes(ax, look.ink(pen.GREY), 0.7, f"transparent on the slice{look.suffix}")
+    somewhere = any(r.feasible for _, r in plane.rows)
+    named = f"transparent on the slice{look.suffix}" if somewhere else ""
+    strokes = plane.strokes(ax, look.ink(pen.GREY), 0.7, named)
     ticks = [0] * len(plane.rows)
     ax.plot(
         plane.x([x for x, _ in plane.rows]), ticks, transform=ax.get_xaxis_transform(), clip_on=False, **_tick(look)
@@ -49,9 +51,9 @@ def draw_map(ax: Axes, found: DesignMap, *, color: str | None = None, label: str
     between = () if found.proofs else plane.unlike(plane.rows)
     open_ones = plane.hatch(ax, (*plane.left_open(), *between), look.suffix)
     plane.frame(ax, look.number)
-    some = [strokes] if strokes.get_segments() else []
+    some = [strokes] if somewhere else []
     legend(ax, [*some, *ground, *(x for _, x in marks), *bands, *open_ones, *_tick_entry(look)])
-    if not any(x.requirement.feasible for x in found.slices):
+    if not somewhere:
         word = "transparent nowhere" if found.certified else "nowhere proven transparent"
         write_note(ax, f"{word}: on none of {len(found.slices)} exact slices{look.suffix}")
     return [strokes, *(x for x, _ in marks)]
