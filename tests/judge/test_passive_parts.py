@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 from sympy import Rational
+from windings import winding
 
 import haptisym as hs
 from haptisym.judge.imposed import force_is_stable
 from haptisym.judge.passivity import passivity
+from haptisym.kernel.rootcount import RootChain
 from haptisym.verbs.stability.held import held
 
 LINK = hs.effects.wave_variables(10, "20 ms", name="link")
@@ -47,11 +50,48 @@ def test_an_active_part_proves_nothing_by_parts() -> None:
     assert not passivity(hs.Scene(hs.environments.expression("-s"), (DEVICE,))).has_passive_parts
 
 
-def test_poles_of_a_lossless_environment_behind_a_line_are_not_said_to_lie_on_the_left() -> None:
-    """A spring behind a line without losses rings for ever."""
-    scene = hs.Scene(hs.environments.mass_spring_damper(k=100), (LINK,))
-    assert force_is_stable(scene, scene.distortion()) is not True
+@pytest.mark.parametrize("own", [{"k": 100}, {"m": 2}, {"m": "1/2", "k": 40}])
+@pytest.mark.parametrize("behind", [(), (TORSION,)])
+def test_a_lossless_display_is_not_stable_as_its_poles_lie_on_the_axis(
+    own: dict[str, Any], behind: tuple[hs.Effect, ...]
+) -> None:
+    """A spring behind a line without losses rings for ever; where, it is seen by the sign of a real function."""
+    scene = hs.Scene(hs.environments.mass_spring_damper(**own), (LINK, *behind))
+    assert force_is_stable(scene, scene.distortion()) is False
     assert passivity(scene).holds is True
+    omega = np.linspace(1e-3, 60 * np.pi, 100_001)
+    F, X = (lambda m=0, k=0: float(Rational(k)) - float(Rational(m)) * omega**2)(**own), np.ones_like(omega)
+    c, t = np.cos(0.02 * omega), np.sin(0.02 * omega)
+    F, X = c * F - 10 * omega * t * X, t / (10 * omega) * F + c * X
+    X = X + F / 5000 if behind else X
+    found = hs.stability(scene)
+    assert ((X[1:] * X[:-1] < 0) & (np.abs(F[1:]) > 0)).any()
+    assert "H_perc has poles on the imaginary axis" in str(found)
+    assert (found.imposed.stable, found.imposed.unstable, found.certified) == (False, None, True)
+
+
+@pytest.mark.parametrize("k", [0, 20])
+@pytest.mark.parametrize("alpha", ["1/2", "0.3", "2/3"])
+def test_a_spring_pot_behind_a_line_is_stable_as_it_damps_at_every_frequency(alpha: str, k: int) -> None:
+    scene = hs.Scene(hs.environments.spring_pot(80, alpha, k=k), (LINK,))
+    found = hs.stability(scene).imposed
+    assert (found.stable, found.chain) == (True, RootChain.NEAR)
+    order = float(Rational(alpha))
+
+    def poles(s: Any, lib: Any = np) -> Any:
+        return 10 * s * lib.cosh(0.02 * s) + (k + 80 * s**order) * lib.sinh(0.02 * s)
+
+    assert winding(lambda s: poles(s + 1e-6) / (s + 1e-6), 1000.0) == 0
+    for n in range(8):  # of the chain, near the zeros of cosh
+        near = mpmath.findroot(lambda s: poles(s, mpmath), mpmath.mpc(-1, (n + 0.5) * np.pi / 0.02))
+        assert near.real < 0
+
+
+def test_what_damps_nowhere_or_only_without_the_line_is_not_called_stable_by_its_parts() -> None:
+    still = hs.Scene(hs.environments.expression("100"), (LINK,))
+    assert force_is_stable(still, still.distortion()) is False
+    gives = hs.Scene(hs.environments.spring_pot(80, "1/2"), (LINK, hs.effects.delay("20 ms")))
+    assert force_is_stable(gives, gives.distortion()) is not True
 
 
 def test_the_shipped_wave_variable_link_is_decided() -> None:

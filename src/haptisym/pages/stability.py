@@ -82,6 +82,8 @@ def _imposed(found: Stability) -> Phrase:
         near = "; infinitely many come as near to the imaginary axis as one likes" if x.chain else ""
         return "Stable: all poles of ", H_PERC, " lie in ", _LEFT, near, "."
     count = "" if x.unstable is None else f" {x.unstable}"
+    if x.chain is RootChain.NEAR:
+        return Strong("NOT"), " stable: ", H_PERC, " has poles on the imaginary axis."
     if x.chain:
         return Strong("NOT"), " stable: of the poles of ", H_PERC, f", {_CHAINS[x.chain]}."
     return Strong("NOT"), " stable: poles of ", H_PERC, " in ", _RIGHT, f":{count or ' at least one'}."
