@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 
 from haptisym.figures import pen
 from haptisym.figures.lines import disc_handle, scale_of_lines, spread_out, thinned
-from haptisym.figures.sheet import laid_out
+from haptisym.figures.sheet import stacked
 from haptisym.figures.style import dots, dress, legend, name_dynamics, name_frequency
 from haptisym.verbs.identify.curve import Curve
 from haptisym.verbs.identify.entry import Identification
@@ -22,17 +22,10 @@ _MANY = 8000
 
 def identification_figure(a: Identification) -> Figure:
     """Three drawings above each other, one column of a journal wide."""
-    height = 4.2
-    figure = Figure(figsize=(pen.WIDTH, height), layout="compressed")
-    upper, middle, lower = figure.subplots(3, 1, sharex=True, height_ratios=(1.5, 1.1, 1))
-    draw_magnitude(upper, a)
-    draw_phase(middle, a)
-    draw_residuals(lower, a)
-    for ax in (upper, middle):
-        ax.tick_params(labelbottom=False)
-        ax.set_xlabel("")
-    figure.align_ylabels()
-    return laid_out(figure, height, upper, lower)
+    magnitude = (1.5, lambda ax: draw_magnitude(ax, a))
+    phase = (1.1, lambda ax: draw_phase(ax, a))
+    residuals = (1.0, lambda ax: draw_residuals(ax, a))
+    return stacked(4.2, magnitude, phase, residuals, aligned=True)
 
 
 def draw_magnitude(ax: Axes, a: Identification, *, hertz: bool | None = None) -> list[Line2D]:

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 
 from haptisym.figures import pen
 from haptisym.figures.lines import codes_of, draw_discs, left_out, thinned
-from haptisym.figures.style import dots, draw_origin, dress, handle, legend, limit, name_dynamics
+from haptisym.figures.style import dots, draw_origin, dress_changes, dress_plane, handle, keep_scales, legend, limit
 from haptisym.model.jnd import Part
 from haptisym.model.measured import Measurement
 from haptisym.verbs.measured.entry import MeasuredEvaluation
@@ -36,9 +36,7 @@ def draw_measured_nyquist(ax: Axes, e: MeasuredEvaluation) -> list[Line2D]:
             draw_discs(ax, felt[own], radius[own], colour)
             lines += ax.plot(felt[own].real, felt[own].imag, color=colour, zorder=4, label=label, **dots(2.4))
     _frame(ax, np.concatenate([e.lines.environment[drawn], felt]), radius)
-    dress(ax)
-    name_dynamics(ax.xaxis, r"\mathrm{Re}\,H", e.scene)
-    name_dynamics(ax.yaxis, r"\mathrm{Im}\,H", e.scene)
+    dress_plane(ax, e.scene)
     legend(ax, [*lines, *left_out(len(drawn), len(e))])
     return lines
 
@@ -67,8 +65,7 @@ def _frame(ax: Axes, points: Any, radius: Any) -> None:
     sides = [(float(x.min()) - reach, float(x.max()) + reach) for x in (points.real, points.imag)]
     margin = 0.05 * max(high - low for low, high in sides) or 1.0
     limit(ax, *((low - margin, high + margin) for low, high in sides))
-    width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
-    ax.set_aspect("equal" if 0.25 < width / height < 4 else "auto", adjustable="box")
+    keep_scales(ax)
 
 
 def draw_measured_plane(ax: Axes, e: MeasuredEvaluation) -> list[Line2D]:
@@ -92,9 +89,7 @@ def draw_measured_plane(ax: Axes, e: MeasuredEvaluation) -> list[Line2D]:
         assert distance is not None
         ax.contour(x, y, distance.reshape(x.shape), levels=[0], colors=pen.INK, linewidths=0.9)
         entries.append(handle(pen.INK, "-", str(e.scene.threshold.region.shape.value), 0.9))
-    dress(ax)
+    dress_changes(ax)
     ax.set_aspect("equal")
-    ax.set_xlabel(r"$\mathrm{Re}\,\Delta H/|H_\mathrm{env}|$", fontsize=pen.TEXT)
-    ax.set_ylabel(r"$\mathrm{Im}\,\Delta H/|H_\mathrm{env}|$", fontsize=pen.TEXT)
     legend(ax, entries)
     return made

@@ -13,7 +13,7 @@ from haptisym.figures import pen
 from haptisym.figures.judged import is_share, limit_of
 from haptisym.figures.sampling import band_of, ends_of, sampled
 from haptisym.figures.scales import scale_of
-from haptisym.figures.sheet import laid_out
+from haptisym.figures.sheet import stacked
 from haptisym.figures.style import Look, dress, entries, legend, limit, name_frequency
 from haptisym.verbs.metrics.measured import Bands
 from haptisym.verbs.metrics.metric import Metrics
@@ -24,14 +24,7 @@ _FINE: Any = (0, (1, 1))
 
 def metrics_figure(m: Metrics) -> Figure:
     """Curves above; below, for each measure, a bar where it is content."""
-    height = 3.4
-    figure = Figure(figsize=(pen.WIDTH, height), layout="compressed")
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1.1))
-    draw_measures(upper, m)
-    draw_verdicts(lower, m)
-    upper.tick_params(labelbottom=False)
-    upper.set_xlabel("")
-    return laid_out(figure, height, upper)
+    return stacked(3.4, (2.0, lambda ax: draw_measures(ax, m)), (1.1, lambda ax: draw_verdicts(ax, m)))
 
 
 def draw_measures(

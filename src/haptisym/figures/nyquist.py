@@ -18,12 +18,12 @@ from haptisym.figures.style import (
     curves,
     dots,
     draw_origin,
-    dress,
+    dress_plane,
     entries,
     handle,
+    keep_scales,
     legend,
     limit,
-    name_dynamics,
     number,
 )
 from haptisym.judge.evaluation import Evaluation
@@ -70,11 +70,8 @@ def draw_nyquist(
         for tail, head in _directions(length, np.interp(marked, omega, length), share):
             arrow(ax, points[tail], points[head], colour)
     limit(ax, (low[0], high[0]), (low[1], high[1]), number=look.number)
-    width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
-    ax.set_aspect("equal" if 0.25 < width / height < 4 else "auto", adjustable="box")
-    dress(ax)
-    name_dynamics(ax.xaxis, r"\mathrm{Re}\,H", evaluation.scene)
-    name_dynamics(ax.yaxis, r"\mathrm{Im}\,H", evaluation.scene)
+    keep_scales(ax)
+    dress_plane(ax, evaluation.scene)
     handles = curve_handles(look)
     for line, one in zip(lines, handles, strict=True):
         line.set_label(str(one.get_label()))

@@ -19,7 +19,7 @@ from haptisym.figures.outlines import outline
 from haptisym.figures.sampling import sampled
 from haptisym.figures.scales import band_scale
 from haptisym.figures.sheet import one_column
-from haptisym.figures.style import dots, draw_origin, dress, handle, legend, limit
+from haptisym.figures.style import dots, draw_origin, dress, dress_changes, handle, legend, limit
 from haptisym.judge.criteria import noticed
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.spread import Compared, half_widths
@@ -57,7 +57,7 @@ def draw_regions(ax: Axes, evaluation: Evaluation) -> list[Line2D]:
     limit(ax, (-reach, reach), (-reach, reach))
     ax.set_aspect("equal", adjustable="box")
     draw_origin(ax)
-    dress(ax, r"$\mathrm{Re}\,\Delta H/|H_\mathrm{env}|$", r"$\mathrm{Im}\,\Delta H/|H_\mathrm{env}|$")
+    dress_changes(ax)
     shown = [
         handle(color, style, x.name, 1.0) for x, (color, style, _) in zip(evaluation.regions, _LOOKS, strict=False)
     ]

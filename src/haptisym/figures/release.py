@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from haptisym.figures import pen
 from haptisym.figures.sheet import one_column, save_all
-from haptisym.figures.style import Look, dress, legend, limit
+from haptisym.figures.style import Look, dress, legend, limit, shown_length
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.propagate import finer
 from haptisym.verbs.simulate.released import Release
@@ -46,7 +46,7 @@ def draw_release(ax: Axes, r: Release, *, color: str | None = None, label: str =
     places = np.linspace(0, 1, 12)
     time, x = finer(r.time, places), finer(r.hand_motion, places)
     inside = time <= end
-    factor, unit = (1e3, "mm") if r.unit == "m" and r.displacement < 0.2 else (1.0, r.unit)
+    factor, unit = shown_length(r.displacement, r.unit)
     motion = ax.plot(
         time[inside], x[inside] * factor, color=look.color, linewidth=1.0, label=f"motion{look.suffix}", zorder=3
     )

@@ -73,6 +73,24 @@ def one_column(height: float, draw: Callable[[Axes], object], width: float = pen
     return laid_out(figure, height, ax)
 
 
+def stacked(height: float, *panels: tuple[float, Callable[[Axes], object]], aligned: bool = False) -> Figure:
+    """Drawings above each other over one axis of frequencies: the share of that height that each has, and what draws it.
+
+    ``aligned`` : whether the labels of the upright axes stand below each other.
+    """
+    figure = Figure(figsize=(pen.WIDTH, height), layout="compressed")
+    shares = [share for share, _ in panels]
+    axes = list(figure.subplots(len(panels), 1, sharex=True, squeeze=False, height_ratios=shares)[:, 0])
+    for ax, (_, draw) in zip(axes, panels, strict=True):
+        draw(ax)
+    for ax in axes[:-1]:
+        ax.tick_params(labelbottom=False)
+        ax.set_xlabel("")
+    if aligned:
+        figure.align_ylabels()
+    return laid_out(figure, height, *axes)
+
+
 def laid_out(figure: Figure, height: float, *axes: Axes) -> Figure:
     """The same figure, with room for the legends of its axes above that height; laid out once, so that all files look the same.
 

@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from haptisym.figures import pen
 from haptisym.figures.scales import scale_of
 from haptisym.figures.sheet import Drawings
-from haptisym.figures.style import Look, dots, draw_origin, dress, legend, limit
+from haptisym.figures.style import Look, dots, draw_origin, dress, legend, limit, shown_length
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import MotionKind as Kind
 from haptisym.programs.values import Array
@@ -46,7 +46,7 @@ def draw_time(ax: Axes, run: Simulation, *, color: str | None = None, label: str
     lines = ax.plot(time, force, color=look.color, linewidth=1.0, label=f"force{look.suffix}", zorder=3)
     if not look.number:
         ax.axhline(0, color=pen.GREY, linewidth=0.4, zorder=0)
-        factor, shown = _length(reach, length)
+        factor, shown = shown_length(reach, length)
         share = most / (reach * factor)  # the motion is drawn as high as the force
         lines += ax.plot(
             time,
@@ -81,7 +81,7 @@ def draw_loop(ax: Axes, run: Simulation, *, color: str | None = None, label: str
     """
     part = _last(run, _IN_LOOPS)
     length, newton = _units(run)
-    factor, shown = _length(run.motion.amplitude, length)
+    factor, shown = shown_length(run.motion.amplitude, length)
     look = Look.on(ax, "at the hand", color, label)
     if not look.number:
         draw_origin(ax)
@@ -179,11 +179,6 @@ def _limits(curve: Array, found: Array) -> tuple[float, float]:
 
 def _units(run: Simulation) -> tuple[str, str]:
     return ("rad", "N·m") if run.scene.motion is Kind.ROTATION else ("m", "N")
-
-
-def _length(largest: float, unit: str) -> tuple[float, str]:
-    """How many of the unit in which a displacement is drawn make one of its own, and that unit: mm for small ones."""
-    return (1e3, "mm") if unit == "m" and largest < 0.2 else (1.0, unit)
 
 
 _DRAWINGS = Drawings[Sequence[Simulation]](

@@ -15,18 +15,7 @@ from haptisym.figures.nyquist import HEAD, arrow, responses, stacked
 from haptisym.figures.outlines import Outline, outline
 from haptisym.figures.sampling import band_of
 from haptisym.figures.scales import band_scale
-from haptisym.figures.style import (
-    Look,
-    curve_handles,
-    curves,
-    draw_origin,
-    dress,
-    handle,
-    legend,
-    limit,
-    name_dynamics,
-    number,
-)
+from haptisym.figures.style import Look, curve_handles, curves, draw_origin, dress_plane, handle, legend, limit, number
 from haptisym.judge.criteria import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.errors import SceneError
@@ -63,9 +52,7 @@ def draw_jnd_square(
     limit(ax, *frame, number=look.number)
     ax.set_aspect("equal", adjustable="box")
     arrows = [_draw_vector(ax, tip, colour, style) for tip, (colour, style, _) in zip(tips, curves(look), strict=True)]
-    dress(ax)
-    name_dynamics(ax.xaxis, r"\mathrm{Re}\,H", evaluation.scene)
-    name_dynamics(ax.yaxis, r"\mathrm{Im}\,H", evaluation.scene)
+    dress_plane(ax, evaluation.scene)
     handles = curve_handles(look)
     scale = band_scale(evaluation.scene.band)
     at = rf"$\omega$ = {number(omega, 4)} rad/s" if scale.factor == 1 else f"{number(scale.of(omega), 4)} Hz"

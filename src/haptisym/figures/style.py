@@ -157,6 +157,29 @@ def name_dynamics(axis: Axis, name: str, scene: _Moving) -> None:
         axis.set_major_formatter(FuncFormatter(lambda value, _: number(value / factor)))
 
 
+def dress_plane(ax: Axes, scene: _Moving) -> None:
+    """The complex plane of dynamics."""
+    dress(ax)
+    name_dynamics(ax.xaxis, r"\mathrm{Re}\,H", scene)
+    name_dynamics(ax.yaxis, r"\mathrm{Im}\,H", scene)
+
+
+def dress_changes(ax: Axes) -> None:
+    """The complex plane of what is noticed: changes as fractions of the environment."""
+    dress(ax, r"$\mathrm{Re}\,\Delta H/|H_\mathrm{env}|$", r"$\mathrm{Im}\,\Delta H/|H_\mathrm{env}|$")
+
+
+def keep_scales(ax: Axes) -> None:
+    """Equal scales both ways, where that leaves a drawing."""
+    width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
+    ax.set_aspect("equal" if 0.25 < width / height < 4 else "auto", adjustable="box")
+
+
+def shown_length(largest: float, unit: str) -> tuple[float, str]:
+    """How many of the unit in which lengths are drawn make one of their own, and that unit: mm for small ones."""
+    return (1e3, "mm") if unit == "m" and largest < 0.2 else (1.0, unit)
+
+
 def name_parameter(name: str, unit: str) -> str:
     """The label of an axis of a parameter: its symbol and its unit.
 
