@@ -18,6 +18,7 @@ import haptisym as hs
 from haptisym.figures.pen import SCENES
 from haptisym.figures.plots import KINDS
 from haptisym.figures.style import CURVES
+from haptisym.kernel.errors import NothingToDrawError
 from haptisym.writing.schemas import schema_names
 
 PAPER = hs.load_scene("fu2019")
@@ -94,6 +95,26 @@ def test_what_cannot_be_drawn_is_said_with_what_can() -> None:
         hs.evaluate(PAPER).plot(axes(), kind="nyquis")
     with pytest.raises(hs.HaptisymError, match="regions=True"):
         hs.evaluate(PAPER).plot(axes(), kind="regions")
+
+
+@pytest.mark.slow
+def test_a_kind_that_an_answer_has_nothing_for_says_so() -> None:
+    never = hs.tolerances(
+        hs.Scene(PAPER.environment, PAPER.effects, PAPER.band, "5").with_values({"zeta": "0.5 +- 5 %"}), samples=2
+    )
+    with pytest.raises(NothingToDrawError, match="nothing is met on the band"):
+        never.plot(axes())
+    wheel = hs.simulate("steering-wheel", hs.chirp("0.1 rad", "1 rad/s", "10 rad/s", "5 s"))
+    with pytest.raises(NothingToDrawError, match="no ratio is recovered"):
+        wheel.plot(axes(), kind="recovered-real")
+
+
+@pytest.mark.slow
+def test_a_map_of_what_is_stable_can_be_drawn_like_one_of_what_is_transparent() -> None:
+    plane = ["k", "tau"], [(20, 1000), ("0.001", "0.05")]
+    found = hs.design_map("delayed-spring", *plane, slices=3, that=["stable"], hand="light-touch")
+    told = [x.get_text() for x in found.plot(axes(), kind="map").get_legend().get_texts()]
+    assert any(x.endswith(", axis") for x in told)
 
 
 def test_the_first_scene_stays_in_sight() -> None:

@@ -18,7 +18,7 @@ from haptisym.judge.criteria import Criterion
 from haptisym.verbs.require.designmap import DesignMap
 from haptisym.verbs.require.feasible import Binding, Kind
 
-_FILL = {Kind.EDGE: "full", Kind.START: "none", Kind.TOUCH: "bottom"}
+_FILL = {Kind.EDGE: "full", Kind.START: "none", Kind.TOUCH: "bottom", Kind.AXIS: "full", Kind.FAR: "none"}
 
 
 def draw_map(ax: Axes, found: DesignMap, *, color: str | None = None, label: str = "") -> list[Artist]:

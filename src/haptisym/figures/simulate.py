@@ -16,6 +16,7 @@ from haptisym.figures import pen
 from haptisym.figures.scales import scale_of
 from haptisym.figures.sheet import Drawings
 from haptisym.figures.style import Look, dots, draw_origin, dress, legend, limit, shown_length
+from haptisym.kernel.errors import NothingToDrawError
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import MotionKind as Kind
 from haptisym.programs.values import Array
@@ -112,10 +113,13 @@ def draw_recovered(
     """Re or Im of H_perc over frequency: the closed form as a line, what was recovered from the force as rings.
 
     ``color``, ``label``, ``hertz`` : as of ``haptisym.figures.ratios.draw_ratios``. Returns the line and the rings.
+    NothingToDrawError where no ratio was recovered.
     """
     scene = runs[0].scene
     look, scale = Look.on(ax, "closed form", color, label), scale_of(ax, scene.band, hertz=hertz)
     rows = sorted((x for run in runs for x in run.estimates), key=lambda x: x.omega)
+    if not rows:
+        raise NothingToDrawError("no ratio is recovered from this motion or from so short a run")
     omegas = np.array([x.omega for x in rows])
     grid = _around(omegas)
     values = scene.distortion().compile()(grid)

@@ -29,7 +29,7 @@ def draw_tolerances(
     """A row for each ratio: grey where it may cross, proven; dots for each drawn set of values; a stroke for the nominal ones.
 
     ``color``, ``label``, ``hertz`` : as of ``haptisym.figures.ratios.draw_ratios``; enclosures of a further scene are outlines.
-    Returns the bars of the enclosures.
+    Returns the bars of the enclosures. NothingToDrawError where no values bring a crossing, unless another scene is there.
 
     >>> from haptisym import load_scene, tolerances
     >>> from matplotlib.figure import Figure
@@ -40,6 +40,8 @@ def draw_tolerances(
     """
     name = "guaranteed for all values"
     look, scale = Look.on(ax, name, color, label), scale_of(ax, a.box.scene.band, hertz=hertz)
+    if not (look.number or _has_rows(a)):
+        raise NothingToDrawError("nothing is met on the band, for any values within the ranges")
     low, high = (scale.of(float(x)) for x in a.box.scene.band)
     face: dict[str, Any] = {"facecolor": pen.SHADE, "edgecolor": look.ink(pen.GREY), "linewidth": 0.5}
     if look.number:
@@ -94,8 +96,6 @@ def tolerances_figure(a: Tolerances) -> Figure:
 
 def enclosures_figure(a: Tolerances) -> Figure:
     """The rows alone; NothingToDrawError where no values bring a crossing."""
-    if not _has_rows(a):
-        raise NothingToDrawError("nothing is met on the band, for any values within the ranges")
     return one_column(_height(a), lambda ax: draw_tolerances(ax, a))
 
 
