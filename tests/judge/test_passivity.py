@@ -221,3 +221,55 @@ def test_poles_of_delayed_dynamics_are_judged() -> None:
     assert of(1 / (s + exp(-s))) is True
     assert of(1 / (s + 2 * exp(-s))) is False  # a pair on the right, as 2 > pi/2
     assert of(Integer(1) / s + s) is True
+
+
+LATE_SPRING = hs.environments.mass_spring_damper(k=5000)
+"""Behind 50 ms and a light device: its damping outweighs the spring above half a million rad/s, after thousands of turns."""
+
+
+def light(b: float) -> hs.Scene:
+    """The device stands beside the hand, the delay behind it."""
+    return hs.Scene(LATE_SPRING, (hs.effects.delay("50 ms"), hs.effects.shunt(m="0.01", b=Rational(str(b)))))
+
+
+def test_where_a_sign_settles_only_after_thousands_of_turns_the_first_two_are_told_and_that_it_was_not_looked_further() -> (
+    None
+):
+    found = hs.stability(light(0.01))
+    p = found.every_passive_hand.passivity
+    assert p is not None
+    assert (p.beyond, p.holds, p.active_from) == (Beyond.LATE, False, None)
+    assert len(p.chart.points) < 10
+    omega = np.linspace(1e-3, float(p.high), 20_001)
+    inside = np.any([(float(x.low.omega) < omega) & (omega < float(x.high.omega)) for x in p.active], axis=0)
+    settled = imaginary(light(0.01), omega) < 0
+    assert (inside == settled).mean() > 0.999  # but at the ends
+    row = found.to_dict()["every_passive_hand"]
+    assert row["not_looked_at_beyond"] == pytest.approx(8 * np.pi / 0.1)
+    assert "active_again_beyond" not in row
+    assert float(p.damping.value) == pytest.approx(5000 * 0.05 - 0.01)
+    assert "it was not looked at" in " ".join(str(found).split())
+    assert "signs where they were looked at decided" in " ".join(str(found).split())
+    assert "it was not looked at" in " ".join(str(hs.evaluate(light(0.01))).split())
+
+
+def test_a_sign_that_settles_late_below_0_is_told_from_there_on() -> None:
+    scene = light(-0.01)
+    p = passivity(scene)
+    assert p.active_from is not None
+    assert (p.beyond, p.holds, p.is_active) == (Beyond.LATE, False, True)
+    settled = float(p.active_from)
+    assert 5e5 <= settled < 1e8
+    assert (imaginary(scene, np.linspace(settled, 10 * settled, 100_001)) < 0).all()
+    assert p.row()["active"][-1] == [settled, None]
+    assert settled == 2**19
+    assert "everywhere above 524290 rad/s (from 251.33 rad/s to there it was not looked at)" in " ".join(
+        str(hs.stability(scene)).split()
+    )
+
+
+def test_some_hundred_turns_are_looked_at_one_by_one() -> None:
+    scene = light(1)
+    p = passivity(scene)
+    assert p.beyond is Beyond.NEVER
+    assert len(p.active) == pytest.approx(5000 * 0.05 / (2 * np.pi), abs=1)

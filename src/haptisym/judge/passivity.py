@@ -29,7 +29,8 @@ from haptisym.model.caveats import clocks, sampled_loop
 from haptisym.model.distortion import Distortion
 from haptisym.model.scene import Scene
 
-_TURNS = 2  # of the longest delay: as far as is listed what goes on for ever
+_TURNS = 2  # of the longest delay: as far as is listed what goes on for ever, or for long
+_MOST_TURNS = 500  # that are charted where a sign settles later
 _GRID = 200
 _BELOW = 1e-3
 _BITS = 128
@@ -44,6 +45,7 @@ class Beyond(Enum):
     AGAIN = "negative again and again"
     UNKNOWN = "not decided"
     CLOCK = "not looked at: the clock samples no faster motion"
+    LATE = "not looked at: the delays turn many times before it settles"
 
 
 _BEYOND = {
@@ -55,7 +57,7 @@ _BEYOND = {
 class Passivity:
     """Where a display gives energy away, and whether every passive hand may hold it. All of it certified.
 
-    ``chart`` : of Im H_perc, from 0 to ``high``. ``beyond`` : what it does above that.
+    ``chart`` : of Im H_perc, from 0 to ``high``. ``beyond`` : what it does above that. ``settled`` : far out.
     """
 
     scene: Scene
@@ -63,6 +65,7 @@ class Passivity:
     chart: Chart
     high: Expr
     beyond: Beyond
+    settled: Far = Far(Sense.UNKNOWN)
 
     @cached_property
     def active(self) -> tuple[Interval, ...]:
@@ -72,7 +75,18 @@ class Passivity:
     @property
     def is_active(self) -> bool:
         """Whether Im H_perc < 0 anywhere."""
-        return bool(self.active) or self.beyond in (Beyond.ALWAYS, Beyond.AGAIN)
+        return bool(self.active) or self.stays_active
+
+    @property
+    def stays_active(self) -> bool:
+        """Whether Im H_perc < 0 at frequencies above every frequency."""
+        return self.beyond in (Beyond.ALWAYS, Beyond.AGAIN) or self.active_from is not None
+
+    @property
+    def active_from(self) -> Expr | None:
+        """From where on Im H_perc < 0 everywhere, with a gap between ``high`` and that which was not looked at; else None."""
+        is_late = self.beyond is Beyond.LATE and self.settled.sense is Sense.NEGATIVE
+        return self.settled.radius if is_late else None
 
     @cached_property
     def holds(self) -> bool | None:
@@ -138,7 +152,7 @@ class Passivity:
     @cached_property
     def is_unbounded(self) -> bool:
         """Whether -Im H_perc/omega is proven to be unbounded far out, so that no damping of a hand is enough."""
-        if self.beyond not in (Beyond.ALWAYS, Beyond.AGAIN):
+        if not self.stays_active:
             return False
         raw = self.distortion.perc_response.raw_imag
         top, below = (power(p, raw) for p in (raw.numerator, raw.denominator))
@@ -154,6 +168,8 @@ class Passivity:
         ends: list[list[float | None]] = [[float(x.low.omega), float(x.high.omega)] for x in self.active]
         if self.beyond is Beyond.ALWAYS:
             ends = [*ends[:-1], [ends[-1][0], None]]
+        if self.active_from is not None:
+            ends.append([float(self.active_from), None])
         found = {"holds": self.holds, "active": ends, "beyond": self.beyond.value, "reach": float(self.high)}
         return {**found, "poles_allow": self.poles_allow}
 
@@ -168,20 +184,24 @@ def passivity(scene: Scene, distortion: Distortion | None = None) -> Passivity:
     """
     d = distortion or scene.distortion()
     periods = clocks(scene)
-    sense = Far(Sense.POSITIVE) if periods else far(d.perc_response.raw_imag)
-    high = pi / max(periods, key=float) if periods else _reach(scene, d, sense)
-    beyond = Beyond.CLOCK if periods else _BEYOND[sense.sense]
-    return Passivity(scene, d, chart({PASSIVE: PASSIVE.function(d)}, Integer(0), high), high, beyond)
+    settled = Far(Sense.POSITIVE) if periods else far(d.perc_response.raw_imag)
+    high, is_late = (pi / max(periods, key=float), False) if periods else _reach(scene, d, settled)
+    beyond = Beyond.CLOCK if periods else Beyond.LATE if is_late else _BEYOND[settled.sense]
+    return Passivity(scene, d, chart({PASSIVE: PASSIVE.function(d)}, Integer(0), high), high, beyond, settled)
 
 
-def _reach(scene: Scene, d: Distortion, sense: Far) -> Expr:
-    """As far as a chart goes: where the sign is settled, else some turns of the delays; the band in any case."""
+def _reach(scene: Scene, d: Distortion, settled: Far) -> tuple[Expr, bool]:
+    """As far as a chart goes: where the sign is settled, else some turns of the delays; the band in any case.
+
+    And whether it settles only after too many turns.
+    """
     band = scene.band[1]
-    settled = sense.sense in (Sense.POSITIVE, Sense.NEGATIVE)
     lags = _ring(d).lags
-    turned = 2 * _TURNS * pi / max(lags, key=float) if lags else Integer(0)
-    own = sense.radius if settled else turned
-    return own if sign_of_number(own - band) > 0 else band
+    turn = 2 * pi / max(lags, key=float) if lags else None
+    is_settled = settled.sense in (Sense.POSITIVE, Sense.NEGATIVE)
+    is_late = is_settled and turn is not None and sign_of_number(settled.radius - _MOST_TURNS * turn) > 0
+    own = settled.radius if is_settled and not is_late else Integer(0) if turn is None else _TURNS * turn
+    return (own, is_late) if sign_of_number(own - band) > 0 else (band, is_late)
 
 
 def _ring(d: Distortion) -> Ring:

@@ -73,10 +73,21 @@ def _where(found: Passivity) -> Phrase:
     on = found.beyond is Beyond.ALWAYS and len(shown) == len(found.active)
     last = ("from ", short(shown[-1].low.omega), " rad/s on") if on else ()
     before = spans(shown[:-1] if on else shown) if len(shown) > bool(on) else ()
-    again = " and again and again beyond" if found.beyond is Beyond.AGAIN else ""
+    again: Phrase = " and again and again beyond" if found.beyond is Beyond.AGAIN else ""
     more = " and further on" if len(found.active) > _MOST_BANDS and not again else ""
+    if found.beyond is Beyond.LATE:
+        again = not_looked_at(found)
     joined = (before, " and ", last) if before and last else before or last
-    return _BROKEN, " ", joined, again, more
+    return _BROKEN, " ", joined, more, again
+
+
+def not_looked_at(found: Passivity) -> Phrase:
+    """Of a sign that settles only after very many turns of a delay: where it settles, and from where on it was not looked at."""
+    high = short(ExactNumber(found.high))
+    if found.active_from is None:
+        return " (beyond ", high, " rad/s it was not looked at)"
+    settled = short(ExactNumber(found.active_from))
+    return " and everywhere above ", settled, " rad/s (from ", high, " rad/s to there it was not looked at)"
 
 
 def _energy(e: Evaluation, found: Passivity) -> Phrase:

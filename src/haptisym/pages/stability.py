@@ -12,6 +12,7 @@ from haptisym.model.hand import Hand, hands
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension, unit_text
 from haptisym.pages.clock import looked_at, sampled_condition
+from haptisym.pages.held import not_looked_at
 from haptisym.pages.late import proof
 from haptisym.pages.words import (
     H_PERC,
@@ -239,13 +240,15 @@ def _bands(p: Passivity) -> Phrase:
         shown[-1] = ("from ", short(p.active[-1].low.omega), " rad/s on")
     more = [f"{len(p.active) - _MOST} more intervals"] if len(p.active) > _MOST else []
     again = [("again and again beyond ", short(ExactNumber(p.high)), " rad/s")] if p.beyond is Beyond.AGAIN else []
-    return listed([*shown, *more, *again])
+    return listed([*shown, *more, *again]), not_looked_at(p) if p.beyond is Beyond.LATE else ""
 
 
 def _certain(found: Stability) -> Phrase:
     if not found.certified:
         return Strong("UNDECIDED"), " where it says so. Everything else is proven."
-    proven = "Certain: roots are counted, and signs on [0, ∞) decided, with every delay as it is. "
+    p = found.every_passive_hand.passivity
+    signs = "where they were looked at" if p is not None and p.beyond is Beyond.LATE else "on [0, ∞)"
+    proven = f"Certain: roots are counted, and signs {signs} decided, with every delay as it is. "
     if found.sampled is not None:
         proven = "Certain: roots are counted on the exact polynomial of the loop with its clock, and signs decided on 0 < θ ≤ π. "
     return proven, "Imposed, held and every passive hand are three statements; each is proven by itself."

@@ -46,7 +46,8 @@ class EveryPassiveHand:
         found = p.row()
         best = p.damping
         omega = float(best.omega) if best and best.omega is not None else None
-        again = {"active_again_beyond": found["reach"]} if p.beyond is Beyond.AGAIN else {}
+        key = {Beyond.AGAIN: "active_again_beyond", Beyond.LATE: "not_looked_at_beyond"}.get(p.beyond)
+        again = {key: found["reach"]} if key else {}
         why = {"reason": p.beyond.value} if p.holds is None and p.beyond is not Beyond.NEVER else {}
         number = _number(best.value if best else None, digits)
         own = {"holds": p.holds, "active": found["active"], **number, "omega": omega, "poles_allow": p.poles_allow}
