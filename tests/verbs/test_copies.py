@@ -26,6 +26,7 @@ ANSWERS: dict[str, Callable[[], Any]] = {
     "derive": lambda: hs.derive("fu2019"),
     "peaks": lambda: hs.peaks("fu2019"),
     "metrics": lambda: hs.metrics("delayed-spring"),
+    "metrics, with a free response": lambda: hs.metrics("fu2019"),
     "relevance": lambda: hs.relevance("control-stick-in-detail"),
     "stability": lambda: hs.stability("delayed-spring", hand=ARM),
     "stability, neutral": lambda: hs.stability("satellite-contact", hand=ARM),

@@ -195,13 +195,22 @@ def _reach(scene: Scene, d: Distortion, settled: Far) -> tuple[Expr, bool]:
 
     And whether it settles only after too many turns.
     """
-    band = scene.band[1]
-    lags = _ring(d).lags
-    turn = 2 * pi / max(lags, key=float) if lags else None
-    is_settled = settled.sense in (Sense.POSITIVE, Sense.NEGATIVE)
-    is_late = is_settled and turn is not None and sign_of_number(settled.radius - _MOST_TURNS * turn) > 0
-    own = settled.radius if is_settled and not is_late else Integer(0) if turn is None else _TURNS * turn
+    band, is_settled = scene.band[1], settled.sense in (Sense.POSITIVE, Sense.NEGATIVE)
+    own = most_charted(d, settled.radius) if is_settled else _TURNS * _turn(d)
+    is_late = is_settled and own != settled.radius
     return (own, is_late) if sign_of_number(own - band) > 0 else (band, is_late)
+
+
+def most_charted(d: Distortion, high: Expr) -> Expr:
+    """As far as is looked at, rad/s: all if the longest delay turns some hundred times up to there, else two of its turns."""
+    turn = _turn(d)
+    return _TURNS * turn if turn and sign_of_number(high - _MOST_TURNS * turn) > 0 else high
+
+
+def _turn(d: Distortion) -> Expr:
+    """Of the longest delay, rad/s; 0 where there is none."""
+    lags = _ring(d).lags
+    return 2 * pi / max(lags, key=float) if lags else Integer(0)
 
 
 def _ring(d: Distortion) -> Ring:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from typing import Any
 
 import flint
@@ -36,7 +36,7 @@ _MOST_OVERSHOOTS = 1000  # with less damping than that the count says no more
 
 @dataclass(frozen=True, repr=False)
 class Swing(RealNumber):
-    """A number that follows from sigma and omega_d of a dominant pair."""
+    """A number that follows from sigma and omega_d of a dominant pair; ``function``: with a name, so that it can be copied."""
 
     pair: ComplexPair
     function: Callable[[Ball, Ball], Ball] = field(repr=False)
@@ -45,6 +45,26 @@ class Swing(RealNumber):
         with flint.ctx.workprec(bits + 32):
             zero = self.pair.zero(bits + 32)
             return self.function(-zero.real, zero.imag)
+
+
+def _sigma(sigma: Ball, _: Ball) -> Ball:
+    return sigma
+
+
+def _omega_d(_: Ball, omega: Ball) -> Ball:
+    return omega
+
+
+def _first_crossing(sigma: Ball, omega: Ball) -> Ball:
+    return (arb.pi() - (omega / sigma).atan()) / omega
+
+
+def _period(_: Ball, omega: Ball) -> Ball:
+    return 2 * arb.pi() / omega
+
+
+def _overshoot(n: int, sigma: Ball, omega: Ball) -> Ball:
+    return (-n * arb.pi() * sigma / omega).exp()
 
 
 @dataclass(frozen=True)
@@ -60,26 +80,26 @@ class ComplexPair:
     @cached_property
     def sigma(self) -> Swing:
         """The real part, 1/s."""
-        return Swing(self, lambda sigma, _: sigma)
+        return Swing(self, _sigma)
 
     @cached_property
     def omega_d(self) -> Swing:
         """The imaginary part, rad/s."""
-        return Swing(self, lambda _, omega: omega)
+        return Swing(self, _omega_d)
 
     @cached_property
     def first_crossing(self) -> Swing:
         """P_0, s."""
-        return Swing(self, lambda sigma, omega: (arb.pi() - (omega / sigma).atan()) / omega)
+        return Swing(self, _first_crossing)
 
     @cached_property
     def period(self) -> Swing:
         """P_n, s, the same for every n."""
-        return Swing(self, lambda _, omega: 2 * arb.pi() / omega)
+        return Swing(self, _period)
 
     def overshoot(self, n: int) -> Swing:
         """A_n/A_d."""
-        return Swing(self, lambda sigma, omega: (-n * arb.pi() * sigma / omega).exp())
+        return Swing(self, partial(_overshoot, n))
 
     @cached_property
     def significant(self) -> int:

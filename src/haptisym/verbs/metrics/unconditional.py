@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from sympy import Expr, Integer
 
+from haptisym.judge.passivity import most_charted
 from haptisym.judge.positivereal import has_no_pole_right, poles_allow
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.far import Sense, far
@@ -51,12 +52,13 @@ def _on_axis(d: Distortion, port: TwoPort) -> bool | None:
             if beyond.sense is Sense.UNKNOWN:
                 return None
             high = beyond.radius if sign_of_number(beyond.radius - high) > 0 else high
-        points = chart(functions, Integer(0), high).points
+        seen = most_charted(d, high)
+        points = chart(functions, Integer(0), seen).points
     except UndecidedError:
         return None
     if any(sign > 0 for p in points for sign in p.after.values()):
         return False
-    return None if any(p.undecided for p in points) else True
+    return None if seen != high or any(p.undecided for p in points) else True
 
 
 def _poles(port: TwoPort) -> bool | None:
