@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator
 from math import isfinite
 from typing import Any
 
 import pytest
 from marks import often
-from sympy import Rational, Symbol
+from sympy import Poly, Rational, Symbol
 
 import haptisym as hs
 from haptisym.commands.spelling import spelt
@@ -165,3 +166,23 @@ def test_a_slider_begins_between_its_ends_all_of_which_its_rule_allows(rule: Rul
         assert most is None or slider.high <= most
         assert not slider.is_logarithmic or slider.low > 0
         assert rule is not Rule.ANY or slider.low == -slider.high
+
+
+def test_text_names_symbols_and_relations_as_formulas_do_and_not_as_a_keyboard_does() -> None:
+    """One name for each thing on a page: zeta is not ζ in the table and zeta in the formula."""
+    pages = "".join(str(f("fu2019")) for f in (hs.evaluate, hs.derive, hs.metrics, hs.stability))
+    assert "ω_n^2/(s^2 + 2 ζ ω_n s + ω_n^2)" in pages
+    assert "(π - atan(ω_d/σ))/ω_d" in pages
+    assert "Im H_perc ≥ 0" in pages
+    assert "2 b ζ ω^2/ω_n" in pages
+    assert "damping, N·s/m" in pages
+    assert not re.search(r"\b(omega|zeta|sigma|pi)\b(?![.\w])|[<>!]=|N [ms]\b|N\*", pages)
+
+
+def test_a_closed_form_is_written_out_while_it_can_be_read_and_counted_where_not() -> None:
+    """Terms of a shipped scene's twelfth order, counted by SymPy."""
+    short, long = str(hs.evaluate("fu2019")), hs.evaluate("control-stick-in-detail")
+    assert "H_perc(s) = (11520 s^2 + 96000 s + 640000)/(s^2 + 80 s + 6400)  N/m" in short
+    above, below = (len(Poly(x, Symbol("s")).terms()) for x in long.distortion.perceived.cancel().as_numer_denom())
+    assert (above, below) == (13, 11)
+    assert f"H_perc(s) has {above} terms over {below}: see `haptisym derive`\n" in str(long)

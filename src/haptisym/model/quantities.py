@@ -60,10 +60,10 @@ class Dimension(Enum):
 def unit_text(unit: str) -> str:
     """A unit as it is printed.
 
-    >>> unit_text("kg*m^2")
-    'kg·m²'
+    >>> unit_text("kg*m^2"), unit_text("N s/m")
+    ('kg·m²', 'N·s/m')
     """
-    return unit.replace("*", "·").replace("^2", "²")
+    return unit.replace("*", "·").replace(" ", "·").replace("^2", "²")
 
 
 @dataclass(frozen=True, slots=True)

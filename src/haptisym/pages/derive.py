@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from haptisym.model.parameters import Parameter
-from haptisym.model.quantities import Dimension, MotionKind
+from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.pages.sections import sections
 from haptisym.pages.words import page_about
 from haptisym.verbs.derive.derivation import QUANTITIES, Derivation
@@ -42,7 +42,7 @@ def _meaning(p: Parameter, motion: MotionKind | None) -> str:
     if p.dimension in (Dimension.ANY, Dimension.RATIO):
         return "number"
     unit = p.dimension.unit(motion)
-    return f"{p.dimension.name.lower()}, {unit}" if unit else p.dimension.name.lower()
+    return f"{p.dimension.name.lower()}, {unit_text(unit)}" if unit else p.dimension.name.lower()
 
 
 def _state(d: Derivation, p: Parameter) -> Phrase:

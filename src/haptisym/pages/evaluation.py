@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from sympy import Symbol
+from sympy import Add, Expr, Symbol
 
 from haptisym.judge.criteria import JOINT
 from haptisym.judge.evaluation import Evaluation
@@ -39,6 +39,7 @@ from haptisym.pages.words import (
 from haptisym.writing.boxes import Prefixed
 from haptisym.writing.document import (
     Block,
+    Code,
     Column,
     Document,
     Facts,
@@ -53,8 +54,11 @@ from haptisym.writing.document import (
     Versions,
     listed,
 )
-from haptisym.writing.equations import equation
+from haptisym.writing.equations import equation, quantity
 from haptisym.writing.formula import readable
+from haptisym.writing.mathtext import text
+
+_MOST_LETTERS = 280  # of a formula: three lines
 
 if TYPE_CHECKING:
     from haptisym.pages.sceneforms import SceneForms
@@ -136,11 +140,11 @@ def _dynamics(e: Evaluation) -> Iterator[tuple[str, Phrase]]:
     """Environment, effects and what they make of it; the band and the threshold."""
     d, rendered = e.distortion, e.scene.rendered
     unit = f"  {stiffness_unit(e.scene)}"
-    yield "environment", (_equation("H_env", d.env, s), unit)
+    yield "environment", _equation("H_env", d.env, s, unit)
     if rendered:
-        yield "rendered", (_equation("H_rendered", d.env.ring.convert(rendered.H), s), unit)
+        yield "rendered", _equation("H_rendered", d.env.ring.convert(rendered.H), s, unit)
     yield "effects", ", ".join(_effect(x.name, x.model) for x in e.scene.effects) or "none"
-    yield "perceived", (_equation("H_perc", d.perc, s), unit)
+    yield "perceived", _equation("H_perc", d.perc, s, unit)
     yield "distortion", _equation("Re dH", d.difference_response.real.written, omega)
     yield "", _equation("Im dH", d.difference_response.imag.written, omega)
     low, high = (e.chart.points[i].omega for i in (0, -1))
@@ -148,9 +152,19 @@ def _dynamics(e: Evaluation) -> Iterator[tuple[str, Phrase]]:
     yield "threshold", (limits(e.scene.threshold), published_words(e.scene.threshold))
 
 
-def _equation(name: str, function: RationalFunction, variable: Symbol) -> Phrase:
+def _equation(name: str, function: RationalFunction, variable: Symbol, unit: str = "") -> Phrase:
+    """A closed form; of one that is too long to be read, how long it is."""
     form, is_rounded = readable(function, variable)
-    return equation(name, form, relation="≈" if is_rounded else "=")
+    written = equation(name, form, relation="≈" if is_rounded else "=")
+    if len(text(written)) <= _MOST_LETTERS:
+        return written, unit
+    reduced = function.reduced()
+    above, below = (_terms(reduced.ring.coefficients(p)) for p in (reduced.numerator, reduced.denominator))
+    return quantity(name), f" has {above} terms over {below}: see ", Code("haptisym derive")
+
+
+def _terms(coefficients: Iterable[Expr]) -> int:
+    return sum(len(Add.make_args(c.expand())) for c in coefficients if c != 0)
 
 
 def _effect(name: str, model: str) -> str:

@@ -9,7 +9,7 @@ from haptisym.judge.passivity import Beyond, Passivity
 from haptisym.kernel.reals import ExactNumber
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension
-from haptisym.pages.words import H_PERC, NOT_HELD, OPERATORS, compared, plain_unit, short, spans, stiffness_unit
+from haptisym.pages.words import H_PERC, NOT_HELD, OPERATORS, compared, short, spans, stiffness_unit, unit
 from haptisym.writing.boxes import Prefixed
 from haptisym.writing.document import Phrase, Strong
 from haptisym.writing.names import named
@@ -105,9 +105,8 @@ def _per_cycle() -> Phrase:
 
 def _damping(e: Evaluation, found: Passivity) -> Phrase:
     """What a hand must damp at least to be held whatever its mass and stiffness."""
-    unit = plain_unit(Dimension.DAMPING, e.scene.motion)
     if found.damping is not None and found.poles_allow:
-        held = f" {unit} holds it, whatever its mass and stiffness."
+        held = f" {unit(Dimension.DAMPING, e.scene.motion)} holds it, whatever its mass and stiffness."
         return " A hand that damps more than ", short(found.damping.value), held
     if found.is_unbounded:
         return " No damping of a hand makes up for that: it grows faster than frequency."

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.symbols import omega, s
+from haptisym.model.quantities import unit_text
 from haptisym.pages.words import caveats, noted, page_about, percent, region, short, spans
 from haptisym.verbs.metrics.forms import Form
 from haptisym.verbs.metrics.metric import Metric, Metrics, Value
@@ -92,7 +93,7 @@ def _value(x: Value) -> Phrase:
         return "infinite"
     if isinstance(x.value, tuple):
         return spans(x.value) if x.value else "nowhere"
-    unit = f" {x.unit}" if x.unit else ""
+    unit = f" {unit_text(x.unit)}" if x.unit else ""
     if x.reference is None:
         return _number(x.value), unit
     verdict: Phrase = "kept" if x.kept else Strong("NOT KEPT")

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from haptisym.kernel.rootcount import RootChain
 from haptisym.model.caveats import clocks
-from haptisym.pages.words import H_PERC, page_about, plain_unit, rounded
+from haptisym.pages.words import H_PERC, page_about, rounded, unit
 from haptisym.verbs.simulate.released import Closed, Release
 from haptisym.writing.document import (
     Block,
@@ -34,7 +34,7 @@ def page(r: Release) -> Document:
 
 def _run(r: Release) -> Iterator[tuple[str, Phrase]]:
     motion = r.scene.motion
-    numbers = ", ".join(f"{p.key} = {float(p.value):.6g} {plain_unit(p.dimension, motion)}" for p in r.hand.parameters)
+    numbers = ", ".join(f"{p.key} = {float(p.value):.6g} {unit(p.dimension, motion)}" for p in r.hand.parameters)
     yield "simulated", ", ".join(r.built)
     yield "hand", f"{r.hand.name}: {numbers}"
     yield "held at", f"{r.displacement:.6g} {r.unit}, at rest, then let go"

@@ -7,7 +7,7 @@ from math import pi
 
 from haptisym.model.quantities import Dimension
 from haptisym.pages.late import drawing
-from haptisym.pages.words import H_PERC, noted, page_about, plain_unit, rounded, stiffness_unit
+from haptisym.pages.words import H_PERC, noted, page_about, rounded, stiffness_unit, unit
 from haptisym.verbs.simulate.results import Estimate, Simulation, Simulations
 from haptisym.writing.document import Block, Column, Document, Facts, Paragraph, Phrase, Section, Strong, Table, listed
 
@@ -34,7 +34,7 @@ def page(found: Simulation | Simulations) -> Document:
 
 def _simulated(runs: Sequence[Simulation]) -> Iterator[tuple[str, Phrase]]:
     first = runs[0]
-    length, force = (plain_unit(x, first.scene.motion) for x in (Dimension.DISPLACEMENT, Dimension.FORCE))
+    length, force = (unit(x, first.scene.motion) for x in (Dimension.DISPLACEMENT, Dimension.FORCE))
     kind = first.motion.name + (f", {len(runs)} runs" if len(runs) > 1 else "")
     most = max(float(abs(run.force).max()) for run in runs)
     yield "simulated", ", ".join(first.built)

@@ -9,7 +9,7 @@ from sympy import Add, Expr, Integer, count_ops
 
 from haptisym.kernel.solutions import Solution
 from haptisym.kernel.symbols import omega
-from haptisym.pages.words import noted
+from haptisym.pages.words import OMEGA, noted
 from haptisym.writing.boxes import Box, Equation
 from haptisym.writing.document import Equations, Line, Phrase, Section, listed
 from haptisym.writing.layout import layout
@@ -45,8 +45,8 @@ def answers(left: Box, solutions: Iterable[Solution]) -> tuple[list[Line], list[
     notes: list[Phrase] = []
     for x in solutions:
         if x.omega is None:
-            what = f"a solution is a root of a factor {_degree(x.equation)}"
-            notes.append((f"{what}: it has no readable formula, the equation is the answer.",))
+            what = "a solution is a root of a factor ", *_degree(x.equation)
+            notes.append((*what, ": it has no readable formula, the equation is the answer."))
             continue
         rows.append(Line(left, x.omega))
         notes += _in_force(x)
@@ -65,8 +65,8 @@ def _in_force(x: Solution) -> list[Phrase]:
     return [("in force where ", listed((x,) for x in bounds), ".")]
 
 
-def _degree(equation: Expr) -> str:
+def _degree(equation: Expr) -> tuple[Phrase, ...]:
     if not equation.is_polynomial(omega):
-        return "in omega and its sines and cosines"
+        return "in ", OMEGA, " and its sines and cosines"
     degree = max(int(term.as_powers_dict().get(omega, 0)) for term in Add.make_args(equation.expand()))
-    return f"of degree {degree} in omega"
+    return f"of degree {degree} in ", OMEGA

@@ -176,7 +176,7 @@ def region(c: Threshold) -> Phrase:
     tilt = (", tilt ", layout(own.tilt)) if own.tilt else ()
     floor: Phrase = ()
     if own.floor is not None:
-        floor = ", and at least ", layout(own.floor), f" {plain_unit(Dimension.STIFFNESS, own.motion)}"
+        floor = ", and at least ", layout(own.floor), f" {unit(Dimension.STIFFNESS, own.motion)}"
     return kind, widths, *of, *tilt, floor
 
 
@@ -207,14 +207,9 @@ def unit(of: Dimension, motion: MotionKind | None) -> str:
     return unit_text(of.unit(motion or MotionKind.TRANSLATION))
 
 
-def plain_unit(of: Dimension, motion: MotionKind | None) -> str:
-    """The same as it is typed, with spaces."""
-    return of.unit(motion or MotionKind.TRANSLATION).replace("*", " ")
-
-
 def stiffness_unit(scene: Scene) -> str:
     """The unit of all dynamics of a scene."""
-    return plain_unit(Dimension.STIFFNESS, scene.motion)
+    return unit(Dimension.STIFFNESS, scene.motion)
 
 
 def noted(remarks: Iterable[Phrase]) -> tuple[Notes, ...]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import singledispatchmethod
 from textwrap import wrap
 
-from haptisym.writing.boxes import Box, Name
+from haptisym.writing.boxes import Box
 from haptisym.writing.document import (
     Block,
     Code,
@@ -35,6 +35,7 @@ _ROOM = 22
 """Columns that must be left beside a key; with fewer, what it says stands below it."""
 _GAP = 3  # between columns of a table
 _INDENT = "  "
+_RELATIONS = {"<=": "≤", ">=": "≥", "!=": "≠", "~": "≈"}
 NUMBER = re.compile(r"[=+-]?[\d,]+")
 """What stands before the point of a number; = marks an end that is reached."""
 
@@ -75,10 +76,12 @@ def said(phrase: Phrase) -> str:
         return said(phrase.words)
     if isinstance(phrase, Code):
         return f"`{phrase.text}`"
-    shown = text(phrase)
-    return (
-        re.sub("[A-Za-z]+", lambda x: letter(x[0]), shown) if isinstance(phrase, Name) else shown.replace("omega", "ω")
-    )
+    return re.sub(r"[A-Za-z]+|(?<= )[<>!]=(?= )|(?<= )~(?= )", _on_a_screen, text(phrase))
+
+
+def _on_a_screen(word: re.Match[str]) -> str:
+    """Greek letters and relations as they are, not as a keyboard has them."""
+    return _RELATIONS.get(word[0]) or letter(word[0])
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ def _values(m: Measured, found: Passivity) -> list[Value]:
     rows += [Value("Im H_perc beyond that", found.beyond.value)]
     if (given := found.most_given) and found.active:
         where = f" at {short(given.omega)} rad/s" if given.omega else ""
-        rows += [Value(f"most energy given per cycle, over pi A^2{where}", given.value, m.unit)]
+        rows += [Value(f"most energy given per cycle, over π A²{where}", given.value, m.unit)]
     rows += [Value("every passive hand", _answer(found))]
     if found.is_active and found.damping:
         where = f", set at {short(found.damping.omega)} rad/s" if found.damping.omega else ", approached far out"
