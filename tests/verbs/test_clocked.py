@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import random
 from typing import Any
 
 import pytest
@@ -17,6 +18,7 @@ from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.symbols import s as symbol
 from haptisym.model.hand import Hand
+from haptisym.verbs.stability.clockcritical import opened, passages
 from haptisym.verbs.stability.clocked import plant_of
 from haptisym.verbs.stability.held import held
 
@@ -418,3 +420,50 @@ def test_every_number_of_a_wall_has_its_stable_values_told_by_either_rule(method
             assert (known.unstable == 0) is inside, (knob.path, value)
         for a, b in spans:
             assert all(x is None or len(x.digits(40)) >= 40 or float(x) == 0 for x in (a, b))
+
+
+KNOB = hs.parse_scene("""
+environment = {model = "mass-spring-damper", m = "0.0002 kg*m^2", b = "0.002 N*m*s/rad", k = "0.4 N*m/rad"}
+rendered = {model = "mass-spring-damper", b = "environment.b", k = "environment.k"}
+hand = {m = "0.0005 kg*m^2", b = "0.004 N*m*s/rad", k = "0.3 N*m/rad"}
+[[effects]]
+model = "sampled-loop"
+T = "0.5 ms"
+method = "tustin"
+delay = 1
+[[effects]]
+model = "shunt"
+m = "0.0001 kg*m^2"
+[[effects]]
+name = "torsion-bar"
+model = "compliance"
+k = "50 N*m/rad"
+""")
+
+
+@pytest.mark.parametrize(
+    "path", ["effects.torsion-bar.k", pytest.param("effects.sampled-loop.T", marks=pytest.mark.slow), *(
+        pytest.param(f"hand.{key}", marks=pytest.mark.slow) for key in "mbk"
+    )]
+)  # fmt: skip
+def test_with_a_resonance_between_clock_and_hand_a_number_may_still_go_far(path: str) -> None:
+    """A knob on a torsion bar without damping: where the number of roots changes, and at no other value that is tried."""
+    [hand] = KNOB.hands
+    free = next(x for x in (*KNOB.knobs, *hand.parameters) if getattr(x, "path", f"hand.{x.key}") == path)
+    found = passages(KNOB, hand, free)
+    start, loop = float(free.value), opened(KNOB, hand, free)
+    home = loop.count(free.value)[0]
+    assert (found.low or 0) < start / 10
+    assert found.high > 2 * start
+    changes = [float(x.value) for x in found.found]
+    low = max([x for x in changes if x < start], default=float(found.low))
+    high = min([x for x in changes if x > start], default=float(found.high))
+    draw = random.Random(path)
+    for _ in range(12):
+        x = draw.choice([start + (high - start) * draw.random(), low + (start - low) * draw.random()])
+        assert loop.count(Rational(x))[0] == home
+    for x in found.found:
+        ends = [loop.count(Rational(float(x.value) * (1 + side * 1e-6)))[0] for side in (-1, 1)]
+        assert ends == [x.below, x.above]
+    known = {"effects.torsion-bar.k": [356.501596], "effects.sampled-loop.T": [0.00119940417]}.get(path, [])
+    assert changes == pytest.approx(known, rel=1e-8)

@@ -17,10 +17,12 @@ import flint
 from flint import arb, arb_mat, arb_poly
 from sympy import Add, Expr, Integer
 
+from haptisym.kernel.jets import Line, Value, coefficients, narrowest, over_cell, polynomial
 from haptisym.kernel.pulse import Plant, SampledLoop
 from haptisym.kernel.reals import Ball, expression_ball
-from haptisym.kernel.states import States, matrix, opposite_response
+from haptisym.kernel.states import States, column, matrix, opposite_response
 
+_ORDER = 3  # of Taylor's polynomials over a cell
 _MOST_PIECES = 200  # of the axis, that are looked at for one polynomial
 
 
@@ -32,9 +34,9 @@ def about_one(loop: SampledLoop, known: Mapping[Expr, Ball]) -> list[Ball]:
 def _row(loop: SampledLoop, moved: _Moved, known: Mapping[Expr, Ball]) -> list[Ball]:
     size = max(len(loop.above), len(loop.below)) - 1
     above, below = (
-        arb_poly([expression_ball(x, known) for x in _shifted(row, size)]) for row in (loop.above, loop.below)
+        polynomial([expression_ball(x, known) for x in _shifted(row, size)]) for row in (loop.above, loop.below)
     )
-    return [*(below * moved.below + above * moved.above).coeffs()]
+    return coefficients(below * moved.below + above * moved.above)
 
 
 def _plant(loop: SampledLoop, known: Mapping[Expr, Ball]) -> _Moved:
@@ -45,7 +47,7 @@ def about_axis(row: Sequence[Ball]) -> list[Ball]:
     """The coefficients in v, ascending, of a polynomial in z - 1 = 2 v/(1 - v)."""
     n = len(row) - 1
     turned = sum((x * own for x, own in zip(row, _turned(n), strict=True)), arb_poly([]))
-    c = [*turned.coeffs()]
+    c = coefficients(turned)
     return c + [arb(0)] * (n + 1 - len(c))
 
 
@@ -59,17 +61,21 @@ def hurwitz(c: Sequence[Ball]) -> Ball:
     return arb_mat([[down[k] if 0 <= k <= n else arb(0) for k in line] for line in places]).det()
 
 
-def has_no_pair(c: Sequence[Ball]) -> bool:
+def has_no_pair(c: Sequence[Ball], lines: Sequence[Line] = ()) -> bool:
     """Whether no polynomial with coefficients in these balls has roots v = +-j nu, nu > 0, proven.
 
-    They would be zeros of c_0 - c_2 x + c_4 x^2 - ... and of c_1 - c_3 x + ..., x = nu^2. In wide balls that says more than the
-    determinant, in which their widths are multiplied.
+    They would be zeros of E = c_0 - c_2 x + c_4 x^2 - ... and of O = c_1 - c_3 x + ..., x = nu^2. In wide balls that says more
+    than the determinant, in which their widths are multiplied. ``lines`` : how the coefficients move together over a cell. Of
+    E = E_0 + E_1 y and O = O_0 + O_1 y, with one y, E_1 O - O_1 E = E_1 O_0 - O_1 E_0 would be zero as well.
     """
     if len(c) < 3:
         return True
     if not all(x.is_finite() for x in c):
         return False
-    halves = [[x * (-1) ** i for i, x in enumerate(c[start::2])] for start in (0, 1)]
+    halves = _halves(c)
+    if lines:
+        (E_0, O_0), (E_1, O_1) = (map(arb_poly, _halves(x)) for x in zip(*lines, strict=True))
+        halves.append((E_1 * O_0 - O_1 * E_0).coeffs())
     both = [arb_poly(x) for x in halves], [arb_poly(x[::-1]) for x in halves]  # in x, and in 1/x
     waiting = deque((parts, 0.0, 1.0) for parts in both)
     for _ in range(_MOST_PIECES):
@@ -83,6 +89,11 @@ def has_no_pair(c: Sequence[Ball]) -> bool:
                 return False  # at this very place it stays open, however small the piece
             waiting += [(parts, low, middle), (parts, middle, high)]
     return not waiting
+
+
+def _halves(c: Sequence[Ball]) -> list[list[Ball]]:
+    """The coefficients of E and O in x."""
+    return [[x * (-1) ** i for i, x in enumerate(c[start::2])] for start in (0, 1)]
 
 
 def at_one(loop: SampledLoop) -> Expr:
@@ -114,12 +125,32 @@ def circle_tests(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, alway
 
 
 def is_clear(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0) -> bool:
-    """Whether no root is on the circle for any numbers in balls, proven; two real ones may add up to 0 in v."""
-    c = in_v(loop, known, always)
-    ends = c[0] if always else expression_ball(one, known), c[-1]
-    if any(x.contains(0) or not x.is_finite() for x in ends):
+    """Whether no root is on the circle for any numbers in balls, proven; two real ones may add up to 0 in v.
+
+    Of a single number Taylor's polynomials are asked, too: with a resonance between clock and hand, as behind a compliance, balls
+    are up to a thousand times as wide as what the coefficients do.
+    """
+
+    def told(numbers: Mapping[Expr, Value]) -> list[Value]:
+        """At z = 1, and the coefficients in v/T, of which more stay as they are where the clock's period is what is open."""
+        T, c = expression_ball(loop.T, numbers), in_v(loop, numbers, always)
+        return [c[0] if always else expression_ball(one, numbers), *(x * T**i for i, x in enumerate(c))]
+
+    if _is_clear(told(known)):
+        return True
+    if len(known) != 1:
         return False
-    return not hurwitz(c).contains(0) or has_no_pair(c)
+    [(symbol, q)] = known.items()
+    lines = over_cell(lambda x: told({symbol: x}), q.mid(), q.rad(), _ORDER)
+    return _is_clear([x.ball for x in lines], lines[1:])
+
+
+def _is_clear(told: Sequence[Ball], lines: Sequence[Line] = ()) -> bool:
+    """By what is at z = 1, and the coefficients."""
+    at_1, *c = told
+    if any(x.contains(0) or not x.is_finite() for x in (at_1, c[-1])):
+        return False
+    return not hurwitz(c).contains(0) or has_no_pair(c, lines)
 
 
 @dataclass(frozen=True)
@@ -145,7 +176,8 @@ def _moved(plant: Plant, period: Expr, known: Mapping[Expr, Ball]) -> _Moved:
     Q = [expression_ball(x, known) / lead for x in plant.denominator]
     n = len(Q) - 1
     states = States(Q)
-    M = states.A * states.integral(T)
+    integral = states.integral(T)
+    M, held = states.A * integral, column(integral, n - 1)
     total, opposite, (den, adjugate) = arb_poly([]), arb(0), _leverrier(M)
     longest, there = max(whole) + 1, den(arb(-2))
     for (lag, above), ell in zip(plant.terms, whole, strict=True):
@@ -153,15 +185,15 @@ def _moved(plant: Plant, period: Expr, known: Mapping[Expr, Ball]) -> _Moved:
         N += [arb(0)] * (n + 1 - len(N))
         C = states.row([x - N[n] * q for x, q in zip(N, Q, strict=True)][:n])
         late = expression_ball(lag - ell * period, known)
-        own = _power(1) * _between(C, adjugate, states.held(T - late)) + N[n] * den
+        own = _power(1) * _between(C, adjugate, held if late.is_zero() else states.held(T - late)) + N[n] * den
         if not late.is_zero():
-            own += _between(C, adjugate, (states.A * (T - late)).exp() * states.held(late))
+            own += _between(C, adjugate, states.moved(T - late) * states.held(late))
         total += own * _power(longest - 1 - ell)
         told = [own(arb(-2))]
         least = opposite_response(states, C, T) if late.is_zero() else None
         if least is not None:  # as narrow as its numbers, but no narrower than its series
             told.append((least + N[n]) * there)
-        opposite += (-1) ** (longest - 1 - ell) * min(told, key=lambda x: float(x.rad()))
+        opposite += (-1) ** (longest - 1 - ell) * narrowest(told)
     return _Moved(total, den * _power(longest), opposite)
 
 
@@ -177,12 +209,12 @@ def _leverrier(M: Any) -> tuple[Any, list[Any]]:
         N = moved + one * row[-1]
         if k < n:
             found.append(N)
-    return arb_poly(row[::-1]), found[::-1]
+    return polynomial(row[::-1]), found[::-1]
 
 
 def _between(C: Any, adjugate: list[Any], start: Any) -> Any:
     """C adj(x - M) start."""
-    return arb_poly([(C * N * start)[0, 0] for N in adjugate])
+    return polynomial([(C * N * start)[0, 0] for N in adjugate])
 
 
 @lru_cache(maxsize=64)

@@ -20,6 +20,7 @@ from sympy import Expr, Symbol
 
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.exponentials import Element, Exponentials
+from haptisym.kernel.jets import value
 from haptisym.kernel.precision import at_rising_precision
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.residues import residues
@@ -42,7 +43,8 @@ class Plant:
 
     def samples(self, period: Expr, known: Mapping[Expr, Ball]) -> tuple[int, ...]:
         """Of each delay the whole samples."""
-        return tuple(_floor(lag / period, known) for lag, _ in self.terms)
+        numbers = {symbol: value(x) for symbol, x in known.items()}
+        return tuple(_floor(lag / period, numbers) for lag, _ in self.terms)
 
 
 @dataclass(frozen=True)

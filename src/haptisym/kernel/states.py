@@ -4,18 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
+from math import frexp
+from operator import mul
 from typing import Any
 
+import flint
 from flint import arb, arb_mat, fmpq
 
+from haptisym.kernel.jets import Value, joined, joined_row, parts, value
 from haptisym.kernel.reals import Ball
 
+_MOST_DOUBLINGS = 64
 
-def matrix(rows: list[list[Ball]], columns: int | None = None) -> Any:
+
+def matrix(rows: list[list[Value]], columns: int | None = None) -> Any:
     """A matrix, which may be of no size."""
     width = len(rows) if columns is None else columns
-    return arb_mat(rows) if rows and width else arb_mat(len(rows), width)
+    if not rows or not width:
+        return arb_mat(len(rows), width)
+    return joined(lambda entries: arb_mat(len(rows), width, entries), [x for row in rows for x in row])
 
 
 @dataclass(frozen=True)
@@ -37,7 +45,7 @@ class States:
     def rate(self) -> Ball:
         """About how fast the plant is, 1/s."""
         n = self.size
-        sizes = [float(abs(q).mid()) ** (1 / (n - i)) for i, q in enumerate(self.Q[:n])]
+        sizes = [float(abs(value(q)).mid()) ** (1 / (n - i)) for i, q in enumerate(self.Q[:n])]
         return arb(max([*sizes, 1.0]))
 
     @cached_property
@@ -52,19 +60,59 @@ class States:
         n = self.size
         return matrix([[c / self.rate ** (n - 1 - j) for j, c in enumerate(C)]], n)
 
-    def held(self, time: Ball) -> Any:
+    def held(self, time: Value) -> Any:
         """Where a unit force that is held for some time takes the plant from rest."""
-        n, A = self.size, self.A
-        rows = [[*(A[i, j] for j in range(n)), arb(int(i == n - 1))] for i in range(n)]
-        moved = (matrix([*rows, [arb(0)] * (n + 1)]) * time).exp()
-        return matrix([[moved[i, n]] for i in range(n)], 1)
+        return column(self.integral(time), self.size - 1)
 
-    def integral(self, time: Ball) -> Any:
-        """int_0^time exp(A t) dt."""
-        n, A = self.size, self.A
-        rows = [[*(A[i, j] for j in range(n)), *(self.rate * int(i == j) for j in range(n))] for i in range(n)]
-        moved = (matrix([*rows, *([arb(0)] * (2 * n) for _ in range(n))]) * time).exp()
-        return matrix([[moved[i, n + j] / self.rate for j in range(n)] for i in range(n)])
+    def moved(self, time: Value) -> Any:
+        """exp(A time)."""
+        return self._one + self.A * self.integral(time)
+
+    def integral(self, time: Value) -> Any:
+        """int_0^time exp(A t) dt = time S(A time), S(X) = 1 + X/2! + X^2/3! + ...: by its series of a small X, which is doubled.
+
+        As S(2 X) = S(X) + X S(X)^2/2, nothing is taken off what is nearly equal to it.
+        """
+        X, total = self.A * time, self._one
+        doublings = max(0, frexp(float(norm(X).upper()))[1] + 2)  # then |X| <= 1/4
+        if doublings > _MOST_DOUBLINGS:
+            return total * arb("nan")
+        X, rest, k = X * arb(2) ** -doublings, arb(1), 1
+        while rest > arb(2) ** -(flint.ctx.prec + 8):
+            k, rest = k + 1, rest / (4 * (k + 1))  # 4^(1 - k)/k!, more than the terms from X^k/(k + 1)! on
+        for n in range(k, 1, -1):
+            total = self._one + X * total * (arb(1) / n)
+        if not norm(
+            reduce(mul, [X] * self.size, self._one)
+        ).is_zero():  # it is where there are masses alone: no power is left
+            total = widened(total, rest)
+        for _ in range(doublings):
+            total, X = total + X * total * total * arb(0.5), X * 2
+        return total * time
+
+    @cached_property
+    def _one(self) -> Any:
+        return matrix([[arb(int(i == j)) for j in range(self.size)] for i in range(self.size)])
+
+
+def column(M: Any, j: int) -> Any:
+    """Of a matrix, as one."""
+    return matrix([[M[i, j]] for i in range(M.nrows())], 1)
+
+
+def norm(X: Any) -> Ball:
+    """The largest sum of sizes in a row; of a jet that of all its coefficients: the norm of a block matrix that stands for it."""
+    n = X.nrows()
+    return max(
+        (sum((abs(x).upper() for j in range(n) for x in parts(X[i, j])), arb(0)) for i in range(n)), default=arb(0)
+    )
+
+
+def widened(M: Any, radius: Ball) -> Any:
+    """With so much more in each entry, and each of its Taylor coefficients."""
+    own, columns = arb(0, radius.upper()), range(M.ncols())
+    rows = [[joined_row([own for _ in parts(M[i, j])]) for j in columns] for i in range(M.nrows())]
+    return M + matrix(rows, len(columns))
 
 
 def opposite_response(states: States, C: Any, period: Ball) -> Ball | None:
@@ -75,17 +123,15 @@ def opposite_response(states: States, C: Any, period: Ball) -> Ball | None:
     """
     n = states.size
     X = states.A * (period / 2)
-    if not all(4 * sum((abs(X[i, j]) for j in range(n)), arb(0)) < arb.pi() for i in range(n)):
+    if not 4 * norm(X) < arb.pi():
         return None
     column = matrix([[arb(int(i == n - 1))] for i in range(n)], 1)
     found = matrix([[arb(0)] for _ in range(n)], 1)
     for share in _TANH[1:]:
         column = X * (X * column)
         found += column * arb(share)
-    left = (
-        max((abs(column[i, 0]).upper() for i in range(n)), default=arb(0)) * (4 / arb.pi() ** 2) ** (len(_TANH) - 1) / 3
-    )
-    found += matrix([[arb(0, left)] for _ in range(n)], 1)
+    most = max((abs(x).upper() for i in range(n) for x in parts(column[i, 0])), default=arb(0))
+    found = widened(found, most * (4 / arb.pi() ** 2) ** (len(_TANH) - 1) / 3)
     direct = C[0, n - 1] if n else arb(0)
     return (direct + (C * found)[0, 0] if n else direct) * period / 2
 

@@ -36,7 +36,8 @@ _FINEST = Fraction(
 )  # of a value: where cells are shorter it is asked whether roots are more or fewer behind them
 _STEPS = (8, 64, 512)  # of such cells, over which roots are more or fewer, or proven to be as many throughout
 _DEEPEST = 8  # times that these are cut
-_MOST_CELLS, _MOST_FINE = 500, 40  # on a side; of them the shortest
+_GROWTH = Fraction(1, 2)  # of a cell, to the next
+_MOST_CELLS, _MOST_FINE = 1000, 40  # on a side; of them the shortest
 
 
 @dataclass(frozen=True)
@@ -184,17 +185,18 @@ class Walk:
         """The nearest change on one side, None where there is none, and as far as that is known."""
         scale = abs(self.start) or Fraction(1)
         end = self._end(side, scale)
-        at, step, fine = self.start, scale / 64, 0
+        at, step, fine, growth = self.start, scale / 64, 0, _GROWTH
         for _ in range(_MOST_CELLS):
             tick()
             if at == end:
                 found = self._at_0(at, side)
                 return found, Fraction(0) if found or self._is_clear_down_to_0(at, side) else at
-            ahead = min(at + step, end) if side > 0 else max(at - step, end)
+            further = _short(at + side * step)
+            ahead = min(further, end) if side > 0 else max(further, end)
             if self._is_clear(at, ahead):
-                at, step = ahead, step * Fraction(3, 2)
+                at, step, growth = ahead, _short(step * (1 + growth)), min(_GROWTH, _short(growth * Fraction(5, 4)))
             elif step > _FINEST * max(abs(at), scale * _FINEST):
-                step /= 2
+                step, growth = step / 2, growth / 2  # soon about as long as may be
             else:
                 try:
                     found, at = self._over(at, side * step)
@@ -272,6 +274,11 @@ class Walk:
             return None
         zero = ExactNumber(Integer(0))
         return Passage(zero, zero, count, self.home)
+
+
+def _short(x: Fraction) -> Fraction:
+    """A number nearby with few digits, so that sums of many steps have no more."""
+    return Fraction(float(x))
 
 
 def _fraction(x: Rational) -> Fraction:
