@@ -58,7 +58,7 @@ def drawn(draw: random.Random, even: object, degree: int = 2) -> Expr:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.few("16")
 @pytest.mark.parametrize("seed", SEEDS)
 def test_polynomials_are_split_and_put_together_as_sympy_does(seed: int) -> None:
     draw = random.Random(seed)

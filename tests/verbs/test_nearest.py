@@ -114,7 +114,7 @@ def test_where_no_value_does_all_that_is_asked_each_thing_is_told_by_itself_and_
     assert require("fu2019", "omega_n", (1, 500), that=("transparent", "stable"), hand="postural-arm").alone == ()
 
 
-@pytest.mark.slow
+@pytest.mark.few("2")
 @pytest.mark.parametrize("seed", range(6))
 def test_of_parabolas_that_a_number_moves_up_and_down_the_middle_one_is_nearest(seed: int) -> None:
     """|t - c w^2| over a band needs at least half of what c w^2 spans, at the t halfway; with just that it is the only value."""

@@ -128,8 +128,8 @@ REACH = dict.fromkeys(SCENES, 5) | {"hold": 1}
 """Powers of ten by which values go to both sides: evaluations at periods that are much longer take long."""
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", [pytest.param(x, marks=pytest.mark.slow) if x == "link" else x for x in SCENES])
+@pytest.mark.few("spring", "pot")
+@pytest.mark.parametrize("name", SCENES)
 def test_nothing_stays_open_at_0_nor_without_bound(name: str) -> None:
     path, scene = SCENES[name]
     found = hs.require(scene, path)
@@ -228,7 +228,7 @@ def test_a_clock_is_asked_for_all_of_its_periods_also_beyond_the_nyquist_frequen
     assert (found.feasible, found.undecided) == ((), ())
 
 
-@pytest.mark.slow
+@pytest.mark.few("effects.teleoperator.Ms-0")
 @pytest.mark.parametrize(("path", "low"), [("effects.teleoperator.Bs", "14.8962"), ("effects.teleoperator.Ms", "0")])
 def test_a_slave_that_is_heavy_or_damped_without_bound_stays_unnoticed(path: str, low: str) -> None:
     found = hs.require("four-channel-teleoperation", path)
@@ -327,7 +327,7 @@ LEFT_OPEN = {
 omega = 0 behind a hold, 1/k = (1/8300 + 1/63000) (1/0.2 - 1)."""
 
 
-@pytest.mark.slow
+@pytest.mark.few("heavy")
 @pytest.mark.parametrize("name", LEFT_OPEN)
 def test_next_to_a_limit_a_resonance_or_frequency_0_nothing_stays_open(name: str) -> None:
     path, scene, ends = LEFT_OPEN[name]

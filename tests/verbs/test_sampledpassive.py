@@ -107,7 +107,7 @@ def test_of_two_devices_one_may_lack_what_the_other_has(key: str, least: float) 
     assert len(r.undecided) == 1
 
 
-@pytest.mark.slow
+@pytest.mark.few("0")
 @pytest.mark.parametrize("seed", range(3))
 def test_damping_is_called_left_over_only_where_it_is_at_every_angle(seed: int) -> None:
     """(x - a)^2 + d t between 0 and 1, for t = 2^(1/2): positive for d > 0, not shown to be where it touches 0 or falls below."""

@@ -81,7 +81,7 @@ def drawn(pick: random.Random) -> tuple[Problem, Ends]:
     return problem, Ends(low, high, pick.random() < 0.5, pick.random() < 0.5)
 
 
-@pytest.mark.slow
+@pytest.mark.few(2)
 @pytest.mark.parametrize("seed", range(8))
 def test_what_slabs_say_holds_at_each_of_their_values_and_frequencies(seed: int) -> None:
     """Where an excess is told positive or not, it is, ends that belong to the slab included; and much is told."""
