@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import pairwise
 from random import Random
 from types import SimpleNamespace
 from typing import Any
@@ -17,13 +18,16 @@ from sympy import Integer, Rational, Symbol, exp, sqrt
 import haptisym as hs
 from haptisym.kernel.budget import _budget, limited, tick
 from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.symbols import s
 from haptisym.model.distortion import Distortion
-from haptisym.model.parameters import values
+from haptisym.model.parameters import Rule, values
 from haptisym.verbs.require import passivecells
-from haptisym.verbs.require.energy import Energy
+from haptisym.verbs.require.energy import Energy, is_between, keeps_sign, zeros_of
 from haptisym.verbs.require.energyterms import Term
-from haptisym.verbs.require.passivecells import _Search, _span
+from haptisym.verbs.require.freeparameter import Domain
+from haptisym.verbs.require.passivecells import _Cell, _Search, _span, _window
 
 LATE = hs.Scene(
     hs.environments.mass_spring_damper(k=100), (hs.effects.delay("5 ms"), hs.effects.shunt(m="0.1 kg", b="1 N*s/m"))
@@ -393,3 +397,103 @@ def test_cells_that_were_told_in_time_are_kept_when_it_is_over(monkeypatch: pyte
     assert ends(r) == [(1e-6, 0.0080005)]
     [(low, high)] = r.undecided
     assert (low and float(low), high and float(high)) == (0.0080005, 0.01)  # beyond, it begins active
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_cells_go_a_thousand_times_as_far_as_a_value_without_a_range_and_else_hardly_beyond_it(seed: int) -> None:
+    """Where a range ends at a value at which the sign may change, by a part of it, if the model has such values."""
+    pick = Random(seed)
+    own = Rational(pick.randint(-9, 9), 4)
+    low, high = (Rational(n, 3) for n in sorted(pick.sample(range(-20, 20), 2)))
+    ends = [pick.choice([None, low, sqrt(2) - 5]), pick.choice([None, high, sqrt(2) + 5])]
+    openings = [ExactNumber(x) for x in (low, high) if pick.random() < 0.5]
+    free = SimpleNamespace(value=own, rule=pick.choice([Rule.ANY, Rule.NONNEGATIVE]))
+    found = _window(free, Domain(*ends), openings)  # type: ignore[arg-type]
+    usual = 1000 * (abs(own) or 1)
+    first, last = -usual if ends[0] is None else ends[0], usual if ends[1] is None else ends[1]
+    for end, at, sign in ((found[0], first, -1), (found[1], last, 1)):
+        assert end.is_Rational
+        if (
+            at.is_Rational
+            and ExactNumber(at) in openings
+            and (free.rule is Rule.ANY or at + sign * (last - first) / 64 >= 0)
+        ):
+            assert abs(end - at - sign * (last - first) / 64) < 1e-15
+        elif at.is_Rational:
+            assert end == at
+        else:
+            assert 0 < sign * (end - at).evalf(30) < 1e-18
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_cells_fill_a_range_in_order_and_those_that_are_open_are_small(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Between values at which the verdict changes; one between marks that nothing tells, one of which no part will be told."""
+    pick = Random(seed)
+    start, end = Rational(pick.randint(-9, 0)), Rational(pick.randint(1, 9))
+    changes = sorted(Rational(pick.randint(-80, 80), 11) for _ in range(3))
+    mark, last = Rational(pick.randint(-8, 8), 7), Rational(pick.randint(-80, 80), 13)
+    search = _Search(LATE, LATE.knobs["environment.k"])
+    search.__dict__["marks"] = {mark: None}
+    asked = list[Any]()
+
+    def told(low: Rational, high: Rational) -> _Cell:
+        asked.append((low, high))
+        assert low < high
+        assert not low < mark < high
+        if any(low <= x <= high for x in changes):
+            if pick.random() < 0.3:
+                raise UndecidedError("too near")
+            return _Cell(low, high, None)
+        if low <= last <= high:
+            return _Cell(low, high, None, is_last=True)
+        return _Cell(low, high, verdict=len([x for x in changes if x < low]) % 2 == 1)
+
+    monkeypatch.setattr(search, "_told", told)
+    found = [*search.cells(start, end)]
+    assert (found[0].low, found[-1].high) == (start, end)
+    assert all(a.high == b.low for a, b in pairwise(found))
+    assert asked == sorted(asked, key=lambda x: (x[0], -x[1]))
+    for x in found:
+        if x.verdict is None and not x.is_last:
+            width = x.high - x.low
+            least = max(max(abs(x.low), abs(x.high)) / 2**11, (end - start) / 2**24)
+            assert width <= least < 2 * width or len(asked) > 200
+    assert bool(start <= mark <= end) is (mark in {x.low for x in found} | {end})
+
+
+def test_after_two_hundred_cells_what_is_left_is_cut_no_further(monkeypatch: pytest.MonkeyPatch) -> None:
+    search = _Search(LATE, LATE.knobs["environment.k"])
+    search.__dict__["marks"] = {}
+    monkeypatch.setattr(search, "_told", lambda low, high: _Cell(low, high, None))
+    found = [*search.cells(Rational(0), Rational(1))]
+    assert sum(x.high - x.low for x in found) == 1
+    assert len(found) == pytest.approx(100, abs=25)
+    assert [x.high - x.low for x in found[-2:]] == [Rational(1, 4), Rational(1, 2)]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_zeros_of_a_polynomial_are_those_that_were_placed_and_between_two_of_them_it_keeps_its_sign(seed: int) -> None:
+    pick, q = Random(seed), Symbol("q")
+    roots = [Rational(x, 2) for x in pick.sample(range(-9, 9), 3)] + pick.choice([[], [Integer(0)]])
+    form = pick.choice([-3, 1, 2]) * (q**2 + 1) ** pick.choice([0, 1])
+    for x in roots:
+        form *= (q - x) ** pick.choice([1, 2])
+    n = pick.choice([0, 2, 3])
+    places = sorted({*roots, *((sqrt(n), -sqrt(n)) if n else ())}, key=float)
+    form = (form * (q**2 - n if n else 1)).expand()
+    found = zeros_of(form, q)
+    assert sorted(map(float, found)) == pytest.approx(sorted(map(float, places)), rel=1e-15)
+    assert len({x.digits(20) for x in found}) == len(found) == len(places)
+    for _ in range(12):
+        low, high = sorted(pick.choice([*roots, Rational(pick.randint(-90, 90), 17)]) for _ in range(2))
+        inside = [x for x in places if bool(low < x) and bool(x < high)]
+        assert keeps_sign(form, q, low, high) is (not inside)
+        for x in found:
+            near = min(places, key=lambda y, x=x: abs(float(y) - float(x)))
+            assert is_between(low, x, high) is (near in inside)
+            assert is_between(None, x, high) is bool(near < high)
+            assert is_between(low, x, None) is bool(low < near)
+    assert not keeps_sign(Integer(0) * q, q, Integer(0), Integer(1))
+    assert not keeps_sign(sqrt(q), q, Integer(1), Integer(2))

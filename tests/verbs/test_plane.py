@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import pairwise
+from random import Random
 from typing import Any
 
 import numpy as np
@@ -14,7 +16,8 @@ from test_slices import PLANE, RANGES, lag, least
 
 import haptisym as hs
 from haptisym.judge.criteria import noticed
-from haptisym.verbs.require.plane import Rectangles, common, rectangles
+from haptisym.programs.taylormodels import variable
+from haptisym.verbs.require.plane import Rectangles, _Search, common, rectangles
 from haptisym.verbs.require.proven import Proof, _Between
 
 MAPS: dict[str, tuple[list[str], list[tuple[Any, Any]]]] = {
@@ -202,3 +205,61 @@ def test_the_page_and_the_document_say_what_is_proven() -> None:
         in said
     )
     assert "Where lines join slices, its boundary lies within" in said
+
+
+@dataclass(frozen=True)
+class Hill:
+    """a s + b t + c x - d x^2 + e over shares: s, t of a plane, x of a band."""
+
+    numbers: tuple[float, ...]
+    is_zero: bool = False
+
+    def model(self, cells: Any, slopes: int) -> Any:
+        assert slopes == 0
+        low, high = cells[..., 0], cells[..., 1]
+        x, s, t = (
+            variable((low[:, i] + high[:, i]) / 2, (high[:, i] - low[:, i]) / 2, np.abs(high[:, i]), i, 3, slopes=0)
+            for i in range(3)
+        )
+        a, b, c, d, e = self.numbers
+        return s.times(a) + t.times(b) + x.times(c) - (x * x).times(d) + x.number(e)
+
+    def range(self, cells: Any) -> tuple[Any, Any]:
+        """The least and the largest over rectangles of what is the largest of all x."""
+        a, b, c, d, e = self.numbers
+        top = max(c * x - d * x * x for x in (0.0, 1.0, *([c / (2 * d)] if 0 < c < 2 * d else [])))
+        own = np.array([a, b]) * cells.swapaxes(-1, -2)
+        return own.min(-2).sum(-1) + top + e, own.max(-2).sum(-1) + top + e
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_rectangles_are_kept_where_no_hill_rises_over_0_broken_where_one_does_and_fine_where_neither_is_shown(
+    seed: int,
+) -> None:
+    """Hills over a band whose height two numbers move: of each rectangle the least and the largest height are known."""
+    pick = Random(seed)
+    hills = []
+    for _ in range(1 + seed % 2):
+        a, b, c = (pick.randint(-8, 8) / 4 for _ in range(3))
+        hills.append(Hill((a, b, c, pick.randint(0, 8) / 2, pick.randint(-8, 4) / 8)))
+    search = _Search(2.0**-6, 10**6, hills)
+    search.go()
+    kept, broken, left = (np.concatenate([np.empty((0, 2, 2)), *x]) for x in (search.kept, search.broken, search.left))
+    least, most = (np.max([hill.range(x)[i] for hill in hills], 0) for i, x in ((0, broken), (1, kept)))
+    assert (least > 0).all()
+    assert (most < 1e-9).all()
+    assert sum((x[..., 1] - x[..., 0]).prod(-1).sum() for x in (kept, broken, left)) == pytest.approx(1, rel=1e-12)
+    assert (left[..., 1] - left[..., 0] <= 2.0**-6).all()
+    sizes = np.concatenate([kept, broken, left])
+    assert (sizes[..., 1] - sizes[..., 0] >= 2.0**-7).all()
+    steep = np.abs([hill.numbers[:2] for hill in hills]).sum()
+    height = np.max([hill.range(left)[1] for hill in hills], 0)
+    depth = np.max([hill.range(left)[0] for hill in hills], 0)
+    assert (height >= -steep * 2.0**-5).all()  # pieces of the band are no finer than what the numbers move
+    assert (depth <= steep * 2.0**-5).all()
+    few = _Search(2.0**-6, 500, hills)
+    few.go()
+    assert sum((x[..., 1] - x[..., 0]).prod(-1).sum() for y in (few.kept, few.broken, few.left) for x in y) == (
+        pytest.approx(1, rel=1e-12)
+    )
+    assert few.looked <= search.looked

@@ -75,7 +75,7 @@ class FloatCells:
         """What is known of the values from one to another, in order."""
         if not self._excesses:
             return [Told(low, high, None)]
-        search = _Search(self._excesses, min(abs(low), abs(high)) if low * high > 0 else self.scale * _NARROW)
+        search = _Search(self._excesses, 0.0 if low * high > 0 else self.scale * _NARROW)
         search.go(ladder(low, high, self.scale))
         return list(_partition(low, high, search.open, search.broken))
 

@@ -246,7 +246,7 @@ class _Search:
         risen = self.energy.rises(q)
         if risen is None or not self.energy.clear(q, risen) or not self._has_steady_poles(low, high):
             return None
-        if not self._has_no_pole_right(low) or not self._is_steady(low, high):
+        if not self._is_steady(low, high):
             return None
         passive = low if ends[0] > 0 else high
         return turn if self._holds(passive, Rational(float(turn))) else None

@@ -111,9 +111,9 @@ def _squares(x: Criterion, d: Distortion, free: Knob) -> dict[Criterion, RealFun
 
 def _by_balls(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion], found: Conditions) -> Solved:
     exists = {x: allowed(scene, free, x) for x in (asked.low, asked.high) if x is not None}
-    usual = 0.0 if free.value.free_symbols else abs(float(free.value))  # a limit may be a formula
-    quick = FloatCells(scene, free, criteria, usual or 1.0)
-    search = ValueSearch(found, free.symbol, scene.band, Fraction(usual or 1.0), quick.told)
+    usual = (0.0 if free.value.free_symbols else abs(float(free.value))) or 1.0  # a limit may be a formula
+    quick = FloatCells(scene, free, criteria, usual)
+    search = ValueSearch(found, free.symbol, scene.band, Fraction(usual), quick.told)
     low, high = _outward(asked)
     line = ValueLine(search.leaves(low, high), asked, exists.__getitem__)
     return Solved(line.spans(), line.undecided)
