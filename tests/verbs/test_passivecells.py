@@ -497,3 +497,11 @@ def test_zeros_of_a_polynomial_are_those_that_were_placed_and_between_two_of_the
             assert is_between(low, x, None) is bool(low < near)
     assert not keeps_sign(Integer(0) * q, q, Integer(0), Integer(1))
     assert not keeps_sign(sqrt(q), q, Integer(1), Integer(2))
+
+
+def test_stiffness_behind_a_delay_beside_a_power_runs_out_at_an_exact_end() -> None:
+    """(k + 4 s + 2 s^(1/2)) late, and 3 + 10 s + s^2: Im H > 0 at all frequencies, and H(0) = k + 3."""
+    tissue = hs.environments.expression("k + 4*s + 2*s^0.5", parameters={"k": 5})
+    scene = hs.Scene(tissue, (hs.effects.delay("1 ms"), hs.effects.shunt(m=1, b=10, k=3)))
+    r = hs.require(scene, "environment.k", (-10, 20), that="passive")
+    assert (ends(r), r.certified, r.feasible[0].low.closed) == ([(-3, 20)], True, True)

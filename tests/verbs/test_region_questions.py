@@ -6,6 +6,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given
@@ -21,6 +22,7 @@ from haptisym.figures.require import draw_requirement
 from haptisym.judge.criteria import noticed as judged_by
 from haptisym.kernel import symbols as axis
 from haptisym.pages.regionforms import _borders, _solved
+from haptisym.verbs.require.feasible import Kind
 from haptisym.writing.code.entry import Language, scene_code
 
 PAPER = hs.load_scene("fu2019")
@@ -100,6 +102,30 @@ def test_with_a_delay_a_corner_is_known_to_any_digits() -> None:
     G = (H - m * w**2) * np.exp(-1e-9j * w)
     assert abs(G.real) == pytest.approx(abs(H.real), rel=1e-9)
     assert abs((G - H).real) == pytest.approx(abs(H) / 20, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("jnd", "condition"),
+    [
+        ({"shape": "polygon", "corners": [[0.1, 0], [0, 0.2], [-0.1, 0], [0, -0.2]]}, lambda x, y: 10 * x + 5 * y - 1),
+        ({"shape": "diamond", "real": 0.3, "imag": 0.12}, lambda x, y: x / 0.3 + y / 0.12 - 1),
+        ({"shape": "ellipse", "real": 0.1, "imag": 0.12}, lambda x, y: (x / 0.1) ** 2 + (y / 0.12) ** 2 - 1),
+        ({"real": {"higher": 0.08, "lower": 0.02}, "imag": 0.3}, lambda x, _: x - 0.02),
+    ],
+    ids=["polygon", "diamond", "ellipse", "lower"],
+)
+def test_a_delay_of_a_spring_may_be_as_long_as_its_turn_stays_in_the_region_at_the_end_of_the_band(
+    jnd: Any, condition: Any
+) -> None:
+    """exp(-j a) is 1 - x - j y with x = 1 - cos a and y = sin a: all delays that are longer leave it at some frequency."""
+    late = hs.Scene(hs.environments.mass_spring_damper(k=100), (hs.effects.delay("5 ms"),), (0, 15), jnd)
+    found = hs.require(late, "tau")
+    angle = mpmath.findroot(lambda a: condition(1 - mpmath.cos(a), mpmath.sin(a)), (0.05, 0.2), solver="anderson")
+    assert found.undecided == ()
+    [span] = found.feasible
+    assert (float(span.low.value), span.low.closed, span.high.closed) == (0, True, True)
+    assert float(span.high.value) == pytest.approx(float(angle) / 15, rel=1e-13)
+    assert {b.kind for b in span.high.bindings} == {Kind.EDGE}
 
 
 def test_a_free_limit_leaves_a_floor_as_it_is() -> None:

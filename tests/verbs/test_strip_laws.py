@@ -213,6 +213,44 @@ def test_next_to_0_the_power_decides_with_which_a_function_begins_whatever_its_o
     assert short > 0 or short < 0
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_next_to_0_a_function_over_the_power_that_it_begins_with_is_enclosed_with_the_sign_of_its_slope(
+    seed: int,
+) -> None:
+    """Of waves and powers that begin at 0 with omega to a power, even and odd beyond it, for all values of a cell."""
+    draw, told = random.Random(seed), [0, 0]
+    for _ in range(6):
+        c = [Rational(draw.choice([-5, -3, -2, 1, 2, 4]), draw.choice([1, 3])) for _ in range(4)]
+        held = s ** draw.choice([1, 2, 3])
+        bracket = c[0] * q + c[1] * s**2 + c[2] * (exp(-s / 3) - 1) + draw.choice([0, 1]) * c[3] * s**4
+        shape = Shape.of(real_part(held * bracket), q)
+        k, t, end = int(begins_with(shape)), Fraction(draw.randint(4, 40), 16), Fraction(1, draw.choice([1, 4, 16]))
+        with flint.ctx.workprec(150):
+            strip = Strip.of(shape, ball(t), ball(t + Fraction(1, 128)))
+            value, slope, bend = strip.over(arb(0).union(ball(end)))
+            assert value.is_finite()
+            assert not bend.is_finite()
+            rows = list[Any]()
+            for T in (t, t + Fraction(1, 256), t + Fraction(1, 128)):
+                T = number(Rational(*T.as_integer_ratio()))
+                for n in (1, 3, 8):
+                    X = number(Rational(*(end * n / 8).as_integer_ratio()))
+                    own = lambda v, T=T, k=k, shape=shape: exact(shape, v, T) / v**k  # noqa: E731
+                    assert near(value, own(X))
+                    rows.append(MP.diff(own, X))
+            middle = own(MP.mpf(2) ** -40)
+            if slope.is_finite() and shape.is_even:
+                told[0] += not slope.contains(0)
+                assert not slope > 0 or min(rows) > 0
+                assert not slope < 0 or max(rows) < 0
+            elif slope.is_finite():
+                told[1] += 1
+                assert all(near(slope, x) for x in rows)
+            else:
+                assert value < 0 or middle < 0
+    assert told[0] or told[1]
+
+
 def shape_of(x: Expr) -> Shape:
     axis = Ring.of([q * s]).axis
     return Shape.of(RealFunction(axis.convert(x)), q)
@@ -456,6 +494,10 @@ def test_what_becomes_of_a_condition_as_a_delay_goes_to_0(function: Expr, verdic
         (exp(-2 * q * s) + Rational(1, 2), 0.5),
         (-exp(-q * s) - Rational(9, 10), None),
         (-exp(-q * s) - Rational(1, 2), 1.0),
+        (q * exp(-q * s) - q / 2 - 3, 6.0),  # also beside the delay: by its inverse
+        (q**2 * s * exp(-q * s) - 20, 4.0),  # q^2 w sin q w - 20
+        (q * exp(-q * s) - 2 * q + 3, None),
+        (s * exp(-q * s) / q - 1, None),  # it falls with its inverse
     ],
 )
 def test_beyond_a_long_delay_a_condition_is_broken_at_some_phase(function: Expr, least: float | None) -> None:

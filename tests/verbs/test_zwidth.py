@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from random import Random
 
 import pytest
 from click.testing import CliRunner
@@ -13,6 +14,7 @@ from matplotlib.figure import Figure
 from sympy import Rational
 
 import haptisym as hs
+from haptisym import effects, environments
 from haptisym.cli import app
 from haptisym.figures.wishes import draw_wishes
 from haptisym.kernel.errors import SceneError
@@ -181,3 +183,57 @@ def hatched(found: hs.DesignMap) -> set[tuple[float, float]]:
     draw_wishes(ax, found)
     boxes = [x.get_paths()[0].get_extents() for x in ax.collections if x.get_hatch()]
     return {(float(x.x0), float(x.x1)) for x in boxes}
+
+
+# --- the bounds of random walls -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_classical_bounds_are_those_of_the_field_for_any_wall_and_depend_on_what_is_free(seed: int) -> None:
+    """K < (b + b_hand + B)/(T/2 + t_d), K < 2 (b - |B|)/T without delay, K < 2 f_c/Delta of a spring alone: written once more."""
+    pick = Random(seed)
+    for _ in range(6):
+        T, tau = (pick.choice([Rational(0), Rational(pick.randint(1, 9), 1000)]) for _ in range(2))
+        late, hold = pick.choice([0, 1, 2]), pick.random() < 0.5
+        K, B, b = Rational(pick.randint(1, 900)), Rational(pick.choice([0, 1, 3]), 4), Rational(pick.randint(0, 20), 4)
+        clock = (
+            effects.zero_order_hold(T or 1, name="clock")
+            if hold
+            else effects.sampled_loop(T or 1, "tustin", late, name="clock")
+        )
+        parts = [clock] if T else []
+        parts += [effects.delay(tau, name="link")] if tau else []
+        count = pick.randint(1, 2)
+        devices = [effects.shunt(m="0.1", b=x, name=f"device{i}") for i, x in enumerate((b, Rational(1, 2))[:count])]
+        hands = tuple(hs.Hand(f"hand{n}", m="0.2", b=Rational(n + 1), k=3) for n in range(pick.randint(0, 2)))
+        wall = environments.kelvin_voigt(K, B) if pick.random() < 0.5 else environments.mass_spring_damper(0, B, K)
+        scene = hs.Scene(wall, (*parts, *devices), ("0 Hz", "10 Hz"), hands=hands)
+        known = [x.path for x in scene.knobs if x.path.startswith(("environment.", "effects.", "hand"))]
+        free = pick.sample([x for x in known if x != "environment.m"], 2)
+        encoder = Encoder.of(scene, "0.5 N", "1/1000 m") if pick.random() < 0.6 else None
+        found = {x.name: x for x in lines(scene, [scene.knobs[x] for x in free], encoder)}
+        held = {x for x in known if x.startswith("hand") and x.endswith(".b") and "hand1" not in x}
+        at = {"environment.k": K, "environment.b": B, "effects.device0.b": b, **dict.fromkeys(held, 1)}
+        at |= {"effects.clock.T": T} if T else {}
+        at |= {"effects.link.tau": tau} if tau else {}
+        at |= {"effects.device1.b": Rational(1, 2)} if count == 2 else {}
+        moving, late = {x for x in free if x in at}, 0 if hold else late
+        plain = T > 0 and not tau and not late
+        names = {"Gil and Hulin"} if (T or tau) and moving else set()
+        names |= {"Colgate and Schenkel"} if plain and moving else set()
+        spring = "environment.k" in free and plain and (not B or "environment.b" in free)
+        assert set(found) == names | ({"Abbott and Okamura"} if spring and encoder else set())
+        given = {x: pick.randint(1, 9) / 7 for x in free}
+        new = {x: given.get(x, float(v)) for x, v in at.items()}
+        k, B2, T2 = new["environment.k"], new["environment.b"], new.get("effects.clock.T", 0.0)
+        damping = sum(new.get(f"effects.device{i}.b", 0.0) for i in range(2))
+        wait = T2 / 2 + late * T2 + new.get("effects.link.tau", 0.0)
+        expected = {"Abbott and Okamura": 1000.0}
+        if names:
+            expected["Gil and Hulin"] = (damping + sum(new[x] for x in held) + B2) / wait
+            expected["Colgate and Schenkel"] = 2 * (damping - abs(B2)) / T2 if T2 else 0.0
+        for name, line in found.items():
+            assert line.excess(given) == pytest.approx(k - expected[name], rel=1e-12)
+            assert line.where == (
+                (("environment.b", 0.0),) if spring and name[0] == "A" and "environment.b" in free else ()
+            )
