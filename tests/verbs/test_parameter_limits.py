@@ -17,6 +17,7 @@ import haptisym as hs
 from haptisym import effects, environments
 from haptisym.judge.criteria import noticed
 from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import omega
 from haptisym.verbs.require.blowups import is_negative, positive_along
@@ -162,6 +163,20 @@ def test_coefficients_at_0_are_those_of_the_function_also_beyond_the_tenth_power
     # sin(a)^12 = a^12 (1 - 2 a^2 + ...), a = omega/20, and cos(a)^12 = 1 - ...
     assert list(rows[12].values()) == [fmpq(1, 20**12)]
     assert list(rows[14].values()) == [fmpq(-2, 20**14) - 1]
+
+
+@pytest.mark.parametrize("order", [0, 1, 5, 9, 10, 11, 15, 16, 20, 33, 34])
+def test_six_coefficients_are_taken_apart_from_the_first_that_is_not_0_on_however_far_that_is(order: int) -> None:
+    T = symbols("t", real=True)
+    w = omega
+    shape = Shape.of(RealFunction(Ring([T]).axis.convert(w**order * (2 + 3 * w**2 - w**5 + 7 * w**6)).reduced()), T)
+    if order == 34:
+        with pytest.raises(UndecidedError, match="begins at omega = 0"):
+            dict(_expanded(shape, arb("0.1")))
+        return
+    found = dict(_expanded(shape, arb("0.1")))
+    assert {n - order: x for n, x in found.items() if n < order + 6} == {0: 2, 2: 3, 5: -1}
+    assert found[order + 6].contains(7)
 
 
 HEAVY = hs.Scene(

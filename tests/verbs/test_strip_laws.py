@@ -14,10 +14,14 @@ import pytest
 from flint import arb
 from sympy import Expr, Integer, Rational, Symbol, exp, lambdify, pi
 
+import haptisym as hs
+from haptisym.judge.criteria import noticed
 from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.lattices import Lattice
 from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.symbols import omega as w
 from haptisym.kernel.symbols import s
+from haptisym.verbs.require.cells import ValueSearch
 from haptisym.verbs.require.clusters import Strips, places
 from haptisym.verbs.require.corners import ZeroAt
 from haptisym.verbs.require.feasible import Kind
@@ -28,6 +32,7 @@ from haptisym.verbs.require.strips import Shape
 MP = mpmath.mp.clone()
 MP.prec = 400
 SEEDS = range(20)
+REAL = noticed(hs.Threshold())[0]
 q = Symbol("q", positive=True)
 
 
@@ -249,6 +254,19 @@ def test_next_to_0_a_function_over_the_power_that_it_begins_with_is_enclosed_wit
             else:
                 assert value < 0 or middle < 0
     assert told[0] or told[1]
+
+
+@pytest.mark.parametrize(
+    ("low", "signs"), [(Fraction(5, 8), None), (Fraction(7, 8), (-1, -1)), (Fraction(3, 8), (1, 1))]
+)
+def test_of_an_order_that_changes_signs_are_told_where_they_are_the_same_for_all_of_a_cell(
+    low: Fraction, signs: tuple[int, int] | None
+) -> None:
+    """cos(q pi/2) - 1/2 at 1 rad/s, which is 0 for q = 2/3."""
+    with flint.ctx.workprec(128):
+        strip = Strip.of(Shape.of(real_part(s**q - Rational(1, 2)), q), ball(low), ball(low + Fraction(1, 8)))
+        assert strip.change is None
+        assert strip.signs(CriticalPlace(Kind.EDGE, arb(1), arb(1), Integer(1))) == signs
 
 
 def shape_of(x: Expr) -> Shape:
@@ -512,3 +530,15 @@ def test_beyond_a_long_delay_a_condition_is_broken_at_some_phase(function: Expr,
             for n in (1, 3):
                 value = n * number(Rational(found.numerator, found.denominator))
                 assert max(exact(own, 1 + MP.mpf(k) / 500, value) for k in range(501)) > 0
+
+
+def test_of_two_functions_of_which_both_must_be_positive_no_phase_is_told_where_a_number_stands_beside_its_delay() -> (
+    None
+):
+    one, other = (real_part(q * exp(-q * s) - c * q) for c in (Rational(1, 2), Rational(1, 3)))
+    search = ValueSearch({REAL: Lattice(((one, other),))}, q, (Integer(1), Integer(2)), Fraction(1))
+    assert search._tail_by_phase(1) is None
+    alone = ValueSearch({REAL: one}, q, (Integer(1), Integer(2)), Fraction(1))._tail_by_phase(1)
+    assert alone is not None
+    assert (alone.verdict, alone.high) == (CellVerdict.BROKEN, None)
+    assert ValueSearch({REAL: one}, q, (Integer(1), Integer(2)), Fraction(1))._tail_by_phase(-1) is None

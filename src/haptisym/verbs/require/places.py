@@ -150,7 +150,7 @@ class Strip:
             sign = self._sign(place, self.ends[0])
         if sign:
             return sign, sign
-        if self.shape.is_fixed or self.change is None:
+        if self.change is None:
             return None
         if not _sign(self.shape.seen_at(self.change, near) if at_edge else self.change.over(near)[0]):
             return None
