@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 from random import Random
 from types import SimpleNamespace
@@ -17,7 +18,8 @@ import haptisym as hs
 from haptisym.cli import app
 from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError
-from haptisym.verbs.require.feasible import Kind
+from haptisym.verbs.require.asking import Asked
+from haptisym.verbs.require.feasible import End, Kind, Span
 from haptisym.verbs.require.placing import even, refined
 from haptisym.verbs.require.slices import _End, gaps
 
@@ -230,3 +232,109 @@ def test_slices_are_added_until_lines_are_near_enough_or_there_are_as_many_as_ma
                     assert gap.high - gap.low <= 20 * share
                 else:
                     assert gap.deviation <= height * share
+
+
+# --- what a map says of all its sets --------------------------------------------------------------------------------------
+
+HELD = hs.Scene(
+    hs.environments.kelvin_voigt(300, 1),
+    (hs.effects.first_order_lag(100), hs.effects.shunt(m="0.04 kg", b="0.8 N*s/m")),
+    (0, 10),
+    hands=(hs.Hand("own", m="0.1 kg", b="0.2 N*s/m"),),
+)
+"""With w for omega_c: stable iff (1 + 0.14 w)(1 + B) > 0.14 K, by Routh; the ratio at 10 rad/s is at most 10/w."""
+
+
+def test_a_map_tells_each_of_its_sets_by_itself_and_all_together() -> None:
+    paths, ranges = ["omega_c", "environment.b"], [(100, 400), (0, 4)]
+    found = hs.design_map(
+        HELD, paths, ranges, slices=3, uniform=True, that=["stable", "transparent"], jnd=["5 %", "0.05"]
+    )  # type: ignore[arg-type]
+    least = {w: max(0.0, 42 / (1 + 0.14 * w) - 1) for w in (100, 250, 400)}
+    row = found.to_dict()
+    assert [row[x] for x in ("unit", "range", "band", "criteria", "certified")] == [
+        ["rad/s", "N*s/m"], [[100, 400], [0, 4]], [0, 10], ["transparent", "stable"], True,
+    ]  # fmt: skip
+    assert row["free"] == ["effects.first-order-lag.omega_c", "environment.b"]
+    for w, x in zip(least, row["slices"], strict=True):
+        assert x["at"] == w
+        for name in ("feasible", "stable"):
+            own = x["feasible"] if name == "feasible" else x["apart"][name]
+            assert own == [[pytest.approx(least[w], rel=1e-15), 4]]
+        assert x["apart"]["transparent"] == [[0, 4]]
+        assert x["contours"] == [{"jnd": 0.05, "feasible": [] if w == 100 else [[0, 4]], "certified": True}]
+        bound = [(y["at"], y["part"], y["criterion"], y["kind"]) for y in x["binding"]]
+        assert bound == ([(pytest.approx(least[w]), None, "stable", "axis")] if least[w] else [])
+    first, second = row["between"]
+    assert [(x["from"], x["to"]) for x in row["between"]] == [(100, 250), (250, 400)]
+    assert first["deviation"] is None  # one contour is empty on one side
+    assert row["deviation"] == second["deviation"] == pytest.approx((least[100] - 2 * least[250]) / 2)
+    assert [(x["of"], x["jnd"]) for x in row["proven"]] == [
+        ("transparent", None),
+        ("transparent", 0.05),
+        ("stable", None),
+    ]
+    assert [(x.set, x.window) for x in found.proofs] == [(1, (0, 4)), (3, (0, 4)), (2, (0, 4))]
+    noticed, contour, stable = row["proven"]
+    assert (noticed["open"], noticed["between"]) == (0, [0, 0])
+    assert contour["between"] == [None, 0]
+    for x in row["proven"]:
+        known = [y for y in x["between"] if y is not None]
+        assert x["bound"] == max(known)
+    for (a, b), bound in zip(((100, 250), (250, 400)), stable["between"], strict=True):
+        at = np.linspace(a, b, 301)
+        off = np.abs(np.interp(at, [a, b], [least[a], least[b]]) - np.maximum(0, 42 / (1 + 0.14 * at) - 1)).max()
+        assert off - 4 / 512 <= bound < off + 0.1  # of what stays open at an end of the range it is told from there
+    assert (found.height, found.thresholds, found.within, found.is_coarse, found.stiffest) == (
+        4,
+        (Rational(1, 20),),
+        None,
+        False,
+        None,
+    )
+    for share, coarse in ((Rational(1, 10), True), (Rational(found.deviation) / 4, False)):
+        assert replace(found, within=share).is_coarse is coarse
+    assert replace(found, slices=found.slices[:1], within=Rational(1, 100)).is_coarse is False
+    assert repr(found).endswith(": environment.b over effects.first-order-lag.omega_c, 3 slices>")
+    assert found.lines == ()
+
+
+def test_the_stiffest_wall_of_a_map_is_named_where_it_is_known_and_below_the_end_of_its_range() -> None:
+    """K < (1 + 0.14 w)(1 + B)/0.14 at w = 100."""
+    options = {"part": None, "any_environment": False}
+    asked = Asked.of(HELD, ["environment.b", "environment.k"], [(0, 4), (10, 600)], options, ("stable",), ())
+    cuts = tuple(map(asked.cut, (Rational(0), Rational(4))))
+    found = hs.DesignMap(HELD, asked.free, asked.ranges, cuts, asked.criteria, asked.wanted)
+    assert found.stiffest is not None
+    at, top = found.stiffest
+    assert (at.place, float(top)) == (4, pytest.approx(15 * 5 / 0.14, rel=1e-14))
+    low, high = found.slices
+    assert replace(found, slices=(low,)).stiffest == (low, low.requirement.feasible[0].high.value)
+    [span] = high.requirement.feasible
+    for other in (
+        replace(high.requirement, undecided=((None, None),)),
+        replace(high.requirement, feasible=(Span(span.low, End(span.high.value)),)),
+    ):
+        assert replace(found, slices=(low, replace(high, requirement=other))).stiffest is None
+    none = replace(high, requirement=replace(high.requirement, feasible=()))
+    assert replace(found, slices=(low, none)).stiffest[0] is low  # type: ignore[index]
+    assert replace(found, slices=(none,)).stiffest is None
+    assert replace(found, that=("transparent",)).stiffest is None
+    assert replace(found, free=found.free[::-1]).stiffest is None
+    both = replace(high, apart=(none.requirement, high.requirement))
+    assert replace(found, that=("transparent", "stable"), slices=(both,)).stiffest == (both, top)
+
+
+def test_curves_of_a_map_vanish_on_its_boundary() -> None:
+    """Behind a lag W omega_c = c (W^2 + omega_c^2) at the end W = 15 of the band, and at omega = omega_c, where it is 1/2."""
+    options = {"part": None, "any_environment": False}
+    asked = Asked.of(lag(), PLANE, RANGES, options, ("transparent",), ())
+    found = hs.DesignMap(asked.scene, asked.free, asked.ranges, (), asked.criteria)
+    curves = {(x.name, kind): y for (x, kind), y in found.curves().items()}
+    assert set(curves) == {(x, kind) for x in ("real", "imag") for kind in (Kind.START, Kind.EDGE, Kind.TOUCH)}
+    wc, c = (x.symbol for x in found.free)
+    for w, jnd in ((20, Rational(300, 625)), (35, Rational(525, 1450)), (300, Rational(4500, 90225))):
+        assert curves["imag", Kind.EDGE].subs({wc: w, c: jnd}) == 0
+        assert curves["imag", Kind.EDGE].subs({wc: w, c: jnd + 1}) != 0
+    assert curves["imag", Kind.TOUCH].subs(c, Rational(1, 2)) == 0
+    assert curves["imag", Kind.TOUCH].subs(c, Rational(1, 3)) != 0
