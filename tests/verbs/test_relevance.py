@@ -533,7 +533,7 @@ def test_series_over_a_whole_piece_hold_the_taylor_series_of_every_place_in_it_a
                         assert exactly(deeper[k][n].rad()) < exactly(series[n].rad()) / 8 + FINE.mpf(10) ** -8
 
 
-@pytest.mark.slow
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scene", CHAINS.values(), ids=CHAINS)
 def test_ranges_on_pieces_hold_all_values_and_are_reached(scene: hs.Scene) -> None:
     balls, witness = BallChain(scene), Wide(scene)
@@ -626,6 +626,18 @@ def test_the_largest_change_of_one_effect_is_the_one_known_in_closed_form(
         found = change(scene, set(), part).supremum()
         assert found.least <= exact <= found.most
         assert found.most - found.least <= max(1.01e-6 * exact, 1e-12)
+
+
+@pytest.mark.parametrize("name", [x for x in KNOWN if "delay" not in x and x != "no effect"])
+def test_by_the_exact_functions_a_change_lies_between_0_and_a_float_just_above_the_largest(name: str) -> None:
+    """And in two halves of the band the larger of both is that of all of it."""
+    scene, *expected = KNOWN[name]
+    for part, value in zip(hs.Part, expected, strict=True):
+        own = change(scene, set(), part)
+        rows = [own._exact_bounds(x) for x in (BandPiece(), *BandPiece().halves())]
+        assert [low for low, _ in rows] == [0.0] * 3
+        for most in (rows[0][1], max(high for _, high in rows[1:])):
+            assert value <= most <= value * (1 + 1e-15) + 1e-300
 
 
 def test_a_change_is_that_of_the_modulus_not_of_the_part() -> None:
