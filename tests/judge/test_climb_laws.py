@@ -9,7 +9,8 @@ from random import Random
 
 import pytest
 from flint import fmpq, fmpq_poly
-from sympy import Expr, Integer, Rational
+from sympy import Expr, Integer, Rational, pi
+from sympy import sqrt as sqrt_
 
 import haptisym as hs
 from haptisym.judge.climb import Climb
@@ -136,3 +137,35 @@ def test_the_bandwidth_jumps_at_each_peak_that_is_higher_than_all_before_it(seed
 def test_the_bandwidth_jumps_at_each_peak_that_is_higher_than_all_before_it_in_many_ratios(seed: int) -> None:
     pick = Random(seed)
     assert sum(_agree(pick) for _ in range(40)) >= 36
+
+
+LOW = pi / 3
+"""Where a ratio has no value that is a fraction."""
+
+
+@pytest.mark.parametrize(
+    ("ratios", "least", "start"),
+    [
+        ([omega**2 / 4], LOW, LOW**2 / 4),  # it rises from the start on
+        ([omega**2 / 4, Rational(1, 10) + 0 * omega], LOW, LOW**2 / 4),
+        ([omega**2 / 4, Rational(1, 2) + 0 * omega], sqrt_(2), Rational(1, 2)),  # the other one is higher there
+        ([(omega**2 - 4) / 4], sqrt_(8 - LOW**2), 1 - LOW**2 / 4),  # it falls, and is as high again
+        ([(omega**2 - 4) / 4, omega**2 / 9], sqrt_(9 * (1 - LOW**2 / 4)), 1 - LOW**2 / 4),
+    ],
+)
+def test_from_an_end_of_the_band_that_is_no_fraction_bandwidths_begin_with_what_the_ratio_there_gives(
+    ratios: list[Expr], least: Expr, start: Expr
+) -> None:
+    squares = {x: RealFunction(Ring().axis.convert((f**2).expand())) for x, f in zip(CRITERIA, ratios, strict=False)}
+    found = Climb(squares, (Rational(1, 20), Integer(4)), (LOW, Integer(3)), "jnd").found
+    assert found.least is not None
+    assert float(found.least) == pytest.approx(float(least), rel=1e-14)
+    assert {name: float(x) for name, x in found.blocked.items()} == {"jnd": pytest.approx(float(start), rel=1e-14)}
+    assert float(found.most) == 3
+    row = found.row(12)
+    assert (row["least"]["value"], row["most"]["value"], row["certified"]) == (float(found.least), 3.0, True)
+    assert list(row["none_below"]) == ["jnd"]
+    for jump, told in zip(found.jumps, row["jumps"], strict=True):
+        assert (told["from"]["value"], told["to"]["value"]) == (float(jump.low), float(jump.high))
+        assert told["threshold"]["digits"] == jump.threshold.digits(12)  # type: ignore[union-attr]
+        assert "from_reached" not in told

@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 from flint import acb, arb
 from scipy.linalg import expm
-from sympy import Expr, Integer, Rational, Symbol
+from sympy import Expr, Integer, Rational, Symbol, bernoulli, factorial
 
 from haptisym.kernel.nearone import about_axis, about_one, has_no_pair, hurwitz, in_v
 from haptisym.kernel.pulse import Plant, SampledLoop
-from haptisym.kernel.states import States, opposite_response
+from haptisym.kernel.states import _TANH, States, _tanh, opposite_response
 from haptisym.model.parameters import Rule
 from haptisym.verbs.stability.clockcritical import Opened, Walk
 from haptisym.verbs.stability.oncircle import OnCircle
@@ -376,3 +376,11 @@ def test_what_a_loop_may_hide_does_not_hang_on_the_signs_that_its_quotients_are_
         or outside.any()
         or not all(x >= 0 for x in own.plant.denominator)
     )
+
+
+def test_coefficients_of_tanh_are_those_that_bernoulli_numbers_give() -> None:
+    """tanh(x)/x is the sum of 4^n (4^n - 1) B_2n/(2n)! x^(2n - 2) from n = 1 on."""
+    expected = [4**n * (4**n - 1) * bernoulli(2 * n) / factorial(2 * n) for n in range(1, 17)]
+    for found in (_tanh(16), _TANH):
+        assert [Rational(int(x.p), int(x.q)) for x in found] == expected
+    assert _tanh(1) == [1]

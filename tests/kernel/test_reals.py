@@ -14,7 +14,7 @@ from oracles import MP, rounded
 from sympy import Expr, Integer, Rational, cos, pi, sqrt
 
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, is_in_pi
+from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, dyadic, is_in_pi
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import chart
 from haptisym.kernel.symbols import omega
@@ -176,3 +176,17 @@ def test_what_is_made_of_rational_numbers_and_pi_is_known_to_be(value: Expr) -> 
 )
 def test_what_holds_other_numbers_is_not(value: Expr) -> None:
     assert not is_in_pi(value)
+
+
+@given(st.fractions(-9, 9, max_denominator=64), st.integers(1, 1 << 20), st.integers(2, 300))
+def test_a_sliver_is_all_numbers_between_its_ends_however_many_bits_are_asked_for(
+    low: Fraction, width: int, bits: int
+) -> None:
+    start = Fraction(round(low * 4096), 4096)
+    x = Sliver(start, start + Fraction(width, 1 << 30))
+    ball = x.ball(bits)
+    assert ball.contains(dyadic(x.low))
+    assert ball.contains(dyadic(x.high))
+    assert float(ball.rad()) <= float(x.high - x.low) + 2.0 ** (3 - bits) * (1 + abs(float(x.high)))
+    assert x.bounds(bits) == (x.low, x.high)
+    assert x.low <= Fraction(float(x)) <= x.high or float(x) == float((x.low + x.high) / 2)

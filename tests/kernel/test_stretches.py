@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
+from itertools import pairwise
 from math import comb
 from typing import Any
 
 import flint
 import pytest
-from flint import arb, arb_poly, fmpq, fmpq_poly
+from flint import arb, arb_mat, arb_poly, fmpq, fmpq_poly
 
 from haptisym.kernel.reals import bounds, dyadic
-from haptisym.kernel.stretches import Stretch
+from haptisym.kernel.stretches import _CUT, Stretch, _cuts
 
 
 def around(roots: list[Fraction], sign: int) -> Any:
@@ -154,3 +155,23 @@ def test_a_zero_between_an_end_and_that_of_the_basis_is_never_overlooked(seed: i
                 x = Stretch.of(around([root, *others], sign), dyadic(low), dyadic(high))
                 true = exact([root, *others], sign)[0](fmpq(inner.numerator, inner.denominator))
                 assert x.sign_at(end) in (0, 1 if true > 0 else -1)
+
+
+@pytest.mark.parametrize("degree", range(1, 12))
+def test_coefficients_of_both_parts_are_those_of_blossoms_and_say_what_the_whole_does(degree: int) -> None:
+    """De Casteljau's corners, in fractions; exact, as the cut is a dyadic number."""
+    pick = random.Random(degree)
+    row = [Fraction(pick.randint(-99, 99), 8) for _ in range(degree + 1)]
+    cut, parts = Fraction(int(_CUT.p), int(_CUT.q)), [[row[0]], [row[-1]]]
+    level = row
+    while len(level) > 1:
+        level = [a + cut * (b - a) for a, b in pairwise(level)]
+        parts[0].append(level[0])
+        parts[1].insert(0, level[-1])
+    with flint.ctx.workprec(8 * degree + 64):
+        column = arb_mat([[dyadic(x)] for x in row])
+        for corners, expected in zip(_cuts(degree), parts, strict=True):
+            assert [
+                x.contains(dyadic(y)) and x.rad() < 1e-15
+                for x, y in zip((corners * column).entries(), expected, strict=True)
+            ] == ([True] * (degree + 1))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import doctest
 import random
+import sys
 from collections import Counter
 from collections.abc import Sequence
 from decimal import ROUND_HALF_EVEN, Context, Decimal
@@ -11,6 +12,7 @@ from fractions import Fraction
 from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import mpmath
@@ -747,6 +749,30 @@ def test_machine_code_leaves_arrays_of_parameters_to_numpy() -> None:
     omega, values = drawn(FAMILIES["filter"], 20, 5)
     ours, theirs = (FAMILIES["filter"].compile(engine=x)(omega, **values) for x in ("numpy", "numba"))
     assert (np.array(ours) == np.array(theirs)).all()
+
+
+@pytest.mark.parametrize("name", ["fu2019", "delayed-spring", "a hold on a spring-pot"])
+def test_what_is_given_to_the_compiler_of_machine_code_says_what_the_program_does(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Run as it is, without being compiled: each step in its order, one result in a pass or two."""
+    monkeypatch.setattr(machine, "find_spec", lambda _: True)
+    monkeypatch.setitem(sys.modules, "numba", SimpleNamespace(njit=lambda f, **_: f))  # type: ignore[misc]
+    cleared = (machine._step, machine._loops)
+    for x in cleared:
+        x.cache_clear()
+    held = hs.Scene(spring_pot(20, "0.3", k=100), (zero_order_hold("10 ms"),))
+    d = (held if " " in name else hs.load_scene(name)).distortion()
+    omega = np.concatenate([[0.0], np.geomspace(1e-6, 1e6, 41)])
+    for of in (("ratio_real",), ("ratio_real", "ratio_imag", "perceived_real")):
+        ours, theirs = (np.array([*d.compile(of=of, engine=x)(omega)]) for x in ("numpy", "numba"))
+        assert ours.shape == theirs.shape
+        if name == "fu2019":
+            assert (ours == theirs).all()
+        else:  # sines and powers of two libraries: 8 units of the largest term
+            assert np.abs(ours - theirs).max() <= 2**-50 * (1 + np.abs(ours)).max()
+    for x in cleared:
+        x.cache_clear()
 
 
 def test_without_numba_its_engine_is_a_clear_error(monkeypatch: pytest.MonkeyPatch) -> None:

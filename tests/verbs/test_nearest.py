@@ -114,6 +114,28 @@ def test_where_no_value_does_all_that_is_asked_each_thing_is_told_by_itself_and_
     assert require("fu2019", "omega_n", (1, 500), that=("transparent", "stable"), hand="postural-arm").alone == ()
 
 
+def test_of_several_things_that_no_value_does_together_each_is_told_alone() -> None:
+    """Behind a lag of w the wall is stable in the hand for 2 + 0.28 w > 42 and fit for every passive hand for 300/w <= 1.8."""
+    scene = hs.Scene(
+        environments.kelvin_voigt(300, 1),
+        (effects.first_order_lag(100), effects.shunt(m="0.04 kg", b="0.8 N*s/m")),
+        (0, 10),
+        hs.Threshold.of("0.01"),
+        hands=(hs.Hand("own", m="0.1 kg", b="0.2 N*s/m"),),
+    )
+    found = require(scene, "omega_c", (20, 200), that=("transparent", "stable", "passive"))
+    assert (found.feasible, found.undecided) == ((), ())
+    assert [[x.name for x in r.criteria] for r in found.alone] == [["real", "imag"], ["stable"], ["passive"]]
+    ends = [[(float(x.low.value), float(x.high.value)) for x in r.feasible] for r in found.alone]
+    assert ends == [[], [(pytest.approx(1000 / 7), 200)], [(pytest.approx(500 / 3), 200)]]
+    assert all(
+        (r.that, r.undecided, r.scene, r.free, r.domain) == ((), (), scene, found.free, found.domain)
+        for r in found.alone
+    )
+    assert require(scene, "omega_c", (180, 200), that=("stable", "passive")).alone == ()
+    assert require(scene, "omega_c", (20, 200)).alone == ()
+
+
 @pytest.mark.few("2")
 @pytest.mark.parametrize("seed", range(6))
 def test_of_parabolas_that_a_number_moves_up_and_down_the_middle_one_is_nearest(seed: int) -> None:

@@ -505,3 +505,17 @@ def test_stiffness_behind_a_delay_beside_a_power_runs_out_at_an_exact_end() -> N
     scene = hs.Scene(tissue, (hs.effects.delay("1 ms"), hs.effects.shunt(m=1, b=10, k=3)))
     r = hs.require(scene, "environment.k", (-10, 20), that="passive")
     assert (ends(r), r.certified, r.feasible[0].low.closed) == ([(-3, 20)], True, True)
+
+
+@pytest.mark.parametrize(("asked", "span"), [(None, (0, None)), ((1, 10), (1, 10))])
+def test_parts_that_all_take_energy_are_fit_for_every_passive_hand_whatever_the_stiffness_is(
+    asked: Any, span: Any
+) -> None:
+    """A wall behind a line of wave variables on a damped device: no cell is asked; of a device that may not damp it is not so."""
+    link, device = hs.effects.wave_variables(10, "20 ms"), hs.effects.shunt(m="0.1 kg", b=1)
+    scene = hs.Scene(hs.environments.kelvin_voigt(100, 1), (link, device))
+    r = hs.require(scene, "environment.k", asked, that="passive")
+    assert (ends(r), r.undecided, r.ends) == ([span], (), ())
+    [found] = r.feasible
+    assert found.low.closed
+    assert found.high.closed is (asked is not None)

@@ -542,3 +542,22 @@ def test_of_two_functions_of_which_both_must_be_positive_no_phase_is_told_where_
     assert alone is not None
     assert (alone.verdict, alone.high) == (CellVerdict.BROKEN, None)
     assert ValueSearch({REAL: one}, q, (Integer(1), Integer(2)), Fraction(1))._tail_by_phase(-1) is None
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(
+    ("functions", "verdict"),
+    [
+        ([q - 1], CellVerdict.BROKEN), ([1 - q], CellVerdict.KEPT), ([1 - q, 2 - q], CellVerdict.KEPT), ([1 - q, q - 2], CellVerdict.BROKEN),
+        ([q * exp(-s / 3) - q / 2], CellVerdict.BROKEN), ([q * exp(-s / 3) - 2 * q], CellVerdict.KEPT),
+        ([q * s**2 + 9 * q], CellVerdict.BROKEN), ([1 - q, q * s**2 + 3 * q], CellVerdict.BROKEN), ([q * s**2 + q, 1 - q], CellVerdict.OPEN),
+    ],
+)  # fmt: skip
+def test_beyond_a_number_a_condition_is_told_for_all_values_at_once(
+    functions: list[Expr], verdict: CellVerdict, sign: int
+) -> None:
+    """Of both signs; what only just does at an end of the band, as 1 - w^2 at 1 rad/s, stays open."""
+    names = noticed(hs.Threshold())
+    own = {x: real_part(f.subs(q, q**2)) for x, f in zip(names, functions, strict=False)}
+    search = ValueSearch(own, q, (Integer(1), Integer(2)), Fraction(1))
+    assert search._beyond(sign, sign * Fraction(100)) is verdict
