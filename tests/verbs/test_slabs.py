@@ -8,13 +8,15 @@ from itertools import pairwise
 from math import prod
 from typing import Any
 
+import mpmath
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from haptisym.verbs.evaluate.products import Factor
+from haptisym.verbs.evaluate.waves import WaveFactor
 from haptisym.verbs.require.slabs import Ends, Problem, Slab, ascending
-from haptisym.verbs.require.slicing import moved
+from haptisym.verbs.require.slicing import cost, moved, sliced, width
 
 NUMBERS = st.lists(st.integers(-9, 9), min_size=1, max_size=5)
 PAIRS = st.tuples(st.integers(-6, 6), st.integers(1, 6))
@@ -108,3 +110,91 @@ def test_what_slabs_say_holds_at_each_of_their_values_and_frequencies(seed: int)
                 assert all((found := excess(problem, x, q)) is None or found <= 0 for q in values)
     assert told["fails"] > 8  # so that something was tried
     assert told["holds"] > 0
+
+
+def wave_value(factor: WaveFactor, x: Any, q: Any) -> Any:
+    """The sum of terms at a frequency and a value, in 50 digits."""
+    with mpmath.workdps(50):
+        x, total = mpmath.mpf(x.numerator) / x.denominator, mpmath.mpf(0)
+        for turns, rows in factor.terms:
+            value = mpmath.fsum(n * x**i * q**k for i, row in enumerate(rows) for k, n in enumerate(row))
+            for k, most, tau in zip(turns, factor.waves, factor.delays, strict=False):
+                half = x * tau.numerator / tau.denominator / 2
+                value *= mpmath.sin(half) ** k * mpmath.cos(half) ** (most - k)
+            for alpha, (a, b) in zip(factor.orders, [turns[len(factor.waves) :]], strict=False):
+                power = mpmath.mpc(0, x) ** (mpmath.mpf(alpha.numerator) / alpha.denominator)
+                value *= power.real**a * power.imag**b
+            total += value
+    return total
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_side_of_a_factor_with_waves_is_that_of_all_its_values_in_a_slab_and_a_cell(seed: int) -> None:
+    """A side that is told holds at each value and frequency; that of what is far from 0 is told, but at an end where it vanishes."""
+    pick, told = random.Random(seed), 0
+    for _ in range(8):
+        low = Fraction(pick.randint(-4, 4), 2)
+        high = low + Fraction(pick.randint(1, 6), 4)
+        orders = pick.choice([(), (), (Fraction(1, 3),)])
+        turns = [(k, *((a, 1 - a) if orders else ())) for k in (0, 1) for a in ((0, 1) if orders else (0,))]
+        rows = {t: [[pick.randint(-2, 2) for _ in range(2)] for _ in range(2)] for t in turns}
+        lead = pick.choice([-1, 1])
+        rows[turns[0]][0][0] += lead * 40
+        factor = WaveFactor(tuple((t, tuple(map(tuple, r))) for t, r in rows.items()), (1,), (Fraction(1, 4),), orders)
+        own = sliced(factor, low.as_integer_ratio(), high.as_integer_ratio())
+        a = Fraction(pick.randint(1, 8), 8)
+        b = a + pick.choice([Fraction(0), Fraction(1, 4)])
+        found = own.side(a, b, (True, True))
+        assert found == own.side(a, b, None) == own.side(a, b, (False, True))
+        for n in range(5):
+            for k in range(5):
+                value = wave_value(factor, a + (b - a) * n / 4, low + (high - low) * Fraction(k, 4))
+                assert found is None or value * found > 0
+        told += found is not None
+    assert told > 4
+    # (q - 1) times a cosine: nothing is lost at the end where it vanishes, if that does not belong to the slab
+    vanishing = WaveFactor((((0,), ((-1, 1),)),), (1,), (Fraction(1, 4),))
+    slab = sliced(vanishing, (1, 1), (2, 1))
+    cell = Fraction(1, 2), Fraction(1)
+    assert [slab.side(*cell, x) for x in (None, (False, True), (True, False), (True, True))] == [1, 1, None, None]
+    below = sliced(vanishing, (0, 1), (1, 1))
+    assert [below.side(*cell, x) for x in (None, (False, True), (True, False), (True, True))] == [-1, None, -1, None]
+    for x in (
+        sliced(vanishing, (0, 1), (2, 1)),
+        sliced(WaveFactor((((0,), ((0, 0),)),), (1,), (Fraction(1, 4),)), (0, 1), (1, 1)),
+    ):
+        assert x.side(*cell, None) is None
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_side_of_a_polynomial_is_that_of_all_its_values_in_a_slab_and_a_cell(seed: int) -> None:
+    pick = random.Random(seed)
+    for _ in range(20):
+        step = pick.choice([1, 2])
+        rows = [[pick.randint(-2, 3) for _ in range(pick.randint(1, 3))] for _ in range(pick.randint(1, 3))]
+        rows[0][0] += pick.choice([-9, 9, 0])
+        low = Fraction(pick.randint(-4, 4), 2)
+        high = low + Fraction(pick.randint(1, 6), 4)
+        a = Fraction(pick.randint(0, 8), 8)
+        b = a + pick.choice([Fraction(0), Fraction(1, 4), Fraction(1)])
+        own = sliced(Factor(tuple(map(tuple, rows)), step), low.as_integer_ratio(), high.as_integer_ratio())
+        values = {
+            (q, x): sum(at(row, q) * x ** (step * i) for i, row in enumerate(rows))
+            for q in (low, (low + high) / 2, high)
+            for x in (a, (a + b) / 2, b)
+        }
+        for held in (None, (True, True), (True, False)):
+            side = own.side(a, b, held)
+            assert side is None or all(x * side >= 0 for x in values.values())
+            assert side is None or any(x * side > 0 for x in values.values())
+            if side and held:  # a value at an end that belongs is 0 at no frequency of all, but may be at some
+                ends = [low] * held[0] + [high] * held[1]
+                assert all(any(values[q, x] for x in (a, (a + b) / 2, b)) for q in ends)
+
+
+def test_the_cost_of_signs_of_slices_is_what_the_format_says() -> None:
+    """2 (count width)^2 + 2000 for each bit of a point; with waves 2 count width^2, and for each point that of a sign times width."""
+    plain = Factor(((1, 2, 3), (4,)), 1)
+    assert (width(plain), cost(plain)) == (3, (2 * 6**2 + 2000, 0))
+    late = WaveFactor((((0,), ((1, 2), (3,))), ((1,), ((1, 1, 1),))), (1,), (Fraction(1, 4),))
+    assert (width(late), cost(late)) == (3, (2 * 3 * 9, late.cost * 3))
