@@ -11,10 +11,14 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from marks import often
-from sympy import Rational, lambdify
+from sympy import Integer, Rational, lambdify
 
 import haptisym as hs
+from haptisym.kernel.reals import ExactNumber
+from haptisym.verbs.require.freeparameter import Domain
+from haptisym.verbs.require.held import _cut, _meets
 from haptisym.verbs.stability.boxes import Share, whole_box
+from haptisym.verbs.stability.curves import Gap, Meetings
 from haptisym.verbs.stability.held import held
 
 LATE = 'environment = {{ model = "mass-spring-damper", k = "{k} N/m" }}\neffects = [{{ model = "delay", tau = "36 ms" }}]\n'
@@ -503,3 +507,37 @@ def test_a_delay_is_free_beside_others_of_which_products_are_made() -> None:
     assert free.found == ()
     for tau in ("1 ms", "20 ms", "507 ms", "2 s"):
         assert hs.stability(scene.with_values({"late.tau": tau}), hand).held[0].stable is False
+
+
+@given(*[st.one_of(st.none(), st.integers(-4, 4))] * 4)
+def test_a_gap_meets_what_is_asked_about_where_they_have_more_than_an_end_in_common(
+    low: int | None, high: int | None, start: int | None, end: int | None
+) -> None:
+    if (low is not None and high is not None and low >= high) or (
+        start is not None and end is not None and start >= end
+    ):
+        return
+    gap = Gap(*(None if x is None else ExactNumber(Integer(x)) for x in (low, high)))
+    asked = Domain(*(None if x is None else Integer(x) for x in (start, end)))
+    inner = [n + 0.5 for n in range(-6, 6)]
+    both = [
+        x
+        for x in inner
+        if (low is None or low < x)
+        and (high is None or x < high)
+        and (start is None or start < x)
+        and (end is None or x < end)
+    ]
+    assert _meets(gap, asked) is bool(both)
+
+
+def test_beyond_a_window_that_was_cut_all_is_open_for_a_reason() -> None:
+    window = Meetings((), Integer(2), Integer(5), (Gap(None, None, "of its own"),))
+    found = _cut(window, "too many")
+    assert [(x.low, x.high, x.reason) for x in found.gaps] == [
+        (None, None, "of its own"),
+        (None, ExactNumber(Integer(2)), "too many"),
+        (ExactNumber(Integer(5)), None, "too many"),
+    ]
+    assert (found.above, found.below, found.found) == (None, None, ())
+    assert _cut(Meetings(()), "too many").gaps == ()

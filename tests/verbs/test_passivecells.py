@@ -519,3 +519,53 @@ def test_parts_that_all_take_energy_are_fit_for_every_passive_hand_whatever_the_
     [found] = r.feasible
     assert found.low.closed
     assert found.high.closed is (asked is not None)
+
+
+def energy_of(top: Any, bottom: Any = 1) -> Energy:
+    ring = Ring.of([Q, exp(-s), top, Integer(0) + bottom])
+    return Energy(ring.convert(top) / ring.convert(Integer(0) + bottom), Q)
+
+
+Q = Symbol("q")
+
+
+@pytest.mark.parametrize(
+    ("top", "bottom", "end", "up", "down"),
+    [
+        (Q * s + 5 * exp(-s), 1, 1.0, True, False),  # a damper that grows makes up for more
+        (Q * s + 5 * exp(-s), 1, 10.0, True, None),  # nothing is active yet, and less damping may be
+        (Q * s + 5 * exp(-s), 2, 1.0, True, False),
+        (Q * s + 5 * exp(-s), -1, 1.0, False, True),
+        (Q * s + 5 * exp(-s), s + 1, 1.0, None, False),
+        (Q + 3 * s * exp(-s), 1, 1.0, True, None),
+        (Q * s**2 + 3 * s * exp(-s), 1, 1.0, True, None),
+        (3 * s + exp(-s) - Q * s, 1, 9.0, False, True),
+        (Q * s**3 + s + exp(-s), 1, 2.0, False, None),
+        (Q**2 * s + 5 * exp(-s), 1, 1.0, None, None),
+        (Q * exp(-s) + s / 2, 1, 1.0, False, None),
+    ],
+)
+def test_all_values_beyond_an_end_are_as_it_is_where_what_grows_is_known_to_help_or_to_harm(
+    top: Any, bottom: Any, end: float, up: Any, down: Any
+) -> None:
+    form = energy_of(top, bottom)
+    assert (form.beyond(end, 1), form.beyond(end, -1)) == (up, down)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_where_im_h_over_its_lowest_power_rises_from_rest_it_does_so_for_all_values_and_is_told(seed: int) -> None:
+    """q s + c s^3 + d s^5 and a late spring: the second power of omega decides, if there is one."""
+    pick = Random(seed)
+    c, d, k = (Rational(pick.randint(-5, 5), 2) for _ in range(3))
+    form = energy_of(Q * s + c * s**3 + d * s**5 + k * exp(-s))
+    found = form.rises((1.0, 1.5))
+    second = -c + k / 6  # of (q - k) - (c - k/6) w^2 + ...
+    far_out = d > 0 or (d == 0 and c <= 0)  # from some frequency on Im H > 0: up to there it is looked at
+    assert (found is not None) is bool(second > 0 and far_out)
+    if found is not None:
+        with mpmath.workdps(60):
+            for n in range(1, 41):
+                w = mpmath.mpf(found) * n / 40
+                rise = -c * w**2 + d * w**4 + k * (1 - mpmath.sin(w) / w)
+                assert rise > 0
+    assert energy_of(Q * s).rises((1.0, 1.5)) is None

@@ -208,7 +208,7 @@ def _place(
         tables += [powers([turns[(n + i) % 4] * w for n, w in enumerate(weights)]) for i in (3, 0)]
     for alpha in orders:
         own = _binomial(alpha, step, low, order) if low else [_raised(step, alpha)]
-        if low < high and low:
+        if low < high:
             own = [_raised(high, alpha), *map(abs, own[1:])]
         sine, cosine = (_ball(alpha / 2) * arb.pi()).sin_cos()
         tables += [powers([x * wave for x in own]) for wave in (cosine, sine)]
