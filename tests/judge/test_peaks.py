@@ -16,6 +16,7 @@ from haptisym.effects import delay, first_order_lag, series, shunt
 from haptisym.environments import mass_spring_damper
 from haptisym.judge.peaks import largest, tops
 from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.response import RealFunction, on_axis
 
 FU = hs.load_scene("fu2019").with_band(0, 1000)
@@ -215,3 +216,32 @@ def test_a_slope_that_nearly_vanishes_leaves_open_whether_there_is_a_top() -> No
     found = tops(rising, Integer(4), Integer(5))
     assert found is not None
     assert [x.end for x in found] == [False, True]
+
+
+def test_peaks_are_told_in_a_document_and_in_a_line_each() -> None:
+    """Re G = 1 + 0.4 (2 w^2)/((9 - w^2)^2 + 4 w^2) is largest at 3 rad/s, 1.2."""
+    gain = hs.effects.series("1 + 0.4*s/(s^2 + 2*s + 9)")
+    found = hs.peaks(hs.Scene(hs.environments.mass_spring_damper(k=100), (gain,), (0, 15)))
+    assert repr(found) == '<Peaks "Untitled scene": 3 peaks>'
+    real = found[1]
+    assert repr(real) == "<Peak r_r = 0.200000 at 3.00000 rad/s>"
+    row = found.to_dict()["peaks"][1]
+    assert row == {
+        "part": "real", "omega": 3.0, "digits": "3.00000000000000", "enclosure": list(real.omega.enclosure()), "ratio": 0.2,
+        "ratio_digits": "0.200000000000000",
+    }  # fmt: skip
+    assert [x["part"] for x in found.to_dict()["peaks"]] == ["imag", "real", "imag"]
+    assert (found.to_dict()["band"], found.to_dict()["certified"], "undecided" in found.to_dict()) == (
+        [0, 15],
+        True,
+        False,
+    )
+    disc = hs.peaks(
+        hs.Scene(
+            hs.environments.mass_spring_damper(k=100), (gain,), (0, 15), {"shape": "ellipse", "real": 0.1, "imag": 0.1}
+        )
+    )
+    [one] = disc
+    assert (one.in_limits, one.threshold, one.ratio.digits(5)) == (True, None, "2.0000")
+    open_ = hs.Peaks(found.scene, found, [ExactNumber(Integer(2))])
+    assert (open_.certified, open_.to_dict()["undecided"]) == (False, [list(ExactNumber(Integer(2)).enclosure())])

@@ -26,7 +26,17 @@ from haptisym.environments import expression, kelvin_voigt, mass_spring_damper
 from haptisym.figures.projections import draw_projections
 from haptisym.judge.criteria import kept, noticed
 from haptisym.judge.crossings import Curve, find_crossings, unbounded_points
-from haptisym.judge.percepts import NOT_NAMED, Percept, changeovers, find_felt, find_percepts, outside_model, unnamed
+from haptisym.judge.percepts import (
+    NOT_NAMED,
+    Percept,
+    changeovers,
+    felt_of,
+    felt_words,
+    find_felt,
+    find_percepts,
+    outside_model,
+    unnamed,
+)
 from haptisym.judge.percepts import felt as percept_words
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.roots import Chart, Interval, Point, Signs
@@ -454,6 +464,17 @@ def test_percepts_are_told_in_the_words_of_what_is_felt() -> None:
         percept = Percept(hs.Part.REAL, Interval(*ends), Property(kind), Change(change))
         assert percept_words(percept) == expected
         assert repr(percept) == f"<Percept {expected} (real part) from 2.0000 to 3.0000 rad/s>"
+
+
+def test_of_what_is_noticed_of_both_parts_together_each_part_has_its_words() -> None:
+    ends = [Point(ExactNumber(Integer(n)), {}, {}, {}) for n in (2, 3)]
+    mass, damping = (Property.MASS, Change.LOWER), (Property.DAMPING, Change.HIGHER)
+    for own, other in ((mass, damping), (damping, mass)):
+        both = Percept(None, Interval(*ends), *own, other)
+        assert (felt_of(both, hs.Part.REAL), felt_of(both, hs.Part.IMAG)) == ("lower mass", "higher damping")
+        words = f"{felt_words(*other)} and {felt_words(*own)}"
+        assert repr(both) == f"<Percept {words} (both parts together) from 2.0000 to 3.0000 rad/s>"
+    assert felt_of(Percept(hs.Part.REAL, Interval(*ends), *mass), hs.Part.REAL) == "lower mass"
 
 
 @pytest.mark.parametrize("seed", range(60))

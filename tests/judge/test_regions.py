@@ -192,6 +192,35 @@ def test_side_by_side_each_region_says_what_it_says_alone(name: str) -> None:
         )
 
 
+def test_a_region_beside_others_is_told_with_its_first_crossing_and_its_bandwidth() -> None:
+    found = hs.evaluate(PAPER, digits=7, regions=True)
+    for x, row in zip(found.regions, found.to_dict()["regions"], strict=True):
+        first = x.crossing
+        assert first is not None
+        assert x.bandwidth is not None
+        low, high = (float(y) for y in row["crossing"]["enclosure"])
+        assert low <= float(first.omega) <= high < low * (1 + 1e-6)
+        assert row == {
+            "region": x.name,
+            "threshold": x.threshold.row(),
+            "bandwidth": float(x.bandwidth),
+            "crossing": {
+                "part": first.criterion.name, "omega": float(first.omega), "kind": "exceeds", "digits": first.omega.digits(7),
+                "enclosure": row["crossing"]["enclosure"],
+            },
+            "certified": True,
+        }  # fmt: skip
+        assert repr(x) == f"<Compared {x.name}: bandwidth {x.bandwidth.digits(5)}>"
+    tight = hs.Scene(hs.environments.mass_spring_damper(k=100), (hs.effects.series("2"),), PAPER.band, 0.1)
+    for x in hs.evaluate(tight, regions=True).regions:  # noticed from the start on
+        assert (x.crossing, x.bandwidth, x.transparent) == (None, None, ())
+        assert (x.row(5)["crossing"], x.row(5)["bandwidth"], repr(x)) == (
+            None,
+            None,
+            f"<Compared {x.name}: bandwidth none>",
+        )
+
+
 def test_a_polygon_that_moves_has_no_half_widths() -> None:
     corners = [[0.1, 0], [0, 0.1], [-0.1, 0], [0, "-0.1 - 0.001*omega"]]
     with pytest.raises(hs.SceneError, match="half widths"):
