@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -12,7 +14,7 @@ import haptisym as hs
 from haptisym.judge.passivity import Beyond, passivity
 from haptisym.judge.positivereal import poles_allow
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.far import Sense, far
+from haptisym.kernel.far import Far, Sense, far
 from haptisym.kernel.response import on_axis
 from haptisym.kernel.symbols import s
 
@@ -273,3 +275,19 @@ def test_some_hundred_turns_are_looked_at_one_by_one() -> None:
     p = passivity(scene)
     assert p.beyond is Beyond.NEVER
     assert len(p.active) == pytest.approx(5000 * 0.05 / (2 * np.pi), abs=1)
+
+
+@pytest.mark.parametrize("beyond", Beyond)
+def test_a_display_stays_active_where_its_sign_far_out_is_negative_or_comes_back_and_late_from_where_it_settles(
+    beyond: Beyond,
+) -> None:
+    """Of a spring and damper, which are active nowhere: with what is said of frequencies beyond the chart in their place."""
+    plain = passivity(hs.Scene(hs.environments.kelvin_voigt(100, 1)))
+    assert (plain.active, plain.is_active, plain.beyond, plain.holds) == ((), False, Beyond.NEVER, True)
+    for sense in Sense:
+        found = replace(plain, beyond=beyond, settled=Far(sense, Integer(70)))
+        late = beyond is Beyond.LATE and sense is Sense.NEGATIVE
+        stays = late or beyond in (Beyond.ALWAYS, Beyond.AGAIN)
+        assert (found.stays_active, found.is_active) == (stays, stays)
+        assert found.active_from == (70 if late else None)
+        assert not stays or found.holds is False

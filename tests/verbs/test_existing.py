@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from random import Random
 from typing import Any
 
 import pytest
-from sympy import sqrt
+from sympy import Integer, Rational, sqrt
 
 import haptisym as hs
-from haptisym.verbs.require.existing import missing
+from haptisym.judge.criteria import noticed
+from haptisym.kernel.reals import ExactNumber
+from haptisym.verbs.require.existing import missing, without
+from haptisym.verbs.require.feasible import Binding, End, Kind, Span
 
 
 def damper(formula: str, *effects: hs.Effect) -> hs.Scene:
@@ -48,3 +53,38 @@ def test_values_that_are_missing_may_be_irrational_or_those_that_formulas_divide
     pole = damper("s + s/(q - 1)", LAGGING)
     assert sorted(map(float, missing(pole, pole.knobs["q"]))) == [0, 1]
     assert missing(pole, pole.knobs["c"]) == missing(pole, pole.knobs["omega_c"]) == []
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_intervals_without_some_values_hold_all_others_as_before(seed: int) -> None:
+    """At ends, inside and outside; of intervals that are one value too; ends that stay keep what binds there."""
+    pick = Random(seed)
+    marks = sorted(pick.sample(range(-9, 10), 6))
+    binding = Binding(noticed(hs.Threshold())[0], None, Kind.EDGE)
+
+    def end(x: int | None) -> End:
+        return End(None if x is None else ExactNumber(Integer(x)), x is not None and pick.random() < 0.5, (binding,))
+
+    spans = [Span(end(a), end(b)) for a, b in zip(marks[::2], marks[1::2], strict=True)]
+    if pick.random() < 0.5:
+        spans[0] = Span(End(None), spans[0].high)
+        spans[-1] = Span(spans[-1].low, End(None))
+    alone = End(ExactNumber(Integer(marks[2])), closed=True)
+    if pick.random() < 0.5:
+        spans[1] = Span(alone, alone)
+    gone = [Rational(x, pick.choice([1, 1, 2])) for x in pick.sample(range(-10, 11), 4)] + [Rational(marks[0])]
+    found = without(spans, [ExactNumber(x) for x in gone])
+
+    def holds(listed: Sequence[Span], x: Rational) -> bool:
+        return any(
+            (s.low.value is None or s.low.value.value < x or (s.low.value.value == x and s.low.closed))  # type: ignore[attr-defined]
+            and (s.high.value is None or x < s.high.value.value or (s.high.value.value == x and s.high.closed))  # type: ignore[attr-defined]
+            for s in listed
+        )
+
+    for n in range(-44, 45):
+        x = Rational(n, 4)
+        assert holds(found, x) is (holds(spans, x) and x not in gone)
+    kept = {y.value.value: y.bindings for s in spans for y in (s.low, s.high) if y.value}  # type: ignore[attr-defined]
+    for y in (y for s in found for y in (s.low, s.high) if y.value):
+        assert y.bindings == kept.get(y.value.value, ())  # type: ignore[union-attr]

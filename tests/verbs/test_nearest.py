@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import inf
 from random import Random
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +17,8 @@ from haptisym import effects, environments
 from haptisym.model.jnd import Part
 from haptisym.verbs.require.entry import require
 from haptisym.verbs.require.feasible import Kind, spanned
+from haptisym.verbs.require.freeparameter import Domain
+from haptisym.verbs.require.guesses import Guesses
 
 
 def _times(scene: hs.Scene) -> float:
@@ -186,3 +191,74 @@ def test_of_a_number_that_nothing_depends_on_the_nearest_value_is_the_scenes_own
     assert float(nearest.ratio) == pytest.approx(abs(((1 / (1 + 0.5j) - 1) * wall).imag) / abs(wall))
     assert found.to_dict()["nearest"]["value"] == 0.5
     assert len(found.figure().axes) == 1
+
+
+class Valley(Guesses):
+    """1 + |t - a|/size, but for values below a limit, at which there is no scene."""
+
+    @classmethod
+    def at(cls, a: float, size: float, own: Rational, domain: Domain, least: float = -inf) -> Valley:
+        found = cls(None, SimpleNamespace(value=own), domain, ())  # type: ignore[arg-type]
+        found.__dict__.update(a=a, size=size, least=least)
+        return found
+
+    def times(self, t: Any) -> Any:
+        return np.where(t < self.least, np.nan, 1 + np.abs(t - self.a) / self.size)  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_guess_is_as_good_as_any_value_of_the_range_simple_and_the_own_one_where_that_is_as_good(seed: int) -> None:
+    pick = Random(seed)
+    for _ in range(6):
+        low, high = sorted(pick.sample(range(-20, 20), 2))
+        ends = [pick.choice([None, Rational(low)]), pick.choice([None, Rational(high)])]
+        asked = Domain(*ends, pick.random() < 0.5, pick.random() < 0.5)
+        own = Rational(pick.choice([-3, 1, 2, 7, 0]), pick.choice([1, 4]))
+        a = pick.uniform(-30, 30)
+        valley = Valley.at(a, 10.0 ** pick.randint(0, 2), own, asked)
+        best = min(max(a, float("-inf") if ends[0] is None else low), float("inf") if ends[1] is None else high)
+        found = [*valley.best()]
+        assert found
+        for value in found[-1:]:
+            assert value.is_Rational
+            assert ends[0] is None or value > low or (value == low and asked.holds_low)
+            assert ends[1] is None or value < high or (value == high and asked.holds_high)
+            inside = float(valley.times(np.array(best)))
+            assert float(valley.times(np.array(float(value)))) <= inside * 1.03
+        flat = Valley.at(0.0, 1e18, own, asked)
+        is_asked = (ends[0] is None or low < own) and (ends[1] is None or own < high)
+        assert own == 0 or not is_asked or own in [*flat.best()]
+    wide = Domain(None, None)
+    assert [*Valley.at(0.0, 1.0, Rational(1), wide, least=inf).best()] == []  # there is no scene at all
+    assert [*Valley.at(3.0, 1.0, Rational(1), wide).best()] == [3]
+    assert [*Valley.at(-2.5, 1.0, Rational(1), wide).best()] == [Rational(-5, 2)]
+    assert next(Valley.at(-2.5, 1.0, Rational(1), wide, least=0.25).best()) == pytest.approx(0.25, rel=1e-3)
+    assert abs(next(Valley.at(0.0, 1.0, Rational(1), wide).best())) < 0.01
+
+
+@pytest.mark.parametrize("own", [2, Rational(-1, 4), 0])
+def test_values_are_tried_all_over_a_range_and_a_million_times_as_far_as_the_own_one_without_bound(own: Any) -> None:
+    size = abs(float(own)) or 1.0
+    for low, high in (
+        (None, None),
+        (Rational(1), None),
+        (None, Rational(-1)),
+        (Rational(-3), Rational(8)),
+        (Rational(5), None),
+    ):
+        for holds in (True, False):
+            grid = Valley.at(0.0, 1.0, Rational(own), Domain(low, high, holds, holds))._grid()
+            start = -1e6 * size if low is None else float(low)
+            end = float(high) if high is not None else max(1e6 * size, 2 * start)
+            assert (np.diff(grid) > 0).all()
+            assert not holds or {start, end} <= {*grid}
+            assert start <= grid[0] <= start + 1.1 * (end - start) / 240
+            assert end - 1.1 * (end - start) / 240 <= grid[-1] <= end
+            assert (low is None) or holds or grid[0] > start
+            assert (high is None) or holds or grid[-1] < end
+            assert np.diff(grid).max() <= (end - start) / 240 * (1 + 1e-9)
+            for near in (start, end):
+                for n in range(-5, 6):
+                    x = near + size * 10.0**n * (1 if near == start else -1)
+                    if start < x < end:
+                        assert np.abs(grid - x).min() <= 1e-9 * max(abs(x), size)

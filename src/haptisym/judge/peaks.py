@@ -219,10 +219,7 @@ def greatest(f: RealFunction, low: Expr, high: Expr) -> Greatest | None:
     sides |= {p.before["value"] for p in poles if p is not table.points[0]}
     if 1 in sides:
         return None
-    ends = (table.points[0], table.points[-1])
-    tried = [
-        p for p in table.points if p not in poles and (p in ends or (p.before["slope"], p.after["slope"]) == (1, -1))
-    ]
+    tried = [p for p in table.points if p not in poles]
     known = [(ExactNumber(Integer(0)) if p.orders.get("value") else ValueAt(f, p.omega), p.omega) for p in tried]
     best = max(known, key=lambda pair: float(pair[0]))
     return Greatest(Largest(tuple(value for value, _ in known)), best[1])
