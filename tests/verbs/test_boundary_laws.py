@@ -384,3 +384,30 @@ def test_runs_of_a_set_along_a_line(seed: int) -> None:
             assert not any(inside[max(a - 1, 0) : b + 2])
             inside[a : b + 1] = [True] * (b + 1 - a)
         assert inside == line
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_sum_of_exact_and_of_known_and_of_enclosed_terms_is_the_same_from_another_place_on(seed: int) -> None:
+    """In w, Y = at + sign w: each coefficient that is exact stays so where no ball is added to it."""
+    draw = random.Random(seed)
+    rows: dict[tuple[Fraction, Fraction], Any] = {}
+    for a in (0, 1, 3):
+        for b in draw.sample(range(6), 3):
+            value = Fraction(draw.randint(-9, 9) or 1, draw.choice([1, 2]))
+            exact = fmpq(value.numerator, value.denominator)
+            rows[Fraction(a, 2), Fraction(b)] = draw.choice(
+                [exact, arb(exact), Known({(): exact, (1,): exact}, {(): arb(1), (1,): arb.pi()})]
+            )
+    own = Monomials.of(rows)
+    at, sign = fmpq(draw.randint(1, 7), 2), draw.choice([1, -1])
+    moved = own.shifted(at, sign)
+    for w in (fmpq(1, 3), fmpq(5, 4)):
+        for x in (fmpq(1, 4), fmpq(9, 4)):
+            X, Y, W = arb(x), arb(at + sign * w), arb(w)
+            truth = sum((ball(value) * power(X, a) * Y ** int(b) for (a, b), value in rows.items()), arb(0))
+            found = sum((ball(value) * power(X, a) * W ** int(b) for (a, b), value in moved.terms.items()), arb(0))
+            assert truth.overlaps(found)
+            assert found.rad() < 1e-9
+    for (a, _), value in moved.terms.items():
+        if all(is_exact(y) for (other, _), y in rows.items() if other == a):
+            assert is_exact(value)

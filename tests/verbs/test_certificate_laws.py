@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import tomllib
 from contextlib import nullcontext
 from fractions import Fraction
 from types import SimpleNamespace
@@ -11,15 +12,19 @@ from typing import Any
 import mpmath
 import pytest
 from flint import arb, fmpq
-from sympy import Expr, Rational, exp, lambdify, pi
+from sympy import Expr, Integer, Rational, exp, lambdify, pi
 
+import haptisym as hs
 import haptisym_check.polynomials as checked
 import haptisym_check.waves as checked_waves
+from haptisym.judge.criteria import noticed
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, Sliver
 from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.symbols import omega, s
+from haptisym.model.quantities import number
+from haptisym.model.scenetables import read_scenes
 from haptisym.verbs.evaluate import certificate as written
 from haptisym.verbs.evaluate import checkable, waves
 from haptisym.verbs.evaluate.breakpoints import breakpoints
@@ -29,6 +34,9 @@ from haptisym.verbs.evaluate.waves import ORDER, WaveFactor, cosine_factor
 from haptisym.verbs.evaluate.zeros import zeros
 from haptisym.verbs.require import certificate as requirements
 from haptisym.verbs.require.certificate import _bounds as bounds_of
+from haptisym.verbs.require.certificate import _keys, _values
+from haptisym.verbs.require.feasible import Binding, End, Kind, Span
+from haptisym.verbs.require.freeparameter import Domain
 from haptisym_check import RefusedError
 from haptisym_check.chart import Chart
 from haptisym_check.reading import polynomial
@@ -530,3 +538,112 @@ def test_frequencies_have_room_for_digits_by_what_a_checker_knows() -> None:
 
 def test_what_is_read_is_what_is_told() -> None:
     assert polynomial(told_rows(((1, -2), (0, 5)))) == [[1, -2], [0, 5]]
+
+
+@pytest.mark.parametrize(
+    "name", ["fu2019", "four-channel-teleoperation", "virtual-wall", "two-mass-resonance", "zener-tissue"]
+)
+def test_a_free_number_is_found_in_the_file_of_its_scene_at_its_own_place(name: str) -> None:
+    scene = hs.load_scene(name)
+    table, found, absent = tomllib.loads(scene.text), 0, dict[str, str]()
+    for free in (x for x in scene.knobs if not x.is_of_hand and not x.parts):
+        try:
+            path = _keys(scene, SimpleNamespace(free=free), None)  # type: ignore[arg-type]
+        except hs.SceneError as error:
+            absent[free.path] = str(error)  # a default, which the file does not have
+            continue
+        own: Any = table
+        for key in path:
+            own = own[key]
+        found += 1
+        assert number(own, free.dimension).value == free.value
+    assert found > 3
+    assert all(path in words for path, words in absent.items())
+
+
+def test_a_number_of_one_of_several_environments_or_of_a_formula_is_found_as_if_there_were_no_others() -> None:
+    text = """[[environments]]
+name = "soft"
+model = "expression"
+H = "k_1 + b*s"
+parameters = {k_1 = "300 N/m", b = 2}
+[[environments]]
+model = "kelvin-voigt"
+k = 70
+b = "3/2"
+[[effects]]
+model = "delay"
+tau = "2 ms"
+[[effects]]
+model = "first-order-lag"
+omega_c = 90
+"""
+    scenes = read_scenes(text)
+    soft, wall = scenes.scenes["soft"], scenes.scenes["kelvin-voigt"]
+    for scene, environment, path, keys in (
+        (soft, "soft", "environment.k_1", ["environment", "parameters", "k_1"]),
+        (soft, "soft", "omega_c", ["effects", 1, "omega_c"]),
+        (wall, "kelvin-voigt", "environment.b", ["environment", "b"]),
+        (wall, "kelvin-voigt", "effects.delay.tau", ["effects", 0, "tau"]),
+    ):
+        assert _keys(scene, SimpleNamespace(free=scene.knobs[path]), environment) == keys  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_values_of_a_certificate_are_intervals_that_do_and_those_between_and_beside_them_that_do_not(seed: int) -> None:
+    """Up to the bounds of ends at which something binds, and to the very ends of what was asked about."""
+    pick, around = random.Random(seed), Fraction(1, 100)
+    marks = [Fraction(x, 2) for x in sorted(pick.sample(range(-20, 21), 8))]
+    low, high = (x if pick.random() < 0.6 else None for x in (marks[0], marks[-1]))
+    count = pick.randint(0, 3)
+    places: list[Any] = marks[1 : 1 + 2 * count]
+    binds = [True] * len(places)
+    if count and pick.random() < 0.5:
+        places[0], binds[0] = low, False
+    if count and pick.random() < 0.5:
+        places[-1], binds[-1] = high, False
+
+    def end(x: Fraction | None, bound: bool) -> End:  # noqa: FBT001
+        binding = (Binding(noticed(hs.Threshold())[0], None, Kind.EDGE),) if bound else ()
+        return End(
+            None if x is None else ExactNumber(Rational(x.numerator, x.denominator)), closed=True, bindings=binding
+        )
+
+    def bounds(x: End) -> Any:
+        if x.value is None:
+            return None
+        value = Fraction(str(x.value.value))  # type: ignore[attr-defined]
+        return (value - around, value + around) if x.bindings else (value, value)
+
+    listed = [end(x, b) for x, b in zip(places, binds, strict=True)]
+    spans = tuple(Span(a, b) for a, b in zip(listed[::2], listed[1::2], strict=True))
+    ends = [None if x is None else Rational(x.numerator, x.denominator) for x in (low, high)]
+    found = _values(SimpleNamespace(domain=Domain(*ends), feasible=spans), bounds)  # type: ignore[arg-type]
+    expected, here, stop = [], low, not count or binds[-1]
+    for i in range(count):
+        a, b = places[2 * i], places[2 * i + 1]
+        if binds[2 * i]:
+            expected.append((here, a - around, False))
+        expected.append((a + around if binds[2 * i] else a, b - around if binds[2 * i + 1] else b, True))
+        here = b + around if binds[2 * i + 1] else b
+    expected += [(here, high, False)] if stop else []
+    assert found == expected
+
+
+def test_ends_that_meet_or_single_values_have_no_certificate() -> None:
+    def end(x: int) -> End:
+        return End(
+            ExactNumber(Integer(x)), closed=True, bindings=(Binding(noticed(hs.Threshold())[0], None, Kind.EDGE),)
+        )
+
+    def wide(x: End) -> Any:
+        return Fraction(int(x.value.value)) - 1, Fraction(int(x.value.value)) + 1  # type: ignore[union-attr]
+
+    asked = Domain(None, None)
+    one = end(3)
+    for spans, words in (
+        ((Span(one, one),), "no room for a single value"),
+        ((Span(end(0), end(9)), Span(end(10), end(20))), "told apart"),
+    ):
+        with pytest.raises(hs.SceneError, match=words):
+            _values(SimpleNamespace(domain=asked, feasible=spans), wide)  # type: ignore[arg-type]
