@@ -401,9 +401,9 @@ def test_a_sum_of_exact_and_of_known_and_of_enclosed_terms_is_the_same_from_anot
     own = Monomials.of(rows)
     at, sign = fmpq(draw.randint(1, 7), 2), draw.choice([1, -1])
     moved = own.shifted(at, sign)
-    for w in (fmpq(1, 3), fmpq(5, 4)):
+    for step in (fmpq(1, 3), fmpq(5, 4)):
         for x in (fmpq(1, 4), fmpq(9, 4)):
-            X, Y, W = arb(x), arb(at + sign * w), arb(w)
+            X, Y, W = arb(x), arb(at + sign * step), arb(step)
             truth = sum((ball(value) * power(X, a) * Y ** int(b) for (a, b), value in rows.items()), arb(0))
             found = sum((ball(value) * power(X, a) * W ** int(b) for (a, b), value in moved.terms.items()), arb(0))
             assert truth.overlaps(found)

@@ -163,7 +163,7 @@ class ValueSearch:
 
     def _width(self, low: Fraction, high: Fraction) -> Fraction:
         """The width of a cell, relative to its values."""
-        return (high - low) / max(abs(low), abs(high), self.scale / 1000)
+        return (high - low) / max(-low, high, self.scale / 1000)
 
     def _judged(self, low: Fraction, high: Fraction) -> Leaf:
         """What balls tell of the values between two numbers."""

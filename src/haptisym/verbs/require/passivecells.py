@@ -177,7 +177,7 @@ class _Search:
                 found, looked = _Cell(low, high, None), _MOST
             except UndecidedError:
                 found = _Cell(low, high, None)
-            is_small = high - low <= max(_FINEST * max(abs(low), abs(high)), _LEAST * (end - start))
+            is_small = high - low <= max(_FINEST * max(-low, high), _LEAST * (end - start))
             if found.verdict is not None or found.turn or found.is_last or looked >= _MOST or is_small:
                 yield found
                 continue
