@@ -411,3 +411,18 @@ def test_a_sum_of_exact_and_of_known_and_of_enclosed_terms_is_the_same_from_anot
     for (a, _), value in moved.terms.items():
         if all(is_exact(y) for (other, _), y in rows.items() if other == a):
             assert is_exact(value)
+
+
+@pytest.mark.parametrize("touch", [1, 2, 5])
+@pytest.mark.parametrize("p", [Fraction(1), Fraction(2), Fraction(3, 2)])
+def test_charts_meet_beyond_all_numbers_at_which_what_is_left_along_a_slope_touches_0(p: Fraction, touch: int) -> None:
+    """-(Y - t X^p)^2 (Y + X^p), and more that is less near the corner: along Y = X^p v it is -(v - t)^2 (v + 1)."""
+    t = touch
+    rows = {(0, 3): -1, (p, 2): 2 * t - 1, (2 * p, 1): 2 * t - t**2, (3 * p, 0): -(t**2)}
+    terms = {(Fraction(a), Fraction(b)): fmpq(n) for (a, b), n in rows.items() if n} | {(4 * p, Fraction(1)): fmpq(7)}
+    own = Monomials.of(terms)
+    slope, meet = own.slope
+    assert slope == p
+    assert meet == 2 * t
+    assert own.risen(p).touches == (fmpq(t),)
+    assert [float(x) for x in own.risen(p).along(arb(meet))] == [-(t**2) * (2 * t + 1), 14 * t]
