@@ -34,6 +34,7 @@ from haptisym.verbs.require.boundary import (
 )
 from haptisym.verbs.require.boundary import real_roots as found_roots
 from haptisym.verbs.require.feasible import Kind, runs
+from haptisym.verbs.require.freeparameter import _is_modulus, _is_positive
 from haptisym.verbs.require.knownsums import ExactPolynomial, Known, added, ball, is_exact, of_parts, parts_of
 from haptisym.verbs.require.lowest import beginning
 from haptisym.verbs.require.monomials import Monomials, power
@@ -426,3 +427,20 @@ def test_charts_meet_beyond_all_numbers_at_which_what_is_left_along_a_slope_touc
     assert meet == 2 * t
     assert own.risen(p).touches == (fmpq(t),)
     assert [float(x) for x in own.risen(p).along(arb(meet))] == [-(t**2) * (2 * t + 1), 14 * t]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_is_the_square_of_a_modulus_is_seen_to_be_positive_and_no_other_irreducible_polynomial(seed: int) -> None:
+    """|f(j omega)|^2 of f with the parameter in its coefficients; omega^2 - a is none, nor -|f|^2, nor what has omega alone."""
+    draw = random.Random(seed)
+    m, b, k = (Rational(draw.randint(1, 9)) for _ in range(3))
+    square = top(((k * q - m * w**2) ** 2 + (b * w) ** 2).expand())
+    mirrored = top((-((k * q - m * w**2) ** 2) - (b * w) ** 2).expand())
+    assert _is_modulus(square)
+    assert _is_positive(square)
+    for other in (mirrored, top(w**2 - k * q), top(w + k * q), top(w**2 - m * w + k)):
+        assert not _is_modulus(other)
+        assert not _is_positive(other)
+    assert _is_positive(top(m * w**2 + k * q**2 + b))
+    assert not _is_positive(top(m * w**2 + k * q**2 - b))
+    assert not _is_positive(top(m * w**2 + k * q + b))

@@ -141,12 +141,12 @@ def test_of_several_things_that_no_value_does_together_each_is_told_alone() -> N
     assert require(scene, "omega_c", (20, 200)).alone == ()
 
 
-@pytest.mark.few("2")
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.few("6")
+@pytest.mark.parametrize("seed", range(7))
 def test_of_parabolas_that_a_number_moves_up_and_down_the_middle_one_is_nearest(seed: int) -> None:
     """|t - c w^2| over a band needs at least half of what c w^2 spans, at the t halfway; with just that it is the only value."""
     pick = Random(seed)
-    for _ in range(5):
+    for _ in range(5 if seed < 6 else 2):
         c, limit = Fraction(pick.randint(1, 5), 100), Fraction(pick.randint(1, 9), 100)
         low = pick.choice([0, 1, 2])
         high = low + pick.randint(2, 5)
@@ -206,7 +206,7 @@ class Valley(Guesses):
         return np.where(t < self.least, np.nan, 1 + np.abs(t - self.a) / self.size)  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(5))
 def test_a_guess_is_as_good_as_any_value_of_the_range_simple_and_the_own_one_where_that_is_as_good(seed: int) -> None:
     pick = Random(seed)
     for _ in range(6):

@@ -129,7 +129,7 @@ REACH = dict.fromkeys(SCENES, 5) | {"hold": 1}
 """Powers of ten by which values go to both sides: evaluations at periods that are much longer take long."""
 
 
-@pytest.mark.few("spring", "pot")
+@pytest.mark.few("pot")
 @pytest.mark.parametrize("name", SCENES)
 def test_nothing_stays_open_at_0_nor_without_bound(name: str) -> None:
     path, scene = SCENES[name]
@@ -243,7 +243,7 @@ def test_a_clock_is_asked_for_all_of_its_periods_also_beyond_the_nyquist_frequen
     assert (found.feasible, found.undecided) == ((), ())
 
 
-@pytest.mark.few("effects.teleoperator.Ms-0")
+@pytest.mark.slow
 @pytest.mark.parametrize(("path", "low"), [("effects.teleoperator.Bs", "14.8962"), ("effects.teleoperator.Ms", "0")])
 def test_a_slave_that_is_heavy_or_damped_without_bound_stays_unnoticed(path: str, low: str) -> None:
     found = hs.require("four-channel-teleoperation", path)

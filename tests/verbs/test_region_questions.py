@@ -104,6 +104,7 @@ def test_with_a_delay_a_corner_is_known_to_any_digits() -> None:
     assert abs((G - H).real) == pytest.approx(abs(H) / 20, rel=1e-9)
 
 
+@pytest.mark.few("polygon", "lower")
 @pytest.mark.parametrize(
     ("jnd", "condition"),
     [

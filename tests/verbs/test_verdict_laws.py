@@ -188,7 +188,7 @@ def _runs(line: list[tuple[float | None, bool | None]], wanted: bool | None) -> 
     return found
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", range(32))
 def test_a_set_is_told_by_one_verdict_between_each_two_values_at_which_it_may_change(seed: int) -> None:
     """On lines of fractions, roots and pi, with gaps, values without a scene, and verdicts that stay open."""
     given = Line(Random(seed))

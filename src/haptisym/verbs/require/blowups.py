@@ -90,8 +90,6 @@ def positive_along(terms: Terms, x: Ball, y: Ball) -> Ball | None:
         return y
     for curve, chart in _curves(own, _MOST_TOUCHES):
         values, reach = chart.along(curve.v), x
-        if not values[0] > 0:
-            continue
         along = Monomials.of({(a, Fraction(0)): c for a, c in zip(chart.across, values, strict=True)})
         for _ in range(_MOST_HALVINGS):
             height = curve.height(reach).lower()
