@@ -25,7 +25,7 @@ from haptisym.model.distortion import Distortion
 from haptisym.model.parameters import Rule, values
 from haptisym.verbs.require import passivecells
 from haptisym.verbs.require.energy import Energy, is_between, keeps_sign, zeros_of
-from haptisym.verbs.require.energyterms import Term
+from haptisym.verbs.require.energyterms import Term, variables
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.passivecells import _Cell, _Search, _span, _window
 
@@ -575,3 +575,16 @@ def test_where_im_h_over_its_lowest_power_rises_from_rest_it_does_so_for_all_val
                 end /= 4
             assert found == end
     assert energy_of(Q * s).rises((1.0, 1.5)) is None
+
+
+@given(st.floats(0, 1e6), st.floats(0, 1e6))
+def test_frequency_and_values_over_cells_are_told_with_the_same_doubt_on_both_sides_of_0(x: float, y: float) -> None:
+    low, high = sorted((x, y))
+    one, other = (variables(np.array([[[0.0, 1.0], own]])) for own in ((low, high), (-high, -low)))
+    for a, b in zip(one, other, strict=True):
+        assert (a.r == b.r).all()
+        assert (a.r >= 0).all()
+        assert (np.abs(a.c0) == np.abs(b.c0)).all()
+        assert (a.c1 == b.c1).all()
+    bottom, top = (float(z[0, 0]) for z in one[1].bounds())
+    assert bottom <= low <= high <= top

@@ -18,7 +18,7 @@ import haptisym as hs
 from haptisym.judge.criteria import noticed
 from haptisym.programs.taylormodels import variable
 from haptisym.verbs.require.plane import Rectangles, _Search, common, rectangles
-from haptisym.verbs.require.proven import Proof, _Between
+from haptisym.verbs.require.proven import Proof, _Between, _unbounded
 
 MAPS: dict[str, tuple[list[str], list[tuple[Any, Any]]]] = {
     "fu2019": (["omega_n", "zeta"], [(60, 200), ("0.1", 1)]),
@@ -263,3 +263,10 @@ def test_rectangles_are_kept_where_no_hill_rises_over_0_broken_where_one_does_an
         pytest.approx(1, rel=1e-12)
     )
     assert few.looked <= search.looked
+
+
+def test_ends_at_an_end_of_the_range_on_both_slices_are_without_bound_there_whatever_their_sign() -> None:
+    ends = np.array([[-5.0, -5.0 - 1e-12], [-5.0, -4.999], [3.0, -5.0], [0.0, 0.0]])
+    assert _unbounded(ends, -5.0, -np.inf).tolist() == [[-np.inf, -np.inf], *ends[1:].tolist()]
+    assert _unbounded(-ends, 5.0, np.inf).tolist() == [[np.inf, np.inf], *(-ends[1:]).tolist()]
+    assert _unbounded(ends, 0.0, np.inf)[3].tolist() == [np.inf, np.inf]

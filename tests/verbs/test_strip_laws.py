@@ -561,3 +561,11 @@ def test_beyond_a_number_a_condition_is_told_for_all_values_at_once(
     own = {x: real_part(f.subs(q, q**2)) for x, f in zip(names, functions, strict=False)}
     search = ValueSearch(own, q, (Integer(1), Integer(2)), Fraction(1))
     assert search._beyond(sign, sign * Fraction(100)) is verdict
+
+
+def test_beyond_a_number_values_of_one_sign_alone_are_looked_at() -> None:
+    """q^2 + 3 q over q^2 is 1 + 3/q: above 0 beyond 2, and not beyond -2; mirrored the other way round."""
+    for sign in (1, -1):
+        search = ValueSearch({REAL: real_part(q**2 + 3 * sign * q)}, q, (Integer(1), Integer(2)), Fraction(1))
+        assert search._beyond(sign, sign * Fraction(2)) is CellVerdict.BROKEN
+        assert search._beyond(-sign, -sign * Fraction(2)) is CellVerdict.OPEN

@@ -118,7 +118,7 @@ def variables(cells: Array) -> tuple[Model, Model]:
     found = []
     for i in (0, 1):
         low, high = cells[:, i].T
-        size = np.maximum(abs(low), abs(high))
+        size = np.maximum(-low, high)
         with np.errstate(all="ignore"):  # what is not finite is unknown
             found.append(variable((low + high) / 2, (high - low) / 2, size, i, 2, slopes=0))
     return found[0], found[1]

@@ -144,7 +144,7 @@ class Slab:
             own = self.slices[i].side(a, b, held if firm or n < 0 else None)
             if own is None:
                 return None
-            found *= own ** abs(n)
+            found *= own ** (n % 2)
         return found
 
 

@@ -156,7 +156,7 @@ class ValueLine:
         before, after = leaves[i - 1].above or leaves[i - 1].verdict, leaves[i + 1].verdict
         assert leaf.low is not None
         assert leaf.high is not None
-        if before is after or leaf.high - leaf.low > _SLIVER * max(abs(leaf.low), abs(leaf.high)):
+        if before is after or leaf.high - leaf.low > _SLIVER * max(-leaf.low, leaf.high):
             return leaf
         return replace(leaf, verdict=before, above=after, value=Sliver(leaf.low, leaf.high))
 
