@@ -291,3 +291,6 @@ def test_a_display_stays_active_where_its_sign_far_out_is_negative_or_comes_back
         assert (found.stays_active, found.is_active) == (stays, stays)
         assert found.active_from == (70 if late else None)
         assert not stays or found.holds is False
+        if beyond is not Beyond.ALWAYS:  # which is active up to the end of the chart
+            assert found.row()["active"] == ([[70.0, None]] if late else [])
+            assert found.row()["beyond"] == beyond.value
