@@ -799,3 +799,31 @@ def test_digits_are_given_only_where_both_ends_of_what_is_known_have_them() -> N
     assert _decimal((1.2449, 0.0, 2e-4), 3) is None
     assert _decimal((1.2451, 0.0, 2e-4), 3) is None
     assert _decimal((1.2449, 0.0, 5e-5), 3) == "1.24"
+
+
+def test_zeros_ones_opposites_and_numbers_are_folded_where_they_stand() -> None:
+    """Each step is the same number as the one that it is folded into."""
+    w = Writer(("x", "y"))
+    x, y = w.input("x"), w.input("y")
+    zero, one, less = w.constant(0), w.constant(1), w.constant(-1)
+    a, b = w.constant(fmpq(3, 2)), w.constant(fmpq(-5))
+    for found, expected in (
+        (w.add(x, zero), x), (w.add(zero, x), x), (w.sub(x, zero), x), (w.sub(zero, x), w.neg(x)), (w.sub(x, x), zero),
+        (w.add(x, w.neg(y)), w.sub(x, y)), (w.add(w.neg(y), x), w.sub(x, y)), (w.sub(x, w.neg(y)), w.add(x, y)),
+        (w.neg(w.neg(x)), x), (w.neg(w.sub(x, y)), w.sub(y, x)), (w.mul(x, zero), zero), (w.mul(zero, x), zero),
+        (w.mul(x, one), x), (w.mul(one, x), x), (w.mul(x, less), w.neg(x)), (w.mul(less, x), w.neg(x)),
+        (w.mul(w.neg(x), y), w.neg(w.mul(x, y))), (w.mul(x, w.neg(y)), w.neg(w.mul(x, y))), (w.mul(w.neg(x), w.neg(y)), w.mul(x, y)),
+        (w.div(x, one), x), (w.div(zero, x), zero), (w.div(w.neg(x), y), w.neg(w.div(x, y))), (w.div(x, w.neg(y)), w.neg(w.div(x, y))),
+        (w.add(a, b), w.constant(fmpq(-7, 2))), (w.sub(a, b), w.constant(fmpq(13, 2))), (w.mul(a, b), w.constant(fmpq(-15, 2))),
+        (w.div(a, b), w.constant(fmpq(-3, 10))), (w.neg(a), w.constant(fmpq(-3, 2))), (w.abs(b), w.constant(5)),
+        (w.abs(w.neg(x)), w.abs(x)), (w.power(x, 0), one), (w.power(x, 1), x), (w.power(x, 2), w.mul(x, x)),
+        (w.power(x, 5), w.mul(w.mul(w.mul(x, x), w.mul(x, x)), x)), (w.power(a, 2), w.constant(fmpq(9, 4))),
+    ):  # fmt: skip
+        assert found == expected
+    assert w.operations[w.div(x, zero)].name == "div"
+    assert [w.operations[z].name for z in (w.add(x, y), w.sub(x, y), w.mul(x, y), w.div(x, y))] == [
+        "add",
+        "sub",
+        "mul",
+        "div",
+    ]
