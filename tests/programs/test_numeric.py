@@ -40,6 +40,7 @@ from haptisym.effects import (
 from haptisym.environments import expression, kelvin_voigt, mass_spring_damper, spring_pot, zener
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.response import RealFunction, on_axis
+from haptisym.kernel.symbols import omega as axis_omega
 from haptisym.kernel.symbols import s
 from haptisym.model.distortion import Distortion
 from haptisym.programs import floats, machine, stable
@@ -827,3 +828,16 @@ def test_zeros_ones_opposites_and_numbers_are_folded_where_they_stand() -> None:
         "mul",
         "div",
     ]
+
+
+def test_a_value_with_pi_or_waves_at_an_exact_frequency_is_that_of_digits_and_at_0_the_limit() -> None:
+    axis, w = Ring.of([exp(-s / 2)]).axis, axis_omega
+    late = on_axis(Ring.of([exp(-s / 2)]).convert(1 - exp(-s / 2))).imag  # sin(w/2)
+    over = late / RealFunction(axis.convert(w))
+    with mpmath.workdps(30):
+        for f, value in ((RealFunction(Ring().axis.convert((pi + w) / (2 + w**2))), lambda x: (mpmath.pi + x) / (2 + x**2)),
+                         (over, lambda x: mpmath.sin(x / 2) / x if x else mpmath.mpf(1) / 2)):  # fmt: skip
+            for x in (0, 1, 3, 250):
+                assert float(PointValue(f, fmpq(x))) == float(value(mpmath.mpf(x)))
+                if value(mpmath.mpf(x)) > 0:
+                    assert float(PointValue(f, fmpq(x), rooted=True)) == float(mpmath.sqrt(value(mpmath.mpf(x))))
