@@ -27,12 +27,12 @@ from haptisym.verbs.cost.entry import Cost
 from haptisym.verbs.cost.hardcases import hard_cases
 from haptisym.verbs.cost.measurement import Measurement, front
 from haptisym.verbs.cost.methods import CROSSINGS, RATIO_METHODS, Method
-from haptisym.verbs.cost.questions import DOUBLE, Crossings, Found
+from haptisym.verbs.cost.questions import DOUBLE, Crossings, Found, RatioQuestion
 from haptisym.verbs.cost.stopwatch import interleaved
 from haptisym.verbs.cost.sweeps import SweepQuestion, certified_way
 from haptisym.verbs.cost.sweeps import grid_way as grid_of_sets
 from haptisym.verbs.cost.tasks import approximated
-from haptisym.verbs.cost.usual import RefusedError, companion_way, grid_way
+from haptisym.verbs.cost.usual import RefusedError, companion_way, control_way, grid_way, naive_way, scipy_way
 
 
 @cache
@@ -123,6 +123,28 @@ def test_a_simulation_with_longer_steps_has_fewer_right_digits() -> None:
     assert rows["without filter"] < 2
 
 
+def test_all_ways_to_a_ratio_agree_where_none_loses_digits() -> None:
+    spring = hs.environments.mass_spring_damper(k=100)
+    behind_lag = hs.Scene(spring, (hs.effects.first_order_lag(20),))  # r_r = w^2/(w^2 + 400), r_i = 20 w/(w^2 + 400)
+    omegas = (0.5, 3.0, 20.0, 55.5)
+    question = RatioQuestion(behind_lag.distortion(), omegas)
+    known = np.array([[w * w / (w * w + 400), 20 * w / (w * w + 400)] for w in omegas])
+    for way in (naive_way, control_way, scipy_way):
+        assert way(question)() == pytest.approx(known, rel=1e-11)
+    for name, method in RATIO_METHODS.items():
+        answer = method.ready(question)()
+        assert np.array([[float(x) for x in row] for row in answer]) == pytest.approx(known, rel=1e-11), name
+        score = question.score(answer, question.truth(320), method.held)
+        assert score.digits >= (method.held - 0.01 if method.proves else 11), name
+    late = RatioQuestion(hs.Scene(spring, (hs.effects.delay("0.1 s"),)).distortion(), omegas)
+    assert naive_way(late)() == pytest.approx(
+        np.array([[1 - np.cos(w / 10), abs(np.sin(w / 10))] for w in omegas]), rel=1e-9
+    )
+    for way in (control_way, scipy_way):
+        with pytest.raises(RefusedError, match="no delays"):
+            way(late)
+
+
 # Timing and tables.
 
 
@@ -201,6 +223,18 @@ def test_the_figure_of_the_hard_cases_has_a_cell_for_every_family_and_method() -
     axes = costs.figure().axes
     assert [len(ax.patches) for ax in axes] == [7, 4]
     assert "identities" in str(costs)
+
+
+def test_hard_questions_are_put_one_after_the_other_and_told() -> None:
+    told: list[tuple[str, float]] = []
+    cases = hard_cases("identities")[:2]
+    costs = hs.hard_costs(iter(cases), told=lambda *x: told.append(x))
+    assert told == [("identities: a gain of 1", 0.0), ("identities: four channels without delay", 0.5), ("", 1.0)]
+    assert [row.method for row in costs.rows] == 2 * [
+        "H_perc - H_env in floats", "python-control", "scipy.signal", "fast", "double-double", "certified", "30 digits",
+    ]  # fmt: skip
+    assert {row.verdict for row in costs.rows if row.proven} == {"right"}
+    assert [x["case"] for x in costs.to_dict()["rows"]] == 7 * ["a gain of 1"] + 7 * ["four channels without delay"]
 
 
 @pytest.mark.slow

@@ -20,6 +20,7 @@ from haptisym.verbs.cost.methods import Method
 from haptisym.verbs.cost.stopwatch import Timed, interleaved, machine
 from haptisym.verbs.cost.summary import summary
 from haptisym.verbs.cost.tasks import Task, crossings_task, delay_tasks, effects_tasks, evaluate_task, prepared
+from haptisym.verbs.simulate.threads import one_thread
 
 Progressed = Callable[[str, float], None]
 """Called with what is measured next and the share that is done, from 0 to 1."""
@@ -112,17 +113,16 @@ def simulation_cost(
     >>> max(row.digits for row in rows) > 11, min(row.digits for row in rows) < 4
     (True, True)
     """
-    scene = as_scene(scene)
-    scene.knobs.need_numbers()
     from haptisym.verbs.cost.simulated import Recovery, simulation_methods
 
+    scene = as_scene(scene)
     scene.knobs.need_numbers()
-
     question = Recovery(scene)
-    question.check()
-    attempts, left_out = prepared(simulation_methods(question), question, "simulation")
-    task = Task("simulation", attempts, lambda method, answer: question.score(answer), left_out)
-    return _measured(scene, [task], 0.3 if quick else 3.0, told)
+    with one_thread():  # as ``simulate`` has it
+        question.check()
+        attempts, left_out = prepared(simulation_methods(question), question, "simulation")
+        task = Task("simulation", attempts, lambda method, answer: question.score(answer), left_out)
+        return _measured(scene, [task], 0.3 if quick else 3.0, told)
 
 
 def sweep_cost(

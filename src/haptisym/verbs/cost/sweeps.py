@@ -135,17 +135,10 @@ class SweepQuestion:
 
 def _varied(scene: Scene, paths: Sequence[str]) -> tuple[Knob, ...]:
     """The parameters asked for, or all numbers of the scene that are not 0; SceneError where there are none."""
-    if paths:
-        knobs = scene.knobs.chosen(paths)
-    else:
-        knobs = tuple(
-            x
-            for x in scene.knobs
-            if not (x.parts or x.is_of_hand or x.rule in (Rule.ORDER, Rule.WHOLE)) and x.value != 0
-        )
+    knobs = scene.knobs.chosen(paths) if paths else tuple(x for x in scene.knobs if not x.parts and x.value != 0)
     scene.knobs.need_numbers(knobs)
     for x in knobs:
-        if x.rule in (Rule.ORDER, Rule.WHOLE) or x.value == 0 or x.is_of_hand or x.parts:
+        if x.value == 0 or x.parts:
             raise SceneError(f"{x.path}: cannot be varied here: only numbers of the display can, other than 0")
     if not knobs:
         raise SceneError("cost --sweep varies parameters, and this scene has none that could be")

@@ -124,7 +124,7 @@ def grid_way(question: Crossings, count: int, *, brent: bool = False) -> Attempt
     def attempt() -> Found:
         grid = np.linspace(low, high, count)
         found: dict[str, list[float]] = {x.name: [] for x in question.criteria}
-        for start in range(0, count, _BLOCK):
+        for start in range(0, count - 1, _BLOCK):
             block = grid[start : start + _BLOCK + 1]  # neighbouring blocks share a point, which counts once
             H, dH = function(block)
             for x in question.criteria:
