@@ -47,10 +47,10 @@ def solved(scene: hs.Scene, at: Any, span: tuple[float, float] = (1.0, 9.0)) -> 
         T = mpmath.mpf(hold.period)
         held = (1 - mpmath.exp(-at * T)) / (at * T)
         rows.append({(hold.target, 0, 0): -1, (hold.source, 0, 0): held})
-    for friction in net.frictions:  # 0.05 m of a sine against a square wave
-        rows.append(
-            {(friction.target, 0, 0): -1, (friction.driver, 0, 0): 4 * friction.limit / (mpmath.pi * 0.05 * at.imag)}
-        )
+    rows += [  # 0.05 m of a sine against a square wave
+        {(friction.target, 0, 0): -1, (friction.driver, 0, 0): 4 * friction.limit / (mpmath.pi * 0.05 * at.imag)}
+        for friction in net.frictions
+    ]
     names = list(dict.fromkeys(name for row in rows for name, _, _ in row if name != MOTION))
     place = {name: i for i, name in enumerate(names)}
     assert len(rows) == len(names)
