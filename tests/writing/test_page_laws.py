@@ -310,7 +310,7 @@ def test_a_meaning_shares_the_line_with_its_value_while_there_is_room() -> None:
         room = LINE - width("H")
         text = align([Line(left, value, "≈", meaning)])
         one = width(f"G = {tex(layout(value))}") <= room
-        assert text.count(r" \\") == (0 if one else 1)
+        assert (text.count(r" \\") == 0) == one
     assert seen == {True, False}
 
 
