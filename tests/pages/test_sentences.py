@@ -12,14 +12,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sympy import Integer, Rational
+from sympy import Integer, Rational, Symbol
 
 import haptisym as hs
 from haptisym.judge.passivity import Beyond
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rootcount import RootChain, Roots
 from haptisym.kernel.roots import Interval, Point
+from haptisym.pages.held import held
 from haptisym.pages.measuredlines import runs
+from haptisym.pages.require import sets
 from haptisym.pages.sliders import limit_sliders, region_record
 from haptisym.verbs.simulate.results import Estimate, Simulations
 from haptisym.verbs.stability.answer import Stability
@@ -27,6 +29,7 @@ from haptisym.verbs.stability.boxes import Box, Share
 from haptisym.verbs.stability.critical import Critical, Nearest
 from haptisym.verbs.stability.held import Held, Imposed
 from haptisym.verbs.stability.passive import EveryPassiveHand
+from haptisym.writing.plain import said
 
 YES, NO = True, False
 SPRING = hs.environments.mass_spring_damper(k="100 N/m")
@@ -382,3 +385,86 @@ def test_sliders_of_a_threshold_reach_a_decade_to_each_side_and_at_least_a_hundr
         for w in (0.0, 2.0, 7.0):
             top, bottom = (sum(c * w**n for n, c in enumerate(found[key][x])) for x in ("top", "bottom"))
             assert top / bottom == pytest.approx(true(w))
+
+
+# What an evaluation says of stability, and a requirement of values
+
+
+def evaluated(stable: bool | None, found: Any) -> Any:  # noqa: FBT001
+    return SimpleNamespace(stable=stable, passivity=found, scene=SCENE)
+
+
+def passivity(**given: Any) -> Any:
+    own = {"most_given": None, "sampled": None, "damping": None}
+    return SimpleNamespace(**(vars(every(**given).passivity) | own | given))
+
+
+GIVEN = SimpleNamespace(value=number("2.5"), omega=number(8))
+
+
+@pytest.mark.parametrize(
+    ("found", "told"),
+    [
+        (None, "Every passive hand: not decided. Whether the display is stable in a hand was not looked at."),
+        (passivity(holds=None, beyond=Beyond.UNKNOWN), "Every passive hand: not decided. Whether"),
+        (passivity(holds=None), "Every passive hand: not decided; Im H_perc >= 0 at all frequencies, but poles were not decided. Whether"),
+        (passivity(holds=None, beyond=Beyond.CLOCK), "not decided; Im H_perc >= 0 up to 40 rad/s, half the clock's rate, which alone does not tell. Whether"),
+        (passivity(holds=None, is_active=True, active=(interval(2, 3),)), "not decided; Im H_perc < 0 from 2 to 3 rad/s in a closed form that leaves out what a clock folds back. Whether"),
+        (passivity(), "Every passive hand may hold it: Im H_perc >= 0 at all frequencies, not on this band alone, and no pole forbids it."),
+        (passivity(has_passive_parts=True), "Every passive hand may hold it: all parts only take energy."),
+        (passivity(sampled=True), "Every passive hand may hold it: Colgate and Schenkel's condition is met up to θ = π."),
+        (passivity(holds=False, sampled=True), "Not with every passive hand: Colgate and Schenkel's condition is not met. Whether"),
+        (passivity(holds=False), "Not with every passive hand: Im H_perc >= 0 at all frequencies, but poles forbid it. Whether"),
+        (passivity(**ACTIVE), "Not with every passive hand: Im H_perc < 0 from 2 to 3 rad/s and at 5 rad/s (0.79577 Hz) alone. It gives energy away there, −π A² Im H_perc per cycle of amplitude A. Whether"),
+        (passivity(**ACTIVE, most_given=GIVEN, damping=SUP), "It gives energy away there, −π A² Im H_perc per cycle of amplitude A (with Im H_perc = −2.5 N/m at 8 rad/s). A hand that damps more than 2.5 N s/m holds it, whatever its mass and stiffness. Whether"),
+        (passivity(**ACTIVE, damping=SUP, poles_allow=False), "per cycle of amplitude A. Whether"),
+        (passivity(**ACTIVE, is_unbounded=True), "per cycle of amplitude A. No damping of a hand makes up for that: it grows faster than frequency. Whether"),
+        (passivity(**ACTIVE, beyond=Beyond.ALWAYS), "Im H_perc < 0 from 2 to 3 rad/s and from 5 rad/s on. It"),
+        (passivity(holds=False, is_active=True, active=(interval(2, 3),), beyond=Beyond.ALWAYS), "Im H_perc < 0 from 2 rad/s on. It"),
+        (passivity(**ACTIVE, beyond=Beyond.AGAIN), "alone and again and again beyond. It"),
+        (passivity(**ACTIVE, beyond=Beyond.LATE), "alone (beyond 40 rad/s it was not looked at). It"),
+        (passivity(**ACTIVE, beyond=Beyond.LATE, active_from=Integer(900)), "alone and everywhere above 900 rad/s (from 40 rad/s to there it was not looked at). It"),
+        (passivity(holds=False, is_active=True, active=tuple(interval(n, n + Rational(1, 2)) for n in range(1, 5))), "from 2 to 2.5 rad/s and from 3 to 3.5 rad/s and further on. It"),
+        (passivity(holds=False, is_active=True, active=tuple(interval(n, n + Rational(1, 2)) for n in range(1, 4)), beyond=Beyond.AGAIN), "and from 3 to 3.5 rad/s and again and again beyond. It"),
+    ],
+)  # fmt: skip
+def test_an_evaluation_says_of_every_passive_hand_what_was_decided(found: Any, told: str) -> None:
+    imposed, hands = (" ".join(said(x).replace("\xa0", " ").split()) for x in held(evaluated(True, found)))  # noqa: FBT003
+    assert imposed == "The force under imposed motion is stable: all poles of H_perc have Re s < 0."
+    assert told in hands
+    for stable, words in (
+        (False, "is NOT stable: a pole of H_perc has Re s >= 0."),
+        (None, "Whether the force under imposed motion is stable was not decided."),
+    ):
+        assert " ".join(said(next(iter(held(evaluated(stable, found))))).replace("\xa0", " ").split()).endswith(words)
+
+
+def span(low: object, high: object, *, open_low: bool = False, open_high: bool = False) -> Any:
+    ends = [None if x is None else number(x) for x in (low, high)]
+    if low is not None and low == high:
+        ends[1] = ends[0]
+    return SimpleNamespace(
+        low=SimpleNamespace(value=ends[0], closed=not open_low),
+        high=SimpleNamespace(value=ends[1], closed=not open_high),
+    )
+
+
+@pytest.mark.parametrize(
+    ("spans", "unit", "told"),
+    [
+        ([], "rad/s", "no value"),
+        ([span(None, None)], "rad/s", "every value of ω_n"),
+        ([span(3, 3)], "rad/s", "ω_n = 3 rad/s alone"),
+        ([span("1/3", None)], "1", "ω_n ≥ 0.33333"),
+        ([span("1/3", None, open_low=True)], "rad/s", "ω_n > 0.33333 rad/s"),
+        ([span(None, 4)], "N*s/m", "ω_n ≤ 4 N·s/m"),
+        ([span(None, 4, open_high=True)], "rad/s", "ω_n < 4 rad/s"),
+        ([span(1, 2), span(3, 4, open_low=True)], "rad/s", "1 ≤ ω_n ≤ 2 rad/s or 3 < ω_n ≤ 4 rad/s"),
+    ],
+)  # fmt: skip
+def test_values_that_will_do_are_told_with_their_ends(spans: list[Any], unit: str, told: str) -> None:
+    free = SimpleNamespace(symbol=Symbol("omega_n"), unit=unit)
+    assert said(sets(SimpleNamespace(feasible=spans, free=free, undecided=[]))).replace("\xa0", " ") == told  # type: ignore[arg-type]
+    if spans and told.count("0.33333"):  # nothing is proven beside that end: it is rounded inward
+        doubtful = [(None, spans[0].low.value)]
+        assert "0.33334" in said(sets(SimpleNamespace(feasible=spans, free=free, undecided=doubtful)))  # type: ignore[arg-type]

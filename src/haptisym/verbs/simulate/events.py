@@ -32,7 +32,7 @@ class Guard:
     bound: float
 
 
-def falls(course: Array, both: Array, bad: int) -> float:
+def falls(course: Array, bad: int) -> float:
     """Where on the step, from 0 to 1, a guard falls through zero before the node ``bad``."""
     from scipy.optimize import brentq  # SciPy is an extra: asked for where it is needed
 
@@ -53,7 +53,7 @@ def guards(net: Network, modes: Sequence[int], held: Mapping[str, float]) -> lis
     found = []
     for switch, mode in zip(net.switches, modes, strict=True):
         if mode == 0:
-            found += [Guard(switch, (switch.target, 0), -sign, -switch.limit) for sign in (1, -1)]
+            found += [Guard(switch, (switch.target, 0), sign, -switch.limit) for sign in (1, -1)]
         else:
             found.append(Guard(switch, (switch.driver, 0), mode, switch.offset))
     for step in net.steps:
@@ -78,7 +78,7 @@ def first_event(
         bad = both < -tolerance
         if bad.any():
             step = int(np.argmax(bad.any(axis=1)))
-            found.append((step, falls(course[step], both[step], int(np.argmax(bad[step]))), guard))
+            found.append((step, falls(course[step], int(np.argmax(bad[step]))), guard))
     return min(found, key=lambda event: event[:2]) if found else None
 
 

@@ -151,12 +151,6 @@ class Network:
         """Let two sums be equal at all times."""
         self.zero(one - other)
 
-    def named(self, value: SignalSum, label: str) -> str:
-        """The name of a signal that equals a sum."""
-        own = self.signal(label)
-        self.equal(own, value)
-        return name_of(own)
-
     @property
     def elements(self) -> tuple[Element, ...]:
         """Whatever is not a linear equation."""

@@ -131,14 +131,6 @@ class Characteristic:
             row[round(lag / unit)] = c
         return float(max(-np.log(np.abs(np.roots(row[::-1])))) / unit)
 
-    def near(self, s: complex) -> complex:
-        """The root that Newton's method finds from a place."""
-        at = np.array([s])
-        for _ in range(_ITERATIONS):
-            value, slope = self.values(at)
-            at = at - value / slope
-        return complex(at[0])
-
     @cached_property
     def _floats(self) -> tuple[Array, Array, Array]:
         rows = [(float(t.coefficient), float(t.power), float(t.lag)) for t in self.terms]
