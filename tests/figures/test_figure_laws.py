@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from flint import acb
 from matplotlib.axes import Axes
-from matplotlib.colors import to_hex
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon, Rectangle
@@ -21,7 +21,9 @@ from sympy import Rational
 import haptisym as hs
 from haptisym.figures import pen
 from haptisym.figures.cost import cost_figure, draw_cost
+from haptisym.figures.hardcosts import hard_costs_figure
 from haptisym.figures.identify import identification_figure
+from haptisym.figures.jnd import draw_jnd, draw_published
 from haptisym.figures.lines import thinned
 from haptisym.figures.metrics import draw_verdicts, verdict_bands
 from haptisym.figures.names import Room
@@ -35,7 +37,9 @@ from haptisym.judge.criteria import noticed
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rootcount import Roots
 from haptisym.verbs.cost.entry import Cost
-from haptisym.verbs.cost.measurement import Measurement, front
+from haptisym.verbs.cost.hardcosts import HardCosts
+from haptisym.verbs.cost.measurement import HardRow, Measurement, front
+from haptisym.verbs.jnd.answers import Answers, Row
 from haptisym.verbs.simulate.pencil import Mode
 from haptisym.verbs.simulate.propagate import NODES
 from haptisym.verbs.simulate.released import Closed, Release
@@ -677,3 +681,118 @@ def test_a_name_stands_beside_its_point_where_nothing_else_is() -> None:
     assert lonely.crowded((0, 5), size) >= 50
     lonely.take_line([7, 9], [2, 2])
     assert 0 < lonely.crowded((8, 2), size) < 20
+
+
+# Hard cases, thresholds
+
+
+def hard(task: str, family: str, method: str, verdict: str, digits: float, **more: Any) -> HardRow:
+    own = {"proven": False, "ours": False, "case": "one", "missed": 0, "invented": 0} | more
+    flags = own.pop("proven"), own.pop("missed"), own.pop("invented")
+    return HardRow(task, method, digits, 1.0, *flags, family=family, condition=1.0, verdict=verdict, **own)
+
+
+def test_a_table_of_hard_cases_has_a_cell_for_each_family_and_method_the_darker_the_worse() -> None:
+    rows = (
+        hard("evaluate", "identities", "certified", "right", 16.0, proven=True, ours=True),
+        hard("evaluate", "identities", "in floats + Brent, old", "right", 15.2),
+        hard("evaluate", "identities", "in floats + Brent, old", "loses 9 digits", 6.2, case="two"),
+        hard("evaluate", "low frequencies", "certified", "right", 16.0, proven=True, ours=True),
+        hard("evaluate", "low frequencies", "certified", "right", 15.6, ours=True, case="two"),
+        hard("evaluate", "low frequencies", "in floats + Brent, old", "cannot: no", 0.0),
+        hard("crossings", "long delays", "grid of 10^4", "misses 2 and invents 1", 0.0, missed=2, invented=1),
+    )
+    figure = hard_costs_figure(HardCosts(rows, {}))
+    assert tuple(figure.get_size_inches()) == pytest.approx((1.95 + 2 * 0.98 + 0.1, 0.34 * (4 + 3) + 0.35))
+    figure.draw_without_rendering()
+    first, second = figure.axes
+    words = [[x.get_text() for x in ax.texts] for ax in figure.axes]
+    assert words[0] == [
+        "Values of the ratios", "certified", "in floats\n+ Brent,\nold",
+        "identities", "1 of 1", "16 digits", "1 of 2", "loses 9 digits", "low frequencies", "2 of 2", "16 digits", "cannot",
+    ]  # fmt: skip
+    assert words[1] == ["Crossings", "grid of 10⁴", "long delays", "0 of 1", "−2  +1"]
+    bold = {x.get_text() for ax in figure.axes for x in ax.texts if x.get_fontweight() == "bold"}
+    assert bold == {"Values of the ratios", "Crossings", "certified"}
+    for ax, columns, lines in ((first, 2, 2), (second, 1, 1)):
+        box = ax.get_window_extent()
+        assert (box.width / figure.dpi, box.height / figure.dpi) == pytest.approx((0.98 * columns, 0.34 * lines))
+        assert box.x0 / figure.dpi == pytest.approx(1.95)
+    assert first.get_window_extent().y1 / figure.dpi == pytest.approx(figure.get_figheight() + 0.1 - 0.34 * 1.9)
+    assert first.get_window_extent().y0 - second.get_window_extent().y1 == pytest.approx(0.34 * 1.9 * figure.dpi)
+    shades = [to_rgb(x.get_facecolor())[0] for x in first.patches]
+    ink = to_rgb(pen.INK)[0]
+    assert shades == pytest.approx([1 - 0.42 * share * (1 - ink) for share in (0, 0.5, 0)])
+    assert to_rgb(second.patches[0].get_facecolor())[0] == pytest.approx(1 - 0.42 * (1 - ink))
+    assert [(x.get_x(), x.get_y()) for x in first.patches] == [(0.02, 0.05), (1.02, 0.05), (0.02, 1.05)]
+    assert [to_hex(x.get_markerfacecolor()) == pen.INK for x in first.lines] == [True, False, False]
+    assert [complex(x.get_xdata()[0], x.get_ydata()[0]) for x in first.lines] == pytest.approx(
+        [0.13 + 0.34j, 1.13 + 0.34j, 0.13 + 1.34j]
+    )
+    for ax in figure.axes:
+        inside = [x for x in ax.texts if x.get_position()[0] > 0]
+        assert are_apart(boxes(inside))
+        for text in inside:
+            column = int(text.get_position()[0])
+            left, right = (ax.transData.transform((column + n, 0))[0] for n in (0, 1))
+            assert left - 1 <= Text.get_window_extent(text).x0
+            assert Text.get_window_extent(text).x1 <= right + 1
+    assert [x.get_text() for x in figure.legends[0].get_texts()] == [
+        "proven",
+        "not proven",
+        "no answer right",
+        "−  crossings missed   +  invented",
+    ]
+
+
+def test_a_measured_jnd_is_drawn_with_its_shares_its_curve_and_where_it_is_taken() -> None:
+    counts = (3, 9, 14, 20, 25, 30)
+    answers = Answers("answers", tuple(Row(4.4 + 0.3 * i, k, 40 - 5 * (i % 2)) for i, k in enumerate(counts)))
+    p = hs.jnd(answers)
+    ax = Figure().add_subplot()
+    curve, *dots = draw_jnd(ax, p)
+    rows = answers.rows
+    assert [(float(x.get_xdata()[0]), float(x.get_ydata()[0])) for x in dots] == [(x.level, x.share) for x in rows]
+    assert [x.get_markersize() for x in dots] == pytest.approx([max(3.0, 7 * (x.trials / 40) ** 0.5) for x in rows])
+    assert curve.get_ydata() == pytest.approx(p.fit.curve(np.asarray(curve.get_xdata())))
+    low, high = ax.get_xlim()
+    assert (curve.get_xdata()[0], curve.get_xdata()[-1]) == pytest.approx((low, high))
+    assert ax.get_ylim() == (-0.03, 1.03)
+    at = p.middle.value + p.jnd.value
+    share = float(p.fit.curve(np.array([at]))[0])
+    red = [x for x in ax.lines if to_hex(x.get_color()) == pen.RED]
+    ends = [[(float(a), float(b)) for a, b in zip(x.get_xdata(), x.get_ydata(), strict=True)] for x in red]
+    assert ends[0] == [(pytest.approx(at), -0.03), (pytest.approx(at), pytest.approx(share))]
+    assert ends[1][1] == (pytest.approx(at), pytest.approx(share))
+    assert ends[2] == [(pytest.approx(p.middle.value + x), pytest.approx(share)) for x in (p.jnd.low, p.jnd.high)]
+    [grey] = [x for x in ax.lines if to_hex(x.get_color()) == pen.GREY]
+    assert list(grey.get_xdata()) == pytest.approx([p.middle.value] * 2)
+    assert list(grey.get_ydata()) == pytest.approx([-0.03, 0.5], abs=0.02)
+    labels = [x.get_text() for x in ax.get_legend().get_texts()]
+    assert labels == [
+        "fitted curve",
+        "answers",
+        "subjective equality",
+        f"JND at {100 * p.asked.proportion:.4g} %",
+        f"{100 * p.confidence:.4g} % interval",
+    ]
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("level", "share of “more”")
+    wide = [x for x in (at, p.middle.value + p.jnd.high, 4.4, 5.9) if x < 5.9 + 1.5]
+    assert high == pytest.approx(max(wide) + 0.06 / 1.12 * (high - low))
+    again, *_ = draw_jnd(ax, p, label="again")
+    assert (to_hex(again.get_color()), again.get_label()) == (pen.SCENES[1], "fitted curve, again")
+
+
+def test_published_thresholds_are_bars_from_their_least_to_their_largest() -> None:
+    found = hs.published()
+    ax = Figure().add_subplot()
+    bars = draw_published(ax, found)
+    rows = [x for x in found if not x.apart]
+    assert [list(map(float, x.get_xdata())) for x in bars] == [
+        pytest.approx([100 * float(x.low), 100 * float(x.high)]) for x in rows
+    ]
+    assert [x.get_text() for x in ax.get_yticklabels()] == [x.name for x in rows]
+    assert [list(x.get_ydata()) for x in bars] == [[i, i] for i in range(len(rows))]
+    assert ax.get_ylim()[0] > ax.get_ylim()[1]
+    assert ax.get_xlabel() == "just-noticeable difference (%)"
+    by_the_house(ax)

@@ -25,7 +25,7 @@ def draw_jnd(ax: Axes, p: Psychometric, *, color: str | None = None, label: str 
 
     ``color``, ``label`` : of this person or condition; a further one gets the next colour. Returns the curve and the dots.
     """
-    before = len([x for x in ax.lines if x.get_linestyle() == "-"])
+    before = sum(str(x.get_label()).startswith("fitted curve") for x in ax.lines)
     own = color or (pen.BLUE if not before else pen.SCENES[before % len(pen.SCENES)])
     suffix = f", {label}" if label else ""
     rows, (low, high) = p.answers.rows, _reach(p)
