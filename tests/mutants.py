@@ -351,7 +351,9 @@ class Noted(ast.NodeTransformer):
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
         self.names.append(f"{self.module}:{'.'.join([*self.within, node.name])}")
-        node.body.insert(ast.get_docstring(node) is not None, ast.parse(f"_noted_calls[{len(self.names) - 1}] = 1").body[0])
+        node.body.insert(
+            ast.get_docstring(node) is not None, ast.parse(f"_noted_calls[{len(self.names) - 1}] = 1").body[0]
+        )
         return node
 
 
@@ -362,7 +364,9 @@ def mapped(tests: list[str]) -> dict[str, Any]:
         for module in (*modules(root, "."), *modules(root, CHECKER)):
             path = place_of(root, module)
             tree = Noted(module, names).visit(ast.parse(path.read_bytes()))
-            setup = ast.parse("import sys\n_noted_calls = sys.__dict__.setdefault('_noted_calls', bytearray(10 ** 5))").body
+            setup = ast.parse(
+                "import sys\n_noted_calls = sys.__dict__.setdefault('_noted_calls', bytearray(10 ** 5))"
+            ).body
             first = next((n for n, x in enumerate(tree.body) if not isinstance(x, ast.Expr | ast.ImportFrom)), 0)
             tree.body[first:first] = setup
             path.write_text(ast.unparse(ast.fix_missing_locations(tree)), encoding="utf-8")

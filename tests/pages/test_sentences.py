@@ -20,7 +20,7 @@ from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rootcount import RootChain, Roots
 from haptisym.kernel.roots import Interval, Point
 from haptisym.pages.held import held
-from haptisym.pages.measuredlines import runs
+from haptisym.pages.measuredlines import ends, runs
 from haptisym.pages.require import sets
 from haptisym.pages.sliders import limit_sliders, region_record
 from haptisym.verbs.simulate.results import Estimate, Simulations
@@ -468,3 +468,36 @@ def test_values_that_will_do_are_told_with_their_ends(spans: list[Any], unit: st
     if spans and told.count("0.33333"):  # nothing is proven beside that end: it is rounded inward
         doubtful = [(None, spans[0].low.value)]
         assert "0.33334" in said(sets(SimpleNamespace(feasible=spans, free=free, undecided=doubtful)))  # type: ignore[arg-type]
+
+
+def test_of_neighbouring_lines_the_ends_are_told_and_of_one_its_frequency() -> None:
+    e: Any = SimpleNamespace(lines=SimpleNamespace(omega=np.array([1.0, 2.5, 4.0])))
+    assert [said(ends(e, *x)) for x in ((0, 2), (1, 1), (1, 2))] == ["1 to 4", "2.5", "2.5 to 4"]
+
+
+def test_tolerances_tell_their_box_what_is_proven_and_what_is_only_estimated() -> None:
+    """A spring behind a lag of 36 to 44 rad/s is noticed from wc sqrt(1/9) on in Re, and from wc (5 - sqrt(24)) on in Im."""
+    scene = hs.Scene(
+        hs.environments.mass_spring_damper(k="100 N/m +- 10 %"),
+        (hs.effects.first_order_lag("40 rad/s +- 10 %"),),
+        (0, 15),
+        "0.1",
+    )
+    found = hs.tolerances(scene, samples=20, seed=3)
+    text, shown = flat(found), lines(found)
+    assert "k 90 110 N/m by 10 %" in shown
+    assert "ω_c 36 44 rad/s by 10 %" in shown
+    assert "Proven: for NONE of the values within the ranges is the display transparent on the whole band." in text
+    factor = 5 - 24**0.5
+    told = re.search(r"the bandwidth lies between ([\d.]+) rad/s .* and ([\d.]+) rad/s", text)
+    assert told is not None
+    assert [float(x) for x in told.groups()] == pytest.approx([36 * factor, 44 * factor], rel=1e-3)
+    assert "Estimated, NOT guaranteed: quantiles over 20 sets of values, drawn uniformly (seed 3)" in text
+    assert "Of these sets 0 are transparent on the whole band." in text
+    for name in ("first crossing", "bandwidth"):
+        row = next(x for x in shown if x.startswith(f"{name} "))
+        cells = [float(x) for x in row.removeprefix(f"{name} ").split()]
+        assert cells == sorted(cells)
+        assert 36 * factor <= cells[0] <= cells[-1] <= 44 * factor
+    alone = flat(hs.tolerances(scene, samples=0))
+    assert "Estimated" not in alone
