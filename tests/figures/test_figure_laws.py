@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cache
 from itertools import combinations, pairwise
 from types import SimpleNamespace
 from typing import Any
@@ -133,10 +134,8 @@ def test_marks_stand_at_time_and_digits_and_what_is_wrong_on_the_strip() -> None
     by_the_house(ax)
 
 
-@pytest.mark.parametrize(("groups", "shape"), [([CROSSINGS], (6.8, 3.9)), ([CROSSINGS, OTHERS, OPEN], (7.0, 5.7))])
-def test_a_figure_of_costs_has_a_panel_for_each_question_and_names_that_stand_clear(
-    groups: list[list[Measurement]], shape: tuple[float, float]
-) -> None:
+def test_a_figure_of_costs_has_a_panel_for_each_question_and_names_that_stand_clear() -> None:
+    groups, shape = [CROSSINGS, OTHERS, OPEN], (7.0, 5.7)
     rows = tuple(x for group in groups for x in group)
     figure = cost_figure(Cost(hs.Scene(SPRING, title="A spring alone"), rows, (), {}, {}))
     assert tuple(figure.get_size_inches()) == pytest.approx(shape)
@@ -181,6 +180,7 @@ def test_a_figure_of_costs_has_a_panel_for_each_question_and_names_that_stand_cl
         said = " ".join(" ".join(x.get_text() for x in figure.axes[-1].texts).split())
         assert said.startswith("Here all crossings, proven, to 15 digits take 24 ms")
     unproven = cost_figure(Cost(hs.Scene(SPRING), tuple(OPEN), (), {}, {}))
+    assert tuple(unproven.get_size_inches()) == pytest.approx((6.8, 3.9))
     assert [x.get_text() for x in unproven.legends[0].get_texts()] == [words[1], *words[3:]]
 
 
@@ -257,8 +257,14 @@ def test_a_release_is_drawn_over_a_dozen_turns_or_five_powers_of_e_below_its_env
 # Sensitivities
 
 
+@cache
+def sensitivities() -> hs.Sensitivities:
+    felt = hs.environments.kelvin_voigt(100, 3)
+    return hs.sensitivity(hs.Scene(felt, (hs.effects.first_order_lag(20),), (0, 15), "0.1"))
+
+
 def test_bars_of_elasticities_are_as_long_as_they_are_and_named_with_their_values() -> None:
-    found = hs.sensitivity("fu2019")
+    found = sensitivities()
     ax = Figure().add_subplot()
     first = found.crossings[0]
     bars = draw_elasticities(ax, first, "first")
@@ -293,7 +299,7 @@ def test_bars_of_elasticities_are_as_long_as_they_are_and_named_with_their_value
 
 
 def test_panels_of_elasticities_stand_below_each_other_each_as_high_as_its_bars() -> None:
-    found = hs.sensitivity("fu2019")
+    found = sensitivities()
     figure = elasticities_figure(found)
     figure.draw_without_rendering()
     counts = [len(ax.patches) for ax in figure.axes]

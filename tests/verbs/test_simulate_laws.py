@@ -198,8 +198,7 @@ def test_every_model_of_the_catalogue_is_among_these() -> None:
     assert {*FELT, *BETWEEN, "sampled-loop"} == {*ENVIRONMENTS, *EFFECTS}
 
 
-@pytest.mark.parametrize("method", ["backward-difference", "tustin", "forward-difference"])
-@pytest.mark.parametrize("samples", [0, 2])
+@pytest.mark.parametrize(("method", "samples"), [("backward-difference", 2), ("tustin", 1), ("forward-difference", 0)])
 def test_a_sampled_controller_computes_its_difference_equation(method: str, samples: int) -> None:
     for felt in (
         environments.kelvin_voigt(200, 5),
@@ -211,8 +210,8 @@ def test_a_sampled_controller_computes_its_difference_equation(method: str, samp
         loop = effects.sampled_loop("30 ms", method, samples)
         scene = hs.Scene(felt, (loop, effects.shunt(m="0.2"), effects.delay("4 ms")))
         with mpmath.workdps(40):
-            for at in (mpmath.mpc(0, 7), mpmath.mpc(-1, 3)):
-                assert abs(quotient(scene, at) / closed(scene, at) - 1) < 1e-14
+            at = mpmath.mpc(-1, 3)
+            assert abs(quotient(scene, at) / closed(scene, at) - 1) < 1e-14
 
 
 # At rest
