@@ -217,6 +217,8 @@ def test_right_digits_are_the_logarithm_of_the_relative_error(true: Fraction, k:
         ball = arb(true.numerator) / true.denominator
         assert right_digits(text, ball, held) == pytest.approx(min(max(known, 0.0), held), abs=1e-9)
         assert right_digits(float(own), ball, held) <= held
+        turned = text.removeprefix("-") if text.startswith("-") else f"-{text}"
+        assert right_digits(turned, -ball, held) == right_digits(text, ball, held)
 
 
 def test_right_digits_of_what_is_no_number_or_nothing() -> None:
@@ -319,6 +321,20 @@ def test_a_touch_is_infinitely_hard_and_a_crossing_at_rest_not_at_all() -> None:
     assert Crossings.of(lag(20, (0, 15), polygon)).condition is None
     # a crossing that is not on the band is none
     assert Crossings.of(lag(20, (0, 1), {"real": "0.5", "imag": "0.5"})).condition == 0.0
+
+
+@pytest.mark.parametrize("floor", [None, "0.5"])
+def test_where_a_part_only_turns_its_sign_the_larger_limit_holds(floor: str | None) -> None:
+    """From 1 to -1 it neither grows nor shrinks."""
+    for higher, lower in (("0.2", "0.7"), ("0.7", "0.2")):
+        jnd = {"real": {"higher": higher, "lower": lower}, "imag": "1"} | ({"floor": floor} if floor else {})
+        [real, _] = noticed(lag(20, (0, 15), jnd).threshold)
+        H, omega = np.complex128(1 + 1j), np.float64(2)
+        found = {size: float(margin(real, omega, H, np.complex128(size))) for size in (-2, -1.5, 0.5)}
+        least = float(floor or 0) / 2**0.5
+        limits = {-2: 0.7, -1.5: float(lower), 0.5: float(higher)}
+        for size, limit in limits.items():
+            assert found[size] == pytest.approx(abs(size) / 2**0.5 - max(limit, least), rel=1e-12)
 
 
 @given(jnds(), st.data())
@@ -791,6 +807,10 @@ zeta = 0.75
 model = "shunt"
 b = [-3, -2, 1]
 [[effects]]
+name = "backwards"
+model = "shunt"
+m = -0.5
+[[effects]]
 model = "delay"
 tau = "0 s"
 [evaluation]
@@ -803,14 +823,21 @@ def test_sets_are_drawn_evenly_in_the_logarithm_from_half_to_twice_or_over_a_ran
     """Of 1024 numbers a quarter lies in each quarter, but for a few; 0 is left out."""
     scene = hs.parse_scene(RANGED.replace('[[effects]]\nmodel = "delay"\ntau = "0 s"\n', ""))
     question = SweepQuestion.of(scene, [], quick=True)
-    ends = {"m": (0.5, 50), "k": (25, 100), "omega_n": (40, 160), "zeta": (0.375, 1.5), "b_shunt": (-3, 1)}
+    ends = {
+        "m": (0.5, 50),
+        "k": (25, 100),
+        "omega_n": (40, 160),
+        "zeta": (0.375, 1.5),
+        "b_shunt": (-3, 1),
+        "m_backwards": (-0.25, -1),
+    }
     names = [x.symbol.name for x in question.knobs]
     assert sorted(names) == sorted(ends)
-    assert question.values.shape == (5, 1024)
+    assert question.values.shape == (6, 1024)
     for name, row in zip(names, question.values, strict=True):
         low, high = ends[name]
-        assert low <= row.min() < row.max() <= high
-        place = (row - low) / (high - low) if low < 0 else np.log(row / low) / np.log(high / low)
+        assert min(low, high) <= row.min() < row.max() <= max(low, high)
+        place = (row - low) / (high - low) if low < 0 < high else np.log(row / low) / np.log(high / low)
         assert np.histogram(place, 4, (0, 1))[0] == pytest.approx(256, abs=60), name
     again = SweepQuestion.of(scene, ["zeta"], quick=True)
     assert again.values.shape == (1, 1024)
