@@ -200,7 +200,6 @@ def numbers(draw: random.Random, *, chain: bool) -> tuple[Expr, int, dict[tuple[
     return formula, degree, table
 
 
-@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", range(8))
 def test_beyond_its_radius_the_highest_power_outweighs_all_others_and_within_it_may_not(seed: int) -> None:
     draw = random.Random(seed)
