@@ -1,0 +1,437 @@
+"""Measures of transparency against complex arithmetic at single frequencies, and free responses against their closed forms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import cache
+from itertools import pairwise
+from math import atan, exp, pi
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from sympy import Rational, lambdify
+
+import haptisym as hs
+from haptisym import effects, environments
+from haptisym.verbs.metrics.disagreements import _ACTIVE, _BLIND, _COARSE, _SLACK, _STRICT
+from haptisym.verbs.metrics.forms import MOST_SYMBOLS, MeasureForms
+from haptisym.verbs.metrics.freeresponse import FreeResponse, free_response
+from haptisym.verbs.metrics.metric import Metric, Metrics, Value
+from haptisym.verbs.metrics.twoport import TwoPort
+
+LAG, LOWPASS = effects.first_order_lag(20), effects.second_order_lowpass(80, Rational(1, 2))
+KV, STICK = environments.kelvin_voigt(100, 3), environments.mass_spring_damper("1.8", 15, 100)
+SCENES: dict[str, hs.Scene] = {
+    "joint": hs.Scene(KV, (LOWPASS, effects.compliance(k=800, b=4), effects.shunt(m="0.1", b="0.6")), (0, 40)),
+    "filter": hs.Scene(STICK, (LOWPASS,), (0, 15), "20 %"),
+    "twist": hs.Scene(
+        environments.kelvin_voigt("2 N*m/rad", "0.1 N*m*s/rad"), (effects.compliance(k="30 N*m/rad"), effects.shunt(b="0.4")), (1, 9)
+    ),
+    "slave": hs.Scene(KV, (effects.position_force_teleoperator("0.4", "0.6", 8, 900),), (0, 30)),
+    "rendered": hs.Scene(
+        STICK, (effects.compliance(k=3000), effects.shunt(m="0.05")), ("1/2", 25), {"shape": "ellipse", "real": 0.2, "imag": 0.1},
+        rendered=environments.mass_spring_damper("1.7", 17, 98),
+    ),
+}  # fmt: skip
+
+
+@cache
+def measured(name: str) -> Metrics:
+    return hs.metrics(SCENES[name])
+
+
+@cache
+def compiled(name: str) -> list[Any]:
+    """The entries of every effect's matrix, of H_env and of what is rendered, as functions of s."""
+    scene = SCENES[name]
+    forms = [x for effect in scene.effects for x in effect.matrix]
+    return [lambdify(hs.s, x, "numpy") for x in (*forms, scene.environment.H, (scene.rendered or scene.environment).H)]
+
+
+def ports(name: str, w: Any) -> tuple[Any, ...]:
+    """A, B, C, D by multiplied matrices, and H of the environment and of what is rendered."""
+    s = 1j * np.asarray(w, dtype=float)
+    values = [np.broadcast_to(np.asarray(f(s), dtype=complex), s.shape) for f in compiled(name)]
+    *entries, env, rendered = values
+    a, b, c, d = np.ones_like(s), 0 * s, 0 * s, np.ones_like(s)
+    for p, q, r, t in zip(*[iter(entries)] * 4, strict=True):
+        a, b, c, d = p * a + q * c, p * b + q * d, r * a + t * c, r * b + t * d
+    return a, b, c, d, env, rendered
+
+
+def points(scene: hs.Scene, count: int = 5) -> list[float]:
+    low, high = map(float, scene.band)
+    return (low + (high - low) * (np.arange(count) + 0.37) / count).tolist()
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_every_closed_form_has_the_value_of_complex_arithmetic_in_numbers_and_in_symbols(name: str) -> None:
+    scene = SCENES[name]
+    forms = MeasureForms(scene)
+    known = {p.symbol: float(p.value) for p in scene.parameters}
+    assert (forms.symbolic is None) == (len(scene.parameters) > MOST_SYMBOLS)
+    for w in points(scene, 1):
+        a, b, c, d, env, rendered = ports(name, w)
+        felt = (a * rendered + b) / (c * rendered + d)
+        det = a * d - b * c
+        expected = {
+            "Gamma": felt / env, "Theta": felt / env - 1, "Z_min": b / d, "Z_max": a / c if c else None, "Z_width": det / c / d if c else None,
+            "dH_perc/dH_env": det / (c * rendered + d) ** 2, "g": det / d**2, "k_perc": felt.real, "m_perc": -felt.real / w**2,
+            "b_perc": felt.imag / w,
+        }  # fmt: skip
+        for form in forms(*expected):
+            for found in (form.numeric, form.symbolic):
+                if found is None:
+                    assert expected[form.name] is None or (found is form.symbolic and forms.symbolic is None)
+                    continue
+                value = complex(lambdify([hs.s, hs.omega, *known], found.expression())(1j * w, w, *known.values()))
+                assert value == pytest.approx(expected[form.name], rel=1e-8)
+
+
+def test_formulas_are_written_in_symbols_up_to_eight_of_them() -> None:
+    lags = [effects.first_order_lag(20 + i, name=f"lag{i}") for i in range(7)]
+    for count, known in ((6, True), (7, False)):
+        assert (MeasureForms(hs.Scene(KV, tuple(lags[:count]))).symbolic is not None) == known
+
+
+def within(bands: Any, w: float) -> bool:
+    return any(float(x.low.omega) <= w <= float(x.high.omega) for x in bands)
+
+
+def between(scene: hs.Scene, *bands: Any, high: float | None = None) -> Iterator[float]:
+    """Frequencies beside all ends of bands, and between them."""
+    low, top = float(scene.band[0]), high or float(scene.band[1])
+    ends = sorted({low, top, *(float(end.omega) for x in bands for one in x for end in (one.low, one.high))})
+    for a, b in pairwise(ends):
+        if b - a > 1e-6:
+            yield from (a + (b - a) * share for share in (0.01, 0.5, 0.99))
+
+
+def row(m: Metric, start: str) -> Value:
+    [found] = [x for x in m.values if x.what.startswith(start)]
+    return found
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_bands_and_largest_values_are_those_of_complex_arithmetic(name: str) -> None:
+    scene, m = SCENES[name], measured(name)
+    low, high = map(float, scene.band)
+    inside = row(m["transmitted impedance ratio"], "within").value
+    circle, passive = m["relative distortion"].values[0].value, m["passivity"].values[0].value
+    kept = m["absolute stability"].values[0].value
+    plain = scene.threshold.is_plain
+    limit = min(scene.threshold.real, scene.threshold.imag)
+    if plain:
+        assert m["relative distortion"].values[0].what == f"at most {float(100 * limit):.6g} %"
+        assert m["relative distortion"].verdict.startswith("where it is at most c neither")
+    else:
+        assert m["relative distortion"].values[0].what == "within the largest circle that the region holds"
+        assert m["relative distortion"].verdict.startswith("where it is in that circle no change")
+    for w in between(scene, circle, passive, kept):
+        a, b, c, d, env, rendered = ports(name, w)
+        felt, det = (a * rendered + b) / (c * rendered + d), a * d - b * c
+        assert within(circle, w) == (abs(felt / env - 1) <= float(limit))
+        assert within(passive, w) == (felt.imag >= 0)
+        h11, h22, g = b / d, c / d, det / d**2
+        lack = g.real - 2 * h11.imag * h22.imag
+        p = h11.imag * h22.imag
+        square = 4 * p * (p - g.real) - g.imag**2  # lack^2 - |g|^2
+        holds = h11.imag >= -1e-12 and h22.imag <= 1e-12 and lack >= -1e-12 and square >= -1e-15 * abs(g) ** 2
+        assert within(kept, w) == holds
+    reach = 100 * high
+    assert (
+        row(m["transmitted impedance ratio"], "within 3 dB").what == "within 3 dB (up to 100 times the band's high end)"
+    )
+    edges = {float(x.value): x.what for x in m["transmitted impedance ratio"].values[:-1]}  # type: ignore[arg-type]
+    for w in between(scene, inside, high=reach):
+        a, b, c, d, env, rendered = ports(name, w)
+        ratio = abs((a * rendered + b) / (c * rendered + d) / env)
+        assert within(inside, w) == (0.5**0.5 <= ratio <= 2**0.5)
+    for w, what in edges.items():
+        before, after = (abs(_felt(name, x) / ports(name, x)[4]) for x in (w * (1 - 1e-6), w * (1 + 1e-6)))
+        assert what == f"{'+' if after > 1 else '-'}3 dB edge, {'rising' if after > before else 'falling'}"
+    grid = np.linspace(low, high, 401)
+    sizes = np.transpose(_sizes(name, grid))
+    assert float(row(m["relative distortion"], "largest").value) == pytest.approx(sizes[:, 0].max(), rel=1e-3)  # type: ignore[arg-type]
+    assert float(row(m["sensitivity"], "largest").value) == pytest.approx(sizes[:, 1].max(), rel=1e-3)  # type: ignore[arg-type]
+    unit = "N m/rad" if name == "twist" else "N/m"
+    for i, (what, form) in enumerate((("|Z_min|", "Z_min"), ("|Z_max|", "Z_max"), ("|Z_width|", "Z_width")), 2):
+        if np.isnan(sizes[:, i]).any():
+            assert row(m["impedance range"], what).what == f"{what} everywhere"
+            assert row(m["impedance range"], what).value is None
+            continue
+        for end, told in (
+            (row(m["impedance range"], f"{what} at low"), sizes[0, i]),
+            (row(m["impedance range"], f"{what} at high"), sizes[-1, i]),
+        ):
+            if np.isfinite(told):
+                assert (float(end.value), end.unit) == (pytest.approx(told, rel=1e-9, abs=1e-30), unit), form  # type: ignore[arg-type]
+            else:
+                assert end.value is None
+    empty = "Z_min" if sizes[:, 2].any() else "nothing"
+    felt = "rigid" if np.isnan(sizes[:, 3]).any() else "Z_max"
+    assert (
+        m["impedance range"].verdict
+        == f"where there is nothing, {empty} is felt; a rigid environment is felt as {felt}"
+    )
+
+
+def _felt(name: str, w: Any) -> Any:
+    a, b, c, d, _, rendered = ports(name, w)
+    return (a * rendered + b) / (c * rendered + d)
+
+
+def _sizes(name: str, w: Any) -> list[Any]:
+    a, b, c, d, env, rendered = ports(name, w)
+    det, felt = a * d - b * c, (a * rendered + b) / (c * rendered + d)
+    with np.errstate(all="ignore"):
+        most, width = np.where(c == 0, np.nan, np.abs(a / c)), np.where(c == 0, np.nan, np.abs(det / c / d))
+    return [abs(felt / env - 1), abs(det / (c * rendered + d) ** 2), abs(b / d), most, width]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_effective_properties_stand_at_both_ends_and_at_every_crossing_with_their_units(name: str) -> None:
+    scene, m = SCENES[name], measured(name)
+    e = m.evaluation
+    at = sorted({float(scene.band[0]), *(float(x.omega) for x in e.crossings), float(scene.band[1])})
+    turning = name == "twist"
+    units = (
+        {"stiffness": "N m/rad", "mass": "kg m^2", "damping": "N m s/rad"}
+        if turning
+        else {"stiffness": "N/m", "mass": "kg", "damping": "N s/m"}
+    )
+    rows = m["effective impedance"].values
+    assert len(rows) == 3 * len(at)
+    for i, w in enumerate(at):
+        felt = _felt(name, w)
+        told = (felt.real, -felt.real / w**2 if w else None, felt.imag / w if w else None)
+        for x, (what, unit), value in zip(rows[3 * i : 3 * i + 3], units.items(), told, strict=True):
+            assert x.what.startswith(f"{what} at ")
+            assert x.unit == unit
+            if value is None:
+                assert w == 0
+            else:
+                assert float(x.value) == pytest.approx(value, rel=1e-9)  # type: ignore[arg-type]
+    assert [x["unit"] for x in m.to_dict()["metrics"] if x["name"] == "impedance range"] == [
+        "N m/rad" if turning else "N/m"
+    ]
+    with pytest.raises(hs.SceneError, match="no measure is called"):
+        m["transparency"]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_what_one_measure_says_and_another_does_not_is_noted(name: str) -> None:
+    scene, m = SCENES[name], measured(name)
+    free, e = free_response(scene.distortion()), m.evaluation
+    noticed = e.bandwidth is None or float(e.bandwidth) < float(scene.band[1])
+    grid = np.linspace(*map(float, scene.band), 301)
+    ratios = np.abs(_felt(name, grid) / ports(name, grid)[4])
+    close = bool(((ratios >= 0.5**0.5) & (ratios <= 2**0.5)).all())
+    never = all(x.low.omega is x.high.omega for x in m["absolute stability"].values[0].value)  # type: ignore[union-attr]
+    expected = [
+        *([_BLIND] if noticed and free.blind else [_SLACK] if noticed and free.passes else []),
+        *([_STRICT] if not noticed and free.passes is False else []),
+        *([_COARSE] if noticed and close else []),
+        *([_ACTIVE] if e.transparent and never else []),
+    ]
+    assert list(m.notes) == expected
+
+
+# The free response.
+
+
+def told(sigma: float, omega: float) -> tuple[float, float, Callable[[int], float], int]:
+    count = 0
+    while count < 1000 and exp(-(count + 1) * pi * sigma / omega) > 0.05:
+        count += 1
+    return (pi - atan(omega / sigma)) / omega, 2 * pi / omega, lambda n: exp(-n * pi * sigma / omega), count
+
+
+def swinging(sigma: Any, omega: Any, more: str = "") -> hs.Environment:
+    return environments.expression(f"(s^2 + 2*({sigma})*s + ({sigma})^2 + ({omega})^2){more}")
+
+
+def response(env: tuple[Any, ...], perc: tuple[Any, ...]) -> FreeResponse:
+    return free_response(hs.distort(swinging(*env), rendered=swinging(*perc)))
+
+
+FEW = st.fractions(Rational(1, 20), 2, max_denominator=30)
+
+
+@given(
+    FEW,
+    FEW,
+    st.fractions(Rational(1, 2), 2, max_denominator=30),
+    st.fractions(Rational(3, 4), Rational(4, 3), max_denominator=40),
+)
+def test_the_tolerances_of_a_free_response_are_those_of_the_closed_forms(
+    sigma: Any, omega: Any, other: Any, times: Any
+) -> None:
+    env, perc = (float(sigma), float(omega)), (float(sigma * other), float(omega * times))
+    found = response((sigma, omega), (sigma * other, omega * times))
+    (p0, p1, a, count), (q0, q1, b, own) = told(*env), told(*perc)
+    most = max(count, own)
+
+    def close(n: int) -> bool:
+        off = abs(a(n) - b(n)) / a(1)
+        assume(abs(off - 0.1) > 1e-9)
+        return off <= 0.1
+
+    rows = [
+        ("P_0, first zero crossing", p0, q0, abs(q0 / p0 - 1) <= 0.1, "s", "10 %"),
+        ("P_1, period", p1, q1, abs(q1 / p1 - 1) <= 0.2, "s", "20 %"),
+    ]
+    assume(abs(abs(q0 / p0 - 1) - 0.1) > 1e-9)
+    assume(abs(abs(times - 1)) != Rational(1, 6))
+    rows += [(f"A_{n}/A_d", a(n), b(n), close(n), "", "10 % of A_1") for n in range(1, min(max(most, 1), 3) + 1)]
+    if most > 3:
+        rows += [(f"A_4/A_d to A_{most}/A_d", a(4), b(4), all(close(n) for n in range(4, most + 1)), "", "10 % of A_1")]
+    rows += [("overshoots above 5 % of A_d", count, own, abs(count - own) <= 1, "", "the same number to within 1")]
+    assert [(x.name, x.unit, x.tolerance, x.passes) for x in found.checks] == [
+        (n, u, t, p) for n, _, _, p, u, t in rows
+    ]
+    for x, (_, one, two, *_) in zip(found.checks, rows, strict=True):
+        assert [float(x.environment), float(x.perceived)] == pytest.approx([one, two], rel=1e-12)
+    assert found.passes == all(x[3] for x in rows)
+    assert found.blind == (sigma == sigma * other and times == 1)
+
+
+@pytest.mark.parametrize("times", ["4/5", "5/6", "101/120", "1", "6/5", "124/100", "5/4", "13/10"])
+def test_a_period_that_is_longer_or_shorter_by_less_than_a_fifth_is_kept(times: str) -> None:
+    """Twice as fast is half as long; what cannot be told from the limit is not kept."""
+    assert response((1, 5), (1, f"5*({times})")).checks[1].passes == (abs(1 / Rational(times) - 1) < Rational(1, 5))
+
+
+@pytest.mark.parametrize(
+    ("env", "perc", "reason"),
+    [
+        (
+            (1, 5),
+            (1, 5, "*(s + 3)"),
+            "no complex pair of zeros decays 3 times as slowly as every other zero (in the perceived dynamics)",
+        ),
+        ((1, 5), (1, 5, "*(s + 301/100)"), ""),
+        ((1, 5, "*(s + 2)"), (1, 5), "decays 3 times as slowly as every other zero (in the environment)"),
+        ((1, 5, "*(s^2 + 8*s + 20)"), (1, 5), ""),
+        ((1, 5, "*(s^2 + 6*s + 20)"), (1, 5), "times as slowly"),
+        ((1, 5, "*(s + 1/2)"), (1, 5), "times as slowly"),
+        ((1, 5, "*(s - 1)"), (1, 5), "the free response does not die out (in the environment)"),
+        ((0, 5), (1, 5), "the free response does not die out (in the environment)"),
+        ((1, 5, "*s"), (1, 5), "the free response does not die out"),
+        ((1, 0), (1, 5), "a zero is repeated (in the environment)"),
+        ((1, 5), (1, 5, "*(s + 9)^2"), "a zero is repeated (in the perceived dynamics)"),
+        ((1, 5), (1, 5, "/(s + 9)^2"), ""),
+        ((1, 5), (1, 5, "*0 + s + 1"), "no zero is complex, so that nothing swings (in the perceived dynamics)"),
+    ],
+)
+def test_a_free_response_is_judged_where_one_pair_outlasts_all_others(
+    env: tuple[Any, ...], perc: tuple[Any, ...], reason: str
+) -> None:
+    found = response(env, perc)
+    assert bool(found.checks) == (not reason)
+    assert (found.passes is None) == bool(reason)
+    assert reason in found.refused
+    assert bool(found.refused) == bool(reason)
+
+
+def test_a_swing_that_hardly_dies_out_is_counted_to_a_thousand_overshoots() -> None:
+    found = response(("1/2000", 3), ("1/1000", 3))
+    assert (found.checks[-1].environment, found.checks[-1].perceived) == (1000, told(0.001, 3)[3])
+    assert found.checks[-2].name == "A_4/A_d to A_1000/A_d"
+    assert [
+        response(*x).checks[-1].passes for x in (((1, 5), ("1/4", 5)), (("1/4", 5), (1, 5)), ((1, 5), ("4/5", 5)))
+    ] == [False, False, True]
+
+
+# What is said of hands and environments.
+
+
+@pytest.mark.parametrize(
+    ("scene", "passive", "absolute"),
+    [
+        (hs.Scene(KV, (effects.compliance(k=800, b=3),)), "every passive hand: holds, as Im H_perc >= 0 at all frequencies and no pole forbids it",
+         "absolutely stable: with every passive hand and every passive environment"),
+        (hs.Scene(KV, (LAG,), (0, 60)), "Im H_perc < 0 somewhere on the band: active there; every passive hand: does not hold",
+         "not absolutely stable: the conditions on the axis fail somewhere on the band;"),
+        (hs.Scene(KV, (effects.shunt(b=-1),), (0, 5)), "every passive hand: holds, as", "fail somewhere on the band;"),
+        (hs.Scene(environments.kelvin_voigt(100, 6), (LOWPASS,), (0, 1)),
+         "Im H_perc >= 0 on the whole band, but < 0 above it, first from 71.181 rad/s; every passive hand: does not hold",  # (38400 - 8000)/6, its root
+         "not absolutely stable: the conditions on the axis fail somewhere on the band;"),
+        (hs.Scene(KV, (effects.compliance(k=400, b=30), LOWPASS, effects.shunt(b=4)), (0, 1)), "every passive hand: holds, as",
+         "not absolutely stable: the conditions on the axis hold on the whole band, but fail above it"),
+        (hs.Scene(KV, (effects.shunt(Z="-1/s"),), (1, 5)), "Im H_perc >= 0 at all frequencies, but poles forbid it; every passive hand: does not hold",
+         "not absolutely stable: the conditions on the axis hold on the whole band, but poles break those on the poles"),
+    ],
+)  # fmt: skip
+def test_what_is_said_of_every_passive_hand_and_environment_is_what_the_axis_and_the_poles_say(
+    scene: hs.Scene, passive: str, absolute: str
+) -> None:
+    m = hs.metrics(scene)
+    assert passive in m["passivity"].verdict
+    assert absolute in m["absolute stability"].verdict
+    rows = {x.what: x.value for x in m["passivity"].values}
+    assert rows["every passive hand"] == ("holds" if "holds, as" in passive else "does not hold")
+    table = {x.what: x.value for x in m["absolute stability"].values}
+    holds = {
+        "conditions on the axis at all frequencies": "fail" not in absolute,
+        "conditions on the poles": "poles" not in absolute,
+    }
+    assert {key: table[key] for key in holds} == {key: "holds" if x else "does not hold" for key, x in holds.items()}
+
+
+@pytest.mark.parametrize(
+    ("scene", "where"),
+    [
+        (hs.Scene(KV, (LAG,), (0, 60)), "set at"),
+        (hs.Scene(KV, (LAG, effects.shunt(b="-1/2"))), "set at"),
+        (hs.Scene(KV, (effects.compliance(k=500, b=20), effects.shunt(b=-21))), "approached far out"),
+        (hs.Scene(KV, (effects.shunt(Z="s^3"),)), "grows without bound"),
+    ],
+)
+def test_what_a_hand_must_damp_is_the_most_that_is_given_away_at_any_frequency(scene: hs.Scene, where: str) -> None:
+    m = hs.metrics(scene)["passivity"]
+    grid = np.geomspace(1e-3, 1e5, 20_001)
+    felt = hs.sampled(scene, grid).H.imag
+    damping = row(m, "hand damping that makes up for it")
+    if where == "grows without bound":
+        assert damping.value == "none: what is given away grows without bound"
+        return
+    assert where in damping.what
+    assert damping.unit == "N s/m"
+    assert float(damping.value) == pytest.approx((-felt / grid).max(), rel=1e-4)  # type: ignore[arg-type]
+    if where == "set at" and felt.argmin() < 19_000:
+        given_away = row(m, "most energy given per cycle, over pi A^2")
+        assert float(given_away.value) == pytest.approx(-felt.min(), rel=1e-4)  # type: ignore[arg-type]
+        assert float(given_away.what.split()[-2]) == pytest.approx(grid[felt.argmin()], rel=2e-3)
+        assert given_away.unit == "N/m"
+
+
+def test_the_first_edge_is_told_beside_the_bandwidth_of_the_jnd() -> None:
+    def said(**keys: Any) -> str:
+        scene = hs.Scene(**{"environment": STICK, "effects": (LOWPASS,), "band": (0, 15), "threshold": 0.1} | keys)
+        return hs.metrics(scene)["transmitted impedance ratio"].verdict
+
+    assert said() == "first edge at 101.76 rad/s, 12.8 times the bandwidth by the JND"  # 101.762/7.97892
+    assert said(threshold=0.9) == "first edge at 101.76 rad/s; the JND is nowhere exceeded on the band"
+    assert (
+        said(band=(12, 15))
+        == "first edge at 101.76 rad/s; the JND test finds no transparent band that begins at the band's low end"
+    )
+    assert said(effects=(effects.delay("5 ms"), LOWPASS)).startswith("no 3 dB edge")  # with delays on the band alone
+
+
+def test_a_chain_is_one_two_port_up_to_a_factor() -> None:
+    for name, scene in SCENES.items():
+        port = TwoPort.of(scene.distortion().chain)
+        for w in points(scene, 1):
+            a, b, c, d, *_ = ports(name, w)
+            found = [
+                complex(port.ring.function(x).expression().subs(hs.s, 1j * w).evalf())
+                for x in (port.A, port.B, port.C, port.D, port.det)
+            ]
+            factor = found[3] / d
+            assert found[:4] == pytest.approx([factor * x for x in (a, b, c, d)], rel=1e-9, abs=1e-12)
+            assert found[4] == pytest.approx(factor**2 * (a * d - b * c), rel=1e-9)
