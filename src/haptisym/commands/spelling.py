@@ -54,7 +54,8 @@ def _word(text: str, at: int) -> str:
         word = _ALIASES.get(letter, letter.lower())
         apart = " " if at and text[at - 1].isalnum() else ""
         return apart + (word.capitalize() if kind == "CAPITAL" else word)
-    plain = "".join(y for y in normalize("NFKD", x) if not combining(y))
+    is_small = any(word in name(x, "") for word in ("SUPERSCRIPT", "SUBSCRIPT"))
+    plain = "".join(_SIGNS.get(y, y) if is_small else y for y in normalize("NFKD", x) if not combining(y))
     if plain.isascii() and plain:
         raised = "SUPERSCRIPT" in name(x, "") and not (at and "SUPERSCRIPT" in name(text[at - 1], ""))
         return f"^{plain}" if raised else f"_{plain}" if "SUBSCRIPT" in name(x, "") else plain
