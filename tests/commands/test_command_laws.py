@@ -20,9 +20,9 @@ import haptisym as hs
 from haptisym.cli import _EXTRAS, VERBS, main
 from haptisym.commands.progress import ProgressBar, progress, quiet
 from haptisym.commands.spelling import escaped, spelt
-from haptisym.commands.streams import note, say_document, to_file, write
+from haptisym.commands.streams import note, prepare, say, say_document, to_file, to_standard_output, write
 from haptisym.kernel.errors import NothingToDrawError
-from haptisym.writing.document import Document
+from haptisym.writing.document import Document, Paragraph
 from haptisym.writing.latex import latex, piece
 
 Run = Callable[..., tuple[int, str, str]]
@@ -399,6 +399,12 @@ def test_a_sweep_is_asked_for_each_path_once_and_told_what_is_kept(
     assert [[float(x) for x in row] for row in arguments[1].values()] == [[1, 2, 3], pytest.approx([1, 10, 100])]
     assert keys["out"] == out
     assert shown == ("Mine", "the data", out)
+    figure = tmp_path / "f.svg"
+    assert run("sweep", mine, "--vary", "k=1:3:3", "--vary", "b=1:2:2", "--figure", str(figure)) == (
+        0,
+        PAGE,
+        f"figure written to {figure}\n",
+    )
     answer = Stub(certified=False)
     asked("haptisym.verbs.sweep.swept.Swept", answer)
     assert run("sweep", mine, "--vary", "k=1:3:3", "--json") == (3, JSON, "")
@@ -682,6 +688,72 @@ def test_standard_output_that_is_closed_and_a_full_disk_are_sentences(
         to_file("force", tmp_path / "x"),
     ):
         raise OSError(errno.ENOSPC, "No space left on device")
+
+
+class Stream(io.TextIOWrapper):
+    """What the terminal is, as far as anyone asks."""
+
+    def __init__(self, *, terminal: bool) -> None:
+        super().__init__(io.BytesIO(), encoding="utf-8")
+        self.terminal = terminal
+
+    def isatty(self) -> bool:
+        return self.terminal
+
+
+@pytest.mark.parametrize(
+    ("terminal", "variables", "encoding"),
+    [
+        (True, {"LC_ALL": "C"}, "ascii"), (True, {"LANG": "POSIX"}, "ascii"), (True, {"LC_CTYPE": "C", "LANG": "de_DE.UTF-8"}, "ascii"), (False, {"LC_ALL": "C"}, "utf-8"),
+        (True, {"LC_ALL": "de_DE.UTF-8", "LANG": "C"}, "utf-8"), (True, {}, "utf-8"), (True, {"LC_ALL": "C", "PYTHONIOENCODING": "utf-8"}, "utf-8"),
+        (True, {"LC_ALL": "C", "PYTHONUTF8": "1"}, "utf-8"),
+    ],
+)  # fmt: skip
+def test_a_terminal_that_was_told_so_has_ascii_and_what_it_lacks_is_spelt(
+    monkeypatch: pytest.MonkeyPatch,
+    terminal: bool,  # noqa: FBT001
+    variables: dict[str, str],
+    encoding: str,
+) -> None:
+    for name in ("LC_ALL", "LC_CTYPE", "LANG", "PYTHONIOENCODING", "PYTHONUTF8"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+    out, err = Stream(terminal=terminal), Stream(terminal=False)
+    monkeypatch.setattr("sys.stdout", out)
+    monkeypatch.setattr("sys.stderr", err)
+    prepare()
+    assert (out.encoding, err.encoding) == (encoding, "utf-8")
+    write("ω²")
+    say_document('"ω"')
+    plain = encoding == "ascii"
+    assert out.buffer.getvalue().decode(encoding) == ('omega^2"\\u03c9"\n' if plain else 'ω²"ω"\n')  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(
+    ("columns", "terminal", "width"), [("50", True, 50), ("300", True, 96), ("50", False, 96), ("96", True, 96)]
+)
+def test_a_page_is_as_wide_as_its_terminal_but_not_wider_than_96_columns(
+    monkeypatch: pytest.MonkeyPatch,
+    columns: str,
+    terminal: bool,  # noqa: FBT001
+    width: int,
+) -> None:
+    out = Stream(terminal=terminal)
+    monkeypatch.setattr("sys.stdout", out)
+    monkeypatch.setenv("COLUMNS", columns)
+    say(Document("A title", (), (Paragraph(("word " * 99,)),)))
+    lines = out.buffer.getvalue().decode().splitlines()  # type: ignore[attr-defined]
+    assert width - 5 < max(map(len, lines)) <= width
+
+
+def test_an_output_without_an_encoding_takes_every_character(monkeypatch: pytest.MonkeyPatch) -> None:
+    out = io.StringIO()
+    monkeypatch.setattr("sys.stdout", out)
+    say_document("ω")
+    assert out.getvalue() == "ω\n"
+    with pytest.raises(OSError, match="mine"), to_standard_output():
+        raise OSError(errno.EIO, "mine", "a.csv")
 
 
 def test_messages_are_as_wide_as_the_terminal_from_forty_to_96_columns_but_for_what_is_typed(

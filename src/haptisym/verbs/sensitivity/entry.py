@@ -182,9 +182,11 @@ class Sensitivities(Answer):
         return ""
 
     def formula(self, part: Part, name: str) -> Expr:
-        """d omega/d parameter at a crossing of that part, in omega and all parameters; ``name`` may be ``c``."""
-        d = derive(self.evaluation.scene)
-        return d.sensitivity(part, next((x for x in d.kept if x.name == name), c))
+        """d omega/d parameter at a crossing of that part, in omega and all parameters.
+
+        ``name`` : any that the scene's ``knobs`` know; SceneError for another one.
+        """
+        return derive(self.scene).sensitivity(part, self.scene.knobs[name].felt().symbol)
 
     def _body(self) -> dict[str, Any]:
         return {
