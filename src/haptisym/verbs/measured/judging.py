@@ -96,7 +96,8 @@ def lines_of(scene: MeasuredScene) -> Lines:
 def _exact(scene: MeasuredScene, at: Reals) -> Complexes:
     """H_env of a model, at all frequencies."""
     values = scene.frame.distortion().compile(of=["environment_real", "environment_imag"])(at)
-    env: Complexes = values.environment_real + 1j * values.environment_imag
+    with np.errstate(invalid="ignore"):  # of what is infinite
+        env: Complexes = values.environment_real + 1j * values.environment_imag
     if not np.isfinite(env).all():
         where = at[int(np.argmin(np.isfinite(env)))]
         raise SceneError(
