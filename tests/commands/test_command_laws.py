@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import io
+import json
 import os
 import sys
 from collections.abc import Callable, Iterator
@@ -24,6 +25,7 @@ from haptisym.commands.streams import note, prepare, say, say_document, to_file,
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.writing.document import Document, Paragraph
 from haptisym.writing.latex import latex, piece
+from haptisym.writing.schemas import json_schema, schema_names, schema_text
 
 Run = Callable[..., tuple[int, str, str]]
 MINE = 'title = "Mine"\nenvironment = { model = "kelvin-voigt", k = 100, b = 2 }\n[[effects]]\nmodel = "first-order-lag"\nomega_c = 20\n'
@@ -792,6 +794,28 @@ def test_documents_keep_every_character_in_the_escapes_of_json(capsys: pytest.Ca
     say_document("{}")
     say_document(["{", "}"])
     assert capsys.readouterr().out == "{}\n{}\n"
+
+
+def test_documents_and_scenes_are_listed_and_printed_as_they_are(run: Run) -> None:
+    status, out, err = run("schemas", "--json")
+    rows = json.loads(out)
+    assert (status, err, rows["schema"]) == (0, "", "haptisym.schemas/1")
+    assert rows["schemas"] == [{"name": x, "description": json_schema(x)["description"]} for x in schema_names()]
+    assert run("schemas", "evaluation") == (0, schema_text("evaluation").rstrip() + "\n", "")
+    page = run("schemas")[1]
+    assert page.startswith("Documents of --json")
+    assert all(f"  {x}" in page for x in schema_names())
+    assert "`" not in page
+    for verb, name, told in (
+        ("schemas", "evaluation", "--json lists the documents: a schema is JSON already"),
+        ("scenes", "fu2019", "--json lists the scenes: a scene file is TOML"),
+    ):
+        assert told in run(verb, name, "--json")[2]
+    assert run("scenes", "fu2019") == (
+        0,
+        (Path(hs.__file__).parent / "scenes" / "fu2019.toml").read_text(encoding="utf-8"),
+        "",
+    )
 
 
 def test_every_verb_is_listed_once_and_helps(run: Run) -> None:

@@ -393,6 +393,7 @@ def test_lines_of_a_table_are_counted_left_out_and_chosen_as_they_say(tmp_path: 
         assert [(x.level, x.count, x.trials) for x in read(path, text).rows] == rows, text
     assert read(path, "x,k,n\n" + pair + "3,,5\n").notes == ("1 line without a level or an answer left out",)
     assert read(path, "x,k,n\n" + pair + ",,\n").notes == ()
+    assert read(path, "x,k,n\n" + pair + "3,1\n4\n\n,\n").notes == ("2 lines without a level or an answer left out",)
     for told in TOLD:
         text = f"{told},x,k,n\n" + "".join(f"{who},{row}\n" for who in ("a", "b", "a") for row in pair.split())
         assert read(path, text).notes == (f"2 values of {told} put together; choose with --where {told}=...",)
