@@ -561,15 +561,16 @@ def test_of_a_measured_scene_nothing_is_asked_that_needs_formulas(run: Run, aske
 
 def test_formulas_are_written_in_every_form_as_python_has_them(run: Run, mine: str, tmp_path: Path) -> None:
     scene = hs.load_scene(mine)
-    numeric, kept = hs.derive(scene, ()), hs.derive(scene, ("k",))
-    assert run("derive", mine, "--numeric", "--to", "latex") == (0, numeric.to_latex(), "")
-    assert run("derive", mine, "--keep", "k", "--to", "json") == (0, kept.to_json() + "\n", "")
-    assert run("derive", mine, "--numeric", "--json") == (0, numeric.to_json() + "\n", "")
-    assert run("derive", mine, "--of", "dH", "--of", "H_env") == (
+    numeric = replace(hs.derive(scene, ()), of=("dH",))
+    assert run("derive", mine, "--numeric", "--of", "dH", "--to", "latex") == (0, numeric.to_latex(), "")
+    assert run("derive", mine, "--numeric", "--of", "dH") == (0, str(numeric), "")
+    kept = replace(hs.derive(scene, ("k",)), of=("dH", "H_env"))
+    assert run("derive", mine, "--keep", "k", "--of", "dH", "--of", "H_env", "--to", "json") == (
         0,
-        str(replace(hs.derive(scene), of=("dH", "H_env"))),
+        kept.to_json() + "\n",
         "",
     )
+    assert run("derive", mine, "--numeric", "--of", "dH", "--json") == (0, numeric.to_json() + "\n", "")
     assert run("derive", mine, "--to", "c", "--numeric") == (0, hs.scene_code(scene, hs.Language.C, parameters=()), "")
     status, out, _ = run("derive", mine, "--of", "dH", "--to", "mathml")
     assert (status, out[:1], out[-1:]) == (0, "<", "\n")

@@ -94,7 +94,7 @@ def test_an_estimate_and_its_discs_are_those_of_segments_that_are_cut_by_hand(
         assert found.averages == found.welch.averages
         return
     assert found.coherence is found.averages is None
-    turns = np.exp(1j * np.linspace(0, 2 * np.pi, 2001))
+    turns = np.exp(1j * np.linspace(0, 2 * np.pi, 401))
     if kind == "H2":
         assert pytest.approx(ff / np.conj(xf), rel=1e-9) == found.H
         share = np.sqrt(chance / (1 - chance) * (1 - g2) / g2)

@@ -157,7 +157,10 @@ def bench(kind: str, model_error: float = 0.0, seed: int = 1) -> hs.Measurement:
 
 @cache
 def identified(kind: str, model_error: float = 0.0) -> hs.Identification:
-    return hs.identify(bench(kind, model_error), "kelvin-voigt")
+    """Fitted from one start: it is a linear model."""
+    felt = bench(kind, model_error)
+    found = fit(wanted("kelvin-voigt", [], None, None), felt, [np.array([250.0, 5.0])])
+    return hs.Identification(felt, hs.Threshold(), "kelvin-voigt, as measured", found, estimates(found), verdict(found))
 
 
 def sigma_of(m: hs.Measurement) -> tuple[Any, float | None]:
@@ -415,7 +418,7 @@ def test_a_number_is_written_exactly_and_in_hertz_where_pi_is_in_it() -> None:
 def test_a_measured_scene_gives_what_should_be_felt_its_band_its_jnd_and_its_title() -> None:
     own = hs.environments.kelvin_voigt("290 N/m", 6)
     scene = hs.MeasuredScene(own, bench("radius"), (2, 15), 0.2, title="On the bench")
-    found = hs.identify(scene, effects="first-order-lag")
+    found = hs.identify(scene, effects="shunt:b")
     assert (found.title, found.threshold.real, found.motion) == (
         "On the bench",
         read_threshold(0.2).real,
@@ -423,8 +426,7 @@ def test_a_measured_scene_gives_what_should_be_felt_its_band_its_jnd_and_its_tit
     )
     assert (found.fit.lines.omega.min() >= 2, found.fit.lines.omega.max() <= 15) == (True, True)
     assert found.scene.environment.H == own.H
-    assert found.wanted.words == "kelvin-voigt, first-order-lag"
-    assert hs.identify(scene, effects=["first-order-lag"], band=(2, 9), title="Mine").title == "Mine"
+    assert found.wanted.words == "kelvin-voigt, shunt"
     both = hs.MeasuredScene(bench("radius"), bench("radius"))
     for call, told in (
         ((scene, "maxwell"), "what should be felt is given by the scene"), ((scene,), "nothing is free: what should be felt is given; say what stands behind it"),

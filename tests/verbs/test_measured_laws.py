@@ -245,7 +245,8 @@ def test_what_nobody_measures_is_not_asked_for_and_what_is_told_needs_nothing() 
 @given(st.integers(0, 999), st.sampled_from(["square", "floor", "ellipse", "tilt", "polygon"]))
 def test_a_border_moves_over_a_cell_no_further_than_is_said(seed: int, kind: str) -> None:
     rng = np.random.default_rng(seed)
-    a, b = (f"{rng.integers(5, 40)}/100 + omega/{rng.integers(100, 900)}" for _ in range(2))
+    (p, q), (u, v) = ((int(rng.integers(5, 40)), int(rng.integers(100, 900))) for _ in range(2))
+    a, b = (f"{i}/100 + omega/{j}" for i, j in ((p, q), (u, v)))
     tables: dict[str, Any] = {
         "square": {"real": a, "imag": 0.3}, "floor": {"real": 0.1, "imag": 0.1, "floor": "2 + omega/7"}, "ellipse": {"shape": "ellipse", "real": a, "imag": b, "tilt": 0.4},
         "tilt": {"shape": "ellipse", "real": 0.2, "imag": 0.2, "tilt": "omega/40"}, "polygon": {"shape": "polygon", "corners": [[a, 0], [0, 0.2], ["-0.3", "-0.1 - omega/500"]]},
@@ -257,18 +258,15 @@ def test_a_border_moves_over_a_cell_no_further_than_is_said(seed: int, kind: str
 
     def extent(w: float, angle: float) -> float:
         """How far the region reaches in a direction; of a square its side, of a floor that."""
-        number = {
-            name: float(x.subs(hs.omega, w)) if hasattr(x, "subs") else float(x)
-            for name, x in (("a", c.real), ("b", c.imag), ("t", c.region.tilt))
-        }
         if kind == "square":
-            return number["a"]
+            return p / 100 + w / q
         if kind == "floor":
             return 2 + w / 7
         x, y = np.cos(angle), np.sin(angle)
         if kind == "polygon":
-            return max(float(p.subs(hs.omega, w)) * x + float(q.subs(hs.omega, w)) * y for p, q in c.region.corners)
-        aa, bb, t = number["a"], number["b"], number["t"]
+            corners = ((p / 100 + w / q, 0), (0, 0.2), (-0.3, -0.1 - w / 500))
+            return max(float(c * x + d * y) for c, d in corners)
+        aa, bb, t = (0.2, 0.2, w / 40) if kind == "tilt" else (p / 100 + w / q, u / 100 + w / v, 0.4)
         return float(np.sqrt((aa * x) ** 2 + 2 * t * aa * bb * x * y + (bb * y) ** 2))
 
     for i in range(3):
