@@ -175,7 +175,7 @@ class _Way:
                 bottom = bottom - np.linalg.solve(bends, slopes)
         inside = all(low < x < high for x, (low, high) in zip(bottom, self._bounds, strict=True))
         lower = self._loss(bottom)[0] if inside and np.isfinite(bottom).all() else np.inf
-        return (lower, bottom) if lower <= loss + 1e-9 * abs(loss) else (loss, x)
+        return (lower, bottom) if lower <= loss * (1 + 1e-9) else (loss, x)
 
     @property
     def _bounds(self) -> list[tuple[float, float]]:
@@ -183,7 +183,7 @@ class _Way:
         own = [(-_MOST_SIGMAS, _MOST_SIGMAS), spread]
         if self.held is not None:
             a, z, value = self.held
-            reach = _FAR * abs(value / z) if not a else 0.0  # a flat curve has its middle far beyond the levels
+            reach = _FAR * value / z if not a else 0.0  # a flat curve has its middle far beyond the levels
             own = [spread] if a else [(mu[0] - reach, mu[1] + reach)]
         return [*own, *([(0.0, MOST_LAPSES)] if self.likelihood.lapse is None else [])]
 
