@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from functools import cache
 from itertools import pairwise
 from math import atan, exp, pi
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,10 +17,13 @@ from sympy import Rational, lambdify
 
 import haptisym as hs
 from haptisym import effects, environments
+from haptisym.judge.passivity import Beyond
 from haptisym.verbs.metrics.disagreements import _ACTIVE, _BLIND, _COARSE, _SLACK, _STRICT
 from haptisym.verbs.metrics.forms import MOST_SYMBOLS, MeasureForms
 from haptisym.verbs.metrics.freeresponse import FreeResponse, free_response
+from haptisym.verbs.metrics.measured import Measured
 from haptisym.verbs.metrics.metric import Metric, Metrics, Value
+from haptisym.verbs.metrics.passivehands import passivity_measure
 from haptisym.verbs.metrics.twoport import TwoPort
 
 LAG, LOWPASS = effects.first_order_lag(20), effects.second_order_lowpass(80, Rational(1, 2))
@@ -435,3 +439,50 @@ def test_a_chain_is_one_two_port_up_to_a_factor() -> None:
             factor = found[3] / d
             assert found[:4] == pytest.approx([factor * x for x in (a, b, c, d)], rel=1e-9, abs=1e-12)
             assert found[4] == pytest.approx(factor**2 * (a * d - b * c), rel=1e-9)
+
+
+NO_HAND = {
+    "is_active": False,
+    "sampled": None,
+    "poles_allow": None,
+    "is_unbounded": False,
+    "most_given": None,
+    "damping": None,
+    "high": Rational(7),
+    "active": (),
+}
+WHOLE, SOMEWHERE = "Im H_perc >= 0 on the whole band", "Im H_perc < 0 somewhere on the band: active there"
+SAID: list[tuple[dict[str, Any] | None, bool, str, str]] = [
+    (None, True, f"{WHOLE}; whether that is so at all frequencies was not decided", ""),
+    (None, False, f"{SOMEWHERE}; whether that is so at all frequencies was not decided", ""),
+    ({"holds": True, "beyond": Beyond.NEVER}, True, "every passive hand: holds, as Im H_perc >= 0 at all frequencies and no pole forbids it", "holds"),
+    ({"holds": True, "beyond": Beyond.CLOCK, "sampled": True}, True, f"{WHOLE}; every passive hand: holds, by Colgate and Schenkel's condition", "holds"),
+    ({"holds": True, "beyond": Beyond.CLOCK, "sampled": True}, False, f"{SOMEWHERE}; every passive hand: holds, by Colgate", "holds"),
+    ({"holds": False, "beyond": Beyond.NEVER, "is_active": True}, False, f"{SOMEWHERE}; every passive hand: does not hold", "does not hold"),
+    ({"holds": False, "beyond": Beyond.NEVER, "is_active": True}, True, f"{WHOLE}; every passive hand: does not hold", "does not hold"),
+    ({"holds": False, "beyond": Beyond.CLOCK}, True, f"{WHOLE}; every passive hand: does not hold, by Colgate and Schenkel's condition", "does not hold"),
+    ({"holds": None, "beyond": Beyond.CLOCK, "is_active": True}, True, f"{WHOLE} and up to half the clock's rate; with a clock that does not tell", "not told by this with a clock"),
+    ({"holds": None, "beyond": Beyond.CLOCK}, True, f"{WHOLE} and up to half the clock's rate; with a clock that does not tell of every passive hand", "not told by this with a clock"),
+    ({"holds": False, "beyond": Beyond.NEVER, "poles_allow": False}, True, "Im H_perc >= 0 at all frequencies, but poles forbid it; every passive hand: does not hold", "does not hold"),
+    ({"holds": None, "beyond": Beyond.NEVER}, True, f"{WHOLE}; every passive hand: not decided", "not decided"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("found", "kept", "verdict", "hand"), SAID)
+def test_of_every_passive_hand_no_more_is_said_than_was_decided(
+    found: dict[str, Any] | None,
+    kept: bool,  # noqa: FBT001
+    verdict: str,
+    hand: str,
+) -> None:
+    own = Measured(hs.evaluate(hs.Scene(KV, (effects.shunt(m="0.1"),) if kept else (LAG,), (0, 60))))
+    passivity = None if found is None else SimpleNamespace(**(NO_HAND | found))
+    evaluation = SimpleNamespace(passivity=passivity, chart=own.evaluation.chart, stable=None)
+    told = passivity_measure(
+        SimpleNamespace(evaluation=evaluation, passive=own.passive, unit="N/m", units=own.units), None
+    )  # type: ignore[arg-type]
+    assert told.verdict.startswith(verdict)
+    rows = {x.what: x.value for x in told.values}
+    assert rows.get("every passive hand", "") == hand
+    assert ("force stable under imposed motion" in rows) == (found is not None)
+    assert rows.get("force stable under imposed motion", "not decided") == "not decided"
