@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from jnds import jnds
 from sympy import Integer, Rational, Symbol, pi, sqrt
@@ -367,6 +367,9 @@ def test_a_band_goes_from_zero_or_above_to_a_higher_end(band: Any, told: str) ->
 # JNDs.
 
 
+@example({"real": {"higher": "1/10", "lower": "1/5"}, "imag": "0.1 + omega", "floor": "3"})
+@example({"shape": "ellipse", "real": "1/10", "imag": "1/5", "tilt": "-1/2"})
+@example({"shape": "polygon", "corners": [["1", "0"], ["0", "1 + omega"], ["-1", "-1"]]})
 @given(jnds())
 def test_a_jnd_is_the_one_that_its_row_says(table: dict[str, Any]) -> None:
     own = read_threshold(table)
@@ -388,6 +391,9 @@ def test_a_jnd_is_the_one_that_its_row_says(table: dict[str, Any]) -> None:
     assert own.is_constant == ("omega" not in text)
 
 
+@example(c=Fraction(3), table={"real": {"higher": "1/10", "lower": "1/5"}, "imag": "0.1 + omega", "floor": "3"})
+@example(c=Fraction(3), table={"shape": "ellipse", "real": "1/10", "imag": "1/5", "tilt": "-1/2"})
+@example(c=Fraction(3), table={"shape": "polygon", "corners": [["1", "0"], ["0", "1 + omega"], ["-1", "-1"]]})
 @given(jnds(), st.fractions(Fraction(1, 9), 9, max_denominator=9))
 def test_a_jnd_that_is_so_many_times_as_large_has_every_length_so_many_times(
     table: dict[str, Any], c: Fraction

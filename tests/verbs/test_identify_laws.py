@@ -5,11 +5,12 @@ from __future__ import annotations
 import tomllib
 from decimal import Decimal
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from jnds import jnds
 from scipy import stats
@@ -21,6 +22,7 @@ from haptisym.model.parameters import Rule
 from haptisym.model.quantities import Dimension, MotionKind
 from haptisym.model.scenetables import read_scenes
 from haptisym.verbs.identify.curve import Curve
+from haptisym.verbs.identify.entry import opened
 from haptisym.verbs.identify.fitting import Noise, fit, noise_of, usable
 from haptisym.verbs.identify.judging import Estimate, estimates, even, rounded, verdict
 from haptisym.verbs.identify.scenetext import band_value, environment_table, exactly, scene_text, threshold_value
@@ -225,7 +227,25 @@ def test_weights_are_standard_errors_of_the_discs_and_intervals_those_of_linear_
         "kelvin-voigt",
         False,
     )
-    assert [x["unit"] for x in d["parameters"]] == ["N/m", "N*s/m"]
+    assert d["parameters"] == [
+        {"path": x.parameter.path, "value": x.value, "error": x.error, "interval": [x.low, x.high], "box": [x.least, x.most], "unit": unit, "told": x.told}
+        for x, unit in zip(found.estimates, ("N/m", "N*s/m"), strict=True)
+    ]  # fmt: skip
+    told = found.verdict
+    assert (d["fits"], d["chi_square"], d["degrees_of_freedom"], d["probability"]) == (
+        told.fits,
+        told.square,
+        46,
+        told.chance,
+    )
+    assert (d["neighbours"], d["neighbours_probability"], d["scene"]) == (
+        told.neighbours,
+        told.neighbours_chance,
+        found.text,
+    )
+    assert (d["starts"], d["agreeing"], d["confidence"]) == (1, 1, m.confidence)
+    assert d["rows"][3] == {"omega": OMEGA[3], "model": [found.fit.model[3].real, found.fit.model[3].imag],
+                            "residual": [found.fit.residuals[3].real, found.fit.residuals[3].imag]}  # fmt: skip
     assert [x["omega"] for x in d["rows"]] == OMEGA.tolist()
 
 
@@ -279,6 +299,8 @@ def estimate(rule: Rule, value: float, least: float, most: float) -> Estimate:
 def test_a_parameter_is_told_where_its_range_means_something() -> None:
     assert estimate(Rule.POSITIVE, 1, 0.5, 2).told
     assert not estimate(Rule.POSITIVE, 1, 0.5, 2.001).told
+    assert [estimate(Rule.POSITIVE, 3, 2, most).told for most in (6, 6.001)] == [True, False]
+    assert [estimate(Rule.POSITIVE, 0.1, 0.01, most).told for most in (0.2, 0.201)] == [True, False]
     assert estimate(Rule.FRACTION, 0.5, 0.06, 0.95).told
     assert not estimate(Rule.FRACTION, 0.5, 0.04, 0.95).told
     assert estimate(Rule.NONNEGATIVE, 1, 0, 90).told
@@ -385,6 +407,9 @@ def test_an_environment_is_written_as_it_is(own: hs.Environment) -> None:
     ]
 
 
+@example({"real": {"higher": "1/10", "lower": "1/5"}, "imag": "0.1 + omega", "floor": "3"})
+@example({"shape": "ellipse", "real": "1/10", "imag": "1/5", "tilt": "-1/2"})
+@example({"shape": "polygon", "corners": [["1", "0"], ["0", "1 + omega"], ["-1", "-1"]]})
 @given(jnds())
 def test_a_jnd_is_written_as_it_is(table: dict[str, Any]) -> None:
     own = read_threshold(table)
@@ -438,3 +463,19 @@ def test_a_measured_scene_gives_what_should_be_felt_its_band_its_jnd_and_its_tit
     assert "confidence: goes with a file of lines alone" in refusal(
         hs.identify, bench("none"), "maxwell", confidence=0.9
     )
+
+
+def test_a_file_is_opened_as_what_it_holds(tmp_path: Path) -> None:
+    lines, formulas, measured = (tmp_path / x for x in ("lines.csv", "formulas.toml", "bench.toml"))
+    hs.measured([1, 2], [3, 4]).to_csv(lines)
+    formulas.write_text('environment = { model = "kelvin-voigt", k = 1, b = 2 }', encoding="utf-8")
+    measured.write_text(formulas.read_text(encoding="utf-8") + '\n[perceived]\nfile = "lines.csv"\n', encoding="utf-8")
+    assert isinstance(opened(lines), hs.Measurement)
+    assert isinstance(opened(str(measured)), hs.MeasuredScene)
+    assert opened(lines, confidence=0.5).confidence == 0.5  # type: ignore[union-attr]
+    given_ = opened(lines)
+    assert opened(given_) is given_
+    for path, keys, said in ((formulas, {}, "formulas.toml: a scene of formulas: nothing in it was measured"), (measured, {"averages": 9}, "averages: goes with a file of lines alone"),
+                             (given_, {"confidence": 0.9}, "confidence: goes with"), (lines, {"averages": 9}, "averages is given, but no coherence"),
+                             (tmp_path / "none.csv", {}, "there is no such file")):  # fmt: skip
+        assert said in refusal(opened, path, **keys)
