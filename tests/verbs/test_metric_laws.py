@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from fractions import Fraction
 from functools import cache
 from itertools import pairwise
 from math import atan, exp, pi
@@ -11,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from sympy import Rational, lambdify
 
@@ -265,6 +266,10 @@ def response(env: tuple[Any, ...], perc: tuple[Any, ...]) -> FreeResponse:
 FEW = st.fractions(Rational(1, 4), 2, max_denominator=30)
 
 
+@example(
+    sigma=Fraction(1, 4), omega=Fraction(5, 4), other=Fraction(64, 25), times=Fraction(1)
+)  # the fourth overshoot alone is off
+@example(sigma=Fraction(1, 4), omega=Fraction(3, 2), other=Fraction(3, 2), times=Fraction(4, 3))
 @given(
     FEW,
     FEW,
