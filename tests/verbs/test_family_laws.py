@@ -17,7 +17,7 @@ from haptisym.verbs.family.worst import WorstCase
 LAG = effects.first_order_lag(40)
 ROWS: dict[str, dict[str, Any]] = {
     "first from the low end": {"environments": {"soft": (100, 2), "hard": (900, 1)}, "effects": (LAG, effects.shunt(m="0.05")), "jnd": 0.1},
-    "not from the low end": {"environments": {"a": (60, 4), "b": (90, 9)}, "effects": (effects.compliance(k=900), effects.shunt(k=7)), "jnd": 0.05},
+    "not from the low end": {"environments": {"a": (100, 4), "b": (90, 9)}, "effects": (effects.shunt(k=15),), "jnd": 0.1},
     "a region": {
         "environments": {"soft": (100, 2), "hard": (900, 1), "thick": (50, 6)}, "effects": (LAG, effects.shunt(m="0.05")),
         "jnd": {"shape": "ellipse", "real": 0.2, "imag": 0.1},

@@ -280,6 +280,8 @@ def test_a_border_moves_over_a_cell_no_further_than_is_said(seed: int, kind: str
         assert found[i] >= seen * (1 - 1e-9)
         if kind in ("square", "floor"):
             assert found[i] <= seen * (1 + 1e-9)
+        if kind == "ellipse":  # whose sides move, and whose tilt does not
+            assert found[i] == pytest.approx((high[i] - low[i]) * (1 / q + 1 / v), rel=1e-6)
     assert spread(read_threshold(0.1), low, high, least).tolist() == [0] * 3
 
 
