@@ -442,6 +442,20 @@ def test_what_is_no_number_and_no_list_is_refused() -> None:
     ]
 
 
+def test_delays_and_orders_are_at_most_four_positive_numbers_of_a_hundred_bits() -> None:
+    huge = 2**100
+    assert reading.others([], []) == [(), ()]
+    assert reading.others(["1/3", "5"], ["1/2"]) == [(Fraction(1, 3), 5), (Fraction(1, 2),)]
+    for delays, orders, is_refused in (
+        ([str(huge - 1), f"1/{huge - 1}"], [f"{huge - 2}/{huge - 1}", f"1/{huge - 1}"], False),
+        ([str(huge)], [], True), ([f"1/{huge}"], [], True), ([f"3/{huge + 1}"], [], True), (["0"], [], True), (["-1/3"], [], True),
+        ([], ["1"], True), ([], ["0"], True), ([], ["-1/3"], True), ([], ["4/3"], True), ([], [f"1/{huge}"], True), ([], [f"3/{huge + 1}"], True),
+        (["1", "2", "3", "4"], [], False), ([], ["1/2", "1/3", "1/4", "1/5"], False), (["1", "2"], ["1/2", "1/3"], False),
+        (["1", "2", "3", "4", "5"], [], True), (["1", "2", "3"], ["1/2", "1/3"], True), (["1", "2", "3", "4"], ["1/2"], True), (None, [], True), ([], "1/2", True),
+    ):  # fmt: skip
+        assert refused(reading.others, delays, orders) == is_refused, (delays, orders)
+
+
 def test_polynomials_are_read_coefficient_by_coefficient() -> None:
     assert reading.polynomial([["0", "-1"], ["12"]]) == [[0, -1], [12]]
     assert reading.polynomial([["1"], ["0", "5"]]) == [[1], [0, 5]]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
+from functools import reduce
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
@@ -311,6 +312,28 @@ def _roots(p: list[int]) -> list[Any]:
     return list(MP.polyroots(p[::-1], maxsteps=200, extraprec=200)) if len(p) > 1 else []
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_roots_are_counted_where_powers_are_missing(seed: int) -> None:
+    """Coefficients of which many are 0, so that E or O begins late, ends early or is 0: against mpmath's roots."""
+    draw, counted = random.Random(seed), 0
+    for _ in range(40):
+        p = [draw.choice([0, 0, draw.randint(-5, 5)]) for _ in range(draw.randint(1, 5))] + [draw.choice([-2, 1, 3])]
+        roots = _roots(p[next(i for i, c in enumerate(p) if c) :])
+        if any(abs(x.real) < 1e-6 for x in roots):
+            continue
+        at_0 = next(i for i, c in enumerate(p) if c)
+        even = _roots([c * (-1) ** k for k, c in enumerate(p[at_0::2])])
+        cuts = {Fraction(0), *(Fraction(float(x.real * way)) for x in even if x.real > 0 for way in (0.93, 1.07))}
+        rows = [[c] for c in p]
+        for _ in range(6):
+            if not refused(zeros.to_the_right, rows, sorted(cuts)):
+                counted += 1
+                assert zeros.to_the_right(rows, sorted(cuts)) == at_0 + sum(x.real > 0 for x in roots), (p, cuts)
+                break
+            cuts |= {(a + b) / 2 for a, b in pairwise(sorted(cuts))} | {2 * max(cuts) + 1}
+    assert counted > 25
+
+
 def test_cells_that_do_not_part_zeros_of_even_and_odd_parts_are_refused() -> None:
     rows = expanded([(1, 1), (2, 1), (3, 1), (4, 1)])  # E = W^2 - 35 W + 24, O = 50 - 10 W
     assert zeros.to_the_right(rows, list(map(Fraction, (0, 1, 20)))) == 0
@@ -332,7 +355,10 @@ def test_polynomials_have_a_zero_in_common_if_they_share_one(seed: int) -> None:
     assert zeros.coprime(with_pi, other)
     assert not zeros.coprime(with_pi, [[0, 0, 1], [0, 2], [1]])
     assert zeros.coprime([[5]], [[7]])
-    assert not zeros.coprime([[1], [zeros.PRIME]], [[1]])  # nothing is known where the leading coefficient vanishes
+    lost = [[1], [zeros.PRIME]]  # nothing is known where a leading coefficient vanishes
+    for p in ([[1]], [[2], [1]], [[3], [5], [1]], lost):
+        assert not zeros.coprime(lost, p)
+        assert not zeros.coprime(p, lost)
 
 
 def test_zeros_are_counted_with_multiplicity_and_poles_left_out() -> None:
@@ -509,7 +535,7 @@ def test_quantities_of_a_wrong_dimension_or_shape_are_refused() -> None:
     assert formulas.quantity(FREE) is FREE
     assert formulas.quantity("20 %") == number(Fraction(1, 5), 0, [0, 0, 0])
     for wrong in ([1], [1, 2, 3, 4], ["1 s", "2"], ["1 s", "2 m"], ["1 °", "2 rad"], True, None, 1.5, "x", "1 kmin", "1 xs", "1 kk", "5 +/- 1 +/- 2",
-                  "5 + 1", "1/0", "1 µ%", "1 kin", "5 mm^0.5", "1 Hz^0.5", "1" * 500):  # fmt: skip
+                  "5 + 1", "1/0", "1 µ%", "1 kin", "5 mm^0.5", "1 Hz^0.5", "4^0.5", "4^0.5 N", "1" * 500):  # fmt: skip
         assert refused(formulas.quantity, wrong), wrong
     for text, kind in (("1 N/m", "m"), ("1 kg", "k"), ("1 s", "o"), ("1 Hz", "t"), ("1 N", "z")):
         assert refused(formulas.quantity, text, kind)
@@ -920,6 +946,20 @@ def test_a_function_that_differs_anywhere_is_not_that_of_the_scene() -> None:
             for n in range(max(3, len(away)))
         ]
         assert refused(link.link, own, ["it"], [Factor(rows)], square, 5)
+    for n in range(
+        2, 6
+    ):  # x (x - 1) ... over one denominator, and over one that differs nowhere on a grid but at zeros above
+        above = Factor(expanded([(-k, 1) for k in range(n)]))
+        below, wrong = expanded([(5, 1)]), expanded([(-k, 1) for k in range(n, 2 * n)])
+        rows = [[(below[i][0] if i < 2 else 0) + x] for i, (x,) in enumerate(wrong)]
+        ratio = lambda x, *_, n=n: {  # noqa: E731
+            "it": (reduce(Value.times, [x.plus(Value(-k)) for k in range(n)]), x.plus(Value(5)))
+        }
+        quotient = {"it": {"number": "1", "powers": [[0, 1], [1, -1]]}}
+        assert not refused(link.link, quotient, ["it"], [above, Factor(below)], ratio, 5)
+        for more in (1, -1):
+            other = Factor([[more * c if i > 1 else c] for i, (c,) in enumerate(rows)])
+            assert refused(link.link, quotient, ["it"], [above, other], ratio, 5)
     twice = {"it": {"number": "1", "powers": [[0, 1], [1, 1], [2, -1]]}}
     half = [good, Factor([[7], [1]]), Factor([[7], [1]])]
     assert link.link(twice, ["it"], half, square, 5)["it"].powers == {0: 1, 1: 1, 2: -1}
