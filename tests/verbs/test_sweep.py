@@ -14,6 +14,7 @@ from fractions import Fraction
 from functools import cache
 from itertools import pairwise, product
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import mpmath
@@ -373,6 +374,166 @@ def test_two_processes_of_a_cluster_give_the_same(small: Any, cluster: Any, tmp_
 
 
 # --- files -----------------------------------------------------------------------------------------------------------
+
+
+FEW = {NATURAL: [40.0, 80.0, 120.0], MASS: [0.5, 1.0, 2.0, 4.0]}
+
+
+@pytest.fixture(scope="module")
+def few() -> Any:
+    return hs.sweep(PAPER, FEW)
+
+
+class Engine:
+    """A scheduler that does one thing after the other, on a clock that stands still, with so many workers."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, workers: int, patience: float) -> None:
+        monkeypatch.setattr(blocks, "monotonic", lambda: 0.0)
+        monkeypatch.setattr(store, "PATIENCE", patience)
+        self.given = {"scheduler": "synchronous", "num_workers": workers}
+        self.told: list[tuple[int, int]] = []
+
+    def swept(self, out: Path, **named: Any) -> Any:
+        import dask
+
+        self.told.clear()
+        with dask.config.set(self.given):
+            return hs.sweep(PAPER, FEW, out=out, block=4, progress=lambda *x: self.told.append(x), **named)
+
+    @property
+    def done(self) -> list[int]:
+        assert {sets for _, sets in self.told} == {12}
+        return [done for done, _ in self.told]
+
+
+@pytest.mark.parametrize(
+    ("workers", "patience", "done"),
+    [(2, 0.0, [0, 2, 4, 8, 12]), (0, 1e9, [0, 12])],
+)
+def test_a_store_is_filled_block_by_block_and_a_block_that_takes_long_is_handed_back(
+    few: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, workers: int, patience: float, done: list[int]
+) -> None:
+    """A set at first, then eight times as many: of a block of four the others in a row."""
+    (tmp_path / "a.zarr.new" / "left").mkdir(parents=True)
+    engine = Engine(monkeypatch, workers, patience)
+    found = engine.swept(tmp_path / "a.zarr")
+    assert engine.done == done
+    assert [x.name for x in tmp_path.iterdir()] == ["a.zarr"]
+    assert found.bandwidth.chunks == ((1, 1, 1), (4,))
+    assert found.load().identical(few)
+
+
+def test_what_is_there_is_not_computed_again_and_what_is_missing_is(
+    few: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import zarr
+
+    engine = Engine(monkeypatch, 1, 1e9)
+    engine.swept(tmp_path / "a.zarr")
+    group = zarr.open_group(tmp_path / "a.zarr", mode="r+")
+    assert (group["method"].fill_value, group["crossings_real"].fill_value) == (-1, -1)
+    assert np.isnan(group["bandwidth"].fill_value)
+    assert list(group["bandwidth"].chunks) == [1, 4]
+    group["bandwidth"][:] = np.full((3, 4), 77.0)
+    group["method"][1, 1:3] = -1
+    group["method"][2, 3] = -1
+    found = engine.swept(tmp_path / "a.zarr").load()
+    assert engine.done == [9, 11, 12]
+    fresh = np.zeros((3, 4), bool)
+    fresh[1, 1:3] = fresh[2, 3] = True
+    assert (np.where(fresh, few.bandwidth, 77.0) == found.bandwidth).all()
+    assert found.method.equals(few.method)
+    assert found.crossings_real.equals(few.crossings_real)
+
+
+def test_what_is_no_store_of_this_sweep_is_told(tmp_path: Path) -> None:
+    (tmp_path / "empty.zarr").mkdir()
+    (tmp_path / "text.zarr").write_text("x")
+    (tmp_path / "text.nc").write_text("x")
+    for name, words in (
+        ("empty.zarr", "is there, but is not a Zarr store"), ("text.zarr", "is there, but is not a Zarr store"), ("text.nc", "is there, but is not a NetCDF file"),
+        ("a.csv", "the name must end in .zarr"), ("a", "the name must end in .zarr"),
+    ):  # fmt: skip
+        with pytest.raises(hs.SceneError, match=words):
+            hs.sweep(PAPER, FEW, out=tmp_path / name)
+
+
+def test_a_netcdf_file_is_made_of_a_store_and_read_again(
+    few: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    engine = Engine(monkeypatch, 1, 1e9)
+    with engine.swept(tmp_path / "a.nc") as found:
+        assert found.bandwidth.chunks == ((1, 1, 1), (4,))
+        assert found.load().identical(few)
+        encoding = found.bandwidth.encoding
+    assert engine.done == [0, 4, 8, 12]
+    assert (encoding["chunksizes"], encoding["zlib"]) == ((1, 4), True)
+    assert [x.name for x in tmp_path.iterdir()] == ["a.nc"]
+    with engine.swept(tmp_path / "a.nc") as again:
+        assert again.load().identical(few)
+    assert engine.told == []
+    with pytest.raises(hs.SceneError, match="holds another sweep"):
+        hs.sweep(PAPER, {MASS: [1.0, 2.0]}, out=tmp_path / "a.nc")
+
+
+def test_lazily_blocks_are_computed_when_they_are_asked_for(few: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    counted: list[int] = []
+    own = Kernel.answers
+    monkeypatch.setattr(Kernel, "answers", lambda self, x: counted.append(x.shape[1]) or own(self, x))
+    found = hs.sweep(PAPER, FEW, lazy=True, block=4)
+    assert found.bandwidth.chunks == ((1, 1, 1), (4,))
+    counted.clear()  # dask looks at an empty one
+    assert found.compute(scheduler="synchronous").identical(few)
+    assert counted == [4, 4, 4]
+
+
+class Cluster:
+    """What a sweep asks of a dask client, done at once; of what is added, the last first."""
+
+    def __init__(self) -> None:
+        self.asked: list[tuple[Any, ...]] = []
+        self.waiting: list[tuple[Any, Any]] = []
+
+    def scatter(self, grid: Any, *, broadcast: bool, hash: bool) -> Any:  # noqa: A002
+        assert (broadcast, hash) == (True, False)
+        return grid
+
+    def submit(self, function: Any, *given: Any, pure: bool) -> Any:
+        assert not pure
+        self.asked.append(given[2:])
+        return SimpleNamespace(key=str(len(self.asked)), run=lambda: function(*given))
+
+    def as_completed(self, futures: list[Any], *, with_results: bool) -> Any:
+        assert with_results
+        self.waiting = futures
+        return self
+
+    def add(self, future: Any) -> None:
+        self.waiting.append(future)
+
+    def __iter__(self) -> Iterator[tuple[Any, Any]]:
+        while self.waiting:
+            future = self.waiting.pop()
+            yield future, future.run()
+
+
+def test_a_cluster_gets_a_block_again_until_it_is_done(
+    few: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    engine, cluster = Engine(monkeypatch, 1, 0.0), Cluster()
+    there = SimpleNamespace(default_client=lambda: cluster, as_completed=cluster.as_completed)
+    monkeypatch.setitem(sys.modules, "distributed", there)
+    assert engine.swept(tmp_path / "a.zarr").load().identical(few)
+    regions = [(slice(i, i + 1), slice(0, 4)) for i in range(3)]
+    assert cluster.asked[:3] == [(x, 1) for x in regions]
+    assert cluster.asked[3:] == [(x, sets) for x in regions[::-1] for sets in (8, 64)]
+    assert engine.done == [0, 1, 2, 4, 5, 6, 8, 9, 10, 12]
+
+    def none() -> Any:
+        raise ValueError
+
+    there.default_client = none
+    assert store._client() is None
 
 
 @pytest.mark.slow
