@@ -63,7 +63,7 @@ def errors(x: Series, true: list[Fraction]) -> Fraction:
     return sum((abs(a - b) for a, b in zip(x[0], true, strict=True)), Fraction(0))
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(5)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_products_and_sums_of_series_hold_those_of_all_that_they_hold(seed: int) -> None:
     draw = random.Random(seed)
@@ -82,7 +82,7 @@ def test_products_and_sums_of_series_hold_those_of_all_that_they_hold(seed: int)
             assert found[1] <= most + length + 1
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(10)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_sines_and_powers_are_those_of_mpmath(seed: int) -> None:
     draw = random.Random(seed)
@@ -110,7 +110,7 @@ def row_errors(x: Series, true: list[mpmath.mpf]) -> mpmath.mpf:
     return MP.fsum(abs(a - SCALE * b) for a, b in zip(x[0], true, strict=True))
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_series_of_sines_and_powers_are_those_of_mpmath_and_sizes_are_nowhere_exceeded(seed: int) -> None:
     draw = random.Random(seed)
@@ -145,7 +145,7 @@ def test_series_of_sines_and_powers_are_those_of_mpmath_and_sizes_are_nowhere_ex
         assert sizes[1:] == [0] * (count - 1)
 
 
-@pytest.mark.slow
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_products_and_polynomials_at_a_place_hold_what_mpmath_says(seed: int) -> None:
     """At a number to few parts of one, and from low to high nowhere exceeded: also with coefficients that are not known exactly."""
@@ -217,7 +217,7 @@ def whole_numbers(draw: random.Random, length: int) -> list[int]:
     return [draw.randint(-9, 9) for _ in range(length)]
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(5)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_polynomial_that_is_moved_or_sliced_has_the_same_values(seed: int) -> None:
     draw = random.Random(seed)
@@ -251,7 +251,7 @@ def expanded(roots: list[tuple[Fraction, int]], square: int = 0) -> list[int]:
     return p
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(10)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_factors_have_the_zeros_that_they_were_made_of(seed: int) -> None:
     draw = random.Random(seed)
@@ -313,7 +313,7 @@ def gaussian(x: Value) -> tuple[Fraction, Fraction]:
     return Fraction(x.re), Fraction(x.im)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(10)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_values_are_gaussian_integers_with_degrees(seed: int) -> None:
     draw = random.Random(seed)
@@ -379,7 +379,7 @@ def test_powers_and_delays_at_a_point() -> None:
     assert point.delayed(Fraction(1, 7)) == Value(1, -5, degree(3))
     assert point.delayed(Fraction(3, 7)) == Value(1, -5, degree(3)).power(3)
     assert not refused(point.delayed, Fraction(64, 7))
-    assert refused(point.delayed, Fraction(66, 7))
+    assert refused(point.delayed, Fraction(65, 7))
     assert refused(point.delayed, Fraction(1, 10))
 
 

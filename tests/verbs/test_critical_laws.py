@@ -118,7 +118,7 @@ def windows_about(draw: random.Random, world: World, start: Any) -> list[Meeting
     return found
 
 
-@pytest.mark.few(16)
+@pytest.mark.few(19)
 @pytest.mark.parametrize("rule", ALLOWED)
 @pytest.mark.parametrize("group", range(10))
 def test_of_windows_that_grow_each_tells_what_lies_inside_of_it_and_nothing_beyond(

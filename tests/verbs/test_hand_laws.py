@@ -96,7 +96,7 @@ def corners(hand: hs.Hand) -> list[hs.Hand]:
     return [hand, *(hs.Hand("corner", *x) for x in product(*ends))]
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(7)
 @pytest.mark.parametrize("seed", range(40))
 def test_held_and_imposed_are_what_contours_wind_around(seed: int) -> None:
     draw = random.Random(seed)
@@ -183,7 +183,7 @@ def sampled(draw: random.Random) -> tuple[hs.Scene, hs.Hand, Any]:
     return hs.Scene(wall, tuple(effects)), hs.Hand("any", text["mh"], text["bh"], text["kh"]), M
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(5)
 @pytest.mark.parametrize("seed", range(40))
 def test_roots_with_a_clock_are_eigenvalues_of_what_a_period_does(seed: int) -> None:
     scene, hand, M = sampled(random.Random(seed))

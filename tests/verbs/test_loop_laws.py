@@ -57,7 +57,7 @@ def drawn(draw: random.Random, lags: list[Expr], *, degree: int = 2, power: int 
     return found + some(draw) * s**degree * q + some(draw)
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(5)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_table_is_the_function_and_its_powers_are_too(seed: int) -> None:
     draw = random.Random(seed)
@@ -122,7 +122,7 @@ def test_zeros_are_found_as_far_out_as_coefficients_of_one_size_put_them(seed: i
             assert [float(x) for x in zeros([*map(Integer, row)])] == pytest.approx(sorted(true), abs=1e-9)
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(11)
 @pytest.mark.parametrize("seed", range(6))
 def test_numbers_are_in_order_and_gaps_hold_what_is_between_their_ends(seed: int) -> None:
     draw = random.Random(seed)
@@ -168,7 +168,7 @@ def test_polynomials_are_apart_where_they_share_no_positive_zero(group: int) -> 
 # Values that come from infinity: L(z; q) has as many zeros inside of the unit circle, and on it, between two of them
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(6)
 @pytest.mark.parametrize("seed", range(40))
 def test_a_chain_comes_or_goes_at_values_from_infinity_alone(seed: int) -> None:
     """The zeros of L(z; q), one delay, or two that nothing joins, inside of |z| < 1."""
@@ -213,7 +213,7 @@ def test_a_chain_comes_or_goes_at_values_from_infinity_alone(seed: int) -> None:
 # Pairs
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_values_and_slopes_of_a_characteristic_function_are_those_of_mpmath(seed: int) -> None:
     draw = random.Random(seed)
@@ -238,7 +238,7 @@ def test_values_and_slopes_of_a_characteristic_function_are_those_of_mpmath(seed
             assert complex(mine) == pytest.approx(complex(theirs), rel=1e-12, abs=1e-12)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_one_pair_in_a_box_is_told_to_any_digits_and_none_where_there_is_none(seed: int) -> None:
     """C = A (s^2 + w^2) + B (q - v) is 0 at s = j w, q = v."""
@@ -264,7 +264,7 @@ def test_the_one_pair_in_a_box_is_told_to_any_digits_and_none_where_there_is_non
     assert form.only(arb(float(w), 50), arb(float(v), 50)) is None
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("seed", range(20))
 def test_roots_through_0_are_at_values_where_the_first_term_of_the_expansion_is_lost(seed: int) -> None:
     """C/s^n at 0, n being the order there; the expansion by SymPy."""
@@ -283,7 +283,7 @@ def test_roots_through_0_are_at_values_where_the_first_term_of_the_expansion_is_
     assert broken.is_clear_at_0(arb(0).union(arb(2) ** -6), arb(3).union(arb(4))) is False
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(5)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_beside_0_boxes_called_clear_hold_no_pair(seed: int) -> None:
     draw = random.Random(seed)
@@ -303,7 +303,7 @@ def test_beside_0_boxes_called_clear_hold_no_pair(seed: int) -> None:
             assert (real.real > 0).all() or (real.real < 0).all() or (abs(real.imag) > 0).all()
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_derivative_beside_0_is_that_of_mpmath(seed: int) -> None:
     draw = random.Random(seed)
@@ -322,7 +322,7 @@ def test_the_derivative_beside_0_is_that_of_mpmath(seed: int) -> None:
 # How far out roots may meet the axis
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_beyond_its_reach_nothing_is_0_on_the_axis_for_any_value_or_its_inverse(seed: int) -> None:
     draw = random.Random(seed)
@@ -363,7 +363,7 @@ def winds(f: Any, x: float, reach: float) -> int | None:
 # Where a search looks for pairs
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("seed", range(12))
 def test_a_cell_is_told_where_the_pair_in_it_would_be_if_it_were_straight(seed: int) -> None:
     """C = A (s^2 + w^2) + B (q - v) over ever smaller cells about (w, v), off their middles."""
@@ -397,7 +397,7 @@ def test_a_cell_is_told_where_the_pair_in_it_would_be_if_it_were_straight(seed: 
 # All of it: what meets the axis is where winding numbers change
 
 
-@pytest.mark.slow
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", range(24))
 def test_winding_numbers_change_at_meetings_alone_whatever_the_number_stands_in(seed: int) -> None:
     draw = random.Random(seed)
@@ -447,7 +447,7 @@ def test_winding_numbers_change_at_meetings_alone_whatever_the_number_stands_in(
                 assert counts <= {known.number}, (a, b, counts, places)
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(10)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_delays_at_which_roots_meet_the_axis_are_all_turns_of_all_frequencies(seed: int) -> None:
     """A + B exp(-s tau): |A| = |B| at frequencies by NumPy, and there tau = (angle(-B/A) + 2 pi n)/(multiple omega)."""

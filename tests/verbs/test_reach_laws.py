@@ -167,3 +167,11 @@ def test_the_root_of_a_limit_is_on_the_right_for_all_values_without_end() -> Non
     assert RightRoots(own).everywhere(None, ExactNumber(Integer(-10)))
     other = loop({2: {(0,): [1]}, 1: {(0,): [0, 1]}, 0: {(0,): [1, 2]}}, (Rational(1, 2),))
     assert not RightRoots(other).everywhere(ExactNumber(Integer(10)), None)
+
+
+def test_of_values_on_both_sides_of_0_each_has_its_root_on_the_right() -> None:
+    """s^2 + (q - 2) s + 5: two roots on the right as long as q < 2, which no step over all values at once shows."""
+    own = loop({2: {(0,): [1]}, 1: {(0,): [-2, 1]}, 0: {(0,): [5]}}, (Rational(1, 2),))
+    for low, high, told in ((-1, 1, True), (-2, 1, True), (0, 1, True), (-1, 0, True), (-1, 3, False), (0, 3, False), (1, 3, False)):  # fmt: skip
+        assert RightRoots(own).everywhere(ExactNumber(Integer(low)), ExactNumber(Integer(high))) == told, (low, high)
+    assert not RightRoots(own).everywhere(ExactNumber(Integer(-4)), ExactNumber(Integer(1)), 0)

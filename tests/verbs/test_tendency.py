@@ -117,7 +117,7 @@ def test_nothing_is_told_where_roots_go_both_ways_for_ever() -> None:
     assert ([high for _, high in found.undecided], found.reason) == ([None], "further out was not looked at")
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(5)
 @pytest.mark.parametrize("seed", range(24))
 def test_all_values_are_known_that_put_roots_on_the_axis_before_they_cross_one_way_alone(seed: int) -> None:
     """Where g = -A/B turns real, on a dense grid of frequencies; and beyond the last of these its phase goes one way."""
@@ -141,7 +141,7 @@ def test_all_values_are_known_that_put_roots_on_the_axis_before_they_cross_one_w
     assert (np.diff(np.unwrap(np.angle(beyond))) * found.sense > 0).all()
 
 
-@pytest.mark.slow
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", range(30))
 def test_where_a_random_loop_is_said_to_have_roots_on_the_right_for_all_values_it_has_them(seed: int) -> None:
     pick = Random(seed)
@@ -354,7 +354,7 @@ def test_a_chain_that_reflects_all_is_at_the_axis_for_every_order_and_delay() ->
     assert [x and x.chain for x in (held(far_apart, hand).roots,)] == [RootChain.NEAR]
 
 
-@pytest.mark.slow
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("free", "low"), [("hand.b", 8.819064481568287), ("effects.shunt.b", 5.0)])
 def test_damping_without_end_is_told_though_two_delays_have_a_fine_common_unit(free: str, low: float) -> None:
     """9 ms and 14 ms are nine and fourteen times 1 ms: powers of a tangent of 0.5 ms that nearly cancel."""

@@ -16,11 +16,11 @@ import pytest
 
 from haptisym.verbs.sweep import wavezeros
 from haptisym.verbs.sweep.batch import Batch
-from haptisym.verbs.sweep.chebyshev import nodes
+from haptisym.verbs.sweep.chebyshev import left_out, nodes
 from haptisym.verbs.sweep.families import Monomial, Powers
 from haptisym.verbs.sweep.waveroots import refine
 from haptisym.verbs.sweep.waves import Variables, WaveFamily
-from haptisym.verbs.sweep.wavevalues import Factor, Points, WaveFunction
+from haptisym.verbs.sweep.wavevalues import TINY, Factor, Points, WaveFunction
 from haptisym.verbs.sweep.wavezeros import Curves, _interpolated, isolate
 
 ORDERS = (0.25, 0.5)
@@ -318,3 +318,57 @@ def test_what_is_told_of_polynomials_holds_for_all_that_they_may_stand_for() -> 
         assert np.abs(whole - part).max() < 1e-14
         assert (halved.left_out[0][side] == value[:50]).all()
         assert (halved.left_out[1][side] == slope[:50] / 2).all()  # of a function on half the way
+
+
+# Bounds, as they are proven
+
+
+@pytest.mark.parametrize("degree", [2, 5, 14])
+@pytest.mark.parametrize("ratio", [2.0, 3.0, 17.5])
+def test_what_interpolation_leaves_out_is_the_tail_of_a_series(degree: int, ratio: float) -> None:
+    """The sum of 4 M r^-k over all k > n, and for the slope of k^2 times that, here of the least bound of it that is used."""
+    value, slope = left_out(np.array([0.7]), np.array([ratio]), degree)
+    tail = [mpmath.nsum(lambda k, p=p: 4 * mpmath.mpf(0.7) * k**p * mpmath.mpf(ratio) ** -k, [degree + 1, mpmath.inf]) for p in (0, 2)]  # fmt: skip
+    assert tail[0] <= value[0] <= 1.002 * tail[0]
+    first = 4 * mpmath.mpf(0.7) * (degree + 1) ** 2 * mpmath.mpf(ratio) ** -(degree + 1)
+    geometric = first / (1 - (1 + mpmath.mpf(1) / (degree + 1)) ** 2 / ratio)
+    assert tail[1] <= slope[0]
+    assert geometric <= slope[0] <= 1.002 * geometric
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_errors_are_counted_in_units_by_the_rules_of_the_proof(seed: int) -> None:
+    """n max(2, k x) + 12 for each degree in a wave, 12 alpha |log x| + 20 for one in a power, and what its own operations make."""
+    pick = Random(seed)
+    for _ in range(12):
+        sets, rates, orders = 5, [pick.randint(0, 3) for _ in range(pick.randint(0, 2))], ORDERS[: pick.randint(0, 2)]
+        variables = Variables(tuple(Monomial(0, 1.0, 0.0, (n, 0)) for n in rates), orders)
+        sides: list[list[Factor]] = []
+        for _ in range(pick.randint(1, 2)):
+            sides.append([])
+            for _ in range(pick.randint(1, 2)):
+                rows = [tuple(pick.randint(0, 2) for _ in range(1 + variables.waves)) for _ in range(3)]
+                family = WaveFamily(tuple(Monomial(i, 1.0, 0.0, (0, 0)) for i in range(3)), variables, tuple(rows))
+                ones = np.ones((3, sets))
+                sides[-1].append(Factor(family, Batch(ones, ones, pick.randint(0, 9))))
+        turns = np.array([[10 ** pick.uniform(-1, 2) for _ in range(sets)] for _ in rates]).reshape(-1, sets)
+        f = WaveFunction(variables, turns, *map(tuple, sides))
+        low = np.array([10 ** pick.uniform(-4, -1) for _ in range(sets)])
+        high, sizes = low * 3, np.array([10 ** pick.uniform(-3, 3) for _ in range(sets)])
+        for own_powers in (False, True):
+            found = f.error(sizes, low, high, own_powers=own_powers)
+            for i in range(sets):
+                units = 1 + max(sum(x.rows.roundings + x.family.roundings + 3 * x.family.degrees[0] + 1 for x in side) for side in sides)  # fmt: skip
+                for n, rate in enumerate(rates):
+                    degree = max(sum(x.family.degrees[1 + n] for x in side) for side in sides)
+                    units += degree * ((rate + 6) * max(2.0, turns[n][i] * high[i]) + 12)
+                for n, alpha in enumerate(orders):
+                    degree = max(sum(x.family.degrees[1 + len(rates) + n] for x in side) for side in sides)
+                    units += degree * ((0 if own_powers else 12 * alpha * abs(np.log(low[i]))) + 20)
+                assert found[i] == pytest.approx(sizes[i] * units * 2.0**-53 * 1.001, rel=1e-12)
+        assert (f.error(np.zeros(sets), low, high) == TINY).all()
+        far = np.full(sets, 1.0001e4) if rates else high
+        if rates:
+            one = replace(f, rates=np.ones((len(rates), sets)))
+            assert np.isinf(one.error(sizes, far, far)).all()
+            assert np.isfinite(one.error(sizes, 0.99 * far, 0.99 * far)).all()
