@@ -32,7 +32,7 @@ def drawn(pick: random.Random, degree: int, of: Expr, most: int = 2) -> Expr:
     return found
 
 
-@pytest.mark.slow
+@pytest.mark.few(2)
 @pytest.mark.parametrize("degree", [1, 2, 3])
 @pytest.mark.parametrize("seed", range(4))
 def test_a_value_that_puts_roots_on_the_axis_is_on_the_curve_at_their_frequency(degree: int, seed: int) -> None:

@@ -17,7 +17,7 @@ from haptisym.kernel.errors import UndecidedError
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.stability.held import unstable_roots
 from haptisym.verbs.tolerances.clockplane import ClockPlane
-from haptisym.verbs.tolerances.heldplane import HeldPlane, held_plane
+from haptisym.verbs.tolerances.heldplane import HeldPlane, _told, held_plane
 
 Cell = tuple[tuple[Fraction, Fraction], ...]
 
@@ -176,6 +176,43 @@ def test_what_is_hidden_at_one_value_alone_does_not_make_its_neighbours_stable()
     plane = {"environment.c": ("0.9875", "1.1875"), "environment.k": (1, 2)}
     assert [unstable_roots(held.with_values({"environment.c": c}), held.hands[0]).number for c in (1, "1.1")] == [0, 2]
     assert not is_refuted(held, of(held, plane, finest=2.0**-3), plane)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_rectangles_that_touch_have_the_verdict_of_the_largest_and_all_hands_must_hold(seed: int) -> None:
+    """Of up to sixty heaps of rectangles the largest ones are counted; what no hand is known to break is left."""
+    rng = np.random.default_rng(seed)
+    clear, heaps = list[list[list[float]]](), list[list[int]]()
+    for n in range(int(rng.integers(3, 60))):
+        left, widths = 100.0 * n, rng.permutation([1.0, 2.0, 4.0])[: rng.integers(1, 4)] * (1 + n / 8)
+        heaps.append([])
+        for width in widths:
+            heaps[-1].append(len(clear))
+            clear.append([[left, left + width], [0.0, width]])
+            left += width
+    verdicts = [{n: [True, False, None][rng.integers(0, 3)] for n in range(len(heaps))} for _ in range(2)]
+    known = [np.array(x) for x in clear]
+
+    class Hand:
+        def __init__(self, told: dict[int, bool | None]) -> None:
+            self.told = told
+
+        def is_stable(self, rectangle: Array) -> bool | None:
+            [i] = [i for i, x in enumerate(known) if (x == rectangle).all()]
+            [n] = [n for n, own in enumerate(heaps) if i in own]
+            assert all(known[i][1, 1] >= known[k][1, 1] for k in heaps[n])
+            return self.told[n]
+
+    own_left = np.array([[[-2.0, -1.0], [0.0, 1.0]]])
+    found = _told([Hand(x) for x in verdicts], np.array(clear), own_left)  # type: ignore[misc]
+    area_of = [sum(known[i][1, 1] ** 2 for i in own) for own in heaps]
+    counted = sorted(range(len(heaps)), key=lambda n: -area_of[n])[:48]
+    for n, own in enumerate(heaps):
+        told = [x[n] for x in verdicts] if n in counted else [None]
+        where = found.stable if all(told) else found.unstable if False in told else found.left
+        assert all(any((x == known[i]).all() for x in where) for i in own)
+    assert sum(map(len, (found.stable, found.unstable, found.left))) == len(clear) + 1
+    assert (found.left[0] == own_left[0]).all()
 
 
 @pytest.mark.slow

@@ -38,7 +38,7 @@ def sizes(table: dict[int, dict[tuple[int, ...], list[int]]], q: float, w: float
     return found
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(10)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_beyond_its_reach_one_delayed_product_is_outweighed_for_all_values(seed: int) -> None:
     draw = random.Random(seed)
@@ -67,7 +67,7 @@ def test_beyond_its_reach_one_delayed_product_is_outweighed_for_all_values(seed:
                     assert abs(each[0,]) > abs(each[2,])
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(6)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_beyond_its_reach_the_highest_power_outweighs_all_others_whatever_the_phases(seed: int) -> None:
     draw = random.Random(seed)
@@ -110,7 +110,7 @@ def test_of_two_delays_the_least_of_the_highest_power_is_what_is_left_where_all_
         assert found is None or true - 1e-6 <= float(found) <= true  # radii have 30 bits
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_least_on_the_circle_is_below_all_samples_and_hardly_less(seed: int) -> None:
     draw = random.Random(seed)
@@ -124,7 +124,7 @@ def test_the_least_on_the_circle_is_below_all_samples_and_hardly_less(seed: int)
         assert found is None or float(found) >= true - 2 * slack
 
 
-@pytest.mark.slow
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", range(8))
 def test_a_root_on_the_right_is_proven_for_intervals_of_unstable_values_and_for_no_other(seed: int) -> None:
     draw = random.Random(seed)

@@ -219,7 +219,7 @@ def test_delays_that_are_monomials_and_powers_that_are_numbers_are_read_and_no_o
     assert is_readable(on_axis(Ring.of([H, P, TAU]).convert(1 + H)).real) is expected
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(6)
 @pytest.mark.parametrize("seed", range(6))
 def test_functions_that_are_read_and_constants_beside_them_have_their_values_on_every_set(seed: int) -> None:
     """In x = omega/scale, beside waves and powers; of a constant the same at every frequency."""

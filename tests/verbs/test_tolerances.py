@@ -32,7 +32,7 @@ from haptisym.verbs.tolerances.box import Box, box_of
 from haptisym.verbs.tolerances.ends import Face
 from haptisym.verbs.tolerances.entry import tolerances
 from haptisym.verbs.tolerances.excess import Excess
-from haptisym.verbs.tolerances.proofs import One
+from haptisym.verbs.tolerances.proofs import One, Tolerances
 from haptisym.verbs.tolerances.quantiles import Quantiles, quantiles
 from haptisym.verbs.tolerances.search import (
     Cluster,
@@ -804,11 +804,12 @@ def test_when_the_time_is_over_crossings_may_be_anywhere_in_what_is_left(questio
     assert beyond(Hurried(BENT.of, 1, questions=questions), cells, 0.32, highest=False) <= 0.3
 
 
-@pytest.mark.slow
 def test_a_frequency_noticed_for_all_values_is_sought_between_the_clusters() -> None:
+    box = box_of(hs.Scene(SOFT, (LAG,)))
+
     def between(form: Made, *ends: tuple[float, float]) -> float | None:
         own = tuple(Cluster(np.array([[[a, b], [0, 1]]]), (0, 0), a, b) for a, b in ends)
-        answers = tolerances(hs.Scene(SOFT, (LAG,)), samples=0)
+        answers = Tolerances(box, ())
         answers.__dict__["_search"] = dict.fromkeys(hs.Part, (form, own))
         return answers._exceeds_between(hs.Part.REAL)
 

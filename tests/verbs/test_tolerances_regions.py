@@ -160,7 +160,7 @@ def changed(values: dict[str, float], omega: float) -> tuple[complex, complex]:
     return H, H * w**2 / (s**2 + w * s + w**2)
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("name", JNDS)
 def test_a_model_has_the_sign_of_the_region_everywhere_in_a_cell(name: str) -> None:
     asked, random = ranged(JNDS[name]), np.random.default_rng(5)
