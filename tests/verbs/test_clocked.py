@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sympy import Integer, Rational, exp
+from sympy import Integer, N, Rational, Symbol, exp, pi
 
 import haptisym as hs
 from haptisym.judge.colgate import sampled_passivity
@@ -128,6 +128,63 @@ def test_what_leaves_the_place_free_has_a_root_at_one() -> None:
         hs.Scene(E.mass_spring_damper(b=3), (F.sampled_loop("1 ms", "tustin", 1), F.shunt(m="0.1", b="0.3"))), FREE
     )
     assert (found.stable, found.unstable) == (False, 1)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_plant_has_the_values_of_its_dynamics_whatever_symbols_and_delays_are_in_it(seed: int) -> None:
+    """Sums of powers of s, of pi and of two symbols, some of them late."""
+    draw = random.Random(seed)
+    a, b = Symbol("a", positive=True), Symbol("b", positive=True)
+    known = {a: Rational(3, 2), b: Rational(7, 3)}
+    for _ in range(3):
+
+        def some(most: int) -> Any:
+            return sum(
+                (
+                    Rational(draw.randint(-9, 9), draw.randint(1, 3))
+                    * symbol**n
+                    * a ** draw.randint(0, 2)
+                    * draw.choice([1, 1, b, pi, pi * b])
+                    for n in range(most + 1)
+                    for _ in range(3)
+                ),
+                Integer(0),
+            )
+
+        top = some(2) + (some(1) + 1) * exp(-symbol / 4) + some(1) * exp(-3 * symbol / 4)
+        early, bottom = draw.choice([0, 0, Rational(1, 4)]), some(2) + (1 + a + b**2) * symbol**4
+        G = top * exp(-symbol * Rational(1, 2)) / (bottom * exp(-symbol * early))
+        ring = Ring.of([G])
+        plant = plant_of(ring.convert(G).reduced(), ring)
+        at = Rational(5, 7)
+        value = sum(
+            (sum((c * at**n for n, c in enumerate(row)), Integer(0)) * exp(-at * lag) for lag, row in plant.terms),
+            Integer(0),
+        )
+        value /= sum((c * at**n for n, c in enumerate(plant.denominator)), Integer(0))
+        assert abs(N((value - G.subs(symbol, at)).subs(known), 30)) < 1e-20 * (
+            1 + abs(N(G.subs(symbol, at).subs(known), 30))
+        )
+        assert all(lag >= 0 for lag, _ in plant.terms)
+
+
+@pytest.mark.parametrize("damper", ["1/2", "3", "40"])
+def test_a_root_that_is_always_at_one_is_counted_and_stands_in_the_way_of_no_walk(damper: str) -> None:
+    """A damper in a clock leaves the place free; too large a one shakes."""
+    scene = hs.Scene(E.mass_spring_damper(b=damper), (F.sampled_loop("1 ms", "tustin", 1), F.shunt(m="0.01", b="0.3")))
+    found = held(scene, FREE)
+    loop = opened(scene, FREE, scene.knobs["environment.b"])
+    for value in ("1/2", "3", "40"):
+        at = held(scene.with_values({"environment.b": value}), FREE)
+        assert loop.count(Rational(value)) == (at.unstable, 0)
+    for x in passages(scene, FREE, scene.knobs["environment.b"]).found:
+        below, above = (
+            held(scene.with_values({"environment.b": Rational(float(x.value)) * n}), FREE).unstable
+            for n in (Rational(999, 1000), Rational(1001, 1000))
+        )
+        assert (x.below, x.above) == (below, above)
+        assert (below, found.unstable) == (1, 1 if float(x.value) > float(Rational(damper)) else 3)
+        assert above == 3
 
 
 REASONS = {

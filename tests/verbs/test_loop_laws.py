@@ -22,7 +22,7 @@ from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.symbols import omega, s
 from haptisym.model.parameters import Rule
-from haptisym.verbs.stability import critical
+from haptisym.verbs.stability import critical, search
 from haptisym.verbs.stability.boundary import _eliminated, _near, meetings
 from haptisym.verbs.stability.curves import Gap, _is_apart, minus
 from haptisym.verbs.stability.farout import from_infinity, is_neutral
@@ -392,6 +392,36 @@ def test_a_cell_is_told_where_the_pair_in_it_would_be_if_it_were_straight(seed: 
     assert not cells._is_settled(cell + 20 * size).any()
     cells._prove(cell)
     assert len(cells.found) == 1
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_however_few_cells_are_looked_at_a_pair_is_found_once_or_lies_in_a_gap(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """-A/B is real at pairs of frequency and value that a dense grid shows; what is found and what is left are all of them."""
+    draw = random.Random(seed)
+    lag = Rational(draw.randint(1, 9), 8)
+    A, B = s**2 + draw.randint(0, 3) * s + draw.randint(1, 30), draw.choice([1, 2 + s]) * exp(-s * lag)
+    own, ratio = loop_of(A + q * B), lambdify(s, -A / B, "numpy")
+    low, high = Rational(draw.randint(-5, 5)), Rational(draw.randint(8, 20), 1)
+    w = np.linspace(1e-3, 60, 400_001)
+    g = ratio(1j * w)
+    at = np.flatnonzero((g.imag[1:] * g.imag[:-1] < 0) & (g.real[1:] > float(low) + 1e-3) & (g.real[1:] < float(high) - 1e-3))  # fmt: skip
+    true = sorted((float(g.real[i]), float(w[i])) for i in at)
+    for most in (0, 70, 150, 300, 10**5):
+        monkeypatch.setattr(search, "_MOST_CELLS", most)
+        cells = _Cells(Characteristic(own), low, high)
+        gaps = [tuple(map(float, search._ends(x))) for x in search._joined(cells.settle())]
+        found = sorted((float(x.value), float(x.omega)) for x in cells.found if x.omega is not None)
+        assert all(low <= a < b <= high for a, b in gaps)
+        assert most or gaps == [(float(low), float(high))]
+        assert most < 10**5 or not gaps
+        for x in found:
+            assert sum(x == pytest.approx(y, abs=2e-3, rel=1e-3) for y in true) <= 1
+            assert abs(ratio(1j * x[1]) - x[0]) < 1e-9 * (1 + abs(x[0]))
+        for y in true:
+            times = sum(x == pytest.approx(y, abs=2e-3, rel=1e-3) for x in found)
+            assert times == 1 or (times == 0 and any(a - 2e-3 <= y[0] <= b + 2e-3 for a, b in gaps)), (most, y)
 
 
 # All of it: what meets the axis is where winding numbers change

@@ -175,3 +175,22 @@ def test_of_values_on_both_sides_of_0_each_has_its_root_on_the_right() -> None:
     for low, high, told in ((-1, 1, True), (-2, 1, True), (0, 1, True), (-1, 0, True), (-1, 3, False), (0, 3, False), (1, 3, False)):  # fmt: skip
         assert RightRoots(own).everywhere(ExactNumber(Integer(low)), ExactNumber(Integer(high))) == told, (low, high)
     assert not RightRoots(own).everywhere(ExactNumber(Integer(-4)), ExactNumber(Integer(1)), 0)
+
+
+@pytest.mark.parametrize(("turning", "c"), [(64, 1), (64, 6), (640, 80)])
+def test_with_one_delayed_product_the_reach_is_the_frequency_at_which_both_are_of_one_size(
+    turning: int, c: int
+) -> None:
+    """|2 j w + q|^2 = |j w + c|^2 where 3 w^2 = c^2 - q^2: the reach is at most a step of a quarter beyond that."""
+    own = loop({1: {(0,): [2, 0], (1,): [1, 0]}, 0: {(0,): [0, 1], (1,): [c, 0]}}, (Rational(1),))
+    for q in (0, c / 3, c * 0.8):
+        there = ((c**2 - q**2) / 3) ** 0.5
+        found = reach_of(own).radius(arb(q), turning, inverse=False)
+        assert found is not None
+        assert 0.999 * there <= float(found) <= 1.26 * there
+    assert c < 6 or reach_of(own).radius(arb(0), c // 3, inverse=False) is None
+    late = loop({2: {(1,): [3]}, 1: {(0,): [c], (1,): [1]}, 0: {(0,): [c]}}, (Rational(1),))  # no highest power in time
+    found = reach_of(late).radius(arb(0), turning, inverse=False)
+    assert found is not None
+    for w in float(found) * np.array([1, 1.5, 10]):
+        assert abs(3 * (1j * w) ** 2 + 1j * w) > abs(c * 1j * w + c)

@@ -177,3 +177,5 @@ def test_what_is_asked_about_is_a_number_of_a_scene_in_a_hand_and_all_others_are
         [f"hands.{name}.{key}" for key in "mbk"] + ["environment.k"] for name in ("own", "other")
     ]
     assert both.digits == 15
+    late = hs.stability("stick-with-friction", "postural-arm")
+    assert (late.held[0].roots, late.critical) == (None, ((),))  # of what is not known nothing is critical

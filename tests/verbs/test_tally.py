@@ -3,21 +3,29 @@
 from __future__ import annotations
 
 import random
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from sympy import Expr, Integer, Rational, Symbol, exp
 
 import haptisym as hs
 from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.reals import ExactNumber
+from haptisym.kernel.rootcount import RootChain, Roots
 from haptisym.kernel.symbols import s
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.held import window_of
-from haptisym.verbs.stability.curves import Meetings
+from haptisym.verbs.stability.curves import Gap, Meeting, Meetings
 from haptisym.verbs.stability.loops import Loop
 from haptisym.verbs.stability.tally import Tally
 
 E = hs.effects
 q = Symbol("q", real=True)
+
+
+def exact(x: int) -> ExactNumber:
+    return ExactNumber(Integer(x))
 
 
 class Counted(Loop):
@@ -87,3 +95,44 @@ def test_windows_that_hold_the_same_meeting_count_it_once() -> None:
     wide = hs.require(own, "environment.k", that="stable", range=(0, 400))
     assert float(found.feasible[0].high.value or 0) == pytest.approx(float(wide.feasible[0].high.value or 0))
     assert len(found.feasible) == 1
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_across_a_gap_or_what_goes_either_way_or_out_of_a_window_roots_are_counted_anew(seed: int) -> None:
+    """At whole numbers roots come and go, some untold; at halves one counts: from there on told unless something is not known."""
+    draw = random.Random(seed)
+    asked: list[Rational] = []
+
+    def number(x: Any) -> int:
+        return 40 + sum(2 * sense for place, sense in senses.items() if place < x)
+
+    for _ in range(60):
+        senses = {place: draw.choice([-1, 0, 1]) for place in draw.sample(range(-8, 9), 6)}
+        untold = set(draw.sample(sorted(senses), draw.choice([0, 0, 1])))
+        found = tuple(Meeting(exact(x), exact(1), None if x in untold else n) for x, n in senses.items())
+        a = draw.randint(-9, 8)
+        ends = draw.choice([(None, a), (a, None), (a, a + draw.randint(1, 3))])
+        gaps = () if draw.random() < 0.4 else (Gap(*(None if x is None else exact(x) for x in ends)),)
+        above, below = draw.choice([(None, None), (-5, None), (None, 5), (-6, 6)])
+        window = Meetings(found, above and Integer(above), below and Integer(below), gaps)
+        loop: Any = SimpleNamespace(at=lambda x: (asked.append(x), Roots(number(x), number(x)))[1])
+        tally, start, end = Tally(loop, window), *(Rational(draw.randint(-9, 8)) + Rational(1, 2) for _ in range(2))
+        asked.clear()
+        assert tally.at(start) == (number(start), None)
+        assert asked == [start]
+        assert tally.at(end) == (number(end), None)
+        low, high = sorted((start, end))
+        across = any(low < x < high for x in untold)
+        outside = any((above is not None and x < above) or (below is not None and x > below) for x in (low, high))
+        meets = bool(gaps) and (ends[0] is None or ends[0] < high) and (ends[1] is None or low < ends[1])
+        assert (len(asked) == 2) == (start != end and (across or outside or meets))
+        tally.at(start), tally.at(end)
+        assert len(asked) <= 2
+
+
+def test_a_value_at_which_roots_are_on_the_axis_is_counted_and_a_chain_is_not_remembered() -> None:
+    asked: list[Any] = []
+    loop: Any = SimpleNamespace(at=lambda x: (asked.append(x), Roots(None, None, (), RootChain.NEAR) if x > 4 else Roots(1, 0))[1])  # fmt: skip
+    tally = Tally(loop, Meetings((Meeting(exact(1), exact(1), 1),)))
+    assert [tally.at(Integer(x)) for x in (0, 1, 1, 5, 5)] == [(1, None)] * 3 + [(None, RootChain.NEAR)] * 2
+    assert asked == [0, 1, 5, 5]

@@ -328,6 +328,29 @@ def test_what_is_left_of_a_cell_is_about_the_values_that_hide(seed: int) -> None
         assert inside is (radius is None)
 
 
+def test_without_an_end_all_inverses_down_to_0_are_asked_about() -> None:
+    asked: list[tuple[Any, int, bool]] = []
+
+    def radius(q: Any, turning: int, *, inverse: bool) -> Rational:
+        asked.append((q, turning, inverse))
+        return Rational(5)
+
+    reach: Any = SimpleNamespace(radius=radius)
+    ends = {n: ExactNumber(Integer(n)) for n in (-8, -4, 0, 4, 8)}
+    for low, high, holds, avoids, inverse in (
+        (4, None, (0, 0.125, 0.25), (-0.01, 0.26), True), (None, -4, (0, -0.125, -0.25), (0.01, -0.26), True), (4, 8, (4, 6, 8), (3.9, 8.1), False), (-8, 4, (-8, 0, 4), (-8.1, 4.1), False),
+    ):  # fmt: skip
+        cell = neutral._Cell(*(None if x is None else ends[x] for x in (low, high)))
+        asked.clear()
+        assert cell.radius(reach, 33) == 5
+        [(q, turning, was_inverse)] = asked
+        assert (turning, was_inverse) == (33, inverse)
+        assert all(q.contains(x) for x in holds)
+        assert not any(q.contains(x) for x in avoids)
+    for low, high in ((0, None), (-4, None), (None, 0), (None, 4), (None, None)):
+        assert neutral._Cell(*(None if x is None else ends[x] for x in (low, high))).radius(reach, 33) is None
+
+
 def test_cells_lie_between_what_comes_from_infinity_as_far_as_a_number_may_go() -> None:
     none: Any = SimpleNamespace(chain=None)
     loop: Any = SimpleNamespace(low=Integer(0), high=None, at=lambda _: none)
