@@ -129,6 +129,26 @@ def test_random_scenes_agree_with_the_exact_answers(seed: int) -> None:
         agrees({name: column[i] for name, column in columns.items()}, truth)
 
 
+@pytest.mark.parametrize("band", [(0, 15), (1, 9)])
+def test_what_is_noticed_from_the_beginning_has_no_bandwidth_by_either_way(band: tuple[int, int]) -> None:
+    """(s + a)/(s + 1): of a far from 1 noticed at low frequencies alone; a number of the scene decides how far up."""
+    gain = hs.effects.series("(s + a)/(s + 1)*(1 + s/d)", parameters={"a": "1/2", "d": "90"})
+    given = hs.Scene(hs.environments.kelvin_voigt(100, 3), (gain,), band)
+    [knob] = [x.path for x in given.knobs if x.path.endswith(".a")]
+    values = [0.25, 0.5, 0.9375, 1.25, 2.0, 8.0]
+    grid = SweepGrid.of(given, axes(given, {knob: values}))
+    floats, left = grid.kernel.in_floats(np.array([values]))
+    assert not len(left)
+    bandwidths = []
+    for i, value in enumerate(values):
+        truth = evaluated(given.with_values({knob: exactly(value)}))
+        agrees({name: x[i] for name, x in floats.items()}, truth)
+        agrees(exact_answers(given, grid.kernel.swept, [value]), truth)
+        bandwidths.append((truth["bandwidth"], truth["transparent"]))
+    assert any(np.isnan(x) and y > 0.1 for x, y in bandwidths)
+    assert any(x > 0 for x, _ in bandwidths)
+
+
 @pytest.mark.slow
 def test_hard_parameters_are_never_counted_wrong() -> None:
     rng = np.random.default_rng(3)

@@ -629,6 +629,14 @@ def test_a_crossing_that_leaves_the_band_is_clear_of_the_other_end_alone() -> No
     assert down.high == pytest.approx(0.3, abs=1e-9)
 
 
+def test_a_cluster_that_reaches_an_end_of_the_band_is_not_clear_of_it() -> None:
+    for low, high, inside in ((0.0, 1.0, False), (0.0, 0.9, False), (0.1, 1.0, False), (1e-300, 1 - 2.0**-53, True), (-0.1, 0.9, False), (0.1, 1.1, False)):  # fmt: skip
+        found = Cluster(np.zeros((1, 2, 2)), (0, 1), low, high)
+        assert (found.clear_of(highest=False), found.clear_of(highest=True)) == (low > 0, high < 1)
+        assert (found.inside, found.regular) == (inside, False)
+    assert all(Cluster(np.zeros((1, 2, 2)), (n, 0), 0.1, 0.2).regular for n in (-1, 1))
+
+
 def test_an_idle_parameter_hinders_nothing_and_an_unknown_piece_stays() -> None:
     idle = Made(lambda w, p, q, c: w - p.times(0.2) - c(0.3), 2, idle=(2,))
     [x] = clusters(idle)
