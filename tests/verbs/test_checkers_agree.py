@@ -101,6 +101,21 @@ def _plain(x: Any) -> Any:
         return x
 
 
+def test_files_that_are_too_large_are_not_looked_into() -> None:
+    most, most_of_scene = 4_000_000, 1_000_000
+    for size, size_of_scene, is_refused in (
+        (most, most_of_scene, False), (most + 1, 0, True), (0, most_of_scene + 1, True), (most + 1, most_of_scene + 1, True), (most + 1, most_of_scene, True),
+        (most, most_of_scene + 1, True),
+    ):  # fmt: skip
+        with pytest.raises(RefusedError) as error:
+            check(b"x" * size, b"x" * size_of_scene)
+        assert ("too large" in str(error.value)) == is_refused
+    nested = lambda n: b"[" * n + b"]" * n  # noqa: E731
+    for n, words in ((18, "expected an object"), (19, "expected an object"), (20, "too deeply"), (90, "too deeply")):
+        with pytest.raises(RefusedError, match=words):
+            check(nested(n), b"")
+
+
 def test_json_may_be_written_in_every_way() -> None:
     proof, scene = certificate("fu2019"), text_of("fu2019")
     true = [

@@ -57,7 +57,8 @@ def test_rectangles_of_a_plane_are_clear_or_left_and_none_is_lost(
         whole = tuple((Fraction(a), Fraction(b)) for a, b in [*x, *[[0, 1]] * more])
         assert all(loop.is_clear(whole) for loop in loops)
     if most > 60 and seconds is None:
-        assert (left[..., 1] - left[..., 0] <= 1 / 16).all()
+        assert (left[..., 1] - left[..., 0] == 1 / 16).all()
+        assert (clear[..., 1] - clear[..., 0] >= 1 / 16).all()
         for x in left.tolist():
             whole = tuple((Fraction(a), Fraction(b)) for a, b in [*x, *[[0, 1]] * more])
             assert not all(loop.is_clear(whole) for loop in loops)

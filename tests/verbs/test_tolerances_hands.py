@@ -21,8 +21,9 @@ from haptisym.kernel.errors import LimitError
 from haptisym.kernel.symbols import s
 from haptisym.programs.onaxis import OnAxis
 from haptisym.programs.taylormodels import Model
+from haptisym.verbs.stability.boxes import Share
 from haptisym.verbs.stability.held import held
-from haptisym.verbs.tolerances.heldbox import held_in_box
+from haptisym.verbs.tolerances.heldbox import HeldInBox, held_in_box, quotient
 
 
 def shares(found: hs.Scene) -> list[str | None]:
@@ -334,3 +335,41 @@ def test_what_stays_open_has_status_3_and_a_reason(call: Any, tmp_path: Path) ->
     status, out, _ = call("tolerances", str(file), "--samples", "0", "--hand", "loose")
     assert status == 3
     assert "UNDECIDED: held in loose, whether the display is stable: " in " ".join(out.split())
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_display_in_a_hand_is_a_quotient_in_which_what_varies_stays_open(seed: int) -> None:
+    """At random values of the open numbers it is H_perc + m s^2 + b s + k of the scene that has these, at any s."""
+    draw = np.random.default_rng(seed)
+    value = lambda: Rational(int(draw.integers(1, 40)), 8)  # noqa: E731
+    effects = [hs.effects.first_order_lag(value(), ), hs.effects.shunt(m=value(), b=value()), hs.effects.second_order_lowpass(value(), value()), hs.effects.delay("0.25")]  # fmt: skip
+    chain = tuple(effects[i] for i in draw.permutation(4)[: draw.integers(1, 3)])
+    own = hs.Scene(hs.environments.zener(value(), value(), value()), chain, hands=(hs.Hand("a", value(), value(), value()),))  # fmt: skip
+    paths = [x.path for x in own.knobs if not x.parts and draw.random() < 0.6]
+    symbols = {own.knobs[x].symbol for x in paths}
+    ring, top, bottom = quotient(own, own.hands[0], symbols)
+    assert set(ring.symbols) <= symbols
+    assert ring.expression(bottom).subs(s, 0) != 0
+    for _ in range(2):
+        values = {x: value() for x in paths}
+        now, at = own.with_values(values), Rational(int(draw.integers(1, 9)), 7)
+        [hand] = now.hands
+        perceived = now.distortion().perc
+        known = {own.knobs[x].symbol: y for x, y in values.items()} | {s: at}
+        true = (perceived.ring.expression(perceived.numerator) / perceived.ring.expression(perceived.denominator)).subs(s, at)  # fmt: skip
+        true += hand.m.value * at**2 + hand.b.value * at + hand.k.value
+        told = (ring.expression(top) / ring.expression(bottom)).subs(known)
+        powers = [float(abs(told / at**n / true - 1)) for n in range(4)]  # a power of s is left out of the denominator
+        assert min(powers) < 1e-12
+
+
+def test_a_row_of_a_document_has_what_is_known_of_a_hand() -> None:
+    hand = hs.Hand("mine", ["1", "2"], 3, "5 N/m +- 20 %")
+    for share in (None, Share.ALL, Share.SOME, Share.NONE):
+        for stable, unstable in ((None, None), ({"a.b": Rational(1, 3)}, None), (None, {"a.b": Rational(2)}), ({}, {})):
+            for reason in ("", "open"):
+                row = HeldInBox(hand, share, stable, unstable, reason).row()
+                told = {key: x and {name: str(y) for name, y in x.items()} for key, x in (("stable", stable), ("unstable", unstable))}  # fmt: skip
+                expected = {"hand": "mine", "ranges": {"m": [1.0, 2.0], "k": [4.0, 6.0]}, "stable": share and share.value, "witnesses": told}  # fmt: skip
+                assert row == expected | ({"reason": reason} if reason else {})
+    assert "ranges" not in HeldInBox(hs.Hand("plain", 1, 2, 3), Share.ALL).row()

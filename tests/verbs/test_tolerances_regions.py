@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, product
 from math import cos, sin, sqrt
 from pathlib import Path
 from random import Random
@@ -18,7 +18,7 @@ import haptisym as hs
 from haptisym.judge.criteria import noticed
 from haptisym.programs.taylormodels import Model, variable
 from haptisym.verbs.tolerances.box import box_of
-from haptisym.verbs.tolerances.joined import joined
+from haptisym.verbs.tolerances.joined import enclosing, joined
 from haptisym.verbs.tolerances.regional import excess_of
 
 WIDE = {"real": 0.1, "imag": 0.1}
@@ -261,3 +261,30 @@ def test_a_half_width_may_vary_with_all_else() -> None:
     t = [c / sqrt(1 - c**2) for c in (0.15, 0.2)]
     assert ends(found) == pytest.approx([36 * t[0], 44 * t[1]], rel=1e-14)
     assert found.enclosures[0].monotonic == {"omega_c": 1, "c": 1}
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_model_about_two_others_holds_all_that_either_holds_and_little_else(seed: int) -> None:
+    """Of values and slopes: what is off at a place, and the remainder there, is within its own."""
+    draw = np.random.default_rng(seed)
+    sizes = (5, 4), (5, 4, 3), (5, 4, 3, 3)
+
+    def one() -> Model:
+        return Model(*(draw.normal(size=x) * 10.0 ** draw.integers(-3, 3) for x in sizes), draw.uniform(0, 1, (5, 4)))
+
+    def at(x: Model, t: Any) -> Any:
+        return x.c0 + x.c1 @ t + (x.c2 @ t) @ t
+
+    for _ in range(5):
+        f, g = one(), one()
+        found = enclosing(f, g)
+        apart = [abs(x - y) / 2 for x, y in zip(f.arrays[:3], g.arrays[:3], strict=True)]
+        most = apart[0] + apart[1].sum(-1) + apart[2].sum((-1, -2)) + np.maximum(f.r, g.r)
+        for signs in product((-1.0, 1.0), repeat=3):
+            for t in (np.array(signs), draw.uniform(-1, 1, 3)):
+                for x in (f, g):
+                    assert (abs(at(x, t) - at(found, t)) + x.r <= found.r).all()
+        assert (found.r <= most * (1 + 1e-9)).all()
+        assert (enclosing(f, f).r <= f.r * (1 + 1e-9) + 1e-9).all()
+        known = enclosing(f, Model(*f.arrays[:3], f.r + 1))
+        assert (abs(known.r - f.r - 1) <= 1e-9).all()
