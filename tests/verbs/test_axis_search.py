@@ -147,7 +147,6 @@ def test_a_touch_is_never_lost_but_told_as_open() -> None:
     assert not window.found
 
 
-@pytest.mark.slow
 def test_a_root_passes_through_0_at_an_exact_value() -> None:
     expression = s + 2 - q**2 * exp(-s / 10) - q**3 * exp(-s * pi / 40)
     window = next(searched(loop_of(expression), Integer(1), ""))

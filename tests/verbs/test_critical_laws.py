@@ -187,7 +187,6 @@ def known_of(world: World, start: Any, given: list[Meetings]) -> tuple[list[Row 
     return rows, settled == 2
 
 
-@pytest.mark.slow
 def test_beside_a_critical_value_at_the_end_of_a_window_the_count_is_that_beside_it() -> None:
     """q s^2 + s + (1 + 15 s/8) exp(-s pi/2) is 0 at s = j for q = 15/8, which is 15/16 of the value 2; at 0 there is a chain."""
     expression = q * s**2 + s + (1 + Rational(15, 8) * s) * exp(-s * pi / 2)

@@ -50,7 +50,7 @@ def range_of(draw: random.Random, low: float, high: float) -> Any:
     return draw.choice([f"{a:.3g}", [f"{a:.3g}", f"{b:.3g}"], [0, f"{b:.3g}"]])
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("seed", range(40))
 def test_what_is_said_of_a_box_of_hands_holds_for_each_of_them(seed: int) -> None:
     draw = random.Random(seed)

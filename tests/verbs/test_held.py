@@ -66,7 +66,7 @@ CRITICAL = [  # scene, hand, path, value, rad/s, stable side: computed elsewhere
 ]
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(4)
 @pytest.mark.parametrize(("k", "hand", "path", "value", "omega", "side"), CRITICAL)
 def test_how_far_a_number_may_go_is_told_to_any_digits(
     k: int, hand: dict[str, Any], path: str, value: str, omega: float, side: str
@@ -327,7 +327,7 @@ ODD: list[tuple[hs.Scene, dict[str, Any], bool]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(6)
 @pytest.mark.parametrize(("scene", "hand", "stable"), ODD)
 def test_displays_at_the_edge_of_sense_get_an_answer(scene: hs.Scene, hand: dict[str, Any], *, stable: bool) -> None:
     """A spring alone has no motion of its own; a late one bounces from a weaker spring more each time, from a stiffer one less."""

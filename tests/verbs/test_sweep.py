@@ -110,7 +110,7 @@ def test_thresholds_are_swept_together_or_apart() -> None:
         assert all(float(diagonal[name]) == float(together[name][i]) for name in TOLD.counts)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("seed", range(8))
 def test_random_scenes_agree_with_the_exact_answers(seed: int) -> None:
     pick = Seeded(1000 + seed)

@@ -111,7 +111,7 @@ def test_a_change_that_is_the_same_at_all_frequencies_is_noticed_on_all_or_on_no
     )
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", JNDS)
 def test_a_delayed_scene_is_answered_in_floats_in_its_region_too(name: str) -> None:
     asked = with_jnd(JNDS[name], hs.load_scene("delayed-spring"))

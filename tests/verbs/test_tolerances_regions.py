@@ -98,7 +98,7 @@ def test_a_floor_counts_where_it_is_above_the_limit() -> None:
     assert 44 * at[1] * (1 - 1e-12) <= float(x.high) == pytest.approx(44 * at[1], rel=2e-3)
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(5)
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("turns", range(4))
 def test_a_region_that_is_alike_on_no_two_sides_is_left_where_its_first_edge_is_met(turns: int, seed: int) -> None:
