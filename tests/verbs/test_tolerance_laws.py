@@ -8,9 +8,17 @@ from random import Random
 from typing import Any
 
 import pytest
+from sympy import Rational
 
 import haptisym as hs
+from haptisym.kernel.budget import Budget
+from haptisym.kernel.reals import ExactNumber
+from haptisym.verbs.stability.boxes import Share
+from haptisym.verbs.tolerances.box import box_of
+from haptisym.verbs.tolerances.heldbox import HeldInBox
 from haptisym.verbs.tolerances.proofs import Tolerances
+from haptisym.verbs.tolerances.single import One
+from haptisym.verbs.tolerances.verdicts import Enclosure, Verdict
 
 C = Fraction(1, 5)
 
@@ -129,3 +137,73 @@ def test_a_range_that_begins_where_a_requirement_ends_is_one_for_which_all_value
     found = hs.tolerances(hs.Scene(felt, (lag(cutoff),), (0, 12), hs.Threshold.of(limit, 5)), samples=0)
     assert found.verdict.value == told
     assert found.certified
+
+
+# What an answer says, made of parts that are known
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_document_of_tolerances_holds_what_its_parts_say(seed: int) -> None:
+    pick = Random(seed)
+    spring = hs.environments.mass_spring_damper(k=["90 N/m", "110 N/m"])
+    box = box_of(hs.Scene(spring, (hs.effects.first_order_lag(["36 rad/s", "44 rad/s"]),), (1, 9)))
+    names = [x.name for x in box.sides]
+    number = lambda x: ExactNumber(Rational(x))  # noqa: E731
+
+    def values() -> dict[str, Any]:
+        return {x: Rational(pick.randint(1, 99), 7) for x in names}
+
+    def one(first: int | None, width: int | None, *, transparent: bool | None) -> One:
+        crossings = {"real": () if first is None else (number(first), number(first + 1)), "imag": ()}
+        return One(values(), crossings, None if width is None else number(width), transparent)
+
+    for _ in range(10):
+        samples = [
+            one(pick.choice([None, 2, 3, 5]), pick.choice([None, 4, 6]), transparent=pick.choice([None, True, False]))
+            for _ in range(pick.choice([0, 1, 7, 20]))
+        ]
+        held = tuple(HeldInBox(hs.Hand(x, 1, 2, 3), pick.choice([None, *Share])) for x in "ab"[: pick.randint(0, 2)])
+        budget = pick.choice([None, Budget(7.0, None, reached=True), Budget(7.0, None)])
+        found = Tolerances(box, tuple(samples), 33, budget, held)
+        rows = [
+            Enclosure(x, number(pick.randint(1, 4)), number(pick.randint(5, 9)), pick.choice([None, 1, 2]), pick.choice([None, values()]),
+                pick.choice([None, values()]), {name: pick.choice([-1, 0, 1]) for name in names}) for x in found.criteria for _ in range(pick.randint(0, 2))
+        ]  # fmt: skip
+        verdict, witness = pick.choice([*Verdict]), pick.choice([None, one(1, 2, transparent=True)])
+        width = pick.choice([None, (number(2), number(5))])
+        found.__dict__.update(
+            verdict=verdict, enclosures=tuple(rows), transparent=witness, noticed=None, bandwidth=width
+        )
+        told = found.to_dict()
+        assert told["band"] == [1.0, 9.0]
+        assert told["varying"] == [{"name": x.name, "low": float(x.low), "high": float(x.high)} for x in box.sides]
+        text = lambda x: x and {name: str(y) for name, y in x.items()}  # noqa: E731
+        assert told["verdict"] == verdict.value
+        assert told["witnesses"] == {"transparent": text(witness and witness.values), "noticed": None}
+        assert told["crossings"] == [
+            {
+                "part": x.criterion.name, "omega": [float(x.low), float(x.high)], "enclosure": [x.low.enclosure()[0], x.high.enclosure()[1]], "count": x.count,
+                "reached_at": {"low": text(x.at_low), "high": text(x.at_high)}, "monotonic": x.monotonic,
+            } for x in rows
+        ]  # fmt: skip
+        assert told["bandwidth"] == (width and [2.0, 5.0])
+        assert told.get("held", []) == [x.row() for x in held]
+        assert ("held" in told) == bool(held)
+        assert told["certified"] == found.certified
+        assert found.certified == (verdict is not Verdict.UNDECIDED and None not in [x.share for x in held])
+        assert (told.get("limit"), found.limit) == ((7.0,) * 2 if budget and budget.reached else (None, None))
+        counted = "1 enclosure" if len(rows) == 1 else f"{len(rows) or 'no'} enclosures"
+        assert found._line().endswith(
+            f": {', '.join(names)} in their ranges, transparent for {verdict.value}, {counted}"
+        )
+        estimates = told["estimates"]
+        assert (estimates is None) == (not samples)
+        if samples:
+            assert (estimates["samples"], estimates["seed"]) == (len(samples), 33)
+            assert estimates["transparent"] == sum(x.transparent is True for x in samples)
+            for key, absent in (("first_crossing", float("inf")), ("bandwidth", -float("inf"))):
+                each = [x.first if key == "first_crossing" else x.bandwidth for x in samples]
+                row = sorted(absent if x is None else float(x) for x in each)
+                for p in (5, 50, 95):
+                    least = next(x for i, x in enumerate(row, 1) if 100 * i >= p * len(row))
+                    assert estimates[key][str(p)] == (None if abs(least) == float("inf") else least)

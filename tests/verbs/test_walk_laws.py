@@ -560,15 +560,16 @@ def test_one_straight_piece_of_the_boundary_has_no_hole_whichever_way_it_goes(
     ends: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(plane, "_PIXELS", 60)
-    (a, b), (c, d) = ends
-    labels = plane._labels(np.array([a, c], float), np.array([b, d], float), None, (0.0, 10.0, 0.0, 10.0))
+    (a, b), (c, d) = ((x - 5, y + 20) for x, y in ends)
+    window = (-5.0, 5.0, 20.0, 30.0)
+    labels = plane._labels(np.array([a, c], float), np.array([b, d], float), None, window)
     assert labels.max() == 2
-    on = np.argwhere(labels == 0) / plane._PIXELS * 10 + 5 / plane._PIXELS
+    on = np.argwhere(labels == 0) / plane._PIXELS * 10 + 5 / plane._PIXELS + (-5, 20)
     off = ((on[:, 0] - a) * (d - b) - (on[:, 1] - b) * (c - a)) / np.hypot(c - a, d - b)
     assert abs(off).max() < 2 * 10 / plane._PIXELS
-    still = plane._labels(np.array([a, c], float) + 20, np.array([b, d], float), None, (0.0, 10.0, 0.0, 10.0))
+    still = plane._labels(np.array([a, c], float) + 20, np.array([b, d], float), None, window)
     assert (still == 1).all()
-    aside = plane._labels(np.array([a, c], float), np.array([b, d], float) - 20, None, (0.0, 10.0, 0.0, 10.0))
+    aside = plane._labels(np.array([a, c], float), np.array([b, d], float) - 20, None, window)
     assert (aside == 1).all()
 
 
