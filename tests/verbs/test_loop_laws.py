@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import random
+from dataclasses import replace
 from itertools import islice, pairwise
 from types import SimpleNamespace
 from typing import Any
@@ -24,7 +25,7 @@ from haptisym.kernel.symbols import omega, s
 from haptisym.model.parameters import Rule
 from haptisym.verbs.stability import critical, search
 from haptisym.verbs.stability.boundary import _eliminated, _near, meetings
-from haptisym.verbs.stability.curves import Gap, _is_apart, minus
+from haptisym.verbs.stability.curves import Gap, Meeting, _is_apart, minus
 from haptisym.verbs.stability.farout import from_infinity, is_neutral
 from haptisym.verbs.stability.loops import Loop, coefficients, zeros
 from haptisym.verbs.stability.pairs import Characteristic
@@ -422,6 +423,61 @@ def test_however_few_cells_are_looked_at_a_pair_is_found_once_or_lies_in_a_gap(
         for y in true:
             times = sum(x == pytest.approx(y, abs=2e-3, rel=1e-3) for x in found)
             assert times == 1 or (times == 0 and any(a - 2e-3 <= y[0] <= b + 2e-3 for a, b in gaps)), (most, y)
+
+
+@pytest.mark.parametrize(
+    ("low", "high"), [(None, None), (Integer(0), None), (Integer(0), Integer(20)), (None, Integer(7))]
+)
+@pytest.mark.parametrize("stops", [(None, None), (3, None), (None, 2), (1, 1), (2, 4)])
+def test_windows_of_a_search_are_tiled_by_strips_and_end_at_what_is_allowed_or_at_a_gap(
+    low: Expr | None, high: Expr | None, stops: tuple[int | None, int | None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On either side up to a gap at the end of a window, at the j-th of them; what no search went to is one more gap."""
+    own = replace(loop_of(s**2 + s + 9 + q * exp(-s / 2), low), high=high)
+    strips: list[tuple[Expr, Expr]] = []
+    ends: list[list[Expr]] = [[], []]
+
+    def in_strip(_: Any, a: Expr, b: Expr) -> tuple[list[Meeting], list[Gap]]:
+        strips.append((a, b))
+        gaps = []
+        for side, x in enumerate((a, b)):
+            if x not in (ends[1 - side] or [None])[-1:] and (side == 0) == (x < 5):
+                ends[side].append(x)
+                if len(ends[side]) == stops[side]:
+                    gaps.append(search._gap(*sorted((x, x + (b - a) / 9 * (1 - 2 * side))), "why"))
+        return [Meeting(ExactNumber((a + b) / 2), ExactNumber(Integer(1)))], gaps
+
+    monkeypatch.setattr(search, "_in_strip", in_strip)
+    *windows, last = search.searched(own, Integer(5), "no reach")
+    assert 1 <= len(windows) <= 7
+    assert (last.above, last.below) == (low, high)
+    first, final = windows[0], windows[-1]
+    assert strips[0] == (first.above, first.below)
+    pieces = sorted(strips)
+    assert all(a[1] == b[0] for a, b in pairwise(pieces))
+    assert (pieces[0][0], pieces[-1][1]) == (final.above, final.below)
+    for x, y in pairwise(windows):
+        assert x.above is not None
+        assert x.below is not None
+        assert y.above is not None
+        assert y.below is not None
+        assert y.above <= x.above < 5 < x.below <= y.below
+        assert x.found == y.found[: len(x.found)]
+    assert last.found[0] == Meeting(ExactNumber(Integer(-9)), ExactNumber(Integer(0)))  # C(0) = 9 + q
+    assert len(last.found) == 1 + len(strips)
+    why = [tuple(search._ends(x)) for x in last.gaps if x.reason == "why"]
+    assert len(why) == sum(n is not None and n <= len(x) for n, x in zip(stops, ends, strict=True))
+    for side, (n, bound, end) in enumerate(zip(stops, (low, high), (final.above, final.below), strict=True)):
+        if n is None:
+            assert end == bound if bound is not None else len(ends[side]) == 7
+        else:
+            assert ends[side][-1] == end
+            assert len(ends[side]) == n
+        beyond = [x for x in last.gaps if x.reason == search._BEYOND and (x.high if side == 0 else x.low) == ExactNumber(end)]  # fmt: skip
+        assert len(beyond) == (end != bound)
+        for x in beyond:
+            assert (x.low if side == 0 else x.high) == (None if bound is None else ExactNumber(bound))
+    assert len(last.gaps) == len(why) + (final.above != low) + (final.below != high)
 
 
 # All of it: what meets the axis is where winding numbers change

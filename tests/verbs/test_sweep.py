@@ -24,7 +24,7 @@ import xarray as xr
 from hypothesis import given as drawn
 from hypothesis import strategies as st
 from strategies import Seeded, case, scene
-from sympy import Expr, Integer, Rational, pi
+from sympy import Expr, Integer, Rational, Symbol, pi
 
 import haptisym as hs
 from haptisym.cli import main
@@ -744,6 +744,12 @@ def test_a_sweep_is_another_one_if_anything_differs_but_the_own_values_of_what_i
 # --- what is refused -------------------------------------------------------------------------------------------------
 
 
+def test_what_is_left_open_beside_what_is_swept_needs_a_number() -> None:
+    free = PAPER.with_values({MASS: Symbol("m", positive=True), NATURAL: Symbol("w", positive=True)})
+    with pytest.raises(hs.SceneError, match="environment.m = m is a symbol where a number is needed"):
+        hs.sweep(free, {NATURAL: [40.0]})
+
+
 @pytest.mark.parametrize(
     ("vary", "message"),
     [
@@ -752,7 +758,12 @@ def test_a_sweep_is_another_one_if_anything_differs_but_the_own_values_of_what_i
             {"effects.filter.omega": [1.0]},
             'has no parameter "effects.filter.omega": did you mean "effects.filter.omega_n"',
         ),
+        ([MASS], "give values by path"),
         ({MASS: []}, "no values"),
+        ({MASS: [1.0, float("inf")]}, "finite"),
+        ({MASS: [1.0, -0.5]}, "must be >= 0"),
+        ({MASS: ["x"]}, "x"),
+        ({MASS: [None]}, "is not a number, nor a string"),
         ({MASS: [1.0, 1.0]}, "only once"),
         ({MASS: [-1.0, 1.0]}, "must be >= 0"),
         ({MASS: [float("nan")]}, "finite"),

@@ -10,7 +10,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from sympy import Expr, Integer, Rational, Symbol, exp, lambdify, pi
+from sympy import Expr, Integer, Rational, Symbol, exp, lambdify, pi, sqrt
 from windings import winding
 
 import haptisym as hs
@@ -60,6 +60,7 @@ def test_a_spring_behind_a_delay_that_shakes_shakes_however_much_stiffer_it_is()
     assert (right(SPRING, end - 1, 200), right(SPRING, end, 200)) == (0, 2)
     assert way.everywhere(number(end), None)
     assert not way.everywhere(number(end - 1), None)
+    assert not way.everywhere(ExactNumber(343 * sqrt(2)), None)  # no root is counted at what is no rational number
     counts = [right(SPRING, end * 4.0**n, 40 + 40 * 2.0**n) for n in range(7)]
     assert counts == sorted(x for x in counts if x is not None)
     assert (counts[0], (counts[-1] or 0) > 10) == (2, True)

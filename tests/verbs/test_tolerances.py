@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from marks import often
-from sympy import Rational
+from sympy import Rational, Symbol
 
 import haptisym as hs
 from haptisym.cli import app
@@ -278,6 +278,9 @@ def test_the_command_line_tells_proof_and_estimate_apart(tmp_path) -> None:  # t
 def test_a_scene_without_ranges_is_told_how_to_write_one() -> None:
     with pytest.raises(hs.SceneError, match=r"no parameter has a range.*\+-"):
         tolerances(hs.load_scene("fu2019"))
+    spring = hs.environments.kelvin_voigt(["1 N/m", "2 N/m"], Symbol("b", positive=True))
+    with pytest.raises(hs.SceneError, match="is a symbol where a number is needed"):
+        tolerances(hs.Scene(spring, (LAG,)))
 
 
 @pytest.mark.slow
