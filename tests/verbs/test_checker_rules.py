@@ -536,7 +536,15 @@ def test_quantities_of_a_wrong_dimension_or_shape_are_refused() -> None:
     assert formulas.quantity(["1 N/m", "3 N/m"], "k") == number(2, 0, [1, 0, -2])
     assert formulas.quantity("5 N/m +/- 1") == formulas.quantity("5 N/m ± 2 N/m") == number(5, 0, [1, 0, -2])
     assert formulas.quantity("5 N/m +- 1") == number(5, 0, [1, 0, -2])
-    for text in ("6 N/2", "3/4*4 N", "N*3", "(3) N", "12 N/(2*2)", "3*1 N", "6 rad N/2"):  # numbers before, between and behind
+    for text in (
+        "6 N/2",
+        "3/4*4 N",
+        "N*3",
+        "(3) N",
+        "12 N/(2*2)",
+        "3*1 N",
+        "6 rad N/2",
+    ):  # numbers before, between and behind
         assert formulas.quantity(text) == number(3, 0, [1, 1, -2])
     assert formulas.quantity("6/2") == formulas.quantity("3*1") == number(3)
     assert formulas.quantity("6/2/s") == number(3, 0, [0, 0, -1])

@@ -91,6 +91,22 @@ def test_what_is_said_of_a_box_of_hands_holds_for_each_of_them(seed: int) -> Non
     assert whole_box(scene, hs.Hand("one", 1, 2, 3)) is None
 
 
+def test_a_mass_behind_a_delay_leaves_a_chain_of_roots_in_hands_that_are_lighter_and_in_no_others() -> None:
+    """H_perc = (s^2 + s + 5) exp(-s tau): of masses below 1 kg none is stable, with much damping all above that are."""
+    scene = hs.Scene(hs.environments.mass_spring_damper(m=1, b=1, k=5), (hs.effects.delay("10 ms"),))
+    for low, high, share in (("1/5", "1/2", Share.NONE), ("99/100", "999/1000", Share.NONE), (2, 3, Share.ALL), ("1/5", 3, Share.SOME)):  # fmt: skip
+        hand = hs.Hand("any", [low, high], 20, 50)
+        box = whole_box(scene, hand)
+        assert box is not None
+        assert (box.share, box.meeting, box.reason) == (share, None, "")
+        assert {roots_in_hand(scene.distortion().perc, x).number == 0 for x in corners(hand)[1:]} == {
+            Share.NONE: {False}, Share.ALL: {True}, Share.SOME: {False, True},
+        }[share]  # fmt: skip
+    open_one = whole_box(scene, hs.Hand("any", ["1/5", 1], 20, 50))  # beside 1 kg the chain comes to the axis
+    assert open_one is not None
+    assert (open_one.share, bool(open_one.reason)) == (None, True)
+
+
 def corners(hand: hs.Hand) -> list[hs.Hand]:
     ends = [p.interval or (p.value, p.value) for p in hand.parameters]
     return [hand, *(hs.Hand("corner", *x) for x in product(*ends))]

@@ -82,8 +82,13 @@ def _decided(perceived: RationalFunction, hand: Hand) -> Box:
     counts = [roots_in_hand(perceived, x) for x in _corners(hand)]
     if all(x.chain is RootChain.RIGHT for x in counts) and _is_outweighed(perceived, hand):
         return Box(Share.NONE)
-    meeting = _meeting(perceived, hand)
     stable = [x.number == 0 for x in counts]
+    try:
+        meeting = _meeting(perceived, hand)
+    except UndecidedError:
+        if any(stable) and not all(stable):  # both kinds are there, wherever they meet
+            return Box(Share.SOME)
+        raise
     if meeting is not None:
         if any(stable):
             return Box(Share.SOME, meeting)
