@@ -23,11 +23,12 @@ from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.symbols import omega, s
 from haptisym.model.parameters import Rule
+from haptisym.verbs.require import freeparameter
 from haptisym.verbs.stability import critical, search
 from haptisym.verbs.stability.boundary import _eliminated, _near, meetings
 from haptisym.verbs.stability.curves import Gap, Meeting, _is_apart, minus
 from haptisym.verbs.stability.farout import from_infinity, is_neutral
-from haptisym.verbs.stability.loops import Loop, coefficients, zeros
+from haptisym.verbs.stability.loops import ALLOWED, Loop, coefficients, zeros
 from haptisym.verbs.stability.pairs import Characteristic
 from haptisym.verbs.stability.reach import lag_of, reach_of_axis
 from haptisym.verbs.stability.search import _Cells
@@ -56,6 +57,20 @@ def drawn(draw: random.Random, lags: list[Expr], *, degree: int = 2, power: int 
             if draw.random() < 0.8:
                 found += some(draw) * s**n * q ** draw.randint(0, power) * exp(-s * lag)
     return found + some(draw) * s**degree * q + some(draw)
+
+
+def test_a_number_may_be_what_its_rule_allows_and_its_ends_where_they_belong_to_it() -> None:
+    """The tables of values that are walked through, and of those that are asked about, against the rules one by one."""
+    little = Rational(1, 10**9)
+    for table in (ALLOWED, freeparameter._ALLOWED):
+        assert set(table) == {Rule.POSITIVE, Rule.NONNEGATIVE, Rule.ANY, Rule.FRACTION}
+        for rule, (low, high, closed) in table.items():
+            for end, side in ((low, -1), (high, 1)):
+                far = Rational(side * 10**9)
+                assert rule.allows(far) == (end is None)
+                if end is not None:
+                    told = [rule.allows(x) for x in (end + side * little, end, end - side * little)]
+                    assert told == [False, closed, True]
 
 
 @pytest.mark.few(5)
