@@ -327,7 +327,7 @@ ODD: list[tuple[hs.Scene, dict[str, Any], bool]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(5)
 @pytest.mark.parametrize(("scene", "hand", "stable"), ODD)
 def test_displays_at_the_edge_of_sense_get_an_answer(scene: hs.Scene, hand: dict[str, Any], *, stable: bool) -> None:
     """A spring alone has no motion of its own; a late one bounces from a weaker spring more each time, from a stiffer one less."""

@@ -498,7 +498,7 @@ def test_windows_of_a_search_are_tiled_by_strips_and_end_at_what_is_allowed_or_a
 # All of it: what meets the axis is where winding numbers change
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(24))
 def test_winding_numbers_change_at_meetings_alone_whatever_the_number_stands_in(seed: int) -> None:
     draw = random.Random(seed)

@@ -428,7 +428,7 @@ class Engine:
 
 @pytest.mark.parametrize(
     ("workers", "patience", "done"),
-    [(2, 0.0, [0, 2, 4, 8, 12]), (0, 1e9, [0, 12])],
+    [(2, 0.0, [0, 2, 4, 8, 12]), pytest.param(0, 1e9, [0, 12], marks=pytest.mark.slow)],
 )
 def test_a_store_is_filled_block_by_block_and_a_block_that_takes_long_is_handed_back(
     few: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, workers: int, patience: float, done: list[int]

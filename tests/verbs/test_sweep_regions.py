@@ -81,7 +81,7 @@ def test_half_widths_are_swept_together_apart_and_alone(jnd: dict[str, Any]) -> 
             agrees(found[dict(zip(axes, at, strict=True))], hs.evaluate(asked.with_values(values)))
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", JNDS)
 def test_the_transparent_part_is_that_of_a_dense_scan(name: str) -> None:
     jnd, omega = JNDS[name], np.linspace(1e-3, 15, 1501)

@@ -269,7 +269,7 @@ def test_a_characteristic_function_lies_in_its_models_to_the_last_digit(low: Any
             assert float(least[i, 0]) <= true <= float(most[i, 0])
 
 
-@pytest.mark.parametrize("seed", [3, 4, *(pytest.param(n, marks=pytest.mark.slow) for n in range(5, 50))])
+@pytest.mark.parametrize("seed", [3, *(pytest.param(n, marks=pytest.mark.slow) for n in range(4, 50))])
 def test_no_set_of_values_in_a_random_box_is_against_the_verdict(seed: int) -> None:
     pick, rng = Seeded(9000 + seed), np.random.default_rng(seed)
     plain = scene(case(pick, order=4))

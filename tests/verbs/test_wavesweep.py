@@ -260,7 +260,7 @@ def test_resonances_steep_terms_and_high_degrees_are_counted_in_floats(family: s
     )
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("seed", range(100, 106))
 def test_random_scenes_are_never_counted_wrong(family: str, seed: int) -> None:
@@ -282,7 +282,7 @@ def test_sets_do_not_feel_which_others_are_there(name: str) -> None:
             assert np.array_equal(column[[i]], alone[key], equal_nan=True), key
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["delayed-spring", "organ-tissue", "satellite-contact"])
 def test_a_threshold_that_is_swept_beside_waves_is_counted_in_floats_as_each_evaluation_counts_it(name: str) -> None:
     scene, limits = hs.load_scene(name), [0.03, 0.0625, 0.125, 0.5]
