@@ -360,6 +360,9 @@ def test_cells_lie_between_what_comes_from_infinity_as_far_as_a_number_may_go() 
     loop = SimpleNamespace(low=None, high=Integer(4), at=lambda _: none)
     ends = [(x.low and float(x.low), x.high and float(x.high)) for x in neutral.cells(loop, met)]  # type: ignore[arg-type]
     assert ends == [(None, -1), (-1, 0), (0, 2), (2, 4)]
+    loop = SimpleNamespace(low=Integer(0), high=Integer(5), at=lambda _: none)  # what comes at an end parts nothing
+    ends = [(x.low and float(x.low), x.high and float(x.high)) for x in neutral.cells(loop, met)]  # type: ignore[arg-type]
+    assert ends == [(0, 2), (2, 5)]
     loop = SimpleNamespace(
         low=None, high=Integer(4), at=lambda x: SimpleNamespace(chain=RootChain.RIGHT if x > 0 else None)
     )
