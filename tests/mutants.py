@@ -535,7 +535,7 @@ def tried(root: Path, folder: str, known: Known, given: argparse.Namespace) -> I
     for mutant in drawn(root, folder, given.seed, given.count, given.only):
         started = time.monotonic()
         word, test = noticed(root, mutant, known, given.seconds)
-        if word.startswith("not") and given.slow and (slow := noticed_slowly(root, mutant, known, given.slow)):
+        if word.startswith("not ") and given.slow and (slow := noticed_slowly(root, mutant, known, given.slow)):
             word, test = "noticed", slow
         print(f"  {word:12} {told(root, mutant)}  {test}", flush=True)
         if given.out:

@@ -6,6 +6,8 @@ import ast
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -83,6 +85,22 @@ def test_tests_that_reach_a_function_are_asked_first_and_the_quickest_before_oth
     assert known.near(change.module, change.function) == ["a.py::3", "a.py::1"]
     assert known.taken(known.near(change.module, change.function), 3.6) == ["a.py::3", "a.py::1", "a.py::2"]
     assert known.taken(known.near(change.module, change.function), 2.0) == ["a.py::3", "a.py::2"]
+
+
+def test_slow_tests_are_asked_about_what_no_quick_one_noticed_alone(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given: Any = SimpleNamespace(seed=1, count=3, only="", seconds=1.0, slow=1.0, out=None)
+    asked: list[mutants.Mutant] = []
+    monkeypatch.setattr(mutants, "noticed_slowly", lambda _, mutant, *__: (asked.append(mutant), "a slow one")[1])
+    for word, told in (
+        ("noticed", ("noticed", "a quick one")), ("endless", ("endless", "a quick one")), ("not noticed", ("noticed", "a slow one")), ("not reached", ("noticed", "a slow one")),
+    ):  # fmt: skip
+        asked.clear()
+        monkeypatch.setattr(mutants, "noticed", lambda *_, word=word: (word, "a quick one"))
+        rows = list(mutants.tried(root, "kernel", mutants.Known({}, {}, [], []), given))
+        assert set(rows) == {told}
+        assert len(asked) == (len(rows) if told[1] == "a slow one" else 0)
 
 
 @pytest.mark.slow
