@@ -598,6 +598,10 @@ def test_the_largest_parts_of_the_plane_are_counted_at_the_middle_of_a_pixel_ins
             i, j = (cell.k + 2) / 8 * size, (cell.b - 1) / 4 * size
             assert (i % 1, j % 1) == pytest.approx((0.5, 0.5), abs=1e-6)
             assert cell.pixels[int(i) - 2 : int(i) + 3, int(j) - 2 : int(j) + 3].all()
+            rows, columns = np.nonzero(cell.pixels)
+            width = rows.max() - rows.min() + 1
+            if width % 2:  # one pixel alone is the deepest
+                assert (int(i), int(j)) == (rows.min() + width // 2, columns.min() + width // 2)
 
 
 def curve(end: float) -> Iterator[Any]:
