@@ -127,8 +127,8 @@ def stability(**given: Any) -> Stability:
         (Imposed(None, None), "UNDECIDED: whether all poles of H_perc lie in Re s < 0."),
         (Imposed(YES, 0), "Stable: all poles of H_perc lie in Re s < 0."),
         (Imposed(YES, 0, RootChain.NEAR), "Stable: all poles of H_perc lie in Re s < 0; infinitely many come as near to the imaginary axis as one likes."),
-        (Imposed(NO, 2), "NOT stable: poles of H_perc in Re s >= 0: 2."),
-        (Imposed(NO, None), "NOT stable: poles of H_perc in Re s >= 0: at least one."),
+        (Imposed(NO, 2), "NOT stable: poles of H_perc in Re s ≥ 0: 2."),
+        (Imposed(NO, None), "NOT stable: poles of H_perc in Re s ≥ 0: at least one."),
         (Imposed(NO, None, RootChain.NEAR), "NOT stable: H_perc has poles on the imaginary axis."),
         (Imposed(NO, None, RootChain.RIGHT), "NOT stable: of the poles of H_perc, infinitely many roots lie to the right of the imaginary axis"),
     ],
@@ -192,7 +192,7 @@ def test_what_is_said_of_hands_how_far_numbers_may_go_and_of_boxes() -> None:
     found = stability(held=held, critical=(rows, *[()] * 5), boxes=(None,) * 6)
     shown, text = lines(found), flat(found)
     for line in (
-        "hand m (kg) b (N·s/m) k (N/m) stable roots in Re s >= 0", "a 0.5 2 30 yes 0", "b 0.5 2 30 NO 2", "c 0.5 2 30 NO infinite",
+        "hand m (kg) b (N·s/m) k (N/m) stable roots in Re s ≥ 0", "a 0.5 2 30 yes 0", "b 0.5 2 30 NO 2", "c 0.5 2 30 NO infinite",
         "d 0.5 2 30 NO a chain near it", "e 0.5 2 30 NO 2", "f 0.5 2 30 UNDECIDED", "How far a number may go in the hand a",
         "environment.k 80.000000 N/m below 9", "environment.k 120.00000 N/m on neither side from infinity", "environment.k 130.00000 N/m not above 1",
         "effects.delay.tau: the number of unstable roots is the same for all values.", "UNDECIDED: hand.m: that took too long.",
@@ -407,16 +407,16 @@ GIVEN = SimpleNamespace(value=number("2.5"), omega=number(8))
     [
         (None, "Every passive hand: not decided. Whether the display is stable in a hand was not looked at."),
         (passivity(holds=None, beyond=Beyond.UNKNOWN), "Every passive hand: not decided. Whether"),
-        (passivity(holds=None), "Every passive hand: not decided; Im H_perc >= 0 at all frequencies, but poles were not decided. Whether"),
-        (passivity(holds=None, beyond=Beyond.CLOCK), "not decided; Im H_perc >= 0 up to 40 rad/s, half the clock's rate, which alone does not tell. Whether"),
+        (passivity(holds=None), "Every passive hand: not decided; Im H_perc ≥ 0 at all frequencies, but poles were not decided. Whether"),
+        (passivity(holds=None, beyond=Beyond.CLOCK), "not decided; Im H_perc ≥ 0 up to 40 rad/s, half the clock's rate, which alone does not tell. Whether"),
         (passivity(holds=None, is_active=True, active=(interval(2, 3),)), "not decided; Im H_perc < 0 from 2 to 3 rad/s in a closed form that leaves out what a clock folds back. Whether"),
-        (passivity(), "Every passive hand may hold it: Im H_perc >= 0 at all frequencies, not on this band alone, and no pole forbids it."),
+        (passivity(), "Every passive hand may hold it: Im H_perc ≥ 0 at all frequencies, not on this band alone, and no pole forbids it."),
         (passivity(has_passive_parts=True), "Every passive hand may hold it: all parts only take energy."),
         (passivity(sampled=True), "Every passive hand may hold it: Colgate and Schenkel's condition is met up to θ = π."),
         (passivity(holds=False, sampled=True), "Not with every passive hand: Colgate and Schenkel's condition is not met. Whether"),
-        (passivity(holds=False), "Not with every passive hand: Im H_perc >= 0 at all frequencies, but poles forbid it. Whether"),
+        (passivity(holds=False), "Not with every passive hand: Im H_perc ≥ 0 at all frequencies, but poles forbid it. Whether"),
         (passivity(**ACTIVE), "Not with every passive hand: Im H_perc < 0 from 2 to 3 rad/s and at 5 rad/s (0.79577 Hz) alone. It gives energy away there, −π A² Im H_perc per cycle of amplitude A. Whether"),
-        (passivity(**ACTIVE, most_given=GIVEN, damping=SUP), "It gives energy away there, −π A² Im H_perc per cycle of amplitude A (with Im H_perc = −2.5 N/m at 8 rad/s). A hand that damps more than 2.5 N s/m holds it, whatever its mass and stiffness. Whether"),
+        (passivity(**ACTIVE, most_given=GIVEN, damping=SUP), "It gives energy away there, −π A² Im H_perc per cycle of amplitude A (with Im H_perc = −2.5 N/m at 8 rad/s). A hand that damps more than 2.5 N·s/m holds it, whatever its mass and stiffness. Whether"),
         (passivity(**ACTIVE, damping=SUP, poles_allow=False), "per cycle of amplitude A. Whether"),
         (passivity(**ACTIVE, is_unbounded=True), "per cycle of amplitude A. No damping of a hand makes up for that: it grows faster than frequency. Whether"),
         (passivity(**ACTIVE, beyond=Beyond.ALWAYS), "Im H_perc < 0 from 2 to 3 rad/s and from 5 rad/s on. It"),
@@ -433,7 +433,7 @@ def test_an_evaluation_says_of_every_passive_hand_what_was_decided(found: Any, t
     assert imposed == "The force under imposed motion is stable: all poles of H_perc have Re s < 0."
     assert told in hands
     for stable, words in (
-        (False, "is NOT stable: a pole of H_perc has Re s >= 0."),
+        (False, "is NOT stable: a pole of H_perc has Re s ≥ 0."),
         (None, "Whether the force under imposed motion is stable was not decided."),
     ):
         assert " ".join(said(next(iter(held(evaluated(stable, found))))).replace("\xa0", " ").split()).endswith(words)

@@ -412,7 +412,7 @@ def test_what_a_hand_must_damp_is_the_most_that_is_given_away_at_any_frequency(s
     assert damping.unit == "N s/m"
     assert float(damping.value) == pytest.approx((-felt / grid).max(), rel=1e-4)  # type: ignore[arg-type]
     if where == "set at" and felt.argmin() < 19_000:
-        given_away = row(m, "most energy given per cycle, over pi A^2")
+        given_away = row(m, "most energy given per cycle, over π A²")
         assert float(given_away.value) == pytest.approx(-felt.min(), rel=1e-4)  # type: ignore[arg-type]
         assert float(given_away.what.split()[-2]) == pytest.approx(grid[felt.argmin()], rel=2e-3)
         assert given_away.unit == "N/m"

@@ -332,7 +332,7 @@ def test_a_release_is_told_in_numbers_on_its_page_and_in_its_document() -> None:
     assert let_go(closed=floats).to_dict()["closed"]["digits"] == ["-2.12345679", "30"]
     lines = [" ".join(line.split()) for line in str(r).splitlines()]
     for line in (
-        "simulated kelvin-voigt, delay", "hand own: m = 0.5 kg, b = 3 N s/m, k = 7 N/m", "held at 0.01 m, at rest, then let go",
+        "simulated kelvin-voigt, delay", "hand own: m = 0.5 kg, b = 3 N·s/m, k = 7 N/m", "held at 0.01 m, at rest, then let go",
         "time 0 to 2 s", "what lasts longest rate (1/s) rad/s error", "read from the motion -2 30 1e-06",
         "rightmost root -2.00000000000000 30.0000000000000 proven",
     ):  # fmt: skip

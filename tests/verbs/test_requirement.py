@@ -505,7 +505,7 @@ def test_the_page_says_the_value_what_binds_and_the_formula(capsys, monkeypatch)
     assert status == 0
     assert "exactly for 0 ≤ τ ≤ 0.0066778 s" in out
     assert "r_i (imag)   the band's high end, 15 rad/s" in out
-    assert "tau = asin(c)/ω_max" in out
+    assert "τ = asin(c)/ω_max" in out
 
 
 WRONG = [
