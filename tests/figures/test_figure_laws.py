@@ -345,6 +345,7 @@ def test_verdicts_are_bars_where_they_hold_one_row_for_each() -> None:
 # Identified models
 
 
+@pytest.mark.slow
 def test_an_identified_model_is_drawn_through_its_lines_with_residuals_in_their_errors() -> None:
     at = np.array([1.0, 2.5, 4, 6, 8, 10, 40])
     exact = hs.sampled("fu2019", at)

@@ -35,6 +35,7 @@ def rational(draw: random.Random, depth: int, leaf: Any, whole: Any) -> Any:
     return whole(draw.randint(1, 9)) / (one * one + 3) if kind == 5 else (one * one + 1) ** draw.choice([-2, -1, 0, 3])
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("seed", range(12))
 def test_a_jet_of_a_formula_is_its_taylor_series(seed: int) -> None:
     """By SymPy, exactly: also where a jet is divided by a whole number, which a float would round."""

@@ -119,6 +119,7 @@ def test_an_estimate_and_its_discs_are_those_of_segments_that_are_cut_by_hand(
         assert radius == pytest.approx(farthest, rel=1e-4)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", WINDOWS)
 def test_as_many_independent_segments_as_the_mean_has_the_variance_of(name: str) -> None:
     x, f = np.random.default_rng(1).normal(size=(2, 203))

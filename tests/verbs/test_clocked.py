@@ -244,6 +244,7 @@ def test_the_damping_that_holds_a_stiff_wall_is_where_the_count_changes() -> Non
     assert counts == [2, 0]
 
 
+@pytest.mark.slow
 def test_the_period_and_the_stiffness_have_one_boundary() -> None:
     """K(T) and T(K) are inverse to each other."""
     (x,) = critical(wall(300, T="4 ms"), FREE, "effects.sampled-loop.T")["found"]
@@ -282,6 +283,7 @@ def test_down_to_0_a_wall_in_a_clock_is_told_as_its_roots_are_counted() -> None:
         assert held(scene.with_values({"environment.k": value}), hand).stable is True
 
 
+@pytest.mark.slow
 def test_beyond_what_was_looked_at_nothing_is_said() -> None:
     found = hs.stability(wall(500), P3)
     assert "hand.m: looked at from" in " ".join(str(found).split())
@@ -443,6 +445,7 @@ def test_a_coefficient_that_vanishes_where_the_walk_ends_is_no_error() -> None:
         assert hs.stability(now).held[0].stable is is_stable
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("k", "b", "share"), [(1000, (0, 1), "all"), (1700, (0, 1), "some"), (9000, (0, 1), "none"), (3000, (2, 4), "all")]
 )

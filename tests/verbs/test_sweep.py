@@ -478,6 +478,7 @@ def test_what_is_no_store_of_this_sweep_is_told(tmp_path: Path) -> None:
             hs.sweep(PAPER, FEW, out=tmp_path / name)
 
 
+@pytest.mark.slow
 def test_a_netcdf_file_is_made_of_a_store_and_read_again(
     few: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
