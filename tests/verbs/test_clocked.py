@@ -13,6 +13,7 @@ from sympy import Integer, N, Rational, Symbol, exp, pi
 
 import haptisym as hs
 from haptisym.judge.colgate import sampled_passivity
+from haptisym.kernel.budget import limited
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import ExactNumber
@@ -527,3 +528,18 @@ def test_with_a_resonance_between_clock_and_hand_a_number_may_still_go_far(path:
         assert ends == [x.below, x.above]
     known = {"effects.torsion-bar.k": [356.501596], "effects.sampled-loop.T": [0.00119940417]}.get(path, [])
     assert changes == pytest.approx(known, rel=1e-8)
+
+
+def test_when_the_time_is_over_a_number_is_known_as_far_as_it_was_followed() -> None:
+    """Time that passes with each look of a walk: half of what is left for each side, so that the other one is followed too."""
+    [hand] = KNOB.hands
+    mass = hand.parameters[0]
+    with limited(0.6):
+        found = passages(KNOB, hand, mass)
+    assert found.found == ()
+    assert 0 < found.low < 0.0005 < found.high
+    loop = opened(KNOB, hand, mass)
+    for x in (found.low, found.high):
+        assert loop.count(Rational(x.numerator, x.denominator)) == (0, 0)
+    with limited(1e-9), pytest.raises(UndecidedError):
+        passages(KNOB, hand, mass)

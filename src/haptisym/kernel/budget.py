@@ -89,6 +89,12 @@ def limited(seconds: float | None = None, told: Told | None = None) -> Iterator[
             outer.reached |= budget.reached
 
 
+def left() -> float | None:
+    """Seconds until the time is over, None without a limit."""
+    budget = _budget.get()
+    return None if budget is None or budget.deadline is None else max(budget.deadline - monotonic(), 0.0)
+
+
 def tick(done: float | None = None, total: float | None = None, what: str = "") -> None:
     """Say that the work goes on, and how far it is; LimitError where the time for it is over."""
     budget = _budget.get()

@@ -82,9 +82,8 @@ class States:
             k, rest = k + 1, rest / (4 * (k + 1))  # 4^(1 - k)/k!, more than the terms from X^k/(k + 1)! on
         for n in range(k, 1, -1):
             total = self._one + X * total * (arb(1) / n)
-        if not norm(
-            reduce(mul, [X] * self.size, self._one)
-        ).is_zero():  # it is where there are masses alone: no power is left
+        last = reduce(mul, [X] * self.size, self._one)
+        if not norm(last).is_zero():  # of masses alone nothing is left out, as no higher power is there
             total = widened(total, rest)
         for _ in range(doublings):
             total, X = total + X * total * total * arb(0.5), X * 2

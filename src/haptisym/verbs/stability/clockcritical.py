@@ -16,8 +16,8 @@ import flint
 from flint import acb_poly, arb
 from sympy import Expr, Integer, Rational, Symbol
 
-from haptisym.kernel.budget import tick
-from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.budget import left, limited, tick
+from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.nearone import at_one, circle_tests, is_clear
 from haptisym.kernel.pulse import SampledLoop
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
@@ -31,9 +31,7 @@ from haptisym.verbs.stability.clockvalues import CriticalValue, Swing
 
 _BITS = 128
 _REACH = 10  # times that a value is doubled, and halved, at the most
-_FINEST = Fraction(
-    1, 1 << 24
-)  # of a value: where cells are shorter it is asked whether roots are more or fewer behind them
+_FINEST = Fraction(1, 1 << 24)  # of a value: where cells are shorter, it is asked whether more roots are behind them
 _STEPS = (8, 64, 512)  # of such cells, over which roots are more or fewer, or proven to be as many throughout
 _DEEPEST = 8  # times that these are cut
 _GROWTH = Fraction(1, 2)  # of a cell, to the next
@@ -71,8 +69,18 @@ def passages(scene: Scene, hand: Hand, free: Knob) -> Passages:
     if home[1]:
         raise UndecidedError("how far a number may go that has roots on the unit circle now")
     walk = Walk(loop, _fraction(start), home[0], free.rule)
-    (below, low), (above, high) = (walk.towards(side) for side in (-1, 1))
+    (below, low), (above, high) = (in_half_the_time(walk, side) for side in (-1, 1))
+    if low == high:
+        tick()
+        raise UndecidedError("how far a number may go next to whose value roots come to the unit circle")
     return Passages(tuple(x for x in (below, above) if x is not None), low, high)
+
+
+def in_half_the_time(walk: Walk, side: int) -> tuple[Passage | None, Fraction]:
+    """Something is left for the other side, and for other numbers."""
+    seconds = left()
+    with limited(seconds / 2 if seconds else None):
+        return walk.towards(side)
 
 
 def opened(scene: Scene, hand: Hand, free: Knob) -> Opened:
@@ -187,7 +195,10 @@ class Walk:
         end = self._end(side, scale)
         at, step, fine, growth = self.start, scale / 64, 0, _GROWTH
         for _ in range(_MOST_CELLS):
-            tick()
+            try:
+                tick()
+            except LimitError:
+                break
             if at == end:
                 found = self._at_0(at, side)
                 return found, Fraction(0) if found or self._is_clear_down_to_0(at, side) else at

@@ -10,7 +10,7 @@ from haptisym.kernel.errors import UndecidedError
 from haptisym.model.hand import Hand
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
-from haptisym.verbs.stability.clockcritical import Opened, Passage, Walk, opened, start_of
+from haptisym.verbs.stability.clockcritical import Opened, Passage, Walk, in_half_the_time, opened, start_of
 
 _MOST_PASSAGES = 24
 
@@ -33,7 +33,7 @@ def passages_in(
     for side, last in zip((-1, 1), between, strict=True):
         at, count = Fraction(int(start.p), int(start.q)), home
         for _ in range(_MOST_PASSAGES):
-            passage, known = Walk(loop, at, count, free.rule).towards(side)
+            passage, known = in_half_the_time(Walk(loop, at, count, free.rule), side)
             if passage is None or (last is not None and (known - Fraction(float(last))) * side > 0):
                 found += [passage] if passage else []
                 at = known
