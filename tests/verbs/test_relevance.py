@@ -1011,3 +1011,22 @@ def test_an_interval_cut_by_the_end_of_the_band_may_hold_no_crossing(band: tuple
     [x] = relevance(hs.Scene(SPRING, effects, band, hs.Threshold.of(5, "0.4")), "0.05").crossings
     assert not x.certain
     assert band[0] <= float(x.low) < float(x.high) <= band[1]
+
+
+@pytest.mark.parametrize("jnd", ["0.08 + 0.001*omega", "0.005 + 0.004*omega"])
+def test_crossings_of_a_limit_that_grows_are_enclosed_though_an_effect_is_left_out(jnd: str) -> None:
+    """By the evaluation of the whole scene; of the second limit the tolerance itself is more, next to 0 rad/s."""
+    scene = hs.parse_scene(f"""
+        environment = {{model = "mass-spring-damper", m = 1.8, b = 15, k = 100}}
+        effects = [
+            {{model = "second-order-lowpass", omega_n = 80, zeta = "0.5"}},
+            {{name = "quick", model = "first-order-lag", omega_c = 4000}},
+        ]
+        evaluation = {{band = [0, 15], jnd = "{jnd}"}}
+    """)
+    found = hs.relevance(scene)
+    assert [x.name for x in found.dropped] == ["quick"]
+    for x in hs.evaluate(scene).crossings:
+        own = [y for y in found.crossings if y.criterion.name == x.criterion.name]
+        assert sum(y.bounds[0] <= float(x.omega) <= y.bounds[1] for y in own) == 1
+    assert found.crossings
