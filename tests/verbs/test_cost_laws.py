@@ -18,7 +18,7 @@ import pytest
 import regions
 import threadpoolctl
 from flint import arb
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from jnds import jnds
 from marks import examples
@@ -271,6 +271,7 @@ def test_the_digits_of_an_answer_are_those_of_its_worst_part() -> None:
 
 @given(st.lists(st.integers(0, 90), min_size=1, max_size=3, unique=True), st.integers(1, 60))
 @examples(30)
+@example([3], 3)  # at its corner a ratio is largest, and does not grow at all
 def test_the_condition_of_a_ratio_is_how_it_grows_with_the_frequency(omegas: list[int], corner: int) -> None:
     question = RatioQuestion(lag(corner).distortion(), tuple(map(float, omegas)))
     known = [

@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 from hypothesis import strategies as st
+from sympy import SympifyError, cancel, sympify
 
 Draw = Callable[[st.SearchStrategy[Any]], Any]
 PERCENT = st.integers(2, 60).map(lambda n: f"{n}/100")
@@ -94,3 +95,17 @@ def inline(jnd: Any) -> str:
     if isinstance(jnd, list | tuple):
         return "[" + ", ".join(map(inline, jnd)) + "]"
     return str(jnd) if isinstance(jnd, float | int) else f'"{jnd}"'
+
+
+def same_rows(one: Any, other: Any) -> bool:
+    """Whether rows of JNDs are alike, their formulas as functions of omega: one is written with brackets, one without."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(same_rows(one[key], other[key]) for key in one)
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(map(same_rows, one, other))
+    if one == other:
+        return True
+    try:
+        return bool(cancel(sympify(one) - sympify(other)) == 0)
+    except (SympifyError, TypeError):
+        return False

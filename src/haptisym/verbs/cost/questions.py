@@ -82,12 +82,16 @@ class RatioQuestion:
     def _sensitivity(self, part: Part, omega: float) -> float:
         if not omega or not 0 < self.ratio(part, omega, 5) < arb("inf"):
             return 0.0
-        return abs(omega * float(_tight(_Growth(self.distortion.squared_ratios[part], _exact(omega)), 15).mid()) / 2)
+        found = _Growth(self.distortion.squared_ratios[part], _exact(omega)).ball(_GROWTH_BITS)
+        return abs(omega * float(found.mid()) / 2) if found.is_finite() else inf
 
     def score(self, answer: Iterable[Sequence[AnswerNumber]], truth: Sequence[Sequence[Ball]], held: float) -> Score:
         """The right digits of the worst of the values; no more than the ``held`` ones that their numbers can hold."""
         pairs = [p for given, true in zip(answer, truth, strict=True) for p in zip(given, true, strict=True)]
         return Score(min((right_digits(x, y, held) for x, y in pairs), default=held))
+
+
+_GROWTH_BITS = 1024  # of what may be 0, and so has no relative accuracy
 
 
 @dataclass(frozen=True)
