@@ -20,7 +20,7 @@ from scipy import ndimage
 from sympy import Expr, Integer, Rational, Symbol, pi
 
 from haptisym.kernel.budget import limited
-from haptisym.kernel.errors import LimitError, UndecidedError
+from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.pulse import Plant, SampledLoop
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rootcount import RootChain, Roots
@@ -230,9 +230,10 @@ def _at_its_delay(k: Symbol) -> Opened:
     return Opened(SampledLoop(plant, Integer(1), (k,), (Integer(1),)), k)
 
 
-def test_a_walk_keeps_to_its_limit() -> None:
-    with limited(1e-9), pytest.raises(LimitError):
-        Walk(_at_its_delay(k), Fraction(1, 2), 0, Rule.POSITIVE).towards(1)
+def test_a_walk_whose_time_is_over_knows_of_no_value_but_its_first() -> None:
+    with limited(1e-9) as budget:
+        assert Walk(_at_its_delay(k), Fraction(1, 2), 0, Rule.POSITIVE).towards(1) == (None, Fraction(1, 2))
+    assert budget.reached
 
 
 def test_a_walk_that_gets_ahead_by_the_shortest_cells_alone_gives_up(monkeypatch: pytest.MonkeyPatch) -> None:
