@@ -10,9 +10,10 @@ import flint
 import pytest
 from flint import arb, arb_mat, arb_poly, fmpq
 from mpmath import expm, matrix, mp, mpf
-from sympy import Rational, Symbol, series
+from sympy import Rational, Symbol, factorial, series
 
-from haptisym.kernel.jets import Jet, coefficients, narrowest, over_cell, parts, polynomial, value
+from haptisym.kernel.jets import Jet, Line, coefficients, narrowest, over_cell, parts, polynomial, powers, value
+from haptisym.kernel.nearone import has_no_pair
 from haptisym.kernel.states import States, norm, widened
 
 x = Symbol("x")
@@ -53,19 +54,19 @@ def test_a_jet_of_a_formula_is_its_taylor_series(seed: int) -> None:
 def test_over_a_cell_a_function_has_all_its_values_and_hardly_more(seed: int) -> None:
     draw = random.Random(seed)
     middle, radius = Fraction(draw.randint(-20, 20), 7), Fraction(1, draw.choice([4, 16, 64]))
-    function = lambda q: [rational(random.Random(seed), 3, q, int), q * 0 + 2]  # noqa: E731
+    function = lambda q: [rational(random.Random(seed), 3, q[0], int), q[0] * 0 + 2]  # noqa: E731
     with flint.ctx.workprec(200):
         order = draw.choice([1, 2, 3])
-        line, constant = over_cell(function, exactly(middle), exactly(radius), order)
+        line, constant = over_cell(function, [exactly(middle)], [exactly(radius)], order)
         assert constant.ball.contains(2)
         values = []
         for k in range(-8, 9):
             y = Fraction(k, 8)
             exact = rational(random.Random(seed), 3, middle + radius * y, Fraction)
             assert line.ball.overlaps(exactly(exact))
-            assert (line.at + line.slope * exactly(y)).overlaps(exactly(exact))
+            assert (line.at + line.slopes[0] * exactly(y)).overlaps(exactly(exact))
             values.append(exact)
-        small = over_cell(function, exactly(middle), exactly(radius / 1000), 3)[0].ball
+        small = over_cell(function, [exactly(middle)], [exactly(radius / 1000)], 3)[0].ball
         spread = abs(
             rational(random.Random(seed), 3, middle + radius / 1000, Fraction)
             - rational(random.Random(seed), 3, middle - radius / 1000, Fraction)
@@ -73,6 +74,88 @@ def test_over_a_cell_a_function_has_all_its_values_and_hardly_more(seed: int) ->
         assert float(small.rad()) <= 0.51 * float(spread) + 1e-5 * float(radius) * max(
             1.0, abs(float(max(values, key=abs)))
         )
+
+
+def in_two(draw: random.Random, depth: int, leaves: Any, whole: Any) -> Any:
+    """A random formula of several numbers, which is 1/0 nowhere where they are real."""
+    if depth == 0:
+        return draw.choice(leaves)
+    one, other = (in_two(draw, depth - 1, leaves, whole) for _ in range(2))
+    kind = draw.randrange(5)
+    if kind == 4:
+        return whole(draw.randint(1, 9)) / (one * one + 3)
+    return [one + other, one - other, one * other, one * other * whole(draw.randint(2, 5))][kind]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_jet_in_two_numbers_has_the_partial_derivatives_of_its_formula(seed: int) -> None:
+    y = Symbol("y")
+    with flint.ctx.workprec(200):
+        start = exactly(Fraction(1, 3)), exactly(Fraction(-2, 5))
+        rest = [arb(0)] * 3
+        leaves = [Jet([start[0], arb(1), arb(0), *rest], 2), Jet([start[1], arb(0), arb(1), *rest], 2)]
+        own = in_two(random.Random(seed), 3, leaves, int)
+        formula = in_two(random.Random(seed), 3, [x, y], Rational)
+        for (i, j), part in zip(powers(2, 6), own.row, strict=True):
+            c = formula.diff(x, i, y, j).subs({x: Rational(1, 3), y: Rational(-2, 5)}) / (factorial(i) * factorial(j))
+            assert part.overlaps(exactly(Fraction(int(c.p), int(c.q))))
+            assert part.rad() < 1e-40 * (1 + abs(part.mid()))
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_over_a_box_a_function_lies_along_its_plane(order: int) -> None:
+    """At random values of three numbers, exactly; what is left beside the plane falls with the box, by the order of the terms."""
+    draw = random.Random(order)
+    for seed in range(6):
+        middles = [Fraction(draw.randint(-9, 9), 7) for _ in range(3)]
+        width = []
+        for radius in (Fraction(1, 8), Fraction(1, 800)):
+            with flint.ctx.workprec(200):
+                [line] = over_cell(
+                    lambda q, seed=seed: [in_two(random.Random(seed), 3, q, int) + q[0] * 0],
+                    [*map(exactly, middles)],
+                    [exactly(radius)] * 3,
+                    order,
+                )
+                for _ in range(10):
+                    at = [Fraction(draw.randint(-8, 8), 8) for _ in range(3)]
+                    values = [m + radius * t for m, t in zip(middles, at, strict=True)]
+                    value = exactly(in_two(random.Random(seed), 3, values, Fraction))
+                    plane = sum((c * exactly(t) for c, t in zip(line.slopes, at, strict=True)), line.at)
+                    assert line.ball.overlaps(value)
+                    assert plane.overlaps(value)
+                width.append(float((line.at if order > 1 else line.ball).rad()))
+        assert width[1] <= 1.5 * width[0] * 0.01 ** min(order, 2)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_pair_on_the_axis_for_some_numbers_of_a_box_is_never_passed_by(seed: int) -> None:
+    """(v^2 + nu^2)(v + a) has such a pair at one place of the box; away from it, E and O move so that neither is 0 alone."""
+    draw, told = random.Random(seed), 0
+    for _ in range(25):
+        nu2, a = draw.uniform(0.2, 4), draw.uniform(0.2, 4)
+        middle = [a * nu2, nu2, a, 1.0]
+        slopes = [[draw.uniform(-1, 1) for _ in middle] for _ in range(3)]
+        there = [draw.uniform(-1, 1) for _ in slopes]
+        for beside in (0, 3):  # of the sum of all moves, in the lowest coefficient: within the box, and far outside
+            at = [c - sum(m[i] * t for m, t in zip(slopes, there, strict=True)) for i, c in enumerate(middle)]
+            at[0] += beside * sum(abs(m[i]) for m in slopes for i in range(4)) * (1 + nu2)
+            lines = [Line(arb(c), tuple(arb(m[i]) for m in slopes)) for i, c in enumerate(at)]
+            clear = has_no_pair([x.ball for x in lines], lines)
+            assert not (clear and not beside)
+            told += clear
+    assert told > 2
+
+
+def test_moves_that_a_combination_shows_to_miss_the_axis_are_told() -> None:
+    """v^3 + a v^2 + b v + 1/2 has a pair on the axis where a b = 1/2: not on the box, where one rises as the other falls."""
+    a, b = (arb("0.2"), arb("0.3")), (arb("-0.3"), arb("-0.2"))
+    fixed = (arb(0), arb(0))
+    lines = [Line(arb("0.5"), fixed), Line(arb(1), b), Line(arb(1), a), Line(arb(1), fixed)]
+    assert not has_no_pair([x.ball for x in lines])  # 1/2 < a, b < 3/2
+    assert has_no_pair([x.ball for x in lines], lines)  # a b >= 3/4
+    wider = [x._replace(slopes=tuple(c * arb("1.6") for c in x.slopes)) for x in lines]
+    assert not has_no_pair([x.ball for x in wider], wider)  # 1.8 * 0.2
 
 
 def test_of_two_true_balls_the_narrower_one_counts_in_each_coefficient() -> None:

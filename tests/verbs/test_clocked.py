@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+from fractions import Fraction
 from typing import Any
 
 import pytest
@@ -22,6 +23,7 @@ from haptisym.model.hand import Hand
 from haptisym.verbs.stability.clockcritical import opened, passages
 from haptisym.verbs.stability.clocked import plant_of
 from haptisym.verbs.stability.held import held
+from haptisym.verbs.stability.oncircle import OnCircle, halves
 
 E, F = hs.environments, hs.effects
 FREE = Hand("let go")
@@ -483,7 +485,7 @@ def test_every_number_of_a_wall_has_its_stable_values_told_by_either_rule(method
             assert all(x is None or len(x.digits(40)) >= 40 or float(x) == 0 for x in (a, b))
 
 
-KNOB = hs.parse_scene("""
+KNOB_TEXT = """
 environment = {model = "mass-spring-damper", m = "0.0002 kg*m^2", b = "0.002 N*m*s/rad", k = "0.4 N*m/rad"}
 rendered = {model = "mass-spring-damper", b = "environment.b", k = "environment.k"}
 hand = {m = "0.0005 kg*m^2", b = "0.004 N*m*s/rad", k = "0.3 N*m/rad"}
@@ -499,7 +501,8 @@ m = "0.0001 kg*m^2"
 name = "torsion-bar"
 model = "compliance"
 k = "50 N*m/rad"
-""")
+"""
+KNOB = hs.parse_scene(KNOB_TEXT)
 
 
 @pytest.mark.parametrize(
@@ -528,6 +531,47 @@ def test_with_a_resonance_between_clock_and_hand_a_number_may_still_go_far(path:
         assert ends == [x.below, x.above]
     known = {"effects.torsion-bar.k": [356.501596], "effects.sampled-loop.T": [0.00119940417]}.get(path, [])
     assert changes == pytest.approx(known, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("hand", "bar", "cells"), [(1, 2, 20), pytest.param(20, 10, 700, marks=pytest.mark.slow)]
+)  # fmt: skip
+def test_with_a_resonance_a_box_of_hands_and_bars_is_told_as_a_whole(hand: int, bar: int, cells: int) -> None:
+    """Mass and stiffness of the hand and the bar, each within some per cent: no root is on the circle for any of them."""
+    text = KNOB_TEXT
+    for old, per_cent in (("0.0005 kg*m^2", hand), ("0.3 N*m/rad", hand), ("50 N*m/rad", bar)):
+        text = text.replace(f'"{old}"', f'"{old} +- {per_cent} %"')
+    scene = hs.parse_scene(text)
+    [own] = scene.hands
+    sides = [*scene.ranges().values(), *(x for x in scene.knobs if x.is_of_hand and x.interval)]
+    loop = OnCircle.of(scene, own, {x.symbol: x.interval for x in sides})
+    waiting, looked = [((Fraction(0), Fraction(1)),) * 3], 0
+    while waiting and looked < cells:
+        cell, looked = waiting.pop(0), looked + 1
+        waiting += [] if loop.is_clear(cell) else halves(cell, range(3))
+    assert waiting == []
+    draw = random.Random(hand)
+    for _ in range(8):
+        values = {x.symbol: Rational(draw.uniform(*map(float, x.interval))) for x in sides}
+        assert loop.is_stable(values) is True
+
+
+def test_a_box_with_a_critical_value_in_it_is_never_clear() -> None:
+    """The bar of the knob is critical at 356.5 N m/rad."""
+    wide = KNOB_TEXT.replace('"50 N*m/rad"', '["350 N*m/rad", "360 N*m/rad"]').replace(
+        '"0.3 N*m/rad"', '"0.3 N*m/rad +- 1 %"'
+    )
+    scene = hs.parse_scene(wide)
+    [own] = scene.hands
+    sides = [*scene.ranges().values(), *(x for x in scene.knobs if x.is_of_hand and x.interval)]
+    loop = OnCircle.of(scene, own, {x.symbol: x.interval for x in sides})
+    cell = ((Fraction(0), Fraction(1)),) * 2
+    for _ in range(12):  # the cells that hold it at the hand's own stiffness
+        assert not loop.is_clear(cell)
+        cell = next(
+            x for x in halves(cell, range(2))
+            if 350 + 10 * x[0][0] <= Fraction("356.501596") <= 350 + 10 * x[0][1] and x[1][0] <= Fraction(1, 2) <= x[1][1]
+        )  # fmt: skip
 
 
 def test_when_the_time_is_over_a_number_is_known_as_far_as_it_was_followed() -> None:

@@ -1,15 +1,18 @@
-"""Taylor's coefficients in one variable, carried through sums, products and quotients, in balls.
+"""Taylor's coefficients in one variable or several, carried through sums, products and quotients, in balls.
 
-Over a cell q = q0 + r x, -1 <= x <= 1, a function f of q is f_0 + f_1 x + ... + f_(n-1) x^(n-1) + f_n x^n, where f_k is its k-th
-derivative times r^k/k!, at q0 for k < n, and somewhere in the cell for k = n (Lagrange). A jet is the row of the f_k, at a number
-or all over a cell; f may be a number, a polynomial or a matrix. Together they stay as narrow as the function is smooth, where a
-ball grows with each number that occurs twice.
+Over a cell q = m + r x, -1 <= x_i <= 1, a function f of q is the sum of f_a x^a over all a of degree < n, and of as many terms of
+degree n, where f_a is the derivative of order a times r^a/a!, at m for degrees < n, and somewhere in the cell for n (Taylor's
+theorem with Lagrange's rest). A jet is the row of the f_a, by rising degree, at a set of numbers or all over a cell; f may be a
+number, a polynomial or a matrix. Together they stay as narrow as the function is smooth, where a ball grows with each number that
+occurs twice.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import reduce
+from functools import lru_cache, reduce
+from itertools import combinations_with_replacement, count
+from math import comb
 from operator import add
 from typing import Any, NamedTuple, TypeAlias
 
@@ -22,30 +25,37 @@ Value: TypeAlias = Any
 
 
 class Jet:
-    """f_0, ..., f_n, of one kind; sums, products and quotients are those of the functions.
+    """The f_a of one kind, in so many ``variables``; sums, products and quotients are those of the functions.
 
     >>> x = Jet([arb(2), arb(1), arb(0)])                                   # 2 + x
     >>> [float(c) for c in (1 / (x * x - 3)).row]                           # 1/(1 + 4 x + x^2)
     [1.0, -4.0, 15.0]
+    >>> x, y = Jet([arb(2), arb(1), arb(0)], 2), Jet([arb(3), arb(0), arb(1)], 2)
+    >>> [float(c) for c in (x * y).row]                                     # (2 + x)(3 + y) = 6 + 3 x + 2 y + ...
+    [6.0, 3.0, 2.0]
     """
 
-    __slots__ = ("row",)
+    __slots__ = ("row", "variables")
 
-    def __init__(self, row: Sequence[Value]) -> None:
-        self.row = tuple(row)
+    def __init__(self, row: Sequence[Value], variables: int = 1) -> None:
+        self.row, self.variables = tuple(row), variables
+
+    def _like(self, row: Sequence[Value]) -> Jet:
+        return Jet(row, self.variables)
 
     def __add__(self, x: Value) -> Jet:
         if isinstance(x, Jet):
-            return Jet([a + b for a, b in zip(self.row, x.row, strict=True)])
-        return Jet([self.row[0] + x, *self.row[1:]])
+            return self._like([a + b for a, b in zip(self.row, x.row, strict=True)])
+        return self._like([self.row[0] + x, *self.row[1:]])
 
     def __mul__(self, x: Value) -> Jet:
         if not isinstance(x, Jet):
-            return Jet([a * x for a in self.row])
-        return Jet([_crossed(self.row[: k + 1], x.row[: k + 1]) for k in range(len(self.row))])
+            return self._like([a * x for a in self.row])
+        pairs = _pairs(self.variables, len(self.row))
+        return self._like([reduce(add, (self.row[i] * x.row[j] for i, j in own)) for own in pairs])
 
     def __neg__(self) -> Jet:
-        return Jet([-a for a in self.row])
+        return self._like([-a for a in self.row])
 
     def __sub__(self, x: Value) -> Jet:
         return Jet.__add__(self, -x)
@@ -55,12 +65,12 @@ class Jet:
 
     def __rmul__(self, x: Value) -> Jet:
         """Of a number, or of another kind that a jet of numbers is a factor of."""
-        return Jet([x * a for a in self.row])
+        return self._like([x * a for a in self.row])
 
     __radd__ = __add__
 
     def __truediv__(self, x: Value) -> Jet:
-        return self * x._inverse() if isinstance(x, Jet) else Jet([a / x for a in self.row])
+        return self * x._inverse() if isinstance(x, Jet) else self._like([a / x for a in self.row])
 
     def __rtruediv__(self, x: Value) -> Jet:
         return Jet.__rmul__(self._inverse(), x)
@@ -72,21 +82,21 @@ class Jet:
     def _inverse(self) -> Jet:
         """1/f."""
         row = [1 / self.row[0]]
-        for k in range(1, len(self.row)):
-            row.append(-_crossed(self.row[1 : k + 1], row) * row[0])
-        return Jet(row)
+        for own in _pairs(self.variables, len(self.row))[1:]:
+            row.append(-reduce(add, (self.row[i] * row[j] for i, j in own if i)) * row[0])
+        return self._like(row)
 
     def __getitem__(self, place: tuple[int, int]) -> Jet:
         """An entry of a matrix."""
-        return Jet([a[place] for a in self.row])
+        return self._like([a[place] for a in self.row])
 
     def __call__(self, x: Ball) -> Jet:
         """A polynomial's value."""
-        return Jet([a(x) for a in self.row])
+        return self._like([a(x) for a in self.row])
 
     def trace(self) -> Jet:
         """Of a matrix."""
-        return Jet([a.trace() for a in self.row])
+        return self._like([a.trace() for a in self.row])
 
     def nrows(self) -> int:
         """Of a matrix."""
@@ -101,9 +111,35 @@ class Jet:
         return all(a.is_zero() for a in self.row)
 
 
-def _crossed(one: Sequence[Value], other: Sequence[Value]) -> Value:
-    """a_0 b_n + ... + a_n b_0."""
-    return reduce(add, (a * b for a, b in zip(one, reversed(other), strict=True)))
+@lru_cache(maxsize=64)
+def powers(variables: int, length: int) -> tuple[tuple[int, ...], ...]:
+    """The exponents a of the first terms, by rising degree: whole degrees.
+
+    >>> powers(2, 6)
+    ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+    """
+    found = list[tuple[int, ...]]()
+    for degree in count():
+        if len(found) == length:
+            return tuple(found)
+        assert len(found) < length, "a degree that is not whole"
+        for chosen in combinations_with_replacement(range(variables), degree):
+            found.append(tuple(map(chosen.count, range(variables))))
+    raise AssertionError
+
+
+@lru_cache(maxsize=64)
+def _pairs(variables: int, length: int) -> tuple[tuple[tuple[int, int], ...], ...]:
+    """Which terms of two factors make each term of their product."""
+    own = powers(variables, length)
+    place = {a: i for i, a in enumerate(own)}
+    found: list[list[tuple[int, int]]] = [[] for _ in own]
+    for i, a in enumerate(own):
+        for j, b in enumerate(own):
+            k = place.get(tuple(map(add, a, b)))
+            if k is not None:
+                found[k].append((i, j))
+    return tuple(map(tuple, found))
 
 
 def value(x: Value) -> Value:
@@ -118,11 +154,11 @@ def parts(x: Value) -> tuple[Value, ...]:
 
 def joined(make: Callable[[list[Any]], Value], entries: Sequence[Value]) -> Value:
     """What is made of numbers, entry by entry, of jets where one of them is one: polynomials, matrices."""
-    size = max((len(x.row) for x in entries if isinstance(x, Jet)), default=0)
-    if not size:
+    jet = next((x for x in entries if isinstance(x, Jet)), None)
+    if jet is None:
         return make([*entries])
-    rows = [x.row if isinstance(x, Jet) else (x, *[arb(0)] * (size - 1)) for x in entries]
-    return Jet([make(list(column)) for column in zip(*rows, strict=True)])
+    rows = [x.row if isinstance(x, Jet) else (x, *[arb(0)] * (len(jet.row) - 1)) for x in entries]
+    return like(jet, [make(list(column)) for column in zip(*rows, strict=True)])
 
 
 def polynomial(entries: Sequence[Value]) -> Value:
@@ -136,51 +172,63 @@ def coefficients(p: Value) -> list[Value]:
         return [*p.coeffs()]
     rows = [[*a.coeffs()] for a in p.row]
     length = max(map(len, rows))
-    return [Jet(column) for column in zip(*([*row, *[arb(0)] * (length - len(row))] for row in rows), strict=True)]
+    return [like(p, column) for column in zip(*([*row, *[arb(0)] * (length - len(row))] for row in rows), strict=True)]
 
 
 def narrowest(found: Sequence[Value]) -> Value:
     """Of numbers that are all true, the one in the narrowest balls."""
     rows = zip(*map(parts, found), strict=True)
-    return joined_row([min(row, key=lambda x: float(x.rad())) for row in rows])
+    return like(found[0], [min(row, key=lambda x: float(x.rad())) for row in rows])
 
 
-def joined_row(row: Sequence[Value]) -> Value:
-    """A jet, or the ball that is its only part."""
-    return Jet(row) if len(row) > 1 else row[0]
+def like(x: Value, row: Sequence[Value]) -> Value:
+    """A jet in as many variables as another one, or the ball that is the only part of what is no jet."""
+    return Jet(row, x.variables) if isinstance(x, Jet) else row[0]
 
 
 class Line(NamedTuple):
-    """All over a cell a function is at + slope x, -1 <= x <= 1: of ``at`` anything, of ``slope`` one number all over it."""
+    """All over a cell a function is at + slopes . x, -1 <= x_i <= 1: of ``at`` anything, of a slope one number all over it."""
 
     at: Ball
-    slope: Ball
+    slopes: tuple[Ball, ...]
 
     @property
     def ball(self) -> Ball:
         """All of its values."""
-        return self.at + self.slope * arb(0, 1)
+        return sum((slope * arb(0, 1) for slope in self.slopes), self.at)
 
 
-def over_cell(function: Callable[[Value], Sequence[Value]], middle: Ball, radius: Ball, order: int) -> list[Line]:
-    """The values of functions of q all over |q - middle| <= radius, by their Taylor polynomials and what these leave out.
+def over_cell(
+    function: Callable[[list[Value]], Sequence[Value]], middles: Sequence[Ball], radii: Sequence[Ball], order: int
+) -> list[Line]:
+    """The values of functions of q all over |q_i - middle_i| <= radius_i, by their Taylor polynomials and what these leave out.
 
-    >>> [square] = over_cell(lambda q: [q * q - q], arb(1), arb("0.25"), 2)       # from 3/4 - 3/16 to 5/4 + 5/16 by balls
+    >>> [square] = over_cell(lambda q: [q[0] * q[0] - q[0]], [arb(1)], [arb("0.25")], 2)  # from 3/4 - 3/16 to 5/4 + 5/16 by balls
     >>> round(float(square.ball.lower()), 6), round(float(square.ball.upper()), 6)
     (-0.25, 0.3125)
     """
-    rest = [arb(0)] * (order - 1)
-    at = function(Jet([middle, radius, *rest][:order]))
-    over = function(Jet([arb(middle, radius), radius, *rest]))
-    return [_line(here, all_over) for here, all_over in zip(at, over, strict=True)]
+    n = len(middles)
+
+    def of_degree(degree: int, values: Sequence[Ball]) -> Sequence[Value]:
+        length = comb(n + degree, n)
+        return function([
+            Jet([x, *(r if i == k else arb(0) for k in range(n)), *[arb(0)] * length][:length], n)
+            for i, (x, r) in enumerate(zip(values, radii, strict=True))
+        ])  # fmt: skip
+
+    at = of_degree(order - 1, middles)
+    over = of_degree(order, [arb(x, r) for x, r in zip(middles, radii, strict=True)])
+    return [_line(here, all_over, n) for here, all_over in zip(at, over, strict=True)]
 
 
-def _line(here: Value, all_over: Value) -> Line:
-    """f_0 + f_1 x + ..., the last coefficient from all over the cell."""
+def _line(here: Value, all_over: Value, n: int) -> Line:
+    """The terms of the lower degrees, and those of the highest from all over the cell."""
     if not isinstance(here, Jet):
-        return Line(here, arb(0))
-    row = [*here.row, all_over.row[-1]]
-    slope = row[1] if len(row) > 2 else arb(0)
-    bent = row if len(row) == 2 else [row[0], arb(0), *row[2:]]
-    powers = (1, *((arb(0, 1), arb(0.5, 0.5))[k % 2 == 0] for k in range(1, len(row))))
-    return Line(reduce(add, (a * x for a, x in zip(bent, powers, strict=True))), slope)
+        return Line(here, (arb(0),) * n)
+    row = [*here.row, *all_over.row[len(here.row) :]]
+    straight = slice(1, n + 1 if len(here.row) > 1 else 1)
+    bent = [row[0]] + [
+        c * (arb(0, 1) if any(k % 2 for k in a) else arb(0.5, 0.5))
+        for a, c in [*zip(powers(n, len(row)), row, strict=True)][straight.stop :]
+    ]
+    return Line(reduce(add, bent), tuple(row[straight]) or (arb(0),) * n)

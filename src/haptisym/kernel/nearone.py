@@ -22,7 +22,7 @@ from haptisym.kernel.pulse import Plant, SampledLoop
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.states import States, column, matrix, opposite_response
 
-_ORDER = 3  # of Taylor's polynomials over a cell
+_ORDER, _FEW = 3, 3  # of Taylor's polynomials over a cell; one less where more numbers than these move
 _MOST_PIECES = 200  # of the axis, that are looked at for one polynomial
 
 
@@ -66,7 +66,7 @@ def has_no_pair(c: Sequence[Ball], lines: Sequence[Line] = ()) -> bool:
 
     They would be zeros of E = c_0 - c_2 x + c_4 x^2 - ... and of O = c_1 - c_3 x + ..., x = nu^2. In wide balls that says more
     than the determinant, in which their widths are multiplied. ``lines`` : how the coefficients move together over a cell. Of
-    E = E_0 + E_1 y and O = O_0 + O_1 y, with one y, E_1 O - O_1 E = E_1 O_0 - O_1 E_0 would be zero as well.
+    E = E_0 + E_1 y_1 + E_2 y_2 ... and O likewise, E_i O - O_i E would be zero as well, in which y_i is not.
     """
     if len(c) < 3:
         return True
@@ -74,8 +74,7 @@ def has_no_pair(c: Sequence[Ball], lines: Sequence[Line] = ()) -> bool:
         return False
     halves = _halves(c)
     if lines:
-        (E_0, O_0), (E_1, O_1) = (map(arb_poly, _halves(x)) for x in zip(*lines, strict=True))
-        halves.append((E_1 * O_0 - O_1 * E_0).coeffs())
+        halves += _without_each(lines)
     both = [arb_poly(x) for x in halves], [arb_poly(x[::-1]) for x in halves]  # in x, and in 1/x
     waiting = deque((parts, 0.0, 1.0) for parts in both)
     for _ in range(_MOST_PIECES):
@@ -89,6 +88,20 @@ def has_no_pair(c: Sequence[Ball], lines: Sequence[Line] = ()) -> bool:
                 return False  # at this very place it stays open, however small the piece
             waiting += [(parts, low, middle), (parts, middle, high)]
     return not waiting
+
+
+def _without_each(lines: Sequence[Line]) -> list[list[Ball]]:
+    """Of each number that moves the coefficients, a combination of E and O without it: its coefficients in x."""
+    E_0, O_0 = map(arb_poly, _halves([x.at for x in lines]))
+    moves = [[*map(arb_poly, _halves(x))] for x in zip(*(x.slopes for x in lines), strict=True)]
+    found = []
+    for i, (E_i, O_i) in enumerate(moves):
+        own = E_i * O_0 - O_i * E_0
+        for j, (E_j, O_j) in enumerate(moves):
+            if j != i:
+                own += (E_i * O_j - O_i * E_j) * arb(0, 1)
+        found.append(own.coeffs())
+    return found
 
 
 def _halves(c: Sequence[Ball]) -> list[list[Ball]]:
@@ -127,8 +140,8 @@ def circle_tests(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, alway
 def is_clear(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0) -> bool:
     """Whether no root is on the circle for any numbers in balls, proven; two real ones may add up to 0 in v.
 
-    Of a single number Taylor's polynomials are asked, too: with a resonance between clock and hand, as behind a compliance, balls
-    are up to a thousand times as wide as what the coefficients do.
+    Taylor's polynomials are asked, too: with a resonance between clock and hand, as behind a compliance, balls are up to a
+    thousand times as wide as what the coefficients do.
     """
 
     def told(numbers: Mapping[Expr, Value]) -> list[Value]:
@@ -138,10 +151,12 @@ def is_clear(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: i
 
     if _is_clear(told(known)):
         return True
-    if len(known) != 1:
+    moved = {symbol: q for symbol, q in known.items() if q.rel_accuracy_bits() < flint.ctx.prec // 2}
+    if not moved:
         return False
-    [(symbol, q)] = known.items()
-    lines = over_cell(lambda x: told({symbol: x}), q.mid(), q.rad(), _ORDER)
+    middles, radii = zip(*((q.mid(), q.rad()) for q in moved.values()), strict=True)
+    order = _ORDER if len(moved) <= _FEW else _ORDER - 1
+    lines = over_cell(lambda x: told({**known, **dict(zip(moved, x, strict=True))}), middles, radii, order)
     return _is_clear([x.ball for x in lines], lines[1:])
 
 

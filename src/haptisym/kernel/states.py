@@ -12,7 +12,7 @@ from typing import Any
 import flint
 from flint import arb, arb_mat, fmpq
 
-from haptisym.kernel.jets import Value, joined, joined_row, parts, value
+from haptisym.kernel.jets import Value, joined, like, parts, value
 from haptisym.kernel.reals import Ball
 
 _MOST_DOUBLINGS = 64
@@ -110,7 +110,7 @@ def norm(X: Any) -> Ball:
 def widened(M: Any, radius: Ball) -> Any:
     """With so much more in each entry, and each of its Taylor coefficients."""
     own, columns = arb(0, radius.upper()), range(M.ncols())
-    rows = [[joined_row([own for _ in parts(M[i, j])]) for j in columns] for i in range(M.nrows())]
+    rows = [[like(M[i, j], [own for _ in parts(M[i, j])]) for j in columns] for i in range(M.nrows())]
     return M + matrix(rows, len(columns))
 
 
