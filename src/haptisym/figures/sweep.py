@@ -27,6 +27,7 @@ from haptisym.figures.sweepdata import (
     axis_scale,
     crossing_counts,
     dimensions,
+    edges,
     held_in,
     is_logarithmic,
     judged_in,
@@ -230,10 +231,12 @@ _HATCHES = ("////", "\\\\\\\\", "||||", "----")
 
 
 def _draw_held_curves(ax: Axes, data: xr.Dataset, x: Array) -> list[Patch]:
-    """Upright strips about the sets that are not stable in a hand, over the values of one parameter; entries for a legend."""
+    """Upright strips about the sets that are not stable in a hand, halfway to their neighbours; entries for a legend."""
+    borders = np.repeat(edges(x), 2)[1:-1]
 
     def strip(where: Any, style: dict[str, Any]) -> None:
-        ax.fill_between(x, 0, 1, where=where, step="mid", transform=ax.get_xaxis_transform(), zorder=0, **style)
+        own = np.repeat(where, 2)
+        ax.fill_between(borders, 0, 1, where=own, transform=ax.get_xaxis_transform(), zorder=0, **style)
 
     return _each(data, strip)
 

@@ -101,7 +101,7 @@ def crossing_counts(data: xr.Dataset) -> Any:
 def jump_edges(data: xr.Dataset, x: Array, y: Array, z: Array, band: float) -> list[list[tuple[float, float]]]:
     """The edges between neighbouring sets across which the bandwidth jumps, as pieces of lines."""
     counts = crossing_counts(data)
-    across, up = _edges(x), _edges(y)
+    across, up = edges(x), edges(y)
     found = []
     for i, row in enumerate(z):
         found += [[(across[j], up[i]), (across[j], up[i + 1])] for j in jumps_of(row, counts[:, i], band)]
@@ -110,8 +110,8 @@ def jump_edges(data: xr.Dataset, x: Array, y: Array, z: Array, band: float) -> l
     return found
 
 
-def _edges(x: Array) -> Array:
+def edges(x: Array) -> Array:
     """The ends of the cells whose middles are given."""
     middles = (x[1:] + x[:-1]) / 2
-    edges: Array = np.concatenate([[x[0]], middles, [x[-1]]])
-    return edges
+    found: Array = np.concatenate([[x[0]], middles, [x[-1]]])
+    return found
