@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from refusals import refusal
 from strategies import cases, scene
 from sympy import Expr, Integer, Rational, lambdify, sqrt
 
@@ -35,14 +35,6 @@ def number(form: Expr, w: float) -> complex:
     known = {hs.s: 1j * w, hs.omega: w, X: 0.3}
     free = sorted(form.free_symbols, key=str)
     return complex(lambdify(free, form, "numpy")(*(known[x] for x in free)))
-
-
-def refusal(call: Callable[..., Any], *arguments: Any, **keys: Any) -> str:
-    try:
-        call(*arguments, **keys)
-    except hs.SceneError as error:
-        return str(error)
-    return ""
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from jnds import jnds, same_rows
+from refusals import refusal
 from sympy import Integer, Rational, Symbol, pi, sqrt
 
 import haptisym as hs
@@ -33,15 +34,6 @@ POSITIVE = st.fractions(Fraction(1, 20), 50, max_denominator=20)
 
 def exact(x: Fraction) -> Rational:
     return Rational(x.numerator, x.denominator)
-
-
-def refusal(call: Any, *arguments: Any, **keys: Any) -> str:
-    """What is said against it; empty where nothing is."""
-    try:
-        call(*arguments, **keys)
-    except hs.SceneError as error:
-        return str(error)
-    return ""
 
 
 # Ranges.

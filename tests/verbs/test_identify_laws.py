@@ -13,6 +13,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from jnds import jnds, same_rows
+from refusals import refusal
 from scipy import stats
 
 import haptisym as hs
@@ -31,14 +32,6 @@ from haptisym.verbs.identify.wanted import Free, Wanted, filled, wanted
 
 OMEGA = np.linspace(1, 20, 24)
 S = 1j * OMEGA
-
-
-def refusal(call: Any, *arguments: Any, **keys: Any) -> str:
-    try:
-        call(*arguments, **keys)
-    except hs.SceneError as error:
-        return str(error)
-    return ""
 
 
 # What is wanted.

@@ -15,6 +15,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp, mpf
+from refusals import refusal
 from scipy.optimize import minimize_scalar
 from scipy.stats import chi2
 
@@ -36,14 +37,6 @@ BLOCKS = st.lists(
 
 def blocks(drawn: list[tuple[float, int, int]]) -> list[tuple[float, int, int]]:
     return [(level, k, k + more) for level, k, more in drawn]
-
-
-def refusal(call: Any, *arguments: Any, **keys: Any) -> str:
-    try:
-        call(*arguments, **keys)
-    except hs.SceneError as error:
-        return str(error)
-    return ""
 
 
 # Counting.
