@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 import random
-from typing import Any
+from collections.abc import Iterator
+from math import factorial, prod
+from typing import Annotated, Any
 
 import mpmath
 import pytest
-from sympy import Rational, Symbol, lambdify
+from jnds import picked
+from refusals import refusal
+from regions import margin
+from strategies import Seeded
+from sympy import Rational, Symbol, cosh, exp, lambdify, sinh
 
 import haptisym as hs
+from haptisym.kernel.lattices import Lattice, Piece
 from haptisym.kernel.symbols import omega, s
+from haptisym.model.catalogue import EFFECTS, Slot, effect
 from haptisym.model.jnd import Part
+from haptisym.model.jndtables import read_threshold
+from haptisym.model.quantities import Dimension
 from haptisym.verbs.derive.asymptotics import expansion
 from haptisym.verbs.derive.derivation import QUANTITIES, bare, listed_name
 from haptisym.verbs.derive.entry import derive
@@ -32,8 +42,8 @@ SLOW = {"a damper": hs.effects.shunt(b=2), "a cable": hs.effects.compliance(900,
 def chained(scene: hs.Scene, at: Any) -> Any:
     """H_perc - H_env, one chain matrix after the other."""
     H = found = lambdify(s, scene.environment.H, "mpmath")(at)
-    for effect in scene.effects:
-        a, b, c, d = (lambdify(s, x, "mpmath")(at) for x in effect.matrix)
+    for x in scene.effects:
+        a, b, c, d = (lambdify(s, entry, "mpmath")(at) for entry in x.matrix)
         found = (a * found + b) / (c * found + d)
     return found - H
 
@@ -73,6 +83,52 @@ def test_what_leading_terms_leave_falls_with_the_next_power_of_how_fast_devices_
                 for x in found.terms
             )
             assert abs(mpmath.mpc(*parts) - whole) < 1e-40
+
+
+Time = Annotated[Any, Slot(Dimension.TIME)]
+
+
+def of_time(name: str, form: Any) -> hs.Effect:
+    """A device that is fast where its time constant is short: a function of s times that."""
+
+    @effect(name)
+    def own(late: Time) -> Any:
+        return form(s * late), 0, 0, 1
+
+    return own("5 ms")
+
+
+@pytest.fixture
+def own_models() -> Iterator[None]:
+    before = dict(EFFECTS)
+    yield
+    EFFECTS.clear()
+    EFFECTS.update(before)
+
+
+@pytest.mark.usefixtures("own_models")
+def test_leading_terms_of_a_users_own_devices_are_their_taylor_series() -> None:
+    """As far as a device divides by its time constant to the fourth; one that is infinite when infinitely fast has none."""
+    made: dict[str, tuple[Any, Any]] = {
+        "divided": (
+            lambda x: (exp(x) - 1 - x - x**2 / 2 - x**3 / 6) * 24 / x**4,
+            lambda n: Rational(24, factorial(n + 4)),
+        ),
+        "arched": (lambda x: 2 * (cosh(x) - 1) / x**2, lambda n: Rational(2 * (n % 2 == 0), factorial(n + 2))),
+        "slanted": (lambda x: sinh(x) / x / (1 - 2 * x), lambda n: Rational(2) ** n * (1 + Rational(n > 1, 24))),
+        "bent": (lambda x: (3 + x) / (3 - x), lambda n: Rational(2 if n else 1, 3**n)),
+    }
+    k, order = Symbol("k", real=True), 3
+    for name, (form, known) in made.items():
+        found = expansion(hs.Scene(hs.environments.mass_spring_damper(k=100), (of_time(name, form),)), order)
+        [late] = found.fast
+        assert len(found.terms) == order + 1
+        for n, term in enumerate(found.terms):
+            own = term.expression().xreplace(dict.fromkeys(term.expression().free_symbols - {s, late}, k))
+            assert (own - k * (known(n) - int(n == 0)) * (s * late) ** n).expand() == 0, (name, n)
+    for name, grows in {"pushing": lambda x: 1 / x + x, "pulling": lambda x: (1 + x**2) / (x + x**2)}.items():
+        scene = hs.Scene(hs.environments.mass_spring_damper(k=100), (of_time(name, grows),))
+        assert "grows without bound as the effects get faster" in refusal(expansion, scene)
 
 
 def test_groups_have_no_unit_and_say_which_sign_they_have() -> None:
@@ -166,3 +222,30 @@ def test_the_polynomial_of_a_threshold_has_its_zeros_at_the_crossings_with_its_f
     ):
         value = float(other.xreplace({omega: Rational(str(w))}))
         assert (value > 0) - (value < 0) == sign
+
+
+def test_what_is_judged_is_told_by_its_pieces_and_each_piece_by_its_factors() -> None:
+    """The largest of the smallest is positive where the JND is exceeded; the product of all factors changes its sign as a piece does."""
+    felt, places = hs.environments.mass_spring_damper("0.5", 3, 40), [0.3, 1.1, 2.3, 3.7, 5.2, 7.1, 8.3, 11.9, 14.6]
+
+    for seed in (1, 3, 5, 7, 10):
+        jnd = picked(Seeded(seed))
+        between = (hs.effects.first_order_lag(9) if seed % 2 else hs.effects.delay("200 ms"),)
+        scene = hs.Scene(felt, between, (0, 15), read_threshold(jnd))
+        d = derive(scene, keep=())
+        signs: dict[Any, list[int]] = {}
+        lattices = {own: own.function(d.distortion) for own in d.criteria}
+        for name, function in lattices.items():
+            for key in function.pieces(name) if isinstance(function, Lattice) else (name,):
+                at = lambdify(omega, (d.piece(key) if isinstance(key, Piece) else d.excess(key)).factored(), "math")
+                signs[key] = [1 if at(w) > 0 else -1 for w in places]
+                factors = [(lambdify(omega, x.ring.expression(x.F), "math"), n) for x, n in d.factors(key)]
+                product = [prod(f(w) ** n for f, n in factors) for w in places]
+                assert len({x * y > 0 for x, y in zip(signs[key], product, strict=True)}) == 1, (jnd, key)
+        for i, w in enumerate(places):
+            now = {key: row[i] for key, row in signs.items()}
+            H, dH = complex(lambdify(s, felt.H)(1j * w)), complex(chained(scene, 1j * w))
+            noticed = max(
+                x.sign(name, now.__getitem__) if isinstance(x, Lattice) else now[name] for name, x in lattices.items()
+            )
+            assert (noticed > 0) is (margin(jnd, H, H + dH, w) > 0), (jnd, w)

@@ -100,17 +100,16 @@ def _truncated(entry: Expr, epsilon: Symbol, depth: int) -> Expr:
 
 
 def _series(f: RationalFunction, epsilon: Symbol, order: int) -> Iterator[RationalFunction]:
-    """The coefficients of a power series in epsilon, up to an order."""
+    """The coefficients of a power series in epsilon, up to an order; ``f`` in lowest terms."""
     above, below = (_by_powers(p, f.ring, epsilon) for p in (f.numerator, f.denominator))
-    lowest = min(below)
-    if not f.is_zero and min(above) < lowest:
+    if 0 not in below:  # then it is in the numerator: a power of epsilon is left below the line
         raise SceneError("the distortion grows without bound as the effects get faster: it has no leading terms")
     terms: list[RationalFunction] = []
     for n in range(order + 1):
-        total = above.get(n + lowest, f.ring.zero)
+        total = above.get(n, f.ring.zero)
         for j, term in enumerate(terms):
-            total = total - below.get(n - j + lowest, f.ring.zero) * term
-        terms.append((total / below[lowest]).reduced())
+            total = total - below.get(n - j, f.ring.zero) * term
+        terms.append((total / below[0]).reduced())
         yield terms[-1]
 
 
