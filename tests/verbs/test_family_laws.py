@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from functools import cache
+from itertools import product
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,6 +14,7 @@ from sympy import lambdify
 import haptisym as hs
 from haptisym import effects, environments
 from haptisym.verbs.family.entry import FamilyEvaluation
+from haptisym.verbs.family.regions import FamilyCompared
 from haptisym.verbs.family.worst import WorstCase
 
 LAG = effects.first_order_lag(40)
@@ -137,6 +140,29 @@ def test_each_region_has_the_common_bandwidth_of_all_and_who_binds_first() -> No
         assert repr(x) == f"<FamilyCompared {x.name}: common bandwidth {x.bandwidth.digits(5)}>"
     assert e.regions[-1].worst is e.worst
     assert not found("twins").regions
+
+
+def test_whose_ratio_is_the_threshold_itself_never_binds() -> None:
+    """20/100 is 0.2 everywhere; 20/|200 - w^2| is more from 10 to the root of 300, ends not counted."""
+    felt = {
+        "even": environments.mass_spring_damper(k=100),
+        "heavy": environments.mass_spring_damper(m=1, k=200),
+    }
+    for band, ends in (((0, 20), [10, 300**0.5]), ((12, 15), [12]), ((0, 9), []), ((12, 20), [12, 300**0.5])):
+        made = {name: hs.Scene(x, (effects.shunt(k=20),), band, "0.2") for name, x in felt.items()}
+        e = hs.evaluate_all(hs.SceneFamily(made, "at the threshold"))
+        assert [float(x.omega) for x in e.binding] == pytest.approx(ends)
+        assert {x.environment for x in e.binding} <= {"heavy"}
+
+
+def test_a_family_is_certified_where_all_of_it_is() -> None:
+    for here, there, compared, worst in product((True, False), repeat=4):
+        answers: Any = {"a": SimpleNamespace(certified=here), "b": SimpleNamespace(certified=there)}
+        case: Any = SimpleNamespace(chart=SimpleNamespace(undecided=() if worst else ("open",)))
+        regions: Any = (SimpleNamespace(certified=True), SimpleNamespace(certified=compared))
+        made = FamilyEvaluation(family("twins"), answers, case, regions=regions)
+        assert made.certified is (here and there and compared and worst)
+        assert FamilyCompared("disc", family("twins").threshold, case, answers).certified is (here and there and worst)
 
 
 def test_one_scene_and_a_name_are_families_of_one() -> None:

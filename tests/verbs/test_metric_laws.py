@@ -270,6 +270,9 @@ FEW = st.fractions(Rational(1, 4), 2, max_denominator=30)
     sigma=Fraction(1, 4), omega=Fraction(5, 4), other=Fraction(64, 25), times=Fraction(1)
 )  # the fourth overshoot alone is off
 @example(sigma=Fraction(1, 4), omega=Fraction(3, 2), other=Fraction(3, 2), times=Fraction(4, 3))
+@example(
+    sigma=Fraction(1, 60), omega=Fraction(1), other=Fraction(7, 5), times=Fraction(1)
+)  # the fourth is kept, later ones are not
 @given(
     FEW,
     FEW,
@@ -430,6 +433,31 @@ def test_the_first_edge_is_told_beside_the_bandwidth_of_the_jnd() -> None:
         == "first edge at 101.76 rad/s; the JND test finds no transparent band that begins at the band's low end"
     )
     assert said(effects=(effects.delay("5 ms"), LOWPASS)).startswith("no 3 dB edge")  # with delays on the band alone
+
+
+@pytest.mark.parametrize(("form", "share"), [("(s^2 + 14*s + 31)/(s + 5)^2", 1), ("(s + 5)^2/(s^2 + 14*s + 31)", -1)])
+def test_where_3_db_are_touched_and_not_exceeded_there_is_no_edge(form: str, share: int) -> None:
+    """``|G|^2`` is 2 - (w^2 - 17)^2/(w^2 + 25)^2, or one over that; a little more or less, and there are two edges about it."""
+    for more, count in ((Fraction(0), 0), (Fraction(share, 10**4), 2), (Fraction(-share, 10**4), 0)):
+        scene = hs.Scene(
+            environments.mass_spring_damper(k=100),
+            (effects.series(f"({form})*{1 + more.limit_denominator()}"),),
+            (0, 15),
+        )
+        m = hs.metrics(scene)["transmitted impedance ratio"]
+        edges = [x for x in m.values if "edge" in x.what]
+        assert (m.verdict == "no 3 dB edge", len(edges)) == (count == 0, count)
+        for x, way in zip(edges, ("rising", "falling") if share > 0 else ("falling", "rising"), strict=False):
+            assert x.what.split()[-1] == way
+            assert float(x.value) == pytest.approx(17**0.5, abs=0.3)  # type: ignore[arg-type]
+
+
+def test_with_delays_edges_are_looked_for_on_the_band_and_without_up_to_a_hundred_times_its_end() -> None:
+    for more, reach, upto in (((), 1500, "100 times the band's high end"), ((effects.delay("5 ms"),), 15, "the band")):
+        scene = hs.Scene(STICK, (*more, LOWPASS), (0, 15))
+        [kept] = [x for x in hs.metrics(scene)["transmitted impedance ratio"].values if x.what.startswith("within")]
+        assert kept.what == f"within 3 dB (up to {upto})"
+        assert float(kept.value[-1].high.omega) <= reach  # type: ignore[index, union-attr, operator]
 
 
 def test_a_chain_is_one_two_port_up_to_a_factor() -> None:

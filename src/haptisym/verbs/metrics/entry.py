@@ -97,7 +97,7 @@ def _beside_bandwidth(m: Measured, edges: list[Point]) -> str:
 
 
 def _passes(p: Point, x: Criterion) -> bool:
-    return p.orders.get(x, 0) > 0 and p.before[x] != p.after[x]
+    return p.before[x] != p.after[x]
 
 
 def _edge(p: Point) -> str:
