@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from dataclasses import replace
 from decimal import Decimal
 from functools import cache
 from pathlib import Path
@@ -240,6 +241,33 @@ def test_weights_are_standard_errors_of_the_discs_and_intervals_those_of_linear_
     assert d["rows"][3] == {"omega": OMEGA[3], "model": [found.fit.model[3].real, found.fit.model[3].imag],
                             "residual": [found.fit.residuals[3].real, found.fit.residuals[3].imag]}  # fmt: skip
     assert [x["omega"] for x in d["rows"]] == OMEGA.tolist()
+
+
+def test_lines_without_discs_weigh_as_their_sizes_and_those_of_nothing_as_the_middle_one() -> None:
+    for sizes, sigma in (
+        ([0, 0, 0], [1, 1, 1]),
+        ([3, 0, 5], [3, 3, 5]),
+        ([0, 0, 7], [1, 1, 7]),
+        ([2, 1, 9, 0], [2, 1, 9, 1.5]),
+    ):
+        noise = noise_of(hs.measured(range(1, len(sizes) + 1), [1j * x for x in sizes]))
+        assert (noise.sigma.tolist(), noise.freedom) == (sigma, None)
+
+
+def test_all_parameters_that_lines_do_not_tell_apart_are_named() -> None:
+    w = np.linspace(1, 20, 24)
+    m = hs.measured(w, 100 + 3j * w, radius=np.full(24, 0.1))
+    for key, value in (("k", 50.0), ("b", 1.5)):
+        start = np.array([100 - value if key == "k" else 100, 3 - value if key == "b" else 3, value])
+        said = refusal(fit, wanted("kelvin-voigt", [f"shunt:{key}"], None, None), m, [start])
+        assert said.startswith(f"the lines do not tell environment.{key} and effects.shunt.{key} apart")
+
+
+def test_an_error_is_large_beside_the_size_of_its_value() -> None:
+    found = identified("coherence")
+    for value, large in ((100.0, False), (-100.0, False), (9.9, True), (-9.9, True)):
+        made = replace(found, estimates=(replace(found.estimates[0], value=value, error=1.0),))
+        assert ("above a tenth" in made.confidence_words) is large
 
 
 def test_a_model_fits_where_no_test_of_its_residuals_is_less_likely_than_its_part_of_the_rest() -> None:

@@ -182,6 +182,41 @@ def test_the_fit_is_tested_by_groups_of_at_least_five_answers(drawn: list[tuple[
 ROWS = (Row(0.02, 21, 40), Row(0.06, 23, 40), Row(0.1, 28, 40), Row(0.14, 35, 40), Row(0.18, 36, 40), Row(0.24, 39, 40))
 
 
+def test_counting_the_other_answers_on_levels_the_other_way_round_is_the_mirrored_curve() -> None:
+    """Of levels that are too high mu is as far below them as above those of the mirror; so is what is held."""
+    way = 5.0
+    for counts in ((26, 30, 33, 35), (2, 5, 7, 13)):
+        rows = tuple(Row(1.0 + x, k, 40) for x, k in zip((0.0, 0.2, 0.5, 0.7), counts, strict=True))
+        turned = tuple(Row(way - x.level, x.trials - x.count, x.trials) for x in reversed(rows))
+        one, other = Likelihood(rows, 0.01, 0.02), Likelihood(turned, 0.02, 0.01)
+        best, mirrored = one.best(), other.best()
+        assert best.loss == pytest.approx(mirrored.loss, rel=1e-9)
+        assert [way - mirrored.curve.mu, mirrored.curve.sigma] == pytest.approx(
+            [best.curve.mu, best.curve.sigma], rel=1e-5
+        )
+        assert (
+            (best.steep, best.flat, best.outside) == (mirrored.steep, mirrored.flat, mirrored.outside) == (False,) * 3
+        )
+        for value in (0.6, 1.4, 1.9):
+            held = one.best((1, 0.5, value), best.curve)
+            same = other.best((1, -0.5, way - value), mirrored.curve)
+            assert held.loss == pytest.approx(same.loss, rel=1e-9)
+            assert held.curve.mu + 0.5 * held.curve.sigma == pytest.approx(value, rel=1e-9)
+            assert held.loss >= best.loss - 1e-9
+
+
+def test_a_loss_without_a_slope_is_a_wall() -> None:
+    """One answer that the curve rules out, or all but: the logarithm of what is next to nothing, or of nothing."""
+    for mu, rows in ((1e200, (Row(1.0, 3, 4),)), (-40.0, (Row(1.0, 3, 4),))):
+        loss, slopes = Likelihood(rows, 0.0, None).loss(mu, 0.0, 0.0)
+        assert (loss, slopes.tolist()) == (1e300, [0, 0, 0])
+
+
+def test_a_file_that_cannot_be_opened_is_told_with_the_reason() -> None:
+    assert refusal(read_answers, Path("a\0b.csv"), {}, {}) == "a\0b.csv: embedded null byte"
+    assert refusal(read_answers, Path("x" * 300 + ".csv"), {}, {}).endswith(".csv: File name too long")
+
+
 def test_the_interval_of_a_forced_choice_ends_where_its_profile_has_fallen_by_half_of_chi_squared() -> None:
     found = hs.jnd(Answers("choices", ROWS), alternatives=2, proportion=0.8, lapse=0.02, confidence=0.9)
     z = NormalDist().inv_cdf((0.8 - 0.5) / 0.5)

@@ -42,8 +42,7 @@ class Columns:
     @property
     def used(self) -> tuple[int, ...]:
         """The positions, level first."""
-        found = (self.answer,) if self.answer is not None else (self.count, self.trials)
-        return (self.level, *(x for x in found if x is not None))
+        return tuple(x for x in (self.level, self.count, self.trials, self.answer) if x is not None)
 
 
 def find_columns(header: Sequence[str], named: Mapping[str, str]) -> Columns:

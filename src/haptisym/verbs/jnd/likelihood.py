@@ -174,7 +174,7 @@ class _Way:
                     return loss, x
                 bottom = bottom - np.linalg.solve(bends, slopes)
         inside = all(low < x < high for x, (low, high) in zip(bottom, self._bounds, strict=True))
-        lower = self._loss(bottom)[0] if inside and np.isfinite(bottom).all() else np.inf
+        lower = self._loss(bottom)[0] if inside else np.inf
         return (lower, bottom) if lower <= loss * (1 + 1e-9) else (loss, x)
 
     @property
