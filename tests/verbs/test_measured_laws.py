@@ -15,7 +15,7 @@ import haptisym as hs
 from haptisym.model.jndtables import read_threshold
 from haptisym.model.measured import averages_for, coherence_for
 from haptisym.verbs.measured.between import Stretches
-from haptisym.verbs.measured.judging import OPEN, lines_of, matched, signs
+from haptisym.verbs.measured.judging import OPEN, certainty, lines_of, matched, signs
 from haptisym.verbs.measured.needed import MOST_AVERAGES, MOST_COHERENCE
 from haptisym.verbs.measured.spread import spread
 from haptisym.verbs.measured.swept import Discs, _common
@@ -283,6 +283,38 @@ def test_a_border_moves_over_a_cell_no_further_than_is_said(seed: int, kind: str
         if kind == "ellipse":  # whose sides move, and whose tilt does not
             assert found[i] == pytest.approx((high[i] - low[i]) * (1 / q + 1 / v), rel=1e-6)
     assert spread(read_threshold(0.1), low, high, least).tolist() == [0] * 3
+
+
+def test_a_limit_that_grows_with_the_frequency_is_met_where_it_is_as_large_as_the_change() -> None:
+    """Nothing moves but the limit, 0.1 + omega/100: a change by x is noticed below 100 x - 10, and what is told ends next to that."""
+    for x, error in ((0.203, 0.0), (0.131, 0.02)):
+        H = [100 * (1 + x)] * 2
+        felt = hs.measured([1, 21], H, radius=[100 * error] * 2, slope="1e-9 N*s/m")
+        jnd = {"real": "0.1 + omega/100", "imag": "0.1"}
+        between = hs.evaluate(hs.MeasuredScene(SPRING, felt, threshold=read_threshold(jnd))).between
+        assert between is not None
+        told = between.told[REAL]
+        ends = {c: [*zip(told.low[told.code == c], told.high[told.code == c], strict=True)] for c in (1, -1)}
+        [(first, above)], [(below, last)] = ends[1], ends[-1]
+        assert (first, last) == (1, 21)
+        assert 100 * (x - error) - 10.5 < above <= 100 * (x - error) - 10 + 1e-6
+        assert 100 * (x + error) - 10 - 1e-6 <= below < 100 * (x + error) - 9.5
+
+
+def test_what_discs_come_from_is_said() -> None:
+    for keys, told in (
+        ({}, "no disc is known"),
+        ({"radius": [1]}, "radius in the file"),
+        ({"coherence": [0.9], "averages": 32}, "coherence, 32 averages"),
+    ):
+        assert certainty(hs.measured([1], [100], **keys)) == told
+
+
+def test_of_a_display_that_gives_energy_away_stiffness_has_a_name_and_damping_has_none() -> None:
+    """Both parts change by more than a tenth; where the imaginary part that is felt is negative, it is no damping."""
+    for imag, named in ((5, {REAL}), (-20, {REAL}), (40, {REAL, IMAG})):
+        e = judged([160 + imag * 1j], hs.measured([1], [100 + 10j]), radius=[0.1])
+        assert {part for part in hs.Part if e.named(part).any()} == named | ({IMAG} if imag == 40 else set())
 
 
 def test_a_disc_around_what_two_have_in_common_holds_it_and_is_hardly_larger_than_the_least() -> None:
