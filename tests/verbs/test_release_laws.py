@@ -228,6 +228,12 @@ def test_a_matrix_pencil_takes_a_sum_of_exponentials_apart_with_its_amplitudes()
         assert (found[i], weights[i]) == (pytest.approx(z, abs=1e-6), pytest.approx(c, abs=1e-6))
 
 
+def test_what_is_over_after_one_sample_is_no_exponential() -> None:
+    found, weights = modes(np.eye(1, 24)[0], 0.1)
+    assert np.isfinite(found).all()
+    assert len(found) == len(weights)
+
+
 # What is said
 
 

@@ -12,6 +12,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
+from refusals import refusal
 from scipy import special
 from sympy import Add, Expr, I, Mul, Pow, Rational, cosh, exp, pi, sinh
 
@@ -313,15 +314,47 @@ def test_what_friction_adds_comes_out_of_a_delay_line_that_much_later() -> None:
     assert (run.force[run.time < 0.037] == 0).all()
 
 
-def test_a_held_force_that_comes_late_changes_on_the_clock_that_much_later() -> None:
-    scene = hs.Scene(
-        environments.kelvin_voigt(200, 5),
-        (effects.zero_order_hold("50 ms"), effects.delay("17 ms"), effects.delay("4 ms")),
-    )
-    run = hs.simulate(scene, hs.sine("1 cm", 10), duration=1.5)
-    tick = np.floor((run.time - 0.021) / 0.05 + 1e-12) * 0.05
+@pytest.mark.parametrize("lags", [("17", "4"), ("17.3",)])  # in one grid with the clock, and beside it
+def test_a_held_force_that_comes_late_changes_on_the_clock_that_much_later(lags: tuple[str, ...]) -> None:
+    between = (effects.zero_order_hold("50 ms"), *(effects.delay(f"{x} ms", name=f"line {x}") for x in lags))
+    run = hs.simulate(hs.Scene(environments.kelvin_voigt(200, 5), between), hs.sine("1 cm", 10), duration=1.5)
+    tick = np.floor((run.time - sum(map(float, lags)) / 1000) / 0.05 + 1e-12) * 0.05
     late = tick > run.motion.fade
     assert run.force[late] == pytest.approx(2 * np.sin(10 * tick[late]) + 0.5 * np.cos(10 * tick[late]), abs=1e-9)
+
+
+def end_of(run: hs.Simulation) -> float:
+    """Of its last step, from the first and the last node of that."""
+    first, last = run.time[-len(NODES)], run.time[-1]
+    return float(first + (last - first) * (1 - NODES[0]) / (NODES[-1] - NODES[0]))
+
+
+def test_a_run_ends_to_the_point_but_under_sines_alone_where_its_last_step_is_whole() -> None:
+    """Steps of a sine are 0.9/omega; a recording, a chirp and a clock end when they are said to."""
+    plain, clocked = hs.Scene(SPRING), hs.Scene(SPRING, (effects.zero_order_hold("30 ms"),))
+    hand = Recording(np.linspace(0, 0.31, 32), 0.002 * np.linspace(0, 1, 32) ** 6)
+    assert end_of(hs.simulate(plain, hand)) == pytest.approx(0.31, rel=1e-12)
+    assert end_of(hs.simulate(plain, hand, duration=0.2234)) == pytest.approx(0.2234, rel=1e-12)
+    assert end_of(hs.simulate(plain, hs.chirp("1 cm", 5, 9, 2.345))) == pytest.approx(2.345, rel=1e-12)
+    assert end_of(hs.simulate(clocked, hs.sine("1 cm", 5), duration=1.2345)) == pytest.approx(1.2345, rel=1e-12)
+    ended = end_of(hs.simulate(plain, hs.sine("1 cm", 5), duration=1.2345)) / 0.18
+    assert ended == pytest.approx(7, rel=1e-12)  # 6.86 steps
+
+
+def test_what_never_fades_is_waited_for_three_periods_and_no_more() -> None:
+    """The staircase of an encoder has the same images in every window: one period fades in, five are two windows, and so on."""
+    run = hs.simulate(hs.Scene(SPRING), hs.sine("1 cm", 5), extras=[hs.EncoderQuantisation("4 mm")])
+    assert end_of(run) / (2 * np.pi / 5) < 1 + 5 + 3 + 1.5
+
+
+def test_a_recording_can_be_differentiated_four_times_also_inside_of_a_fraction() -> None:
+    hand = Recording(np.linspace(0, 0.3, 31), 0.002 * np.linspace(0, 1, 31) ** 6)
+    for power, refused in ((2, False), (4, False), (5, True), (6, True)):
+        scene = hs.Scene(environments.expression(f"100 + s^{power}/(s + 9)"))
+        said = refusal(hs.simulate, scene, hand)
+        assert said == (
+            f"recording: the scene needs derivative {power} of the motion; a recording has 4" if refused else ""
+        )
 
 
 def test_at_most_three_elements_may_switch() -> None:
