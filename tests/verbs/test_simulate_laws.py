@@ -315,12 +315,18 @@ def test_what_friction_adds_comes_out_of_a_delay_line_that_much_later() -> None:
 
 
 @pytest.mark.parametrize("lags", [("17", "4"), ("17.3",)])  # in one grid with the clock, and beside it
-def test_a_held_force_that_comes_late_changes_on_the_clock_that_much_later(lags: tuple[str, ...]) -> None:
+def test_a_held_force_that_comes_late_goes_through_a_lag_from_step_to_step_of_the_clock(lags: tuple[str, ...]) -> None:
+    """Between steps the lag falls towards what is held, by exp(-40 t) of the difference."""
     between = (effects.zero_order_hold("50 ms"), *(effects.delay(f"{x} ms", name=f"line {x}") for x in lags))
-    run = hs.simulate(hs.Scene(environments.kelvin_voigt(200, 5), between), hs.sine("1 cm", 10), duration=1.5)
-    tick = np.floor((run.time - sum(map(float, lags)) / 1000) / 0.05 + 1e-12) * 0.05
-    late = tick > run.motion.fade
-    assert run.force[late] == pytest.approx(2 * np.sin(10 * tick[late]) + 0.5 * np.cos(10 * tick[late]), abs=1e-9)
+    scene = hs.Scene(environments.kelvin_voigt(200, 5), (*between, effects.first_order_lag(40)))
+    run = hs.simulate(scene, hs.sine("1 cm", 10), duration=1.5)
+    x, v = run.motion.derivatives(0.05 * np.arange(31), 1)
+    held, force, late = 200 * x + 5 * v, [0.0], sum(map(float, lags)) / 1000
+    for u in held:
+        force.append(u + (force[-1] - u) * np.exp(-40 * 0.05))
+    n = np.floor((run.time - late) / 0.05 + 1e-12).astype(int)
+    known = held[n] + (np.array(force)[n] - held[n]) * np.exp(-40 * (run.time - late - 0.05 * n))
+    assert run.force == pytest.approx(np.where(n < 0, 0, known), abs=1e-9)
 
 
 def end_of(run: hs.Simulation) -> float:
