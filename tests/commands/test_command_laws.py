@@ -245,6 +245,28 @@ def test_a_certificate_of_a_map_is_refused(run: Run, mine: str, tmp_path: Path) 
     assert "--certificate is about one parameter's values" in run("require", mine, *words, str(tmp_path / "p.json"))[2]
 
 
+def test_the_certificate_of_one_parameter_is_written_beside_its_page(
+    run: Run, asked: Any, mine: str, tmp_path: Path
+) -> None:
+    asked("haptisym.verbs.require.entry.require", Stub(nearest=None))
+    told = run("require", mine, "--free", "k", "--certificate", str(tmp_path / "p.json"))
+    assert told == (0, PAGE, f"certificate written to {tmp_path / 'p.json'}\n")
+    assert (tmp_path / "p.json").read_text(encoding="utf-8") == "the proof"
+
+
+def test_hard_cases_are_a_question_of_their_own(run: Run, asked: Any, mine: str) -> None:
+    seen = asked("haptisym.verbs.cost.hardcosts.hard_costs")
+    assert run("cost", "--hard-cases", "--json") == (0, JSON, "")
+    [(given, named)] = seen
+    assert (given, without_told(named)) == ((), {})
+    for words in ((mine,), ("--quick",), ("--simulation",), ("--sweep",), ("--environment", "a")):
+        status, out, err = run("cost", "--hard-cases", *words)
+        assert (status, out) == (2, "")
+        assert "--hard-cases brings its own scenes" in err
+    assert "name a SCENE, or ask for --hard-cases" in run("cost")[2]
+    assert len(seen) == 1
+
+
 def test_answers_of_a_person_are_asked_about_as_the_words_say(run: Run, asked: Any) -> None:
     seen = asked("haptisym.verbs.jnd.entry.jnd")
     assert run("jnd", "a.csv") == (0, PAGE, "")

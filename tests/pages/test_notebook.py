@@ -16,6 +16,7 @@ from sympy import Integer, Rational, pi, sqrt
 
 import haptisym as hs
 from haptisym.kernel.reals import ExactNumber
+from haptisym.pages.notebook import latex
 
 E, F = hs.environments, hs.effects
 m, b, k, omega_n, zeta, tau = hs.symbols("m b k omega_n zeta tau")
@@ -144,6 +145,25 @@ def test_the_formulas_of_a_distortion_in_html_have_their_values() -> None:
 def test_a_formula_that_nobody_can_read_is_left_out() -> None:
     assert len(FORMULAS["long"]._repr_latex_()) < 20_000
     assert "H_{\\mathrm{env}}" in FORMULAS["long"]._repr_latex_()
+
+
+def test_what_is_no_fraction_has_a_decimal_of_six_digits_beside_it() -> None:
+    for x, told in (
+        (
+            hs.Threshold(sqrt(2) / 10),
+            r"c_{\mathrm{real}} = 0.1 \sqrt{2} \approx 0.141421,\quad c_{\mathrm{imag}} = 0.1",
+        ),
+        (
+            hs.Threshold((sqrt(5) - 1) / 2, 1),
+            r"c_{\mathrm{real}} = 0.5 \sqrt{5} - 0.5 \approx 0.618034,\quad c_{\mathrm{imag}} = 1",
+        ),
+        (hs.Threshold(Rational(1, 7)), r"c_{\mathrm{real}} = \tfrac{1}{7},\quad c_{\mathrm{imag}} = 0.1"),
+        (
+            hs.environments.mass_spring_damper(k=pi / 3),
+            r"H(s) = k,\quad k = \tfrac{1}{3} \pi \approx 1.0472\,\mathrm{N/m}",
+        ),
+    ):
+        assert latex(x) == rf"$\displaystyle {told}$"
 
 
 def test_every_public_value_shows_itself() -> None:

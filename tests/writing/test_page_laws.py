@@ -36,7 +36,7 @@ from haptisym.writing.html import fragment
 from haptisym.writing.layout import layout
 from haptisym.writing.mathematics import ROOM, Parts, display
 from haptisym.writing.mathtext import plain as formula_text
-from haptisym.writing.names import named
+from haptisym.writing.names import CAPITALS, named
 from haptisym.writing.plain import plain
 from haptisym.writing.texlines import LINE, Names, align, broken, width
 from haptisym.writing.texprinter import tex
@@ -449,3 +449,21 @@ def test_a_number_in_code_has_the_digits_of_its_opposite_and_stands_first_in_a_p
         assert written(number) == (str(number) if whole else repr(float(number)))
     times, seven = DIALECTS[language].times, written(Integer(7))
     assert written(-7 * a * b) in (f"-{seven}{times}a{times}b", f"-{seven}{times}b{times}a")
+
+
+def test_a_name_is_a_letter_with_what_follows_it_below() -> None:
+    """Greek capitals are letters, however many Latin ones they are spelt with; two Latin ones are a letter and what it is of."""
+    for head in (*CAPITALS, "omega", "k", "zeta"):
+        for digits in ("", "2", "13"):
+            for below in ([], ["n"], ["n", "3"]):
+                name = named("_".join([head + digits, *below]))
+                assert name.head.letters == head
+                assert [x.letters for x in name.below] == [*([digits] if digits else []), *below]
+    for text, head, below in (
+        ("Mm", "M", ["m"]),
+        ("Ks_2", "K", ["s", "2"]),
+        ("force", "F", []),
+        ("amplitude_n", "A", ["n"]),
+        ("_", "_", []),
+    ):
+        assert (named(text).head.letters, [x.letters for x in named(text).below]) == (head, below)
