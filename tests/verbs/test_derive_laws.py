@@ -201,6 +201,8 @@ def test_every_name_of_a_quantity_is_found_however_it_is_typed() -> None:
     assert ({x.name for x in kept.kept}, kept.kept_thresholds) == ({"omega_n", "zeta"}, ())
     assert derive("fu2019", keep="evaluation.jnd").kept_thresholds == (Part.REAL, Part.IMAG)
     assert repr(derive("fu2019", keep=())).endswith(": nothing as symbols>")
+    written = derive(hs.Scene(hs.environments.mass_spring_damper(k=100)), keep=()).to_latex()
+    assert written == written.rstrip("\n") + "\n"
 
 
 def test_the_polynomial_of_a_threshold_has_its_zeros_at_the_crossings_with_its_factors_as_often_as_they_count() -> None:

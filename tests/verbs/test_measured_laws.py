@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 import haptisym as hs
 from haptisym.model.jndtables import read_threshold
 from haptisym.model.measured import averages_for, coherence_for
+from haptisym.pages.measured import NOT_NAMED
 from haptisym.verbs.measured.between import Stretches
 from haptisym.verbs.measured.judging import OPEN, certainty, lines_of, matched, signs
 from haptisym.verbs.measured.needed import MOST_AVERAGES, MOST_COHERENCE
@@ -315,6 +316,15 @@ def test_of_a_display_that_gives_energy_away_stiffness_has_a_name_and_damping_ha
     for imag, named in ((5, {REAL}), (-20, {REAL}), (40, {REAL, IMAG})):
         e = judged([160 + imag * 1j], hs.measured([1], [100 + 10j]), radius=[0.1])
         assert {part for part in hs.Part if e.named(part).any()} == named | ({IMAG} if imag == 40 else set())
+
+
+def test_the_page_has_a_row_for_each_group_of_lines_that_are_felt_alike() -> None:
+    """Noticed and named, noticed without a name (the sign of what is felt is open), and not noticed: of that there is no row."""
+    e = judged([130, 130, 100.5, 111, 70 + 30j, 1, 100 - 30j], radius=[1, 1, 1, 5, 1, 2, 1])
+    told = str(e).partition("felt as\n")[2].partition("\n\n")[0].splitlines()[1:]
+    assert [" ".join(x.split()) for x in told] == [
+        "1 to 2 2 real higher stiffness", "5 1 real lower stiffness", f"6 1 real {NOT_NAMED}", "5 1 imag higher damping", f"7 1 imag {NOT_NAMED}",
+    ]  # fmt: skip
 
 
 def test_a_disc_around_what_two_have_in_common_holds_it_and_is_hardly_larger_than_the_least() -> None:

@@ -21,8 +21,9 @@ from haptisym import effects, environments
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS
 from haptisym.verbs.simulate.command import motion, run
-from haptisym.verbs.simulate.entry import band_frequencies
+from haptisym.verbs.simulate.entry import _fractional_error, band_frequencies
 from haptisym.verbs.simulate.events import Breaks, common_measure, first_event, guards
+from haptisym.verbs.simulate.fractional import rates_and_weights
 from haptisym.verbs.simulate.frictions import join_frictions
 from haptisym.verbs.simulate.lockin import lock
 from haptisym.verbs.simulate.network import MOTION, Network, SignalSum, Step, Switch, name_of
@@ -185,6 +186,26 @@ def test_the_equations_of_motion_of_a_model_have_its_closed_form_for_their_quoti
             )
             own, known = quotient(scene, at), closed(scene, at)
             assert abs(own / known - 1) < (1e-9 if model == "spring-pot" else 1e-14), scene
+
+
+def test_of_several_powers_of_s_the_worst_bank_counts_in_the_error() -> None:
+    """Beyond its span a bank is worse; three times as far off as the exact power counts, relatively, at the worst frequency."""
+    omegas, worst = np.array([2.0, 40.0, 700.0]), {}
+    for alpha in (0.2, 0.5, 0.9):
+        rates, weights, spring, damper = rates_and_weights(alpha, (1.0, 9.0))
+        with mpmath.workdps(30):
+            found = [
+                spring + damper * s + mpmath.fsum(c * s / (s + r) for c, r in zip(weights, rates, strict=True))
+                for s in (1j * mpmath.mpf(w) for w in omegas)
+            ]
+            worst[alpha] = max(
+                float(abs(x / (1j * mpmath.mpf(w)) ** alpha - 1)) for x, w in zip(found, omegas, strict=True)
+            )
+    assert len({*worst.values()}) == 3
+    for alphas in itertools.permutations(worst, 2):
+        net = Network((1.0, 9.0), fractional=[(x, 1.0, 9.0) for x in alphas])
+        assert _fractional_error(net, omegas) == pytest.approx(3 * max(worst[x] for x in alphas), rel=1e-6)
+    assert _fractional_error(Network((1.0, 9.0)), omegas) == 0
 
 
 def test_powers_of_s_in_one_formula_share_their_bank() -> None:
