@@ -16,6 +16,7 @@ import mpmath
 import numpy as np
 import pytest
 import regions
+import sympy
 import threadpoolctl
 from flint import arb
 from hypothesis import example, given
@@ -39,6 +40,7 @@ from haptisym.verbs.cost.questions import DOUBLE, Crossings, Found, RatioQuestio
 from haptisym.verbs.cost.stopwatch import interleaved
 from haptisym.verbs.cost.summary import duration, hard_summary, summary, worst_verdict, wrong
 from haptisym.verbs.cost.sweeps import Answers, SweepQuestion
+from haptisym.verbs.cost.tasks import approximated, without
 from haptisym.verbs.cost.usual import RefusedError, companion_way, grid_way, naive_way
 
 YES, NO = True, False
@@ -719,8 +721,8 @@ def test_a_simulation_is_asked_with_one_setting_changed_at_a_time() -> None:
         [H / x + y for H, x, y in zip(felt, *row, strict=True)]
         for row in (([1 + s / 20 for s in omegas], [0] * 5), ([1] * 5, omegas))
     )
-    for name, without in (("without shunt", late), ("without first-order-lag", early)):
-        worst = max(abs(a / b - 1) for a, b in zip(without, whole, strict=True))
+    for name, gone in (("without shunt", late), ("without first-order-lag", early)):
+        worst = max(abs(a / b - 1) for a, b in zip(gone, whole, strict=True))
         assert digits[name] == pytest.approx(-log10(worst), abs=1e-6)
     assert {(row.task, row.seconds, row.proven) for row in rows} == {("simulation", 1.0, False)}
 
@@ -890,3 +892,47 @@ def test_without_a_word_everything_varies_that_can() -> None:
     fixed = hs.Scene(hs.environments.expression("100 + 3*s"), (hs.effects.series("1/(1 + s)"),), (0, 15), "0.1")
     with pytest.raises(SceneError, match="this scene has none that could be"):
         SweepQuestion.of(fixed, [], quick=True)
+
+
+# Approximants, and what is left out.
+
+
+def through(felt: Any, *matrices: tuple[Any, ...]) -> Any:
+    for a, b, c, d in matrices:
+        felt = (a * felt + b) / (c * felt + d)
+    return felt
+
+
+def test_an_approximant_stands_for_each_delay_and_its_inverse_for_a_lead_and_an_effect_left_out_is_gone() -> None:
+    """Pade approximants of e^-x of equal degrees, by their factorials; waves hold e^(s tau) and e^(-s tau)."""
+    scene = hs.Scene(
+        hs.environments.mass_spring_damper("0.5", 3, 40),
+        (hs.effects.delay("30 ms"), hs.effects.first_order_lag(40), hs.effects.wave_variables(12, "20 ms")),
+    )
+    with mpmath.workdps(30):
+        b, tau, T, w, s = 12, mpmath.mpf("0.02"), mpmath.mpf("0.03"), 40, mpmath.mpc(1, 7)
+        H = s * s / 2 + 3 * s + 40
+        for order in range(1, 7):
+            row = [mpmath.factorial(2 * order - k) * mpmath.binomial(order, k) for k in range(order + 1)]
+
+            def pade(x: Any, row: list[Any] = row) -> Any:
+                return mpmath.fsum(c * (-x) ** k for k, c in enumerate(row)) / mpmath.fsum(
+                    c * x**k for k, c in enumerate(row)
+                )
+
+            lead, lag = 1 / pade(s * tau), pade(s * tau)
+            even, odd = (lead + lag) / 2, (lead - lag) / 2
+            waves = (even, b * s * odd, odd / (b * s), even)
+            delay, late = (pade(s * T), 0, 0, 1), (w / (s + w), 0, 0, 1)
+            found = approximated(scene.distortion(), order).perc.expression()
+            own = sympy.lambdify(hs.s, found.xreplace({p.symbol: p.value for p in scene.parameters}), "mpmath")(s)
+            assert abs(own / through(H, delay, late, waves) - 1) < 1e-20, order
+        exact = (
+            (mpmath.exp(-s * T), 0, 0, 1),
+            late,
+            (mpmath.cosh(s * tau), b * s * mpmath.sinh(s * tau), mpmath.sinh(s * tau) / (b * s), mpmath.cosh(s * tau)),
+        )
+        for i in range(3):
+            found = without(scene.distortion().chain, i).perc.expression()
+            own = sympy.lambdify(hs.s, found.xreplace({p.symbol: p.value for p in scene.parameters}), "mpmath")(s)
+            assert abs(own / through(H, *exact[:i], *exact[i + 1 :]) - 1) < 1e-20, i

@@ -73,7 +73,7 @@ def evaluate_task(scene: Scene, *, quick: bool) -> Task:
 
 
 def _frequencies(scene: Scene, count: int) -> tuple[float, ...]:
-    """Evenly and logarithmically along the band, without its low end."""
+    """Evenly and logarithmically along the band, without 0."""
     low, high = (float(x) for x in scene.band)
     even = np.linspace(low, high, count + 1)[1:]
     decades = np.geomspace(low or 1e-6 * high, high, count, endpoint=False)
