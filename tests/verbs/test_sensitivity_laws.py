@@ -9,11 +9,15 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from mpmath import mp
-from sympy import Rational
+from sympy import Rational, Symbol
 
 import haptisym as hs
 from haptisym import effects, environments
-from haptisym.verbs.sensitivity.branches import Slope
+from haptisym.kernel.implicit import Equation
+from haptisym.kernel.reals import ExactNumber
+from haptisym.kernel.rings import PolynomialRing
+from haptisym.kernel.symbols import omega
+from haptisym.verbs.sensitivity.branches import Meeting, Slope
 from haptisym.verbs.sensitivity.slopes import FLAT, TOUCH, Sensitive
 
 NAMES = {
@@ -253,3 +257,43 @@ def test_a_parameter_at_its_least_value_moves_a_frequency_upward_alone() -> None
         if row.side:
             assert (row.side, row.reason) == ("above", "from above; below there is no scene")
     assert e.crossings[0]["omega_n"].side == ""
+
+
+# Where several zeros of one factor meet
+
+PARAMETER = Symbol("p", real=True)
+
+
+@given(
+    st.fractions(1, 9, max_denominator=7),
+    st.fractions(-5, 5, max_denominator=7),
+    st.fractions(-4, 4, max_denominator=5),
+    st.sampled_from([1, 2, 3]),
+)
+def test_branches_through_a_point_are_those_of_the_lowest_terms_there(
+    w: Fraction, p: Fraction, m: Fraction, order: int
+) -> None:
+    """A loop's own crossing, a point alone and a cusp; a parabola to either side, an inflection, and a line."""
+    x, y = PARAMETER - Rational(p), omega - Rational(w)
+    slanted = y - Rational(m) * x
+    for F, known in (
+        (slanted**2 - x**2 * (x + 2), (2, 2)),
+        (slanted**2 - x**2 * (x - 1), (0, 0)),
+        (slanted**2 - x**3, None),
+        (y**2 - 3 * x, (0, 2)),
+        (y**4 + 5 * x, (2, 0)),
+        (y**3 - x, (1, 1)),
+        (slanted * (1 + omega**2) - 3 * x**2, (1, 1)),
+    ):
+        ring = PolynomialRing(omega, [PARAMETER])
+        values = ((omega, ExactNumber(Rational(w))), (PARAMETER, ExactNumber(Rational(p))))
+        sides = Meeting(((Equation(ring, ring.convert(F.expand()).numerator), order),), PARAMETER, values).sides()
+        if order % 2 == 0:  # no sign changes
+            assert sides == ([], [])
+            continue
+        assert (sides and tuple(map(len, sides))) == known
+        if F.has(slanted * (1 + omega**2)):
+            assert sides is not None
+            assert [float(branch) for [branch] in sides] == [float(m)] * 2  # type: ignore[arg-type]
+        else:
+            assert sides is None or {*sides[0], *sides[1]} <= {None}

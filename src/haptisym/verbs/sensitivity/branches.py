@@ -29,7 +29,7 @@ Factors: TypeAlias = tuple[tuple[Equation, int], ...]
 """Irreducible factors as equations, each with its order."""
 SymbolValues: TypeAlias = tuple[tuple[Symbol, RealNumber], ...]
 Branch: TypeAlias = RealNumber | None
-"""The slope of a branch; None where it is infinite."""
+"""The slope of a branch; None where it is infinite, or one of several that leave the point."""
 Sides: TypeAlias = tuple[list[Branch], list[Branch]]
 """The branches for a parameter a little smaller, and a little larger."""
 
@@ -100,7 +100,7 @@ class Meeting:
         sign = None if self._vanishes(ring, discriminant, core) else self._sign(ring, discriminant)
         if sign is None:
             return None
-        lines: list[Branch] = [_Line(ring, (a, b, c), root, self.values) for root in (-1, 1)] if sign > 0 else []
+        lines: list[Branch] = [None, None] if sign > 0 else []  # where the frequency goes, two of them leave open
         return lines, list(lines)
 
     def _core(self) -> Polynomial | None:
@@ -195,19 +195,3 @@ class Slope(RealNumber):
     def is_clear(self) -> bool:
         """Whether neither dF/dp nor dF/d omega is 0: proven."""
         return bool(at_rising_precision(lambda bits: all(map(is_clear, self._parts(bits))) or None, _USUAL_BITS))
-
-
-@dataclass(frozen=True, repr=False)
-class _Line(RealNumber):
-    """The slope of one of the two lines a x^2 + 2 b x + c = 0."""
-
-    ring: PolynomialRing
-    coefficients: tuple[Polynomial, Polynomial, Polynomial]
-    root: int
-    values: SymbolValues
-
-    def ball(self, bits: int) -> Ball:
-        with flint.ctx.workprec(bits):
-            known = balls(self.values, bits)
-            a, b, c = (self.ring.ball(p, known) for p in self.coefficients)
-            return (-b + self.root * (b * b - a * c).sqrt()) / a
