@@ -6,6 +6,7 @@ import cmath
 import random
 from dataclasses import replace
 from itertools import islice, pairwise
+from random import Random
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,7 +15,7 @@ import mpmath
 import numpy as np
 import pytest
 from flint import arb
-from sympy import Expr, Integer, Rational, Symbol, exp, lambdify, pi
+from sympy import Expr, Integer, Rational, Symbol, exp, lambdify, pi, sympify
 from windings import winding
 
 from haptisym.kernel.alike import ordered
@@ -624,3 +625,27 @@ def test_delays_may_turn_so_far_on_the_way_and_no_further() -> None:
     with pytest.raises(UndecidedError, match="its delays turn very often"):
         _near(Rational(401), own)
     assert _near(Rational(10**6), loop_of(s + q)) == 10**6
+
+
+def test_the_highest_power_of_s_is_the_one_that_is_so_at_all_values_of_an_order() -> None:
+    """Powers that are linear in it, by many values between two; where two of them pass each other it is left open."""
+    pick, q, told = Random(29), Symbol("q"), [0, 0]
+    for _ in range(120):
+        low, high = sorted(pick.sample([Rational(n, 4) for n in range(5)], 2))
+        powers = {Rational(pick.randint(0, 4), 4) + pick.choice([0, 1, 2, -1]) * q for _ in range(pick.randint(1, 4))}
+        table = {x: object() for x in pick.sample(sorted(map(sympify, powers), key=str), len(powers))}
+        ring = SimpleNamespace(orders=(q,))
+        loop: Any = SimpleNamespace(symbol=q, ring=ring, low=low, high=high, table=table)
+        values = [low + (high - low) * Rational(n, 8) for n in range(9)]
+        highest = [x for x in table if all(x.subs(q, v) >= y.subs(q, v) for y in table for v in values)]
+        if highest:
+            told[0] += 1
+            assert Loop.leading.fget(loop) is table[highest[0]]  # type: ignore[attr-defined]
+        else:
+            told[1] += 1
+            with pytest.raises(UndecidedError, match="a power of s changes"):
+                Loop.leading.fget(loop)  # type: ignore[attr-defined]
+        loop.high = None
+        with pytest.raises(UndecidedError):
+            Loop.leading.fget(loop)  # type: ignore[attr-defined]
+    assert min(told) > 15

@@ -90,6 +90,31 @@ def test_of_a_number_with_the_other_sign_all_is_mirrored(low: int | None, high: 
         assert told == (low == 400)
 
 
+@pytest.mark.parametrize(
+    ("own", "late", "above", "below"),
+    [
+        (s**2 / 2 - 8 * s + 50, exp(-s / 40), True, False),
+        (s**2 - 2 * s + 50, exp(-s / 200), True, False),
+        (s**2 - 2 * s + 50, s * exp(-s / 40), False, True),
+        (s**2 / 2 - 20 * s + 50, s * exp(-s / 40), True, True),
+        (s**2 / 2 + 8 * s + 50, exp(-s / 40), False, False),
+    ],
+)
+def test_from_0_on_what_shakes_there_shakes_for_all_numbers_of_one_sign_if_none_holds_it(
+    own: Expr, late: Expr, *, above: bool, below: bool
+) -> None:
+    """Two roots on the right at 0, and how many there are further on: by winding numbers."""
+    zero = number(0)
+    for sign in (1, -1):
+        expression = own + sign * q * late
+        way = Tendency(loop_of(expression))
+        told = [way.everywhere(zero, None), way.everywhere(None, zero)][::sign]
+        assert told == [above, below]
+        for is_told, side in zip(told, (sign, -sign), strict=True):
+            counts = [right(expression, side * x, 3000) for x in (0.3, 1.7, 9.0, 44.0, 300.0)]
+            assert not is_told or 0 not in counts
+
+
 def test_from_a_critical_value_itself_on_its_own_root_is_enough() -> None:
     own = hs.load_scene("delayed-spring").with_hands(hs.hands["postural-arm"])
     found = hs.require(own, "environment.k", that="stable")

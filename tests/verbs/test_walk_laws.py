@@ -619,3 +619,30 @@ def test_the_boundary_is_followed_until_it_leaves_the_window_for_good(case: int)
     assert 1.1 * leaves < end < 1.3 * leaves
     assert plane._end(at, window, [0.01, 3.0]) == pytest.approx(min(end, 2 * np.pi * plane._TURNS / 3))
     assert plane._end(lambda w: (-2 - w, w), window, []) == 100
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize("rule", [Rule.ANY, Rule.NONNEGATIVE, Rule.POSITIVE])
+def test_a_walk_ends_before_what_touches_the_circle_and_tells_no_change_there(rule: Rule, side: int) -> None:
+    """A pair that comes and goes back at once, or one that comes at 1 while another leaves at -1; on the other side nothing is."""
+    for start, share in (
+        (Fraction(3), Fraction(4, 3)),
+        (Fraction(1, 70), Fraction(9)),
+        (Fraction(1, 3), Fraction(11, 10)),
+    ):
+        touch = start * share**side
+        for kind in ("pair", "both"):
+            loop: Any = Placed(random.Random(1), twins=False)
+            loop.at_0, loop.at_one = False, Integer(1)
+            loop.zeros = [[], [], [touch, touch]] if kind == "pair" else [[touch], [touch], []]
+            loop.signs = {touch: 0}
+            walk = Walk(loop, start, loop.count(Rational(start.numerator, start.denominator))[0], rule)
+            found, known = walk.towards(side)
+            assert found is None
+            assert 0 <= (touch - known) * side <= touch / 10**6
+            other, far = walk.towards(-side)
+            assert other is None
+            if side < 0:
+                assert far == start * 1025
+            else:
+                assert far == (-1023 * start if rule is Rule.ANY else 0)
