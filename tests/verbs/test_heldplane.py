@@ -9,7 +9,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from strategies import Seeded, case, scene
-from sympy import Expr, Rational, Symbol
+from sympy import Expr, Rational, Symbol, pi
 
 import haptisym as hs
 from haptisym.kernel.budget import limited
@@ -17,7 +17,7 @@ from haptisym.kernel.errors import UndecidedError
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.stability.held import unstable_roots
 from haptisym.verbs.tolerances.clockplane import ClockPlane
-from haptisym.verbs.tolerances.heldplane import HeldPlane, _told, held_plane
+from haptisym.verbs.tolerances.heldplane import _NONE, HeldPlane, _middle, _Search, _told, held_plane
 
 Cell = tuple[tuple[Fraction, Fraction], ...]
 
@@ -244,3 +244,63 @@ def test_no_set_of_values_of_a_random_plane_is_against_it(seed: int) -> None:
     except UndecidedError:
         return
     assert not is_refuted(held, told, plane, times=3)
+
+
+class Sheet:
+    """In place of the axis: shares of frequency, plane and what else varies at which a linear form has a value."""
+
+    def __init__(self, weights: tuple[float, ...], number: float) -> None:
+        self.weights, self.number, self.sides = np.array(weights), number, len(weights)
+
+    def bounded(self, cells: Array) -> tuple[Array, Array]:
+        ends = np.sort(self.weights[:, None] * cells, -1).sum(1)
+        rates = abs(self.weights) * (cells[..., 1] - cells[..., 0])
+        return (ends[:, 0] > self.number) | (ends[:, 1] < self.number), rates
+
+    def is_clear(self, rectangle: Array) -> bool:
+        rest = np.tile([0.0, 1.0], (self.sides - 3, 1))
+        return bool(self.bounded(np.concatenate([[[0.0, 1.0]], rectangle, rest])[None])[0][0])
+
+
+SHEETS = {
+    "none": [Sheet((1, 1, 1), 9)],
+    "across": [Sheet((0.25, 1, 1), 1.3)],
+    "two": [Sheet((0.1, 1, -1), 0.21), Sheet((-0.2, 0.1, 1, 0.125), 0.8)],
+    "frequencies alone": [Sheet((8, 0.001, 0.002), 4)],
+    "along one side": [Sheet((0, 0, 1), 0.3)],
+}
+
+
+@pytest.mark.parametrize("case", SHEETS)
+@pytest.mark.parametrize("most", [10**6, 20_000, 0])
+def test_a_rectangle_is_clear_where_no_frequency_meets_a_zero_in_it_and_what_is_left_is_small(
+    case: str, most: int
+) -> None:
+    """Whatever ends the search, rectangles fill the plane once."""
+    forms, finest = SHEETS[case], 2.0**-4
+    search = _Search(finest, most, forms)  # type: ignore[arg-type]
+    search.go()
+    clear, left = (np.concatenate([_NONE, *x]) for x in (search.clear, search.left))
+    assert area(clear) + area(left) == 1
+    pixels = np.zeros((16, 16), int)
+    for x in np.concatenate([clear, left]):
+        (a, b), (c, d) = (x / finest).astype(int).tolist()
+        pixels[a:b, c:d] += 1
+    assert (pixels == 1).all()
+    assert all(form.is_clear(x) for x in clear for form in forms)
+    assert not any(all(form.is_clear(x) for form in forms) for x in left)
+    if most == 10**6:
+        assert (left[..., 1] - left[..., 0] == finest).all()
+        assert search.looked < most
+
+
+def test_a_set_of_values_in_the_middle_of_a_rectangle_is_told_exactly() -> None:
+    """Shares of both ranges, and of what else varies the middle."""
+    x, y, z = (Symbol(n) for n in "xyz")
+    ranges: dict[Symbol, tuple[Expr, Expr]] = {
+        x: (Rational(1, 3), Rational(7, 3)),
+        y: (pi, 3 * pi),
+        z: (Rational(-1), Rational(4, 5)),
+    }
+    rectangle = np.array([[0.25, 0.5], [0.5, 1.0]])
+    assert _middle(ranges, rectangle) == {x: Rational(13, 12), y: Rational(5, 2) * pi, z: Rational(-1, 10)}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from itertools import pairwise
+from math import prod
 from random import Random
 from types import SimpleNamespace
 from typing import Any
@@ -588,3 +589,36 @@ def test_frequency_and_values_over_cells_are_told_with_the_same_doubt_on_both_si
         assert (a.c1 == b.c1).all()
     bottom, top = (float(z[0, 0]) for z in one[1].bounds())
     assert bottom <= low <= high <= top
+
+
+def test_values_turn_at_the_one_root_in_a_cell_where_all_else_is_shown() -> None:
+    """Zeros of the sign above frequency 0 at known places; each thing that is not shown leaves the cell open."""
+    pick, k, told = Random(23), Symbol("k", real=True), 0
+    for _ in range(150):
+        zeros = [Rational(pick.randint(-6, 6), 2) for _ in range(pick.randint(1, 3))]
+        form = prod((k - x for x in zeros), start=Integer(pick.choice([-2, 1]))).expand()
+        low = Rational(pick.randint(-7, 4), 2)
+        high = low + Rational(pick.randint(1, 6), 2)
+        shown = {x: pick.random() < 0.93 for x in ("rises", "clear", "poles", "steady", "holds")}
+        asked: list[tuple[Any, Any]] = []
+        search: Any = _Search.__new__(_Search)
+        search.free = SimpleNamespace(symbol=k)
+        search.__dict__ |= {"_opening": form, "openings": tuple(zeros_of(form, k))}
+        search.energy = SimpleNamespace(
+            rises=lambda q, own=shown: 3.0 if own["rises"] else None,
+            clear=lambda q, start, own=shown: own["clear"] and start == 3.0,
+        )
+        search._has_steady_poles = lambda *_, own=shown: own["poles"]
+        search._is_steady = lambda *_, own=shown: own["steady"]
+        search._holds = lambda a, b, own=shown, asked=asked: (asked.append((a, b)), own["holds"])[1]
+        found = search._turn(low, high)
+        inside = {x for x in zeros if low <= x <= high}
+        signs = [form.subs(k, x) for x in (low, high)]
+        if len(inside) == 1 and signs[0] * signs[1] < 0 and all(shown.values()):
+            [x] = inside
+            assert float(found) == float(x)
+            assert asked == [(low if signs[0] > 0 else high, x)]
+            told += 1
+        else:
+            assert found is None
+    assert told > 15

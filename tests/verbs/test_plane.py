@@ -17,7 +17,7 @@ from test_slices import PLANE, RANGES, lag, least
 import haptisym as hs
 from haptisym.judge.criteria import noticed
 from haptisym.programs.taylormodels import variable
-from haptisym.verbs.require.plane import Rectangles, _Search, common, rectangles
+from haptisym.verbs.require.plane import _FINEST_HELD, Rectangles, _Search, common, rectangles
 from haptisym.verbs.require.proven import Proof, _Between, _unbounded
 
 MAPS: dict[str, tuple[list[str], list[tuple[Any, Any]]]] = {
@@ -270,3 +270,26 @@ def test_ends_at_an_end_of_the_range_on_both_slices_are_without_bound_there_what
     assert _unbounded(ends, -5.0, -np.inf).tolist() == [[-np.inf, -np.inf], *ends[1:].tolist()]
     assert _unbounded(-ends, 5.0, np.inf).tolist() == [[np.inf, np.inf], *(-ends[1:]).tolist()]
     assert _unbounded(ends, 0.0, np.inf)[3].tolist() == [np.inf, np.inf]
+
+
+def test_what_several_planes_keep_is_kept_in_each_wherever_their_ranges_begin() -> None:
+    """By pixels, of three planes that are cut at other places each."""
+    rng, size = np.random.default_rng(3), round(1 / _FINEST_HELD)
+    none = np.empty((0, 2, 2))
+    for _ in range(2):
+        low, width = rng.uniform(-9, 9, (2, 1)), rng.uniform(1, 9, (2, 1))
+        planes, every = [], np.ones((size, size), bool)
+        for _ in range(3):
+            a, b = ([0, *sorted(rng.choice(np.arange(1, size), 3, replace=False)), size] for _ in range(2))
+            cells = [[a[i : i + 2], b[j : j + 2]] for i in range(4) for j in range(4)]
+            kept = rng.random(len(cells)) < 0.7
+            for (x, y), own in zip(cells, kept, strict=True):
+                every[x[0] : x[1], y[0] : y[1]] &= own
+            placed = low + width * np.array(cells) / size
+            planes.append(Rectangles(placed[kept], none, placed[~kept]))
+        found = (common(planes) - low) / width * size
+        pixels, told = np.rint(found).astype(int), np.zeros((size, size), int)
+        assert found == pytest.approx(pixels, abs=1e-9)
+        for (i, j), (m, n) in pixels:
+            told[i:j, m:n] += 1
+        assert (told == every).all()
