@@ -679,3 +679,11 @@ def test_roots_that_nearly_agree_are_two_numbers_however_large_they_are(digits: 
     assert not ring.is_zero(x)
     assert ring.is_zero(x * (ring.root(other[True]) + ring.root(place[True])) - 1)
     assert ring.is_zero(ring.root(0) + ring.root(1))
+
+
+def test_an_exponential_is_a_delay_where_its_exponent_is_s_times_a_time_and_nothing_else() -> None:
+    for lag in (Rational(1, 10), Rational(7, 3)):
+        assert Ring.of([exp(-s * lag)]).lags == (lag,)
+    for exponent in (1 - s / 10, -(s**2), -(s**2) - s, -1 / s - s, -(s**2) + 3, s * 0 + 2):
+        with pytest.raises(SceneError, match=r"is not a delay: the exponent must be -s times a time"):
+            Ring.of([exp(exponent)])

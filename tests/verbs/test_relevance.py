@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from fractions import Fraction
+from itertools import combinations, product
 from math import inf, isclose, nextafter, sqrt
 from pathlib import Path
 from random import Random
@@ -1030,3 +1031,60 @@ def test_crossings_of_a_limit_that_grows_are_enclosed_though_an_effect_is_left_o
         own = [y for y in found.crossings if y.criterion.name == x.criterion.name]
         assert sum(y.bounds[0] <= float(x.omega) <= y.bounds[1] for y in own) == 1
     assert found.crossings
+
+
+def test_of_sets_the_fewest_effects_are_chosen_and_of_these_the_lowest_bound() -> None:
+    """Whatever the verdicts of all sets are; that no smaller one does is said where none of these is open."""
+    pick = Random(11)
+
+    class Told(SubsetSearch):
+        def _verdict(self, kept: Any) -> bool | None:
+            return verdicts[kept]
+
+        def _choice(self, kept: Any, *, smallest: bool) -> Any:
+            return SimpleNamespace(kept=kept, smallest=smallest, worst=worst[kept])
+
+    for _ in range(200):
+        everything = frozenset(range(pick.randint(0, 4)))
+        sets = [frozenset(x) for n in range(len(everything) + 1) for x in combinations(everything, n)]
+        likely = pick.choice([[False], [False, False, False, True], [False, False, None, True], [False, None]])
+        verdicts: dict[Any, bool | None] = {x: pick.choice(likely) for x in sets}
+        worst = dict(zip(sets, pick.sample(range(99), len(sets)), strict=True))
+        found: Any = Told(None, SimpleNamespace(everything=everything), Rational(1)).choose()  # type: ignore[arg-type]
+        proper = [x for x in sets if x != everything and verdicts[x]] or [everything]
+        size = min(map(len, proper))
+        assert found.kept == min((x for x in proper if len(x) == size), key=lambda x: worst[x])
+        smaller, alike = ([x for x in sets if len(x) in n and x != everything] for n in (range(size), range(size + 1)))
+        if any(verdicts[x] is None for x in smaller):
+            assert not found.smallest
+        elif all(verdicts[x] is not None for x in alike):
+            assert found.smallest
+
+
+def test_a_set_is_within_a_tolerance_where_both_parts_are_and_beyond_it_where_one_is() -> None:
+    """Unless a sample is proven to be beyond it; the float that is asked with is none above the tolerance."""
+
+    class Told(SubsetSearch):
+        def _sampled(self, _: Any) -> Any:
+            return sampled, hs.Part.REAL, None
+
+        def _at(self, *_: Any) -> float:
+            return proven
+
+        def _difference(self, _: Any, part: hs.Part) -> Any:
+            return part
+
+        def _within(self, part: Any) -> bool | None:
+            return told[part]
+
+    pick = Random(5)
+    for tolerance in (Rational(pick.randint(1, 999), pick.randint(1, 999)) for _ in range(40)):
+        search = Told(None, None, tolerance)  # type: ignore[arg-type]
+        limit = search._limit
+        assert Rational(limit) <= tolerance < Rational(nextafter(limit, inf))
+        for verdicts in product((True, False, None), repeat=2):
+            told = dict(zip(hs.Part, verdicts, strict=True))
+            for sampled, proven in product((limit, nextafter(limit, inf)), repeat=2):
+                is_beyond = sampled > limit and proven > limit
+                expected = False if is_beyond or False in verdicts else None if None in verdicts else True
+                assert search._verdict(frozenset()) is expected

@@ -20,7 +20,7 @@ from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.symbols import omega as w
 from haptisym.kernel.symbols import s
 from haptisym.verbs.sweep.curves import ClosedForms, Reader
-from haptisym.verbs.sweep.families import Family, Monomial, Powers, monomial, within_reach
+from haptisym.verbs.sweep.families import Family, Monomial, Powers, family, monomial, within_reach
 from haptisym.verbs.sweep.passes import Band
 from haptisym.verbs.sweep.waves import Variables, WaveFamily, WaveReader, is_readable
 from haptisym.verbs.sweep.wavevalues import Factor, WaveFunction
@@ -256,3 +256,36 @@ def draw_one(pick: Random) -> Expr:
     late = exp(-s * TAU * pick.choice([1, P, Rational(1, 3)]) / 50)
     found = pick.randint(1, 9) * P + s**2 * pick.randint(0, 2) + (pick.randint(1, 9) + P * s) * late
     return found + (s ** Rational(pick.randint(1, 3), 4) if pick.random() < 0.6 else 0)
+
+
+def test_a_polynomial_is_read_as_one_in_a_power_of_a_scaled_frequency_whatever_parameters_it_holds() -> None:
+    """Against SymPy; a parameter that is nowhere in it has the exponent 0, wherever it stands among them."""
+    pick = Random(17)
+    a, b, other = (Symbol(x, positive=True) for x in ("a", "b", "other"))
+    for _ in range(10):
+        step, scale, factor = (
+            pick.choice([1, 2, 3]),
+            Rational(pick.randint(1, 40), 7),
+            pick.choice([1, pi, Rational(2, 3)]),
+        )
+        terms = [
+            pick.choice([-3, -1, 2, 7]) * pick.choice([1, pi, pi**2]) * a ** pick.randint(0, 3) * b ** pick.randint(0, 2) * w ** (n * step)
+            for n in (0, *pick.sample(range(4), 3))
+        ]  # fmt: skip
+        form = sum(terms, a * b)
+        axis = Ring.of([a * b]).axis
+        function = axis.convert(form)
+        given = pick.sample([a, b, other], 3)
+        found = family(axis, function.numerator, given, scale, step, sympify(factor))
+        known = {a: Rational(5, 3), b: Rational(-7, 4), other: Rational(11), w: Rational(9, 5)}
+        x = float((known[w] / scale) ** step)
+        values = [float(known[p]) for p in given]
+        sizes = [
+            t.constant * prod(v**n for v, n in zip(values, t.exponents, strict=True)) * x**t.power for t in found.terms
+        ]
+        exact = float((factor * axis.expression(function.numerator)).subs(known).evalf(30))
+        assert float((axis.expression(function.numerator) / axis.expression(function.denominator) - form).expand()) == 0
+        assert sum(sizes) == pytest.approx(exact, rel=1e-13, abs=1e-13 * sum(map(abs, sizes)))
+        assert all(t.exponents[given.index(other)] == 0 for t in found.terms)
+        for t in found.terms:  # a double, and what it leaves
+            assert abs(t.rest) <= 2.0**-53 * abs(t.constant)
