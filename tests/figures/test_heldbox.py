@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
@@ -11,7 +12,9 @@ from sympy import Rational
 import haptisym as hs
 from haptisym.figures.heldbox import draw_held
 from haptisym.figures.pen import UNSTABLE
+from haptisym.figures.stability import draw_boxes, draw_points
 from haptisym.verbs.stability.held import unstable_roots
+from haptisym.verbs.stability.plane import Plane
 from haptisym.writing.document import figures_of
 
 SPRING = hs.load_scene("delayed-spring")
@@ -83,3 +86,15 @@ def test_the_caption_speaks_of_a_line_where_there_is_one(name: str, *, line: boo
     found = hs.tolerances(name, samples=0, hand=hs.Hand("mine", m="45 g", b=["3 N*s/m", "3.1 N*s/m"], k=100))
     [figure] = [x for x in figures_of(found.document().blocks) if x.name == "hands"]
     assert ("Line: " in str(figure.caption)) is line
+
+
+@pytest.mark.parametrize("ranges", [{"k": ["80 N/m", "200 N/m"]}, {"b": ["2 N*s/m", "7 N*s/m"]}])
+def test_the_name_of_a_hand_is_not_crossed_by_its_own_box(ranges: dict[str, list[str]]) -> None:
+    """A range of one number alone makes the box a line through its hand."""
+    hand = hs.Hand("mine", **{"m": "0.5 kg", "b": "5 N*s/m", "k": "135 N/m", **ranges})
+    ax: Axes = Figure(figsize=(4, 3)).add_subplot()
+    ax.set(xlim=(0, 300), ylim=(0, 10))
+    draw_boxes(ax, [hand])
+    draw_points(ax, [hand], [], Plane(0.5, np.empty(0), np.empty(0), None, (0, 300, 0, 10)))
+    [name], [box] = ax.texts, ax.patches
+    assert not name.get_window_extent().overlaps(box.get_window_extent())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -120,11 +120,17 @@ def draw_boundary(ax: Axes, drawn: Plane, label: str = "boundary") -> list[Artis
 
 def draw_boxes(ax: Axes, asked: Iterable[Hand]) -> list[Artist]:
     """The box of each hand with ranges of damping and stiffness."""
+    for (k, b), (k_high, b_high) in _boxes(asked):
+        ax.add_patch(Rectangle((k, b), k_high - k, b_high - b, fill=False, edgecolor=pen.INK, linewidth=0.9))
+    return []
+
+
+def _boxes(asked: Iterable[Hand]) -> Iterator[tuple[tuple[float, float], tuple[float, float]]]:
+    """Of each hand with ranges of damping and stiffness, two corners of their box."""
     for x in asked:
         if x.k.interval or x.b.interval:
             (k, k_high), (b, b_high) = ([float(end) for end in p.interval or (p.value, p.value)] for p in (x.k, x.b))
-            ax.add_patch(Rectangle((k, b), k_high - k, b_high - b, fill=False, edgecolor=pen.INK, linewidth=0.9))
-    return []
+            yield (k, b), (k_high, b_high)
 
 
 def draw_points(ax: Axes, asked: list[Hand], shown: list[Hand], drawn: Plane) -> list[Artist]:
@@ -132,6 +138,8 @@ def draw_points(ax: Axes, asked: list[Hand], shown: list[Hand], drawn: Plane) ->
     room, listed = _room(ax, drawn), (*asked, *shown)
     for x in listed:
         room.take_point(*_place(x))
+    for (k, b), (k_high, b_high) in _boxes(asked):
+        room.take_line([k, k_high, k_high, k, k], [b, b, b_high, b_high, b])
     for x in listed:
         face = pen.INK if x in asked and float(x.m.value) == drawn.mass else "none"
         color = pen.INK if x in asked else pen.GREY

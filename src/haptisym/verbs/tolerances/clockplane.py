@@ -33,19 +33,20 @@ class ClockPlane:
         whole: Cell = ((Fraction(0), Fraction(1)),) * (len(self.loops[0].ranges) - 2)
         waiting = deque((own, [[whole] for _ in self.loops]) for own in _grid())
         try:
-            while waiting:
+            while waiting and looked <= self.most:
                 own, rest = waiting.popleft()
-                tick()
+                tick(looked, self.most, "rectangles")
                 rest, tried = self._doubtful(own, rest)
                 looked += tried
                 if not any(rest):
                     clear.append(own)
-                elif looked > self.most or max(b - a for a, b in own) <= self.finest:
+                elif max(b - a for a, b in own) <= self.finest:
                     left.append(own)
                 else:
                     waiting += ((half, rest) for half in halves(own, (0, 1)))
         except LimitError:
-            left += [own, *(x for x, _ in waiting)]
+            left.append(own)
+        left += [x for x, _ in waiting]
         return _array(clear), _array(left)
 
     def _doubtful(self, own: Cell, rest: Sequence[Sequence[Cell]]) -> tuple[list[list[Cell]], int]:

@@ -35,7 +35,7 @@ _BATCH = 4096
 _MOST_PIECES = 48  # of one rectangle before it is cut rather than they
 _AT_LAST = 5  # times that pieces of the smallest ones are cut
 _MOST_COUNTS = 48
-_DEARER, _FINEST_SAMPLED = 10, 2.0**-8  # a cell of a loop with a clock
+_DEARER, _FINEST_SAMPLED = 60, 2.0**-8  # a cell of a loop with a clock, by Taylor polynomials
 
 Interval = tuple[Expr, Expr]
 _NONE = np.empty((0, 2, 2))
