@@ -351,7 +351,7 @@ def test_a_disc_behind_a_filter_has_its_crossing_as_a_formula() -> None:
     [[line], _] = _solved(disc, disc.function(d.distortion), d)
     wn, zeta = symbols("omega_n zeta", positive=True)
     assert float(line.value.subs({wn: 80, zeta: Rational(1, 2)})) == pytest.approx(7.922311857140609, rel=1e-15)
-    assert "ω_joint = ω_n sqrt((1/99) (2 sqrt(9801 zeta^4 + 99 zeta^2 + 25) - 1 - 198 zeta^2))" in str(d)
+    assert "ω_joint = ω_n sqrt((1/99) (2 sqrt(9801 ζ^4 + 99 ζ^2 + 25) - 1 - 198 ζ^2))" in str(d)
     said = " ".join(str(hs.derive(with_jnd(ELLIPSE), ["zeta"])).split())
     assert "it has no readable formula, the equation is the answer." in said
 
