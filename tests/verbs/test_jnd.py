@@ -141,6 +141,15 @@ def test_lapses_that_are_there_are_found_where_they_may_be() -> None:
     assert none.jnd.value > 1.1 * free.jnd.value
 
 
+@pytest.mark.parametrize("lapse", [None, 0.02])
+@pytest.mark.parametrize("times", [1e3, 1e5])
+def test_answers_given_many_times_over_have_the_same_curve(lapse: float | None, times: float) -> None:
+    rows = Answers("once", tuple(Row(x, k, 40) for x, k in zip((4.0, 4.5, 5.0, 5.5, 6.0), (2, 9, 19, 33, 38), strict=True))).rows
+    many = tuple(Row(r.level, r.count * int(times), r.trials * int(times)) for r in rows)
+    once, often = (Likelihood(x, 0.0, lapse).best().curve for x in (rows, many))
+    assert (often.mu, often.sigma) == pytest.approx((once.mu, once.sigma), rel=1e-5)
+
+
 def test_a_curve_that_does_not_fit_is_said_not_to() -> None:
     rows = tuple(Row(float(x), k, 40) for x, k in enumerate((2, 30, 8, 33, 12, 38)))
     found = hs.jnd(Answers("two people", rows))
@@ -187,7 +196,7 @@ def test_very_many_levels_are_put_together_and_give_the_same_curve() -> None:
 def test_a_table_too_small_for_an_interval_has_no_upper_end() -> None:
     found = hs.jnd(Answers("few", (Row(1.0, 1, 4), Row(2.0, 2, 4), Row(3.0, 3, 4))), reference=2)
     assert found.jnd.high is None
-    assert found.table["real"] == "0.5000"  # 25 % at 1, 50 % at 2, 75 % at 3
+    assert found.table["real"] == "0.5"  # 25 % at 1, 50 % at 2, 75 % at 3
     assert "unbounded" in str(found)
     assert "The interval has NO upper end" in str(found)
 

@@ -158,11 +158,20 @@ class _Way:
         return [self.numbers(Curve(float(mu), float(sigma), guess, 0.02)) for mu, sigma in places]
 
     def down(self, start: Sequence[float]) -> tuple[float, Array]:
-        """The loss and the numbers at the bottom."""
-        found: Any = minimize(
-            self._loss, start, jac=True, method="SLSQP", bounds=self._bounds, options={"ftol": 1e-15, "maxiter": 500}
-        )
-        return float(found.fun), found.x
+        """The loss and the numbers at the bottom.
+
+        The loss is that of a trial: how long the first step is follows from the slopes, and those of many trials leap beyond
+        everything, from where a descent does not return.
+        """
+        trials = self.likelihood.table[2].sum()
+
+        def of_a_trial(x: Array) -> tuple[float, Array]:
+            total, slopes = self._loss(x)
+            return total / trials, slopes / trials
+
+        options = {"ftol": 1e-15, "maxiter": 500}
+        found: Any = minimize(of_a_trial, start, jac=True, method="SLSQP", bounds=self._bounds, options=options)
+        return float(found.fun) * trials, found.x
 
     def refined(self, loss: float, x: Array) -> tuple[float, Array]:
         """The same to the last digits, where the bottom is inside the bounds."""
