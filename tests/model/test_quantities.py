@@ -14,7 +14,7 @@ from sympy import Expr, I, Rational, nan, oo, pi, zoo
 
 import haptisym as hs
 from haptisym.model.quantities import Dimension, MotionKind, decimal, quantity
-from haptisym.model.units import _USUAL, _measured
+from haptisym.model.units import _USUAL, _measured, read_unit, si_unit
 
 EXACT: list[tuple[str, Dimension, Expr]] = [
     ("1.8 kg", Dimension.MASS, Rational(9, 5)),
@@ -224,3 +224,35 @@ def test_thresholds_are_positive_fractions() -> None:
 def test_the_units_that_are_known_by_heart_are_those_of_pint(unit: str) -> None:
     factor, exponents = _measured(unit, unit, unit, "")
     assert _USUAL[unit] == (factor, exponents)
+
+
+@given(st.dictionaries(st.sampled_from(["mass", "length", "time"]), st.integers(-2, 2).filter(bool)))
+def test_the_si_unit_of_base_dimensions_is_read_as_just_these(powers: dict[str, int]) -> None:
+    exponents = tuple(sorted((base, Fraction(power)) for base, power in powers.items()))
+    name = si_unit(exponents)
+    assert read_unit(name, name, "") == (1, dict(exponents)) if powers else name == ""
+
+
+@pytest.mark.parametrize(
+    ("given_unit", "told"),
+    [
+        ("ms", "s"),
+        ("g", "kg"),
+        ("Hz", "rad/s"),
+        ("mN*mm*s", "N*m*s"),
+        ("kN/cm", "N/m"),
+        ("N*s^2/mm", "kg"),
+        ("N*s/m^3", "N*s/m^3"),
+    ],
+)
+def test_the_number_of_a_formula_has_the_si_unit_of_what_was_given(given_unit: str, told: str) -> None:
+    scene = hs.Scene(hs.environments.expression("q*s", parameters={"q": f"3 {given_unit}"}))
+    assert scene.knobs["q"].unit == told
+    assert scene.parameters[0].stated().endswith(f" {told}")
+    assert hs.Scene(hs.environments.expression("q*s", parameters={"q": "3"})).parameters[0].stated() == "q = 3"
+
+
+def test_dimensions_with_fractions_or_of_no_base_unit_have_no_si_unit() -> None:
+    assert si_unit((("mass", Fraction(1)), ("time", Fraction(-3, 2)))) == ""
+    assert si_unit((("printing_unit", Fraction(1)),)) == ""
+    assert si_unit((("length", Fraction(10)),)) == ""

@@ -144,7 +144,9 @@ def test_lapses_that_are_there_are_found_where_they_may_be() -> None:
 @pytest.mark.parametrize("lapse", [None, 0.02])
 @pytest.mark.parametrize("times", [1e3, 1e5])
 def test_answers_given_many_times_over_have_the_same_curve(lapse: float | None, times: float) -> None:
-    rows = Answers("once", tuple(Row(x, k, 40) for x, k in zip((4.0, 4.5, 5.0, 5.5, 6.0), (2, 9, 19, 33, 38), strict=True))).rows
+    rows = Answers(
+        "once", tuple(Row(x, k, 40) for x, k in zip((4.0, 4.5, 5.0, 5.5, 6.0), (2, 9, 19, 33, 38), strict=True))
+    ).rows
     many = tuple(Row(r.level, r.count * int(times), r.trials * int(times)) for r in rows)
     once, often = (Likelihood(x, 0.0, lapse).best().curve for x in (rows, many))
     assert (often.mu, often.sigma) == pytest.approx((once.mu, once.sigma), rel=1e-5)

@@ -396,7 +396,7 @@ def test_the_documentation_lists_every_argument_with_meaning_and_unit(name, lang
     )
     assert "rad/s" in text
     for p in scene.parameters:
-        unit = {"RATIO": "", "ANY": "SI units"}.get(p.dimension.name, p.dimension.unit(scene.motion))
+        unit = "" if p.dimension.name == "RATIO" else p.unit_in(scene.motion) or "SI units"
         assert re.search(
             rf"\b{p.symbol.name}\W[^;]* {p.key.replace('[', '.')[:1]}[^;]* of (?:the|what is rendered) [^;]*{re.escape(unit)};",
             text,

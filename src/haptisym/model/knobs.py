@@ -68,8 +68,8 @@ class Knob(Parameter):
 
     @property
     def unit(self) -> str:
-        """The name of its unit; ``SI`` where the dimension is not known."""
-        return self.dimension.unit(self.motion) or "SI"
+        """The name of its unit; ``SI`` where none is known."""
+        return self.unit_in(self.motion) or "SI"
 
     def number(self, given: Number) -> Expr:
         """A number for it, SI, exact; SceneError for a unit that does not fit, and for a symbol."""

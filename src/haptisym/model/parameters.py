@@ -16,6 +16,7 @@ from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.shown import Shown
 from haptisym.model.quantities import Dimension, Exponents, MotionKind, Number, expected, fits, implied_motion
 from haptisym.model.ranges import ExactRange, ranged
+from haptisym.model.units import si_unit
 
 
 class Rule(Enum):
@@ -101,10 +102,14 @@ class Parameter(Shown):
     def _line(self) -> str:
         return self.stated()
 
+    def unit_in(self, motion: MotionKind | None) -> str:
+        """Its unit; what the given one tells where the model knows no dimension, and empty where nothing does."""
+        return self.dimension.unit(motion) or si_unit(self.exponents or ())
+
     def stated(self) -> str:
         """``m = 9/5 kg``, and between which values it may lie."""
-        plain = self.dimension in (Dimension.ANY, Dimension.RATIO) or self.value == self.symbol
-        unit = "" if plain else f" {self.dimension.unit(self.motion or MotionKind.TRANSLATION)}"
+        own = self.unit_in(self.motion or MotionKind.TRANSLATION)
+        unit = "" if own in ("", "1") or self.value == self.symbol else f" {own}"
         spread = f", from {self.interval[0]} to {self.interval[1]}{unit}" if self.interval else ""
         return f"{self.symbol} = {self.value}{unit}{spread}" if self.value != self.symbol else str(self.symbol)
 

@@ -21,6 +21,7 @@ Number: TypeAlias = "str | int | float | Decimal | Fraction | Expr"
 Exponents: TypeAlias = tuple[tuple[str, Fraction], ...]
 
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?:\s*/\s*(\d+)(?![\w.]))?\s*(.*?)\s*", re.DOTALL)
+_POWER = re.compile(r"\^(\d)")
 _LONGEST = 200  # characters of a number; 200 digits are more than any measurement has
 _LARGEST_EXPONENT = 300  # of ten; beyond it a float could not show the result
 
@@ -60,10 +61,10 @@ class Dimension(Enum):
 def unit_text(unit: str) -> str:
     """A unit as it is printed.
 
-    >>> unit_text("kg*m^2"), unit_text("N s/m")
-    ('kg·m²', 'N·s/m')
+    >>> unit_text("kg*m^2"), unit_text("N s/m^3")
+    ('kg·m²', 'N·s/m³')
     """
-    return unit.replace("*", "·").replace(" ", "·").replace("^2", "²")
+    return _POWER.sub(lambda x: "⁰¹²³⁴⁵⁶⁷⁸⁹"[int(x[1])], unit.replace("*", "·").replace(" ", "·"))
 
 
 @dataclass(frozen=True, slots=True)

@@ -51,6 +51,33 @@ def read_unit(unit: str, text: str, hint: str) -> tuple[Expr, dict[str, Fraction
     return _measured(plain, unit, text, hint)
 
 
+_OWN = {"": {}, "kg": {"mass": 1}, "kg*m^2": {"mass": 1, "length": 2}, "rad/s": {"time": -1}}
+"""Units that are not written with newtons, metres and seconds."""
+
+
+def si_unit(exponents: tuple[tuple[str, Fraction], ...]) -> str:
+    """The SI unit with these base dimensions; empty where they have none that is written without fractions.
+
+    >>> si_unit((("time", Fraction(-1)),)), si_unit((("length", Fraction(-1)), ("mass", Fraction(1))))
+    ('rad/s', 'N*s^2/m^2')
+    """
+    left = dict(exponents)
+    for name, own in _OWN.items():
+        if left == own:
+            return name
+    newtons = left.pop("mass", Fraction(0))
+    metres, seconds = left.pop("length", Fraction(0)) - newtons, left.pop("time", Fraction(0)) + 2 * newtons
+    powers = {"N": newtons, "m": metres, "s": seconds}
+    if left or any(x.denominator > 1 or abs(x) > 9 for x in powers.values()):
+        return ""
+    above, below = ([_power(name, x) for name, x in powers.items() if sign * x > 0] for sign in (1, -1))
+    return "/".join(["*".join(above) or "1", *below])
+
+
+def _power(name: str, exponent: Fraction) -> str:
+    return name if abs(exponent) == 1 else f"{name}^{abs(exponent)}"
+
+
 def _measured(plain: str, unit: str, text: str, hint: str) -> tuple[Expr, dict[str, Fraction]]:
     """A unit's factor and dimensions from Pint's registry."""
     import pint

@@ -39,10 +39,9 @@ def _asides(d: Derivation) -> list[str]:
 
 
 def _meaning(p: Parameter, motion: MotionKind | None) -> str:
-    if p.dimension in (Dimension.ANY, Dimension.RATIO):
-        return "number"
-    unit = p.dimension.unit(motion)
-    return f"{p.dimension.name.lower()}, {unit_text(unit)}" if unit else p.dimension.name.lower()
+    plain, unit = p.dimension in (Dimension.ANY, Dimension.RATIO), p.unit_in(motion)
+    kind = "number" if plain else p.dimension.name.lower()
+    return f"{kind}, {unit_text(unit)}" if unit not in ("", "1") else kind
 
 
 def _state(d: Derivation, p: Parameter) -> Phrase:

@@ -12,7 +12,7 @@ from sympy import Symbol
 from haptisym.judge.evaluation import Evaluation
 from haptisym.model.jnd import Part, Threshold
 from haptisym.model.parameters import Parameter, Rule
-from haptisym.model.quantities import Dimension, MotionKind
+from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.model.regions import Shape
 from haptisym.pages.checked import is_provable
 from haptisym.pages.sceneforms import SceneForms
@@ -139,7 +139,7 @@ _MOST_AT_ZERO = {Dimension.TIME: 0.1, Dimension.FORCE: 1.0}  # of a slider whose
 
 def _parameter(p: Parameter, identity: str, label: str, motion: MotionKind | None) -> Slider:
     """A decade to each side of a positive value; else a range around it, or from zero."""
-    own = "" if p.dimension in (Dimension.ANY, Dimension.RATIO) else unit(p.dimension, motion)
+    own = "" if p.dimension is Dimension.RATIO else unit_text(p.unit_in(motion or MotionKind.TRANSLATION))
     value, rule = nearest_double(p.value), p.rule
     if rule is Rule.FRACTION:
         return Slider(identity, label, own, value, 0.01, 0.99, rule)

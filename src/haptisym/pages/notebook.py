@@ -23,7 +23,7 @@ from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Threshold
 from haptisym.model.parameters import Parameter
-from haptisym.model.quantities import Dimension, MotionKind
+from haptisym.model.quantities import MotionKind
 from haptisym.model.scene import Scene
 from haptisym.pages import scene as scene_page
 from haptisym.pages.closedforms import ClosedForms
@@ -93,9 +93,7 @@ def _given(parameters: Iterable[Parameter]) -> str:
 
 
 def _unit(p: Parameter) -> str:
-    if p.motion is None and p.dimension in (Dimension.ANY, Dimension.RATIO):
-        return ""
-    unit = p.dimension.unit(p.motion or MotionKind.TRANSLATION).replace("*", r"\,")
+    unit = p.unit_in(p.motion or MotionKind.TRANSLATION).replace("*", r"\,")
     return rf"\,\mathrm{{{unit}}}" if unit not in ("", "1") else ""
 
 

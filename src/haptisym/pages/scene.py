@@ -11,10 +11,10 @@ from haptisym.kernel.reals import ExactNumber
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment
 from haptisym.model.jnd import Threshold, is_irrational_algebraic
 from haptisym.model.knobs import Knob
-from haptisym.model.quantities import Dimension
+from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.model.regions import Shape
 from haptisym.model.scene import Scene
-from haptisym.pages.words import H_ENV, H_PERC, both, page_about, region, unit
+from haptisym.pages.words import H_ENV, H_PERC, both, page_about, region
 from haptisym.writing.boxes import Absolute, Equation
 from haptisym.writing.document import Block, Column, Document, Flow, Paragraph, Phrase, Strong, Table
 from haptisym.writing.layout import layout
@@ -78,7 +78,7 @@ def _link(place: str, part: Environment | Effect) -> Phrase:
 
 def _parameter(scene: Scene, short_names: Mapping[Symbol, Symbol], p: Knob) -> tuple[Phrase, ...]:
     quantity = "" if p.dimension is Dimension.ANY else p.dimension.name.lower()
-    own = unit(p.dimension, scene.motion)
+    own = unit_text(p.unit_in(scene.motion or MotionKind.TRANSLATION))
     symbol = named(short_names.get(p.symbol, p.symbol).name)
     places = ", ".join(x.removeprefix("effects.").rpartition(".")[0] for x in p.paths)
     return symbol, places, p.key, quantity, _value(p.value), own or "SI"

@@ -54,7 +54,7 @@ def _varying(a: Tolerances) -> Block:
     if not rows:
         motion = a.box.scene.motion or MotionKind.TRANSLATION
         varied = [x for found in a.held for x in _ranges(found.hand)]
-        rows = [_side(named(p.symbol.name), p.value, ends, p.dimension.unit(motion)) for p, ends in varied]
+        rows = [_side(named(p.symbol.name), p.value, ends, p.unit_in(motion)) for p, ends in varied]
     columns = Column("varies"), Column("from", number=True), Column("to", number=True), Column(""), Column("")
     return Table(columns, tuple(rows), "The parameters that vary.")
 

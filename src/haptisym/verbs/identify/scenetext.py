@@ -66,7 +66,8 @@ def environment_table(own: Environment) -> Table:
 
 def _quantity(p: Parameter) -> Any:
     low, high = p.interval or (p.value, p.value)
-    told = [exactly(x, p.dimension, p.dimension.unit(p.motion) if p.motion else "") for x in (low, p.value, high)]
+    unit = p.unit_in(p.motion) if p.motion or p.exponents else ""
+    told = [exactly(x, p.dimension, unit) for x in (low, p.value, high)]
     return told if p.interval else told[1]
 
 

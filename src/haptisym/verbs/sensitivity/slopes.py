@@ -63,7 +63,7 @@ class Sensitivity:
     @property
     def unit(self) -> str:
         """The parameter's; empty where it is not known."""
-        return self.knob.dimension.unit(self.knob.motion)
+        return self.knob.unit_in(self.knob.motion)
 
 
 @dataclass(frozen=True, repr=False)

@@ -33,7 +33,7 @@ class SweepAxis:
     @property
     def unit(self) -> str:
         """Empty where it is not known."""
-        return self.knob.dimension.unit(self.knob.motion)
+        return self.knob.unit_in(self.knob.motion)
 
 
 def axes(scene: Scene, vary: Mapping[str, AxisValues]) -> tuple[SweepAxis, ...]:

@@ -52,7 +52,7 @@ class Box:
 
 def _side(x: Knob) -> Side:
     assert x.interval
-    return Side(x.name, *x.interval, x.dimension.unit(x.motion or MotionKind.TRANSLATION))
+    return Side(x.name, *x.interval, x.unit_in(x.motion or MotionKind.TRANSLATION))
 
 
 def box_of(scene: Scene) -> Box:

@@ -139,7 +139,7 @@ _RANGES = {Rule.POSITIVE: "> 0", Rule.NONNEGATIVE: ">= 0", Rule.FRACTION: "betwe
 def _argument(p: Knob, motion: MotionKind | None) -> Argument:
     label = _LABELS.get(p.place) or f"the effect {p.place.partition('.')[2]}"
     kind = "number" if p.dimension in (Dimension.ANY, Dimension.RATIO) else p.dimension.name.lower()
-    unit = {Dimension.ANY: "SI units", Dimension.RATIO: ""}.get(p.dimension, p.dimension.unit(motion))
+    unit = "" if p.dimension is Dimension.RATIO else p.unit_in(motion) or "SI units"
     example = f"{nearest_double(p.value):.12g} in the scene" if p.value.is_number else ""
     model = "" if label.endswith(f" {p.model}") else f" ({p.model})"
     return Argument(p.symbol, unit, f"{kind} {p.key} of {label}{model}", _RANGES.get(p.rule, ""), example)
