@@ -26,7 +26,7 @@ from haptisym.model.distortion import Distortion
 from haptisym.model.parameters import Rule, values
 from haptisym.verbs.require import passivecells
 from haptisym.verbs.require.energy import Energy, is_between, keeps_sign, zeros_of
-from haptisym.verbs.require.energyterms import Term, variables
+from haptisym.verbs.require.energyterms import Term, ends_of, variables
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.passivecells import _Cell, _Search, _span, _window
 
@@ -622,3 +622,32 @@ def test_values_turn_at_the_one_root_in_a_cell_where_all_else_is_shown() -> None
         else:
             assert found is None
     assert told > 15
+
+
+@pytest.mark.parametrize("expanded", [False, True])
+@pytest.mark.parametrize("seed", range(6))
+def test_what_stands_at_the_powers_of_frequency_adds_up_to_im_h_over_cells(seed: int, *, expanded: bool) -> None:
+    """Im N(j omega) conj D(j omega), with delays above and below; in narrow cells hardly anything else is in the sum."""
+    pick = Random(seed)
+
+    def drawn() -> Any:
+        lags = [exp(-s) ** pick.choice([0, 1, 2]) for _ in range(3)]
+        return sum(
+            Rational(pick.randint(1, 9), 4) * Q ** pick.randint(0, 1) * s ** pick.randint(0, 3) * x for x in lags
+        )
+
+    top, bottom = drawn(), drawn()
+    form = energy_of(top, bottom)
+    for low, high in ((0.0, 0.02), (0.1, 0.11), (0.2, 0.21) if expanded else (2.9, 2.95)):
+        omega, q = variables(np.array([[[low, high], [1.25, 1.26]]]))
+        parts = form._coefficients(omega, q, expanded=expanded)
+        for share in (0, 0.3, 1):
+            w, value = low + share * (high - low), 1.25 + 0.01 * (1 - share)
+            at = {s: 1j * w, Q: value}
+            true = float((top.subs(at) * bottom.subs(at).conjugate()).evalf(30).as_real_imag()[1])
+            ends = np.array([[x * w ** int(p) for x in ends_of(model)] for p, model in parts.items()]).sum(0)
+            assert ends[0] - 1e-12 <= true <= ends[1] + 1e-12
+            assert (
+                ends[1] - ends[0]
+                <= 0.1 + 0.2 * np.abs([x * w ** int(p) for p, m in parts.items() for x in ends_of(m)]).sum()
+            )
