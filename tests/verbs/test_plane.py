@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
 from random import Random
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from schemas import faults
+from sympy import Integer
 from test_slices import PLANE, RANGES, lag, least
 
 import haptisym as hs
@@ -293,3 +295,36 @@ def test_what_several_planes_keep_is_kept_in_each_wherever_their_ranges_begin() 
         for (i, j), (m, n) in pixels:
             told[i:j, m:n] += 1
         assert (told == every).all()
+
+
+@pytest.mark.parametrize("edge", ["low", "high", None])
+def test_between_two_slices_a_bent_set_differs_by_its_bend_whichever_end_of_the_range_it_reaches(
+    edge: str | None,
+) -> None:
+    """From 0.1 (or from the range's end) to 0.3 + 0.4 x + 0.4 x (1 - x), and its mirror image, in a grid of rectangles."""
+
+    def ends(x: float) -> tuple[float, float]:
+        bent = 0.3 + 0.4 * x + 0.4 * x * (1 - x)
+        return (1 - bent, 1.0) if edge == "high" else (0.0 if edge == "low" else 0.1, bent)
+
+    def a_slice(x: float) -> Any:
+        own = SimpleNamespace(low=SimpleNamespace(value=ends(x)[0]), high=SimpleNamespace(value=ends(x)[1]))
+        return SimpleNamespace(place=x, sets=[SimpleNamespace(undecided=(), feasible=[own])])
+
+    cells: dict[str, list[Any]] = {"kept": [], "broken": [], "left": []}
+    grid = np.linspace(0, 1, 41).tolist()
+    for (a, b), (c, d) in product(pairwise(grid), pairwise(grid)):
+        rows = np.array([ends(x) for x in np.linspace(a, b, 20)])
+        inside, outside = (
+            c >= rows[:, 0].max() and d <= rows[:, 1].min(),
+            d <= rows[:, 0].min() or c >= rows[:, 1].max(),
+        )
+        cells["kept" if inside else "broken" if outside else "left"].append([[a, b], [c, d]])
+    plane = Rectangles(**{name: np.array(x) for name, x in cells.items()})
+    proof = Proof("transparent", 0, None, plane, (Integer(0), Integer(1)))
+    [bound] = proof.bounds([a_slice(0.0), a_slice(1.0)])
+    assert bound is not None
+    assert 0.1 <= bound <= 0.1 + 3 / 40
+    assert proof.bounds(
+        [a_slice(0.0), SimpleNamespace(place=1.0, sets=[SimpleNamespace(undecided=(), feasible=[])])]
+    ) == (None,)
