@@ -328,3 +328,7 @@ def test_between_two_slices_a_bent_set_differs_by_its_bend_whichever_end_of_the_
     assert proof.bounds(
         [a_slice(0.0), SimpleNamespace(place=1.0, sets=[SimpleNamespace(undecided=(), feasible=[])])]
     ) == (None,)
+    for n in (0, 1):
+        slices = [a_slice(0.0), a_slice(1.0)]
+        slices[n].sets[0].undecided = ((None, None),)
+        assert proof.bounds(slices) == (None,)
