@@ -17,7 +17,7 @@ import pytest
 import strategies
 from marks import QUICK_SCENES, often
 from regions import margin, outside
-from sympy import Expr, Rational, exp, lambdify, pi
+from sympy import Expr, Integer, Rational, exp, lambdify, pi
 
 import haptisym as hs
 from haptisym.judge.criteria import noticed
@@ -1088,3 +1088,27 @@ def test_a_set_is_within_a_tolerance_where_both_parts_are_and_beyond_it_where_on
                 is_beyond = sampled > limit and proven > limit
                 expected = False if is_beyond or False in verdicts else None if None in verdicts else True
                 assert search._verdict(frozenset()) is expected
+
+
+def test_an_effect_that_changes_next_to_nothing_changes_something() -> None:
+    """A delay of 1e-30 s: Im dH/k = -sin(omega tau), next to 15e-30 at the band's end."""
+    found = change(
+        hs.Scene(hs.environments.kelvin_voigt(100, 0), (hs.effects.delay(Rational(1, 10**30)),)), set(), hs.Part.IMAG
+    )
+    assert found.supremum().most >= 15e-30 * (1 - 1e-12)
+
+
+@pytest.mark.parametrize("gain", ["9/10", "11/10"])
+def test_where_signs_matter_a_change_is_not_undone_by_its_opposite(gain: str) -> None:
+    """Felt are 11/10 k and, without the second gain, 9/10 k: both as far from k, and 1/5 k from each other."""
+    one = hs.effects.series(gain)
+    other = hs.effects.series(str(2 / Rational(gain) - 1))
+    scene = hs.Scene(hs.environments.kelvin_voigt(100, 1), (one, other))
+    for signed, most in ((False, Integer(0)), (True, Rational(1, 5))):
+        found = Difference(scene, BallChain(scene), frozenset({0}), hs.Part.REAL, signed)
+        assert len(found.squares) == 2 - signed
+        assert found.supremum().least <= float(most) <= found.supremum().most <= float(most) * (1 + WIDTH) + 1e-9
+        assert found.stays_within(most + Rational(1, 10**9)) is True
+        if signed:
+            assert found.stays_within(most - Rational(1, 10**9)) is False
+            assert found._exact_bounds(BandPiece())[1] >= 0.2
