@@ -200,7 +200,7 @@ def together(cells: Array) -> Array:
             own = waiting.pop()
             near = (low[:, alone] <= high[:, own, None]).all(0) & (low[:, own, None] <= high[:, alone]).all(0)
             label[alone[near]] = first
-            waiting += [x for x in alone[near].tolist() if x != first or own != first]
+            waiting += alone[near].tolist()
             alone = alone[~near]
     return label
 
