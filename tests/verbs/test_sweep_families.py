@@ -197,6 +197,15 @@ def test_what_polynomials_leave_out_of_powers_is_bounded_beside_0_too(alpha: flo
     assert (value[-2:] < 1e-3).all()
 
 
+def test_next_to_0_nothing_bounds_what_polynomials_leave_out_of_powers() -> None:
+    """Powers are analytic right of 0 alone: of a segment that nearly begins there every ellipse around it reaches beyond."""
+    variables = Variables((), (0.5,))
+    family = WaveFamily((Monomial(0, 1.0, 0.0, (0,)),), variables, ((0, 1),))
+    f = WaveFunction(variables, np.zeros((0, 2)), (Factor(family, family.at(Powers(np.ones((1, 2))))),))
+    for found in f.left_out(np.array([1e-6, 1e-3]), np.array([1.0, 1.0]), 8):
+        assert not np.isfinite(found).any()
+
+
 TAU, ALPHA, P = Symbol("tau", positive=True), Symbol("alpha", positive=True), Symbol("p", positive=True)
 
 

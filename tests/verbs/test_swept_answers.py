@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 import haptisym as hs
+from haptisym.kernel.roots import Chart
+from haptisym.verbs.sweep.exactly import exact_answers
 from haptisym.verbs.sweep.swept import Swept
 from haptisym.verbs.sweep.told import Told
 
@@ -126,3 +128,11 @@ def test_what_a_data_set_says_of_itself_is_that_of_its_scene(data: Any) -> None:
     for words, other in kinds.items():
         assert words in other.attrs["floats"], words
     assert len({x.attrs["fingerprint"] for x in (data, *kinds.values())}) == 3
+
+
+def test_a_set_of_which_exact_arithmetic_leaves_something_open_is_not_answered(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = hs.load_scene("fu2019")
+    knob = scene.knobs["environment.m"]
+    assert exact_answers(scene, [knob], [2.0])["method"] == 1
+    monkeypatch.setattr(Chart, "undecided", property(lambda _: ((0.0, 1.0),)))
+    assert exact_answers(scene, [knob], [2.0])["method"] == 2
