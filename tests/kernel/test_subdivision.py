@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from haptisym.kernel.budget import limited
+from haptisym.kernel.budget import limited, share, tick
 from haptisym.kernel.errors import LimitError
 from haptisym.kernel.subdivision import Waiting
 
@@ -53,3 +53,18 @@ def test_a_limit_in_time_leaves_the_cell_in_hand_among_the_rest(monkeypatch: pyt
     assert seen
     assert len(waiting.rest) == 3 - len(seen)
     assert sorted([*seen, *waiting.rest]) == [1, 2, 3]
+
+
+def test_a_share_of_a_limit_is_told_beside_the_limit_that_was_set(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [0.0]
+    monkeypatch.setattr("haptisym.kernel.budget.monotonic", lambda: now[0])
+    with limited(8), share(1 / 4), share(1 / 2):
+        now[0] = 1.01
+        with pytest.raises(LimitError, match=r"^not decided within 1 s, its share of the limit of 8 s$"):
+            tick()
+        with pytest.raises(LimitError, match=r"within 1 s, its share of the limit of 8 s$"), limited(60):
+            tick()
+    with limited(8):
+        now[0] = 9.5
+        with pytest.raises(LimitError, match=r"^not decided within the limit of 8 s$"):
+            tick()

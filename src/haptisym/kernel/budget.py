@@ -24,12 +24,16 @@ _PAUSE = 0.1  # s between two words to whoever is told
 
 @dataclass(eq=False)
 class Budget:
-    """What a question may take: ``seconds`` of it, None without a limit, and who is told."""
+    """What a question may take: ``seconds`` of it, None without a limit, and who is told.
+
+    ``whole`` : the limit that was set, where the seconds are a share of it.
+    """
 
     seconds: float | None
     deadline: float | None
     told: Told | None = None
     outer: Budget | None = None
+    whole: float | None = None
     reached: bool = False
     """Whether something was cut short."""
     _last: tuple[float, float | None, str] = field(default=(0, None, ""), repr=False)
@@ -40,7 +44,8 @@ class Budget:
         now = monotonic()
         if self.deadline is not None and now > self.deadline:
             self.reached = True
-            raise LimitError(f"not decided within the limit of {self.seconds:g} s")
+            own = "" if self.whole is None else f"{self.seconds:.2g} s, its share of "
+            raise LimitError(f"not decided within {own}the limit of {self.whole or self.seconds:g} s")
         if done is not None:
             self._last = done, total, what
         self._tell_now_and_then(now)
@@ -66,8 +71,10 @@ _budget: ContextVar[Budget | None] = ContextVar("budget", default=None)
 
 
 @contextmanager
-def limited(seconds: float | None = None, told: Told | None = None) -> Iterator[Budget]:
+def limited(seconds: float | None = None, told: Told | None = None, whole: float | None = None) -> Iterator[Budget]:
     """What is called inside may take that many seconds (None: as long as it likes), and no longer than what is around it may.
+
+    ``whole`` : the limit of which they are a share.
 
     >>> with limited(3600) as outer, limited(None) as inner:
     ...     inner.deadline == outer.deadline
@@ -78,8 +85,8 @@ def limited(seconds: float | None = None, told: Told | None = None) -> Iterator[
     outer = _budget.get()
     own = None if seconds is None else monotonic() + seconds
     if outer is not None and outer.deadline is not None and (own is None or outer.deadline < own):
-        seconds, own = outer.seconds, outer.deadline
-    budget = Budget(seconds, own, told, outer)
+        seconds, own, whole = outer.seconds, outer.deadline, outer.whole
+    budget = Budget(seconds, own, told, outer, whole)
     mark = _budget.set(budget)
     try:
         yield budget
@@ -113,7 +120,8 @@ def afford(terms: int, others: int = 1) -> None:
         if terms * others > _PRODUCTS * (budget.deadline - monotonic()):
             budget.reached = True
             raise LimitError(
-                f"not decided: formulas grow so long that the limit of {budget.seconds:g} s would most likely be exceeded"
+                f"not decided: formulas grow so long that the limit of {budget.whole or budget.seconds:g} s would most likely be "
+                "exceeded"
             )
 
 
@@ -141,5 +149,5 @@ def share(part: float) -> Iterator[None]:
     if budget is None or budget.deadline is None:
         yield
         return
-    with limited(max(part * (budget.deadline - monotonic()), 1e-9), budget.told):
+    with limited(max(part * (budget.deadline - monotonic()), 1e-9), budget.told, budget.whole or budget.seconds):
         yield
