@@ -649,3 +649,11 @@ def test_the_highest_power_of_s_is_the_one_that_is_so_at_all_values_of_an_order(
         with pytest.raises(UndecidedError):
             Loop.leading.fget(loop)  # type: ignore[attr-defined]
     assert min(told) > 15
+
+
+@pytest.mark.parametrize("low", [-1000, -1, 0, 5])
+def test_what_rounding_takes_of_a_value_goes_by_its_size_whatever_its_sign(low: int) -> None:
+    cells = _Cells(Characteristic(loop_of(s**2 + s + 2 + q * exp(-s))), Rational(low), Rational(low) + Rational(1, 100))
+    width, place = Rational(1, 100), cells._scale[0] + cells._scale[1] / 3
+    assert (cells._lost > np.spacing(np.abs(place))).all()
+    assert (cells._lost < 1e-6 * (np.abs(place) + float(width) + 1000)).all()

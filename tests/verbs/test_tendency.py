@@ -75,7 +75,10 @@ def test_what_is_asked_about_must_hold_no_value_that_comes_from_below_the_freque
     assert not way.everywhere(number(300), number(400))
     assert way.everywhere(number(400), number(500))
     assert not way.everywhere(None, number(400))
-    assert not way.everywhere(number(-1), None)  # of numbers of both signs nothing is told
+    for low, high in ((-1, None), (-1, 900), (None, 900), (-900, 1)):
+        ends = [None if x is None else number(x) for x in (low, high)]
+        assert not way.everywhere(*ends)  # of numbers of both signs nothing is told
+        assert not Tendency(loop_of(expression.subs(q, -q))).everywhere(*ends)
 
 
 @pytest.mark.parametrize(
