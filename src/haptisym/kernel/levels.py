@@ -13,7 +13,7 @@ from sympy import Dummy, Expr, Rational, minimal_polynomial
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.polynomials import PolynomialFactor, Root, polynomial_factors
 from haptisym.kernel.precision import SURE_BITS, at_rising_precision
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
+from haptisym.kernel.reals import Ball, RealNumber
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import omega
 from haptisym.kernel.zeros import Factor
@@ -98,14 +98,14 @@ class LevelFactor(Factor):
         return above - self.number.ball(flint.ctx.prec) * below
 
     def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
-        inside = [f for f, _ in self.parts if not f.order_at(low) and not f.order_at(high)]
-        return [x for f in inside for x in f.zeros(low, high) if self._meets(x)]
+        return [x for f, _ in self.parts for x in f.zeros(low, high) if self._meets(x)]
 
     def multiplicity(self, zero: RealNumber) -> int:
         return next(n for f, n in self.parts if f == getattr(zero, "factor", None))
 
     def order_at(self, place: Expr) -> int:
-        return sum(n for f, n in self.parts if f.order_at(place) and self._meets(ExactNumber(place)))
+        # at a rational number its value is rational, at one with pi it is not algebraic: never the number
+        return 0
 
     def _meets(self, x: RealNumber) -> bool:
         """Whether the function has this very value there, not that of a conjugate: of one it has."""
