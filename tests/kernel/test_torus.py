@@ -59,6 +59,24 @@ def test_one_that_vanishes_somewhere_has_no_least_modulus_above_0() -> None:
         assert least_on_torus({turns: Integer(c) for turns, c in group.items()}) is None
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_of_one_term_for_each_phase_the_least_is_what_the_largest_exceeds_all_others_by(seed: int) -> None:
+    """|c_0 + c_1 z_1 + c_2 z_2|, whatever the signs; what is found is at least half of it, and is measured in the same unit as the c."""
+    pick = Random(seed)
+    for _ in range(6):
+        c = [Rational(pick.choice([-1, 1]) * pick.randint(1, 9), 4) for _ in range(3)]
+        c[seed] *= 4
+        group: Group = dict(zip(((0, 0), (1, 0), (0, 1)), c, strict=True))
+        true, least = 2 * max(map(abs, c)) - sum(map(abs, c)), least_on_torus(group)
+        if true <= 0:
+            assert least is None
+            continue
+        assert least is not None
+        assert true / 2 <= least <= true
+        unit = Rational(2) ** pick.choice([-30, 40])
+        assert least_on_torus({turns: unit * x for turns, x in group.items()}) == unit * least
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(60))
 def test_what_several_delays_tell_is_what_the_zeros_of_one_tell(seed: int) -> None:

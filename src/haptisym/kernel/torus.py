@@ -37,10 +37,10 @@ def least_on_torus(group: Mapping[tuple[int, ...], Expr]) -> Rational | None:
     >>> least_on_torus({(0, 0): Integer(3), (1, 0): Integer(1), (0, 1): Integer(2)}) is None
     True
     """
-    units = [i for i in range(len(next(iter(group)))) if any(turns[i] for turns in group)]
+    units = range(len(next(iter(group))))
     with flint.ctx.workprec(_BITS):
-        terms = [(expression_ball(c), [turns[i] for i in units]) for turns, c in group.items()]
-        slopes = [2 * arb.pi() * sum((n[k] * abs(c) for c, n in terms), arb(0)) for k in range(len(units))]
+        terms = [(expression_ball(c), turns) for turns, c in group.items()]
+        slopes = [2 * arb.pi() * sum((n[k] * abs(c) for c, n in terms), arb(0)) for k in units]
         whole = sum((abs(c) for c, _ in terms), arb(0))
         best = whole.upper()
 
