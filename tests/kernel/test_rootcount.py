@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import cmath
+import random
 from fractions import Fraction
 from types import SimpleNamespace
 from typing import Any
@@ -20,7 +22,7 @@ import haptisym as hs
 from haptisym.kernel import contour
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.rootcount import RootChain, Roots, count_roots, floor_of
+from haptisym.kernel.rootcount import RootChain, Roots, _need_few_turns, _turn_along, count_roots, floor_of
 from haptisym.kernel.symbols import s
 
 E = exp(-s)
@@ -172,6 +174,30 @@ def test_a_turn_that_is_near_no_whole_number_is_not_counted(turns: tuple[object,
     with pytest.raises(UndecidedError, match="a turn"):
         contour.whole(flint.arb(*turns))
     assert [contour.whole(flint.arb(*x)) for x in (("1.7", 0), ("2.3", 0), (2, "0.3"))] == [2, 2, 2]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_polynomial_turns_from_0_to_1_by_the_angles_of_its_linear_factors_at_1(seed: int) -> None:
+    """k times some 1 + c x, |c| < 1: each stays on the right of the imaginary axis, their product need not."""
+    draw = random.Random(seed)
+    for count in (1, 2, 3, 4):
+        side = draw.choice([-1, 1])
+        places = [cmath.rect(draw.uniform(0.8, 0.95), side * draw.uniform(1.9, 2.6)) for _ in range(count)]
+        row = cmath.rect(draw.uniform(0.1, 9), draw.uniform(-3, 3)) * np.poly([-c for c in places])
+        terms = [(flint.acb(z.real, z.imag), n) for n, z in enumerate(row.tolist())]
+        found = _turn_along(terms, flint.arb(0), flint.arb(1), 20)
+        assert float(found.mid()) == pytest.approx(sum(cmath.phase(1 + c) for c in places), abs=1e-9)
+        assert found.rad() < 1e-9
+
+
+def test_a_delay_may_turn_two_thousand_radians_up_to_the_reach() -> None:
+    """Of those that are there: the second delay is in no term."""
+    ring: Any = SimpleNamespace(lags=(Integer(8), Integer(1000), pi))
+    terms = {Integer(0): {(1, 0, 0): Integer(1), (0, 0, 2): Integer(3)}, Integer(1): {(0, 0, 0): Integer(2)}}
+    _need_few_turns(Integer(250), terms, ring)
+    for more in (Rational(251), 250 + Rational(1, 10**30)):
+        with pytest.raises(UndecidedError, match="thousands of times"):
+            _need_few_turns(more, terms, ring)
 
 
 @pytest.mark.parametrize(
