@@ -787,3 +787,17 @@ def test_orders_at_rest_count_what_delays_bring(f: Expr, order: int) -> None:
     point = chart({"f": squared_modulus(dynamics)}, Integer(0), Rational(1, 10)).points[0]
     assert point.orders["f"] == 2 * order
     assert (point.before["f"], point.after["f"]) == (1, 1)
+
+
+@pytest.mark.parametrize("digits", [0, 9, 30, 90])
+def test_signs_after_a_zero_at_an_end_of_a_band_are_those_before_the_next_however_near_it_is(digits: int) -> None:
+    """(omega - 5) (omega - 5 - 10^-n) (omega - 8) from 5 on, and its first and last factor alone."""
+    near = 5 + Rational(1, 10**digits)
+    made = {"f": (omega - 5) * (omega - near) * (omega - 8), "g": omega - 5, "h": 8 - omega}
+    points = chart({name: function(expand(f)) for name, f in made.items()}, Integer(5), Integer(9)).points
+    signs = {name: [(p.before[name], p.after[name]) for p in points] for name in made}
+    assert signs == {
+        "f": [(-1, 1), (1, -1), (-1, 1), (1, 1)],
+        "g": [(-1, 1), (1, 1), (1, 1), (1, 1)],
+        "h": [(1, 1), (1, 1), (1, -1), (-1, -1)],
+    }

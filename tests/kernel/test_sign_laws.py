@@ -92,6 +92,18 @@ def test_how_far_out_a_sign_is_settled_does_not_turn_on_how_fine_the_unit_of_the
     assert found.radius <= 3 * 50 ** (2 / 3)
 
 
+def test_where_waves_keep_clear_of_0_they_prevail_over_what_is_less_than_their_least() -> None:
+    """omega^2 (3/2 + cos omega + cos 2 omega) - k: 3/8 omega^2 where cos is -1/4, and k is any share of a power of two."""
+    lead = s**2 * (Rational(3, 2) + exp(-s) + exp(-2 * s))
+    ring = Ring.of([lead])
+    whole = ring.convert(lead.expand())
+    for n in range(17):
+        k = Rational(round(2**10 * 2 ** (n / 8)), 2**6)
+        found = far(on_axis(-whole - ring.convert(k)).raw_real)
+        assert found.sense is Sense.POSITIVE
+        assert k < Rational(3, 8) * found.radius**2 < 40 * k
+
+
 def raw_degree(x: Expr) -> Rational:
     """The highest power of s."""
     return max(
