@@ -687,3 +687,11 @@ def test_an_exponential_is_a_delay_where_its_exponent_is_s_times_a_time_and_noth
     for exponent in (1 - s / 10, -(s**2), -(s**2) - s, -1 / s - s, -(s**2) + 3, s * 0 + 2):
         with pytest.raises(SceneError, match=r"is not a delay: the exponent must be -s times a time"):
             Ring.of([exp(exponent)])
+
+
+@pytest.mark.parametrize("power", [1 - 2 * a, -a / 3, 2 * a - 1, 3 - a, -2 * a - 5, a])
+def test_a_power_of_s_that_falls_with_a_symbol_is_the_inverse_of_one_that_grows(power: Expr) -> None:
+    ring = Ring.of([s**power])
+    assert all(x.as_coeff_Mul()[0] > 0 for x in ring.orders)
+    told, known = ring.convert(s**power + 1).expression(), {s: Rational(7, 2), a: Rational(1, 3)}
+    assert abs((told - s**power - 1).subs(known).evalf(30)) < 1e-20

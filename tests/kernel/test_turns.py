@@ -9,11 +9,13 @@ from typing import Any
 import mpmath
 import pytest
 from flint import fmpq
-from sympy import Expr, Rational, Symbol, pi
+from sympy import Expr, Integer, Rational, Symbol, exp, pi
 
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.response import on_axis
 from haptisym.kernel.rings import Polynomial, PolynomialRing
-from haptisym.kernel.symbols import omega
-from haptisym.kernel.turns import is_zero
+from haptisym.kernel.symbols import omega, s
+from haptisym.kernel.turns import is_zero, vanishes
 
 
 def ring_of(angles: int) -> PolynomialRing:
@@ -82,3 +84,27 @@ def test_of_an_angle_that_is_no_part_of_a_turn_nothing_is_said() -> None:
     assert is_zero(c - (c2 * c2 - s2 * s2), angles) is None
     assert is_zero(c, angles) is None
     assert is_zero(c - c, angles) is True
+
+
+def test_what_powers_of_s_make_zero_at_every_frequency_is_seen_to_vanish_beside_delays_and_powers_of_omega() -> None:
+    """(R + j X)^3 is j omega where R + j X is (j omega)^(1/3): R^3 - 3 R X^2 is 0, and 3 R^2 X - X^3 is omega."""
+    third, late = s ** Rational(1, 3), exp(-s / 2)
+    ring = Ring.of([third, late])
+    root, wave, speed = (on_axis(ring.convert(x)) for x in (third, late, s))
+    axis, (R, X), w = root.real.axis, (root.real.function, root.imag.function), speed.imag.function
+    three = axis.convert(Integer(3))
+    none, whole = R * R * R - three * R * X * X, three * R * R * X - X * X * X
+    others = [axis.one, wave.real.function, wave.imag.function, w * w, R, wave.real.function * X]
+    for f, known in (
+        (none, True),
+        (whole - w, True),
+        (whole, False),
+        (whole + w, False),
+        (whole - three * w, False),
+        (R, False),
+    ):
+        for other in others:
+            assert vanishes((f * other).numerator, axis) is known
+            assert vanishes((f * other + none).numerator, axis) is known
+            assert not vanishes((f * other - w * w * w * w * w).numerator, axis)
+    assert vanishes(axis.zero.numerator, axis)
