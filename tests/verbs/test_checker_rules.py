@@ -695,6 +695,26 @@ def test_values_of_a_requirement_follow_from_their_slabs() -> None:
     assert refused(found, slab("2", "3", ["0"], "real"), slab("3", "4", ["0"], "real"), told=over)
 
 
+def test_where_two_slabs_join_an_excess_may_vanish_but_has_no_pole_and_a_part_exceeds_there_too() -> None:
+    """-(p - 1)^2 and -1/(p - 1)^2, of p in place of pi, at the end p = 1 of two slabs; 1/(p - 4)^2 and its root below 4."""
+    factors, scene = [Factor([[-1, 1]]), Factor([[-4, 1]])], band(0, 1)
+    cells = slab("0", "1", ["0", "1"]), slab("1", "2", ["0", "1/2", "1"])
+    points = slab("0", "1", ["1/2"], "real"), slab("1", "2", ["3/4"], "real")
+
+    def accepted(slabs: Any, number: int, *powers: tuple[int, int]) -> bool:
+        told = {"excess.real": Product({"number": f"{number}/3", "powers": [list(x) for x in powers]}, factors)}
+        return not refused(requirement.values, told, factors, list(slabs), scene)
+
+    for slabs, number in ((cells, -1), (points, 1)):
+        for n, joined in ((2, number < 0), (-2, False)):
+            assert accepted(slabs, number, (0, n)) is joined
+            assert all(accepted([one], number, (0, n)) for one in slabs)
+            assert not any(accepted(x, -number, (0, n)) for x in (slabs, slabs[:1], slabs[1:]))
+        for n, fits in ((1, -1), (3, -1), (-1, -1), (2, 1), (-2, 1), (4, 1)):
+            assert accepted(slabs, fits * number, (1, n))
+            assert not accepted(slabs, -fits * number, (1, n))
+
+
 # Sines, cosines and powers
 
 
