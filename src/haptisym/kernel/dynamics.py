@@ -152,7 +152,7 @@ def _order(power: Expr) -> tuple[int, Expr, int]:
     """s^p as s^whole (s^order)^sign, with 0 < order < 1 where it is a number."""
     whole, order = power.exp.as_coeff_Add()
     if power.exp.is_Rational:
-        whole = power.exp.floor() if hasattr(power.exp, "floor") else Integer(power.exp.p // power.exp.q)
+        whole = Integer(power.exp.p // power.exp.q)
         return int(whole), power.exp - whole, 1
     number, rest = order.as_coeff_Mul()
     if not whole.is_Integer or order.has(s):
