@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import doctest
+import itertools
 import random
 import sys
 from collections import Counter
@@ -21,7 +22,7 @@ import pytest
 from chainballs import BITS, error_in_ulps, truth
 from flint import fmpq
 from marks import QUICK_SCENES, often, required
-from sympy import Rational, Symbol, exp, pi, sinc
+from sympy import Expr, Rational, Symbol, exp, pi, sinc
 
 import haptisym as hs
 from haptisym.effects import (
@@ -40,6 +41,7 @@ from haptisym.effects import (
 from haptisym.environments import expression, kelvin_voigt, mass_spring_damper, spring_pot, zener
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.response import RealFunction, on_axis
+from haptisym.kernel.rings import PolynomialRing
 from haptisym.kernel.symbols import omega as axis_omega
 from haptisym.kernel.symbols import s
 from haptisym.model.distortion import Distortion
@@ -776,6 +778,31 @@ def test_what_is_given_to_the_compiler_of_machine_code_says_what_the_program_doe
         x.cache_clear()
 
 
+def test_machine_code_runs_where_the_frequency_alone_is_an_array(monkeypatch: pytest.MonkeyPatch) -> None:
+    """(x + a)/b, each number one or many: what is not left to NumPy is run as it is, without being compiled."""
+    monkeypatch.setattr(machine, "find_spec", lambda _: True)
+    monkeypatch.setitem(sys.modules, "numba", SimpleNamespace(njit=lambda f, **_: f))  # type: ignore[misc]
+    left: list[Program] = []
+    monkeypatch.setattr(machine, "Floats", lambda program: left.append(program) or floats.Floats(program))  # type: ignore[func-returns-value]
+    cleared = (machine._step, machine._loops)
+    for x in cleared:
+        x.cache_clear()
+    w = Writer(("x", "a", "b"))
+    names = w.add(w.input("x"), w.input("a")), w.input("b")
+    program = w.program({"quotient": w.div(*names), "sum": names[0]})
+    many = np.array([1.0, 2.0, 4.0])
+    for inputs in itertools.product(*[(3.0, many)] * 3):
+        left.clear()
+        out = np.empty((2, 3))
+        machine.Machine(program).run(inputs, 3, out)
+        x, a, b = (np.broadcast_to(given, 3) for given in inputs)
+        assert (out == [(x + a) / b, x + a]).all()
+        assert [*map(np.ndim, inputs)] == [1, 0, 0] or left == [program]
+        assert [*map(np.ndim, inputs)] != [1, 0, 0] or not left
+    for x in cleared:
+        x.cache_clear()
+
+
 def test_without_numba_its_engine_is_a_clear_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(machine, "find_spec", lambda name: None)
     with pytest.raises(hs.SceneError, match=r'pip install "haptisym\[fast\]"'):
@@ -800,6 +827,42 @@ def test_digits_are_given_only_where_both_ends_of_what_is_known_have_them() -> N
     assert _decimal((1.2449, 0.0, 2e-4), 3) is None
     assert _decimal((1.2451, 0.0, 2e-4), 3) is None
     assert _decimal((1.2449, 0.0, 5e-5), 3) == "1.24"
+
+
+@pytest.mark.parametrize(
+    ("f", "kept"),
+    [
+        (1 / (s + k), True), (s / (s + k), True), (1 / (s**2 + s + k), True), ((s + 1) / (s**2 + k * s + 2), True),
+        (1 / s, False), (1 / (s * (s + k)), False), (1 / (s**2 + k), False), (s / 2, False), (s + k * s**2 / 3, False), ((s + 2) / (s**2 + 9 * k) / (s + k), False),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_both_parts_stand_over_the_square_of_the_denominator_where_neither_has_a_factor_of_it(
+    f: Expr, *, kept: bool
+) -> None:
+    author = stable.Author(Writer((axis_omega, k)))
+    pair, below = author.fraction(Ring.of([f]).convert(f).reduced(), "")
+    assert author.write.number(below) == (None if kept else 1)
+    program, out = (
+        author.write.program(dict(zip(("real", "imag"), author.over(pair, below), strict=True))),
+        np.empty((2, 4)),
+    )
+    w = np.array([0.25, 1.0, 3.0, 40.0])
+    Floats(program).run([w, 0.5], 4, out)
+    true = [complex(f.subs({s: 1j * x, k: 0.5})) for x in w.tolist()]
+    assert np.allclose(out[0] + 1j * out[1], true, rtol=1e-12, atol=0)
+
+
+def test_a_polynomial_is_written_as_the_product_of_its_factors_and_one_that_is_none_as_it_stands() -> None:
+    w, ring = Writer((axis_omega, k)), PolynomialRing(axis_omega, [k])
+    alone, first, second = (
+        ring.convert(x).numerator for x in (3 * axis_omega * k + 6, axis_omega + k, axis_omega**2 + 2)
+    )
+    sums = [w.polynomial(ring, x) for x in (first, second)]
+    assert w.product(ring, alone) == w.polynomial(ring, alone)
+    assert w.product(ring, first * first * 5) == w.mul(w.constant(5), w.power(sums[0], 2))
+    assert w.product(ring, first * second) in (w.mul(*sums), w.mul(*sums[::-1]))
+    assert w.product(ring, first - first) == w.constant(0)
 
 
 def test_zeros_ones_opposites_and_numbers_are_folded_where_they_stand() -> None:

@@ -246,8 +246,6 @@ class Writer:
 
     def product(self, ring: PolynomialRing, polynomial: Polynomial) -> int:
         """A polynomial as the product of its factors."""
-        if polynomial.is_zero():
-            return self.constant(0)
         unit, factors = ring.factors(polynomial)
         if [n for _, n in factors] == [1]:
             return self.polynomial(ring, polynomial)

@@ -187,7 +187,8 @@ class Author:
             return (self.quotient(response.real), self.quotient(response.imag)), one
         (p, q), (u, v) = axis.parts([f.numerator, f.denominator])
         above, square = (p * u + q * v, q * u - p * v), u * u + v * v
-        if f.denominator.is_constant() or any(not x.is_zero() and not x.gcd(square).is_constant() for x in above):
+        # Re^2 + Im^2 is |N|^2 |D|^2: a factor that one part shares with |D|^2 is one of both
+        if f.denominator.is_constant() or not above[0].gcd(square).is_constant():
             response = on_axis(f)
             return (self.quotient(response.real), self.quotient(response.imag)), one
         below = self.named("UV", (self.write.polynomial(axis, u), self.write.polynomial(axis, v)), label)
