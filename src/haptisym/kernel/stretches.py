@@ -69,7 +69,7 @@ class Stretch:
     def sign_at(self, end: int, order: int = 0) -> int:
         """That at one of the ends, 0 for the low one and -1 for the high one; 0 where it does not show."""
         row = self._differences(order)
-        found, beyond = row[end], abs(self.ends[end] - (self.low, self.high)[end])
+        found, beyond = row[end], self.ends[end] - (self.low, self.high)[end]
         if not beyond.is_zero() and len(row) > 1:  # by the mean value theorem
             steepest = reduce(arb.max, (abs(b - a).upper() for a, b in pairwise(row))) * (len(row) - 1)
             found = found + steepest * beyond / (self.ends[1] - self.ends[0]) * _EITHER
