@@ -676,6 +676,7 @@ def test_roots_that_nearly_agree_are_two_numbers_however_large_they_are(digits: 
         other = {bool(z.real > 0): i for i, z in enumerate(ring._roots(2000)) if i >= 2}
         x = ring.root(other[True]) - ring.root(place[True])
         assert abs(ring._value(x)) > arb(2) ** -ring._gap(x)
+        assert ring._gap(x) == ring._gap(-x) == ring._gap(ring.root(0) + ring.root(2))
     assert not ring.is_zero(x)
     assert ring.is_zero(x * (ring.root(other[True]) + ring.root(place[True])) - 1)
     assert ring.is_zero(ring.root(0) + ring.root(1))

@@ -153,6 +153,12 @@ def test_what_is_not_counted_says_so() -> None:
             roots(loop)
 
 
+def test_beside_a_chain_a_delay_that_turns_thousands_of_times_is_not_counted() -> None:
+    for mass in (Rational(1001, 1000), Integer(3)):
+        with pytest.raises(UndecidedError, match="thousands of times"):
+            roots((s**2 + s + 9) * exp(-(10**6) * s) + mass * s**2 + s + 4)
+
+
 def test_a_delayed_spring_in_a_hand_is_stable_from_the_damping_that_the_field_knows() -> None:
     """100 N/m late by 36 ms in a hand of 0.5 kg: at b the pair is at omega, m omega^2 = k cos, b omega = k sin of omega tau."""
 

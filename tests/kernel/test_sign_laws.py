@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import random
 from itertools import pairwise
@@ -18,7 +19,7 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.exponentials import Exponentials
 from haptisym.kernel.factoring import _polynomial_factor
 from haptisym.kernel.far import Sense, far
-from haptisym.kernel.lattices import Lattice
+from haptisym.kernel.lattices import Lattice, Piece, met
 from haptisym.kernel.response import RealFunction, on_axis
 from haptisym.kernel.roots import chart
 from haptisym.kernel.symbols import omega as w
@@ -102,7 +103,9 @@ def test_where_waves_keep_clear_of_0_they_prevail_over_what_is_less_than_their_l
         found = far(on_axis(-whole - ring.convert(k)).raw_real)
         assert found.sense is Sense.POSITIVE
         assert k < Rational(3, 8) * found.radius**2 < 40 * k
-        still = ring.convert((s**2 * (5 - exp(-s) - 2 * exp(-2 * s))).expand())  # at least 5 - 3, and nothing is given away
+        still = ring.convert(
+            (s**2 * (5 - exp(-s) - 2 * exp(-2 * s))).expand()
+        )  # at least 5 - 3, and nothing is given away
         found = far(on_axis(-still - ring.convert(k)).raw_real)
         assert k < 2 * found.radius**2 <= 4 * k
 
@@ -181,6 +184,36 @@ def test_a_lattice_has_a_pole_where_it_grows_without_bound_on_a_side(group: int)
                 assert seen[place] == (-1 if sides[0] * sides[1] < 0 or 0 in sides else -2)
             else:
                 assert seen.get(place, 0) >= 0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_lattice_is_undecided_where_its_sign_turns_on_that_of_a_piece_that_may_touch_0(seed: int) -> None:
+    """Right there such a piece may be on either side of 0, or be 0; all others have the signs of both sides."""
+    draw = random.Random(seed)
+    for _ in range(30):
+        shape = [draw.randint(1, 2) for _ in range(draw.randint(1, 3))]
+        names = [[Piece("it", i, j) for j in range(n)] for i, n in enumerate(shape)]
+        lattice = Lattice(tuple((RealFunction(AXIS.one),) * n for n in shape))
+        signs = {x: draw.choice([-1, 1]) for term in names for x in term}
+        doubtful = [x for x in signs if draw.random() < 0.4]
+        seen = set()
+        for guess in itertools.product((-1, 0, 1), repeat=len(doubtful)):
+            own = {**signs, **dict(zip(doubtful, guess, strict=True))}
+            seen.add(max(min(own[x] for x in term) for term in names))
+        orders = dict.fromkeys(doubtful, 2)
+        found = met(lattice, "it", orders, (signs, signs), frozenset([*doubtful, "another"]))
+        assert found.undecided is (len(seen) > 1)
+        assert found.before == found.after == max(min(signs[x] for x in term) for term in names)
+
+
+def test_the_largest_of_functions_is_positive_where_any_of_them_is() -> None:
+    any_of = Lattice.largest(RealFunction(AXIS.convert(x)) for x in (w - 3, 2 - w, (w - 5) ** 2 - 9))
+    points = chart({"it": any_of}, Integer(1), Integer(9)).points
+    assert [(float(p.omega), p.after["it"]) for p in points[:-1] if p.before["it"] != p.after["it"]] == [
+        (2, -1),
+        (3, 1),
+    ]
+    assert points[0].before["it"] == 1
 
 
 @pytest.mark.few(3)
