@@ -16,7 +16,7 @@ from flint import acb, arb
 from scipy.linalg import expm
 from sympy import Expr, Integer, Rational, Symbol, bernoulli, factorial
 
-from haptisym.kernel.nearone import about_axis, about_one, has_no_pair, hurwitz, in_v
+from haptisym.kernel.nearone import about_axis, about_one, at_one, circle_tests, has_no_pair, hurwitz, in_v
 from haptisym.kernel.pulse import Plant, SampledLoop
 from haptisym.kernel.states import _TANH, States, _tanh, opposite_response
 from haptisym.model.parameters import Rule
@@ -270,6 +270,30 @@ def test_a_loop_of_one_root_meets_the_circle_where_it_is_at_minus_one() -> None:
     left = form.left()
     assert left
     assert all(abs(float(x[0][0]) - 0.25) < 0.01 for x in left)
+
+
+@pytest.mark.parametrize(
+    ("late", "above", "always", "which", "critical"),
+    [
+        (0, (k,), 0, 1, 2),  # z - 1 + k
+        (1, (k,), 0, 2, 1),  # z^2 - z + k
+        (0, (k - 3,), 0, 0, 3),
+        (0, (k, -k), 1, 1, 1),  # (z - 1) (z + k)
+        (0, (k - 4, 2 - k / 2), 0, 0, 4),  # z^2 - z + (k - 4) z + 2 - k/2
+    ],
+)
+def test_one_of_three_numbers_changes_its_sign_where_a_root_comes_to_the_circle(
+    late: int, above: tuple[Expr, ...], always: int, which: int, critical: int
+) -> None:
+    plant = Plant((Integer(0), Integer(1)), ((Integer(late), (Integer(1),)),))
+    own = SampledLoop(plant, Integer(1), above, (Integer(1),))
+    with flint.ctx.workprec(128):
+        below, at, beyond = (
+            circle_tests(own, {k: critical + arb(x)}, at_one(own), always) for x in ("-0.01", 0, "0.01")
+        )
+    for n in range(3):
+        changes = bool(below[n] * beyond[n] < 0)
+        assert (changes, at[n].contains(0)) == ((True, True) if n == which else (False, False))
 
 
 @pytest.mark.parametrize(("late", "critical"), [(1, "1"), (0, "2")])
