@@ -260,6 +260,15 @@ def test_a_cell_of_an_end_of_the_band_holds_no_zero() -> None:
     assert [fails(*x.split()) for x in beyond] == [True] * 5
 
 
+def test_at_the_outer_end_of_a_cell_that_reaches_beyond_the_band_no_factor_is_zero_whatever_others_are() -> None:
+    told, other = [[Fraction(n)] * 2 for n in (1, 6)], Factor([[9], [0], [1]])
+    for own, zero in ((Factor(expanded([(-1, 2)])), "1/2 6"), (Factor(expanded([(-7, 1)])), "1 7")):
+        for factors in ([own, other], [other, own], [own]):
+            for points, fits in ((zero, False), ("1 6", True), ("3/4 6", True), ("1 27/4", True), ("2/3 20/3", True)):
+                given = list(map(Fraction, points.split()))
+                assert refused(chart.Chart, band(1, 6), given, factors, told) is not fits
+
+
 def test_the_ends_of_a_band_in_hertz_lie_between_those_with_numbers_below_and_above_pi() -> None:
     scene: Any = SimpleNamespace(band=[own_number(Fraction(2), -1), own_number(Fraction(3), 1)])
     (a, b), (c, d) = chart.ends_of_band(scene)
