@@ -124,6 +124,9 @@ def test_phi_around_0_is_known_as_well_as_its_argument() -> None:
         for radius in (1e-1, 1e-3, 1e-6):
             found = BALL_SERIES["phi"](along_axis(arb(radius / 2, radius / 2), TERMS))
             assert all(float(found[k].real.rad() + found[k].imag.rad()) < 3 * radius for k in range(TERMS))
+            for share in (0, 0.3, 1):  # from 0 on, on one side
+                true = mean([MP.mpc(0, share * MP.mpf(radius)), MP.mpc(0, 1), *[MP.mpc(0)] * (TERMS - 2)])
+                assert all(holds(found[k], MP.mpc(c)) for k, c in enumerate(true))
 
 
 def test_what_needs_s_alone_is_computed_once_and_floats_agree() -> None:

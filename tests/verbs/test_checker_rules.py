@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 from fractions import Fraction
 from functools import reduce
@@ -350,6 +351,19 @@ def test_roots_are_counted_where_powers_are_missing(seed: int) -> None:
                 break
             cuts |= {(a + b) / 2 for a, b in pairwise(sorted(cuts))} | {2 * max(cuts) + 1}
     assert counted > 25
+
+
+def test_an_even_part_may_vanish_in_the_last_cell() -> None:
+    """(s + 2) (s^2 - s + 3) and (s + 3) (s^2 - 2 s + 5): E = 6 - W and O = 1 - W, E = 15 - W and O = -1 - W; and one at 0 more."""
+    for p, cuts in (
+        ([6, 1, 1, 1], (0, 2)),
+        ([15, -1, 1, 1], (0,)),
+        ([15, -1, 1, 1], (0, 9)),
+        ([15, -1, 1, 1], (0, 20)),
+    ):
+        for side, more in itertools.product((1, -1), (0, 1)):
+            rows = [*[[0]] * more, *([side * c] for c in p)]
+            assert zeros.to_the_right(rows, list(map(Fraction, cuts))) == 2 + more
 
 
 def test_cells_that_do_not_part_zeros_of_even_and_odd_parts_are_refused() -> None:
