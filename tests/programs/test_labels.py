@@ -15,7 +15,8 @@ import haptisym as hs
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
-from haptisym.programs.steps import Steps, page_steps
+from haptisym.programs.floats import UFUNCS
+from haptisym.programs.steps import _MADE, Steps, page_steps
 from haptisym.programs.values import Values
 
 E, F = hs.environments, hs.effects
@@ -155,3 +156,12 @@ def test_every_shipped_scene_in_symbols_has_short_steps(name: str) -> None:
     assert isinstance(steps, Steps)
     assert steps.operations < 400
     assert {x for x in steps.free_symbols if x != hs.omega} <= {p.symbol for p in scene.parameters}
+
+
+@pytest.mark.parametrize("name", sorted(_MADE))
+def test_an_operation_on_a_page_is_the_one_that_floats_compute(name: str) -> None:
+    count = 2 if name in ("add", "sub", "mul", "div", "power") else 1
+    for given in ((0.75, 2.5), (2.25, 0.5), (0.001, 3.0)):
+        x = [Float(y, 40) for y in given[:count]]
+        exact = _MADE[name](*hs.symbols("x y")[:count]).subs(dict(zip(hs.symbols("x y"), x, strict=False)))
+        assert float(exact) == pytest.approx(float(UFUNCS[name](*given[:count])), rel=1e-14)

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sympy import Expr, Rational, Symbol, exp, sqrt
+from sympy import Expr, Rational, Symbol, exp, pi, sqrt
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.symbols import s
 from haptisym.programs import onaxis
 from haptisym.programs.onaxis import OnAxis
 
-P, Q = Symbol("p", real=True), Symbol("q", real=True)
+P, Q, U = (Symbol(name, real=True) for name in "pqu")
 ALPHA = Symbol("alpha", positive=True)
 LATE = exp(-s)
 Ranges = Mapping[Symbol, tuple[Any, Any]]
@@ -38,7 +38,7 @@ EXPONENT: Ranges = {ALPHA: ("1/2", "3/4")}
         (s**2 - 100 * s + 1, {}, 128), (s**2 + 100 * s * LATE + 1, {}, 128), (s**2 + 100 * s + LATE, {}, Rational(1, 64)),
         (s**2 * (1 + LATE / 2) + 100 * s + 1, {}, 256), (s**2 * (1 - LATE / 2) + 100 * s + 1, {}, 256), (s**2 * LATE / 2 + s**2 + 100, {}, 16),
         (s**2 + 100 * s + 10 * sqrt(s) + 1, {}, Rational(1, 32)), (s**2 + 100 * s + 10 * s * sqrt(s) + 1, {}, 512),
-        (s**2 + 100 * s + P * s + 1, {P: (0, 1)}, Rational(1, 64)), (s**2 + 100 * s + P * s + 1, {P: ("-1/9", 1)}, 128), (s + 1, {}, Rational(1, 2**20)),
+        (s**2 + 100 * s + P * s + 1, {P: (0, 1)}, Rational(1, 64)), (s**2 + 100 * s + P * s + 1, {P: ("-1/9", 1)}, 128), (s + 1, {}, Rational(1, 2**20)), (s**2 + P * s + 1, {P: (1, 100)}, 2),
         # a power of s that is not known: r^(1/4) > 2, and r^(1/2) > 1/4
         (s + 2 * s**ALPHA, EXPONENT, 32), (s + s**ALPHA / 4, EXPONENT, Rational(1, 8)), (s**2 + 2 * s**ALPHA * s - s**ALPHA, EXPONENT, 32),
         (s**ALPHA + s ** Rational(5, 8), EXPONENT, None), (s ** Rational(3, 4) + s**ALPHA, EXPONENT, None), (s * (1 + 2 * LATE) + 1, {}, None), (s * (1 + LATE) + 1, {}, None),
@@ -94,12 +94,12 @@ def test_cells_are_left_where_a_zero_is_on_the_axis_and_nowhere_else(
 
 
 def test_numbers_of_a_term_are_products_of_what_they_are_made_of() -> None:
-    """(2 + p^2 q) s^2 + 3 p s exp(-s) - q at j omega, in points."""
-    found = form((2 + P**2 * Q) * s**2 + 3 * P * s * LATE - Q, {P: (1, 3), Q: (-2, 2)})
+    """(2 + p^2 q) s^2 + 3 pi p s exp(-s) - q at j omega, in points; u is in none."""
+    found = form((2 + P**2 * Q) * s**2 + 3 * pi * P * s * LATE - Q, {U: (5, 9), P: (1, 3), Q: (-2, 2)})
     found.reach = 4.0
-    at = np.array([[0.5, 0.25, 0.75], [0.125, 1.0, 0.0], [1.0, 0.0, 1.0]])
+    at = np.array([[0.5, 0.5, 0.25, 0.75], [0.125, 0.0, 1.0, 0.0], [1.0, 1.0, 0.0, 1.0]])
     real, imag = found.parts(np.stack([at, at], -1))
-    for n, (x, y, z) in enumerate(at.tolist()):
+    for n, (x, _, y, z) in enumerate(at.tolist()):
         w, p, q = 1j * 4 * x, 1 + 2 * y, -2 + 4 * z
-        true = (2 + p**2 * q) * w**2 + 3 * p * w * np.exp(-w) - q
+        true = (2 + p**2 * q) * w**2 + 3 * np.pi * p * w * np.exp(-w) - q
         assert (real.c0[n, 0], imag.c0[n, 0]) == pytest.approx((true.real, true.imag), abs=1e-12)
