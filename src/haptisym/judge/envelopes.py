@@ -71,14 +71,25 @@ class Envelope:
             return None
         return Maximum(self.squares[before], jump=False) if not over and rises and falls else None
 
+    def plateau(self, point: Point) -> Maximum | None:
+        """What counts behind a point if it is a number there, and less before it: as of ``top``, though no maximum."""
+        before, after = self._counts(point.before), self._counts(point.after)
+        if after is None or point.after[self, "slope", after]:
+            return None
+        over = -1 if before is None else self._over(point.at, before, after)
+        if over < 0:
+            return Maximum(self.squares[after], jump=True, after=True)
+        rises = before is not None and point.before[self, "slope", before] > 0
+        return Maximum(self.squares[after], jump=False) if not over and rises else None
+
     def holds(self, i: int, signs: Signs) -> int:
         """Whether a term holds (1), does not (-1), or is about to (0)."""
         return min((signs[self, "where", i, k] for k in range(len(self.terms[i].where))), default=1)
 
-    def slope(self, signs: Signs) -> int:
-        """The sign of the slope between two points; 0 where nothing counts."""
+    def counting(self, signs: Signs) -> tuple[RealFunction | None, int]:
+        """The square that counts between two points, and the sign of its slope; None and 0 where none does."""
         own = self._counts(signs)
-        return 0 if own is None else signs[self, "slope", own]
+        return (None, 0) if own is None else (self.squares[own], signs[self, "slope", own])
 
     def _is_finite(self, point: Point, x: _Place) -> bool:
         return point.orders.get((self, "slope", x), 0) >= 0

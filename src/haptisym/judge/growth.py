@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import flint
-from sympy import Expr
+from sympy import Expr, sqrt
 
 from haptisym.judge.climb import Bandwidths, Jump
 from haptisym.judge.criteria import JOINT, Criterion, level
@@ -18,6 +18,7 @@ from haptisym.judge.regions import Term
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.lattices import Lattice
 from haptisym.kernel.reals import Ball, ExactNumber, Negative, RealNumber, SquareRoot, expression_ball
+from haptisym.kernel.response import RealFunction
 from haptisym.kernel.roots import Chart, Interval, Point, chart
 from haptisym.model.ranges import ExactRange
 
@@ -96,33 +97,37 @@ class Growth:
     @property
     def _first(self) -> RealNumber:
         """The bandwidth for that."""
-        slope = self._envelope.slope(self._table.points[0].after)
-        first = self._table.points[0].omega
-        return first if slope > 0 else settled(_LandingOfOne(self._start, self))
+        first, (square, slope) = self._table.points[0], self._envelope.counting(self._table.points[0].after)
+        if slope > 0:
+            return first.omega
+        return settled(self._landing(self._start if slope or square is None else _height(square, first.omega)))
 
     def _jumps(self, least: RealNumber, most: RealNumber) -> Iterator[Jump]:
-        """At each peak, of what is judged, that is higher than all before it."""
+        """At each peak, or begin of a plateau, of what is judged, that is higher than all before it."""
         if self._table.undecided:
             raise UndecidedError("whether a ratio has a peak where its slope nearly vanishes")
         top: RealNumber | None = None
         for omega, peak in self._peaks(least, most):
-            height = SquareRoot(ValueAt(peak.square, omega))
+            height = _height(peak.square, omega)
             if top is None or above(height, top):
                 top = height
-                landing = settled(_LandingOfOne(height, self))
-                yield Jump(omega, landing, self._told(height), includes_low=peak.after)
+                yield Jump(omega, settled(self._landing(height)), self._told(height), includes_low=peak.after)
 
     def _peaks(self, least: RealNumber, most: RealNumber) -> Iterator[tuple[RealNumber, Maximum]]:
         for point in self._table.points[1:-1]:
-            peak = self._envelope.top(point)
+            peak = self._envelope.top(point) or self._envelope.plateau(point)
             if peak and (self._is_passed(point, peak) if peak.after else _is_between(point, least, most)):
                 yield point.omega, peak
 
     def _is_passed(self, point: Point, peak: Maximum) -> bool:
         """Whether a height that is only reached behind a step lies in the range; the bandwidth may stand at the step itself."""
         low, high = (ExactNumber(x) for x in self.range)
-        height = SquareRoot(ValueAt(peak.square, point.omega))
+        height = _height(peak.square, point.omega)
         return above(height, low) and not above(height, high)
+
+    def _landing(self, height: RealNumber) -> RealNumber:
+        found = self.at(height.value) if isinstance(height, ExactNumber) else None
+        return _LandingOfOne(height, self) if found is None else found
 
     def _told(self, height: RealNumber) -> RealNumber:
         return Times(height, self.nominal)
@@ -130,6 +135,12 @@ class Growth:
 
 def _least(numbers: Iterable[RealNumber]) -> RealNumber:
     return Negative(Largest(tuple(Negative(x) for x in numbers)))
+
+
+def _height(square: RealFunction, omega: RealNumber) -> RealNumber:
+    """The root of a square at a frequency; in closed form where it is the same at all frequencies."""
+    value = None if square.function.numerator.degrees()[0] else square.expression()
+    return SquareRoot(ValueAt(square, omega)) if value is None or value.free_symbols else ExactNumber(sqrt(value))
 
 
 def _is_between(point: Point, least: RealNumber, most: RealNumber) -> bool:
