@@ -63,13 +63,11 @@ class Envelope:
             over = (before is not None) - (after is not None)
         else:
             over = self._over(point.at, before, after)
-        if before is not None and over > 0 and rises:
-            return Maximum(self.squares[before], jump=True)
-        if after is not None and over < 0 and falls:
+        if before is not None and rises and (over > 0 or (not over and falls)):
+            return Maximum(self.squares[before], jump=over > 0)
+        if after is not None and falls and over < 0:
             return Maximum(self.squares[after], jump=True, after=True)
-        if before is None:
-            return None
-        return Maximum(self.squares[before], jump=False) if not over and rises and falls else None
+        return None
 
     def plateau(self, point: Point) -> Maximum | None:
         """What counts behind a point if it is a number there, and less before it: as of ``top``, though no maximum."""
@@ -86,10 +84,11 @@ class Envelope:
         """Whether a term holds (1), does not (-1), or is about to (0)."""
         return min((signs[self, "where", i, k] for k in range(len(self.terms[i].where))), default=1)
 
-    def counting(self, signs: Signs) -> tuple[RealFunction | None, int]:
-        """The square that counts between two points, and the sign of its slope; None and 0 where none does."""
+    def counting(self, signs: Signs) -> tuple[RealFunction, int]:
+        """The square that counts between two points at which a term holds, and the sign of its slope."""
         own = self._counts(signs)
-        return (None, 0) if own is None else (self.squares[own], signs[self, "slope", own])
+        assert own is not None
+        return self.squares[own], signs[self, "slope", own]
 
     def _is_finite(self, point: Point, x: _Place) -> bool:
         return point.orders.get((self, "slope", x), 0) >= 0

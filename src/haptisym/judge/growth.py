@@ -100,7 +100,7 @@ class Growth:
         first, (square, slope) = self._table.points[0], self._envelope.counting(self._table.points[0].after)
         if slope > 0:
             return first.omega
-        return settled(self._landing(self._start if slope or square is None else _height(square, first.omega)))
+        return settled(self._landing(self._start if slope else _height(square, first.omega)))
 
     def _jumps(self, least: RealNumber, most: RealNumber) -> Iterator[Jump]:
         """At each peak, or begin of a plateau, of what is judged, that is higher than all before it."""
