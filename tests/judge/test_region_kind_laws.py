@@ -1,0 +1,110 @@
+"""What a region is asked for and does not have, or has in a way of its own: smooth squares, names of its ratio, ranges that meet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+import haptisym as hs
+from haptisym.judge.criteria import noticed
+from haptisym.judge.regions import InTerms, Term
+from haptisym.model.distortion import Distortion
+
+PAPER = hs.load_scene("fu2019")
+CORNERS = [["1/10", 0], [0, "1/10"], ["-1/10", 0], [0, "-1/10"]]
+SHAPES: dict[str, tuple[Any, int | None]] = {
+    "ellipse": ({"shape": "ellipse", "real": 0.1, "imag": 0.1}, 1),
+    "diamond": ({"shape": "diamond", "real": 0.1, "imag": 0.1}, 2),
+    "polygon": ({"shape": "polygon", "corners": CORNERS}, None),
+    "floor": ({"real": 0.1, "imag": 0.1, "floor": "5 N/m"}, None),
+    "sides": ({"real": {"higher": 0.1, "lower": 0.2}, "imag": 0.1}, None),
+    "sides and floor": ({"real": {"higher": 0.1, "lower": 0.2}, "imag": 0.1, "floor": "5 N/m"}, None),
+}
+
+
+def judged(jnd: Any) -> hs.Scene:
+    return hs.Scene(PAPER.environment, PAPER.effects, PAPER.band, jnd)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_squares_of_which_the_largest_counts_are_had_where_no_condition_and_no_least_is_between(name: str) -> None:
+    jnd, count = SHAPES[name]
+    scene = judged(jnd)
+    region, d = noticed(scene.threshold)[0].region, scene.distortion()
+    assert region is not None
+    if count is None:
+        with pytest.raises(hs.SceneError, match="makes no smooth ratio"):
+            region.squares(d)
+    else:
+        assert len(region.squares(d)) == count
+    if count == 1:
+        assert region(d).function.equals(region.squares(d)[0].function)
+    else:
+        with pytest.raises(hs.SceneError, match="makes no smooth ratio"):
+            region(d)
+
+
+@dataclass(frozen=True)
+class Pieced(InTerms):
+    """A region of given terms."""
+
+    given: tuple[Term, ...]
+
+    @property
+    def words(self) -> str:
+        return "a region of pieces"
+
+    def terms(self, d: Distortion) -> tuple[Term, ...]:
+        return self.given
+
+    def opened(self, limits: Any) -> Pieced:
+        return self
+
+
+def test_one_way_to_be_outside_that_is_not_smooth_is_enough() -> None:
+    d = PAPER.distortion()
+    f, g = (x.measure(d) for x in noticed(PAPER.threshold))
+    plain, least, there = Term((), (f,)), Term((), (f, g)), Term((g,), (f,))
+    assert Pieced((plain, Term((), (g,)))).squares(d) == (f, g)
+    for other in (least, there):
+        for terms in ((plain, other), (other, plain), (other,)):
+            with pytest.raises(hs.SceneError, match="a region of pieces makes no smooth ratio"):
+                Pieced(terms).squares(d)
+
+
+@pytest.mark.parametrize(
+    ("jnd", "said"),
+    [
+        (0.1, ["r_r"]),
+        ({"real": 0.1, "imag": 0.1, "floor": "0.01 N/m"}, ["r_r over its limit"]),
+        ({"shape": "ellipse", "real": 0.1, "imag": 0.1}, ["r_j"]),
+    ],
+    ids=str,
+)
+def test_a_peak_is_told_as_one_over_its_limit_where_it_is_that_of_a_part_with_more_than_a_number(
+    jnd: Any, said: list[str]
+) -> None:
+    """A gain that peaks at 3 rad/s, in Re alone there."""
+    spring = hs.environments.mass_spring_damper(k=100)
+    found = hs.peaks(hs.Scene(spring, (hs.effects.series("1 + 0.4*s/(s^2 + 2*s + 9)"),), (0, 20), jnd))
+    told = [repr(x) for x in found if abs(float(x.omega) - 3) < 1e-9]
+    assert [x.split(" = ")[0] for x in told] == [f"<Peak {x}" for x in said]
+
+
+def test_two_ranges_in_one_limit_tell_the_ends_alone_and_in_limits_of_their_own_all() -> None:
+    def found(jnd: Any) -> Any:
+        return hs.evaluate(judged(jnd)).bandwidths
+
+    def width(jnd: Any) -> Fraction:
+        return hs.evaluate(judged(jnd)).bandwidth.bounds(100)[0]  # type: ignore[union-attr]
+
+    both = {"real": ["0.09", "0.11"], "imag": 0.1, "floor": ["5 N/m", "15 N/m"]}
+    ends = [width({"real": x, "imag": 0.1, "floor": y}) for x, y in (("0.09", "5 N/m"), ("0.11", "15 N/m"))]
+    one = found(both)
+    assert (one.ends_alone, one.jumps, one.one) == (True, (), False)
+    assert [x.bounds(100)[0] for x in (one.least, one.most)] == ends
+    other = found({"real": ["0.09", "0.11"], "imag": ["0.1", "0.2"], "floor": "5 N/m"})
+    assert (other.ends_alone, other.one, other.certified) == (False, False, True)
