@@ -65,13 +65,14 @@ class Growth:
 
     def kept(self, x: Expr) -> list[tuple[Point, Interval]]:
         """Where nothing is noticed if the number is that many times the nominal one."""
-        terms = tuple((*t.where, *(level(square, x**2) for square in t.squares)) for t in self.terms)
-        return _kept(Lattice(terms), self.band)
+        return _kept(self._noticed(x), self.band)
 
     def at(self, x: Expr) -> RealNumber | None:
         """The bandwidth then."""
-        first = next(iter(self.kept(x)), None)
-        return first[1].high.omega if first and first[1].low is first[0] else None
+        return bandwidth_of(self._noticed(x), self.band)
+
+    def _noticed(self, x: Expr) -> Lattice:
+        return Lattice(tuple((*t.where, *(level(square, x**2) for square in t.squares)) for t in self.terms))
 
     @cached_property
     def _envelope(self) -> Envelope:

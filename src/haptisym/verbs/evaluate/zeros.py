@@ -75,8 +75,9 @@ def _cells(rows: Rows) -> list[Fraction]:
 
 
 def _is_told(even: Factor, odd: Factor, low: Fraction, high: Fraction | None) -> bool:
+    """E is not zero at ``low``: 0, or where a cell ended."""
     own, other = even.moved(low, high), odd.moved(low, high)
-    if own is None or other is None or not own[0] or not (own[-1] or high is None):
+    if own is None or other is None or not (own[-1] or high is None):
         return False
     turns, others = (sum(a != b for a, b in pairwise(x for x in signs if x)) for signs in (own, other))
     return turns == 0 or turns + others == 1
