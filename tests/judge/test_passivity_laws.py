@@ -125,6 +125,18 @@ def test_what_moves_apart_in_a_jnd_has_its_range_relative_to_its_own_nominal_val
             {"real": ["0.1", "0.3"], "imag": ["0.2", "0.3"]},
             {frozenset({"real"}): ("1/2", "3/2"), frozenset({"imag"}): ("4/5", "6/5")},
         ),
+        "two that are as wide": (
+            {"real": ["0.1", "0.3"], "imag": ["0.2", "0.6"]},
+            {frozenset({"real"}): ("1/2", "3/2"), frozenset({"imag"}): ("1/2", "3/2")},
+        ),
+        "two about one number": (
+            {"real": ["0.1", "0.3"], "imag": ["0.15", "0.25"]},
+            {frozenset({"real"}): ("1/2", "3/2"), frozenset({"imag"}): ("3/4", "5/4")},
+        ),
+        "two that are alike where one has another limit besides": (
+            {"real": {"higher": ["0.1", "0.3"], "lower": "0.2"}, "imag": ["0.1", "0.3"]},
+            {frozenset({"real"}): ("1/2", "3/2"), frozenset({"imag"}): ("1/2", "3/2")},
+        ),
         "one": ({"real": ["0.1", "0.3"], "imag": "0.2"}, {frozenset({"real"}): ("1/2", "3/2")}),
         "sided": (sided, {frozenset({"real"}): ("2/3", "4/3"), frozenset({"real.lower"}): ("2/3", "4/3")}),
     }

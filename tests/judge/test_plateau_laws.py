@@ -94,3 +94,16 @@ def test_an_end_of_the_range_may_be_the_very_height_of_a_plateau(
     assert found is not None
     assert found.certified
     assert told(found) == near([least, most, jumps, {} if least else {"scale": 0.5}])
+
+
+@pytest.mark.parametrize(("higher", "lower", "least"), [("1", "3", "2/3"), ("3", "1", "2/3"), ("5", "5/2", "2/5")])
+def test_of_a_part_that_is_turned_round_and_as_large_as_it_was_the_larger_limit_holds(
+    higher: str, lower: str, least: str
+) -> None:
+    """A spring that pushes where it pulled: r_r = 2."""
+    spring = hs.environments.mass_spring_damper(k=100)
+    jnd = {"real": {"higher": higher, "lower": lower}, "imag": "1", "scale": ["1/3", "2"]}
+    found = hs.evaluate(hs.Scene(spring, (hs.effects.series("-1"),), (0, 30), jnd)).bandwidths
+    assert found is not None
+    assert found.certified
+    assert told(found) == near([30, 30, [], {"scale": float(Fraction(least))}])

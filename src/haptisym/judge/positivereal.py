@@ -65,8 +65,11 @@ def _allowed(F: RationalFunction, response: Response) -> bool:
         return True
     table = chart({"real": response.real, "imag": response.imag}, Integer(0), Integer(int(max(places)) + 1))
     poles = [p for p in table.points if min(p.orders.get(name, 0) for name in ("real", "imag")) < 0]
-    # with the residue r > 0 F is near omega_0 r/(omega - omega_0): it comes back from -infinity as +infinity
-    return all(p.orders.get("real") == -1 and (p.before["real"], p.after["real"]) == (-1, 1) for p in poles)
+    # with the residue r > 0 F is near omega_0 r/(omega - omega_0): real, it comes back from -infinity as +infinity
+    return all(
+        p.orders.get("real") == -1 and (p.before["real"], p.after["real"]) == (-1, 1) and p.orders.get("imag", 0) >= 0
+        for p in poles
+    )
 
 
 def _sign_at_0(real: RealFunction) -> int:
