@@ -195,9 +195,8 @@ class Climb:
         if peak.threshold is None:
             raise UndecidedError("whether two peaks of the ratios are equally high")
         table = chart(self._levels(peak.threshold) | self._rates, *self.band)
-        first = next(iter(table.where(lambda signs: all(signs[x] <= 0 for x in self.squares))), None)
-        if first is None or first.low is not table.points[0]:
-            return None
+        # from the low end of the band on, as what is asked about is higher than all before the bandwidth
+        first = table.where(lambda signs: all(signs[x] <= 0 for x in self.squares))[0]
         place = next(i for i, point in enumerate(table.points) if point is first.high)
         ahead = [point for point in table.points[place:-1] if _is_top(point, peak.criterion)]
         own = [

@@ -121,7 +121,7 @@ class Passivity:
     @property
     def takes_energy(self) -> bool:
         """Whether every passive hand may hold the display, and Im H_perc > 0 at every frequency: for rational dynamics."""
-        if self.distortion.perc_response.raw_imag.is_zero or not self.holds or _ring(self.distortion).lags:
+        if not self.holds or _ring(self.distortion).lags:
             return False
         points = [x for x in self.chart.points if float(x.omega) > 0]
         signs = [x for p in self.chart.points for x in p.after.values()] + [x for p in points for x in p.at.values()]
