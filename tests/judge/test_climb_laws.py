@@ -169,3 +169,18 @@ def test_from_an_end_of_the_band_that_is_no_fraction_bandwidths_begin_with_what_
         assert (told["from"]["value"], told["to"]["value"]) == (float(jump.low), float(jump.high))
         assert told["threshold"]["digits"] == jump.threshold.digits(12)  # type: ignore[union-attr]
         assert "from_reached" not in told
+
+
+def test_two_peaks_of_one_height_are_passed_at_once_up_to_where_another_ratio_is_as_high() -> None:
+    """1 - (w - 1)^2 (w - 5)^2/32 of w = omega^2 is 1 at 1 and 5, and w/6 at 6; at 1/2 and 2 the first one is for roots of 3."""
+    w = omega**2
+    ratios = 1 - (w - 1) ** 2 * (w - 5) ** 2 / 32, w / 6
+    ends = Rational(1, 2), Integer(2)
+    for listed in (ratios, ratios[::-1]):
+        squares = {x: RealFunction(Ring().axis.convert((f**2).expand())) for x, f in zip(CRITERIA, listed, strict=True)}
+        found = Climb(squares, ends, (Integer(0), Integer(3)), "jnd").found
+        [jump] = found.jumps
+        assert [float(x) ** 2 for x in (found.least, jump.low, jump.high, found.most) if x] == pytest.approx(
+            [3 - sqrt(8), 1, 6, 3 + sqrt(4 + sqrt(96))], rel=1e-14
+        )
+        assert float(jump.threshold or 0) == 1

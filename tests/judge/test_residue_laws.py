@@ -19,7 +19,7 @@ FORBIDDEN: dict[str, tuple[Expr, ...]] = {
     "at 0, of F": (1 / s + 0 * s, 1 / s**2, -1 / s, 1 / (s * (s + 1)), (s + 1) / (s**2 * (s + 3))),
     "at 0, of F/s, with a residue below 0": (-1 + 0 * s, s - 2, (s - 1) / (s + 1), -2 + exp(-s), 3 * s**2 - Rational(1, 10**9)),
     "twice on the axis": (s**2 / (s**2 + 4) ** 2, s**3 / (s**2 + 1) ** 2, s**2 * (1 + s) / (s**2 + 9) ** 2),
-    "on the axis, with a residue below 0": (-(s**2) / (s**2 + 4), 9 + 2 * s**2 / (s**2 + 4) - s**2 / (s**2 + 9), 1 + s**2 - 2 * s**2 / (s**2 + 1)),
+    "on the axis, with a residue below 0": (-(s**2) / (s**2 + Rational(1, 4)), 3 - s**2 / (s**2 + 5), 2 * s**2 / (s**2 + 1) - s**2 / (s**2 + 30),-(s**2) / (s**2 + 4), 9 + 2 * s**2 / (s**2 + 4) - s**2 / (s**2 + 9), 1 + s**2 - 2 * s**2 / (s**2 + 1)),
     "on the axis, with a residue that is not real": (s / (s**2 + 4), -s / (s**2 + 4), s + s**2 / (s**2 + 4) + s / (s**2 + 4)),
     "far out": (s**3, -(s**2), s**4, 1 - s**2 / 1000, s**2 * sqrt(s), 5 + 3 * s**3 / (s + 1) - 4 * s**2, s**4 / (s + 1)),
 }  # fmt: skip
