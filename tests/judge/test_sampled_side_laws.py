@@ -7,7 +7,8 @@ from math import atan, pi
 import pytest
 from sympy import Expr, Integer, Rational
 
-from haptisym.judge.colgate import SampledPassivity
+import haptisym as hs
+from haptisym.judge.colgate import SampledPassivity, sampled_passivity
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import omega as t
@@ -77,3 +78,55 @@ def test_just_the_damping_that_is_needed_is_not_enough_at_any_angle() -> None:
         if most:
             assert loop(side, Integer(1)).passive is False
             assert float(loop(side, Integer(1)).hand_needed or -1) == 0
+
+
+# What lies between clock and hand
+
+
+def wall(*device: hs.Effect) -> SampledPassivity:
+    """It needs K T/2 + B = 0.79 N s/m of a device."""
+    felt = hs.environments.kelvin_voigt(1500, "0.04")
+    found = sampled_passivity(hs.Scene(felt, (hs.effects.sampled_loop("1 ms", "backward-difference"), *device)))
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize(
+    ("device", "damping"),
+    [
+        ((), 0),
+        ((hs.effects.shunt(m="0.04", b="0.8"),), Rational(4, 5)),
+        ((hs.effects.shunt(b="0.5", name="x"), hs.effects.shunt(b="0.5", k=1, name="y"), hs.effects.shunt(m=1, name="z")), 1),
+        ((hs.effects.shunt(b="-0.5", name="x"), hs.effects.shunt(b="0.5", name="y")), 0),
+        ((hs.effects.shunt(m=-1, name="x"), hs.effects.shunt(m=1, b=1, name="y")), 1),
+        ((hs.effects.shunt(Z="3*s"),), 3),
+        ((hs.effects.shunt(Z="b*s^2", parameters={"b": 5}),), 0),
+        ((hs.effects.shunt(Z="k*s + b", parameters={"k": 5, "b": 1}),), 5),
+        ((hs.effects.shunt(Z="q*s + m*(s + 1)^2", parameters={"q": 5, "m": 1}),), 7),
+    ],
+)  # fmt: skip
+def test_the_damping_of_a_device_is_the_coefficient_of_s_of_all_that_lies_beside_it_whatever_its_numbers_are_called(
+    device: tuple[hs.Effect, ...], damping: Rational
+) -> None:
+    found = wall(*device)
+    assert found.needed is not None
+    assert float(found.needed.value) == 0.79
+    assert found.damping == damping
+    assert found.passive is bool(damping > Rational(79, 100))
+
+
+@pytest.mark.parametrize(
+    "part",
+    [
+        hs.effects.compliance(k=1000, b=1), hs.effects.series("2"), hs.effects.delay("1 ms"), hs.effects.shunt(m=-1), hs.effects.shunt(k=-1),
+        hs.effects.shunt(Z="s^3"), hs.effects.shunt(Z="1/(s + 1)"), hs.effects.shunt(Z="s - k", parameters={"k": 2}), hs.effects.first_order_lag(50),
+    ],
+    ids=repr,
+)  # fmt: skip
+def test_of_anything_else_between_clock_and_hand_nothing_is_said(part: hs.Effect) -> None:
+    good = hs.effects.shunt(m="0.5", b=9, k="0.5", name="good")
+    for listed in ((part,), (part, good), (good, part)):
+        found = wall(*listed)
+        assert (found.sides, found.needed, found.passive, found.hand_needed) == (None,) * 4
+        assert found.reason == "something other than mass, spring and damper lies between clock and hand"
+    assert wall(good).passive is True

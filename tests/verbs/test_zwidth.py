@@ -88,6 +88,17 @@ def test_colgate_and_schenkels_bound_counts_damping_of_either_sign_against_the_d
     assert line.excess({"environment.k": 1000.0, "environment.b": B}) == pytest.approx(1000 - 2000 * (0.8 - abs(B)))
 
 
+def test_a_device_that_is_a_formula_is_in_no_classical_bound_whatever_its_numbers_are_called() -> None:
+    for formula, count in (("b*s^2", 0), ("b*s + q", 0), ("3*s", 0), ("b*s + m*s^2", 2)):
+        given = {x: 1 for x in "bqm" if x in formula.replace("s", "")}
+        scene = hs.Scene(
+            hs.environments.kelvin_voigt(500, 1),
+            (hs.effects.sampled_loop("1 ms", "backward-difference"), hs.effects.shunt(Z=formula, parameters=given)),
+            hands=(hs.Hand("own", m=1, b=1, k=1),),
+        )
+        assert len(lines(scene, [scene.knobs["environment.k"]])) == count, formula
+
+
 def test_a_rendered_mass_is_in_no_classical_bound() -> None:
     scene = hs.Scene(hs.environments.mass_spring_damper(m=1, k=1000), wall().effects)
     assert lines(scene, [scene.knobs["environment.k"]]) == ()

@@ -15,7 +15,7 @@ from typing import Any
 
 import flint
 from flint import arb
-from sympy import Expr, Integer
+from sympy import Expr, Integer, Poly
 
 from haptisym.judge.peaks import Greatest, Largest, greatest
 from haptisym.kernel.dynamics import Ring
@@ -186,11 +186,15 @@ def _device(effects: Sequence[Effect]) -> dict[str, Expr] | None:
 
     Of a symbol it is not asked whether it is negative.
     """
-    total = dict.fromkeys("mbk", Integer(0))
+    total = dict.fromkeys("kbm", Integer(0))
     for effect in effects:
-        if effect.model != "shunt" or any(p.key not in total for p in effect.parameters):
+        Z = effect.matrix[1]
+        if effect.model != "shunt" or not Z.is_polynomial(s):
             return None
-        for p in effect.parameters:
-            total[p.key] += p.value
+        row = Poly(Z, s).all_coeffs()[::-1]
+        if len(row) > len(total):
+            return None
+        for key, x in zip(total, row, strict=False):
+            total[key] += x
     known = [total[key] for key in "mk" if not total[key].free_symbols]
     return None if any(sign_of_number(x) < 0 for x in known) else total

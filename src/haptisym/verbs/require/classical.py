@@ -12,6 +12,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.symbols import s
+from haptisym.model.catalogue import Effect
 from haptisym.model.knobs import Knob
 from haptisym.model.parameters import Slot, read_parameter
 from haptisym.model.quantities import Dimension, Number
@@ -120,7 +122,14 @@ def _is_wall(scene: Scene) -> bool:
         return False
     if any(x.path == "environment.m" and x.value != 0 for x in scene.knobs):
         return False
-    return all(x.model in (*CLOCKS, "delay", "shunt") for x in scene.effects)
+    return all(x.model in (*CLOCKS, "delay") or (x.model == "shunt" and _is_device(x)) for x in scene.effects)
+
+
+def _is_device(shunt: Effect) -> bool:
+    """Whether its m, b and k are mass, damping and stiffness, and no names in a formula of its own."""
+    powers = {"m": 2, "b": 1, "k": 0}
+    known = [(p.symbol, powers[p.key]) for p in shunt.parameters if p.key in powers]
+    return bool((shunt.dynamics[1] - sum(x * s**n for x, n in known)).expand() == 0)
 
 
 def _depends(scene: Scene, nominal: Mapping[str, float]) -> bool:
