@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 from itertools import product
 from math import cos, pi
+from random import Random
 from typing import Any
 
 import numpy as np
 import pytest
-from flint import Ordering, fmpq_mpoly_ctx
+from flint import Ordering, fmpq_mpoly_ctx, fmpz_poly
+from mpmath import mp
 
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.verbs.evaluate.waves import WaveFactor, wave_factor
 from haptisym.verbs.evaluate.zeros import _cells
 from haptisym_check import RefusedError
@@ -84,3 +87,52 @@ def test_cells_tell_the_zeros_of_all_small_polynomials_with_gaps() -> None:
         roots = np.roots(p[::-1])
         if min(abs(roots.real)) > 1e-6:
             assert counted(p) == sum(roots.real > 0), p
+
+
+def joined(even: Sequence[int], odd: Sequence[int]) -> list[int]:
+    """The polynomial p with p(j omega) = E + j omega O, of those of E and O in omega^2."""
+    p = [0] * (2 * max(len(even), len(odd)))
+    for i, row in enumerate((even, odd)):
+        for k, n in enumerate(row):
+            p[2 * k + i] = (-1) ** k * n
+    return p if p[-1] else p[:-1]
+
+
+def told(p: list[int]) -> None:
+    roots = np.roots(p[::-1])
+    assert min(abs(roots.real)) > 1e-9
+    assert counted(p) == sum(roots.real > 0), p
+
+
+def test_cells_end_beside_the_zeros_of_e_where_halves_would_end_at_them() -> None:
+    """E = (x - 1)(10 (x - 1)^2 + 1) between 0 and 2, and from there to what O has."""
+    even = [-11, 31, -30, 10]
+    told(joined(even, [-3, 1]))
+    told(joined(even, [3, -1]))
+    told(joined([n * 2**k for k, n in enumerate(even)], [-3, 2]))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_cells_part_what_has_zeros_near_the_axis_as_often_as_it_takes(seed: int) -> None:
+    pick = Random(seed)
+    for _ in range(12):
+        each = []
+        for _ in range(2):
+            row = fmpz_poly([pick.choice([-1, 1, 2])])
+            for _ in range(pick.randint(0, 2)):
+                a, n = pick.randint(1, 40), pick.choice([4, 10])
+                row *= pick.choice([fmpz_poly([-a, n]), fmpz_poly([a, n]), fmpz_poly([a * a + 1, -2 * a * n, n * n])])
+            each.append([int(c) for c in row.coeffs()])
+        p = joined(*each)
+        roots = np.roots(p[::-1])
+        if len(p) > 1 and min(abs(roots.real)) > 1e-6:
+            told(p)
+
+
+def test_where_a_sign_is_beyond_the_digits_of_pi_no_cells_suffice() -> None:
+    far = 10**120
+    with mp.workdps(150):
+        near = -int(mp.pi * far), far
+    for rows in ((near, (1,), (1,)), ((1,), near, (1,), (1,))):
+        with pytest.raises(UndecidedError, match="the cells of a certificate"):
+            _cells(rows)

@@ -68,10 +68,16 @@ def _cells(rows: Rows) -> list[Fraction]:
             waiting.pop()
             found += [] if high is None else [high]
         elif len(found) + len(waiting) < _MOST:
-            waiting.append(2 * low + 1 if high is None else (low + high) / 2)
+            waiting.append(_between(even, low, high))
         else:
             raise UndecidedError("the cells of a certificate")
     return found[1:]
+
+
+def _between(even: Factor, low: Fraction, high: Fraction | None) -> Fraction:
+    """A number at which E does not vanish: no cell can end where it does."""
+    tried = [2 * low + n - 1 if high is None else low + (high - low) / n for n in range(2, 2 + len(even.rows))]
+    return next(filter(even.sign_at, tried), tried[0])
 
 
 def _is_told(even: Factor, odd: Factor, low: Fraction, high: Fraction | None) -> bool:
