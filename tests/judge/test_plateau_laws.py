@@ -7,8 +7,15 @@ from math import sqrt
 from typing import Any
 
 import pytest
+from sympy import Expr, Integer, Rational
 
 import haptisym as hs
+from haptisym.judge.criteria import noticed
+from haptisym.judge.growth import Growth
+from haptisym.judge.regions import Term
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.response import RealFunction
+from haptisym.kernel.symbols import omega as w
 
 FELT = hs.environments.mass_spring_damper(k=100, m=1)
 
@@ -107,3 +114,36 @@ def test_of_a_part_that_is_turned_round_and_as_large_as_it_was_the_larger_limit_
     assert found is not None
     assert found.certified
     assert told(found) == near([30, 30, [], {"scale": float(Fraction(least))}])
+
+
+# Steps behind what is not passed
+
+
+def real(x: Expr) -> RealFunction:
+    return RealFunction(Ring().axis.convert(x.together()).reduced())
+
+
+@pytest.mark.parametrize("behind", [w * 0 + Rational(9, 4), 81 / (4 * w**2), w**2 / 4], ids=str)
+@pytest.mark.parametrize(
+    ("low", "high", "most"), [("6/5", "2", 2), ("3/2", "2", 2), ("6/5", "3/2", Rational(3, 2)), ("1", "5", 9), ("6/5", "6", 9)]
+)  # fmt: skip
+def test_a_step_behind_a_peak_that_is_higher_than_the_range_is_no_jump(
+    behind: Expr, low: str, high: str, most: Expr
+) -> None:
+    """5/(1 + 4 (omega - 1)^2) is as much as c where (omega - 1)^2 = (5/c - 1)/4; from 3 rad/s on the other limit holds, at 3/2."""
+    hill = real((5 / (1 + 4 * (w - 1) ** 2)) ** 2)
+    terms = Term((), (hill,)), Term((real(w - 3),), (real(behind),))
+    ends = Rational(low), Rational(high)
+    found = Growth(terms, ends, (Integer(0), Integer(9)), noticed(hs.Threshold())[0], "scale", Integer(1)).found
+
+    def before(c: Expr) -> float:
+        return 1 - sqrt((5 / float(c) - 1) / 4)
+
+    assert found.blocked == {}
+    assert float(found.least or 0) == pytest.approx(before(ends[0]), abs=1e-12)
+    if most != 9:
+        assert float(found.most or 0) == pytest.approx(before(most))
+        assert found.jumps == ()
+    else:
+        assert [float(x.low) for x in found.jumps] == [1.0]
+        assert float(found.most or 0) == 9

@@ -117,7 +117,8 @@ class Growth:
     def _peaks(self, least: RealNumber, most: RealNumber) -> Iterator[tuple[RealNumber, Maximum]]:
         for point in self._table.points[1:-1]:
             peak = self._envelope.top(point) or self._envelope.plateau(point)
-            if peak and (self._is_passed(point, peak) if peak.after else _is_between(point, least, most)):
+            begins = peak and (self._is_passed(point, peak) if peak.after else above(point.omega, least))
+            if peak and begins and above(most, point.omega):
                 yield point.omega, peak
 
     def _is_passed(self, point: Point, peak: Maximum) -> bool:
@@ -142,10 +143,6 @@ def _height(square: RealFunction, omega: RealNumber) -> RealNumber:
     """The root of a square at a frequency; in closed form where it is the same at all frequencies."""
     value = None if square.function.numerator.degrees()[0] else square.expression()
     return SquareRoot(ValueAt(square, omega)) if value is None or value.free_symbols else ExactNumber(sqrt(value))
-
-
-def _is_between(point: Point, least: RealNumber, most: RealNumber) -> bool:
-    return above(point.omega, least) and above(most, point.omega)
 
 
 @dataclass(frozen=True, repr=False)
