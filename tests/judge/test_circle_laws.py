@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sympy import Integer
+from sympy import Integer, sqrt
 
 import haptisym as hs
 from haptisym.judge.bounds import around
@@ -88,3 +88,29 @@ def test_every_environment_is_judged_by_those_circles() -> None:
         assert found.opaque_above is not None
         ends = [float(found.transparent_below) ** 2 / 100, float(found.opaque_above) ** 2 / 100]
         assert ends == pytest.approx([1 / times.max(), 1 / times.min()], rel=1e-4), name
+
+
+GAIN = hs.effects.series("1 - s^2/100")
+
+
+def of_any(given: Any) -> Any:
+    return hs.evaluate(hs.Scene(hs.environments.mass_spring_damper(k=1), (GAIN,), (0, 30), given)).any_environment
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"real": 0.3, "imag": 0.3, "floor": "1 N/m"}, {"real": {"higher": 0.3, "lower": 0.2}, "imag": 0.3},
+        {"real": 0.3, "imag": {"higher": 0.3, "lower": 0.2}}, {"real": {"higher": 0.3, "lower": 0.2}, "imag": 0.3, "floor": "1 N/m"},
+    ],
+    ids=str,
+)  # fmt: skip
+def test_where_more_than_the_length_of_a_change_matters_nothing_is_said_of_any_environment(given: Any) -> None:
+    assert of_any(given) is None
+
+
+def test_thresholds_that_are_no_fractions_have_their_circles_too() -> None:
+    found = of_any(hs.Threshold(sqrt(2) / 10, sqrt(2) / 5))
+    assert [float(x) ** 4 / 10**4 for x in (found.transparent_below, found.opaque_above)] == pytest.approx(
+        [0.02, 0.1], rel=1e-14
+    )
