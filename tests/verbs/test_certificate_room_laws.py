@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 from itertools import product
-from math import cos, pi
+from math import cos, factorial, pi, sin
 from random import Random
 from typing import Any
 
+import flint
 import numpy as np
 import pytest
 from flint import Ordering, fmpq_mpoly_ctx, fmpz_poly
@@ -136,3 +137,30 @@ def test_where_a_sign_is_beyond_the_digits_of_pi_no_cells_suffice() -> None:
     for rows in ((near, (1,), (1,)), ((1,), near, (1,), (1,))):
         with pytest.raises(UndecidedError, match="the cells of a certificate"):
             _cells(rows)
+
+
+# Signs of factors with waves, in cells that are wide or end at a zero
+
+
+def test_a_cell_that_ends_at_a_zero_tells_no_signs_and_one_around_it_both() -> None:
+    line = WaveFactor((((0,), ((-2,), (1,))),), (0,), (Fraction(2),))
+    for low, high, signs in ((1, 3, (-1, 1)), (1, 2, None), (2, 3, None), (3, 4, (1,)), (1, Fraction(3, 2), (-1,))):
+        assert line.moved(Fraction(low), Fraction(high)) == signs
+        if signs is None:
+            with pytest.raises(RefusedError):
+                checked.WaveFactor(line.told(), line.delays).signs(Fraction(low), Fraction(high))
+
+
+@pytest.mark.parametrize("sines", range(3))
+def test_what_taylors_sum_leaves_of_products_of_waves_is_as_large_as_it_may_be_in_a_wide_cell(sines: int) -> None:
+    """Of cos^2, sin cos and sin^2 of omega the 14th term is 2^13 h^14/14! times a wave: 1/650 for h = 2."""
+    own = WaveFactor((((sines,), ((1,),)),), (2,), (Fraction(2),))
+    for low in (Fraction(1), Fraction(3), Fraction(9, 2)):
+        with flint.ctx.workprec(280):
+            model, rest = own._model(own._balls, low, low + 4)
+        assert float(rest.rad()) >= 2**27 / factorial(14)
+        for v in (-1, Fraction(-1, 2), 1):
+            x = float(low + 2 + 2 * v)
+            true = sin(x) ** sines * cos(x) ** (2 - sines)
+            sum_ = sum(float(c.mid()) * float(v) ** n for n, c in enumerate(model))
+            assert abs(sum_ - true) <= float(rest.rad())
