@@ -725,3 +725,14 @@ def test_quantised_or_cut_off_the_closed_form_is_another_thing() -> None:
     ):
         with pytest.raises(hs.SceneError, match=said):
             hs.simulate(hs.Scene(environments.kelvin_voigt("200 N/m", 5)), hs.sine(1, 5), extras=[extra])
+
+
+@pytest.mark.parametrize(
+    ("Z", "names"), [("m*s", {"m": 2}), ("b*s^2 + k", {"b": "1/2", "k": 3}), ("k*s/(1 + s/b)", {"k": 2, "b": 9})]
+)
+def test_the_numbers_of_a_shunt_s_formula_are_what_the_formula_says_whatever_they_are_called(
+    Z: str, names: dict[str, object]
+) -> None:
+    scene = hs.Scene(hs.environments.kelvin_voigt(100, 2), (hs.effects.shunt(Z=Z, parameters=names),))
+    [own] = hs.check(scene, count=2)
+    assert own.agrees

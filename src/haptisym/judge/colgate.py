@@ -15,7 +15,7 @@ from typing import Any
 
 import flint
 from flint import arb
-from sympy import Expr, Integer, Poly
+from sympy import Expr, Integer
 
 from haptisym.judge.peaks import Greatest, Largest, greatest
 from haptisym.kernel.dynamics import Ring
@@ -26,6 +26,7 @@ from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.kernel.stability import is_stable
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import Effect
+from haptisym.model.devices import Device, device
 from haptisym.model.sampled import BACK, CLOCKS, SAMPLED_LOOP, controller
 from haptisym.model.scene import Scene
 
@@ -167,10 +168,10 @@ def loop_of(scene: Scene) -> ColgateLoop | SampledPassivity:
         return SampledPassivity(T, reason=_FORCE)
     else:
         C, behind = _held(scene, T, behind)
-    device = _device(behind)
-    if device is None:
+    own = _device(behind)
+    if own is None:
         return SampledPassivity(T, reason=_TEN)
-    return ColgateLoop(T, C.xreplace({BACK: (1 - s) / (1 + s)}), device["b"], device["m"], device["k"])
+    return ColgateLoop(T, C.xreplace({BACK: (1 - s) / (1 + s)}), own.b, own.m, own.k)
 
 
 def _held(scene: Scene, T: Expr, behind: Sequence[Effect]) -> tuple[Expr, Sequence[Effect]]:
@@ -181,20 +182,14 @@ def _held(scene: Scene, T: Expr, behind: Sequence[Effect]) -> tuple[Expr, Sequen
     return C, left
 
 
-def _device(effects: Sequence[Effect]) -> dict[str, Expr] | None:
+def _device(effects: Sequence[Effect]) -> Device | None:
     """Mass, damping and stiffness between clock and hand; None where there is something else, or a negative mass or stiffness.
 
     Of a symbol it is not asked whether it is negative.
     """
-    total = dict.fromkeys("kbm", Integer(0))
-    for effect in effects:
-        Z = effect.matrix[1]
-        if effect.model != "shunt" or not Z.is_polynomial(s):
-            return None
-        row = Poly(Z, s).all_coeffs()[::-1]
-        if len(row) > len(total):
-            return None
-        for key, x in zip(total, row, strict=False):
-            total[key] += x
-    known = [total[key] for key in "mk" if not total[key].free_symbols]
+    parts = [device(x) for x in effects]
+    if None in parts:
+        return None
+    total = Device(*map(sum, zip(Device(), *filter(None, parts), strict=True)))
+    known = [x for x in (total.m, total.k) if not x.free_symbols]
     return None if any(sign_of_number(x) < 0 for x in known) else total

@@ -17,6 +17,7 @@ from sympy import pi
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import Polynomial
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
+from haptisym.model.devices import device
 from haptisym.model.sampled import controller
 from haptisym.verbs.simulate.network import Exact, Hold, Network, SignalSum, Switch, exact, name_of
 from haptisym.verbs.simulate.operators import combined, fractional, quotient
@@ -178,8 +179,8 @@ def _sampled_loop(net: Network, element: Effect, near: Port, far: Port) -> None:
 def _shunt(net: Network, element: Effect, near: Port, far: Port) -> None:
     net.equal(far.X, near.X)
     beside = net.signal("beside")
-    if element.parameters and all(parameter.key in "mbk" for parameter in element.parameters):
-        net.equal(beside, _msd(_values(element), near.X))
+    if own := device(element):
+        net.equal(beside, near.X.through(*map(exact, own)))
     else:
         quotient(net, element.matrix[1], near.X, beside)
     net.equal(far.F, near.F + beside)
