@@ -1530,3 +1530,22 @@ def test_real_roots_in_a_parameter_are_those_of_digits_whatever_powers_of_pi_are
             wanted = sorted(x for x in true if x > 0 or negative or own.degree() == 1)
             found = sorted(real_roots(factor, index, negative=negative), key=float)
             assert [float(x) for x in found] == pytest.approx([float(x) for x in wanted], rel=1e-13)
+
+
+@pytest.mark.slow
+def test_a_number_that_is_negative_in_the_scene_is_answered_as_its_mirror_image() -> None:
+    """By balls, as a delay asks for: 100 + (5 - q) s with q = -2 is 100 + (5 + p) s with p = 2."""
+    answers = []
+    for sign, name in ((-1, "q"), (1, "p")):
+        wall = environments.expression(f"100 + (5 + ({sign})*{name})*s", parameters={name: sign * 2})
+        found = hs.require(
+            hs.Scene(wall, (effects.delay("5 ms"),), (0, 12), {"real": "1/2", "imag": "1/2"}), name, (-9, 9)
+        )
+        rows = [
+            sorted(sign * float(x.value) for x in (span.low, span.high) if x.value is not None)
+            for span in found.feasible
+        ]
+        answers.append((sorted(rows), len(found.undecided)))
+    assert answers[0][0]
+    assert answers[0][1] == answers[1][1]
+    assert np.allclose(answers[0][0], answers[1][0], rtol=1e-12)
