@@ -67,6 +67,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         for item in cases:
             if item not in quick:
                 item.add_marker(pytest.mark.slow)
+        if quick and all(item.get_closest_marker("slow") for item in cases):
+            raise pytest.UsageError(f"{cases[0].nodeid}: marked few, and slow: no case is run every time")
 
 
 def cases_of(cases: list[pytest.Item], wanted: tuple[object, ...]) -> list[pytest.Item]:

@@ -42,7 +42,6 @@ ANSWERS: dict[str, Callable[[hs.Scene], Any]] = {
     "release": lambda s: hs.release(s, "1 cm", "postural-arm"),
     "cost": lambda s: hs.cost(s, quick=True),
 }  # fmt: skip
-QUICK = {"measured", "published"}
 NOTHING = {("evaluation", "bandwidths"), ("metrics", "verdicts")}
 """What a scene without a range has not; and bars that are told apart by their place."""
 
@@ -62,8 +61,8 @@ def test_every_kind_of_answer_can_be_drawn() -> None:
     assert set(ANSWERS) == set(KINDS) - {"hardcosts", "jnd", "sweep"}
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize("name", [pytest.param(x, marks=[pytest.mark.slow] * (x not in QUICK)) for x in ANSWERS])
+@pytest.mark.few("measured", "published")
+@pytest.mark.parametrize("name", ANSWERS)
 def test_two_scenes_are_drawn_on_one_axes_of_the_caller(name: str) -> None:
     one, other = ANSWERS[name](PAPER), ANSWERS[name](SLOW)
     for kind in KINDS[name]:

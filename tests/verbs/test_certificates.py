@@ -435,8 +435,8 @@ def test_every_mutant_is_refused(name: str) -> None:
     assert passed == []
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize("name", often(HELD, {"a hand", "on the axis"}.__contains__))
+@pytest.mark.few("on the axis")
+@pytest.mark.parametrize("name", HELD)
 def test_every_mutant_about_stability_is_refused(name: str) -> None:
     proof, text = of_stability(name)
     listed = stability_mutants(json.loads(proof))

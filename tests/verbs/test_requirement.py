@@ -303,7 +303,7 @@ def test_a_threshold_of_one_part_beside_a_hold_leaves_the_other_part_as_it_is() 
 
 
 @pytest.mark.few(3)
-@pytest.mark.parametrize("seed", often(range(120), lambda seed: seed % 12 == 1))
+@pytest.mark.parametrize("seed", range(10, 100))
 def test_random_problems_agree_with_an_evaluation_at_each_value(seed: int) -> None:
     pick = Seeded(seed)
     told = scene(case(pick, order=4) if seed % 3 else coincident_case(pick))

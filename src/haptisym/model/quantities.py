@@ -61,10 +61,11 @@ class Dimension(Enum):
 def unit_text(unit: str) -> str:
     """A unit as it is printed.
 
-    >>> unit_text("kg*m^2"), unit_text("N s/m^3")
-    ('kg·m²', 'N·s/m³')
+    >>> unit_text("kg*m^2"), unit_text("N s/m^3"), unit_text("N/m or N*m/rad")
+    ('kg·m²', 'N·s/m³', 'N/m or N·m/rad')
     """
-    return _POWER.sub(lambda x: "⁰¹²³⁴⁵⁶⁷⁸⁹"[int(x[1])], unit.replace("*", "·").replace(" ", "·"))
+    each = (x.replace("*", "·").replace(" ", "·") for x in unit.split(" or "))
+    return _POWER.sub(lambda x: "⁰¹²³⁴⁵⁶⁷⁸⁹"[int(x[1])], " or ".join(each))
 
 
 @dataclass(frozen=True, slots=True)
