@@ -10,7 +10,7 @@ from typing import Any
 
 import mpmath
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from haptisym.verbs.evaluate.products import Factor
@@ -43,10 +43,14 @@ def test_intervals_ascend_where_none_begins_before_another_ends_and_neighbours_d
     assert ascending(rows) is (all(before) and all(changes))
 
 
+@pytest.mark.parametrize("scale", [Fraction(1), Fraction(1, 10**9), Fraction(10) ** 12])
 @given(VALUES, VALUES, st.booleans(), st.booleans())
-def test_the_halves_of_a_slab_meet_inside_and_lose_no_value(a: Any, b: Any, low: Any, high: Any) -> None:
+@example(a=Fraction(1), b=Fraction(10), low=True, high=True)
+@example(a=Fraction(1, 999), b=Fraction(1, 99), low=True, high=True)
+def test_the_halves_of_a_slab_meet_inside_and_lose_no_value(scale: Any, a: Any, b: Any, low: Any, high: Any) -> None:
     if a is not None and b is not None and a >= b:
         return
+    a, b = (None if x is None else x * scale for x in (a, b))
     one, other = Ends(a, b, low, high).halves()
     assert (one.low, one.holds_low, other.high, other.holds_high) == (a, low, b, high)
     assert one.high == other.low is not None

@@ -51,7 +51,10 @@ def _middle(low: Value, high: Value) -> Fraction:
     if low == 0:
         return high / 16
     if 0 < 8 * low < high:
-        return Fraction(isqrt(int(low * high * 10**12)) + 1, 10**6)
+        scale = 10**6
+        while low * scale < 1:
+            scale *= 1000
+        return Fraction(isqrt(int(low * high * scale**2)) + 1, scale)
     return (low + high) / 2
 
 
