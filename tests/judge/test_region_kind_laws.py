@@ -108,3 +108,39 @@ def test_two_ranges_in_one_limit_tell_the_ends_alone_and_in_limits_of_their_own_
     assert [x.bounds(100)[0] for x in (one.least, one.most)] == ends
     other = found({"real": ["0.09", "0.11"], "imag": ["0.1", "0.2"], "floor": "5 N/m"})
     assert (other.ends_alone, other.one, other.certified) == (False, False, True)
+
+
+FROM_REST = [{"m": 1}, {"b": 2}, {"m": 1, "b": 2}]
+"""Environments that vanish at omega = 0, where a region is judged by the limit of dH/|H_env|, as the square is."""
+
+
+@pytest.mark.parametrize("numbers", FROM_REST)
+@pytest.mark.parametrize("gain", ["-1", "3/4", "5/2"])
+def test_a_polygon_that_is_the_square_tells_what_the_square_does_where_the_environment_begins_at_0(
+    numbers: dict[str, int], gain: str
+) -> None:
+    lag = hs.effects.series("g*w/(s + w)", parameters={"g": gain, "w": 5})
+    corners = [[1, 1], [-1, 1], [-1, -1], [1, -1]]
+    one, other = (
+        hs.Scene(hs.environments.mass_spring_damper(**numbers), (lag,), (0, 3), jnd)
+        for jnd in (1, {"shape": "polygon", "corners": corners})
+    )
+    square, polygon = map(hs.evaluate, (one, other))
+    assert [str(x) for x in polygon.transparent] == [str(x) for x in square.transparent]
+    assert str(polygon.bandwidth) == str(square.bandwidth)
+    wide = hs.tolerances(other.with_values({"g": [Fraction(gain) - Fraction(1, 100), gain]}), samples=0)
+    assert (wide.bandwidth is None) is (polygon.bandwidth is None)
+
+
+@pytest.mark.parametrize("numbers", FROM_REST[:2])
+@pytest.mark.parametrize(("gain", "bandwidth"), [("0.89", 3), ("1.11", None), ("0.87", None), ("1.09", 3)])
+def test_a_gain_is_noticed_by_its_own_limit_from_0_on_where_the_environment_vanishes_there(
+    numbers: dict[str, int], gain: str, bandwidth: int | None
+) -> None:
+    """It makes a mass or a damping larger, or smaller, by one share of it at all frequencies."""
+    sides = {"higher": "0.1", "lower": "0.12"}
+    series = hs.effects.series("g", parameters={"g": gain})
+    scene = hs.Scene(hs.environments.mass_spring_damper(**numbers), (series,), (0, 3), {"real": sides, "imag": sides})
+    found = hs.evaluate(scene)
+    assert found.crossings == ()
+    assert (found.bandwidth and float(found.bandwidth)) == bandwidth

@@ -81,6 +81,13 @@ class Change:
         """A limit's formula in the ring of the change."""
         return self.square.ring.convert(x)
 
+    def side(self, x: RationalFunction, power: int) -> RealFunction:
+        """What tells a side and grows as a power of |H_env|: where that vanishes at omega = 0, with the sign of its limit."""
+        form, variable = x.reduced(), x.ring.variable
+        above, below = (min(int(n) for n, *_ in p.monoms()) for p in (self.square.numerator, self.square.denominator))
+        order = max(above - below, 0) * power // 2
+        return RealFunction((form / form.ring.function(variable**order)).reduced() if order else form)
+
     def over(self, x: RationalFunction) -> RealFunction:
         """A square relative to that of H_env."""
         return RealFunction((x / self.square).reduced())
@@ -147,7 +154,7 @@ class Ellipse(InTerms, Joint):
         return _nearer(d, self.real, self.imag)
 
     def opened(self, limits: Mapping[Part, Expr]) -> Ellipse:
-        return replace(self, **_named(limits))
+        return replace(self, **{part.value: x for part, x in limits.items()})
 
     def enlarged(self, x: Any, y: Any, number: Callable[[Expr], Any]) -> Any:
         u, v, t = x / number(self.real), y / number(self.imag), number(self.tilt)
@@ -180,7 +187,7 @@ class Diamond(InTerms, Joint):
         return _nearer(d, self.real, self.imag)
 
     def opened(self, limits: Mapping[Part, Expr]) -> Diamond:
-        return replace(self, **_named(limits))
+        return replace(self, **{part.value: x for part, x in limits.items()})
 
     def enlarged(self, x: Any, y: Any, number: Callable[[Expr], Any]) -> Any:
         return abs(x) / number(self.real) + abs(y) / number(self.imag)
@@ -218,7 +225,7 @@ class Polygon(InTerms, Joint):
         for edge in self.edges:
             own = [w.number(edge[0 if part is Part.REAL else 1]) * w.part(part) for part in parts]
             along = (own[0] + own[1] if len(own) == 2 else own[0]).reduced()
-            found.append(Term((RealFunction(along),), (w.over(along * along),)))
+            found.append(Term((w.side(along, 1),), (w.over(along * along),)))
         return tuple(found)
 
     def nearer(self, d: Distortion) -> Signed:
@@ -266,8 +273,7 @@ class Sided(InTerms):
         if not self.has_sides:
             return (Term((), (higher, *least)),)
         env, perc = (part_of(x, self.part).function for x in (d.env_response, d.perc_response))
-        growth = (perc * perc - env * env).reduced()
-        up, down = RealFunction(growth), RealFunction(-growth)
+        up, down = (w.side(x, 2) for x in (perc * perc - env * env, env * env - perc * perc))
         return Term((up,), (higher, *least)), Term((down,), (lower, *least)), Term((), (higher, lower, *least))
 
     def opened(self, limits: Mapping[Part, Expr]) -> Sided:
@@ -279,10 +285,6 @@ def _extremes(values: Sequence[Expr]) -> list[Expr]:
     """Those among which the largest multiple is: the ends, where they are rational numbers."""
     listed = sorted(set(values), key=str)
     return [min(listed), max(listed)] if all(x.is_Rational for x in listed) else listed
-
-
-def _named(limits: Mapping[Part, Expr]) -> dict[str, Any]:
-    return {part.value: x for part, x in limits.items()}
 
 
 def _nearer(d: Distortion, real: Expr, imag: Expr) -> RealFunction:
