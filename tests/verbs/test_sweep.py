@@ -205,6 +205,16 @@ def test_a_set_without_dynamics_says_so_and_stops_nothing() -> None:
     assert np.isnan(found.bandwidth[0])
 
 
+@pytest.mark.parametrize("jnd", [0.1, {"shape": "diamond", "real": 0.1, "imag": 0.1}])
+def test_a_damper_of_no_damping_is_no_dynamics_though_its_number_cancels_in_the_ratios(jnd: Any) -> None:
+    """Behind a gain all real parts are 0 whatever the damping, so that no changeover tells that nothing is left."""
+    gain = hs.effects.series("g", parameters={"g": 1})
+    given = hs.Scene(hs.environments.mass_spring_damper(b=3), (gain,), threshold=jnd)
+    found = hs.sweep(given, {"environment.b": [0.0, 2.0]})
+    assert found.method.values.tolist() == [2, 0]
+    assert found.changeovers_environment.values.tolist() == [-1, 0]
+
+
 def test_numbers_far_beyond_any_device_are_not_trusted_to_floats() -> None:
     kernel = Kernel.of(PAPER, [axis.knob for axis in axes(PAPER, {MASS: [1.0]})])
     assert kernel.answers(np.array([[1e-200, 1.0]]))["method"].tolist() == [1, 0]

@@ -103,16 +103,17 @@ def sweep_curves(scene: Scene, swept: Sequence[Knob]) -> Curves | None:
 
 @dataclass(frozen=True)
 class ClosedForms:
-    """What is judged, and whose zeros are the changeovers."""
+    """What is judged, whose zeros are the changeovers, and the squares that must not vanish for there to be dynamics."""
 
     measures: Mapping[Criterion, Signed]
     turning: tuple[RealFunction, ...]
+    present: tuple[RealFunction, ...] = ()
 
     @property
     def functions(self) -> list[RealFunction]:
         """All of them."""
         own = [f for x in self.measures.values() for f in _functions(x) if isinstance(f, RealFunction)]
-        return [*self.turning, *own]
+        return [*self.turning, *self.present, *own]
 
 
 def closed_forms(scene: Scene, swept: Sequence[Knob]) -> ClosedForms | None:
@@ -126,7 +127,9 @@ def closed_forms(scene: Scene, swept: Sequence[Knob]) -> ClosedForms | None:
         return None
     if any(isinstance(f, Level) for x in measures.values() for f in _functions(x)):
         return None
-    return ClosedForms(measures, tuple(part_of(r, Part.REAL) for r in (d.env_response, d.perc_response)))
+    turning = tuple(part_of(r, Part.REAL) for r in (d.env_response, d.perc_response))
+    # where there is a real part its changeovers tell that there are dynamics
+    return ClosedForms(measures, turning, () if any(not x.is_zero for x in turning) else (d.squared_modulus,))
 
 
 LIMITS = {part: Symbol(f"c_{part.value}", positive=True) for part in Part}
@@ -158,6 +161,7 @@ class Reader:
 
     def __init__(self, scene: Scene, swept: Sequence[Knob], asked: ClosedForms) -> None:
         self.scene, self.swept, self.measures, self.turning = scene, swept, asked.measures, asked.turning
+        self.present = asked.present
         self.symbols = [LIMITS[x.parts[0]] if x.parts else x.symbol for x in swept]
         self.step = self._step([self._form(f) for f in asked.functions])
         self.definite: list[Family] = []
@@ -174,6 +178,8 @@ class Reader:
         """What is judged, as functions of the swept numbers; None where floats cannot tell them."""
         excess = {x.name: self._judged(f, x) for x, f in self.measures.items()}
         environment, perceived = map(self._changeover, self.turning)
+        for form in map(self._form, self.present):
+            self.definite += self._all_but_zero(form.ring, (g for g, _ in form.ring.factors(form.numerator)[1]))
         if self.step == 1 and self.scene.band[0] == 0 and any(map(_odd_at_zero, map(self._form, self.turning))):
             return None  # a function that is odd in omega changes its sign at 0 itself
         return Curves(self.step, excess, (environment, perceived), tuple(dict.fromkeys(self.definite)))
