@@ -288,3 +288,12 @@ def test_a_model_about_two_others_holds_all_that_either_holds_and_little_else(se
         assert (enclosing(f, f).r <= f.r * (1 + 1e-9) + 1e-9).all()
         known = enclosing(f, Model(*f.arrays[:3], f.r + 1))
         assert (abs(known.r - f.r - 1) <= 1e-9).all()
+
+
+@pytest.mark.parametrize(("gains", "verdict"), [(["0.89", "0.9"], "all"), (["1.11", "1.13"], "none")])
+def test_gains_before_a_mass_are_told_from_0_on_by_limits_for_each_way(gains: list[str], verdict: str) -> None:
+    series = hs.effects.series("g", parameters={"g": gains})
+    jnd = {"real": {"higher": "0.1", "lower": "0.12"}, "imag": "0.1"}
+    found = hs.tolerances(hs.Scene(hs.environments.mass_spring_damper(m=1), (series,), (0, 3), jnd), samples=0)
+    assert (found.verdict.value, found.enclosures) == (verdict, ())
+    assert (found.bandwidth is None) is (verdict == "none")

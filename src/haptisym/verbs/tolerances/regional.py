@@ -53,7 +53,7 @@ class RegionalExcess(Excess):
         powers = [int(n) for n, *_ in (next(environments) / next(environments)).reduced().numerator.monoms()]
         if len(powers) > 1 and isinstance(criterion.region, Polygon):  # changes its side where H_env changes its sign
             relative, powers = chain, [0]
-        self._turns = max(powers) % 4
+        self._turns, self._from_rest = max(powers) % 4, len(powers) == 1
         self._relative, self._plain = relative.program([*_SQUARED, *_FIELDS]), chain.program(_FIELDS)
 
     @cached_property
@@ -78,7 +78,7 @@ class RegionalExcess(Excess):
             known: dict[Expr, Model] = {omega: at}
             if self._limit is not None:
                 known[c] = self._variable(self._limit, cells, slopes=slopes)
-            return joined(Changes(relative, plain, known, self._turns).terms(self._criterion))
+            return joined(Changes(relative, plain, known, self._turns, self._from_rest).terms(self._criterion))
 
     def _run(self, program: Program, cells: Array, at: Model, *, slopes: int) -> dict[str, Model]:
         found = Modelled(program).run([self._variable(i, cells, slopes=slopes) for i in self._places(program)])
@@ -95,13 +95,15 @@ class Changes:
     """x = Re dH/|H_env| and y = Im dH/|H_env| over cells, and what a criterion makes of them.
 
     ``relative`` : fields of a chain with the same ratios, in which all is ``turns`` quarters behind; ``plain``: of the chain.
-    ``known`` : what omega, and the half width c where it varies, are over the cells.
+    ``known`` : what omega, and the half width c where it varies, are over the cells. ``from_rest`` : whether these chains differ
+    by a power of s alone.
     """
 
     relative: Mapping[str, Model]
     plain: Mapping[str, Model]
     known: Mapping[Expr, Model]
     turns: int
+    from_rest: bool = False
 
     def terms(self, criterion: Criterion) -> Terms:
         """The functions of which the largest of the smallest is positive where a change is noticed."""
@@ -134,8 +136,13 @@ class Changes:
         least = [] if region.floor is None else [own * own - self._constant(region.floor**2)]
         if not region.has_sides:
             return [[larger, *least]]
-        growth = own * (own + self.plain[f"environment_{region.part.value}"].times(2.0))
+        growth = self._growth(region.part)
         return [[growth, larger, *least], [-growth, smaller, *least], [larger, smaller, *least]]
+
+    def _growth(self, part: Part) -> Model:
+        """|H_perc|^2 - |H_env|^2 of a part: of what H_env vanishes with at omega = 0 alone nothing is left in it."""
+        fields, seen = (self.relative, seen_as(part, self.turns)) if self.from_rest else (self.plain, part)
+        return fields[seen.value] * (fields[seen.value] + fields[f"environment_{seen.value}"].times(2.0))
 
     def _beyond(self, part: Part, limit: Expr) -> Model:
         return self._square(part) - self._constant(limit**2)
