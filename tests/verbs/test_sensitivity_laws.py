@@ -6,7 +6,7 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from mpmath import mp
 from sympy import Rational, Symbol
@@ -270,6 +270,7 @@ PARAMETER = Symbol("p", real=True)
     st.fractions(-4, 4, max_denominator=5),
     st.sampled_from([1, 2, 3]),
 )
+@example(w=Fraction(1), p=Fraction(1, 3), m=Fraction(0), order=1)
 def test_branches_through_a_point_are_those_of_the_lowest_terms_there(
     w: Fraction, p: Fraction, m: Fraction, order: int
 ) -> None:

@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 
 import flint
 from flint import arb, fmpq
-from sympy import Expr, Rational, Symbol, pi
+from sympy import Expr, Integer, Rational, Symbol, pi
 
 from haptisym.kernel.implicit import Equation, ImplicitSlope
 from haptisym.kernel.precision import at_rising_precision
@@ -28,6 +28,8 @@ _USUAL_BITS = 128
 Factors: TypeAlias = tuple[tuple[Equation, int], ...]
 """Irreducible factors as equations, each with its order."""
 SymbolValues: TypeAlias = tuple[tuple[Symbol, RealNumber], ...]
+ZERO = ExactNumber(Integer(0))
+"""What does not move at first order."""
 Branch: TypeAlias = RealNumber | None
 """The slope of a branch; None where it is infinite, or one of several that leave the point."""
 Sides: TypeAlias = tuple[list[Branch], list[Branch]]
@@ -72,10 +74,10 @@ class Meeting:
         times = 0 if here.is_zero() else _multiplicity(core, here)  # F = p - value is 0 nowhere beside the value
         if times == 0:
             return [], []
-        if times == 1:
-            slope = Slope(factor.slope(self.parameter), self.values)
-            return [slope], [slope]
         F_p = _derivative(ring, factor.F, self.parameter)
+        if times == 1:
+            slope = ZERO if self._vanishes(ring, F_p, core) else Slope(factor.slope(self.parameter), self.values)
+            return [slope], [slope]
         if not self._vanishes(ring, F_p, core):  # a d omega^times + b dp = 0
             return self._fold(ring, factor.F, F_p, times)
         return self._pair(ring, factor.F, core) if times == 2 else None

@@ -13,22 +13,21 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import flint
-from sympy import Integer, Symbol
+from sympy import Symbol
 
 from haptisym.judge.criteria import Criterion
 from haptisym.judge.crossings import CrossingKind
 from haptisym.kernel.implicit import Equation
 from haptisym.kernel.lattices import Piece
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
+from haptisym.kernel.reals import Ball, RealNumber
 from haptisym.kernel.shown import Shown, counted
 from haptisym.kernel.symbols import omega
 from haptisym.model.knobs import Knob, Knobs
 from haptisym.model.parameters import Rule
 from haptisym.verbs.derive.derivation import Derivation, Factors
-from haptisym.verbs.sensitivity.branches import Branch, Meeting, Slope, not_clear
+from haptisym.verbs.sensitivity.branches import ZERO, Branch, Meeting, Slope, not_clear
 
 TOUCH = "undefined: the display touches its threshold here"
-_ZERO = ExactNumber(Integer(0))
 _MEET = "undecided: several branches of the equation meet here"
 _NOT_CLEAR = "undecided: dF/dp or dF/d omega is 0 here, or too near to it"
 FLAT = "undefined: the ratio meets its threshold at 0 rad/s, where it is flat"
@@ -120,7 +119,7 @@ class VariedParameter:
 
 def still(p: VariedParameter) -> Sensitivity:
     """Of a frequency that does not depend on the parameter."""
-    return Sensitivity(p.knob, _ZERO, _ZERO)
+    return Sensitivity(p.knob, ZERO, ZERO)
 
 
 def none(places: tuple[VariedParameter, ...], reason: str) -> tuple[Sensitivity, ...]:
@@ -151,10 +150,10 @@ def at(
         return _met(p, Meeting(meeting, p.knob.symbol, values), where)
     slope = Slope(meeting[0][0].slope(p.knob.symbol), values)
     if slope.slope.vanishes({p.knob.symbol: p.knob.value}):
-        return _one_sided(p, _ZERO, where)
+        return _one_sided(p, ZERO, where)
     if not slope.is_clear():
         if Meeting(meeting, p.knob.symbol, values).is_still():
-            return _one_sided(p, _ZERO, where)
+            return _one_sided(p, ZERO, where)
         return Sensitivity(p.knob, None, None, _NOT_CLEAR)
     return _one_sided(p, slope, where)
 
@@ -165,8 +164,8 @@ def _depends(equation: Equation, x: Symbol) -> bool:
 
 def _one_sided(p: VariedParameter, derivative: RealNumber, where: RealNumber) -> Sensitivity:
     """A derivative that holds on both sides, as far as there are two."""
-    elasticity = _ZERO if p.knob.value == 0 or derivative is _ZERO else _Elasticity(derivative, p.value, where)
-    least = p.least and derivative is not _ZERO
+    elasticity = ZERO if p.knob.value == 0 or derivative is ZERO else _Elasticity(derivative, p.value, where)
+    least = p.least and derivative is not ZERO
     side, reason = ("above", _LEAST) if least else ("", "")
     return Sensitivity(p.knob, derivative, elasticity, reason, side)
 
