@@ -306,3 +306,17 @@ def test_the_smaller_of_two_bandwidths_is_one_of_either_set_as_far_as_both_reach
         for n in range(-2, 44):
             x = Fraction(n, 2)
             assert is_given(both, x) == ((is_given(one, x) or is_given(other, x)) and x <= most)
+
+
+def test_the_landing_of_a_sharp_peak_has_as_many_digits_as_are_asked_for() -> None:
+    """Beside the peak the ratio falls off so fast that hundreds of bits tell the frequencies of its flanks apart."""
+    told = scene_of('model = "two-mass"\nm1 = 1\nb1 = 1\nk1 = 1\nm2 = 1\nb2 = "1/10"\nk2 = 100')
+    [jump] = hs.evaluate(told).bandwidths.jumps
+    assert jump.high.digits(60) == "10." + 58 * "0"
+
+
+def scene_of(environment: str) -> hs.Scene:
+    lead = 'G = "(1 + s*T1)/(1 + s*T2)"\nparameters = { T1 = "1/100", T2 = "31/1000" }'
+    return hs.parse_scene(
+        f'[environment]\n{environment}\n[[effects]]\nmodel = "series"\n{lead}\n[evaluation]\nband = [0, 10]\njnd = ["1/5", "11/50"]\n'
+    )

@@ -239,6 +239,9 @@ class _LandingOfAll(Landing):
     def at(self, height: Expr) -> RealNumber | None:
         return self.climb.at(height)
 
-    def behind(self, height: Expr) -> RealNumber | None:
+    def behind(self, height: Rational) -> RealNumber | None:
         """Where a ratio is above it again, after it has come back below it behind the peak."""
-        return next((x.high.omega for x in kept(self.climb.chart(height)) if above(x.low.omega, self.omega)), None)
+        most = 4 * int(height.q).bit_length()  # the nearer the height is to the peak's, the nearer the frequencies are
+        return next(
+            (x.high.omega for x in kept(self.climb.chart(height)) if above(x.low.omega, self.omega, most)), None
+        )

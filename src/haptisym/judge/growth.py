@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import flint
-from sympy import Expr, sqrt
+from sympy import Expr, Rational, sqrt
 
 from haptisym.judge.climb import Bandwidths, Jump
 from haptisym.judge.criteria import JOINT, Criterion, level
@@ -154,7 +154,7 @@ class _LandingOfOne(Landing):
     def at(self, height: Expr) -> RealNumber | None:
         return self.growth.at(height)
 
-    def behind(self, height: Expr) -> RealNumber | None:
+    def behind(self, height: Rational) -> RealNumber | None:
         """Where more is needed than that again; for numbers close to the height it was too little around the frequency alone."""
         found = self.growth.kept(height)
         later = [y for first, y in found if y.low is not first and y.low is not y.high]

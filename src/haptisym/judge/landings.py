@@ -28,7 +28,7 @@ class Landing(RealNumber):
         """The bandwidth for a rational height."""
 
     @abstractmethod
-    def behind(self, height: Expr) -> RealNumber | None:
+    def behind(self, height: Rational) -> RealNumber | None:
         """That for one that is hardly too little, if the peak itself did not count."""
 
     def ball(self, bits: int) -> Ball:
@@ -48,8 +48,8 @@ def settled(x: RealNumber) -> RealNumber:
     return x
 
 
-def above(a: RealNumber, b: RealNumber) -> bool:
-    """Whether a > b; UndecidedError where they are not told apart, unless both are known exactly."""
+def above(a: RealNumber, b: RealNumber, most: int = _SURE) -> bool:
+    """Whether a > b; UndecidedError where they are not told apart with ``most`` bits, unless both are known exactly."""
 
     if a is b or a == b:
         return False
@@ -61,7 +61,7 @@ def above(a: RealNumber, b: RealNumber) -> bool:
                 return False
             return True if left > right else False if left < right else None
 
-    found = at_rising_precision(sign, 64, _SURE)
+    found = at_rising_precision(sign, 64, max(most, _SURE))
     if found is None:
         raise UndecidedError("which of two numbers is the larger")
     return found
