@@ -117,7 +117,7 @@ def test_the_likelihood_and_its_slopes_are_those_of_many_digits(
     rows, mu, spread = collected(blocks(drawn)), 1 + a / 3, b / 5
     if not rows:
         return
-    with mp.workdps(80):  # of 1 - p, a p next to 1 takes most
+    with mp.workdps(400):  # of 1 - p, a p next to 1 takes most
         point = tuple(map(mpf, (mu, spread, lapse)))
 
         def f(m: Any, s: Any, lapses: Any) -> Any:
