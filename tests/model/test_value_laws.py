@@ -593,3 +593,11 @@ def test_a_scene_that_is_not_there_is_sought_beside_it(tmp_path: Path, monkeypat
     assert hs.load_scene(path).environment.model == "kelvin-voigt"
     path.write_text(text + " " * (1_000_001 - len(text)), encoding="utf-8")
     assert "the file has more than 1000000 bytes" in refusal(hs.load_scene, path)
+
+
+@pytest.mark.parametrize("call", [hs.evaluate, lambda x: hs.tolerances(x)])
+def test_values_that_divide_a_formula_by_zero_are_told_with_it(call: Any) -> None:
+    given = ["0", "500"] if call is not hs.evaluate else 0
+    link = hs.effects.two_port(A="1", B="0", C="1/q", D="1", parameters={"q": given})
+    told = refusal(call, hs.Scene(hs.environments.kelvin_voigt(100, 2), (link,)))
+    assert "1/q is divided by zero with q = 0" in told

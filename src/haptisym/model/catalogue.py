@@ -26,6 +26,7 @@ from haptisym.model.parameters import (
     enter_list,
     enter_parameter,
     free_name,
+    in_place,
     read_parameter,
     refuse_references,
     renamed,
@@ -65,7 +66,7 @@ class Environment(Shown):
     @property
     def H(self) -> Expr:
         """H_env(s) with the parameters' values in place, force per position."""
-        return self.dynamics.xreplace(values(self.parameters))
+        return in_place(self.dynamics, values(self.parameters))
 
     def with_values(self, given: Mapping[str, Number]) -> Environment:
         """The same environment with other values for the parameters whose symbols have these names."""
@@ -131,7 +132,7 @@ class Effect(Shown):
     def matrix(self) -> Matrix:
         """The chain matrix (A, B, C, D) with the parameters' values in place."""
         known = values((*self.parameters, *(self.renders.parameters if self.renders else ())))
-        a, b, c, d = (entry if entry.is_Integer else entry.xreplace(known) for entry in self.dynamics)
+        a, b, c, d = (entry if entry.is_Integer else in_place(entry, known) for entry in self.dynamics)
         return a, b, c, d
 
     def with_values(self, given: Mapping[str, Number]) -> Effect:

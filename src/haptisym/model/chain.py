@@ -16,6 +16,7 @@ from haptisym.kernel.rings import Polynomial, RationalFunction, cleared
 from haptisym.kernel.symbols import c as threshold
 from haptisym.model.catalogue import Matrix
 from haptisym.model.jnd import Part
+from haptisym.model.parameters import in_place
 
 if TYPE_CHECKING:
     from haptisym.programs.program import Program
@@ -116,7 +117,7 @@ class Chain:
 
     def at(self, values: Mapping[Symbol, Expr]) -> Chain:
         """The same chain with values for some of its symbols."""
-        return self.map(lambda entry: entry.xreplace(values))
+        return self.map(lambda entry: in_place(entry, values))
 
     def map(self, change: Callable[[Expr], Expr]) -> Chain:
         """The chain with every dynamics in it changed."""

@@ -9,7 +9,7 @@ from enum import Enum
 from itertools import chain, count
 from typing import Any
 
-from sympy import Expr, Symbol
+from sympy import Expr, Symbol, nan, zoo
 
 from haptisym.kernel.errors import SceneError, meant, quoted
 from haptisym.kernel.roots import sign_of_number
@@ -211,6 +211,15 @@ def free_name(name: str, taken: Container[str], joint: str = "_") -> str:
 def values(parameters: Iterable[Parameter]) -> dict[Symbol, Expr]:
     """From each parameter's symbol to its value."""
     return {p.symbol: p.value for p in parameters}
+
+
+def in_place(form: Expr, known: Mapping[Symbol, Expr]) -> Expr:
+    """A formula with values in place of symbols; SceneError where they divide it by zero."""
+    found = form.xreplace(known)
+    if found.has(zoo, nan):
+        told = ", ".join(sorted(f"{x} = {known[x]}" for x in form.free_symbols & known.keys()))
+        raise SceneError(f"{form} is divided by zero with {told}")
+    return found
 
 
 def with_values(parameters: Sequence[Parameter], given: Mapping[str, Number]) -> tuple[Parameter, ...]:
