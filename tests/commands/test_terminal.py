@@ -189,6 +189,7 @@ class Pressed:
     def __del__(self):
         os.kill(os.getpid(), signal.SIGINT)
         time.sleep(0.001)
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job is born deaf to it
 with interrupts() as seen:
     Pressed()
     try:
