@@ -13,6 +13,7 @@ import mpmath
 import numpy as np
 import pytest
 from flint import acb, arb
+from marks import spread
 from scipy.linalg import expm
 from sympy import Expr, Integer, Rational, Symbol, bernoulli, factorial
 
@@ -23,7 +24,7 @@ from haptisym.model.parameters import Rule
 from haptisym.verbs.stability.clockcritical import Opened, Walk
 from haptisym.verbs.stability.oncircle import OnCircle
 
-SEEDS = range(30)
+SEEDS = spread(range(30), 2)
 k = Symbol("k", positive=True)
 
 

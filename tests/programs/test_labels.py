@@ -58,6 +58,7 @@ PLAIN = {"mass-spring-damper", "second-order-lowpass", "delay"}
 PAIRS = often(
     (x for x in product(ENVIRONMENTS, EFFECTS) if x != ("spring-pot", "sampled-loop")),
     lambda pair: not HEAVY & set(pair) and bool(PLAIN & set(pair)),
+    3,
 )
 
 

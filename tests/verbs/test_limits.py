@@ -261,7 +261,7 @@ PARAMETERS = [
     "undamped-resonance-effects.filter.zeta",
 )
 @pytest.mark.parametrize(
-    ("name", "path"), often(PARAMETERS, lambda case: case[0] in QUICK_SCENES - {"stick-with-friction"})
+    ("name", "path"), often(PARAMETERS, lambda case: case[0] in QUICK_SCENES - {"stick-with-friction"}, 2)
 )
 def test_every_parameter_of_every_scene_is_answered_or_undecided(name: str, path: str) -> None:
     """Where a value is said to do (not to), the scene at it shows to be transparent (not to be) on the whole band."""
