@@ -144,3 +144,20 @@ def test_a_gain_is_noticed_by_its_own_limit_from_0_on_where_the_environment_vani
     found = hs.evaluate(scene)
     assert found.crossings == ()
     assert (found.bandwidth and float(found.bandwidth)) == bandwidth
+
+
+@pytest.mark.parametrize("stiffness", [100, 200])
+def test_a_polygon_is_touched_where_an_undamped_environment_gives_way_and_other_regions_go_by_the_limit(
+    stiffness: int,
+) -> None:
+    lead, environment = hs.effects.series("1 + s/20"), hs.environments.mass_spring_damper(m=1, k=stiffness)
+
+    def found(jnd: object) -> list[tuple[str, float]]:
+        e = hs.evaluate(hs.Scene(environment, (lead,), (0, 30), jnd))  # type: ignore[arg-type]
+        return [(x.kind.value, float(x.omega)) for x in e.crossings]
+
+    corners = [["1/10", "1/10"], ["-1/10", "1/10"], ["-1/10", "-1/10"], ["1/10", "-1/10"]]
+    leaves = ("exceeds", 2.0)
+    others = (0.1, *({"shape": x, "real": 0.1, "imag": 0.1} for x in ("ellipse", "diamond")))
+    assert [found(x) for x in others] == [[leaves]] * 3
+    assert found({"shape": "polygon", "corners": corners}) == [leaves, ("touches", pytest.approx(stiffness**0.5))]
