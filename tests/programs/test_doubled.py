@@ -250,6 +250,12 @@ def test_a_ball_in_two_doubles_is_held_by_them_and_their_bound(x: Fraction, rela
     assert error <= (high - low) / 2 * SLACK + abs(hi) * OWN + LOST
 
 
+@pytest.mark.parametrize("exponent", [-1060, -1073, -1076, -1100, -9999])
+def test_a_number_beside_the_smallest_doubles_is_held_by_them_and_their_bound(exponent: int) -> None:
+    hi, lo, error = map(exact, of_ball(3 * arb(2) ** exponent))
+    assert abs(3 * fmpq(2) ** exponent - hi - lo) <= error
+
+
 def _dyadic(x: arb) -> fmpq:
     mantissa, exponent = x.man_exp()
     return fmpq(int(mantissa)) * fmpq(2) ** int(exponent)
