@@ -38,7 +38,7 @@ def to_the_right(p: Polynomial, points: list[Fraction]) -> int:
         need(turns(e) + turns(o) < 2 or not turns(e), "a cell may hold two zeros")
         side = next((x for x in o if x), 0)
         left += 2 * turns(e) * (e[0] * side if side else -1)
-        last = [x for x in e if x][-1] * next((x for x in o[::-1] if x), 0)
+        last = [x for x in e if x][-1] * o[-1]  # which counts where n is odd: the highest power is one of O
     return at_0 + (n - left - n % 2 * last) // 2
 
 
