@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
+from certificates import CANCELLING
 
 from haptisym_check import RefusedError
 from haptisym_check.scene import Scene
@@ -223,6 +224,15 @@ def test_chains_have_the_values_of_their_matrices(seed: int) -> None:
             H = (p * H + q) / (r * H + w)
         own = {"delays": (Fraction(1, 4),), "orders": (Fraction(1, 3),), "others": (t, (re, im))}
         assert at(text, x, **own) == pytest.approx([felt, H], rel=1e-9), text
+
+
+@pytest.mark.parametrize(("formula", "same"), CANCELLING)
+def test_powers_of_s_that_cancel_leave_the_same_value_at_any_values_of_the_powers(formula: str, same: str) -> None:
+    """Exponents are added, as rational numbers: s^(1/4) is no root of s^(1/2) here, which is one of s = 8 j."""
+    orders = tuple(Fraction(n, 20) for n in (4, 5, 6, 10, 14, 15))
+    powers = tuple((2, 2) if order == Fraction(1, 2) else (3 + n, 7 - 2 * n) for n, order in enumerate(orders))
+    one, other = (at(environment("expression", f'H = "{x}"'), 8, orders=orders, others=powers) for x in (formula, same))
+    assert one == pytest.approx(other, rel=1e-12)
 
 
 def test_a_clock_comes_first_and_turns_the_s_of_what_is_rendered() -> None:

@@ -14,7 +14,17 @@ from time import process_time
 from typing import Any
 
 import pytest
-from certificates import HELD, OWN, certificate, fractional_scene, late_scene, of_requirement, of_stability, text_of
+from certificates import (
+    CANCELLING,
+    HELD,
+    OWN,
+    certificate,
+    fractional_scene,
+    late_scene,
+    of_requirement,
+    of_stability,
+    text_of,
+)
 from forgeries import evaluated, gain, of_scene
 from marks import often
 from mutated import mutated
@@ -282,15 +292,6 @@ def with_powers(formula: str) -> str:
     """A scene of this environment, behind a lag."""
     lag = '[[effects]]\nmodel = "first-order-lag"\nomega_c = 20\n'
     return f'[environment]\nmodel = "expression"\nH = "{formula}"\n{lag}[evaluation]\nband = [1, 15]\n'
-
-
-CANCELLING = (
-    ("300 + s^(1/4)*s^( 3 / 12 )", "300 + s^0.5"), ("300 + s^(4/2) + s^(-1/4)", "300 + s^2 + s^-0.25"),
-    ("300 + s^0.5*s^0.5", "300 + s"), ("300 + s^0.5/s^0.5", "301"), ("300 + (s^0.5)^2", "300 + s"), ("300 + (s^-0.25)^(-2)", "300 + s^0.5"),
-    ("300 + s^0.3*s^1.7", "300 + s^2"), ("300 - s^0.5*s^0.25/s^2", "300 - s^-1.25"), ("300 + (s^0.5 + s)/s^0.5", "301 + s^0.5"),
-    ("300 + (2*s^0.5 + 0 - 3*s^0.5)*s^0.5", "300 - s"), ("300 + s^.2*(s^.3 + 9)*s^.5/s^.7", "300 + s^0.3 + 9"),
-    ("300 + 1/(s^0.5*(s + 1) + s^0.5)", "300 + s^-0.5/(s + 2)"), ("300 + (0*s + s^0.5 - 0/s)*s^0.5", "300 + s"),
-)  # fmt: skip
 
 
 @pytest.mark.slow
