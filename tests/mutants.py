@@ -253,6 +253,16 @@ def drawn(root: Path, folder: str, seed: int, count: int, only: str = "") -> lis
     return list(found.values())
 
 
+def left(root: Path, folder: str, file: Path) -> list[Mutant]:
+    """The changes of a folder that were not noticed, where they are now; those of lines that were changed since are gone."""
+    rows = map(json.loads, file.read_text(encoding="utf-8").splitlines())
+    known = {
+        (row["module"], row["function"], row["kind"], row["text"]) for row in rows if row["verdict"].startswith("not ")
+    }
+    places = [x for module in modules(root, folder) for x in Places(root, module).found]
+    return [x for x in places if (x.module, x.function, x.kind, x.text) in known]
+
+
 # The copy, and tests that are run in it
 
 
@@ -415,13 +425,14 @@ class Known:
     seconds: dict[str, float]
     failed: list[str]
     tests: list[str]
+    files: int = MOST_FILES
 
     def near(self, module: str, function: str) -> list[str]:
         """The tests that reach a function ("": any of the module), in the files of those that reach the fewest others; the quickest first."""
         key = f"{module}:{function}"
         found = [x for x, names in self.reached.items() if any(reaches(name, key) for name in names)]
         narrow = list(dict.fromkeys(map(file_of, sorted(found, key=lambda test: len(self.reached[test])))))
-        return sorted((test for test in found if file_of(test) in narrow[:MOST_FILES]), key=self.cost)
+        return sorted((test for test in found if file_of(test) in narrow[: self.files]), key=self.cost)
 
     def taken(self, near: list[str], most: float) -> list[str]:
         """These tests, and then their neighbours, as many as take so many seconds."""
@@ -513,14 +524,16 @@ def main(words: list[str] | None = None) -> int:
         "--slow", type=float, default=0.0, help="seconds of slow tests for a change that no quick one notices"
     )
     parser.add_argument("--tests", nargs="*", default=ASKED, help="which tests the map is made of")
+    parser.add_argument("--files", type=int, default=MOST_FILES, help="of tests for one change, at most")
     parser.add_argument("--out", type=Path, help="a file that gets a line of JSON for each change")
+    parser.add_argument("--again", type=Path, help="such a file: what was not noticed is asked about again")
     given = parser.parse_args(words)
     for name in LOADED:
         importlib.import_module(name)
     if given.map or not given.known.exists():
         given.known.parent.mkdir(exist_ok=True)
         given.known.write_text(json.dumps(mapped(given.tests)), encoding="utf-8")
-    known = Known(**json.loads(given.known.read_text(encoding="utf-8")))
+    known = Known(**json.loads(given.known.read_text(encoding="utf-8")), files=given.files)
     missed = 0
     with copied() as root:
         for folder in given.folders:
@@ -532,7 +545,9 @@ def main(words: list[str] | None = None) -> int:
 
 
 def tried(root: Path, folder: str, known: Known, given: argparse.Namespace) -> Iterator[tuple[str, str]]:
-    for mutant in drawn(root, folder, given.seed, given.count, given.only):
+    for mutant in (
+        left(root, folder, given.again) if given.again else drawn(root, folder, given.seed, given.count, given.only)
+    ):
         started = time.monotonic()
         word, test = noticed(root, mutant, known, given.seconds)
         if word.startswith("not ") and given.slow and (slow := noticed_slowly(root, mutant, known, given.slow)):

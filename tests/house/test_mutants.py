@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
+import json
 import subprocess
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -63,6 +65,19 @@ def test_a_seed_draws_the_same_changes_again_and_never_two_of_a_line(root: Path)
     assert len({mutant.line for mutant in first}) == len(first) == 4
 
 
+def test_what_was_not_noticed_is_found_again_where_it_stands_now(root: Path) -> None:
+    drawn, file = mutants.drawn(root, "kernel", 1, 4), root / "tried.jsonl"
+    verdicts = ("noticed", "not noticed", "endless", "not reached")
+    rows = ({**asdict(x), "verdict": verdict} for x, verdict in zip(drawn, verdicts, strict=True))
+    file.write_text("".join(json.dumps(row) + "\n" for row in rows), encoding="utf-8")
+    module = root / mutants.SOURCE / "kernel" / "sums.py"
+    module.write_text("# a comment\n" + MODULE, encoding="utf-8")
+    found = mutants.left(root, "kernel", file)
+    asked = {(x.line, x.text) for x in found}
+    assert {(drawn[i].line + 1, drawn[i].text) for i in (1, 3)} <= asked
+    assert not {(drawn[i].line + 1, drawn[i].text) for i in (0, 2)} & asked
+
+
 def test_the_checker_beside_the_program_is_a_folder_too(root: Path) -> None:
     beside = root / "src" / mutants.CHECKER
     beside.mkdir()
@@ -90,7 +105,7 @@ def test_tests_that_reach_a_function_are_asked_first_and_the_quickest_before_oth
 def test_slow_tests_are_asked_about_what_no_quick_one_noticed_alone(
     root: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    given: Any = SimpleNamespace(seed=1, count=3, only="", seconds=1.0, slow=1.0, out=None)
+    given: Any = SimpleNamespace(again=None, seed=1, count=3, only="", seconds=1.0, slow=1.0, out=None)
     asked: list[mutants.Mutant] = []
     monkeypatch.setattr(mutants, "noticed_slowly", lambda _, mutant, *__: (asked.append(mutant), "a slow one")[1])
     for word, told in (
