@@ -8,39 +8,38 @@ its highest power outweighs the others whatever the phases are.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TypeAlias
+from math import prod
 
-import flint
 import numpy as np
-from sympy import Expr, I, Integer, Poly, Rational, Symbol
+from sympy import Expr, I, Integer, Rational, Symbol
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, expression_ball
 from haptisym.kernel.rings import RationalFunction
 from haptisym.programs.taylormodels import Array, Model, halves
 from haptisym.programs.valued import floated, valued
 from haptisym.verbs.require.energyterms import (
     Parts,
+    Span,
     Term,
     add_to,
     beginnings,
     bent_sinc,
+    endings,
     ends_of,
     imaginary,
+    paired,
     powered,
     terms_in,
     variables,
 )
-from haptisym.verbs.stability.loops import zeros
+from haptisym.verbs.require.exactsigns import ExactSign
 
 _FARTHEST = 2.0**60
 _MOST = 800  # cells of frequency and parameter
 _FIRST = 48
 _BITS = 256
-
-Span: TypeAlias = tuple[float, float]
 
 
 class Energy:
@@ -136,16 +135,29 @@ class Energy:
     @cached_property
     def at_0(self) -> Expr:
         """G(0, q), exactly."""
-        total: dict[Expr, Expr] = {}
-        above, below = (list(beginnings(row)) for row in self._rows)
-        for p, (a, b) in above:
-            for n, (c, d) in below:
-                total[p + n] = total.get(p + n, Integer(0)) + b * c - a * d
-        found = {p: x.expand() for p, x in total.items()}
-        lowest = min((p for p, x in found.items() if x != 0), default=None)
-        if lowest is None or bool(lowest > self._lowest):
+        found, unknown = paired(*(list(beginnings(row)) for row in self._rows))
+        lowest = min(found, default=None)
+        if lowest is None or bool(lowest > self._lowest) or any(bool(p <= lowest) for p in unknown):
             raise UndecidedError("whether every passive hand may hold it, near frequency 0")
         return found[lowest]
+
+    @cached_property
+    def far(self) -> tuple[Expr, ExactSign] | None:
+        """The highest power of omega in Im(N conj D), and the sign of what stands before it; None where some of it is late."""
+        found, unknown = paired(*(list(endings(row)) for row in self._rows))
+        top = max(found, default=None)
+        if top is None or any(bool(p >= top) for p in unknown) or not found[top].is_polynomial(self.symbol):
+            return None
+        return top, ExactSign(found[top], self.symbol)
+
+    @cached_property
+    def far_right(self) -> ExactSign | None:
+        """The sign of H(s)/s for large s > 0, where what comes late has faded; where it is negative H is not passive."""
+        early = [[x for x in row if x.lag == 0] for row in self._rows]
+        if not all(early):
+            return None
+        form = prod((max(row, key=lambda x: x.power).number for row in early), start=Integer(1)).expand()
+        return ExactSign(form, self.symbol) if form.is_polynomial(self.symbol) else None
 
     @cached_property
     def _lowest(self) -> Expr:
@@ -215,13 +227,15 @@ class Energy:
             for p, a in one.items():
                 for n, b in other.items():
                     doubt[p + n] = doubt.get(p + n, 0.0) + a * b
-        top = max({*known, *doubt})
-        if top not in known:
+        powers = sorted({*known, *doubt})
+        low = {p: ends_of(model)[0] - doubt.get(p, 0.0) for p, model in known.items()}
+        if low.get(powers[-1], 1.0) <= 0 and self._ends_upward(powers[-1], q):
+            del powers[-1:]  # it is nowhere negative: what comes below must outweigh the rest
+        if not powers or powers[-1] not in known:
             return None
-        least = ends_of(known[top])[0] - doubt.get(top, 0.0)
-        rest = {
-            p: doubt.get(p, 0.0) + (max(map(abs, ends_of(known[p]))) if p in known else 0.0) for p in {*known, *doubt}
-        }
+        top = powers[-1]
+        least = low[top]
+        rest = {p: doubt.get(p, 0.0) + (max(map(abs, ends_of(known[p]))) if p in known else 0.0) for p in powers}
         radius = 2.0**-20
         while radius < _FARTHEST and least > 0:
             others_there = sum(x * radius ** floated(p - top) for p, x in rest.items() if p != top)
@@ -230,37 +244,16 @@ class Energy:
             radius *= 2
         return None
 
+    def _ends_upward(self, top: Expr, q: Span) -> bool:
+        """Whether what stands before the highest power is nowhere negative for values of a range: it may vanish at its ends."""
+        if self.far is None or self.far[0] != top:
+            return False
+        low, high = map(Rational, q)
+        found = self.far[1].at(low) if low == high else self.far[1].between(low, high)
+        return found is not None and found >= 0
+
     def _turns(self, q: Span) -> float:
         """Some turns of the longest delay, where nothing settles the sign far out."""
         known = {self.symbol: Rational((q[0] + q[1]) / 2)}
         lags = [floated(x.lag.xreplace(known)) for row in self._rows for x in row if x.lag != 0]
         return 20 / max([x for x in lags if x > 0], default=1.0)
-
-
-def zeros_of(form: Expr, symbol: Symbol) -> list[RealNumber]:
-    """The real zeros of a polynomial that is not 0 everywhere, each once."""
-    row = Poly(form, symbol).all_coeffs()[::-1]
-    later = next(i for i, x in enumerate(row) if x != 0)
-    row = row[later:]
-    mirrored = (
-        [-x if i % 2 else x for i, x in enumerate(row)] if len(row) > 2 else []
-    )  # a linear one has its zero anyway
-    below = (ExactNumber(-x.value) if isinstance(x, ExactNumber) else Negative(x) for x in zeros(mirrored))
-    return [*[ExactNumber(Integer(0))] * (later > 0), *zeros(row), *below]
-
-
-def keeps_sign(form: Expr, symbol: Symbol, low: Expr, high: Expr) -> bool:
-    """Whether a polynomial has no zero between two values; at them it may have one."""
-    if not form.is_polynomial(symbol) or form.expand() == 0:
-        return False
-    return not any(is_between(low, x, high) for x in zeros_of(form, symbol))
-
-
-def is_between(low: Expr | None, x: RealNumber, high: Expr | None) -> bool:
-    """Whether a number lies between two others (None: without bound), or so near to one that some hundred bits do not tell."""
-    if isinstance(x, ExactNumber) and x.value.is_Rational:
-        return (low is None or bool(low < x.value)) and (high is None or bool(x.value < high))
-    with flint.ctx.workprec(_BITS):
-        place = x.ball(_BITS)
-        below = low is not None and bool(place <= expression_ball(low))
-        return not below and not (high is not None and bool(place >= expression_ball(high)))

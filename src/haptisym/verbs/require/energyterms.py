@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import product
+from math import inf, nextafter
 from typing import TypeAlias
 
 import flint
@@ -11,13 +13,13 @@ import numpy as np
 from sympy import Expr, Integer, Rational, pi
 
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.monomials import monomials
 from haptisym.kernel.reals import expression_ball
 from haptisym.kernel.rings import Polynomial
 from haptisym.programs.taylormodels import Array, Model, between, variable
 from haptisym.programs.valued import floated
 
+Span: TypeAlias = tuple[float, float]
 Parts: TypeAlias = dict[Expr, list[Model | None]]
 """By powers of omega real and imaginary part; None for 0."""
 _BITS = 160
@@ -60,15 +62,33 @@ def terms_in(ring: Ring, polynomial: Polynomial) -> list[Term]:
     return [Term(*place, number) for place, number in found.items()]
 
 
-def beginnings(row: list[Term]) -> Iterator[tuple[Expr, tuple[Expr, Expr]]]:
-    """Of each term what is left with delays as 1 - s lag: powers of omega with real and imaginary part."""
+Turned: TypeAlias = tuple[Expr, Expr, Expr | None]
+"""A power of omega, by how many quarters it is turned, and what stands before it; None: not known."""
+
+
+def beginnings(row: list[Term]) -> Iterator[Turned]:
+    """Of each term what is left with delays as 1 - s lag."""
     for x in row:
-        if not isinstance(x.power, Integer):
-            raise UndecidedError("whether every passive hand may hold it, with powers of s near frequency 0")
-        C, S = (Integer(int(y)) for y in x.turned)
-        yield x.power, (x.number * C, x.number * S)
+        yield x.power, x.power, x.number
         if x.lag != 0:
-            yield x.power + 1, (x.number * x.lag * S, -x.number * x.lag * C)
+            yield x.power + 1, x.power - 1, x.number * x.lag
+
+
+def endings(row: list[Term]) -> Iterator[Turned]:
+    """The terms, of which those that come late turn on and on."""
+    for x in row:
+        yield x.power, x.power, x.number if x.lag == 0 else None
+
+
+def paired(above: Iterable[Turned], below: Iterable[Turned]) -> tuple[dict[Expr, Expr], list[Expr]]:
+    """Im of above times the conjugate of below, by powers of omega, but what cancels; and powers of which it is not known."""
+    found, unknown = dict[Expr, Expr](), list[Expr]()
+    for (p, a, x), (n, b, y) in product(above, below):
+        if x is None or y is None or not isinstance(a - b, Integer):
+            unknown.append(p + n)
+        else:
+            found[p + n] = found.get(p + n, Integer(0)) + (0, 1, 0, -1)[int(a - b) % 4] * x * y
+    return {p: form for p, x in found.items() if (form := x.expand()) != 0}, unknown
 
 
 def add_to(found: Parts, power: Expr, model: Model, C: float, S: float) -> None:
@@ -128,3 +148,9 @@ def ends_of(model: Model) -> tuple[float, float]:
     """The least and the largest that a model is in any of its cells."""
     low, high = model.bounds()
     return float(low.min()), float(high.max())
+
+
+def span(low: Rational, high: Rational) -> Span:
+    """The ends as floats, rounded outward."""
+    a, b = float(low), float(high)
+    return a if Rational(a) <= low else nextafter(a, -inf), b if Rational(b) >= high else nextafter(b, inf)

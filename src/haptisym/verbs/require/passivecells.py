@@ -11,7 +11,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import count, pairwise
-from math import inf, nextafter
 
 from sympy import Expr, Integer, Rational
 
@@ -22,13 +21,14 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.rings import RationalFunction
-from haptisym.kernel.roots import sign_of_number
 from haptisym.model.distortion import Distortion
 from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
 from haptisym.model.scene import Scene
 from haptisym.programs.onaxis import OnAxis
-from haptisym.verbs.require.energy import Energy, Span, is_between, keeps_sign, zeros_of
+from haptisym.verbs.require.energy import Energy
+from haptisym.verbs.require.energyterms import span
+from haptisym.verbs.require.exactsigns import ExactSign, is_between, keeps_sign, zeros_of
 from haptisym.verbs.require.existing import allowed, missing
 from haptisym.verbs.require.feasible import Binding, Kind, Solved
 from haptisym.verbs.require.freeparameter import Domain
@@ -70,17 +70,17 @@ def solve_by_cells(scene: Scene, free: Knob, asked: Domain) -> Solved:
     def verdict(value: Expr) -> bool | None:
         if value in alone:
             return alone[value]
-        if search.begins_active(value):
+        if search.is_active(value):
             return False
         if not start <= value <= end:
             return further[value > end]
         own = [x for x in cells if x.low <= value <= x.high]
         if any(x.turn for x in own):
-            return sign_of_number(search.energy.at_0.xreplace({free.symbol: value})) >= 0
+            return True  # but where it begins active, which was asked already
         told = {x.verdict for x in own}
         return True if True in told else False if False in told else None
 
-    first, last = (x.verdict for x in (cells[0], cells[-1]))
+    first, last = (not search.is_active(x) if y.turn else y.verdict for x, y in ((start, cells[0]), (end, cells[-1])))
     below = asked.low is None and search.beyond(start, -1, here=first)
     above = asked.high is None and search.beyond(end, 1, here=last)
     further = {False: below, True: above}
@@ -146,12 +146,6 @@ def _near(value: Expr) -> Rational:
     return _enclosed(value)[0]
 
 
-def _span(low: Rational, high: Rational) -> Span:
-    """The ends as floats, rounded outward."""
-    a, b = float(low), float(high)
-    return a if Rational(a) <= low else nextafter(a, -inf), b if Rational(b) >= high else nextafter(b, inf)
-
-
 class _Search:
     """One parameter of one scene."""
 
@@ -191,16 +185,15 @@ class _Search:
 
     def beyond(self, end: Rational, side: int, *, here: bool | None) -> bool | None:
         """Of all values from an end on, where the last cell is told; None where it is not known."""
-        low, high = (None, end) if side < 0 else (end, None)
-        if self.begins_active(end + side) and not any(is_between(low, x, high) for x in self.openings):
+        if any(x.between(*((None, end) if side < 0 else (end, None))) == -1 for x in self._ends):
             return False
-        found = self.energy.beyond(_span(end, end)[side < 0], side)
+        found = self.energy.beyond(span(end, end)[side < 0], side)
         return found if found == here else None
 
     def _told(self, low: Rational, high: Rational) -> _Cell:
-        if self.begins_active((low + high) / 2) and not any(is_between(low, x, high) for x in self.openings):
-            return _Cell(low, high, verdict=False, alone=tuple(x for x in (low, high) if not self.begins_active(x)))
-        q = _span(low, high)
+        if any(x.between(low, high) == -1 for x in self._ends):
+            return _Cell(low, high, verdict=False, alone=tuple(x for x in (low, high) if not self.is_active(x)))
+        q = span(low, high)
         if self.energy.active_at(q) is not None:
             return _Cell(low, high, verdict=False)
         if not self.energy.clear(q):
@@ -215,31 +208,36 @@ class _Search:
         return _Cell(low, high, holds, alone=(low, high) if holds is False else ())
 
     @cached_property
-    def _opening(self) -> Expr | None:
+    def _opening(self) -> ExactSign | None:
         """The sign of Im H_perc just above frequency 0, where it is that of a polynomial."""
         try:
             form = self.energy.at_0
         except UndecidedError:
             return None
-        return form if form.is_polynomial(self.free.symbol) else None
+        return ExactSign(form, self.free.symbol) if form.is_polynomial(self.free.symbol) else None
+
+    @cached_property
+    def _ends(self) -> list[ExactSign]:
+        """What must not be negative: Im H_perc just above frequency 0 and far out, and H_perc for large s > 0."""
+        far = self.energy.far
+        return [x for x in (self._opening, far and far[1], self.energy.far_right) if x]
 
     @cached_property
     def openings(self) -> tuple[RealNumber, ...]:
-        """The values at which that sign may change."""
-        form = self._opening
-        return () if form is None or not form.has(self.free.symbol) else tuple(zeros_of(form, self.free.symbol))
+        """The values at which that just above frequency 0 may change."""
+        return self._opening.zeros if self._opening else ()
 
-    def begins_active(self, value: Expr) -> bool:
-        """Whether Im H_perc < 0 just above frequency 0, proven."""
-        return self._opening is not None and sign_of_number(self._opening.xreplace({self.free.symbol: value})) < 0
+    def is_active(self, value: Expr) -> bool:
+        """Whether one of these is negative, proven."""
+        return any(x.at(value) < 0 for x in self._ends)
 
     def _turn(self, low: Rational, high: Rational) -> RealNumber | None:
         """The one value at which Im H_perc ceases to be negative just above frequency 0, and so everywhere; None: not shown."""
-        form, q = self._opening, _span(low, high)
+        sign, q = self._opening, span(low, high)
         inside = {x.digits(30): x for x in self.openings if is_between(low, x, high)}
-        if form is None or len(inside) != 1:
+        if sign is None or len(inside) != 1:
             return None
-        ends = [sign_of_number(form.xreplace({self.free.symbol: x})) for x in (low, high)]
+        ends = [sign.at(x) for x in (low, high)]
         if ends[0] * ends[1] >= 0:
             return None
         [turn] = inside.values()
@@ -292,7 +290,8 @@ class _Search:
     def marks(self) -> dict[Rational, Kind]:
         """Fractions at which that, or the highest power of the numerator, may change its sign: cells end there."""
         found: dict[Rational, Kind] = {}
-        for form, kind in ((self.energy.top, Kind.FAR), (self._at_0, Kind.START)):
+        far = self.energy.far
+        for form, kind in ((self.energy.top, Kind.FAR), (far and far[1].form, Kind.FAR), (self._at_0, Kind.START)):
             if form is not None and form.has(self.free.symbol) and form.is_polynomial(self.free.symbol):
                 zeros = (x for x in zeros_of(form, self.free.symbol) if isinstance(x, ExactNumber))
                 found |= {x.value: kind for x in zeros if x.value.is_Rational}
