@@ -27,7 +27,7 @@ from haptisym.model.quantities import number
 from haptisym.model.scenetables import read_scenes
 from haptisym.verbs.evaluate import certificate as written
 from haptisym.verbs.evaluate import checkable, waves
-from haptisym.verbs.evaluate.breakpoints import breakpoints
+from haptisym.verbs.evaluate.breakpoints import _between, breakpoints
 from haptisym.verbs.evaluate.powers import RectangularRing
 from haptisym.verbs.evaluate.products import Factor, Linked, products, rational_products, rows_of, told_rows
 from haptisym.verbs.evaluate.waves import ORDER, WaveFactor, cosine_factor
@@ -385,6 +385,20 @@ def test_a_checker_accepts_breakpoints_between_all_zeros(seed: int) -> None:
         assert len(points) <= 4 * len(inner) + 12
         assert points[0] == low
         assert points[-1] == high
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_cell_is_cut_where_no_factor_vanishes_though_each_vanishes_at_some_place_that_is_tried(seed: int) -> None:
+    draw = random.Random(seed)
+    low = Fraction(draw.randint(0, 9), draw.randint(1, 9))
+    high = low + Fraction(draw.randint(1, 9), draw.randint(1, 9))
+    factors, tried = [Factor(((1,), (0,), (1,)), 1)], list[Fraction]()
+    for _ in range(4):
+        point = _between(factors, low, high)
+        assert low < point < high
+        assert point not in tried
+        tried.append(point)
+        factors.append(Factor(((-point.numerator,), (point.denominator,)), 1))
 
 
 def test_breakpoints_of_a_band_in_hertz_begin_a_little_below_and_end_a_little_above_it() -> None:

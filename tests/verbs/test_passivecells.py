@@ -602,6 +602,7 @@ Q = Symbol("q")
         (Q + 3 * s * exp(-s), 1, 1.0, True, None),
         (Q * s**2 + 3 * s * exp(-s), 1, 1.0, True, None),
         (3 * s + exp(-s) - Q * s, 1, 9.0, False, True),
+        (3 * s + exp(-s) + Q * s, 1, -9.0, True, False),
         (Q * s**3 + s + exp(-s), 1, 2.0, False, None),
         (Q**2 * s + 5 * exp(-s), 1, 1.0, None, None),
         (Q * exp(-s) + s / 2, 1, 1.0, False, None),

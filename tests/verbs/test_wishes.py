@@ -454,3 +454,9 @@ def test_a_figure_is_said_to_show_what_was_asked(that: list[str], said: str) -> 
     r = hs.require(hs.load_scene("fu2019"), "omega_n", (50, 500), that=that)
     [figure] = [x for x in page(r).blocks if isinstance(x, Figure)]
     assert str(phrase(figure.caption)).endswith(said)
+
+
+@pytest.mark.parametrize("nothing", [[], ()])
+def test_nothing_that_is_asked_is_no_question(nothing: Any) -> None:
+    with pytest.raises(hs.SceneError, match="that: nothing is asked: one or more of transparent, stable, passive"):
+        hs.require(hs.load_scene("fu2019"), "omega_n", (50, 500), that=nothing)
