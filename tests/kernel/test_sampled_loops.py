@@ -251,3 +251,17 @@ def test_a_handle_that_nothing_holds_has_a_root_at_one() -> None:
 def test_an_impulse_is_refused() -> None:
     with pytest.raises(SceneError, match="impulse"):
         Plant(ONE, ((Integer(0), (Integer(1), Integer(1))),))
+
+
+@pytest.mark.parametrize(("gain", "expected"), [(3, Circle(1, 0, 0)), (Rational(3, 2), Circle(0, 0, 1)), (2, None)])
+def test_beside_pi_in_a_plant_roots_are_told_by_balls_and_one_on_the_circle_stays_open(
+    gain: Any, expected: Circle | None
+) -> None:
+    """1 + (k - 1) w, of gain k pi before 1/(pi s) with a clock of 1 s."""
+    loop = SampledLoop(Plant((Integer(0), pi), ((Integer(0), (Integer(1),)),)), Integer(1), (gain * pi,), (Integer(1),))
+    assert loop.exact() is None
+    if expected is None:
+        with pytest.raises(UndecidedError, match="whether a root lies on the unit circle"):
+            count_on_circle(loop)
+    else:
+        assert count_on_circle(loop) == expected
