@@ -17,7 +17,7 @@ from haptisym.kernel.errors import UndecidedError
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.stability.held import unstable_roots
 from haptisym.verbs.tolerances.clockplane import ClockPlane
-from haptisym.verbs.tolerances.heldplane import _NONE, HeldPlane, _middle, _Search, _told, held_plane
+from haptisym.verbs.tolerances.heldplane import _NONE, HeldPlane, _first, _middle, _Search, _told, held_plane
 
 Cell = tuple[tuple[Fraction, Fraction], ...]
 
@@ -304,3 +304,13 @@ def test_a_set_of_values_in_the_middle_of_a_rectangle_is_told_exactly() -> None:
     }
     rectangle = np.array([[0.25, 0.5], [0.5, 1.0]])
     assert _middle(ranges, rectangle) == {x: Rational(13, 12), y: Rational(5, 2) * pi, z: Rational(-1, 10)}
+
+
+@pytest.mark.parametrize("sides", [3, 4, 6])
+def test_a_plane_is_asked_about_all_frequencies_and_all_that_varies_besides(sides: int) -> None:
+    cells = _first(sides)
+    assert cells.shape[1:] == (sides - 2, 2)
+    assert (cells[0, 0, 0], cells[-1, 0, 1]) == (0, 1)
+    assert (cells[1:, 0, 0] == cells[:-1, 0, 1]).all()
+    assert (cells[:, 0, 0] < cells[:, 0, 1]).all()
+    assert (cells[:, 1:] == [0, 1]).all()
