@@ -10,7 +10,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from sympy import Expr, Integer, Rational, Symbol, exp, lambdify, pi, sqrt
+from sympy import Expr, Integer, Poly, Rational, Symbol, exp, lambdify, pi, sqrt
 from windings import winding
 
 import haptisym as hs
@@ -262,6 +262,39 @@ def test_between_two_delays_as_many_pairs_have_come_as_lie_on_the_right(own: Exp
         assert switches.come(same) <= switches.come(x)
 
 
+def delays_of(own: Expr, late: Expr, limit: float) -> list[float]:
+    """All from 0 to a limit at which own + late exp(-s tau) has roots on the axis, by NumPy."""
+    A, B = (np.poly1d([float(c) for c in Poly(x, s).all_coeffs()]) for x in (own, late))
+    mirrored = [np.poly1d([c * (-1) ** (len(x) - n) for n, c in enumerate(x.coeffs)]) for x in (A, B)]
+    roots = (A * mirrored[0] - B * mirrored[1]).roots
+    found: list[float] = []
+    for w in (x.imag for x in roots if abs(x.real) < 1e-7 and x.imag > 1e-7):
+        angle = np.angle(-B(1j * w) / A(1j * w))
+        found += [(angle + 2 * np.pi * n) / w for n in range(int(limit * w) + 2)]
+    return sorted(x for x in found if 0 <= x < limit)
+
+
+@pytest.mark.parametrize(("own", "late"), [*LATE, ((s + 20) * (s**2 / 400 + s / 9 + 30), 3 * s**2 / 40 + 4 * s + 700)])
+@pytest.mark.parametrize("scale", [1, 30])
+def test_delays_are_all_there_up_to_the_one_that_is_told_also_of_frequencies_far_apart(
+    own: Expr, late: Expr, scale: int
+) -> None:
+    """In units of time of another size all is as many times as long."""
+    expression = own.xreplace({s: s * scale}) + late.xreplace({s: s * scale}) * exp(-s * q)
+    switches = Switches.of(loop_of(expression))
+    known, last = switches.up_to(Rational(scale, 100))
+    assert last is not None
+    assert switches.unstable_from is not None
+    assert float(last) > max(scale / 100, float(switches.unstable_from))
+    assert float(switches.unstable_from) / scale == pytest.approx(
+        float(Switches.of(loop_of(own + late * exp(-s * q))).unstable_from or 0)
+    )
+    found = sorted(float(x.value) for x in known)
+    true = [scale * x for x in delays_of(own, late, float(last) / scale - 1e-9)]
+    assert found[: len(true)] == pytest.approx(true, rel=1e-9)
+    assert all(x > float(last) - 1e-6 for x in found[len(true) :])
+
+
 def test_without_a_frequency_at_which_both_are_of_one_size_no_delay_changes_anything() -> None:
     switches = Switches.of(loop_of(s**2 + 20 * s + 50 + 3 * exp(-s * q)))
     assert (switches.firsts, switches.up_to(Integer(1)), switches.unstable_from) == ((), ((), None), None)
@@ -270,6 +303,11 @@ def test_without_a_frequency_at_which_both_are_of_one_size_no_delay_changes_anyt
 def test_where_both_are_of_one_size_at_rest_nothing_is_told_of_all_delays() -> None:
     switches = Switches.of(loop_of(s**2 + 2 * s + 50 - 50 * exp(-s * q)))
     assert (switches.is_still, switches.unstable_from) == (False, None)
+    known, last = switches.up_to(Integer(1))
+    assert last is not None
+    assert last > 1
+    true = delays_of(s**2 + 2 * s + 50, Integer(-50), float(last))
+    assert [float(x.value) for x in known if x.value != 0][: len(true)] == pytest.approx(true)
 
 
 # Parts that only take energy
