@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from flint import arb
 from scipy.linalg import expm
 from sympy import exp, lambdify
 from windings import winding
@@ -15,9 +16,10 @@ from windings import winding
 import haptisym as hs
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import s
 from haptisym.verbs.stability.answer import _hand
-from haptisym.verbs.stability.boxes import Share, whole_box
+from haptisym.verbs.stability.boxes import Share, _functions, whole_box
 from haptisym.verbs.stability.clocked import clocked_roots
 from haptisym.verbs.stability.held import held, imposed, roots_in_hand, zeros_of
 
@@ -220,3 +222,24 @@ def test_a_document_holds_all_that_is_known_of_a_hand() -> None:
         expected = {"name": hand.name, "m": float(hand.m.value), "b": float(hand.b.value), "k": float(hand.k.value)}
         expected |= ({"ranges": ranges} if ranges else {}) | ({"source": hand.source} if hand.source else {})
         assert told == expected
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_roots_are_on_the_axis_for_some_hand_of_a_box_where_its_four_functions_are_not_negative(seed: int) -> None:
+    """-Im H_perc/omega is a damping of the box, and -Re H_perc some k - m omega^2 of it: by complex numbers."""
+    draw = random.Random(seed)
+    scene = display(draw, late=seed % 2 == 0)
+    ends = [sorted(draw.uniform(0, most) for _ in range(2)) for most in (3, 25, 300)]
+    hand = hs.Hand("any", *([f"{a:.6g}", f"{b:.6g}"] for a, b in ends))
+    (m, m_high), (b, b_high), (k, k_high) = ([float(x) for x in p.interval or ()] for p in hand.parameters)
+    functions = [RealFunction(x.reduced()) for x in _functions(scene.distortion().perc, hand)]
+    f = lambdify(s, scene.distortion().perceived, "numpy")
+    seen = set()
+    for w in np.geomspace(0.3, 200, 150):
+        H = f(1j * w)
+        true = [-H.imag - b * w, H.imag + b_high * w, m_high * w * w - k - H.real, H.real + k_high - m * w * w]
+        told = [float(x.ball(arb(float(w))).mid()) for x in functions]
+        clear = [n for n, x in enumerate(true) if abs(x) > 1e-9 * (abs(H) + k_high + m_high * w * w)]
+        assert [told[n] > 0 for n in clear] == [true[n] > 0 for n in clear]
+        seen |= {(n, true[n] > 0) for n in clear}
+    assert len(seen) >= 5
