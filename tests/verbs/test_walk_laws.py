@@ -646,3 +646,20 @@ def test_a_walk_ends_before_what_touches_the_circle_and_tells_no_change_there(ru
                 assert far == start * 1025
             else:
                 assert far == (-1023 * start if rule is Rule.ANY else 0)
+
+
+@pytest.mark.parametrize("rule", [Rule.NONNEGATIVE, Rule.POSITIVE, Rule.ANY])
+def test_a_change_at_0_is_no_change_on_the_way_up(rule: Rule) -> None:
+    """z = 1/(1 + k): it leaves the circle at 0 alone, and stays inside for all that is more."""
+    plant = Plant((Integer(0), Integer(1)), ((Integer(0), (Integer(1),)),))
+    walk = Walk(Opened(SampledLoop(plant, Integer(1), (k / (1 + k),), (Integer(1),)), k), Fraction(1, 2), 0, rule)
+    found, known = walk.towards(1)
+    assert found is None
+    assert known == Fraction(1025, 2)
+    found, known = walk.towards(-1)
+    if rule is Rule.NONNEGATIVE:
+        assert found is not None
+        assert known == 0
+        assert found.value == ExactNumber(Integer(0))
+    elif rule is Rule.POSITIVE:
+        assert found is None
