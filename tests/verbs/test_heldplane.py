@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,11 +14,12 @@ from sympy import Expr, Rational, Symbol, pi
 
 import haptisym as hs
 from haptisym.kernel.budget import limited
+from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.stability.held import unstable_roots
 from haptisym.verbs.tolerances.clockplane import ClockPlane
-from haptisym.verbs.tolerances.heldplane import _NONE, HeldPlane, _first, _middle, _Search, _told, held_plane
+from haptisym.verbs.tolerances.heldplane import _NONE, HeldPlane, _first, _Loop, _middle, _Search, _told, held_plane
 
 Cell = tuple[tuple[Fraction, Fraction], ...]
 
@@ -314,3 +316,25 @@ def test_a_plane_is_asked_about_all_frequencies_and_all_that_varies_besides(side
     assert (cells[1:, 0, 0] == cells[:-1, 0, 1]).all()
     assert (cells[:, 0, 0] < cells[:, 0, 1]).all()
     assert (cells[:, 1:] == [0, 1]).all()
+
+
+@pytest.mark.parametrize(
+    ("bottom", "shared"),
+    [
+        (lambda q, s: s + 3 + q, 0),
+        (lambda q, s: s - 3 + q, 1),
+        (lambda q, s: (s - 3 + q) * (s - 2 - q), 2),
+        (lambda q, s: s + q, None),  # its zero goes over the axis
+        (lambda q, s: q * s + 1, None),  # or comes from infinity
+    ],
+)
+def test_zeros_that_may_cancel_are_counted_where_none_of_them_goes_over_the_axis(
+    bottom: Any, shared: int | None
+) -> None:
+    """q from -1 to 1."""
+    q, p = Symbol("q", real=True), Symbol("p", real=True)
+    forms = [bottom(q, hs.s).expand(), (hs.s**2 + p * hs.s + q).expand()]
+    ring = Ring.of(forms)
+    low, top = (ring.convert(x).numerator for x in forms)
+    loop = _Loop(ring, top, low, {q: (Rational(-1), Rational(1)), p: (Rational(1), Rational(2))})
+    assert loop._shared == shared

@@ -5,12 +5,14 @@ from __future__ import annotations
 from fractions import Fraction
 from math import sqrt
 from random import Random
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from sympy import Rational
 
 import haptisym as hs
+from haptisym.judge.criteria import noticed
 from haptisym.kernel.budget import Budget
 from haptisym.kernel.reals import ExactNumber
 from haptisym.verbs.stability.boxes import Share
@@ -207,3 +209,33 @@ def test_a_document_of_tolerances_holds_what_its_parts_say(seed: int) -> None:
                 for p in (5, 50, 95):
                     least = next(x for i, x in enumerate(row, 1) if 100 * i >= p * len(row))
                     assert estimates[key][str(p)] == (None if abs(least) == float("inf") else least)
+
+
+@pytest.mark.parametrize(
+    ("share", "expected"), [(0.61, 6.0), (0.6, 6.0), (0.59, 3.0), (0.3, 3.0), (0.1, None), (None, None), (1.0, 9.0)]
+)
+def test_a_ratio_exceeds_at_the_latest_from_the_last_enclosure_before_it_does_for_all(
+    share: float | None, expected: float | None
+) -> None:
+    """Its own enclosures alone: one that ends at 3 rad/s, one at 6 and one at 9, on a band from 0 to 10; edges meet to 1e-9."""
+    own, other = SimpleNamespace(name="real"), SimpleNamespace(name="imag")
+    rows = [(own, 9), (own, 3), (other, 5), (own, None), (own, 6), (other, 2)]
+    asked: Any = SimpleNamespace(
+        enclosures=[SimpleNamespace(criterion=x, high=y and ExactNumber(Rational(y))) for x, y in rows],
+        box=SimpleNamespace(scene=SimpleNamespace(band=(Rational(0), Rational(10)))),
+        _exceeds_between=lambda _: share,
+    )
+    found = Tolerances._end_of_first(asked, own)  # type: ignore[arg-type]
+    assert (found and float(found)) == expected
+
+
+def test_enclosures_are_told_from_the_lowest_on() -> None:
+    """Of two ratios, of which one has a wide enclosure about the narrow one of the other."""
+    criteria = noticed(hs.load_scene("fu2019").threshold)
+    ends = {"real": [(2.0, 3.0), (7.0, 7.5)], "imag": [(1.0, 9.0), (2.0, 2.5)]}
+    asked: Any = SimpleNamespace(
+        _search={x: (None, ends[x.name]) for x in criteria},
+        _enclosure=lambda x, _, y: SimpleNamespace(criterion=x, low=y[0], high=y[1]),
+    )
+    found = Tolerances.enclosures.func(asked)  # type: ignore[attr-defined]
+    assert [(x.criterion.name, x.low) for x in found] == [("imag", 1.0), ("imag", 2.0), ("real", 2.0), ("real", 7.0)]
