@@ -45,7 +45,7 @@ def _is_negative() -> object:
 
 def _clear() -> object:
     ring = Ring.of([Q])
-    return Energy(ring.convert(Q * s), Q).clear((1.0, 2.0))
+    return Energy.of(ring.convert(Q * s), Q).clear((1.0, 2.0))
 
 
 def _slabs() -> object:

@@ -7,11 +7,12 @@ its highest power outweighs the others whatever the phases are.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
-from math import prod
+from math import inf, nextafter, prod
 
 import numpy as np
-from sympy import Expr, I, Integer, Rational, Symbol
+from sympy import Expr, I, Integer, Poly, Rational, Symbol
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import Ring
@@ -45,15 +46,19 @@ _BITS = 256
 class Energy:
     """Im(N conj D) of a dynamics with one symbol."""
 
-    def __init__(self, H: RationalFunction, symbol: Symbol) -> None:
+    def __init__(self, rows: Sequence[Sequence[Term]], symbol: Symbol) -> None:
+        self._rows, self.symbol = rows, symbol
+
+    @classmethod
+    def of(cls, H: RationalFunction, symbol: Symbol) -> Energy:
+        """UndecidedError where it has friction, or powers of s that change."""
         ring = H.ring
         assert isinstance(ring, Ring)
         if I in ring.generators:
             raise UndecidedError("whether every passive hand may hold it, with friction beside delays or powers of s")
         if any(x.free_symbols for x in ring.orders):
             raise UndecidedError("whether every passive hand may hold it, as a power of s changes")
-        self.symbol = symbol
-        self._rows = [terms_in(ring, p) for p in (H.numerator, H.denominator)]
+        return cls([terms_in(ring, p) for p in (H.numerator, H.denominator)], symbol)
 
     def clear(self, q: Span, start: float = 0.0) -> bool:
         """Whether Im H > 0 from a frequency on (of 0 just above it) for all values of a range, proven."""
@@ -109,21 +114,34 @@ class Energy:
 
     def beyond(self, end: float, side: int) -> bool | None:
         """Whether all values above (1) or below an end are as it is: True: passive, False: active; None: not known."""
-        if any(x.lag.has(self.symbol) or x.number.diff(self.symbol, 2) != 0 for x in self._rows[0]):
+        if any(x.lag.has(self.symbol) for row in self._rows for x in row):
             return None
-        if any(x.has(self.symbol) for row in self._rows[1:] for term in row for x in (term.lag, term.number)):
+        if self._is_helped(side):
+            return True
+        if not end * side > 0:
             return None
-        more = [(x, x.number.diff(self.symbol) * side) for x in self._rows[0] if x.number.has(self.symbol)]
-        if len(self._rows[1]) == 1 and all(x.lag == 0 and x.power in (0, 1, 2) and y.is_positive for x, y in more):
-            [below] = self._rows[1]
-            return (below.number.is_positive and below.power == 0 and below.lag == 0) or None
-        omega = self.active_at((end, end))
-        if omega is None:
-            return None
-        grid = np.array([omega])
-        (_, here), (_, there) = (self._bounds(grid, (x, x)) for x in (end, end + side * (1 + abs(end))))
-        (here_low, _) = self._bounds(grid, (end, end))
-        return False if here[0] < 0 and there[0] < here_low[0] else None
+        span = 0.0, nextafter(1 / abs(end), inf)
+        return None if self._inverted(side).active_at(span) is None else False
+
+    def _is_helped(self, side: int) -> bool:
+        """Whether more of the number is more stiffness, damping or mass, and nothing else."""
+        above, below = self._rows
+        if len(below) > 1 or any(x.power != 0 or x.lag != 0 or not x.number.is_positive for x in below):
+            return False
+        more = [(x, x.number.diff(self.symbol) * side) for x in above if x.number.has(self.symbol)]
+        return all(x.lag == 0 and x.power in (0, 1, 2) and y.is_positive for x, y in more)
+
+    def _inverted(self, side: int) -> Energy:
+        """The same with side/u in place of the number, times a power of u > 0."""
+        rows = []
+        for row in self._rows:
+            forms = [Poly(x.number, self.symbol) for x in row]
+            most = max(x.degree() for x in forms)
+            numbers = (
+                sum((c * side**n * self.symbol ** (most - n) for (n,), c in x.terms()), Integer(0)) for x in forms
+            )
+            rows.append([Term(x.power, x.lag, number) for x, number in zip(row, numbers, strict=True)])
+        return Energy(rows, self.symbol)
 
     @cached_property
     def top(self) -> Expr | None:
@@ -149,6 +167,18 @@ class Energy:
         if top is None or any(bool(p >= top) for p in unknown) or not found[top].is_polynomial(self.symbol):
             return None
         return top, ExactSign(found[top], self.symbol)
+
+    @cached_property
+    def turning(self) -> ExactSign | None:
+        """Negative but where what prevails far out vanishes or is not late: it turns there, and is negative again and again."""
+        tops, below = ([x for x in row if x.power == max(y.power for y in row)] for row in self._rows)
+        if len(below) > 1 or below[0].lag != 0 or any(x.lag == 0 for x in tops):
+            return None
+        if len(tops) > 1 and any(x.lag.has(self.symbol) for x in tops):
+            return None  # two of them may come to be equally late
+        known = next((x.number for x in tops if not x.number.has(self.symbol)), tops[0].number)
+        form = -(prod((x.lag for x in tops), start=known * below[0].number) ** 2).expand()
+        return ExactSign(form, self.symbol) if form.is_polynomial(self.symbol) else None
 
     @cached_property
     def far_right(self) -> ExactSign | None:
@@ -186,7 +216,7 @@ class Energy:
             above, below = (self._parts(row, omega, q, expanded=expanded) for row in self._rows)
             return imaginary(above, below)
 
-    def _parts(self, row: list[Term], omega: Model, q: Model, *, expanded: bool) -> Parts:
+    def _parts(self, row: Sequence[Term], omega: Model, q: Model, *, expanded: bool) -> Parts:
         found: Parts = {}
         for x in row:
             C, S = x.turned

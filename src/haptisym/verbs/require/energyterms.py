@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from math import inf, nextafter
@@ -66,7 +66,7 @@ Turned: TypeAlias = tuple[Expr, Expr, Expr | None]
 """A power of omega, by how many quarters it is turned, and what stands before it; None: not known."""
 
 
-def beginnings(row: list[Term]) -> Iterator[Turned]:
+def beginnings(row: Sequence[Term]) -> Iterator[Turned]:
     """Of each term what is left with delays as 1 - s lag."""
     for x in row:
         yield x.power, x.power, x.number
@@ -74,7 +74,7 @@ def beginnings(row: list[Term]) -> Iterator[Turned]:
             yield x.power + 1, x.power - 1, x.number * x.lag
 
 
-def endings(row: list[Term]) -> Iterator[Turned]:
+def endings(row: Sequence[Term]) -> Iterator[Turned]:
     """The terms, of which those that come late turn on and on."""
     for x in row:
         yield x.power, x.power, x.number if x.lag == 0 else None

@@ -154,7 +154,7 @@ class _Search:
         display = scene.chain.at(values(x for x in scene.parameters if x.path != free.path))
         self.H: RationalFunction = Distortion.of(display).perc
         assert isinstance(self.H.ring, Ring)
-        self.ring, self.energy = self.H.ring, Energy(self.H, free.symbol)
+        self.ring, self.energy = self.H.ring, Energy.of(self.H, free.symbol)
         self.gone = missing(scene, free)
 
     def cells(self, start: Rational, end: Rational) -> Iterator[_Cell]:
@@ -220,7 +220,7 @@ class _Search:
     def _ends(self) -> list[ExactSign]:
         """What must not be negative: Im H_perc just above frequency 0 and far out, and H_perc for large s > 0."""
         far = self.energy.far
-        return [x for x in (self._opening, far and far[1], self.energy.far_right) if x]
+        return [x for x in (self._opening, far and far[1], self.energy.turning, self.energy.far_right) if x]
 
     @cached_property
     def openings(self) -> tuple[RealNumber, ...]:
