@@ -32,7 +32,7 @@ from haptisym.figures.style import (
 )
 from haptisym.judge.crossings import Curve
 from haptisym.judge.evaluation import Evaluation
-from haptisym.judge.percepts import felt_of
+from haptisym.judge.percepts import NOT_NAMED, felt_of
 from haptisym.kernel.roots import Interval, Signs
 from haptisym.model.jnd import Part
 from haptisym.programs.values import Array, Values
@@ -122,9 +122,25 @@ def _magnitudes(f: Callable[..., Values], omega: Array, part: Part) -> Array:
 
 
 def _percept_labels(evaluation: Evaluation, part: Part, scale: Scale) -> list[_Label]:
-    """As what a part is felt where it is noticed, in the words of all outputs."""
+    """As what a part is felt where it is noticed, in the words of all outputs and in the order of the bands."""
     together = [_on(scale, x.band, felt_of(x, part)) for x in evaluation.percepts if x.part is None]
-    return together + [_on(scale, x.band, x.words) for x in evaluation.felt if x.part is part]
+    own = [_on(scale, x.band, x.words) for x in evaluation.felt if x.part is part]
+    nameless = [_on(scale, x, NOT_NAMED) for x in _nameless(evaluation, part)]
+    return sorted(together + own + nameless, key=lambda x: x.low)
+
+
+def _nameless(evaluation: Evaluation, part: Part) -> tuple[Interval, ...]:
+    """Where a region of both parts is left in this one, and an active display has no name for that."""
+    if not any(x.joint for x in evaluation.criteria):
+        return ()
+    exceeded = _exceeded(evaluation, part)
+    return evaluation.chart.where(
+        lambda signs: (
+            exceeded(signs)
+            and signs[Curve.PERCEIVED, Part.IMAG] < 0
+            and (part is Part.IMAG or signs[Curve.OUTSIDE, part] <= 0)
+        )
+    )
 
 
 def _on(scale: Scale, band: Interval, words: str) -> _Label:
