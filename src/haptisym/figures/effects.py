@@ -40,11 +40,13 @@ def draw_influences(
     >>> len(draw_influences(ax, relevance(load_scene("sidestick")), Part.REAL))
     2
     """
-    number = sum(line.get_label() == _TOLERANCE for line in ax.lines)
+    levels = [float(np.ravel(line.get_ydata())[0]) for line in ax.lines if line.get_label() == _TOLERANCE]
+    number = len(levels)
     ink, scale = color or pen.SCENES[number % len(pen.SCENES)], scale_of(ax, found.scene.band, hertz=hertz)
     grid, curves = _sampled(found, part)
     floor, top = _limits(found, curves)
     tolerance = float(found.tolerance)
+    is_told = tolerance in levels
     ax.axhline(tolerance, color=pen.GREY, linewidth=0.6, linestyle=pen.DOTTED, label=_TOLERANCE)
     styles, lines = iter(_STYLES * len(curves)), list[Line2D]()
     for influence, values in zip(found.effects, curves, strict=True):
@@ -64,7 +66,7 @@ def draw_influences(
         (f"{x.effect.name}{told}", values[-1], ink if x.kept else pen.GREY)
         for x, values in zip(found.effects, curves, strict=True)
     ]
-    _name_ends(ax, ends if number else [*ends, (_TOLERANCE, tolerance, pen.GREY)])
+    _name_ends(ax, ends if is_told else [*ends, (f"{_TOLERANCE}{told if number else ''}", tolerance, pen.GREY)])
     return lines
 
 
