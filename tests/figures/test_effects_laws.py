@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -125,7 +126,7 @@ def test_names_stand_beside_the_ends_of_their_curves_in_the_order_of_these_and_a
             assert x.xyann == (1.05, pytest.approx(share, abs=0.08))
     ax.figure.draw_without_rendering()
     boxes = sorted((Text.get_window_extent(x) for x in names(ax).values()), key=lambda box: box.y0)
-    assert all(a.y1 <= b.y0 + 1 for a, b in zip(boxes, boxes[1:], strict=False))
+    assert all(a.y1 <= b.y0 + 1 for a, b in pairwise(boxes))
     assert all(box.x0 > ax.bbox.x1 for box in boxes)
     heights = [(x.xyann[1], x.xy[1]) for x in names(ax).values()]
     assert sorted(heights) == sorted(heights, key=lambda pair: (pair[1], pair[0]))
