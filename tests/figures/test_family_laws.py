@@ -215,7 +215,7 @@ def test_a_disc_has_one_panel_and_a_sheet_of_its_height() -> None:
 
 @pytest.mark.parametrize("regions", [False, True])
 def test_a_family_saves_its_worst_case_and_its_regions_where_they_were_asked_for(
-    regions: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, regions: bool
 ) -> None:
     monkeypatch.setattr(Figure, "savefig", lambda *_args, **_options: None)
     monkeypatch.setattr("haptisym.figures.family.family_regions_figure", lambda _: Figure())
