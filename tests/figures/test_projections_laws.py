@@ -195,6 +195,15 @@ def test_a_part_that_is_never_noticed_has_no_words_but_that() -> None:
     assert boundaries(ax) == []
 
 
+def test_a_change_of_just_the_threshold_is_not_noticed_anywhere() -> None:
+    """A spring of 100 N/m and 10 N/m more."""
+    ax = axes()
+    bold, thin, *_ = draw_projections(ax, evaluated(hs.Scene(mass_spring_damper(k=100), (shunt(k=10),))), Part.REAL)
+    assert not len(shown(bold)[0])
+    assert shown(thin)[1] == pytest.approx(100)
+    assert grounds(ax) == [(0, 15)]
+
+
 def test_eight_of_many_narrow_bands_are_numbered_the_widest_and_the_others_counted() -> None:
     """Bands of 0.1 to 1 from 0 to 110, the same words twice: one number for these."""
     ax = axes()
