@@ -49,7 +49,7 @@ def sheet() -> Figure:
 
 def drawn(which: int = 0, of: hs.FamilyEvaluation | None = None) -> tuple[Axes, list[Line2D]]:
     ax = Figure(figsize=(5, 4)).add_subplot()
-    return ax, draw_worst(ax, of or found(), which)
+    return ax, [x for x in draw_worst(ax, of or found(), which) if x.get_marker() != "o"]
 
 
 def ratio(name: str, omega: Any) -> Any:

@@ -43,7 +43,7 @@ def draw_envelope(
     """One ratio of each environment as a thin line, the largest as a thick one, the binding environments in colour.
 
     Grey: where every environment is transparent. A dot marks each end of that at which this criterion, the ``which``-th, binds.
-    ``omega`` : rad/s; drawn in the unit of ``scale``. Returns the line of each environment.
+    ``omega`` : rad/s; drawn in the unit of ``scale``. Returns the line of each environment, then the dots.
     """
     ratios = {name: all_[:, which] for name, all_ in sampled.items()}
     envelope = np.max(np.nan_to_num(np.stack(list(ratios.values())), nan=np.inf), axis=0)
@@ -60,14 +60,14 @@ def draw_envelope(
     ax.plot(at, envelope, color=pen.INK, linewidth=2.2, alpha=0.35, zorder=2, solid_capstyle="butt")
     for x in (x for x in evaluation.binding if x.criterion == criterion):
         color, place = looks[x.environment][0], scale.of(float(x.omega))
-        ax.plot([place], [c], marker="o", markersize=3.8, color=color, zorder=4, clip_on=False)
+        lines += ax.plot([place], [c], marker="o", markersize=3.8, color=color, zorder=4, clip_on=False)
     ax.set(xlim=(at[0], at[-1]), ylim=(0, _height(envelope, c)))
     dress(ax, y=name_of(criterion))
     return lines
 
 
 def draw_worst(ax: Axes, found: FamilyEvaluation, which: int = 0) -> list[Line2D]:
-    """One ratio of each environment, and the largest of them: the ``which``-th criterion. Returns a line for each."""
+    """One ratio of each environment, and the largest of them: the ``which``-th criterion. Returns a line for each, and dots."""
     scale, (omega, values) = band_scale(found.family.first.band), sampled_family(found)
     lines = draw_envelope(ax, found, which, omega, values, scale)
     name_frequency(ax, scale)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
@@ -67,25 +68,33 @@ KINDS: Mapping[str, Mapping[str, Drawing]] = MappingProxyType({
 })  # fmt: skip
 """Of each kind of document what can be drawn of it; the first is drawn unasked."""
 _GROUP = "haptisym plot "
+_BEFORE = "\u200b"
+"""Behind entries of the legend while a further scene is drawn: its own of the same words would be taken for them."""
 
 
 def plot(found: Answer, ax: Axes | None, kind: str, color: str | None, label: str, style: Mapping[str, Any]) -> Axes:
     """Draw an answer; the axes. ``kind`` : a key of ``KINDS``; the first if empty. Raises NothingToDrawError for any other."""
     name, *given = _drawing(found, kind)
     axes = _axes() if ax is None else ax
-    drawn, told, limits = set(axes.get_children()), set(entries(axes)), (axes.get_xlim(), axes.get_ylim())
+    drawn, limits = set(axes.get_children()), (axes.get_xlim(), axes.get_ylim())
     number = len({x.get_gid() for x in drawn if str(x.get_gid()).startswith(_GROUP)})
     draw: Callable[..., Any] = resolve_name(f"haptisym.figures.{name}")
     takes = {"color": color, "label": label} if "label" in signature(draw).parameters else {}
-    made = _curves(axes, draw(axes, _subject(found, name), *given, **takes), drawn)
+    if number and not takes:
+        _renamed(axes, lambda text: f"{text}{_BEFORE}")
+    told, suffix = set(entries(axes)), f", {label}" if label else f" ({number + 1})" if number else ""
+    try:
+        made = _curves(axes, draw(axes, _subject(found, name), *given, **takes), drawn)
+        styled = _with_entries(axes, made, told)
+    finally:
+        if not takes:
+            _renamed(axes, lambda text: text.removesuffix(_BEFORE) if text in told else f"{text}{suffix}")
     for artist in set(axes.get_children()) - drawn:
         artist.set_gid(f"{_GROUP}{number + 1}")
     if number:
         _widen(axes, limits)
-    if not takes and (label or number):
-        _named(axes, told, f", {label}" if label else f" ({number + 1})")
     own = None if takes else color or (pen.SCENES[number % len(pen.SCENES)] if number else None)
-    for artist in _with_entries(axes, made, told):
+    for artist in styled:
         _coloured(artist, own)
         artist.set(**style)
     return axes
@@ -144,18 +153,24 @@ def _widen(axes: Axes, limits: tuple[tuple[float, float], tuple[float, float]]) 
         axes.set_ylim(min(bottom, y[0]), max(top, y[1]))
 
 
-def _named(axes: Axes, told: set[str], suffix: str) -> None:
-    """The new entries of the legend with the label behind them."""
+def _renamed(axes: Axes, name: Callable[[str], str]) -> None:
+    """The entries of the legend with other words."""
     legend = axes.get_legend()
     for text in legend.get_texts() if legend else []:
-        if text.get_text() not in told:
-            text.set_text(f"{text.get_text()}{suffix}")
+        text.set_text(name(text.get_text()))
 
 
 def _with_entries(axes: Axes, made: list[Artist], told: set[str]) -> list[Artist]:
-    """Curves, and their new entries in the legend."""
+    """Curves, and their new entries in the legend: of their label, or of their look where they bear none."""
     labels = {str(x.get_label()) for x in made}
-    return [*made, *(x for name, x in entries(axes).items() if name in labels and name not in told)]
+    looks = {_look(x) for x in made if str(x.get_label()).startswith("_")} - {None}
+    new = {name: x for name, x in entries(axes).items() if name not in told}
+    return [*made, *(x for name, x in new.items() if name in labels or _look(x) in looks)]
+
+
+def _look(x: Artist) -> tuple[str, str] | None:
+    """The colour and stroke of a line."""
+    return (to_hex(x.get_color()), str(x.get_linestyle())) if isinstance(x, Line2D) else None
 
 
 def _coloured(artist: Artist, color: str | None) -> None:
