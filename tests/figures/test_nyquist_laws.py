@@ -17,7 +17,7 @@ import haptisym as hs
 from haptisym.effects import first_order_lag, second_order_lowpass, shunt
 from haptisym.environments import mass_spring_damper
 from haptisym.figures import pen
-from haptisym.figures.nyquist import draw_nyquist
+from haptisym.figures.nyquist import _window, draw_nyquist
 
 ENV, PERC, RISING = r"$H_\mathrm{env}$", r"$H_\mathrm{perc}$", "rising frequency"
 
@@ -282,3 +282,14 @@ def test_an_excursion_is_cut_at_the_extent_of_the_middle_nine_tenths_beyond_them
     assert ax.get_ylim() == pytest.approx((low - 0.06 * (high - low), high + 0.06 * (high - low)), rel=0.02)
     assert ax.get_xlim() == pytest.approx((-125 - 0.06 * 225, 100 + 0.06 * 225), abs=0.5)
     assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\mathrm{Re}\,H$ (N/m)", r"$\mathrm{Im}\,H$ (N/m)")
+
+
+@pytest.mark.parametrize(("peak", "top"), [(4.5, 4.5), (4.6, 0.95 + 0.9), (-3.5, 1), (-3.6, 1)])
+def test_an_excursion_is_far_beyond_four_extents_of_the_middle_nine_tenths(peak: float, top: float) -> None:
+    """Of upright lines from 0 to 1 these go from 0.05 to 0.95: up to 4.55, and down to -3.55."""
+    upright = np.linspace(0, 1, 1001)
+    line = np.stack([0 * upright, upright] * 2, axis=1)
+    low, high = _window(np.concatenate([line, [[0, peak, 0, 1]]]), line)
+    bottom = {-3.5: -3.5, -3.6: 0.05 - 0.9}.get(peak, 0)
+    size = top - bottom
+    assert (low[1], high[1]) == (pytest.approx(bottom - 0.06 * size), pytest.approx(top + 0.06 * size))

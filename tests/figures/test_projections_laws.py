@@ -132,6 +132,16 @@ def test_what_both_parts_tell_together_is_named_in_both_charts() -> None:
         assert not any(x.get_text() == "never exceeds the threshold" for x in ax.texts)
 
 
+def test_damping_that_is_wholly_taken_away_has_a_name() -> None:
+    """Im H_perc is 0: the display is not active yet."""
+    ax = axes()
+    lost = evaluated(hs.Scene(mass_spring_damper(k=100, b=12), (shunt(b=-12),), (0, 14), DISC))
+    draw_projections(ax, lost, Part.IMAG)
+    assert list(words(ax)) == ["lower damping"]
+    first = boundaries(ax)[0]
+    assert 12 * first == pytest.approx(0.1 * abs(100 + 12j * first))
+
+
 # What is told beside the curves
 
 
