@@ -159,6 +159,45 @@ def test_a_further_scene_has_its_colour_its_names_and_its_tolerance_if_that_is_a
     assert to_hex(names(ax)["first-order-lag (2)"].get_color()) == pen.SCENES[1]
 
 
+def test_what_the_caller_wrote_on_the_axes_stays_there() -> None:
+    ax = axes()
+    ax.annotate("mine", (1, 1))
+    ax.text(2, 2, "yours")
+    for _ in range(2):
+        draw_influences(ax, found(LAG), Part.REAL)
+    written = [x.get_text() for x in ax.texts]
+    assert (written.count("mine"), written.count("yours")) == (1, 1)
+    assert set(written) == {"mine", "yours", "first-order-lag", "first-order-lag (2)", "tolerance"}
+
+
+@pytest.mark.parametrize(("tolerance", "middle"), [("0.01", 0.01), (0, 1)])
+def test_without_effects_there_is_the_tolerance_alone(tolerance: Any, middle: float) -> None:
+    bare = hs.relevance(hs.Scene(mass_spring_damper(k=100), (), (0, 15), "0.1"), tolerance)
+    ax = axes()
+    assert draw_influences(ax, bare, Part.REAL) == []
+    assert ax.get_ylim() == (pytest.approx(middle * 10**-3.5), pytest.approx(2 * middle))
+    assert list(names(ax)) == (["tolerance"] if tolerance else [])
+
+
+def test_a_part_that_nothing_changes_is_an_empty_chart_without_a_word_of_matplotlib() -> None:
+    """A spring alone leaves the imaginary part as it is; with a tolerance of 0 nothing at all is above 0."""
+    ax = axes()
+    [line] = draw_influences(
+        ax, hs.relevance(hs.Scene(mass_spring_damper(k=100), (shunt(k=1),), (0, 15), "0.1"), 0), Part.IMAG
+    )
+    assert not np.isfinite(np.asarray(line.get_ydata(), float)).any()
+    assert (ax.get_yscale(), ax.get_ylim()) == ("log", (pytest.approx(10**-3.5), pytest.approx(2)))
+
+
+def test_four_effects_that_matter_have_four_strokes() -> None:
+    """Lags of 20 to 23 rad/s."""
+    lags = tuple(first_order_lag(n) for n in (20, 21, 22, 23, 24))
+    lines = draw_influences(axes(), found(*lags), Part.IMAG)
+    strokes = [str(x._dash_pattern) for x in lines]  # type: ignore[attr-defined]
+    assert len(set(strokes)) == 4
+    assert strokes[4] == strokes[0]
+
+
 def test_in_hertz_curves_and_limits_are_in_hertz() -> None:
     ax = axes()
     [line] = draw_influences(ax, found(LAG), Part.IMAG, hertz=True)
@@ -270,6 +309,10 @@ def test_the_sheet_has_the_strip_above_both_parts_and_frequencies_below_the_lowe
         False,
         True,
     )
+    figure.draw_without_rendering()
+    for text in strip.texts:
+        box = Text.get_window_extent(text)
+        assert not text.get_text() or (strip.bbox.y0 - 1 < box.y0 and box.y1 < strip.bbox.y1 + 1)
     assert {ax.get_position().x0 for ax in figure.axes} == {0.13}
     tops = [ax.get_position().y1 for ax in figure.axes]
     assert tops == sorted(tops, reverse=True)

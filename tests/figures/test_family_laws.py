@@ -166,6 +166,16 @@ def test_of_five_that_bind_the_fifth_has_the_look_of_the_first() -> None:
     assert len(dots(ax)) == 10
 
 
+def test_a_long_name_is_broken_into_lines_of_forty_letters() -> None:
+    name = "an environment of so many words that its entry would be wider than a column"
+    ax, _ = drawn(
+        0, hs.evaluate_all(hs.SceneFamily({name: hs.Scene(mass_spring_damper(k=400), LIGHT, (0, 30), "0.1")}))
+    )
+    lines = told(ax)[1].split("\n")
+    assert " ".join(lines) == f"{name} binds"
+    assert 30 < max(map(len, lines)) <= 40
+
+
 def test_in_hertz_all_is_in_hertz() -> None:
     hertz = family(band=("0 Hz", "4 Hz"))
     ax, lines = drawn(0, hertz)

@@ -106,6 +106,14 @@ def test_a_frame_is_never_flatter_than_three_fifths() -> None:
     assert ax.get_ylim() == (pytest.approx(-0.57 * 66), pytest.approx(0.57 * 66))
 
 
+def test_a_frame_to_the_left_of_the_origin_is_as_wide_as_one_to_its_right() -> None:
+    """At 20 rad/s the tips are -300 + 80 j and -500 + 80 j, and the square is from 80 - 93.1 to 80 + 93.1 high."""
+    ax = axes()
+    draw_jnd_square(ax, evaluated(MASS), 20)
+    assert ax.get_xlim() == (pytest.approx(-250 - 0.57 * 500), pytest.approx(-250 + 0.57 * 500))
+    assert ax.get_ylim() == (pytest.approx(80 - 0.57 * 300), pytest.approx(80 + 0.57 * 300))
+
+
 def test_where_nothing_is_felt_there_is_a_spot_at_the_origin_and_a_frame() -> None:
     """A damper at 0 rad/s."""
     ax = axes()

@@ -54,9 +54,9 @@ def draw_influences(
         shown = np.where(values >= floor / 10, values, np.nan)
         lines += ax.plot(scale.of(grid), shown, color=look[0], linewidth=look[1], linestyle=look[2])
     dress(ax)
-    ax.set_yscale("log")
     low, high = (scale.of(float(x)) for x in found.scene.band)
     limit(ax, (low, high), (floor, top), number=number)
+    ax.set_yscale("log")  # after the limits, as perhaps nothing that is drawn is above 0
     ax.tick_params(axis="y", which="minor", length=0)
     symbol = r"r_\mathrm{r}" if part is Part.REAL else r"r_\mathrm{i}"
     ax.set_ylabel(f"change of ${symbol}$", fontsize=pen.TEXT)
