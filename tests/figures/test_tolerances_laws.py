@@ -159,6 +159,23 @@ def test_a_further_scene_is_outlined_in_its_colour_and_its_entries_bear_its_labe
     assert ax.get_xlim() == (0, 30)
 
 
+def test_what_a_further_scene_meets_stands_in_the_row_of_that_or_in_one_of_its_own() -> None:
+    """The disc of a second scene was drawn in the row of r_r, and both rows were named anew."""
+    ax = axes()
+    draw_tolerances(ax, found())
+    disc = hs.tolerances(scene(jnd={"shape": "ellipse", "real": "0.1", "imag": "0.1"}), samples=1)
+    [bar] = draw_tolerances(ax, disc)
+    assert [x.get_text() for x in ax.get_yticklabels()] == [
+        r"$r_\mathrm{r} = c_\mathrm{r}$", r"$r_\mathrm{i} = c_\mathrm{i}$", "ellipse",
+    ]  # fmt: skip
+    assert spans([bar])[0][2] == pytest.approx(2)
+    assert dots(ax)[2][0, 1] == pytest.approx(1.75)
+    assert strokes(ax)[2] == pytest.approx(np.array([[[40 / 99**0.5, 1.65], [40 / 99**0.5, 2.35]]]))
+    assert ax.get_ylim() == (2.5, -0.5)
+    again = draw_tolerances(ax, found())
+    assert [row for *_, row in spans(again)] == pytest.approx([0, 1])
+
+
 def test_in_hertz_bars_dots_and_strokes_are_in_hertz() -> None:
     ax, turn = axes(), 2 * np.pi
     bars = draw_tolerances(ax, found(), hertz=True)

@@ -28,7 +28,8 @@ def draw_tolerances(
 ) -> list[Artist]:
     """A row for each ratio: grey where it may cross, proven; dots for each drawn set of values; a stroke for the nominal ones.
 
-    ``color``, ``label``, ``hertz`` : as of ``haptisym.figures.ratios.draw_ratios``; enclosures of a further scene are outlines.
+    ``color``, ``label``, ``hertz`` : as of ``haptisym.figures.ratios.draw_ratios``; enclosures of a further scene are outlines,
+    in the row of what they are about.
     Returns the bars of the enclosures. NothingToDrawError where no values bring a crossing, unless another scene is there.
 
     >>> from haptisym import load_scene, tolerances
@@ -46,15 +47,17 @@ def draw_tolerances(
     face: dict[str, Any] = {"facecolor": pen.SHADE, "edgecolor": look.ink(pen.GREY), "linewidth": 0.5}
     if look.number:
         face |= {"facecolor": "none", "linewidth": 1.0}
-    bars: list[Artist] = []
-    for row, criterion in enumerate(a.criteria):
+    before = [x.get_text() for x in ax.get_yticklabels()] if look.number else []
+    names, bars = list(dict.fromkeys([*before, *map(_name, a.criteria)])), list[Artist]()
+    for criterion in a.criteria:
+        row = names.index(_name(criterion))
         for x in a.enclosures:
             if x.criterion == criterion:
                 left, right = scale.of(float(x.low)), scale.of(float(x.high))
                 bars += ax.barh(row, right - left, left=left, height=_HEIGHT, zorder=1, **face)
         _draw_row(ax, a, row, criterion.name, look, scale)
-    limit(ax, (low, high), (-0.5, len(a.criteria) - 0.5), number=look.number)
-    dress_rows(ax, [_name(x) for x in a.criteria], pen.TEXT)
+    limit(ax, (low, high), (-0.5, len(names) - 0.5), number=look.number)
+    dress_rows(ax, names, pen.TEXT)
     name_frequency(ax, scale)
     handles = [
         Patch(label=f"{name}{look.suffix}", **face),
