@@ -161,11 +161,11 @@ def test_a_further_scene_has_its_colour_its_names_and_its_tolerance_if_that_is_a
 
 def test_what_the_caller_wrote_on_the_axes_stays_there() -> None:
     ax = axes()
-    ax.annotate("mine", (1, 1))
-    ax.text(2, 2, "yours")
+    notes = {ax.annotate("mine", (1, 1)), ax.text(2, 2, "yours")}
     for _ in range(2):
         draw_influences(ax, found(LAG), Part.REAL)
     written = [x.get_text() for x in ax.texts]
+    assert notes <= set(ax.texts)
     assert (written.count("mine"), written.count("yours")) == (1, 1)
     assert set(written) == {"mine", "yours", "first-order-lag", "first-order-lag (2)", "tolerance"}
 

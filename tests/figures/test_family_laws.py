@@ -110,6 +110,7 @@ def test_those_that_bind_have_colours_in_the_order_of_their_ends_and_others_are_
         shown = handles[name]
         assert to_hex(shown.get_color()) == to_hex(line.get_color())
         assert (shown.get_marker(), shown.is_dashed()) == ("o", line.is_dashed())
+        assert shown.get_linewidth() == line.get_linewidth()
     assert (handles["largest"].get_linewidth(), handles["largest"].get_alpha()) == (2.2, 0.35)
     assert (handles["others"].get_linewidth(), to_hex(handles["others"].get_color())) == (0.6, pen.GREY)
     assert handles["threshold"].is_dashed()
