@@ -120,6 +120,9 @@ def test_the_legend_tells_only_what_there_is() -> None:
     draw_tolerances(ax, found(samples=0))
     assert told(ax) == [GUARANTEED, NOMINAL]
     ax = axes()
+    draw_tolerances(ax, hs.tolerances(scene(band=(0, 9)), samples=2))  # r_r is met beyond the band
+    assert told(ax) == [GUARANTEED, RANDOM, NOMINAL]
+    ax = axes()
     bars = draw_tolerances(ax, hs.tolerances(scene("92 rad/s +- 10 %", band=(0, 9)), samples=0))
     assert told(ax) == [GUARANTEED]
     assert spans(bars) == [(pytest.approx(82.8 * IMAG, rel=1e-6), pytest.approx(9), pytest.approx(1))]
