@@ -180,6 +180,13 @@ def test_values_in_ranges_and_a_mass_in_one_are_what_is_held_against_all_of_and_
     assert asked[-1].others[light.m.symbol] == (Rational(1, 5), Rational(3, 10))
 
 
+def test_a_range_of_the_threshold_is_none_of_the_display(asked: list[Any]) -> None:
+    uncertain = hs.load_scene(SPRING).with_values({"c": ["0.08", "0.12"]})
+    assert uncertain.ranges()
+    drawn(uncertain, MINE)
+    assert (asked[0].others, asked[0].finest) == ({}, 1 / 256)
+
+
 def test_of_several_hands_the_plane_is_of_the_first_and_each_has_its_mark(asked: list[Any]) -> None:
     other = hs.Hand("other", m="0.7 kg", b=3, k=900)
     ax, _ = drawn(SPRING, MINE, other)

@@ -148,6 +148,15 @@ def test_the_title_stands_above_the_legend() -> None:
     assert legend.y1 - 1 <= title.y0 <= legend.y1 + 14 * ax.figure.dpi / 72
 
 
+def test_a_tip_on_an_axis_has_an_arrow_too() -> None:
+    """A spring of 100 N/m and 10 N/m more, just a tenth, so that it is not noticed."""
+    ax = axes()
+    spring = hs.Scene(mass_spring_damper(k=100), (shunt(k=10),), (0, 15), "0.1")
+    _, *arrows = draw_jnd_square(ax, evaluated(spring), 5)
+    assert [x.xy for x in arrows if isinstance(x, Annotation)] == [(100, 0), (110, 0)]
+    assert ax.get_title().endswith(": not noticed")
+
+
 # Words
 
 
