@@ -293,3 +293,14 @@ def test_an_excursion_is_far_beyond_four_extents_of_the_middle_nine_tenths(peak:
     bottom = {-3.5: -3.5, -3.6: 0.05 - 0.9}.get(peak, 0)
     size = top - bottom
     assert (low[1], high[1]) == (pytest.approx(bottom - 0.06 * size), pytest.approx(top + 0.06 * size))
+
+
+def test_points_that_are_not_finite_do_not_count_and_nothing_at_all_has_axes_too() -> None:
+    upright = np.linspace(0, 1, 1001)
+    line = np.stack([0 * upright, upright] * 2, axis=1)
+    gaps = np.array([[np.nan, 3, 0, np.inf], [np.inf, -3, np.nan, 2]])
+    for found, alone in zip(_window(np.concatenate([gaps, line]), line), _window(line, line), strict=True):
+        assert found == pytest.approx(alone)
+    low, high = _window(0 * line, 0 * line)
+    assert (low < 0).all()
+    assert (high > 0).all()

@@ -179,6 +179,15 @@ def test_the_ground_is_grey_where_nothing_is_noticed_and_strokes_stand_where_per
     assert told(ax)[2] == "not noticed"
 
 
+def test_of_several_grey_bands_one_has_an_entry() -> None:
+    """A tenth of ``|100 - 2 ω²|`` is more than 0.1 ω² below √(100/3) rad/s and above 10."""
+    ax = axes()
+    draw_projections(ax, evaluated(hs.Scene(mass_spring_damper(m=2, k=100), UNDAMPED.effects, (0, 30))), Part.REAL)
+    assert np.array(grounds(ax)) == pytest.approx(np.array([(0, np.sqrt(100 / 3)), (10, 30)]))
+    assert told(ax)[2:3] == ["not noticed"]
+    assert not any(x.startswith("_") for x in told(ax))
+
+
 def test_words_stand_in_the_middle_of_their_band_or_are_tied_to_it() -> None:
     ax = axes()
     draw_projections(ax, evaluated(UNDAMPED), Part.REAL)
