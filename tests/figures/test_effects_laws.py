@@ -189,6 +189,7 @@ def test_a_part_that_nothing_changes_is_an_empty_chart_without_a_word_of_matplot
     assert (ax.get_yscale(), ax.get_ylim()) == ("log", (pytest.approx(10**-3.5), pytest.approx(2)))
 
 
+@pytest.mark.slow
 def test_four_effects_that_matter_have_four_strokes() -> None:
     """Lags of 20 to 23 rad/s."""
     lags = tuple(first_order_lag(n) for n in (20, 21, 22, 23, 24))

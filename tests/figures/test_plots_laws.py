@@ -90,7 +90,7 @@ def drawing(
 
 
 def test_each_kind_is_drawn_by_what_the_table_names_with_the_answer_first(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked = drawing(monkeypatch)
+    asked, ax = drawing(monkeypatch), axes()
     for schema, kinds in KINDS.items():
         answer = given(
             schema,
@@ -100,10 +100,10 @@ def test_each_kind_is_drawn_by_what_the_table_names_with_the_answer_first(monkey
             that=("transparent",),
         )
         for kind, (name, *rest) in kinds.items():
-            plot(answer, axes(), kind, None, "", {})
+            plot(answer, ax, kind, None, "", {})
             subject = answer if schema != "simulation" else answer.runs if "recovered" in kind else "two"
             assert asked[-1] == (f"haptisym.figures.{name}", subject, *rest)
-        plot(answer, axes(), "", None, "", {})
+        plot(answer, ax, "", None, "", {})
         assert asked[-1][0] == f"haptisym.figures.{next(iter(kinds.values()))[0]}"
 
 
