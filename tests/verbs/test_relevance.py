@@ -25,10 +25,11 @@ from haptisym.judge.regions import Sided
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.symbols import s
 from haptisym.model.catalogue import EFFECTS
+from haptisym.model.jnd import Part
 from haptisym.model.jndtables import read_threshold
 from haptisym.programs.series import series_arithmetic
 from haptisym.verbs.effects.ballchain import TERMS, BallChain, BandPiece, Kept
-from haptisym.verbs.effects.differences import Difference, _down, _Expansion, _up
+from haptisym.verbs.effects.differences import Difference, SupremumBounds, _down, _Expansion, _up
 from haptisym.verbs.effects.enclosing import _reach, levels
 from haptisym.verbs.effects.entry import relevance
 from haptisym.verbs.effects.relevance import CrossingEnclosure, Relevance
@@ -1112,3 +1113,10 @@ def test_where_signs_matter_a_change_is_not_undone_by_its_opposite(gain: str) ->
         if signed:
             assert found.stays_within(most - Rational(1, 10**9)) is False
             assert found._exact_bounds(BandPiece())[1] >= 0.2
+
+
+def test_the_larger_change_of_both_parts_is_as_large_as_the_larger_bounds() -> None:
+    rows = {Part.REAL: SupremumBounds(0.1, 0.5, 0.6), Part.IMAG: SupremumBounds(0.3, 0.4, 0.9)}
+    for given in (rows, {x: rows[y] for x, y in zip(rows, reversed(rows), strict=True)}):
+        asked: Any = SimpleNamespace(without=lambda _, part, own=given: SimpleNamespace(range=lambda _: own[part]))
+        assert Relevance._range(asked, 0, BandPiece()) == SupremumBounds(0.3, 0.5, 0.9)
