@@ -19,7 +19,8 @@ from sympy import Rational, lambdify
 import haptisym as hs
 from haptisym import effects, environments
 from haptisym.judge.passivity import Beyond
-from haptisym.verbs.metrics.disagreements import _ACTIVE, _BLIND, _COARSE, _SLACK, _STRICT
+from haptisym.verbs.metrics import unconditional
+from haptisym.verbs.metrics.disagreements import _ACTIVE, _BLIND, _COARSE, _SLACK, _STRICT, _only_points
 from haptisym.verbs.metrics.forms import MOST_SYMBOLS, MeasureForms
 from haptisym.verbs.metrics.freeresponse import FreeResponse, free_response
 from haptisym.verbs.metrics.measured import Measured
@@ -519,3 +520,22 @@ def test_of_every_passive_hand_no_more_is_said_than_was_decided(
     assert rows.get("every passive hand", "") == hand
     assert ("force stable under imposed motion" in rows) == (found is not None)
     assert rows.get("force stable under imposed motion", "not decided") == "not decided"
+
+
+def test_llewellyns_conditions_hold_at_every_frequency_only_if_every_frequency_was_looked_at(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    held = Measured(hs.evaluate(hs.Scene(KV, (effects.shunt(m=1, b=2),))))
+    assert held.unconditional.holds is True
+    monkeypatch.setattr(unconditional, "most_charted", lambda _, high: high / 2)
+    other = Measured(held.evaluation)
+    assert (other.unconditional.axis, other.unconditional.holds) == (None, None)
+
+
+@pytest.mark.parametrize(
+    ("bands", "expected"), [([], True), ([(1, 1)], True), ([(1, 1), (2, 3)], False), ([(2, 3), (4, 4)], False)]
+)
+def test_a_set_of_single_frequencies_has_no_band(bands: list[tuple[int, int]], expected: bool) -> None:  # noqa: FBT001
+    points = {n: SimpleNamespace(omega=n) for n in range(5)}
+    listed: Any = [SimpleNamespace(low=points[a], high=points[b]) for a, b in bands]
+    assert _only_points(listed) is expected
