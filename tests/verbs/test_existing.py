@@ -53,6 +53,10 @@ def test_values_that_are_missing_may_be_irrational_or_those_that_formulas_divide
     pole = damper("s + s/(q - 1)", LAGGING)
     assert sorted(map(float, missing(pole, pole.knobs["q"]))) == [0, 1]
     assert missing(pole, pole.knobs["c"]) == missing(pole, pole.knobs["omega_c"]) == []
+    lead = hs.effects.series("1 + s/(q - w)/900", parameters={"q": 1, "w": "5 Hz"})
+    turned = hs.Scene(hs.environments.kelvin_voigt(90, 3), (lead,), (0, 5))
+    [found] = missing(turned, turned.knobs["q"])
+    assert found.digits(30) == "31.4159265358979323846264338328"  # 10 pi
 
 
 @pytest.mark.parametrize("seed", range(10))

@@ -6,6 +6,7 @@ import json
 from itertools import pairwise
 from math import asin
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import mpmath
@@ -17,10 +18,12 @@ from marks import examples
 from sympy import Rational
 
 import haptisym as hs
+from haptisym.judge.criteria import noticed
 from haptisym.judge.passivity import passivity
 from haptisym.kernel.budget import limited
 from haptisym.kernel.reals import ExactNumber
 from haptisym.pages.require import page
+from haptisym.verbs.require import nearest
 from haptisym.verbs.require.classical import lines
 from haptisym.verbs.require.feasible import End, Solved, Span
 from haptisym.verbs.require.freeparameter import Domain
@@ -460,3 +463,30 @@ def test_a_figure_is_said_to_show_what_was_asked(that: list[str], said: str) -> 
 def test_nothing_that_is_asked_is_no_question(nothing: Any) -> None:
     with pytest.raises(hs.SceneError, match="that: nothing is asked: one or more of transparent, stable, passive"):
         hs.require(hs.load_scene("fu2019"), "omega_n", (50, 500), that=nothing)
+
+
+@pytest.mark.parametrize(
+    ("jnd", "told"),
+    [
+        (0.1, True),
+        ({"real": 0.1, "imag": 0.2}, True),
+        ({"real": 0.1, "imag": "0.1 + omega/1000"}, False),
+        ({"real": {"higher": 0.1, "lower": 0.2}, "imag": 0.1}, False),
+        ({"shape": "ellipse", "real": 0.1, "imag": 0.1}, False),
+    ],
+)
+def test_which_value_comes_nearest_is_told_of_two_ratios_with_a_threshold_alone(
+    jnd: Any,
+    told: bool,  # noqa: FBT001
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Where both parts are judged at once, or one by a limit that changes over the band, no multiple of it is told."""
+    scene = hs.Scene(hs.environments.kelvin_voigt(90, 3), (hs.effects.delay("2 s"),), (1, 5), jnd)
+    asked: Any = SimpleNamespace(
+        criteria=noticed(scene.threshold), feasible=(), undecided=(), free=scene.knobs["tau"], threshold=scene.threshold
+    )
+    best = SimpleNamespace(ratio=1)
+    monkeypatch.setattr(nearest, "_ROUNDS", 0)
+    monkeypatch.setattr(nearest, "_tried", lambda _: [1])
+    monkeypatch.setattr(nearest, "_at", lambda *_: best)
+    assert (nearest.nearest(asked) is not None) is told
