@@ -296,7 +296,9 @@ def test_what_was_not_proven_is_not_rounded_away() -> None:
 def test_values_that_are_open_without_bound_below_begin_at_minus_infinity() -> None:
     squared = hs.Scene(hs.environments.expression("90 + g^2*s + 3*s^0.5", parameters={"g": 1}))
     words = " ".join(str(hs.require(squared, "g", that="passive")).split())
-    assert "UNDECIDED: for the values from minus infinity to -1000 and 1000 to infinity neither was proven" in words
+    assert (
+        "UNDECIDED: for the values from minus infinity to -1000 and from 1000 to infinity neither was proven" in words
+    )
 
 
 @pytest.mark.parametrize(

@@ -195,11 +195,11 @@ def _is_all(r: Requirement) -> bool:
 
 def _certain(r: Requirement) -> Phrase:
     if r.undecided:
-        where = listed((_limit(a, up=False), " to ", _limit(b, up=True)) for a, b in r.undecided)
+        where = listed(("from ", _limit(a, up=False), " to ", _limit(b, up=True)) for a, b in r.undecided)
         why = "" if r.limit is None else f" within the limit of {r.limit:g} s"
         why += f": {r.reason}" if r.reason else ""
         return (
-            Strong("UNDECIDED"), ": for the values from ", where, f" neither was proven{why}.",
+            Strong("UNDECIDED"), ": for the values ", where, f" neither was proven{why}.",
             "" if _is_all(r) else " About all others everything is.",
         )  # fmt: skip
     if not r.feasible:

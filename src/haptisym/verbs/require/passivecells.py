@@ -288,10 +288,10 @@ class _Search:
 
     @cached_property
     def marks(self) -> dict[Rational, Kind]:
-        """Fractions at which that, or the highest power of the numerator, may change its sign: cells end there."""
+        """Fractions at which that, the highest power of the numerator, or a sign far out may change: cells end there."""
         found: dict[Rational, Kind] = {}
-        far = self.energy.far
-        for form, kind in ((self.energy.top, Kind.FAR), (far and far[1].form, Kind.FAR), (self._at_0, Kind.START)):
+        far = [x.form for x in self._ends if x is not self._opening]
+        for form, kind in (*((x, Kind.FAR) for x in (self.energy.top, *far)), (self._at_0, Kind.START)):
             if form is not None and form.has(self.free.symbol) and form.is_polynomial(self.free.symbol):
                 zeros = (x for x in zeros_of(form, self.free.symbol) if isinstance(x, ExactNumber))
                 found |= {x.value: kind for x in zeros if x.value.is_Rational}
