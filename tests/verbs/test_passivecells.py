@@ -615,6 +615,22 @@ def energy_of(top: Any, bottom: Any = 1) -> Energy:
 
 
 @pytest.mark.parametrize(
+    ("top", "bottom", "signs"),
+    [
+        (s**2 - s, s + 1, [1, 1]),
+        (Q * s - 3 * s, s + 1, [-1, -1]),
+        (s**2 * exp(-s) - s, s + 1, [-1, -1]),  # what is late has faded
+        (s**2 * exp(-Q * s) - s, s + 1, [0, -1]),  # but at 0 it is not late
+        (exp(-s), s + 1, None),
+    ],
+)
+def test_for_large_positive_s_the_sign_is_that_of_what_is_not_late(top: Any, bottom: Any, signs: Any) -> None:
+    """For the numbers 0 and 2."""
+    sign = energy_of(top, bottom).far_right
+    assert (sign and [sign.at(Integer(x)) for x in (0, 2)]) == signs
+
+
+@pytest.mark.parametrize(
     ("top", "bottom", "told"),
     [
         (5 * exp(-s) + 3 * exp(-2 * s), s + 1, -1),

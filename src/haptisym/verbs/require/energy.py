@@ -182,11 +182,12 @@ class Energy:
 
     @cached_property
     def far_right(self) -> ExactSign | None:
-        """The sign of H(s)/s for large s > 0, where what comes late has faded; where it is negative H is not passive."""
+        """The sign of H(s)/s for large s > 0, where what comes late has faded; 0 for numbers with which something is not late."""
         early = [[x for x in row if x.lag == 0] for row in self._rows]
         if not all(early):
             return None
-        form = prod((max(row, key=lambda x: x.power).number for row in early), start=Integer(1)).expand()
+        late = prod((x.lag**2 for row in self._rows for x in row if x.lag.has(self.symbol)), start=Integer(1))
+        form = prod((max(row, key=lambda x: x.power).number for row in early), start=late).expand()
         return ExactSign(form, self.symbol) if form.is_polynomial(self.symbol) else None
 
     @cached_property
