@@ -129,10 +129,12 @@ def _left_out(e: Evaluation) -> Iterator[Block]:
     if r is None or not r.dropped:
         return
     found = listed(f"[{x.bounds[0]:.6g}, {x.bounds[1]:.6g}] ({x.criterion.name})" for x in r.crossings)
+    them = "it" if len(r.dropped) == 1 else "them"
+    lie: Phrase = ("Its crossings lie in ", found, " rad/s.") if found else "It has no crossings on the band."
     yield Paragraph((
-        "Without ", listed(x.name for x in r.dropped), ": leaving them out changes ", bounds(r.bound), " anywhere on the band, ",
-        f"proven (tolerance {float(r.tolerance):g}). What follows is exact for the scene without them. The full scene differs ",
-        "by no more than that. ", ("Its crossings lie in ", found, " rad/s.") if found else "It has no crossings on the band.",
+        "Without ", listed(x.name for x in r.dropped), f": leaving {them} out changes ", bounds(r.bound), " anywhere on the ",
+        f"band, proven (tolerance {float(r.tolerance):g}). What follows is exact for the scene without {them}. The full scene ",
+        "differs by no more than that. ", lie,
     ))  # fmt: skip
 
 
@@ -189,7 +191,7 @@ def _any_environment(e: Evaluation) -> Iterator[Block]:
     if found is None or not e.scene.effects:
         return
     below, above, end = found.transparent_below, found.opaque_above, e.chart.points[-1].omega
-    if below is end:
+    if below == end:
         yield Paragraph("These effects in series stay unnoticed with any environment whatever on this band.")
         return
     upto: Phrase = "Already at the low end of the band these effects in series are noticed with some environment"

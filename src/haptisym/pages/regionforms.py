@@ -23,6 +23,7 @@ from haptisym.writing.names import named
 
 _LONGEST = 250  # operations of a function that is written out unasked
 _MOST = 16  # functions that are
+_LARGEST = 200_000  # products of terms of both parts of dH: beyond, what decides takes seconds, then minutes, and nobody reads it
 
 
 def ways(x: Criterion, found: Signed) -> tuple[Phrase, list[tuple[Box, Signed]]]:
@@ -44,7 +45,7 @@ def when(d: Derivation) -> Section:
     limits = "The limits are " if d.scene.threshold.region.shape is Shape.SQUARE else "The JND is "
     out = Written(notes=[(limits, region(d.scene.threshold), ".")])
     long: list[Phrase] = []
-    is_short = d.steps.operations <= MOST_STEPS
+    is_short = _is_short(d)
     for x in noticed(d.scene.threshold):
         if x.joint:
             borders = [(named(f"q_{i}"), form) for i, form in enumerate(_borders(x.joint), 1)]
@@ -72,6 +73,14 @@ def when(d: Derivation) -> Section:
         out.notes.append(("Too long to be written out unasked: ", listed(long), ". Fewer symbols make them shorter."))
     out.notes.append("Its crossings, as numbers: `haptisym evaluate`.")
     return out.section("When it is noticed")
+
+
+def _is_short(d: Derivation) -> bool:
+    """Whether the functions that decide are found at once."""
+    if d.steps.operations > MOST_STEPS:
+        return False
+    change = d.distortion.difference_response
+    return len(change.real.function.numerator) * len(change.imag.function.numerator) <= _LARGEST
 
 
 def _solved(x: Criterion, found: Signed, d: Derivation) -> tuple[list[Line], list[Phrase]]:

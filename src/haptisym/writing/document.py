@@ -211,9 +211,9 @@ def is_empty(phrase: Phrase) -> TypeGuard[Any]:
 
 
 def listed(phrases: Iterable[Phrase], word: str = "and") -> Phrase:
-    """Phrases in a sentence: "one, two and three"."""
+    """Phrases in a sentence: "one, two and three"; nothing for none."""
     found = list(phrases)
-    between = [*[", "] * (len(found) - 2), *[f" {word} "] * (len(found) > 1), ""]
+    between = [*[", "] * (len(found) - 2), *[f" {word} "] * (len(found) > 1), *[""] * bool(found)]
     return tuple(x for pair in zip(found, between, strict=True) for x in pair if x != "")
 
 
