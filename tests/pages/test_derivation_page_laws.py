@@ -8,18 +8,21 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from itertools import islice
+from math import cos, pi, sin
 from typing import Any
 
 import pytest
 from sympy import Expr, sympify
 
 import haptisym as hs
+from haptisym.kernel.symbols import s
 from haptisym.pages.derivation import derivation
 from haptisym.pages.sceneforms import SceneForms
 from haptisym.writing.document import Equations, Line, Paragraph, Section
 from haptisym.writing.plain import said
 
 E, F = hs.environments, hs.effects
+SPRING = E.mass_spring_damper(k=100)
 FREQUENCIES = (0.7, 3.0, 11.0, 29.0)
 FORCE = {
     "multiplies the force by": lambda H, G: G * H,
@@ -93,6 +96,11 @@ def lines(section: Section) -> Iterator[Line]:
 def words(section: Section) -> str:
     told = [said(x.words) for x in section.blocks if isinstance(x, Paragraph)]
     return " ".join(" ".join(told).replace("\xa0", " ").split())
+
+
+def free_names(line: Line) -> set[str]:
+    assert isinstance(line.value, Expr)
+    return {x.name for x in line.value.free_symbols}
 
 
 def value(form: Any, case: Case, omega: float) -> complex:
@@ -225,3 +233,39 @@ def test_a_parameter_of_an_effect_with_a_long_name_has_its_number_below_and_one_
     assert both == {}
     free = SceneForms(hs.evaluate(SCENES["in between"].scene)).short_names
     assert {formula.name: short.name for formula, short in free.items()} == {"k_compliance": "k_2"}
+
+
+def test_the_dynamics_stand_in_symbols_first_and_then_with_the_values_of_the_scene() -> None:
+    for name in ("lag", "long numbers", "in between"):
+        for title in ("Dynamics", "Distortion"):
+            rows = [x for x in lines(SCENES[name].shown[title]) if said(x.left) in ("H_perc(s)", "Re dH")]
+            assert [bool(free_names(x) - {"s", "omega"}) for x in rows] == [True, False]
+
+
+def test_closed_forms_that_are_long_in_symbols_stand_in_numbers_and_say_so() -> None:
+    chain = [F.shunt(m="0.1 kg", b=n) if n % 2 else F.compliance(k=400 + n, b=n) for n in range(1, 5)]
+    found = shown(hs.Scene(SPRING, tuple(chain), (1, 9)))
+    told = words(found["Distortion"])
+    assert "has the parts (with the scene's values; too long in symbols)" in told
+    assert "With the scene's values the distortion is" not in told
+    for x in (x for section in (found["Distortion"], found["Perceived properties"]) for x in lines(section)):
+        assert free_names(x) <= {"s", "omega"}
+    [*_, perceived] = lines(found["Dynamics"])
+    assert said(perceived.left) == "H_perc(s)"
+    H = 100 + 0j
+    for n in range(1, 5):
+        z = 0.1 * 9 * -1 + 3j * n if n % 2 else 400 + n + 3j * n
+        H = H + z if n % 2 else 1 / (1 / H + 1 / z)
+    assert complex(perceived.value.subs(s, 3j).evalf()) == pytest.approx(H, rel=1e-4)  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize("corners", [6, 7])
+def test_the_functions_of_a_region_with_many_corners_are_counted_and_not_written(corners: int) -> None:
+    """Two for each edge, and at most twelve are written."""
+    turn = [2 * pi * n / corners for n in range(corners)]
+    polygon = {"shape": "polygon", "corners": [[f"{0.1 * cos(x):.4f}", f"{0.1 * sin(x):.4f}"] for x in turn]}
+    section = shown(hs.Scene(SPRING, (F.first_order_lag(20),), (1, 9), polygon))["Threshold polynomials"]
+    told = "14 functions of ω decide what is noticed: too many to be written here."
+    assert (words(section) == told) == (corners == 7)
+    assert len([*lines(section)]) == (12 if corners == 6 else 0)
+    assert ("Written up to a positive factor (to ten digits after ≈):" in words(section)) == (corners == 6)

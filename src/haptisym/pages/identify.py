@@ -13,7 +13,7 @@ from haptisym.kernel.symbols import s
 from haptisym.model.distortion import distort
 from haptisym.model.quantities import unit_text
 from haptisym.pages.measuredlines import linearity, measured_words
-from haptisym.pages.words import rounded
+from haptisym.pages.words import noted, rounded
 from haptisym.verbs.identify.entry import Identification, correlation
 from haptisym.verbs.identify.judging import Estimate
 from haptisym.writing.document import (
@@ -45,7 +45,7 @@ def page(a: Identification) -> Document:
     figure = Figure("model", shown, a.figure)
     blocks: tuple[Block, ...] = (
         Facts(tuple(_about(a))),
-        Section("Does the model hold?", (Paragraph(_verdict(a)), Notes(tuple(_tests(a))), figure), "verdict"),
+        Section("Does the model hold?", (Paragraph(_verdict(a)), *noted(_tests(a)), figure), "verdict"),
         Section("Parameters", (_table(a), Notes(tuple(_told(a)))), "parameters"),
         Paragraph(_certain(a)),
     )
@@ -167,7 +167,7 @@ def _told(a: Identification) -> Iterator[Phrase]:
 
 def _certain(a: Identification) -> Phrase:
     start = "Estimated, not proven. Errors are those of the curvature at the least sum of squares, and hold if the model is right"
-    if a.verdict.fits is None:
+    if a.verdict.square is None:
         return start, "; their size is that of the residuals themselves. Nothing is said of other frequencies."
     return (
         start, ", if the discs are, and if neighbouring lines are independent; then the box holds the true values with a ",

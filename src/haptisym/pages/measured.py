@@ -165,7 +165,7 @@ def _step_2(e: MeasuredEvaluation) -> Iterator[Block]:
     if rows:
         caption = "What is felt at the lines that exceed, where their discs tell it; how it is felt between lines is not told."
         columns = Column((OMEGA, " (rad/s)")), Column("lines", number=True), Column("part"), Column("felt as")
-        yield Table(columns, rows, caption)
+        yield Table(columns, rows[:MOST_ROWS], caption)
     if len(rows) > MOST_ROWS:
         yield Notes((f"The first {MOST_ROWS} groups of lines that are felt alike; JSON has every line.",))
     if not rows:
