@@ -15,6 +15,7 @@ from scipy.stats import f as fisher
 import haptisym as hs
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.pages.measuredlines import linearity, measured_words
+from haptisym.writing.document import Section, Strong, Table
 from haptisym.writing.plain import said
 
 SPRING = hs.environments.mass_spring_damper(k=100)
@@ -212,3 +213,18 @@ def test_a_display_is_called_not_linear_where_chance_makes_that_of_it_once_in_a_
     assert (what is not None) == (chance < 0.01)
     assert what is None or f"it {what}: " in text
     assert linearity(replace(estimated.welch, cube=None)) is None
+
+
+def test_a_line_that_exceeds_stands_out_and_no_other_does() -> None:
+    page = judged([0, 9, 30], **disc(2, 3)).document()
+    [table] = [
+        x
+        for part in page.blocks
+        if isinstance(part, Section) and part.name == "step-1"
+        for x in part.blocks
+        if isinstance(x, Table)
+    ]
+    strong = {said(cell) for line in table.rows for cell in line if isinstance(cell, Strong)}
+    plain = {cell for line in table.rows for cell in line if isinstance(cell, str)}
+    assert strong == {"exceeds"}
+    assert {"below", "unresolved"} <= plain
