@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
+from sympy import Expr
+
 from haptisym.judge.criteria import Criterion
 from haptisym.kernel.decimals import outward
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver
@@ -12,6 +14,7 @@ from haptisym.model.quantities import unit_text
 from haptisym.pages.late import proof
 from haptisym.pages.words import both, exactly, page_about, rounded, rule, short, symbol
 from haptisym.verbs.require.feasible import Binding, End, Kind, Span
+from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.required import Requirement
 from haptisym.writing.document import (
     Block,
@@ -156,12 +159,24 @@ def _nearest(r: Requirement) -> Iterator[Block]:
 
 
 def _ends(r: Requirement) -> Iterator[Block]:
-    rows = [(exactly(x.value, r.digits), _part(b), _where(b)) for x in r.ends for b in x.bindings if x.value]
+    rows = dict.fromkeys(
+        (exactly(x.value, r.digits), _part(b), _where(b)) for x in r.ends for b in x.bindings if x.value
+    )
     if rows:
         columns = Column(heading(r.free), number=True), Column("binds"), Column("where")
         yield Table(columns, tuple(rows), "What binds at each end, proven.")
-    elif r.feasible:
+    elif r.feasible and all(_is_asked(x, y) for span in r.feasible for x, y in _beside(span, r.domain)):
         yield Paragraph("Nothing binds at an end.")
+
+
+def _beside(x: Span, of: Domain) -> tuple[tuple[End, Expr | None], ...]:
+    """Both ends with those of what was asked about."""
+    return (x.low, of.low), (x.high, of.high)
+
+
+def _is_asked(x: End, asked: Expr | None) -> bool:
+    """Whether values end there because no others were asked about."""
+    return x.value is None if asked is None else x.value is not None and float(x.value) == float(asked)
 
 
 def heading(free: Knob) -> Phrase:
