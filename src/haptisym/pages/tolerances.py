@@ -137,7 +137,7 @@ def values(found: Mapping[str, Expr]) -> Phrase:
 def _enclosures(a: Tolerances) -> Block:
     region = joint(a.criteria)
     if not a.enclosures:
-        return Paragraph(f"{nothing_meets(region)} on the band, for no values within the ranges: proven.")
+        return Paragraph(f"{nothing_meets(region)} on the band, for any values within the ranges: proven.")
     columns = (
         Column("distortion" if region else "ratio"), Column("from (rad/s)", number=True),
         Column("to (rad/s)", number=True), Column("crossings"), Column("it grows with"), Column("it falls with"),
