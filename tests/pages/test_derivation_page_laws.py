@@ -52,7 +52,7 @@ def shown(scene: hs.Scene) -> dict[str, Section]:
     return {str(x.title): x for x in found if isinstance(x, Section)}
 
 
-M, B, K, WC = 1.23456789, 3.1415926535, 97.531, 37.123456
+M, B, K, WC, BS = 1.23456789, 3.1415926535, 97.531, 37.123456, 1.618033988
 SCENES = {
     "lag": Case(
         hs.Scene(E.mass_spring_damper(m=2, b=3, k=100), (F.first_order_lag(20),)),
@@ -63,6 +63,15 @@ SCENES = {
         hs.Scene(E.mass_spring_damper(m=str(M), b=str(B), k=str(K)), (F.first_order_lag(str(WC)),)),
         lambda s: M * s * s + B * s + K, lambda s: (M * s * s + B * s + K) * WC / (s + WC),
         {"m": M, "b": B, "k": K, "omega_c": WC},
+    ),
+    "long quotient": Case(
+        hs.Scene(E.mass_spring_damper(b=str(B), k=str(K)), (F.first_order_lag(str(WC)), F.shunt(b=str(BS)))),
+        lambda s: B * s + K, lambda s: (B * s + K) * WC / (s + WC) + BS * s,
+        {"b": B, "k": K, "omega_c": WC, "b_shunt": BS},
+    ),
+    "long delay": Case(
+        hs.Scene(E.mass_spring_damper(k=str(K)), (F.delay("12.3456789 ms"), F.shunt(b=str(BS)))),
+        lambda s: K, lambda s: K * cmath.exp(-0.0123456789 * s) + BS * s, {"k": K, "tau": 0.0123456789, "b": BS},
     ),
     "in between": Case(
         hs.Scene(E.mass_spring_damper(k=100), (F.shunt(b=4), F.compliance(k=500))),
@@ -172,7 +181,7 @@ def test_threshold_polynomials_are_positive_exactly_where_a_ratio_exceeds(name: 
     section = case.shown["Threshold polynomials"]
     kind = (
         "polynomials in ω, its powers, sines and cosines with"
-        if name in ("delay", "clock")
+        if name in ("delay", "long delay", "clock")
         else "polynomials in ω² with"
     )
     assert f"r_r exceeds exactly where p_r > 0 and r_i exceeds exactly where p_i > 0. These are {kind}" in words(

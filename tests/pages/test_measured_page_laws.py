@@ -15,7 +15,7 @@ from scipy.stats import f as fisher
 import haptisym as hs
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.pages.measuredlines import linearity, measured_words
-from haptisym.writing.document import Section, Strong, Table
+from haptisym.writing.document import Figure, Section, Strong, Table
 from haptisym.writing.plain import said
 
 SPRING = hs.environments.mass_spring_damper(k=100)
@@ -83,6 +83,40 @@ def test_the_discs_of_a_coherence_are_told_with_what_would_resolve_the_open_line
         m = float(told)
         own = [fisher.ppf(0.95, 2, 2 * x - 2) / (x - 1) * (1 - at) / at for x in (m - 1, m + 1)]
         assert own[1] < need**2 < own[0]
+
+
+def test_of_a_limit_that_grows_with_frequency_the_smallest_sets_the_coherence_that_is_needed() -> None:
+    n = 20
+    factor = fisher.ppf(0.95, 2, 2 * n - 2) / (n - 1)
+    found = judged([0, 0, 0], coherence=[0.99] * 3, averages=n, threshold={"real": "(1 + omega)/40", "imag": "0.2"})
+    need = factor / (factor + (1 / 20) ** 2)
+    assert f"a disc of 5 % of what is felt needs a coherence of at least {need:.7g}" in flat(found)
+
+
+def test_between_the_lines_is_told_by_a_bound_on_the_slope_and_only_where_one_was_stated() -> None:
+    """Discs of 1 N/m grow by 2 N/m to half-way between lines 1 rad/s apart: 0 +- 3 is below 10, 30 +- 3 exceeds."""
+    found = judged([0, 0, 2, 30, 30], slope="4 N*s/m", **disc(1, 5))
+    text = flat(found)
+    assert "slope |dH/dω| at most 4 N·s/m" in text
+    assert "Between the lines, by the bound on the slope" in lines(found)
+    assert "half-way between lines its radius is at most 3 % of the environment's magnitude." in text
+    assert "and between them as far as the bound on the slope tells, which was stated and is not tested" in text
+    assert "nothing is said between the lines" not in text
+    assert "CONTRADICTED: in 1 gap between lines, the first from 3 to 4 rad/s, lines differ by more than their discs and the bound allow." in text  # fmt: skip
+    told = re.search(r"r_r \(real part\) exceeds its threshold on (\S+) of 4 rad/s, is below it on (\S+), and is unresolved on (\S+) rad/s\.", text)  # fmt: skip
+    assert told
+    assert [float(x) for x in told.groups()] == pytest.approx([1, 2, 1])
+    bare = flat(judged([0, 0, 2], **disc(1, 3)))
+    assert "at the measured frequencies alone, and nothing is said between the lines." in bare
+    assert "slope" not in bare
+
+
+def test_a_region_has_a_figure_of_the_plane_and_two_thresholds_have_none() -> None:
+    ellipse = {"shape": "ellipse", "real": "0.1", "imag": "0.2"}
+    for threshold, names in (("0.1", ["ratios"]), (ellipse, ["ratios", "plane"])):
+        page = judged([0, 9, 30], threshold=threshold, **disc(2, 3)).document()
+        step = next(x for x in page.blocks if isinstance(x, Section) and x.name == "step-1")
+        assert [x.name for x in step.blocks if isinstance(x, Figure)] == names
 
 
 def test_what_no_bench_resolves_is_said_to_be_more_than_can_be_measured() -> None:

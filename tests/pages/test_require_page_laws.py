@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from math import pi, sqrt
+from math import asin, pi, sqrt
 from typing import Any
 
 import pytest
@@ -98,6 +98,13 @@ def test_a_lag_is_transparent_from_a_cutoff_on_that_the_high_end_of_the_band_set
     assert text.endswith("none is missed and none invented; every digit is proven, not sampled.")
     assert "Nothing binds" not in text
     assert "Nearest" not in text
+
+
+def test_a_delay_is_transparent_up_to_one_that_the_high_end_of_the_band_sets() -> None:
+    """sin(15 tau) = 0.1; none is shorter than nothing."""
+    text = flat(hs.require(scene(SPRING, F.delay("10 ms")), "tau"))
+    assert f"exactly for 0 ≤ τ ≤ {asin(0.1) / 15:.5g} s." in text
+    assert "τ = asin(c)/ω_max" in text
 
 
 def test_no_value_of_a_range_is_told_with_the_nearest_one_and_how_far_that_is() -> None:
