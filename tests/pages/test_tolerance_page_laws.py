@@ -197,3 +197,20 @@ def test_a_hand_with_numbers_is_named_without_ranges() -> None:
     text = flat(hs.tolerances(scene, samples=0))
     assert (9 + 20 * 0.5) * (10 + 20 * 9) > 0.5 * 20 * (10 + 101)  # by Routh
     assert "Proven: held in own, the display is stable for ALL values within the ranges." in text
+
+
+def test_a_hand_about_an_axis_varies_in_the_units_of_a_rotation() -> None:
+    hand = hs.Hand("wrist", m=["0.010 kg*m^2", "0.011 kg*m^2"], b="0.2 N*m*s/rad", k="1 N*m/rad")
+    scene = hs.Scene(E.mass_spring_damper(k="1 N*m/rad"), (F.shunt(b="0.1 N*m*s/rad"),), (1, 10), "0.1", hands=(hand,))
+    assert row(hs.tolerances(scene, samples=0), "m_h").startswith("0.01 0.011 kg·m² by ")
+
+
+def test_work_that_was_cut_short_is_told_with_the_limit_and_the_sets_that_were_drawn(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    told = "Work was cut short to keep within the limit of 0.5 s: enclosures may be wider than they need be, and 5 sets of values were drawn. What is said to be proven is."  # fmt: skip
+    found = beside("100 N/m", "0.5", "2", 10, samples=5)
+    with monkeypatch.context() as given:
+        given.setattr(hs.Tolerances, "limit", 0.5)
+        assert told in flat(found)
+    assert "Work was cut short" not in flat(found)
