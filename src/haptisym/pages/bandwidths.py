@@ -68,7 +68,7 @@ def _said(found: Bandwidths, threshold: Threshold) -> Phrase:
         return "the bandwidth is at most ", both(found.most), "; some give none."
     least, most = found.least, found.most
     if least is most or least.bounds(200) == most.bounds(200):
-        return "the bandwidth is ", both(least), ", whichever it is."
+        return "the bandwidth is ", both(least), ", where there is one." if found.blocked else ", whichever it is."
     ends: Phrase = ("the bandwidth is at least ", both(least), " and at most ", both(most), "; ")
     if found.undecided:
         return ends, "both are reached."
