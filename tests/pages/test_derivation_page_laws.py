@@ -17,7 +17,7 @@ from sympy import Expr, sympify
 import haptisym as hs
 from haptisym.kernel.symbols import s
 from haptisym.pages.derivation import derivation
-from haptisym.pages.sceneforms import SceneForms
+from haptisym.pages.sceneforms import DIFFERENCE, DYNAMICS, FELT, RATIO_FORMS, RELATIVE, SceneForms
 from haptisym.writing.document import Equations, Line, Paragraph, Section
 from haptisym.writing.plain import said
 
@@ -278,3 +278,25 @@ def test_the_functions_of_a_region_with_many_corners_are_counted_and_not_written
     assert (words(section) == told) == (corners == 7)
     assert len([*lines(section)]) == (12 if corners == 6 else 0)
     assert ("Written up to a positive factor (to ten digits after ≈):" in words(section)) == (corners == 6)
+
+
+@pytest.mark.parametrize("name", ["long numbers", "long quotient", "long delay", "in between"])
+def test_closed_forms_in_numbers_are_near_and_those_that_are_not_rounded_exact(name: str) -> None:
+    """Ratios too, which hold a root and a modulus."""
+    case = SCENES[name]
+    forms = SceneForms(hs.evaluate(case.scene))
+    found = {
+        said(x.left): x
+        for group in (DYNAMICS, DIFFERENCE, RATIO_FORMS, RELATIVE, FELT)
+        for x in forms.in_numbers(group)
+    }
+    assert set(found) == set(truth(case, 1.0)) - {"H_env"}
+    assert ("≈" in {x.relation for x in found.values()}) == name.startswith("long")
+    for left, line in found.items():
+        assert free_names(line) <= {"s", "omega"}
+        for at in FREQUENCIES:
+            true = truth(case, at)[left]
+            close = 2e-4 if line.relation == "≈" else 1e-9
+            assert abs(value(line.value, case, at) - true) <= close * (
+                abs(true) + 0.02 * abs(truth(case, at)["H_env"])
+            ), (left, at)
