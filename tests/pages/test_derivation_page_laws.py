@@ -221,6 +221,15 @@ def test_a_changeover_of_the_environment_and_as_felt_is_told_where_it_has_a_form
     assert "changeover" not in words(SCENES["no effect"].shown["Perceived properties"])
 
 
+def test_what_stands_beside_adds_and_what_yields_adds_in_series() -> None:
+    told = "Effect 1, shunt, adds the impedance Z_1. Effect 2, compliance, adds the compliance Y_2 in series."
+    assert told in words(SCENES["in between"].shown["Dynamics"])
+    assert "Effect 1, first-order-lag, multiplies the force by G_1." in words(SCENES["lag"].shown["Dynamics"])
+    both = words(SCENES["two-port"].shown["Dynamics"])
+    assert "Effect 1, two-port, is a two-port: H becomes (A_1 H + B_1)/(C_1 H + D_1)." in both
+    assert "adds the impedance Z_2." in both
+
+
 def test_what_a_controller_renders_is_told_as_dynamics_of_its_own() -> None:
     section = SCENES["clock"].shown["Dynamics"]
     assert "The controller renders H_rendered(s) for H_env(s)." in words(section)
