@@ -11,6 +11,7 @@ import pytest
 from pagewords import flat, lines, row
 
 import haptisym as hs
+from haptisym.writing.document import Figure, Section
 
 E, F = hs.environments, hs.effects
 SPRING = E.mass_spring_damper(k="100 N/m")
@@ -190,3 +191,41 @@ def test_whether_there_is_a_bandwidth_may_depend_on_the_region() -> None:
     assert (depends in flat(found)) == (0 < sum(x is None for x in widths.values()) < len(widths))
     swapped = replace(found, regions=(replace(found.regions[0], bandwidth=None), *found.regions[1:]))
     assert (depends in flat(swapped)) == any(x.bandwidth for x in found.regions[1:])
+
+
+# Ranges of other kinds, and figures
+
+
+def test_a_range_of_one_part_alone_is_told_with_the_part_although_both_are_alike_in_the_middle() -> None:
+    assert "For thresholds from 5 % to 15 % (real) the bandwidth is" in said(
+        SPRING, LAG, jnd={"real": ["0.05", "0.15"], "imag": "0.1"}
+    )
+    both = said(SPRING, LAG, jnd={"real": ["0.05", "0.1"], "imag": ["0.08", "0.12"]})
+    assert "For thresholds from 5 % to 10 % (real) and from 8 % to 12 % (imaginary) the bandwidth is" in both
+
+
+def test_a_region_that_may_be_larger_is_told_by_its_scale() -> None:
+    """A damper of 1 N s/m beside 100 N/m leaves an ellipse of 20 % at 20 rad/s times its scale."""
+    ellipse = {"shape": "ellipse", "real": "0.1", "imag": "0.2", "scale": ["0.5", "1.25"]}
+    text = said(SPRING, F.shunt(b=1), band=(1, 30), jnd=ellipse)
+    assert (
+        f"For a JND from 0.5 to 1.25 times as large the bandwidth is at least 10 rad/s ({10 / 2 / pi:.5g} Hz) and at most 25 rad/s"
+        in text
+    )
+    assert "There is none" not in text
+    gain = said(SPRING, F.series("1.06"), jnd={**ellipse, "scale": ["0.25", "2"]})
+    assert "There is none for a scale below 0.6." in gain
+
+
+def figures(page: Any) -> list[str]:
+    """Of a document, those of its sections too; none is drawn."""
+    found = [x.name for x in page.blocks if isinstance(x, Figure)]
+    return found + [name for x in page.blocks if isinstance(x, Section) for name in figures(x)]
+
+
+def test_bandwidths_over_a_range_and_elasticities_are_drawn_where_there_are_any() -> None:
+    ranged = hs.evaluate(scene(SPRING, LAG, jnd="10 % +- 20 %")).document()
+    assert "bandwidths" in figures(ranged)
+    assert "bandwidths" not in figures(hs.evaluate(scene(SPRING, LAG)).document())
+    assert figures(hs.sensitivity(scene(SPRING, LAG)).document()) == ["elasticities"]
+    assert figures(hs.sensitivity(scene(SPRING, F.series("1.2"))).document()) == []

@@ -47,6 +47,7 @@ def test_each_environment_has_its_row_and_the_softest_binds() -> None:
     assert "All of it:" not in text
     assert "effects shunt" in lines(dampers())
     assert "threshold 10 % of |H_env|" in lines(dampers())
+    assert row(dampers(), "band") == f"0 rad/s (0 Hz) to 15 rad/s ({15 / 2 / pi:.5g} Hz)"
     assert "UNDECIDED" not in text
 
 
