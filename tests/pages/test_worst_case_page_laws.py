@@ -137,3 +137,14 @@ def test_where_the_environment_vanishes_a_change_has_no_bound_and_that_is_said()
     at_ten = hs.relevance(scene(E.mass_spring_damper(m=1, k=100), F.shunt(b=1), band=(1, 15)), "0.02")
     assert "Unbounded: near a frequency where H_env = 0 or a dynamics is infinite, no bound exists." in flat(at_ten)
     assert "unbounded" in row(at_ten, "shunt")
+
+
+def test_what_other_regions_say_of_each_environment_and_of_all_is_told() -> None:
+    """A change of the imaginary part alone leaves square, disc and diamond at the same frequency, a tenth of the spring's."""
+    springs = {"soft": 50, "firm": 100}
+    family = hs.SceneFamily({name: scene(E.mass_spring_damper(k=k), F.shunt(b=1)) for name, k in springs.items()})
+    shown = lines(hs.evaluate_all(family, regions=True))
+    for told in ("soft 5 5 5 5", "firm 10 10 10 10", "all 5 5 5 5"):
+        assert shown.count(told) == 1, told
+    assert "All regions give the same common bandwidth, 5 rad/s." in shown
+    assert "Does it survive another JND model?" not in lines(dampers())
