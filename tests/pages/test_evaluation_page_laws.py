@@ -279,3 +279,18 @@ def test_a_closed_form_that_fills_lines_is_told_by_the_number_of_its_terms() -> 
     assert "environment H_env(s) has 40 terms over 1: see `haptisym derive`" in text
     assert "perceived H_perc(s) has 40 terms over 1: see `haptisym derive`" in text
     assert "haptisym derive" not in said(SPRING, LAG)
+
+
+def test_a_ratio_that_touches_its_threshold_is_said_to_with_how_many_roots_meet_there() -> None:
+    """20 w/(w^2 + 400) is at most a half, at 20 rad/s."""
+    shown = hs.evaluate(scene(SPRING, LAG, band=(0, 30), jnd={"real": "0.9", "imag": "0.5"}))
+    assert row(shown, "imag") == f"20.0000000000000 {20 / 2 / pi:.5g} r_i touches 50 % (2-fold) Im dH < 0"
+    assert "fold)" not in said(SPRING, LAG)
+
+
+def test_that_no_ratio_meets_its_threshold_is_said_without_reserve_where_all_is_decided() -> None:
+    found = hs.evaluate(scene(SPRING, F.series("1.05")))
+    assert "No ratio meets its threshold on the band." in flat(found)
+    first = replace(found.chart.points[0], undecided=frozenset(found.criteria[:1]))
+    opened = replace(found, chart=replace(found.chart, points=(first, *found.chart.points[1:])))
+    assert "No ratio meets its threshold on the band, as far as that was decided." in flat(opened)
