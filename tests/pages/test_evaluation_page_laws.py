@@ -10,8 +10,11 @@ from typing import Any
 
 import pytest
 from pagewords import flat, lines, row
+from sympy import Rational
 
 import haptisym as hs
+from haptisym.kernel.reals import ExactNumber
+from haptisym.pages.words import unlike
 from haptisym.writing.document import Figure, Section
 
 E, F = hs.environments, hs.effects
@@ -294,3 +297,29 @@ def test_that_no_ratio_meets_its_threshold_is_said_without_reserve_where_all_is_
     first = replace(found.chart.points[0], undecided=frozenset(found.criteria[:1]))
     opened = replace(found, chart=replace(found.chart, points=(first, *found.chart.points[1:])))
     assert "No ratio meets its threshold on the band, as far as that was decided." in flat(opened)
+
+
+@pytest.mark.parametrize(
+    ("jnd", "told"),
+    [
+        ({"shape": "ellipse", "real": "0.1", "imag": "0.1"}, "an ellipse, 10 % of |H_env|"),
+        ({"shape": "ellipse", "real": "0.1", "imag": "0.2", "tilt": "0.5"}, "an ellipse, 10 % (real) and 20 % (imaginary) of |H_env|, tilt 0.5"),
+        ({"shape": "diamond", "real": "0.1", "imag": "0.1"}, "a diamond, 10 % of |H_env|"),
+        ({"shape": "polygon", "corners": [["0.1", "0"], ["0", "0.2"], ["-0.1", "-0.1"]]}, "a polygon with the corners (10 %, 0 %), (0 %, 20 %) and (-10 %, -10 %) of |H_env|"),
+        ({"real": "0.1", "imag": {"higher": "0.1", "lower": "0.05"}}, "10 % (real) and 10 % higher or 5 % lower (imaginary) of |H_env|"),
+        ({"real": "0.1", "imag": "0.1", "floor": "2 N/m"}, "10 % of |H_env|, and at least 2 N/m"),
+        ({"real": "0.1 + omega/100", "imag": "0.2"}, "0.01 ω + 0.1 (real) and 20 % (imaginary) of |H_env|"),
+    ],
+)  # fmt: skip
+def test_a_region_is_told_with_its_shape_its_widths_and_what_it_has_besides(jnd: Any, told: str) -> None:
+    shown = lines(hs.evaluate(scene(SPRING, F.shunt(b=1), jnd=jnd)))
+    first = next(n for n, x in enumerate(shown) if x.startswith("threshold "))
+    assert " ".join(shown[first : shown.index("", first)]) == f"threshold {told}"
+
+
+def test_frequencies_that_are_near_each_other_are_told_in_order_with_digits_that_differ() -> None:
+    """As they would be where a band is a millionth wide."""
+    for row_of in (["2", "2.000001", "3"], ["1.9999999", "2", "2.0000001"], ["5", "7"]):
+        shown = [float(x.digits) for x in unlike([ExactNumber(Rational(x)) for x in row_of])]
+        assert shown == sorted(set(shown))
+        assert shown == pytest.approx([float(x) for x in row_of], rel=1e-5)
