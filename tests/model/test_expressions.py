@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from time import perf_counter
+from time import process_time
 
 import pytest
 from hypothesis import given
@@ -66,10 +66,10 @@ def test_what_is_not_in_the_grammar_is_refused(text: str) -> None:
     ],
 )  # fmt: skip
 def test_what_is_too_large_or_too_deep_is_refused_at_once(text: str) -> None:
-    start = perf_counter()
+    start = process_time()
     with pytest.raises(hs.SceneError) as refused:
         expression(text, parameters={"x": 1})
-    assert perf_counter() - start < 1
+    assert process_time() - start < 1
     assert len(str(refused.value)) < 400
 
 

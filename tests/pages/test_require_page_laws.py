@@ -191,7 +191,7 @@ def test_that_all_others_are_decided_is_not_said_where_there_are_no_others() -> 
     assert others in flat(doubtful((number(10), number(49))))
     assert others in flat(doubtful((number(11), number(50))))
     assert others in flat(doubtful((number(10), number(20)), (number(30), number(50))))
-    assert "from 10 to 20 and 30 to 50" in flat(doubtful((number(10), number(20)), (number(30), number(50))))
+    assert "from 10 to 20 and from 30 to 50" in flat(doubtful((number(10), number(20)), (number(30), number(50))))
 
 
 def test_an_undecided_value_without_an_end_goes_on_to_infinity_and_why_is_told() -> None:
