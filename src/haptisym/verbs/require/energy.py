@@ -40,7 +40,6 @@ from haptisym.verbs.require.exactsigns import ExactSign
 _FARTHEST = 2.0**60
 _MOST = 800  # cells of frequency and parameter
 _FIRST = 48
-_BITS = 256
 
 
 class Energy:

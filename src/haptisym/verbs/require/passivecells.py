@@ -218,7 +218,7 @@ class _Search:
 
     @cached_property
     def _ends(self) -> list[ExactSign]:
-        """What must not be negative: Im H_perc just above frequency 0 and far out, and H_perc for large s > 0."""
+        """What must not be negative: Im H_perc just above 0 rad/s and far out, where it turns, too, and H_perc for large s."""
         far = self.energy.far
         return [x for x in (self._opening, far and far[1], self.energy.turning, self.energy.far_right) if x]
 

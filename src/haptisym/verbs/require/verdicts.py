@@ -60,10 +60,13 @@ class Question:
         at = [self._at(i, places, cells) for i in range(len(places))]
 
         def end(i: int, *, closed: bool) -> End:
-            found = places[i]
+            found, beside = places[i], cells[max(i - 1, 0) : i + 1]
             if found is None:
                 return End(None, closed)
-            return End(found.value, closed, () if self._is_edge(found.value) else found.bindings)
+            is_alone = bool(beside) and all(
+                x is False for x in beside
+            )  # then it binds, be it an end of the domain or not
+            return End(found.value, closed, found.bindings if is_alone or not self._is_edge(found.value) else ())
 
         found = runs([x is True for x in at], [x is True for x in cells])
         spans = []
