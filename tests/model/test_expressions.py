@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from fractions import Fraction
 from time import process_time
@@ -9,7 +10,7 @@ from time import process_time
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sympy import Rational
+from sympy import Eq, Rational, pi, true
 
 import haptisym as hs
 from haptisym.environments import expression
@@ -227,8 +228,39 @@ def test_names_of_parameters_may_not_hide_the_variable() -> None:
 
 
 def test_an_unknown_name_lists_the_known_ones() -> None:
-    with pytest.raises(hs.SceneError, match="known are s, m, k"):
+    with pytest.raises(hs.SceneError, match="known are s, pi, m, k"):
         expression("m*s^2 + c*s + k", parameters={"m": "1 kg", "k": "1 N/m"})
+
+
+@pytest.mark.parametrize("hertz", ["12", "0.5", "1e3"])
+def test_pi_in_a_formula_is_exact_as_it_is_in_a_frequency_in_hertz(hertz: str) -> None:
+    wall = hs.environments.mass_spring_damper(2, 15, 100)
+    by_hand = hs.effects.series("1/(1 + s/(2*pi*f))", parameters={"f": f"{hertz} 1/s"})
+    of_catalogue = hs.effects.first_order_lag(f"{hertz} Hz")
+    assert hs.distort(wall, by_hand).perceived.equals(hs.distort(wall, of_catalogue).perceived)
+    one, two = (hs.evaluate(hs.Scene(wall, (x,), (0, 40), "0.05")) for x in (by_hand, of_catalogue))
+    assert [x.omega.digits(40) for x in one.crossings] == [x.omega.digits(40) for x in two.crossings]
+    assert one.certified
+
+
+def test_a_threshold_may_be_a_formula_in_hertz() -> None:
+    wall, lag = hs.environments.mass_spring_damper(2, 15, 100), hs.effects.first_order_lag(30)
+    found = hs.evaluate(hs.Scene(wall, (lag,), (0, 40), "0.05 + omega/(2*pi)/50")).crossings
+    assert found
+    for x in found:
+        w = complex(0, float(x.omega))
+        H, G = 2 * w**2 + 15 * w + 100, 30 / (w + 30)
+        change = (G * H - H) / abs(H)
+        part = change.real if x.part is hs.Part.REAL else change.imag
+        assert abs(part) == pytest.approx(
+            0.05 + w.imag / (2 * math.pi) / 50, abs=1e-12
+        )  # of floats, far above their last digit
+
+
+def test_a_power_of_pi_in_a_formula_is_whole() -> None:
+    with pytest.raises(hs.SceneError, match="of s alone"):
+        expression("pi^0.5*s")
+    assert Eq(expression("pi^2*s").H, pi**2 * symbol) is true
 
 
 def test_a_number_is_a_formula() -> None:

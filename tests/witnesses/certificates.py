@@ -52,7 +52,8 @@ LATE = {
     "two delays": _LATE + '[[effects]]\nmodel = "shunt"\nm = "1/10 kg"\n[[effects]]\nmodel = "delay"\ntau = "33.3 ms"\n',
     "a clock": '[environment]\nmodel = "kelvin-voigt"\nk = 500\nb = 3\n[[effects]]\nmodel = "sampled-loop"\nT = "2 ms"\n'
                'method = "tustin"\ndelay = 1\n[[effects]]\nmodel = "shunt"\nm = "45 g"\n[evaluation]\nband = [5, 60]\n',
-    "a delay, and pi": _LATE + '[[effects]]\nmodel = "first-order-lag"\nomega_c = "10 Hz"\n[evaluation]\nband = ["0 Hz", "2 Hz"]\n',
+    "a delay, and pi": _LATE + '[[effects]]\nmodel = "series"\nG = "1/(1 + s/(2*pi*f))"\nparameters = { f = "10 1/s" }\n'
+                       '[evaluation]\nband = ["0 Hz", "2 Hz"]\n',
 }  # fmt: skip
 _LAGGED = '[[effects]]\nmodel = "first-order-lag"\nomega_c = 60\n'
 FRACTIONAL = {

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from functools import wraps
 from typing import Any, TypeAlias, get_args, get_type_hints
 
-from sympy import Expr, Float, Integer, Pow, Symbol
+from sympy import Expr, Float, Integer, Pow, Symbol, pi
 
 from haptisym.kernel.errors import SceneError, meant, quoted
 from haptisym.kernel.shown import Shown
@@ -276,7 +276,7 @@ def _read(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
         given = str(given)
     if not isinstance(given, str):
         raise SceneError(f"{key}: {quoted(given)} is not a formula: write it as a string")
-    names: dict[str, Expr] = {"s": s, **{p.symbol.name: p.symbol for p in parameters}}
+    names: dict[str, Expr] = {"s": s, "pi": pi, **{p.symbol.name: p.symbol for p in parameters}}
     try:
         return expressions.evaluate(given, number=_number, name=lambda name: _known(name, names))
     except SceneError as error:

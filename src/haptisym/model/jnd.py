@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Any
 
-from sympy import Expr, Integer, Rational
+from sympy import Expr, Integer, Rational, pi
 
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError
@@ -252,7 +252,7 @@ def formula(key: str, given: object) -> Expr | None:
         value: Expr = given.xreplace(dict.fromkeys(given.free_symbols, omega))
     elif isinstance(given, str) and _NAMES_OMEGA.search(given):
         try:
-            value = expressions.evaluate(given, number=decimal, name={omega.name: omega}.__getitem__)
+            value = expressions.evaluate(given, number=decimal, name={omega.name: omega, "pi": pi}.__getitem__)
         except SceneError as error:
             raise error.within(key) from None
     else:
@@ -261,7 +261,7 @@ def formula(key: str, given: object) -> Expr | None:
         Ring().axis.convert(value)
     except SceneError:
         raise SceneError(
-            f'{key}: "{given}" is no rational formula in omega: numbers, omega, + - * / and whole powers'
+            f'{key}: "{given}" is no rational formula in omega: numbers, pi, omega, + - * / and whole powers'
         ) from None
     return value
 
