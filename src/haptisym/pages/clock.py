@@ -19,13 +19,28 @@ _CONDITION = "Colgate and Schenkel's condition"
 
 
 def looked_at(rows: Sequence[Nearest]) -> list[Phrase]:
-    """As far as numbers of a loop with a clock were looked at, where no value was found on a side."""
+    """As far as numbers of a loop with a clock were looked at, where no value was found on a side, and that has an end."""
     told: list[Phrase] = []
     for x in rows:
-        if x.low is not None and x.high is not None and len(x.found) < 2:
-            ends = short(ExactNumber(_rational(x.low))), " to ", short(ExactNumber(_rational(x.high)))
-            told.append((f"{x.path}: looked at from ", *ends, "; what is beyond was not."))
+        low, high = (None if end is None else short(ExactNumber(_rational(end))) for end in _left(x))
+        if low is not None and high is not None:
+            told.append((f"{x.path}: looked at from ", low, " to ", high, "; what is beyond was not."))
+        elif low is not None:
+            told.append((f"{x.path}: looked at from ", low, " on; what is below was not."))
+        elif high is not None:
+            told.append((f"{x.path}: looked at up to ", high, "; what is beyond was not."))
     return told
+
+
+def _left(x: Nearest) -> tuple[Fraction | None, Fraction | None]:
+    """The ends of what was looked at that are not beside a value that was found."""
+    low, high = x.low, x.high
+    for value in (Fraction(float(y.value)) for y in x.found):
+        if x.high is None or (x.low is not None and abs(value - x.low) < abs(value - x.high)):
+            low = None
+        else:
+            high = None
+    return low, high
 
 
 def _rational(x: Fraction) -> Rational:

@@ -139,7 +139,7 @@ def _going(found: Stability, x: Held, rows: tuple[Nearest, ...]) -> Section:
         "The nearest values, either way, at which the number of unstable roots changes, and where it then oscillates."
     )
     blocks: list[Block] = [Table(columns, lines, caption)] if lines else []
-    never = [near.path for near in rows if not near.found and not near.reason and near.low is None]
+    never = [x.path for x in rows if not x.found and not x.reason and x.low is x.high is None]
     notes: list[Phrase] = (
         [(listed(never), ": the number of unstable roots is the same for all values.")] if never else []
     )

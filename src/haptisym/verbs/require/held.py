@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from itertools import islice
 from typing import Any
 
@@ -79,16 +80,21 @@ def solve_stable(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
 
 def _with_a_clock(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved:
     """By Schur and Cohn's count between the values at which roots of the sampled loop reach the unit circle."""
-    loop, found, (low, high) = passages_in(scene, hand, free, (asked.low, asked.high))
+    loop, found = passages_in(scene, hand, free, (asked.low, asked.high))
     criterion = stable_in(hand)
-    turns = [Turn(x.value, (Binding(criterion, x.omega, Kind.AXIS),)) for x in found]
+    turns = [Turn(x.value, (Binding(criterion, x.omega, Kind.AXIS),)) for x in found.found]
+    beyond = (_rational(found.low), _rational(found.high))
 
     def verdict(value: Expr) -> bool | None:
         return loop.count(Rational(value))[0] == 0
 
     return Question(
-        turns, verdict, asked, closed=False, beyond=(low, high), gone=missing(scene, free), own=free.value
+        turns, verdict, asked, closed=False, beyond=beyond, gone=missing(scene, free), own=free.value
     ).solve()
+
+
+def _rational(x: Fraction | None) -> Rational | None:
+    return None if x is None else Rational(x.numerator, x.denominator)
 
 
 def _is_clear(loop: Loop, turn: Turn) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
@@ -78,9 +79,9 @@ class Stability(Answer):
             own["whole_box"] = box.share.value if box.share else None
             left += [{"path": x.hand.name, "reason": box.reason}] if box.reason else []
         looked = [
-            {"path": y.path, "from": float(y.low), "to": float(y.high)}
+            {"path": y.path, "from": _end(y.low), "to": _end(y.high)}
             for y in rows
-            if y.low is not None and y.high is not None
+            if y.low is not None or y.high is not None
         ]
         own |= {"looked_at": looked} if looked else {}
         return own | ({"undecided": left} if left else {}) | chain | reason
@@ -93,6 +94,10 @@ class Stability(Answer):
         }
         omega = None if x.omega is None else float(x.omega)
         return {"path": x.path, **value, "omega": omega, "stable_side": x.stable_side}
+
+
+def _end(x: Fraction | None) -> float | None:
+    return None if x is None else float(x)
 
 
 def _hand(x: Hand) -> dict[str, Any]:

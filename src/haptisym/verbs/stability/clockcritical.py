@@ -16,18 +16,18 @@ import flint
 from flint import acb_poly, arb
 from sympy import Expr, Integer, Rational, Symbol
 
-from haptisym.kernel.budget import left, limited, tick
+from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.nearone import at_one, circle_tests, is_clear
 from haptisym.kernel.pulse import SampledLoop
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
+from haptisym.kernel.reals import Ball, ExactNumber, expression_ball
 from haptisym.kernel.schurcohn import count_on_circle
 from haptisym.model.hand import Hand
 from haptisym.model.knobs import Knob
 from haptisym.model.parameters import Rule
 from haptisym.model.scene import Scene
 from haptisym.verbs.stability.clocked import loop_of
-from haptisym.verbs.stability.clockvalues import CriticalValue, Swing
+from haptisym.verbs.stability.clockvalues import CriticalValue, Passage, Swing
 
 _BITS = 128
 _REACH = 10  # times that a value is doubled, and halved, at the most
@@ -36,51 +36,6 @@ _STEPS = (8, 64, 512)  # of such cells, over which roots are more or fewer, or p
 _DEEPEST = 8  # times that these are cut
 _GROWTH = Fraction(1, 2)  # of a cell, to the next
 _MOST_CELLS, _MOST_FINE = 1000, 40  # on a side; of them the shortest
-
-
-@dataclass(frozen=True)
-class Passage:
-    """A ``value`` at which the number of roots with |z| >= 1 changes, from ``below`` to ``above``; ``omega`` : theirs, rad/s."""
-
-    value: RealNumber
-    omega: RealNumber
-    below: int
-    above: int
-
-
-@dataclass(frozen=True)
-class Passages:
-    """Those ``found``, and between which values (``low``, ``high``) all are."""
-
-    found: tuple[Passage, ...]
-    low: Fraction | None = None
-    high: Fraction | None = None
-
-
-def passages(scene: Scene, hand: Hand, free: Knob) -> Passages:
-    """The nearest below the value that a number has, and the nearest above it. UndecidedError where that stays open."""
-    if free.rule not in (Rule.POSITIVE, Rule.NONNEGATIVE, Rule.ANY):
-        raise UndecidedError("an order in a loop with a clock")
-    loop = opened(scene, hand, free)
-    if loop.is_fixed:
-        return Passages(())
-    start = start_of(loop, free.value)
-    home = loop.count(start)
-    if home[1]:
-        raise UndecidedError("how far a number may go that has roots on the unit circle now")
-    walk = Walk(loop, _fraction(start), home[0], free.rule)
-    (below, low), (above, high) = (in_half_the_time(walk, side) for side in (-1, 1))
-    if low == high:
-        tick()
-        raise UndecidedError("how far a number may go next to whose value roots come to the unit circle")
-    return Passages(tuple(x for x in (below, above) if x is not None), low, high)
-
-
-def in_half_the_time(walk: Walk, side: int) -> tuple[Passage | None, Fraction]:
-    """Something is left for the other side, and for other numbers."""
-    seconds = left()
-    with limited(seconds / 2 if seconds else None):
-        return walk.towards(side)
 
 
 def opened(scene: Scene, hand: Hand, free: Knob) -> Opened:
@@ -290,10 +245,6 @@ class Walk:
 def _short(x: Fraction) -> Fraction:
     """A number nearby with few digits, so that sums of many steps have no more."""
     return Fraction(float(x))
-
-
-def _fraction(x: Rational) -> Fraction:
-    return Fraction(int(x.p), int(x.q))
 
 
 def _ball(x: Fraction) -> Any:

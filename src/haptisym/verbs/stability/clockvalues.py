@@ -91,5 +91,38 @@ class Swing(RealNumber):
             return theta / self.value.loop.period(q)
 
 
+@dataclass(frozen=True, repr=False)
+class Inverse(RealNumber):
+    """1/x, or -1/x, of a number x > 0.
+
+    >>> from sympy import Integer
+    >>> from haptisym.kernel.reals import ExactNumber
+    >>> Inverse(ExactNumber(Integer(3)), -1).digits(5)
+    '-0.33333'
+    """
+
+    number: RealNumber
+    sign: int
+
+    def ball(self, bits: int) -> Ball:
+        with flint.ctx.workprec(bits + 16):
+            return self.sign / self.number.ball(bits + 8)
+
+
+@dataclass(frozen=True)
+class Passage:
+    """A ``value`` at which the number of roots with |z| >= 1 changes, from ``below`` to ``above``; ``omega`` : theirs, rad/s."""
+
+    value: RealNumber
+    omega: RealNumber
+    below: int
+    above: int
+
+    def inverse(self, side: int) -> Passage:
+        """Of 1/value, or (side -1) of -1/value."""
+        ends = (self.above, self.below) if side > 0 else (self.below, self.above)
+        return Passage(Inverse(self.value, side), self.omega, *ends)
+
+
 def _exactly(x: Fraction) -> Ball:
     return arb(x.numerator) / arb(x.denominator)

@@ -20,7 +20,7 @@ from haptisym.model.hand import Hand
 from haptisym.model.knobs import Knob
 from haptisym.model.scene import Scene
 from haptisym.verbs.stability.boundary import meetings
-from haptisym.verbs.stability.clockcritical import passages
+from haptisym.verbs.stability.clockrange import passages
 from haptisym.verbs.stability.curves import Gap, Meeting, Meetings
 from haptisym.verbs.stability.loops import ALLOWED, Loop
 from haptisym.verbs.stability.tally import Tally
@@ -63,7 +63,7 @@ class Critical(Shown):
 class Nearest:
     """The nearest values below and above at which the count changes, as far as they are there; ``reason`` : what stayed open.
 
-    ``low``, ``high`` : the values that were looked at, if not all were; up to a value that was found all are.
+    ``low``, ``high`` : between which values was looked, None where that has no end; up to a value that was found all are.
     """
 
     path: str
