@@ -101,7 +101,7 @@ class OnCircle:
     def _is_never_negative(self, formula: Expr) -> bool:
         """Whether it is a sum of products of what is not negative, for any values."""
         terms = formula.expand().as_ordered_terms()
-        lows = [self.ranges[x][0] for x in formula.free_symbols if x in self.ranges]
+        lows = [self.ranges[x][0] for x in formula.free_symbols]
         return all(x.as_coeff_Mul()[0] >= 0 for x in terms) and all(sign_of_number(x) >= 0 for x in lows)
 
     @cached_property
