@@ -67,7 +67,7 @@ def test_past_values_that_balls_leave_open_ever_more_of_them_are_taken_until_som
 def test_a_stretch_holds_none_where_pieces_as_narrow_as_may_be_are_clear(depth: int, narrow: int) -> None:
     """Balls are told as clear if they are no wider than 1/2^narrow and hold no bad value."""
     asked: list[Any] = []
-    for bad in (None, Fraction(1, 3), Fraction(2, 3), Fraction(4, 3)):
+    for bad in (None, Fraction(1, 3), Fraction(2, 3), Fraction(1), Fraction(4, 3)):
 
         def is_clear(q: Any, bad: Fraction | None = bad) -> bool:
             asked.append(q)
