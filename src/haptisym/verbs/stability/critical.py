@@ -230,7 +230,7 @@ def _crowded(gap: Gap) -> str:
     """Why the nearest value was not found."""
     low, high = ("" if x is None else x.digits(8) for x in (gap.low, gap.high))
     where = f"from {low} to {high}" if low and high else f"beyond {low}" if low else f"below {high}"
-    return f"{gap.reason or _ENDLESS}, {where}"
+    return f"{gap.reason or _ENDLESS}, {where}" if low or high else gap.reason or _ENDLESS
 
 
 def _nearer(window: Expr | None, allowed: Expr | None, side: int) -> tuple[RealNumber | None, bool]:
