@@ -202,12 +202,9 @@ def _place(
     """Where alone in a piece the condition can bind; KEPT if it is largest where it is known to be kept."""
     a, b = cluster[0].low, cluster[-1].high
     bent = all(box.bend < 0 for box in cluster)
-    even = (
-        bool(a == 0) and not strip.whole.exponents and not strip.shape.order_at_zero
-    )  # a function of omega^2: its slope is 0 at 0
     rises = all(box.slope > 0 or (box.bend < 0 and _slope(strip, box.high) > 0) for box in reversed(cluster))
     falls = all(
-        box.slope < 0 or (box.bend < 0 and (even if box.low == 0 else _slope(strip, box.low) < 0)) for box in cluster
+        box.slope < 0 or (box.bend < 0 and (_is_level(strip, box.low) or _slope(strip, box.low) < 0)) for box in cluster
     )
     if rises:
         return CriticalPlace(Kind.EDGE, a, b, band[1]) if b == high else CellVerdict.KEPT
@@ -216,6 +213,11 @@ def _place(
     if bent and _slope(strip, a) > 0 and _slope(strip, b) < 0:
         return CriticalPlace(Kind.TOUCH, a, b)
     return CellVerdict.OPEN
+
+
+def _is_level(strip: Strip, x: Ball) -> bool:
+    """Whether the slope is 0 there as that of a function of omega^2 is at 0: a fall begins there too."""
+    return bool(x == 0) and strip.shape.is_even
 
 
 def _slope(strip: Strip, x: Ball) -> int:
