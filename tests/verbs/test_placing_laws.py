@@ -179,7 +179,8 @@ def test_of_a_map_is_known_what_is_asked_where_and_by_which_criteria() -> None:
         with pytest.raises(hs.SceneError, match="ranges"):
             asked(ranges=ranges)
     for wrong in ([(1, 1), (50, 500)], [("0.4", "0.6"), (9, 2)], [(-3, -1), (50, 500)]):
-        pytest.raises(hs.SceneError, asked, ranges=wrong)
+        with pytest.raises(hs.SceneError):
+            asked(ranges=wrong)
 
 
 def test_further_thresholds_are_each_asked_once_and_only_where_they_mean_something() -> None:
@@ -202,7 +203,8 @@ def test_further_thresholds_are_each_asked_once_and_only_where_they_mean_somethi
     with pytest.raises(hs.SceneError, match="given by its corners"):
         asked(polygon, jnd=("0.2",))
     for wrong in ("-0.1", "0.2 N", 0):
-        pytest.raises(hs.SceneError, asked, jnd=("0.1", wrong))
+        with pytest.raises(hs.SceneError):
+            asked(jnd=("0.1", wrong))
 
 
 @pytest.mark.parametrize("jnd", [(), ("0.2", "0.3")])
