@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from itertools import combinations, pairwise
 from random import Random
 from types import SimpleNamespace
@@ -17,7 +16,7 @@ from sympy import Integer, Rational
 import haptisym as hs
 from haptisym.kernel.budget import Budget
 from haptisym.verbs.require import asking, placing
-from haptisym.verbs.require.asking import Asked, Plan, share_of
+from haptisym.verbs.require.asking import Asked, Plan
 from haptisym.verbs.require.placing import _worst, even, first_places, refined
 from haptisym.verbs.require.slices import Slice
 from haptisym.verbs.require.wishes import WISHES
@@ -137,23 +136,6 @@ def test_where_the_time_is_over_already_no_slice_is_added() -> None:
 
 
 # What is asked
-
-
-@pytest.mark.parametrize(
-    ("given", "value"), [("1 %", Rational(1, 100)), (2, 2), ("1/3", Rational(1, 3)), (Fraction(1, 7), Rational(1, 7))]
-)
-def test_a_share_is_an_exact_positive_number(given: Any, value: Any) -> None:
-    assert share_of(given) == value
-    for wrong in (0, -1, "-1 %", "0"):
-        with pytest.raises(hs.SceneError, match=r"within: .* must be > 0"):
-            share_of(wrong)
-
-
-def test_a_map_has_two_slices_at_least() -> None:
-    assert Plan(2, None).most == 2
-    for wrong in (1, 0, -3, True, 2.5):
-        with pytest.raises(hs.SceneError, match="slices"):
-            Plan(wrong, None)  # type: ignore[arg-type]
 
 
 def asked(

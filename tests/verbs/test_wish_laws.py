@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
 from itertools import combinations
 from typing import Any
 
 import pytest
-from sympy import Integer
+from sympy import Integer, Rational
 
 import haptisym as hs
 from haptisym.judge.criteria import noticed
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.reals import ExactNumber
 from haptisym.verbs.require import wishes as module
+from haptisym.verbs.require.asking import Plan, share_of
 from haptisym.verbs.require.feasible import End, Solved, Span
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.wishes import EVERY_PASSIVE_HAND, WISHES, further, solve_all, wishes
@@ -39,6 +41,23 @@ def test_hands_are_judged_where_stability_is_asked_and_every_passive_one_where_t
     assert [x.kept for x in further(HELD, ("stable",))] == ["stable in one", "stable in two"]
     assert further(HELD, ("passive",)) == (EVERY_PASSIVE_HAND,)
     assert [x.name for x in further(HELD, ("stable", "passive"))] == ["stable", "stable", "passive"]
+
+
+@pytest.mark.parametrize(
+    ("given", "value"), [("1 %", Rational(1, 100)), (2, 2), ("1/3", Rational(1, 3)), (Fraction(1, 7), Rational(1, 7))]
+)
+def test_a_share_is_an_exact_positive_number(given: Any, value: Any) -> None:
+    assert share_of(given) == value
+    for wrong in (0, -1, "-1 %", "0"):
+        with pytest.raises(hs.SceneError, match=r"within: .* must be > 0"):
+            share_of(wrong)
+
+
+def test_a_map_has_two_slices_at_least() -> None:
+    assert Plan(2, None).most == 2
+    for wrong in (1, 0, -3, True, 2.5):
+        with pytest.raises(hs.SceneError, match="slices"):
+            Plan(wrong, None)  # type: ignore[arg-type]
 
 
 def between(low: int, high: int) -> Solved:
