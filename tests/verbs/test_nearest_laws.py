@@ -103,7 +103,7 @@ def test_guesses_are_tried_first_and_the_scenes_own_value_where_it_is_inside_of_
     for low in (None, -4, -3, -2, own):
         for high in (None, 1, 2, 3, own):
             free = SimpleNamespace(value=own)
-            domain = Domain(*(None if x is None else Rational(x) for x in (low, high)))
+            domain = Domain(None if low is None else Rational(low), None if high is None else Rational(high))
             r: Any = SimpleNamespace(scene="scene", free=free, domain=domain, criteria=("criteria",))
             inside = (low is None or low < own) and (high is None or own < high)
             assert [*_tried(r)] == [7, 8, *([own] if inside else [])]
