@@ -184,6 +184,11 @@ def test_a_bound_on_crossings_is_what_was_reached_or_hardly_beyond_the_farthest_
         reached = farthest + out * past
         assert beyond(form, cells, reached, highest=highest) == reached  # type: ignore[arg-type]
     assert beyond(form, cells[:0], 0.4, highest=highest) == 0.4  # type: ignore[arg-type]
+    start = np.array(pick.sample(range(400), 400)) / 1000 + 0.3
+    many = np.stack([np.stack([start, start + 0.001], -1), *[np.tile([0.0, 1.0], (400, 1))] * 2], 1)
+    form.asked.clear()
+    beyond(form, many, 0.2 if highest else 0.8, highest=highest)  # type: ignore[arg-type]
+    assert sorted(form.asked[0][:, 0, 0]) == sorted(sorted(start, key=lambda x: -out * x)[:256])  # the farthest first
     nowhere = Form(lambda w, p, q, k: w + k(2.0) + p + q, 2)
     assert beyond(nowhere, cells, farthest - out * 0.05, highest=highest) == farthest - out * 0.05  # type: ignore[arg-type]
 

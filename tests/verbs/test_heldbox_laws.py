@@ -1,0 +1,280 @@
+"""Boxes and planes of hands and displays whose stability is known by Hurwitz' condition of third order, or by roots in floats."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import product
+from random import Random
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from sympy import Integer, Rational, Symbol
+
+import haptisym as hs
+from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
+from haptisym.kernel.symbols import s
+from haptisym.verbs.stability.boxes import Share
+from haptisym.verbs.tolerances.heldbox import HeldInBox, _Question, count_at, held_in_box
+from haptisym.verbs.tolerances.heldplane import HeldPlane, _Loop, _Sampled, held_plane
+
+
+def lagged(k: Any, m: Any, b: Any, omega_c: Any) -> hs.Scene:
+    """m s^3 + (b + m omega_c) s^2 + b omega_c s + k omega_c: stable where b (b + m omega_c) > k m."""
+    felt, lag = hs.environments.mass_spring_damper(k=k), hs.effects.first_order_lag(omega_c)
+    return hs.Scene(felt, (lag,), hands=(hs.Hand("mine", m=m, b=b),))
+
+
+def room(k: Any, m: Any, b: Any, omega_c: Any) -> Any:
+    return b * (b + m * omega_c) - k * m
+
+
+def text(x: list[Fraction]) -> Any:
+    return [str(y) for y in x] if x[0] != x[1] else str(x[0])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_box_is_held_for_all_some_or_none_of_its_values_as_its_corners_say(seed: int) -> None:
+    """The room grows with b and omega_c, falls with k, and goes one way with m: its least and most lie at corners."""
+    pick = Random(seed)
+    for _ in range(3):
+        near = [Fraction(pick.randint(*x), 10) for x in ((100, 600), (5, 20), (10, 30), (40, 120))]
+        ends = [[x, x * (1 + Fraction(pick.choice([0, 5, 10, 40]), 100))] for x in near]
+        rooms = [room(*x) for x in product(*ends)]
+        if 0 in rooms or min(map(abs, rooms)) < Fraction(1, 2):
+            continue
+        found = lagged(*map(text, ends))
+        told = held_in_box(found, found.hands[0])
+        expected = Share.ALL if min(rooms) > 0 else Share.NONE if max(rooms) < 0 else Share.SOME
+        assert (told.share, told.reason) == (expected, "")
+        varying = {"environment.k", "hand.m", "hand.b", "omega_c", "effects.first-order-lag.omega_c"}
+        for example, is_stable in ((told.stable, True), (told.unstable, False)):
+            assert (example is None) is (expected is (Share.NONE if is_stable else Share.ALL))
+            if example is not None:
+                assert set(example) <= varying
+                now = found.with_values(dict(example))
+                knobs = [now.knobs[x].value for x in ("environment.k", "hand.m", "hand.b", "omega_c")]
+                assert all(a <= x <= b for x, (a, b) in zip(knobs, ends, strict=True))
+                assert bool(room(*knobs) > 0) is is_stable
+
+
+@pytest.mark.parametrize(
+    ("a", "k", "expected"),
+    [
+        ((1, 2), ("0.25", "0.5"), None),  # one root, which the pole could hide
+        ((1, 2), (90, 100), Share.NONE),  # two roots, of which the pole could hide one
+        ((-2, -1), (90, 100), Share.NONE),
+        ((-20, -10), (1, 2), Share.ALL),
+    ],
+)
+def test_a_display_with_poles_on_the_right_is_never_held_where_more_roots_than_poles_are(
+    a: Any, k: Any, expected: Share | None
+) -> None:
+    """k/(s - a) in a hand of m = 1, b = 1, k = 1: (s^2 + s + 1)(s - a) + k; the number of roots is the same in all corners."""
+    felt = hs.environments.expression("g/(s - a)", parameters={"g": list(map(str, k)), "a": list(map(str, a))})
+    found = hs.Scene(felt, (), hands=(hs.Hand("mine", 1, 1, 1),))
+    counts = {sum(np.roots([1, 1 - x, 1 - x, y - x]).real > 0) for x, y in product(map(float, a), map(float, k))}
+    poles = int(max(a) > 0)
+    assert len(counts) == 1
+    [count] = counts
+    assert expected is (Share.ALL if count == 0 else Share.NONE if count > poles else None)
+    told = held_in_box(found, found.hands[0])
+    assert told.share is expected
+    assert bool(told.reason) is (expected is None)
+
+
+HANDS = [hs.Hand("other", 1, 1, 1), hs.Hand("mine", 1, 1, 1)]
+
+
+def question(**known: Any) -> Any:
+    found: Any = _Question.__new__(_Question)
+    found.hand, found.sides, found.found = hs.Hand("mine", 1, 1, 1), [1], {}
+    found.__dict__.update(known)
+    found._corners = lambda: iter(range(1000))
+    return found
+
+
+def test_what_is_told_of_a_box_comes_from_examples_of_both_kinds_or_from_a_proof_for_all() -> None:
+    """All that examples, sides, proofs and reasons may be."""
+    some_kinds = ((), (True,), (False,), (True, False))
+    for first, later, sides, proof, reason in product(
+        some_kinds, some_kinds[::3], ([], [1]), (True, False, None, "open"), ("", "friction")
+    ):
+        asked = question(sides=sides)
+        looked: list[int] = []
+
+        def look(sets: Any, asked: Any = asked, first: Any = first, reason: str = reason, looked: Any = looked) -> str:
+            looked.append(len(list(sets)))
+            asked.found |= {x: {"p": Integer(x)} for x in first}
+            return reason
+
+        def for_all(asked: Any = asked, later: Any = later, proof: Any = proof) -> Any:
+            assert len(asked.found) == 1
+            if proof == "open":
+                raise UndecidedError("it stays open")
+            if proof is None:
+                asked.found |= {x: {"p": Integer(x)} for x in later}
+            return proof
+
+        asked._look, asked._for_all = look, for_all
+        told = asked.answer()
+        assert looked == [65]  # the nominal values, and so many corners
+        alone = len(first) == 1
+        proven = (proof if proof != "open" else None) if sides else True in first
+        some = len(first) == 2 or (alone and bool(sides) and proof is None and bool(later))
+        known = None if not alone or proven is None else Share.ALL if proven else Share.NONE
+        share = Share.SOME if some else known
+        assert told.share is share
+        why = "it stays open" if alone and sides and proof == "open" else reason
+        assert told.reason == ("" if share else why or "whether the number of roots changes within the ranges")
+        assert (told.stable, told.unstable) == (asked.found.get(True), asked.found.get(False))
+
+
+def test_sets_of_values_are_counted_until_there_are_both_kinds(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first of each kind is the example; what stays open is passed over, and the last reason is told."""
+    pick = Random(4)
+    for _ in range(40):
+        counts = [pick.choice([0, 0, 1, 2, None, "friction", "scene"]) for _ in range(8)]
+        seen: list[int] = []
+
+        def unstable(scene: Any, hand: Any, counts: Any = counts, seen: Any = seen) -> Any:
+            seen.append(scene.at)
+            told = counts[scene.at]
+            if told == "friction":
+                raise UndecidedError(f"open at {scene.at}")
+            if told == "scene":
+                raise SceneError(f"none at {scene.at}")
+            return SimpleNamespace(number=told)
+
+        monkeypatch.setattr("haptisym.verbs.tolerances.heldbox.unstable_roots", unstable)
+        asked = question(scene=SimpleNamespace(with_values=lambda x: SimpleNamespace(at=x, hands=HANDS)))
+        reason = asked._look(iter(range(8)))
+        kinds = [x == 0 if x is None or isinstance(x, int) else None for x in counts]
+        firsts = {kind: kinds.index(kind) for kind in (True, False) if kind in kinds}
+        stop = max(firsts.values()) + 1 if len(firsts) == 2 else 8
+        assert asked.found == firsts
+        assert seen == list(range(stop))
+        opened = [n for n in range(stop) if kinds[n] is None]
+        last = f"{'open' if counts[opened[-1]] == 'friction' else 'none'} at {opened[-1]}" if opened else ""
+        assert reason == last
+
+
+def test_examples_are_looked_for_at_the_nominal_values_the_corners_and_the_middles_of_cells() -> None:
+    p, q = Symbol("p"), Symbol("q")
+    sides = [SimpleNamespace(path="a.p", symbol=p, value=Integer(2), interval=(Integer(1), Integer(4))),
+             SimpleNamespace(path="b.q", symbol=q, value=Integer(5), interval=(Rational(1, 2), Integer(8)))]  # fmt: skip
+    asked: Any = _Question.__new__(_Question)
+    asked.sides = sides
+    corners = [{"a.p": x, "b.q": y} for x in (1, 4) for y in (Rational(1, 2), 8)]
+    assert [*asked._corners()] == [{"a.p": 2, "b.q": 5}, *corners]
+    cells = np.array([[[0, 1], [0.5, 1]], [[0.2, 0.3], [0, 0.5]]], float)
+    half = Rational(15, 2) * Rational(1, 4)
+    assert [*asked._middles([q], cells)] == [{"a.p": 2, "b.q": 8 - half}, {"a.p": 2, "b.q": Rational(1, 2) + half}]
+    many = np.tile(cells[:1], (100, 1, 1))
+    assert len([*asked._middles([q], many)]) == 13
+    assert len([*asked._middles([q], many[:12])]) == 12
+
+
+def test_when_the_time_is_over_that_is_the_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+    def late(*_: Any) -> Any:
+        raise LimitError("over")
+
+    monkeypatch.setattr("haptisym.verbs.tolerances.heldbox._Question", late)
+    hand = hs.Hand("mine", 1, 1, 1)
+    assert held_in_box(lagged(1, 1, 1, 1), hand) == HeldInBox(hand, None, reason="the limit of time was reached")
+
+
+# --- planes -----------------------------------------------------------------------------------------------------------
+
+
+def plane_of(found: hs.Scene, spans: dict[str, tuple[Any, Any]], others: Any = (), **how: Any) -> HeldPlane:
+    knobs = [found.knobs[x] for x in spans]
+    ends = {x.symbol: (Rational(a), Rational(b)) for x, (a, b) in zip(knobs, spans.values(), strict=True)}
+    more = {found.knobs[x].symbol: found.knobs[x].interval for x in others}
+    return held_plane(found, found.hands, ends, *([more] if others else []), **how)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("varies", [False, True])
+def test_a_plane_of_stiffness_and_damping_is_told_as_the_condition_says(seed: int, *, varies: bool) -> None:
+    """The room falls with k and grows with b: of a rectangle one corner decides that all are stable, the other that none is."""
+    pick = Random(seed)
+    m, omega_c = Fraction(pick.randint(5, 20), 10), Fraction(pick.randint(5, 12))
+    heavy = [m, m * Fraction(11, 10)] if varies else [m, m]
+    spans: dict[str, Any] = {"environment.k": (1, pick.randint(40, 80)), "hand.b": (Fraction(1, 2), pick.randint(3, 5))}
+    told = plane_of(lagged(20, text(heavy), 2, omega_c), spans, ("hand.m",) if varies else (), finest=2.0**-5)
+    areas = [float((x[..., 1] - x[..., 0]).prod(-1).sum()) for x in (told.stable, told.unstable, told.left)]
+    assert sum(areas) == pytest.approx(1)
+    assert areas[2] < 0.25
+
+    whole = [(Fraction(a), Fraction(b)) for a, b in spans.values()]
+
+    def worst(cell: Any, way: int) -> Any:
+        (k0, k1), (b0, b1) = (
+            tuple(low + Fraction(x) * (high - low) for x in side) for side, (low, high) in zip(cell, whole, strict=True)
+        )
+        k, b = (k1, b0) if way < 0 else (k0, b1)
+        return (min if way < 0 else max)(room(k, y, b, omega_c) for y in heavy)
+
+    assert all(worst(x, -1) > 0 for x in told.stable.tolist())
+    assert all(worst(x, 1) < 0 for x in told.unstable.tolist())
+    near = [x for x in told.left.tolist() if worst(x, -1) <= 0 <= worst(x, 1)]
+    assert len(near) > 0.3 * len(told.left)
+    assert (told.left[..., 1] - told.left[..., 0] == 2.0**-5).all()
+
+
+def test_a_loop_is_stable_without_roots_and_never_with_more_than_poles_could_hide() -> None:
+    """Zeros of numerator and denominator that were placed; at a middle of the plane, of what else varies the middle."""
+    q, p = Symbol("q", real=True), Symbol("p", real=True)
+    ranges: Any = {q: (Rational(1), Rational(3)), p: (Rational(1), Rational(2))}
+    for zeros, poles in ((0, 0), (0, None), (1, 0), (1, 1), (1, None), (2, 1), (2, 2)):
+        top = ((s + q) * (s - q) ** zeros).expand()
+        bottom = (s * q - 2 * s + 1 if poles is None else (s + p) * (s - p) ** poles).expand()
+        ring = Ring.of([top, bottom])
+        loop = _Loop(ring, ring.convert(top).numerator, ring.convert(bottom).numerator, ranges)
+        assert count_at(ring, loop.top, {q: Rational(2), p: Rational(1)}) == zeros
+        assert loop._shared == poles
+        expected = True if not zeros else False if poles is not None and zeros > poles else None
+        assert loop.is_stable(np.array([[0.0, 0.5], [0.0, 1.0]])) is expected
+
+
+def test_a_loop_with_a_clock_is_told_by_the_middle_of_a_rectangle_or_stays_open() -> None:
+    q, p, r = (Symbol(x) for x in "qpr")
+    ranges: Any = {q: (Integer(0), Integer(8)), p: (Integer(1), Integer(3)), r: (Integer(0), Integer(1))}
+    for told in (True, False, None):
+        form: Any = SimpleNamespace(ranges=ranges, is_stable=lambda x, told=told: (told, x))
+        at = {q: Integer(3), p: Integer(2), r: Rational(1, 2)}
+        found: Any = _Sampled(form).is_stable(np.array([[0.25, 0.5], [0.0, 1.0]]))
+        assert found == (told, at)
+    for error in (UndecidedError("open"), LimitError("over")):
+
+        def stays_open(_: Any, error: Exception = error) -> bool:
+            raise error
+
+        form = SimpleNamespace(ranges=ranges, is_stable=stays_open)
+        assert _Sampled(form).is_stable(np.array([[0.25, 0.5], [0.0, 1.0]])) is None
+
+
+def test_a_plane_with_a_clock_is_cut_no_finer_than_it_pays(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As finely as is asked, but to a 256th at most; a sixtieth of the cells, which are dearer."""
+    asked: list[Any] = []
+
+    class Plane:
+        def __init__(self, forms: Any, finest: float, most: int) -> None:
+            asked.append((len(forms), finest, most))
+
+        def rectangles(self) -> Any:
+            return np.empty((0, 2, 2)), np.array([[[0.0, 1.0], [0.0, 1.0]]])
+
+    monkeypatch.setattr("haptisym.verbs.tolerances.heldplane.ClockPlane", Plane)
+    wall = hs.environments.kelvin_voigt(1000, "0.4 N*s/m")
+    loop = hs.effects.sampled_loop("1 ms", "backward-difference"), hs.effects.shunt(m="40 g", b="0.8 N*s/m")
+    found = hs.Scene(wall, loop, hands=(hs.Hand("none"), hs.Hand("some", 1, 1, 1)))
+    spans = {"environment.b": (0, 1), "environment.k": (1000, 3000)}
+    hows: list[dict[str, Any]] = [{"finest": 2.0**-4, "most": 659}, {"finest": 2.0**-9}]
+    for how in hows:
+        told = plane_of(found, spans, **how)
+        assert (len(told.stable), len(told.unstable), told.left.tolist()) == (0, 0, [[[0, 1], [0, 1]]])
+    assert asked == [(2, 2.0**-4, 10), (2, 2.0**-8, 1000)]
