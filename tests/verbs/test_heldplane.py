@@ -294,6 +294,8 @@ def test_a_rectangle_is_clear_where_no_frequency_meets_a_zero_in_it_and_what_is_
     if most == 10**6:
         assert (left[..., 1] - left[..., 0] == finest).all()
         assert search.looked < most
+        if case == "along one side":
+            assert (clear[:, 0, 1] - clear[:, 0, 0] == 1 / 8).all()  # what it does not depend on is not cut
 
 
 def test_a_set_of_values_in_the_middle_of_a_rectangle_is_told_exactly() -> None:
