@@ -212,7 +212,18 @@ def test_a_document_of_tolerances_holds_what_its_parts_say(seed: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("share", "expected"), [(0.61, 6.0), (0.6, 6.0), (0.59, 3.0), (0.3, 3.0), (0.1, None), (None, None), (1.0, 9.0)]
+    ("share", "expected"),
+    [
+        (0.61, 6.0),
+        (0.6, 6.0),
+        (0.6 - 1e-11, 6.0),
+        (0.6 - 1e-7, 3.0),
+        (0.59, 3.0),
+        (0.3, 3.0),
+        (0.1, None),
+        (None, None),
+        (1.0, 9.0),
+    ],
 )
 def test_a_ratio_exceeds_at_the_latest_from_the_last_enclosure_before_it_does_for_all(
     share: float | None, expected: float | None
