@@ -15,6 +15,7 @@ import haptisym as hs
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.symbols import s
+from haptisym.verbs.require.plane import held_rectangles
 from haptisym.verbs.tolerances.heldbox import count_at
 from haptisym.verbs.tolerances.heldplane import HeldPlane, _Loop, _Sampled, held_plane
 
@@ -145,3 +146,27 @@ def test_one_hand_into_which_roots_come_from_infinity_leaves_the_plane_open(
     else:
         told = held_plane(lagged(1, 1, 1, 1), hands, ranges)
         assert (len(told.stable), len(told.unstable), len(told.left)) == (64, 0, 0)
+
+
+def test_thresholds_are_sides_of_a_plane_that_move_no_root() -> None:
+    """Of two of them all is stable, or nothing; beside a damper its own condition decides, b (b + 10) > 20."""
+    loose = lagged(20, 1, 2, 10)
+    jnds = "evaluation.jnd.real", "evaluation.jnd.imag"
+    ranges = [(Rational(1, 10), Rational(1, 2)), (Rational(1), Rational(4))]
+    for k, parts in ((20, (16, 0, 0)), (90, (0, 16, 0))):
+        now = lagged(k, 1, 2, 10)
+        found = held_rectangles(now, (now.knobs[jnds[0]], now.knobs[jnds[1]]), ranges)
+        assert found is not None
+        assert [bool(len(x)) for x in found.parts] == [bool(x) for x in parts]
+        whole = np.concatenate(found.parts)
+        assert [whole[:, i, 0].min() for i in (0, 1)] == pytest.approx([0.1, 1])
+        assert [whole[:, i, 1].max() for i in (0, 1)] == pytest.approx([0.5, 4])
+    least = -5 + 45**0.5
+    for free, side in ((("evaluation.jnd", "hand.b"), 1), (("hand.b", "evaluation.jnd"), 0)):
+        own = held_rectangles(loose, (loose.knobs[free[0]], loose.knobs[free[1]]), ranges[:: 1 if side else -1])
+        assert own is not None
+        assert (own.kept[:, side, 0] > least).all()
+        assert (own.broken[:, side, 1] < least).all()
+        assert (own.left[:, side, 0] <= least).all()
+        assert (own.left[:, side, 1] >= least).all()
+        assert own.share_left == pytest.approx(3 / 512 / 3, rel=1e-9)

@@ -267,6 +267,18 @@ def test_rectangles_are_kept_where_no_hill_rises_over_0_broken_where_one_does_an
     assert few.looked <= search.looked
 
 
+@pytest.mark.parametrize("side", [0, 1])
+def test_what_no_hill_depends_on_is_not_cut(side: int) -> None:
+    """Heights that one number alone moves: what is told has the width along the other that it had at first."""
+    for numbers in ((1.0, 0.0, 0.0, 0.0, -0.3), (-2.0, 0.0, 1.0, 1.0, 0.9)):
+        own = (*((numbers[1], numbers[0]) if side else numbers[:2]), *numbers[2:])
+        search = _Search(2.0**-6, 10**6, [Hill(own)])
+        search.go()
+        told = np.concatenate([*search.kept, *search.broken])
+        assert (told[:, 1 - side, 1] - told[:, 1 - side, 0] == 1 / 8).all()
+        assert (told[:, side, 1] - told[:, side, 0] < 1 / 8).any()
+
+
 def test_ends_at_an_end_of_the_range_on_both_slices_are_without_bound_there_whatever_their_sign() -> None:
     ends = np.array([[-5.0, -5.0 - 1e-12], [-5.0, -4.999], [3.0, -5.0], [0.0, 0.0]])
     assert _unbounded(ends, -5.0, -np.inf).tolist() == [[-np.inf, -np.inf], *ends[1:].tolist()]
