@@ -12,7 +12,7 @@ from flint import arb, fmpq, fmpq_poly
 from haptisym.verbs.require.knownsums import Known, ball
 from haptisym.verbs.require.rows import Row
 
-PI, ROOT = {(1,): arb.pi()}, {(0, 1): arb(2).sqrt()}
+UNITS: dict[tuple[int, ...], Any] = {(1,): arb.pi(), (0, 1): arb(2).sqrt()}
 
 
 def rational(x: Fraction) -> Any:
@@ -26,7 +26,7 @@ def row_of(polynomial: Any, below: int, scale: str) -> Row:
         c = polynomial[n]
         if c == 0:
             continue
-        own = {"one": c, "pi": Known({(1,): c}, PI), "less": Known({(0, 1): c, (1,): -c * fmpq(3, 2)}, {**ROOT, **PI})}
+        own = {"one": c, "pi": Known({(1,): c}, UNITS), "less": Known({(0, 1): c, (1,): -c * fmpq(3, 2)}, UNITS)}
         values[Fraction(n, below)] = own[scale]
     found = Row.of(values)
     assert found is not None
@@ -90,7 +90,7 @@ def test_a_row_is_nowhere_positive_between_two_numbers_where_it_is_negative_and_
 
 def test_a_row_without_a_common_factor_is_told_by_the_sign_of_the_rest() -> None:
     """2^(1/2) Y - pi is negative up to 2.22 and positive beyond; where balls do not tell, nothing is."""
-    root, pi = Known({(0, 1): fmpq(1)}, ROOT), Known({(1,): fmpq(-1)}, PI)
+    root, pi = Known({(0, 1): fmpq(1)}, UNITS), Known({(1,): fmpq(-1)}, UNITS)
     row = Row.of({Fraction(1): root, Fraction(0): pi})
     assert row is not None
     for low, high, told in ((0, 2, True), (-9, 2, True), (2, 3, False), (3, 9, False)):
@@ -103,7 +103,7 @@ def test_a_row_without_a_common_factor_is_told_by_the_sign_of_the_rest() -> None
 
 
 def test_a_row_needs_coefficients_that_are_exact_and_has_the_least_common_root_of_its_powers() -> None:
-    own = {Fraction(1, 2): fmpq(3), Fraction(2, 3): Known({(1,): fmpq(2)}, PI), Fraction(0): fmpq(1)}
+    own = {Fraction(1, 2): fmpq(3), Fraction(2, 3): Known({(1,): fmpq(2)}, UNITS), Fraction(0): fmpq(1)}
     row = Row.of(own)
     assert row is not None
     assert row.below == 6
