@@ -70,8 +70,6 @@ def _rows(f: Line, parts: Parts) -> Iterator[tuple[str, str]]:
     """Left and right side of each line, the relation at the start of the right one."""
     left = markup(f.left)
     is_left_out = f.optional and is_long(f.value)
-    if f.meaning is None and is_left_out:
-        return
     relation = f"<mo>{f.relation}</mo>"
     if f.meaning is not None:
         meaning, value = markup(f.meaning), f.box
