@@ -110,4 +110,4 @@ def is_short(value: Rational) -> bool:
 
 def _is_readable(value: Expr) -> bool:
     rational, rest = value.as_coeff_Mul()
-    return is_short(rational) and (rest.is_Symbol or rest in (S.One, pi, pi**2))
+    return is_short(rational) and rest in (S.One, pi, pi**2)
