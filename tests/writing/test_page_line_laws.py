@@ -158,3 +158,4 @@ def test_what_a_named_part_stands_for_follows_its_fraction_and_has_no_relation_o
     assert [left for left, _ in found if left] == ["H", "𝒩1", "𝒟1"]
     again = rows(display([Line(named("H"), Fraction(layout(top), layout(s)))]))
     assert again[0] == ("H", "=𝒩1s")
+    assert [left for left, _ in again if left] == ["H", "𝒩1"]
