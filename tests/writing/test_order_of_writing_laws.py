@@ -67,6 +67,7 @@ def test_the_order_of_factors_does_not_depend_on_the_order_in_which_they_were_mu
         (a**3 + b * c + d, "a^3 + b c + d"),
         (a / (b + c) + d + 1, "d + 1 + a/(b + c)"),
         (a**b + c**2 + d, "c^2 + d + a^b"),
+        ((s + 1) ** k + s**3, "s^3 + (s + 1)^k"),
         # functions behind what has the same power, numbers too
         (cos(b) + 1 + k, "k + 1 + cos(b)"),
         (k + k * cos(b), "k + k cos(b)"),
@@ -121,6 +122,8 @@ def test_square_roots_are_gathered_under_one_where_no_two_signs_are_unknown(form
         # a sum that would begin with a minus changes its sign, and so does its product where the power is odd
         (k * (-(s**2) + b * s - 1), "-k (s^2 - b s + 1)"),
         (k * (-(s**2) + b * s - 1) ** 2, "k (s^2 - b s + 1)^2"),
+        (k * sqrt(-(s**2) + b * s - 1), "k sqrt(-s^2 + b s - 1)"),
+        (k * (-(s**2) + b * s - 1) ** Rational(3, 2), "k (-s^2 + b s - 1)^1.5"),
         (k / (-(s**2) + b * s - 1) ** 3, "-k/(s^2 - b s + 1)^3"),
         (Abs(-(s**2) + b * s - 1, evaluate=False), "|s^2 - b s + 1|"),
         (Abs(s**2 - b * s + 1, evaluate=False), "|s^2 - b s + 1|"),
