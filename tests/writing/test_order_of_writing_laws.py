@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from itertools import combinations
+from typing import Any
 
 import pytest
 import sympy as sp
@@ -11,13 +12,14 @@ from formulas import EXPRESSIONS
 from hypothesis import given
 from marks import examples
 from plainreader import expression
-from sympy import Abs, Add, Expr, I, Integer, Mul, Pow, Rational, cos, exp, pi, sqrt
+from sympy import Abs, Add, Expr, I, Integer, Mul, Pow, Rational, Symbol, cos, exp, pi, sqrt
 
 import haptisym as hs
 from haptisym.kernel.symbols import X, omega, s
 from haptisym.writing.boxes import Box, Name, Numeral, Sum
 from haptisym.writing.layout import layout
 from haptisym.writing.mathtext import plain
+from haptisym.writing.names import named
 
 a, b, c, d, k, m = hs.symbols("a b c d k m")
 J, zeta, omega_n, omega_c = hs.symbols("J zeta omega_n omega_c")
@@ -192,3 +194,69 @@ def test_the_same_formula_has_the_same_tree_in_whatever_order_it_was_put_togethe
         pick.shuffle(terms)
         seen.add(layout(Add(*terms)))
     assert len(seen) == 1
+
+
+# Names
+
+GREEK = (
+    "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu", "nu", "xi", "omicron", "pi", "rho", "sigma",
+    "tau", "upsilon", "phi", "chi", "psi", "omega",
+)  # fmt: skip
+
+
+def test_symbols_stand_in_the_order_of_their_alphabets_latin_before_greek_and_small_beside_large() -> None:
+    names = [
+        "a",
+        "A_n",
+        "b",
+        "b_2",
+        "c",
+        "force",
+        "m",
+        "z",
+        "alpha",
+        "β",
+        "Gamma",
+        "delta",
+        "Δ_n",
+        "zeta",
+        "θ",
+        "mu",
+        "phi",
+        "psi",
+    ]
+    keys = {"force": "f", "β": "beta", "Δ_n": "delta", "θ": "theta"}
+
+    def key(name: str) -> tuple[Any, ...]:
+        own = keys.get(name, name.split("_")[0]).lower()
+        return own in GREEK, GREEK.index(own) if own in GREEK else 0, own
+
+    pick = random.Random(9)
+    for _ in range(60):
+        chosen = pick.sample(names, 4)
+        chosen = list({key(x): x for x in chosen}.values())
+        shown = plain(Mul(*map(Symbol, chosen)))
+        assert shown.split(" ") == sorted(chosen, key=key)
+    assert plain(Symbol("b_2") * Symbol("b_1") * Symbol("b")) == "b b_1 b_2"
+    assert plain(Symbol("Zeta_n") * Symbol("zeta_a")) in ("Zeta_n zeta_a", "zeta_a Zeta_n")
+
+
+def test_letters_of_names_slant_words_stand_upright_and_digits_do_neither() -> None:
+    for text, upright in (
+        ("k", False),
+        ("omega", False),
+        ("ω", False),
+        ("Δ", False),
+        ("wall", True),
+        ("é", True),
+        ("7", False),
+        ("77", False),
+        ("Omega", False),
+    ):
+        assert named(text).head.upright is upright, text
+    assert [(x.letters, x.upright) for x in named("k_ab_cd_1_ef").below] == [
+        ("ab cd", True),
+        ("1", False),
+        ("ef", True),
+    ]
+    assert named("ω_n").head.letters == "omega"

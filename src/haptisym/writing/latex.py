@@ -203,7 +203,7 @@ class _Writer:
 
     def _side_by_side(self, figures: Sequence[Block]) -> str:
         drawn = [x for x in figures if isinstance(x, Figure)]
-        return "\n\n".join(self._floating(drawn[i : i + 2], 0.48) for i in range(0, len(drawn), 2))
+        return "\n\n".join(filter(None, (self._floating(drawn[i : i + 2], 0.48) for i in range(0, len(drawn), 2))))
 
     def _floating(self, figures: Iterable[Figure], width: float) -> str:
         columns = "\\hfill\n".join(
