@@ -54,10 +54,8 @@ def words(scene: hs.Scene) -> str:
 def slider(
     value: object, rule: Rule, dimension: Dimension = Dimension.STIFFNESS, motion: MotionKind | None = None
 ) -> Slider:
-    unit = dimension.unit
-    return _parameter(
-        Made(value=Rational(str(value)), rule=rule, dimension=dimension, unit_in=unit), "x", Html("k"), motion
-    )  # type: ignore[arg-type]
+    own: Any = Made(value=Rational(str(value)), rule=rule, dimension=dimension, unit_in=dimension.unit)
+    return _parameter(own, "x", Html("k"), motion)
 
 
 @pytest.mark.parametrize("value", ["7", "0.02", "1000"])
@@ -262,10 +260,8 @@ def test_numbers_of_a_region_that_do_not_move_are_quotients_of_polynomials() -> 
     }
     numbers = told["numbers"]
     assert numbers["imag"] == {"slider": "explorer-c-imag"}
-    for key, true in (
-        ("real", lambda w: (1 + w) / (20 + w * w)),
-        ("tilt", lambda w: w / 50),
-    ):
+    cases: list[tuple[str, Any]] = [("real", lambda w: (1 + w) / (20 + w * w)), ("tilt", lambda w: w / 50)]
+    for key, true in cases:
         for w in (1.0, 5.0, 12.0):
             top, bottom = (sum(c * w**n for n, c in enumerate(numbers[key][x])) for x in ("top", "bottom"))
             assert top / bottom == pytest.approx(true(w))
