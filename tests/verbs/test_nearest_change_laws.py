@@ -17,7 +17,8 @@ from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.rootcount import RootChain, Roots
 from haptisym.model.parameters import Rule
 from haptisym.verbs.stability import critical
-from haptisym.verbs.stability.clockcritical import Passage, Passages
+from haptisym.verbs.stability.clockrange import Passages
+from haptisym.verbs.stability.clockvalues import Passage
 from haptisym.verbs.stability.critical import Critical, Nearest
 from haptisym.verbs.stability.curves import Gap, Meeting, Meetings
 
