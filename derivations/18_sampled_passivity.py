@@ -5,7 +5,8 @@ no energy, whatever the hand does, if
 
     b >= T/2 Re((1 - exp(-j theta)) C(exp(j theta)))/(1 - cos theta),    0 < theta <= pi,
 
-(Colgate and Schenkel), and a hand that moves as fast between samples as at them, evenly, has nothing more. A spring K asks for
+(Colgate and Schenkel), b >= 0 and C(1) + k >= 0, k the device's own spring; and a hand that moves as fast between samples as at
+them, evenly, has nothing more. A spring K asks for
 K T/2; d samples late for K (T/2 + d T); with a virtual damper B by backward difference for K T/2 + |B|; and where that
 damper's velocity goes through a first-order low-pass of time constant tau, for K T/2 + B T/(T + 2 tau) if B >= 0, for
 K T/2 - B if B <= 0. In x = cos theta, or t = tan(theta/2), every such condition is one polynomial sign.
@@ -39,7 +40,9 @@ from sympy import (
     lambdify,
     latex,
     limit,
+    oo,
     sin,
+    summation,
     symbols,
     together,
 )
@@ -85,6 +88,21 @@ C = c_re + I * c_im
 work = expand(((C * (1 / z - 1)) + (c_re - I * c_im) * (z - 1)) / 2)  # the real part
 needed = T / 2 * expand(((1 - 1 / z) * C + (1 - z) * (c_re - I * c_im)) / 2) / (1 - cos(theta))
 assert is_zero((work + b * 2 * (1 - cos(theta)) / T) - 2 * (1 - cos(theta)) / T * (b - needed))
+
+# %% [markdown]
+# A motion that does not come back is the limit $\theta \to 0$, and adds a condition: held at $x$ after a slow motion, the work
+# that was done against controller and spring is $(C(1) + k)\,x^2/2$. Where that is negative a hand draws energy without bound,
+# however much is damped; and a hand of stiffness $k_h$ has the root $z = 1$ just where $C(1) + k + k_h = 0$, so that a softer
+# one is pushed away.
+
+# %%
+rest, own, end = symbols("C_1 k x_e", real=True)
+steps = symbols("N", positive=True, integer=True)
+n = symbols("n", integer=True)
+slow = summation(
+    rest * (n * end / steps) * (end / steps), (n, 0, steps - 1)
+)  # the force held over each of N small steps
+assert expand(limit(slow, steps, oo) + own * end**2 / 2 - (rest + own) * end**2 / 2) == 0
 
 # %% [markdown]
 # ## 2. In $x = \cos\theta$
@@ -172,6 +190,7 @@ for delay in (0, 1):
 at_once = sampled_passivity(package(0))
 assert at_once is not None
 assert at_once.needed is not None
+assert at_once.at_rest == VALUES[K]
 assert at_once.needed.value.digits(12) == str((K * T / 2 + B * T / (T + 2 * tau)).subs(VALUES).evalf(12))
 
 # %%

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from math import atan, pi
 
 import pytest
@@ -10,8 +11,11 @@ from sympy import Expr, Integer, Rational
 import haptisym as hs
 from haptisym.judge.colgate import SampledPassivity, sampled_passivity
 from haptisym.kernel.dynamics import Ring
+from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import omega as t
+from haptisym.model.hand import Hand
+from haptisym.verbs.stability.held import held
 
 SIDES: dict[Expr, tuple[int, float] | None] = {
     4 * t**2 / (1 + t**2) ** 2: (1, pi / 2),
@@ -130,3 +134,86 @@ def test_of_anything_else_between_clock_and_hand_nothing_is_said(part: hs.Effect
         assert (found.sides, found.needed, found.passive, found.hand_needed) == (None,) * 4
         assert found.reason == "something other than mass, spring and damper lies between clock and hand"
     assert wall(good).passive is True
+
+
+# At rest, and damping that is taken away
+
+
+def drawn(draw: random.Random) -> tuple[hs.Scene, Rational]:
+    """A wall of any sign behind a clock, and its stiffness at rest with that of the device."""
+    k, own = Rational(draw.randint(-40, 60), 4), Rational(draw.choice([0, 0, 1, 4]))
+    formula = draw.choice(["k + b*s", "k + b*s*90/(s + 90)", "k*50/(s + 50) + b*s"])
+    felt = hs.environments.expression(formula, parameters={"k": k, "b": draw.choice(["0.1", "0.4", "-0.2"])})
+    device = hs.effects.shunt(m="0.05", b=draw.choice(["0.3", "0.6", "2", "-0.1"]), k=own)
+    clock = hs.effects.sampled_loop(draw.choice(["1 ms", "8 ms"]), "backward-difference", draw.choice([0, 1]))
+    return hs.Scene(felt, (clock, device)), k + own
+
+
+@pytest.mark.few(8)
+@pytest.mark.parametrize("seed", range(40))
+def test_every_passive_hand_holds_a_wall_on_a_clock_only_if_it_pushes_none_away(seed: int) -> None:
+    draw = random.Random(seed)
+    scene, at_rest = drawn(draw)
+    found = sampled_passivity(scene)
+    assert found is not None
+    assert found.needed is not None
+    assert found.at_rest == at_rest
+    assert found.pushes is bool(at_rest < 0)
+    damped = max(float(found.needed.value), 0.0)
+    assert found.passive is (
+        float(found.damping) > float(found.needed.value) and min(float(at_rest), float(found.damping)) >= 0
+    )
+    assert ("stiffness_at_rest" in found.row(5)) is found.pushes
+    if found.pushes:
+        assert found.hand_needed is None
+        soft = Hand("soft", m="0.1", b=50, k=-at_rest / 2)
+        assert held(scene, soft).unstable != 0
+        return
+    assert found.hand_needed is not None
+    assert float(found.hand_needed) == pytest.approx(max(damped - float(found.damping), 0), abs=1e-12)
+    for _ in range(3):
+        b = Rational(float(found.hand_needed) + draw.choice([1e-6, 0.1, 3]))
+        hand = Hand("own", m=draw.choice([0, 1, "0.03"]), b=b, k=draw.choice([1, 30, "1e5"]))
+        assert held(scene, hand).unstable == 0
+        assert found.is_held_by(b, hand.k.value)
+
+
+def test_what_a_hand_holds_needs_both_damping_and_stiffness() -> None:
+    def found(k: object, b: object) -> SampledPassivity:
+        wall = hs.environments.expression("k", parameters={"k": k})
+        scene = hs.Scene(wall, (hs.effects.sampled_loop("4 ms", "backward-difference"), hs.effects.shunt(m=1, b=b)))
+        told = sampled_passivity(scene)
+        assert told is not None
+        return told
+
+    stiff = found(500, "0.25")  # K T/2 = 1
+    assert [stiff.is_held_by(Rational(x, 100), Integer(0)) for x in (74, 75, 76, 400)] == [False, False, True, True]
+    away = found(-5, "0.25")  # it asks for -0.01
+    assert [away.is_held_by(Integer(0), Integer(x)) for x in (0, 4, 5, 6)] == [False, False, False, True]
+    assert away.asks_nothing
+    assert not stiff.asks_nothing
+    weak = found(-5, Rational(-1, 200))
+    assert [weak.is_held_by(Rational(x, 1000), Integer(6)) for x in (0, 4, 5, 6)] == [False, False, True, True]
+    assert loop(1 / (1 + t**2)).is_held_by(Integer(2), Integer(1))
+    assert not loop(1 / (1 + t**2), is_settled=False).is_held_by(Integer(2), Integer(1))
+    assert not loop(t**2).is_held_by(Integer(2), Integer(1))
+    assert not SampledPassivity(Rational(1, 100)).is_held_by(Integer(2), Integer(1))
+
+
+def test_the_stiffness_of_a_wall_and_of_its_device_that_every_passive_hand_may_hold() -> None:
+    wall = hs.environments.expression("k + b*s", parameters={"k": "-2", "b": "0.1"})
+    device = hs.effects.shunt(m="0.05", b="0.5", k=3)
+    scene = hs.Scene(wall, (hs.effects.sampled_loop("1 ms", "backward-difference"), device))
+    for path, low, high in (
+        ("environment.k", -3, 800),  # k T/2 + 0.1 = 0.5
+        ("effects.shunt.k", 2, None),
+        ("effects.shunt.b", Rational(99, 1000), None),
+    ):
+        found = hs.require(scene, path, that="passive")
+        assert found.certified is (path != "effects.shunt.k")  # of a device of negative stiffness nothing is said
+        [span] = found.feasible
+        assert (span.low.value.digits(9), span.low.closed) == (
+            ExactNumber(Rational(low)).digits(9),
+            path != "effects.shunt.b",
+        )
+        assert (None if span.high.value is None else float(span.high.value)) == high

@@ -48,13 +48,18 @@ def condition(*, holds: bool | None, **own: Any) -> str:
         "needed": best,
         "damping": Rational(3, 4),
         "hand_needed": None,
+        "pushes": False,
+        "asks_nothing": False,
+        "at_rest": Rational(-7, 2),
         "reason": "it has an effect between",
     } | own
-    return shown(sampled_condition(Made(sampled=Made(**given), holds=holds), "N·s/m"))  # type: ignore[arg-type]
+    return shown(sampled_condition(Made(sampled=Made(**given), holds=holds), "N·s/m", "N/m"))  # type: ignore[arg-type]
 
 
 YES, NO = True, False
 UNMET = "Does NOT hold: Colgate and Schenkel's condition is not met, so that there is a passive hand in which a motion grows."
+PUSHED = "Does NOT hold: a passive hand that is softer is pushed away, as the display's stiffness at rest is negative."
+SIGN = "The device's damping must not be negative; it has -0.5 N·s/m."
 NEEDS = "The device's damping must exceed 2.5 N·s/m; it has 0.75 N·s/m (the largest right-hand side is at θ = 2)."
 
 
@@ -72,6 +77,14 @@ NEEDS = "The device's damping must exceed 2.5 N·s/m; it has 0.75 N·s/m (the la
         (NO, {"passive": YES, "sides": None}, "Does NOT hold: there is a passive hand in which a motion grows, as the display gives energy to imposed motion."),
         (YES, {"hand_needed": number(1)}, f"Holds: Colgate and Schenkel's condition is met on all of 0 < θ = ω T ≤ π. {NEEDS}"),
         (None, {"passive": None, "sides": None}, "UNDECIDED: Colgate and Schenkel's condition does not apply, as it has an effect between."),
+        (
+            NO, {"passive": NO, "pushes": True},
+            f"{PUSHED} Whatever a hand damps: the display's stiffness at rest is -3.5 N/m.",
+        ),
+        (
+            NO, {"passive": NO, "asks_nothing": True, "hand_needed": number("0.5"), "damping": Rational(-1, 2)},
+            f"{UNMET} {SIGN} In a hand that damps more than 0.5 N·s/m no motion grows, whatever its mass and stiffness.",
+        ),
         (
             NO, {"passive": NO, "needed": None},
             UNMET + " No damping of the device is enough: what the controller asks for grows without bound.",
@@ -94,13 +107,19 @@ def crossing(value: object) -> Critical:
 @pytest.mark.parametrize("found", [0, 1, 2])
 @pytest.mark.parametrize("low", [None, Fraction(1, 4)])
 @pytest.mark.parametrize("high", [None, Fraction(40)])
-def test_how_far_a_number_was_looked_at_is_told_unless_both_sides_were_found(
+def test_how_far_a_number_was_looked_at_is_told_of_sides_that_end_and_on_which_none_was_found(
     found: int, low: Fraction | None, high: Fraction | None
 ) -> None:
     near = Nearest("hand.b", tuple(crossing(n + 1) for n in range(found)), low=low, high=high)
     told = [said(x) for x in looked_at([near])]
-    expected = ["hand.b: looked at from 0.25 to 40; what is beyond was not."]
-    assert told == (expected if low is not None and high is not None and found < 2 else [])
+    beyond = "; what is beyond was not."
+    expected = {
+        (0, True, True): f"from 0.25 to 40{beyond}",
+        (0, True, False): "from 0.25 on; what is below was not.",
+        (0, False, True): f"up to 40{beyond}",
+        (1, True, True): f"up to 40{beyond}",  # 1 lies beside the low end
+    }.get((found, low is not None, high is not None))
+    assert told == ([f"hand.b: looked at {expected}"] if expected else [])
     assert looked_at([near, near]) == 2 * looked_at([near])
 
 

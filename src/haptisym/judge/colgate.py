@@ -1,7 +1,8 @@
 """Whether every passive hand may hold a sampled loop: Colgate and Schenkel's condition, one polynomial sign in tan(theta/2).
 
 A device m s^2 + b s + k, its position sampled every T, a controller C(z), the force held: passive where, for 0 < theta <= pi,
-    b > T/2 Re((1 - exp(-j theta)) C(exp(j theta)))/(1 - cos theta).
+    b > T/2 Re((1 - exp(-j theta)) C(exp(j theta)))/(1 - cos theta),
+b >= 0, and its stiffness at rest, C(1) + k, is not negative: else it pushes a softer hand away, whatever damps.
 With exp(j theta) = (1 + s)/(1 - s), s = j tan(theta/2), the right-hand side is Re((s - 1)/s C) T/2: a response like any other.
 Source: Colgate and Schenkel (1997). Derivation: 18_sampled_passivity.
 """
@@ -18,6 +19,7 @@ from flint import arb
 from sympy import Expr, Integer
 
 from haptisym.judge.peaks import Greatest, Largest, greatest
+from haptisym.kernel.alike import ordered
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
@@ -52,7 +54,8 @@ class SampledPassivity:
     """Colgate and Schenkel's condition for a display of period ``T``, s, whose device has this ``damping``.
 
     ``sides`` : its right-hand side as a function of tan(theta/2), and of cot(theta/2); None where the condition does not
-    apply, for that ``reason``. ``is_settled`` : whether the controller's own poles lie inside the unit circle.
+    apply, for that ``reason``. ``is_settled`` : whether the controller's own poles lie inside the unit circle. ``at_rest`` :
+    the stiffness of controller and device for what does not move, where it is settled.
     """
 
     T: Expr
@@ -60,6 +63,17 @@ class SampledPassivity:
     sides: tuple[RealFunction, RealFunction] | None = None
     is_settled: bool = True
     reason: str = ""
+    at_rest: Expr = Integer(0)
+
+    @property
+    def asks_nothing(self) -> bool:
+        """Whether what the controller asks of damping is negative at every angle."""
+        return self.needed is not None and ordered(self.needed.value, ExactNumber(Integer(0))) > 0
+
+    @property
+    def pushes(self) -> bool:
+        """Whether it pushes away what is held by no stiffness: then no damping is enough."""
+        return sign_of_number(self.at_rest) < 0
 
     @cached_property
     def needed(self) -> Greatest | None:
@@ -80,10 +94,13 @@ class SampledPassivity:
 
     @cached_property
     def passive(self) -> bool | None:
-        """Whether the device's damping exceeds that: then every passive hand may hold the display. None where not decided."""
+        """Whether the device's damping exceeds that, and nothing is pushed away: then every passive hand may hold the display.
+
+        None where not decided.
+        """
         if self.sides is None:
             return None
-        if self.needed is None:
+        if self.needed is None or self.pushes or sign_of_number(self.damping) < 0:
             return False
         if not self.is_settled:
             return None
@@ -91,11 +108,27 @@ class SampledPassivity:
 
     @property
     def hand_needed(self) -> RealNumber | None:
-        """The damping of a hand that makes up for what the device lacks, at least 0: with it any mass and stiffness will do."""
+        """The damping of a hand that makes up for what the device lacks, at least 0: with it any mass and stiffness will do.
+
+        None where none does, or that is not decided.
+        """
         if self.passive:
             return ExactNumber(Integer(0))
+        if self.pushes:
+            return None
         found = self._largest(self.damping)
-        return found.value if found and self.is_settled else None
+        if not (found and self.needed and self.is_settled):
+            return None
+        return ExactNumber(-self.damping) if self.asks_nothing else found.value
+
+    def is_held_by(self, damping: Expr, stiffness: Expr) -> bool:
+        """Whether no root is on the unit circle in a hand that damps so and is so stiff, or more, whatever its mass."""
+        if self.sides is None or not self.is_settled or sign_of_number(self.at_rest + stiffness) <= 0:
+            return False
+        if sign_of_number(self.damping + damping) < 0:
+            return False
+        found = self._largest(self.damping)
+        return found is not None and ordered(found.value, ExactNumber(damping)) > 0
 
     def _exceeds(self, f: RealFunction) -> bool:
         table = chart({"": RealFunction((f.axis.convert(self.damping) - f.function).reduced())}, Integer(0), Integer(1))
@@ -109,12 +142,14 @@ class SampledPassivity:
     def row(self, digits: int) -> dict[str, Any]:
         """As documents have it."""
         best = self.needed
+        rest = {"stiffness_at_rest": float(self.at_rest)} if self.pushes else {}
         told = {
             "damping_needed": None if best is None else float(best.value),
             "digits": None if best is None else best.value.digits(digits),
             "theta": None if best is None or best.omega is None else float(best.omega),
         }
-        return {"T": float(self.T), "passive": self.passive, **told, **({"reason": self.reason} if self.reason else {})}
+        why = {"reason": self.reason} if self.reason else {}
+        return {"T": float(self.T), "passive": self.passive, **told, **rest, **why}
 
 
 def sampled_passivity(scene: Scene) -> SampledPassivity | None:
@@ -136,7 +171,8 @@ def sampled_passivity(scene: Scene) -> SampledPassivity | None:
     inner = ring.convert(loop.C).reduced()
     settled = is_stable(inner) is True and inner.numerator.degrees()[0] <= inner.denominator.degrees()[0]
     reason = "" if settled else "the controller has a pole on or outside the unit circle"
-    return SampledPassivity(loop.T, loop.damping, loop.sides(ring), settled, reason)
+    at_rest = loop.at_rest(ring)[0] if settled else Integer(0)
+    return SampledPassivity(loop.T, loop.damping, loop.sides(ring), settled, reason, at_rest)
 
 
 @dataclass(frozen=True)
@@ -154,6 +190,13 @@ class ColgateLoop:
         found = [self.T / 2 * (s - 1) / s * self.C, self.T / 2 * (1 - s) * self.C.xreplace({s: 1 / s})]
         near, far = (on_axis(ring.convert(f).reduced()).real for f in found)
         return near, far
+
+    def at_rest(self, ring: Ring) -> tuple[Expr, Expr]:
+        """C(1) + k, and that times what C(1) is divided by, which is 0 where the controller is not settled."""
+        inner = ring.convert(self.C).reduced()
+        above, below = (next(iter(ring.coefficients(x)), Integer(0)) for x in (inner.numerator, inner.denominator))
+        whole = (above + self.stiffness * below).expand()
+        return (whole / below if below != 0 else whole), whole
 
 
 def loop_of(scene: Scene) -> ColgateLoop | SampledPassivity:

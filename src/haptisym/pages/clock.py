@@ -34,7 +34,7 @@ def looked_at(rows: Sequence[Nearest]) -> list[Phrase]:
 
 def _left(x: Nearest) -> tuple[Fraction | None, Fraction | None]:
     """The ends of what was looked at that are not beside a value that was found."""
-    low, high = x.low, x.high
+    low, high = (None, None) if len(x.found) == 2 else (x.low, x.high)
     for value in (Fraction(float(y.value)) for y in x.found):
         if x.high is None or (x.low is not None and abs(value - x.low) < abs(value - x.high)):
             low = None
@@ -47,8 +47,8 @@ def _rational(x: Fraction) -> Rational:
     return Rational(x.numerator, x.denominator)
 
 
-def sampled_condition(found: EveryPassiveHand, unit: str) -> Iterator[Block]:
-    """Whether every passive hand holds a sampled loop, and the damping that the device needs for it."""
+def sampled_condition(found: EveryPassiveHand, damping: str, stiffness: str) -> Iterator[Block]:
+    """Whether every passive hand holds a sampled loop, and what the device needs for it; the units of damping and stiffness."""
     x = found.sampled
     assert x is not None
     if found.holds is None:
@@ -58,11 +58,17 @@ def sampled_condition(found: EveryPassiveHand, unit: str) -> Iterator[Block]:
         yield Paragraph((Strong("Does NOT hold"), words))
     elif x.passive:
         yield Paragraph((f"Holds: {_CONDITION} is met on all of 0 < ", named("theta"), " = ", *_ANGLE, " ≤ π."))
+    elif x.pushes:
+        words = ": a passive hand that is softer is pushed away, as the display's stiffness at rest is negative."
+        yield Paragraph((Strong("Does NOT hold"), words))
     else:
         words = f": {_CONDITION} is not met, so that there is a passive hand in which a motion grows."
         yield Paragraph((Strong("Does NOT hold"), words))
-    if x.sides is not None:
-        yield Notes(tuple(_notes(x, unit)))
+    if x.pushes:
+        value = short(ExactNumber(x.at_rest)), f" {stiffness}"
+        yield Notes((("Whatever a hand damps: the display's stiffness at rest is ", *value, "."),))
+    elif x.sides is not None:
+        yield Notes(tuple(_notes(x, damping)))
 
 
 _ANGLE: tuple[Phrase, ...] = (named("omega"), " ", named("T"))
@@ -75,8 +81,12 @@ def _notes(x: SampledPassivity, unit: str) -> Iterator[Phrase]:
         return
     assert best.omega is not None
     place = ("at ", named("theta"), " = ", short(best.omega))
-    needs = short(best.value), f" {unit}; it has ", short(ExactNumber(x.damping)), f" {unit}"
-    yield "The device's damping must exceed ", needs, " (the largest right-hand side is ", place, ")."
+    has = " it has ", short(ExactNumber(x.damping)), f" {unit}"
+    if x.asks_nothing:
+        yield "The device's damping must not be negative;", has, "."
+    else:
+        needs = short(best.value), f" {unit};", *has
+        yield "The device's damping must exceed ", needs, " (the largest right-hand side is ", place, ")."
     if x.passive is False and x.hand_needed is not None:
         lacking = short(x.hand_needed), f" {unit}"
         yield "In a hand that damps more than ", *lacking, " no motion grows, whatever its mass and stiffness."

@@ -68,7 +68,7 @@ def page(found: Stability) -> Document:
     blocks = (
         Section("Imposed: the force under imposed motion", (Paragraph(_imposed(found)),)),
         Section("Held: the display in a hand", (*_held(found), *drawn)),
-        Section("Every passive hand", tuple(_every(found.every_passive_hand, _units(found)[1]))),
+        Section("Every passive hand", tuple(_every(found.every_passive_hand, *_units(found)[1:]))),
         Paragraph(_certain(found)),
         proof(found, found.scene),
     )
@@ -187,10 +187,10 @@ def _reason(x: Held) -> Phrase:
     return ""
 
 
-def _every(x: EveryPassiveHand, unit: str) -> Iterator[Block]:
+def _every(x: EveryPassiveHand, damping: str, stiffness: str) -> Iterator[Block]:
     p = x.passivity
     if x.sampled is not None:
-        yield from sampled_condition(x, unit)
+        yield from sampled_condition(x, damping, stiffness)
         if x.holds is False and p is not None and p.active:
             yield Notes((_active(p),))
         return
@@ -203,7 +203,7 @@ def _every(x: EveryPassiveHand, unit: str) -> Iterator[Block]:
     else:
         yield Paragraph((Strong("Does NOT hold"), ": there is a passive hand in which a motion grows."))
     if p is not None:
-        yield from noted(_notes(p, unit))
+        yield from noted(_notes(p, damping))
 
 
 def _open(p: Passivity) -> Phrase:

@@ -1,7 +1,8 @@
 """For which values of one parameter every passive hand may hold a sampled loop: Colgate and Schenkel's condition, exactly.
 
 The damping that a device has left over is rational in tan(theta/2) and the parameter. It can become 0 at some angle, or the
-controller's poles can reach the unit circle, at roots of resultants and discriminants alone; between these one verdict tells.
+controller's poles can reach the unit circle, at roots of resultants and discriminants alone, and the stiffness at rest at roots
+of its numerator; between these one verdict tells.
 """
 
 from __future__ import annotations
@@ -43,7 +44,10 @@ def solve_sampled(scene: Scene, free: Knob, asked: Domain) -> Solved:
         raise UndecidedError("whether every passive hand may hold it, with a delay that is free beside a clock")
     margins = [RealFunction((f.axis.convert(loop.damping) - f.function).reduced()) for f in loop.sides(ring)]
     turns = [*_of_margins(margins, free), *turns_of_poles(ring.convert(loop.C).reduced(), free)]
-    for held in (loop.mass, loop.stiffness):  # of a device they may be negative
+    at_rest = loop.at_rest(ring)[1]
+    if at_rest.has(free.symbol):
+        turns += [Turn(x, (Binding(PASSIVE, None, Kind.START),)) for x in zeros_of(at_rest, free.symbol)]
+    for held in (loop.mass, loop.stiffness, loop.damping):  # of a device they may be negative
         turns += [Turn(x, ()) for x in zeros_of(held, free.symbol)] if held.has(free.symbol) else []
 
     def verdict(value: Expr) -> bool | None:

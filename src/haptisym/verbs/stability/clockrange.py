@@ -2,7 +2,7 @@
 
 Without end in two ways. Where the number stands in the controller, or over a polynomial of what moves, as stiffness and damping
 of a wall do, the loop is a polynomial in u = 1/q or -1/q, times a power of u, and is looked at down to u = 0. And what damps, or
-is mass or stiffness beside that, puts no root on the circle where Colgate and Schenkel's condition holds for every passive hand.
+is mass or stiffness beside that, puts no root on the circle where that damps as Colgate and Schenkel's condition asks.
 """
 
 from __future__ import annotations
@@ -14,12 +14,10 @@ from functools import cached_property
 from sympy import Expr, Poly, Rational, Symbol
 
 from haptisym.judge.colgate import sampled_passivity
-from haptisym.kernel.alike import ordered
 from haptisym.kernel.budget import left, limited, tick
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.nearone import at_one
 from haptisym.kernel.pulse import Numbers, Plant, SampledLoop
-from haptisym.kernel.reals import ExactNumber
 from haptisym.model.devices import device
 from haptisym.model.hand import Hand
 from haptisym.model.knobs import Knob
@@ -175,7 +173,7 @@ def _degree(row: Numbers, q: Symbol) -> int:
 
 
 def is_held(scene: Scene, hand: Hand, free: Knob, value: Rational) -> bool:
-    """Whether from a value of a number on the hand damps more than a display needs for any mass and stiffness, proven."""
+    """Whether from a value of a number on the hand holds the display by what it damps, whatever its mass, proven."""
     symbol = free.symbol
     if any(p.symbol == symbol for p in hand.parameters):
         hand = hand.with_values({symbol.name: value})
@@ -184,9 +182,8 @@ def is_held(scene: Scene, hand: Hand, free: Knob, value: Rational) -> bool:
     else:
         return False
     found = sampled_passivity(scene)
-    needed = found.hand_needed if found else None
     try:
-        return needed is not None and ordered(needed, ExactNumber(hand.b.value)) > 0
+        return found is not None and found.is_held_by(hand.b.value, hand.k.value)
     except UndecidedError:
         return False
 
