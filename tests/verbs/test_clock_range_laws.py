@@ -19,6 +19,7 @@ from haptisym.model.hand import Hand
 from haptisym.verbs.stability.clockcritical import opened
 from haptisym.verbs.stability.clockrange import inverted, is_held, passages, passages_in
 from haptisym.verbs.stability.clockvalues import Inverse, Passage
+from haptisym.verbs.stability.held import held
 
 E, F = hs.environments, hs.effects
 SEEDS = range(24)
@@ -228,3 +229,19 @@ def test_the_inverse_of_a_number_and_of_a_passage() -> None:
     for side, ends in ((1, (4, 2)), (-1, (2, 4))):
         turned = passage.inverse(side)
         assert (turned.value, turned.omega, turned.below, turned.above) == (Inverse(number, side), passage.omega, *ends)
+
+
+@pytest.mark.few(1)
+@pytest.mark.parametrize("seed", range(6))
+def test_with_tustins_rule_a_spring_beside_a_damper_is_told_for_all_values(seed: int) -> None:
+    """The controller has a pole at z = -1, where the damper alone is felt, however stiff the spring is."""
+    draw = random.Random(seed)
+    wall = E.kelvin_voigt(draw.choice([20, 900]), draw.choice(["0.4", "3"]))
+    effects = F.sampled_loop(draw.choice(["1 ms", "7 ms"]), "tustin", draw.choice([0, 1])), F.shunt(m="0.2", b="0.3")
+    scene = hs.Scene(wall, effects, hands=(HAND,))
+    found = hs.require(scene, "environment.k", that="stable")
+    assert found.certified
+    for x in VALUES[::4]:
+        if x > 0:
+            own = held(scene.with_values({"environment.k": Rational(x)}), HAND)
+            assert own.stable is is_in(found, x), x

@@ -115,6 +115,12 @@ def at_one(loop: SampledLoop) -> Expr:
     return (Add(*loop.below) * plant.denominator[0] + Add(*loop.above) * Add(*(N[0] for _, N in plant.terms))).expand()
 
 
+def at_minus_one(loop: SampledLoop) -> tuple[Expr, Expr]:
+    """A(-1) and B(-1), by which N(-1) and Q(-1) are multiplied there."""
+    size = max(len(loop.above), len(loop.below)) - 1
+    return _at_minus_one(loop.above, size), _at_minus_one(loop.below, size)
+
+
 def in_v(loop: SampledLoop, known: Mapping[Expr, Ball], always: int = 0) -> list[Ball]:
     """The coefficients in v, ascending, without so many roots that always lie at 1.
 
@@ -122,10 +128,14 @@ def in_v(loop: SampledLoop, known: Mapping[Expr, Ball], always: int = 0) -> list
     """
     moved = _plant(loop, known)
     c = about_axis(_row(loop, moved, known)[always:])
-    size = max(len(loop.above), len(loop.below)) - 1
-    above, below = (expression_ball(_at_minus_one(row, size), known) for row in (loop.above, loop.below))
-    there = (below * moved.below(arb(-2)) + above * moved.opposite) / (-2) ** always
+    there = _opposite(moved, at_minus_one(loop), known) / (-2) ** always
     return [*c[:-1], there if len(c) % 2 else -there]
+
+
+def _opposite(moved: _Moved, rows: tuple[Expr, Expr], known: Mapping[Expr, Ball]) -> Ball:
+    """C at z = -1, of a controller's two polynomials there."""
+    above, below = (expression_ball(x, known) for x in rows)
+    return below * moved.below(arb(-2)) + above * moved.opposite
 
 
 def circle_tests(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0) -> tuple[Ball, Ball, Ball]:
@@ -137,17 +147,21 @@ def circle_tests(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, alway
     return c[0] if always else expression_ball(one, known), c[-1], hurwitz(c)
 
 
-def is_clear(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0) -> bool:
+def is_clear(
+    loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0, opposite: tuple[Expr, Expr] | None = None
+) -> bool:
     """Whether no root is on the circle for any numbers in balls, proven; two real ones may add up to 0 in v.
 
+    ``opposite`` : ``at_minus_one``, if it is to be without a factor that is 0 nowhere.
     Taylor's polynomials are asked, too: with a resonance between clock and hand, as behind a compliance, balls are up to a
     thousand times as wide as what the coefficients do.
     """
 
     def told(numbers: Mapping[Expr, Value]) -> list[Value]:
-        """At z = 1, and the coefficients in v/T, of which more stay as they are where the clock's period is what is open."""
+        """At z = 1, at z = -1, and the coefficients in v/T, of which more stay as they are where the clock's period is open."""
         T, c = expression_ball(loop.T, numbers), in_v(loop, numbers, always)
-        return [c[0] if always else expression_ball(one, numbers), *(x * T**i for i, x in enumerate(c))]
+        there = c[-1] if opposite is None else _opposite(_plant(loop, numbers), opposite, numbers)
+        return [c[0] if always else expression_ball(one, numbers), there, *(x * T**i for i, x in enumerate(c))]
 
     if _is_clear(told(known)):
         return True
@@ -157,13 +171,13 @@ def is_clear(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: i
     middles, radii = zip(*((q.mid(), q.rad()) for q in moved.values()), strict=True)
     order = _ORDER if len(moved) <= _FEW else _ORDER - 1
     lines = over_cell(lambda x: told({**known, **dict(zip(moved, x, strict=True))}), middles, radii, order)
-    return _is_clear([x.ball for x in lines], lines[1:])
+    return _is_clear([x.ball for x in lines], lines[2:])
 
 
 def _is_clear(told: Sequence[Ball], lines: Sequence[Line] = ()) -> bool:
-    """By what is at z = 1, and the coefficients."""
-    at_1, *c = told
-    if any(x.contains(0) or not x.is_finite() for x in (at_1, c[-1])):
+    """By what is at z = 1, what is at z = -1, and the coefficients."""
+    at_1, opposite, *c = told
+    if any(x.contains(0) or not x.is_finite() for x in (at_1, opposite)):
         return False
     return not hurwitz(c).contains(0) or has_no_pair(c, lines)
 

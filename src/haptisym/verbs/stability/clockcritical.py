@@ -93,6 +93,11 @@ class Opened:
         return at_one(self.loop)
 
     @cached_property
+    def opposite(self) -> tuple[Expr, Expr] | None:
+        """What is at z = -1, where that is not told by the coefficients."""
+        return None
+
+    @cached_property
     def always(self) -> int:
         """How many roots lie at 1 whatever the number is."""
         if self.at_one != 0:
@@ -117,7 +122,7 @@ class Opened:
     def is_clear(self, q: Ball) -> bool:
         """Whether no root is on the circle for any number in a ball, proven."""
         try:
-            return is_clear(self.loop, {self.symbol: q}, self.at_one, self.always)
+            return is_clear(self.loop, {self.symbol: q}, self.at_one, self.always, self.opposite)
         except (UndecidedError, ZeroDivisionError):
             return False
 

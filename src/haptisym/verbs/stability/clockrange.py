@@ -16,7 +16,7 @@ from sympy import Expr, Poly, Rational, Symbol
 from haptisym.judge.colgate import sampled_passivity
 from haptisym.kernel.budget import left, limited, tick
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.nearone import at_one
+from haptisym.kernel.nearone import at_minus_one, at_one
 from haptisym.kernel.pulse import Numbers, Plant, SampledLoop
 from haptisym.model.devices import device
 from haptisym.model.hand import Hand
@@ -142,9 +142,18 @@ class Inverted(Opened):
     @cached_property
     def at_one(self) -> Expr:
         """C(1) times what is nowhere 0, a power of the symbol among it."""
-        found = at_one(self.loop)
-        least = min((n for (n,) in Poly(found, self.symbol).monoms()), default=0) if found != 0 else 0
-        return (found / self.symbol**least).expand()
+        return self._without_powers(at_one(self.loop))[0]
+
+    @cached_property
+    def opposite(self) -> tuple[Expr, Expr]:
+        """What is at z = -1, as the symbol may be a factor there: with Tustin's rule a damper is alone, its spring is not."""
+        above, below = self._without_powers(*at_minus_one(self.loop))
+        return above, below
+
+    def _without_powers(self, *given: Expr) -> list[Expr]:
+        """Polynomials without the power of the symbol that they have in common."""
+        powers = [n for x in given if x != 0 for (n,) in Poly(x, self.symbol).monoms()]
+        return [(x / self.symbol ** min(powers, default=0)).expand() for x in given]
 
 
 def inverted(loop: Opened, side: int) -> Inverted | None:
