@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
 from math import inf
 from random import Random
 from types import SimpleNamespace
@@ -21,7 +22,7 @@ from haptisym.verbs.require import held
 from haptisym.verbs.require.existing import allowed, missing
 from haptisym.verbs.require.feasible import Binding, Kind
 from haptisym.verbs.require.freeparameter import Domain
-from haptisym.verbs.require.held import _is_clear, _on_axis, _wider, window_of, with_hands
+from haptisym.verbs.require.held import _is_clear, _meets, _on_axis, _wider, window_of, with_hands
 from haptisym.verbs.require.verdicts import Turn
 from haptisym.verbs.stability.curves import Gap, Meeting, Meetings
 from haptisym.verbs.stability.loops import Loop
@@ -139,6 +140,20 @@ def test_two_windows_about_one_value_are_as_wide_as_the_wider_on_each_side(seed:
             float(x.value) for x in {*inside(a, b), *inside(c, d)}
         )
         assert [*found.gaps] == [Gap(number(1), None)]
+
+
+def test_a_gap_meets_what_is_asked_about_in_more_than_an_end_or_not_at_all() -> None:
+    sides = [(None, -2, -1, 0, 1), (None, -1, 0, 1, 2)]
+    for low, high, start, end in product(*sides, *sides):
+        if (None not in (low, high) and low >= high) or (None not in (start, end) and start >= end):  # type: ignore[operator]
+            continue
+        gap = Gap(None if low is None else number(low), None if high is None else number(high))
+        asked = Domain(*(None if x is None else Integer(x) for x in (start, end)))  # type: ignore[arg-type]
+        below, above = (
+            max(-inf if x is None else x for x in (low, start)),
+            min(inf if x is None else x for x in (high, end)),
+        )
+        assert _meets(gap, asked) is (below < above)
 
 
 # Routh's rule, and the axis
