@@ -66,8 +66,11 @@ class Problem:
 
         found = runs([x is True for x in at], [cell is not None and cell.feasible for cell in cells])
         open_ = runs([x is None for x in at], [cell is None for cell in cells])
-        spans = tuple(Span(end(i, closed=a), end(j, closed=b)) for i, j, a, b in found)
-        return Solved(spans, tuple((places[i], places[j]) for i, j, _, _ in open_))
+        spans = []
+        for i, j, a, b in found:
+            low = end(i, closed=a)
+            spans.append(Span(low, low if i == j else end(j, closed=b)))  # of a single value both ends are one
+        return Solved(tuple(spans), tuple((places[i], places[j]) for i, j, _, _ in open_))
 
     @property
     def is_large(self) -> bool:
