@@ -129,7 +129,7 @@ def test_a_verdict_stays_and_places_that_are_left_are_open() -> None:
     ("formula", "order"),
     [
         (q * exp(-q * s), 1), (q**2 * s + q * 3, 1), (exp(-q * s) - 1, 2), (exp(-q * s), 0), (s * (exp(-q * s) - exp(q * s)), 1),
-        (q * (exp(-q * s) - 1), 3), (q**3 + exp(-s / 3) * q**2, 2), (5 + q, 0),
+        (q * (exp(-q * s) - 1), 3), (q * (exp(-s / 3) - 1), 1), (q**3 + exp(-s / 3) * q**2, 2), (5 + q, 0),
     ],
 )  # fmt: skip
 def test_the_power_of_a_delay_that_all_terms_hold_is_counted_in_numbers_and_in_tangents(
@@ -166,14 +166,15 @@ def test_several_conditions_are_kept_near_a_limit_where_all_are_and_broken_where
         with flint.ctx.workprec(128):
             limit = Limit.of([function_of(x) for x, _ in chosen], q, (Integer(low), Integer(2)), inverse=False, sign=1)
             assert limit is not None
-            reach = Fraction(1, 256)
+            reach = Fraction(1, pick.choice([1, 2, 16, 256]))
             found, up_to = limit.verdict(reach, 8)
-        assert found is (BROKEN if BROKEN in [x for _, x in chosen] else KEPT)
+        true = BROKEN if BROKEN in [x for _, x in chosen] else KEPT
+        assert found is true or (found is OPEN and reach > Fraction(1, 16))
         assert 0 < up_to <= reach
         plain = [lambdify((w, q), f, "math") for f, _ in chosen]
         for n in (1, 3, 100):
             tops = [f(low + k / 50, float(up_to) / n) for f in plain for k in range(1, 50 * (2 - low) + 1)]
-            assert (max(tops) > 0) is (found is BROKEN)
+            assert found is OPEN or (max(tops) > 0) is (found is BROKEN)
 
 
 # Delays without bound
@@ -189,18 +190,21 @@ def test_beyond_a_long_delay_a_condition_is_broken_somewhere_for_every_value(see
     with flint.ctx.workprec(128):
         found = long([real_part(formula)], q, (Integer(1), Integer(3)))
     edges = [1 + 2 * Fraction(i, 16) for i in range(17)]
-    longest = Fraction(0)
+    longest = wide = Fraction(0)
     for tangent in (0, 1, -1, 3, -3):
         x, y = Fraction(1 - tangent**2, 1 + tangent**2), Fraction(2 * tangent, 1 + tangent**2)
-        run = 0
+        run = loose = 0
         for low, high in pairwise(edges):
             run = run + 1 if min(a * x + b * y * v + c for v in (low, high)) > Fraction(1, 9) else 0
-            longest = max(longest, Fraction(run, 8))
+            loose = loose + 1 if min(a * x + b * y * v + c for v in (low, high)) > -Fraction(1, 99) else 0
+            longest, wide = max(longest, Fraction(run, 8)), max(wide, Fraction(loose, 8))
     if not longest:
         return
     assert found is not None
     assert float(found) <= max(1024 / (3 * rate), 1.02 * tau / (rate * float(longest))) * 1.001
     assert float(found) >= 16 / (3 * rate) * 0.999
+    if not d:  # then the sign at each phase does not change with the delay
+        assert float(found) >= 1.009 * tau / (rate * float(wide))
     for t in (float(found), 1.7 * float(found), 9.1 * float(found)):
         grid = [1 + n / 20000 for n in range(0, 40001, 7)]
         assert max(t * (a * cos(rate * t * x) + b * x * sin(rate * t * x) + c) + d for x in grid) > 0
