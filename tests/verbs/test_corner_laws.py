@@ -35,7 +35,7 @@ def signs(own: Iterable[Strip], place: CriticalPlace) -> tuple[int, int] | None:
     return corner_signs(rising, falling, place)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(4))
 def test_at_a_corner_the_least_of_two_functions_changes_its_sign_with_the_value(seed: int) -> None:
     """(w - x)(1 + e (w - x)^2) a + b (q - v) and -(w - x) c + d (q - v): at q beside v the first has its zero at about x - b (q - v)/a."""
     pick = Random(seed)
