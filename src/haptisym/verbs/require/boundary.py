@@ -35,7 +35,6 @@ def critical(
     ring = pieces[0].axis
     factors: list[Polynomial] = []
     for piece in pieces:
-        yield None, piece.function.denominator.term_content()
         for factor, _ in irreducible(piece.function.denominator):
             if not factor.degrees()[0]:
                 yield None, factor

@@ -78,9 +78,7 @@ class Problem:
         functions = [piece.function for own in self._breaking.pieces.values() for piece in own]
         if not any(_is_large(f.numerator) for f in functions if not f.numerator.is_zero()):
             return False
-        below = [f for g in functions for f, _ in irreducible(g.denominator)] + [
-            g.denominator.term_content() for g in functions
-        ]
+        below = [f for g in functions for f, _ in irreducible(g.denominator)]
         return not any(f.degrees()[self._breaking.index] and not f.degrees()[0] for f in below)
 
     def prepare(self) -> None:
