@@ -73,7 +73,7 @@ def test_a_condition_is_broken_where_all_of_its_functions_are_positive_at_a_valu
     assert nowhere.ring.meanings[nowhere.index] == q
 
 
-@pytest.mark.parametrize("seed", range(7))
+@pytest.mark.parametrize("seed", range(5))
 def test_at_an_algebraic_value_a_condition_is_broken_as_it_is_in_digits(seed: int) -> None:
     """a (q^2 - 2)^n and b (w - c)^2 (w - d)^k and e (q^2 - 2) w of any sign: at the root of 2 and at its negative."""
     pick = Random(seed)

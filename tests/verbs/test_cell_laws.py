@@ -80,7 +80,7 @@ def _agrees(leaf: Any, line: Line) -> None:
     assert leaf.binding.omega.ball(100).overlaps(exact(at))
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(7))
 def test_leaves_lie_side_by_side_and_each_says_what_holds_for_its_values(seed: int) -> None:
     """Kept between two values, or beyond one; asked about from anywhere to anywhere, also through 0, from 0 on and without bound."""
     pick = Random(seed)

@@ -81,7 +81,7 @@ def test_a_corner_of_waves_has_its_value_in_closed_form() -> None:
             assert ZeroAt(found).ball(200).contains(exact(c))
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(6))
 def test_how_fast_the_one_changes_at_the_zero_of_the_other_is_a_total_derivative(seed: int) -> None:
     pick = Random(seed)
 

@@ -60,7 +60,7 @@ def test_a_polynomial_in_a_parameter_becomes_one_in_what_goes_to_0_of_the_same_s
             assert before == after * u**least
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(3))
 def test_near_0_a_condition_is_the_sum_of_its_monomials(seed: int) -> None:
     """Of powers s^(1/2) and s^(2/3), delays, pi and the parameter before each; for both directions and signs."""
     pick = Random(seed)
@@ -181,7 +181,7 @@ def test_several_conditions_are_kept_near_a_limit_where_all_are_and_broken_where
 
 
 @pytest.mark.parametrize("rate", [1, 2])
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(3))
 def test_beyond_a_long_delay_a_condition_is_broken_somewhere_for_every_value(seed: int, rate: int) -> None:
     """a cos + b w sin of rate q w, and c and d/q: as its inverse goes to 0 the longest run of sixteenths of the band tells how far."""
     pick = Random(seed)
