@@ -1,4 +1,4 @@
-"""Which polynomials bound a requirement, and why each: of products of known factors, against SymPy's discriminants and resultants."""
+"""Which polynomials bound a requirement, and why: of products of known factors, against SymPy's discriminants and resultants."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ KEPT, BROKEN, OPEN = CellVerdict.KEPT, CellVerdict.BROKEN, CellVerdict.OPEN
 
 @dataclass
 class Line:
-    """Conditions a (q - v) - c (w - m)^2 on 1 to 5 rad/s, each kept on one side of a value at which it binds at a known frequency."""
+    """Conditions a (q - v) - c (w - m)^2 on 1 to 5 rad/s, each kept on one side of a value, at which it is known where it binds."""
 
     pick: Random
     ends: list[tuple[Fraction, bool, Any, Kind, Fraction]] = field(default_factory=list)
@@ -82,7 +82,7 @@ def _agrees(leaf: Any, line: Line) -> None:
 
 @pytest.mark.parametrize("seed", range(7))
 def test_leaves_lie_side_by_side_and_each_says_what_holds_for_its_values(seed: int) -> None:
-    """Kept between two values, or beyond one; asked about from anywhere to anywhere, also through 0, from 0 on and without bound."""
+    """Kept between two values, or beyond one; asked about from anywhere to anywhere, through 0, from 0 on, without bound."""
     pick = Random(seed)
     ranges = [
         (None, None),

@@ -74,7 +74,7 @@ def test_a_parabola_binds_at_its_top_or_at_the_end_of_the_band_that_is_next_to_i
 
 @pytest.mark.parametrize("i", [1, 5, 12, 23])
 def test_a_cell_whose_middle_is_broken_at_a_sample_is_broken_or_cut(i: int) -> None:
-    """Peaks so narrow that one of the samples sees them alone, just below it and just beside it; of one function and beside others."""
+    """Peaks so narrow that one of the samples alone sees them, at it and just beside it; of one function and of two."""
     at, steep = Fraction(i, 24), 10**6
     with flint.ctx.workprec(128):
         for beside in ([], [w + 1]):
@@ -188,7 +188,7 @@ def _parabola(c: Fraction, m: Fraction, top: int = 1) -> Shape:
 
 @pytest.mark.parametrize("m", [Fraction(n, 16) for n in (-16, -1, 0, 1, 3, 4, 9, 15, 16, 17, 40)])
 def test_of_a_parabola_over_boxes_the_place_is_told_as_far_as_slopes_and_curvatures_are_known(m: Fraction) -> None:
-    """Pieces in quarters from 0 or from 1/4 on, up to 3/4 or 1, which are ends of the band or not; what is known is forgotten at times."""
+    """Pieces in quarters from 0 or from 1/4 on, up to 3/4 or 1, ends of the band or not; some of what is known is forgotten."""
     pick = Random(str(m))
     with flint.ctx.workprec(128):
         strip = Strip.of(_parabola(Fraction(1), m), arb(0), arb(0))
@@ -240,7 +240,9 @@ def test_from_a_suspect_newtons_steps_go_to_the_maximum_beside_the_best_of_them(
     m, c = Fraction(pick.randint(20, 44), 64), pick.randint(1, 5)
     suspects = [exact(Fraction(n, 64)) for n in sorted(pick.sample(range(10, 54), 3))]
 
-    def steps(f: Expr, low: Fraction = Fraction(0), high: Fraction = Fraction(1), beyond: bool = False) -> list[float]:  # noqa: FBT001, FBT002
+    def steps(
+        f: Expr, low: Fraction = Fraction(0), high: Fraction = Fraction(1), *, beyond: bool = False
+    ) -> list[float]:
         with flint.ctx.workprec(128):
             shape = shape_of(f)
             one = Strips.beyond([shape], arb(0, 1)) if beyond else Strips.of([shape], exact(0), exact(2))

@@ -37,7 +37,7 @@ def signs(own: Iterable[Strip], place: CriticalPlace) -> tuple[int, int] | None:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_at_a_corner_the_least_of_two_functions_changes_its_sign_with_the_value(seed: int) -> None:
-    """(w - x)(1 + e (w - x)^2) a + b (q - v) and -(w - x) c + d (q - v): at q beside v the first has its zero at about x - b (q - v)/a."""
+    """(w - x)(1 + e (w - x)^2) a + b (q - v), zero at about w = x - b (q - v)/a, and -(w - x) c + d (q - v)."""
     pick = Random(seed)
     for _ in range(3):
         x, v = Fraction(pick.randint(8, 40), 8), Fraction(pick.randint(-20, 20), 4)

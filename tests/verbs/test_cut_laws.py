@@ -32,7 +32,7 @@ KEPT, BROKEN, OPEN = CellVerdict.KEPT, CellVerdict.BROKEN, CellVerdict.OPEN
 
 
 class Marked(ValueSearch):
-    """Cells that are open while one of some numbers is strictly inside, and kept and broken in turn between these; each look is noted."""
+    """Cells that are open while one of some numbers is inside, kept and broken in turn between these; each look is noted."""
 
     def __init__(self, marks: list[Fraction], most: int = 10**6) -> None:
         super().__init__({}, q, BAND, Fraction(1))
@@ -219,7 +219,7 @@ def test_where_the_time_is_over_values_without_bound_are_open_from_where_they_be
 def test_beyond_a_delay_all_phases_lie_in_the_longest_piece_on_which_one_of_four_is_broken(
     seed: int, rate: int
 ) -> None:
-    """a cos + b w sin of rate q w, and c: at half angles with the tangents 1, -1, 3 and -3; as long as 1 to 1.05 full turns take."""
+    """a cos + b w sin of rate q w, and c: at half angles with the tangents 1, -1, 3 and -3; 1 to 1.05 full turns."""
     pick = Random(seed)
     a, b, c = pick.randint(-6, 6), pick.choice([-2, -1, 1, 2]), pick.randint(-6, 6)
     function = real_part(a * exp(-rate * q * s) + b * s * exp(-rate * q * s) + c)

@@ -1,4 +1,4 @@
-"""Exact sets of values of conditions whose largest value over the band is a known polynomial: ends, single values, gaps, what binds."""
+"""Exact sets of values of conditions whose largest value over the band is a known polynomial, and what binds at their ends."""
 
 from __future__ import annotations
 

@@ -160,7 +160,7 @@ def test_to_begin_with_the_band_has_sixteen_pieces_between_each_two_ends() -> No
 def test_what_waits_when_the_time_is_over_or_enough_was_looked_at_is_open_and_what_is_broken_is_asked_no_more(
     stop: int | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of two conditions the first breaks values from 2 on at once; the other leaves all open. A condition that is 0 is not asked."""
+    """Of two conditions the first breaks values from 2 on at once, the other leaves all open; what is 0 is not asked."""
     rounds = list[tuple[str, int]]()
 
     def of(self: Any, excess: Any, larger: Any, cells: Any) -> Any:

@@ -95,7 +95,7 @@ def test_the_document_has_of_each_slice_all_of_its_sets() -> None:
     assert row["slices"] == [
         {
             "at": 2.5, "feasible": [[1, 2]], "apart": {"transparent": [[3, 4]], "stable": [[3, 4]]},
-            "contours": [{"jnd": 0.2, "feasible": [[3, 4]], "certified": True}, {"jnd": 0.4, "feasible": [[3, 4]], "certified": False}],
+            "contours": [{"jnd": x, "feasible": [[3, 4]], "certified": x == 0.2} for x in (0.2, 0.4)],
         }
     ]  # fmt: skip
     plain = chart(slices[:1])._body()

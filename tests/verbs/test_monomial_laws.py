@@ -1,4 +1,4 @@
-"""Sums of monomials with real exponents: what is done with them leaves their values, at points with exact roots; and their signs."""
+"""Sums of monomials with real exponents: what is done with them leaves their values, at points with exact roots."""
 
 from __future__ import annotations
 

@@ -122,30 +122,35 @@ def best(times: float, value: int = 3) -> Nearest:
     return Nearest(Integer(value), ExactNumber(Integer(1)), Binding(REAL, None, Kind.EDGE), times)
 
 
+class Answers:
+    """What is answered about larger thresholds, in turn; and the thresholds that were asked about."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, *answers: Solved) -> None:
+        self.asked, self.left = list[list[Any]](), list(answers)
+        monkeypatch.setattr(module, "solve", self.solve)
+
+    def solve(self, scene: Any, free: Any, domain: Any, criteria: Any) -> Solved:
+        assert (scene, free, domain) == ("scene", "free", "domain")
+        self.asked.append([x.threshold for x in criteria])
+        return self.left.pop(0)
+
+
+LIMITS = [replace(REAL, threshold=Rational(1, 10)), replace(IMAG, threshold=Rational(1, 5))]
+QUESTION: Any = SimpleNamespace(scene="scene", free="free", domain="domain", criteria=LIMITS)
+
+
 @pytest.mark.parametrize("times", [1.5, 4.0, 90.0])
 @pytest.mark.parametrize("open_ones", [0, 1, 2, 3])
 def test_thresholds_just_below_those_of_the_best_value_are_asked_first_and_smaller_ones_where_these_stay_open(
     times: float, open_ones: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By powers of how many times the thresholds it needs, to three digits; what none does with is proven for less."""
-    asked, answers = list[list[Any]](), list[Solved]()
-
-    def solve(scene: Any, free: Any, domain: Any, criteria: Any) -> Solved:
-        assert (scene, free, domain) == ("scene", "free", "domain")
-        asked.append([x.threshold for x in criteria])
-        return answers[len(asked) - 1]
-
-    monkeypatch.setattr(module, "solve", solve)
-    own = [replace(REAL, threshold=Rational(1, 10)), replace(IMAG, threshold=Rational(1, 5))]
-    r: Any = SimpleNamespace(scene="scene", free="free", domain="domain", criteria=own)
     undecided = Solved((), ((None, None),))
     for last, wanted in ((Solved(()), "bound"), (between(2, 9), 3), (between(None, 5), 4), (between(6, None), 7)):
-        asked.clear()
-        answers[:] = [undecided] * open_ones + [last]
-        found = _bounded(r, best(times))
-        powers = [times**x for x in (0.99, 0.9, 0.6)]
-        assert len(asked) == min(open_ones + 1, 3)
-        for (one, other), near in zip(asked, powers, strict=False):
+        answers = Answers(monkeypatch, *[undecided] * open_ones, last)
+        found = _bounded(QUESTION, best(times))
+        assert len(answers.asked) == min(open_ones + 1, 3)
+        for (one, other), near in zip(answers.asked, (times**x for x in (0.99, 0.9, 0.6)), strict=False):
             assert other == 2 * one
             assert float(10 * one) == pytest.approx(near, rel=1e-3)
             assert (10 * one).q <= 1000
@@ -153,21 +158,22 @@ def test_thresholds_just_below_those_of_the_best_value_are_asked_first_and_small
             assert found is None
         elif wanted == "bound":
             assert isinstance(found, float)
-            assert 1 - 1e-14 < found / float(10 * asked[-1][0]) < 1
+            assert 1 - 1e-14 < found / float(10 * answers.asked[-1][0]) < 1
         else:
             assert found == wanted
-    answers[:] = [Solved((Span(End(ExactNumber(Integer(5))), End(ExactNumber(Integer(9)))),))]
-    end = End(ExactNumber(Integer(5)), closed=True)
-    asked.clear()
-    answers[:] = [Solved((Span(end, end),))]
-    assert _bounded(r, best(times)) is None  # one value alone, which is the best itself as far as is known
-    asked.clear()
-    whole = End(None)
-    answers[:] = [Solved((Span(whole, whole),))]
-    assert isinstance(_bounded(r, best(times)), Expr)  # any value does
+
+
+def test_one_value_alone_is_no_better_and_between_the_thresholds_and_what_is_no_larger_is_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    alone, whole = End(ExactNumber(Integer(5)), closed=True), End(None)
+    Answers(monkeypatch, Solved((Span(alone, alone),)))
+    assert _bounded(QUESTION, best(4.0)) is None  # it is the best itself, as far as is known
+    Answers(monkeypatch, Solved((Span(whole, whole),)))
+    assert isinstance(_bounded(QUESTION, best(4.0)), Expr)  # any value does
     for near in (1.0, 1.0000001, 0.5):
-        asked.clear()
-        assert (_bounded(r, best(near)), asked) == (1.0, [])  # there is nothing between the thresholds and these
+        answers = Answers(monkeypatch)
+        assert (_bounded(QUESTION, best(near)), answers.asked) == (1.0, [])
 
 
 @pytest.mark.parametrize("steps", [0, 1, 3, 6, 9])

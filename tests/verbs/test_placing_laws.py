@@ -1,4 +1,4 @@
-"""What is asked of a map: which slices, of which sets, with how much of the time; and where further slices go, of gaps made up."""
+"""What is asked of a map: which slices, of which sets, in how much of the time; and where further slices go."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def test_a_gap_is_worth_a_slice_where_lines_are_off_by_more_than_the_share_and_n
 def test_slices_are_put_halfway_the_worst_gaps_first_until_all_are_good_or_there_are_no_more(
     most: int, stop: int | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Lines are off by the square of a gap's width; from 0 to 1 narrow, from 1 on wide; ``stop`` : the time is over with that slice."""
+    """Lines are off by the square of a gap's width; from 0 to 1 narrow, from 1 on wide; ``stop`` : the time is over with that one."""
     monkeypatch.setattr(
         placing,
         "gaps",
@@ -189,6 +189,13 @@ def test_further_thresholds_are_each_asked_once_and_only_where_they_mean_somethi
             asked(jnd=("0.1", wrong))
 
 
+def required(scene: hs.Scene, path: str, along: Any, *, that: Any = ("transparent",), **options: Any) -> Any:
+    """What a slice is asked, and of which scene."""
+    assert (path, along) == ("effects.filter.omega_n", (50, 500))
+    assert options == {"part": None, "any_environment": False}
+    return SimpleNamespace(that=(*that,), zeta=scene.knobs["zeta"].value, c=scene.threshold[hs.Part.REAL])
+
+
 @pytest.mark.parametrize("jnd", [(), ("0.2", "0.3")])
 @pytest.mark.parametrize("wanted", [x for n in (1, 2, 3) for x in combinations(WISHES, n)])
 def test_each_proof_is_of_the_set_that_a_slice_has_at_its_number(
@@ -203,17 +210,9 @@ def test_each_proof_is_of_the_set_that_a_slice_has_at_its_number(
         planes.append((scene, free, window))
         return SimpleNamespace(share_left=0.5)
 
-    def require(scene: hs.Scene, path: str, along: Any, *, that: Any = ("transparent",), **options: Any) -> Any:
-        assert (path, along) == ("effects.filter.omega_n", (50, 500))
-        assert options == {"part": None, "any_environment": False}
-        zeta, c = scene.knobs["zeta"].value, scene.threshold[hs.Part.REAL]
-        return SimpleNamespace(
-            that=(*that,), zeta=zeta, c=c, domain=None, feasible=(), undecided=(), reason="", criteria=()
-        )
-
     for name in ("rectangles", "held_rectangles"):
         monkeypatch.setattr(asking, name, plane)
-    monkeypatch.setattr(asking, "require", require)
+    monkeypatch.setattr(asking, "require", required)
 
     def of(at: Any, apart: Any, contours: Any) -> Slice:
         whole: Any = SimpleNamespace(that=(*wanted,))

@@ -1,4 +1,4 @@
-"""Values that a hand bears and values without a scene: windows of critical values put together, Routh's rule, and poles placed by hand."""
+"""Values that a hand bears and values without a scene: windows put together, Routh's rule, poles placed by hand."""
 
 from __future__ import annotations
 
@@ -53,59 +53,58 @@ def ends(x: Meetings) -> tuple[Any, Any]:
     return x.above, x.below
 
 
+class Growing:
+    """Windows each four times as wide as the one before, without bound on some sides, with a gap in the first of them; one may fail."""
+
+    def __init__(self, pick: Random) -> None:
+        self.critical = sorted(pick.sample(range(-300000, 300000), 4) + pick.sample(range(-40, 40), 4))
+        self.known = pick.choice([None, -inf]), pick.choice([None, inf])
+        self.low, self.high = pick.choice([None, -2, -200, -(4**5), 3]), pick.choice([None, 5, 63, 4**4, 10**5])
+        self.gapped, self.broken = pick.choice([-1, -1, 0, 2]), pick.choice([None, None, 1, 3])
+        self.given = list[int]()
+
+    def window(self, i: int) -> Meetings:
+        a, b = (self.known[0] or -(4**i)), (self.known[1] or 4**i)
+        gaps = (Gap(number(3), number(4)),) if i <= self.gapped else ()
+        return window((Meeting(number(x), number(1)) for x in self.critical if a <= x <= b), a, b, *gaps)
+
+    def meetings(self, _: Any, own: Any) -> Iterator[Meetings]:
+        assert own == FREE.value
+        for i in range(20):
+            if i == self.broken:
+                raise UndecidedError("they are many")
+            self.given.append(i)
+            yield self.window(i)
+
+    def is_enough(self, i: int) -> bool:
+        """Whether a window reaches as far as is asked, and no gap is left in there."""
+        low = self.known[0] is not None or (self.low is not None and -(4**i) <= self.low)
+        high = self.known[1] is not None or (self.high is not None and 4**i >= self.high)
+        meets = (self.high is None or self.high > 3) and (self.low is None or self.low < 4)
+        return low and high and not (meets and i <= self.gapped)
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_windows_grow_until_they_hold_all_that_is_asked_about_and_eight_at_most(
     seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Each about four times as wide as the one before, at times without bound on a side; critical values as far as they are looked for."""
     pick = Random(seed)
     for _ in range(8):
-        critical = sorted(pick.sample(range(-300000, 300000), 4) + pick.sample(range(-40, 40), 4))
-        known = pick.choice([None, -inf]), pick.choice([None, inf])
-        low, high = pick.choice([None, -2, -200, -(4**5), 3]), pick.choice([None, 5, 63, 4**4, 10**5])
-        gapped = pick.choice([-1, -1, 0, 2])  # up to that window a gap stays in what is asked about
-        broken = pick.choice([None, None, 1, 3])
-        given = list[int]()
-
-        def meetings(_: Any, own: Any) -> Iterator[Meetings]:
-            assert own == FREE.value
-            for i in range(20):
-                if i == broken:  # noqa: B023
-                    raise UndecidedError("they are many")
-                given.append(i)  # noqa: B023
-                a, b = (known[0] or -(4**i)), (known[1] or 4**i)  # noqa: B023
-                found = tuple(Meeting(number(x), number(1)) for x in critical if a <= x <= b)  # noqa: B023
-                gaps = (Gap(number(3), number(4)),) if i <= gapped else ()  # noqa: B023
-                yield window(found, a, b, *gaps)
-
-        monkeypatch.setattr(held, "meetings", meetings)
-        asked = Domain(*(None if x is None else Integer(x) for x in (low, high)))  # type: ignore[arg-type]
+        given = Growing(pick)
+        monkeypatch.setattr(held, "meetings", given.meetings)
+        asked: Any = Domain(*(None if x is None else Integer(x) for x in (given.low, given.high)))  # type: ignore[arg-type]
         found = window_of(SimpleNamespace(), FREE, asked)  # type: ignore[arg-type]
-        meets = (high is None or high > 3) and (low is None or low < 4)
-        last, failed = 7, False
-        for i in range(8):
-            if i == broken:
-                last, failed = i - 1, True
-                break
-            far = (known[0] is not None or (low is not None and -(4**i) <= low)) and (
-                known[1] is not None or (high is not None and 4**i >= high)
-            )
-            if far and not (meets and i <= gapped):
-                last = i
-                break
-        assert given == list(range(last + 1))
-        a, b = known[0] or -(4**last), known[1] or 4**last
-        assert [float(x.value) for x in found.found] == sorted(
-            (x for x in critical if a <= x <= b), key=lambda x: float(x)
-        )
-        gaps = [Gap(number(3), number(4))] if last <= gapped else []
+        last = next((i for i in range(8) if i == given.broken or given.is_enough(i)), 7)
+        failed = last == given.broken
+        last -= failed
+        assert given.given == list(range(last + 1))
+        true = given.window(last)
+        assert [float(x.value) for x in found.found] == [float(x.value) for x in true.found]
+        gaps = [*true.gaps]
         if failed:
-            gaps += [Gap(None, number(a), "they are many")] * (a != -inf) + [Gap(number(b), None, "they are many")] * (
-                b != inf
-            )
-            assert ends(found) == (None, None)
-        else:
-            assert ends(found) == (None if a == -inf else a, None if b == inf else b)
+            gaps += [] if true.above is None else [Gap(None, number(true.above), "they are many")]
+            gaps += [] if true.below is None else [Gap(number(true.below), None, "they are many")]
+        assert ends(found) == ((None, None) if failed else ends(true))
         assert [*found.gaps] == gaps
 
 

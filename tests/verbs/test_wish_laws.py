@@ -64,6 +64,13 @@ def between(low: int, high: int) -> Solved:
     return Solved((Span(End(ExactNumber(Integer(low)), closed=True), End(ExactNumber(Integer(high)), closed=True)),))
 
 
+def ends(x: Solved) -> tuple[float, float]:
+    [span] = x.feasible
+    assert span.low.value is not None
+    assert span.high.value is not None
+    return float(span.low.value), float(span.high.value)
+
+
 @pytest.mark.parametrize("clocked", [False, True])
 @pytest.mark.parametrize("wanted", [x for n in (1, 2, 3) for x in combinations(WISHES, n)])
 def test_each_thing_is_asked_once_its_own_way_and_what_is_in_all_sets_is_told(
@@ -85,12 +92,15 @@ def test_each_thing_is_asked_once_its_own_way_and_what_is_in_all_sets_is_told(
         return sets[hand.name]
 
     def passive(way: str) -> Any:
-        return lambda *given: called.append((way, given == (HELD, free, domain))) or sets["passive"]  # type: ignore[func-returns-value]
+        def solved(*given: Any) -> Solved:
+            called.append((way, given == (HELD, free, domain)))
+            return sets["passive"]
 
-    monkeypatch.setattr(module, "solve", transparent)
-    monkeypatch.setattr(module, "solve_stable", stable)
-    monkeypatch.setattr(module, "solve_passive", passive("passive"))
-    monkeypatch.setattr(module, "solve_sampled", passive("sampled"))
+        return solved
+
+    ways = {"": transparent, "_stable": stable, "_passive": passive("passive"), "_sampled": passive("sampled")}
+    for name, way in ways.items():
+        monkeypatch.setattr(module, f"solve{name}", way)
     monkeypatch.setattr(module, "clocks", lambda _: ["a clock"] if clocked else [])
     judged = noticed(HELD.threshold) if "transparent" in wanted else ()
     found = solve_all(HELD, free, domain, (*judged, *further(HELD, wanted)))
@@ -99,16 +109,8 @@ def test_each_thing_is_asked_once_its_own_way_and_what_is_in_all_sets_is_told(
     expected += [("sampled" if clocked else "passive", True)] * ("passive" in wanted)  # type: ignore[list-item]
     assert called == expected
     names = [x for x in sets if x in wanted or (x in ("one", "two") and "stable" in wanted)]
-    ends = [
-        (float(x.low.value), float(x.high.value))
-        for n in names
-        for x in sets[n].feasible
-        if x.low.value and x.high.value
-    ]
-    [span] = found.feasible
-    assert span.low.value is not None
-    assert span.high.value is not None
-    assert (float(span.low.value), float(span.high.value)) == (max(a for a, _ in ends), min(b for _, b in ends))
+    own = [ends(sets[x]) for x in names]
+    assert ends(found) == (max(a for a, _ in own), min(b for _, b in own))
 
 
 @pytest.mark.parametrize(
