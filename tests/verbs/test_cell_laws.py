@@ -30,7 +30,7 @@ KEPT, BROKEN, OPEN = CellVerdict.KEPT, CellVerdict.BROKEN, CellVerdict.OPEN
 
 @dataclass
 class Line:
-    """Conditions a (q - v) - c (w - m)^2 on 1 to 5 rad/s, each kept on one side of a value, at which it is known where it binds."""
+    """Conditions a (q - v) - c (w - m)^2 on 1 to 5 rad/s, each kept on one side of a value where it binds."""
 
     pick: Random
     ends: list[tuple[Fraction, bool, Any, Kind, Fraction]] = field(default_factory=list)

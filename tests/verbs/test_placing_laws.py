@@ -92,7 +92,7 @@ def test_a_gap_is_worth_a_slice_where_lines_are_off_by_more_than_the_share_and_n
 def test_slices_are_put_halfway_the_worst_gaps_first_until_all_are_good_or_there_are_no_more(
     most: int, stop: int | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Lines are off by the square of a gap's width; from 0 to 1 narrow, from 1 on wide; ``stop`` : the time is over with that one."""
+    """Lines are off by the square of a gap's width; from 0 to 1 narrow, from 1 on wide; ``stop`` : then the time is over."""
     monkeypatch.setattr(
         placing,
         "gaps",

@@ -54,7 +54,7 @@ def ends(x: Meetings) -> tuple[Any, Any]:
 
 
 class Growing:
-    """Windows each four times as wide as the one before, without bound on some sides, with a gap in the first of them; one may fail."""
+    """Windows each four times as wide as the one before, without bound on some sides, with a gap in the first; one may fail."""
 
     def __init__(self, pick: Random) -> None:
         self.critical = sorted(pick.sample(range(-300000, 300000), 4) + pick.sample(range(-40, 40), 4))
