@@ -162,6 +162,20 @@ def test_of_what_is_left_at_0_double_roots_are_told_and_of_newtons_polygon_the_f
     assert float(v) == pytest.approx(max([alike_at, *touching]), rel=1e-12)
 
 
+def test_where_a_coefficient_may_be_0_terms_are_taken_to_be_alike_at_1() -> None:
+    about_0, one, four = arb(0, 1), fmpq(1), fmpq(-4)
+    for first, last, at in (
+        (one, about_0, 1.0),
+        (about_0, one, 1.0),
+        (about_0, about_0, 1.0),
+        (one, four, 2.0),
+        (four, one, 0.5),
+    ):
+        own = Monomials.of({(Fraction(0), Fraction(2)): first, (Fraction(3), Fraction(0)): last})
+        p, v = own.slope
+        assert (p, float(v)) == (Fraction(3, 2), at)
+
+
 @pytest.mark.parametrize(
     ("x", "a"),
     [
