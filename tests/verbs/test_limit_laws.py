@@ -212,6 +212,14 @@ def test_beyond_a_long_delay_a_condition_is_broken_somewhere_for_every_value(see
         assert max(t * (a * cos(rate * t * x) + b * x * sin(rate * t * x) + c) + d for x in grid) > 0
 
 
+def test_a_delay_is_long_where_the_last_piece_of_the_band_holds_a_turn() -> None:
+    """20 w sin - 51 is positive from 2.55 to 3 rad/s alone, and that at a quarter of a turn: of sixteenths the last three."""
+    with flint.ctx.workprec(128):
+        found = long([real_part(q * (20 * s * exp(-q * s) - 51))], q, (Integer(1), Integer(3)))
+    assert found is not None
+    assert tau / 0.45 < float(found) < 1.02 * tau / 0.375
+
+
 def test_a_delay_alone_that_turns_once_may_be_long_and_no_other() -> None:
     with flint.ctx.workprec(96):
         for formula in (exp(-q * s) + exp(-sqrt(2) * q * s) + 5, 3 + q * exp(-s), exp(-q * s) * s**q + 9):
