@@ -14,6 +14,7 @@ from plainshapes import exact
 from plainsums import Sum, alike, drawn, value
 
 from haptisym.verbs.require.blowups import (
+    _at_touch,
     _charts,
     _Curve,
     _curves,
@@ -21,6 +22,7 @@ from haptisym.verbs.require.blowups import (
     _is_bare,
     _matched,
     _middle,
+    _shows_negative,
     is_negative,
     positive_along,
 )
@@ -172,3 +174,38 @@ def test_a_corner_is_bare_where_both_are_0_and_no_term_is_left() -> None:
             {(Fraction(1), Fraction(1)): fmpq(2), (Fraction(0), Fraction(0 if constant else 1)): fmpq(1)}
         )
         assert _is_bare(own, arb(a), arb(b)) is (not constant and a == b == 0)
+
+
+@pytest.mark.parametrize(("low", "high"), [(1, 7), (2, 5), (0, 2), (3, 9), (0, 1)])
+def test_a_box_is_in_two_beside_where_what_is_left_at_0_touches_unless_what_comes_next_is_negative(
+    low: int, high: int
+) -> None:
+    """-(Y - 2)^2 and X, or -X; from Y = 2 on to both sides as far as the box goes."""
+    touching: Sum = {(Fraction(0), Fraction(n)): fmpq(c) for n, c in ((0, -4), (1, 4), (2, -1))}
+    own, up = Monomials.of({**touching, (Fraction(1), Fraction(0)): fmpq(1)}), (arb(low), arb(high))
+    across = arb(0), arb(1) / 8
+    found = _at_touch(own, across, up)
+    true = [(-1, 2 - low), (1, high - 2)] if low <= 2 <= high else []
+    assert len(found) == len([size for _, size in true if size > 0])
+    for (chart, beside, side), (sign, size) in zip(found, [x for x in true if x[1] > 0], strict=True):
+        assert (beside, side[0].is_zero(), float(side[1])) == (across, True, size)
+        x, v = arb(1) / 9, arb(1) / 7
+        assert alike(value(chart.terms, x, v), x - v**2)
+        assert alike(value(own.terms, x, 2 + sign * v), x - v**2)
+    assert _at_touch(own, (arb(1) / 16, arb(1) / 8), up) == []
+    assert _at_touch(Monomials.of({**touching, (Fraction(1), Fraction(0)): fmpq(-1)}), across, up) == []
+
+
+def test_a_sum_shows_to_be_negative_over_the_largest_negative_monomial_where_that_does_not_vanish() -> None:
+    """Y - Y^2 from 2 to 100: 1/Y - 1 shows it; and the same in X. At a corner, and without a negative monomial, nothing does."""
+    near, far = (arb(0), arb(1)), (arb(2), arb(100))
+    for i in (0, 1):
+        place = [[(Fraction(n), Fraction(0)), (Fraction(0), Fraction(n))][i] for n in (1, 2)]
+        own = Monomials.of({place[0]: fmpq(1), place[1]: fmpq(-1)})
+        assert _shows_negative(own, *((far, near) if i == 0 else (near, far)))
+        assert _shows_negative(own, far, far)
+        assert not _shows_negative(own, near, near)
+        wide = arb(1) / 2, arb(100)
+        assert not _shows_negative(own, *((wide, near) if i == 0 else (near, wide)))
+        assert not _shows_negative(Monomials.of({place[0]: fmpq(1), place[1]: fmpq(2)}), far, far)
+    assert _shows_negative(Monomials.of({(Fraction(0), Fraction(0)): fmpq(-1)}), near, near)
