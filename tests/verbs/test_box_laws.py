@@ -59,7 +59,7 @@ def corners(box: Mapping[str, list[Fraction]], side: int, *, highest: bool) -> d
     return {key: rational(at[key]) for key in "abc" if box[key][0] != box[key][1]}
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(4))
 def test_a_crossing_inside_the_band_has_exact_ends_at_the_corners_to_which_it_moves(seed: int) -> None:
     """From rest, or from a frequency on; below c at b: all that is told is of the one crossing w^2 = (b + c)/a."""
     pick = Random(seed)
@@ -77,7 +77,7 @@ def test_a_crossing_inside_the_band_has_exact_ends_at_the_corners_to_which_it_mo
     assert found.certified
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_what_is_noticed_at_rest_for_all_values_is_not_between_two_crossings(seed: int) -> None:
     """b > c: noticed up to w^2 = (b - c)/a, and from (b + c)/a on."""
     pick = Random(50 + seed)
@@ -100,7 +100,7 @@ def test_what_is_noticed_at_rest_for_all_values_is_not_between_two_crossings(see
 
 
 @pytest.mark.parametrize("part", PART)
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_band_that_ends_short_of_among_or_beyond_the_crossings_gives_the_three_verdicts(part: str, seed: int) -> None:
     """r = a w^2, or a w^3: w from (c/a)^(1/2), or (c/a)^(1/3)."""
     pick = Random(seed)
@@ -133,12 +133,12 @@ def test_a_band_that_ends_short_of_among_or_beyond_the_crossings_gives_the_three
             assert over == [False, True]
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_sets_that_are_drawn_lie_in_the_box_and_cross_within_the_enclosures(seed: int) -> None:
     pick = Random(seed)
     box = boxes(pick, (2, 8))
-    found = told(box, (0, 3), samples=6)
-    assert len(found.samples) == 6
+    found = told(box, (0, 3), samples=4)
+    assert len(found.samples) == 4
     [x] = found.enclosures
     for one in found.samples:
         values = {key: Fraction(str(y)) for key, y in one.values.items()}
@@ -148,4 +148,4 @@ def test_sets_that_are_drawn_lie_in_the_box_and_cross_within_the_enclosures(seed
         assert float(crossing) == pytest.approx(sqrt((b + c) / a), rel=1e-13)
         assert float(x.low) <= float(crossing) <= float(x.high)
         assert (one.crossings["imag"], one.bandwidth, one.first, one.transparent) == ((), crossing, crossing, False)
-    assert len({str(one.values) for one in found.samples}) == 6
+    assert len({str(one.values) for one in found.samples}) == 4

@@ -122,7 +122,7 @@ EVEN = omega**4 + 3 * omega**2 * Q + 1
 FACTORS: list[Expr] = [omega**2 - 2, omega**2 - Q, omega**2 + Q, Q - 3, Q**2 + 1, EVEN, omega - Q]
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_quotient_is_written_with_its_sign_above_the_line(seed: int) -> None:
     """Products of factors that change signs, of even ones and of such as are positive, below the line; of either constant."""
     pick = Random(seed)

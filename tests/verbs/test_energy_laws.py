@@ -84,7 +84,7 @@ def plain_reach(above: Row, below: Row, q: Fraction) -> float | None:
     return None
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(12))
 def test_what_is_beyond_the_reach_is_outweighed_by_the_highest_power(seed: int) -> None:
     """Of early and late terms; each of its own power, so that sizes are those of single terms: the least power of two."""
     pick = Random(seed)
@@ -99,7 +99,7 @@ def test_what_is_beyond_the_reach_is_outweighed_by_the_highest_power(seed: int) 
         assert wide is None or wide >= found
 
 
-@pytest.mark.parametrize("seed", range(16))
+@pytest.mark.parametrize("seed", range(8))
 def test_what_prevails_far_out_and_at_rest_has_the_sign_that_digits_say(seed: int) -> None:
     """At 10^30 and 10^-30 rad/s, for many numbers q; where all terms are early it is known unless all of it is 0."""
     pick = Random(seed)
@@ -126,7 +126,7 @@ def test_what_prevails_far_out_and_at_rest_has_the_sign_that_digits_say(seed: in
         assert abs(near - number(Fraction(int(known.p), int(known.q)))) < 1e-20
 
 
-@pytest.mark.parametrize("seed", range(7))
+@pytest.mark.parametrize("seed", range(5))
 def test_where_all_that_prevails_comes_late_it_turns_and_is_negative_somewhere_far_out(seed: int) -> None:
     """Of the highest powers of N all late, of D one that is not: at frequencies of some turns Im(N conj D) < 0."""
     pick = Random(seed)
@@ -165,7 +165,7 @@ def test_where_one_of_the_late_terms_is_there_for_every_number_it_turns_for_all_
         assert (sign and [sign.at(Integer(n)) for n in (0, 2)]) == signs
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(6))
 def test_for_large_positive_s_the_sign_is_that_of_the_highest_early_powers(seed: int) -> None:
     """N D at s = 10^9, where what is late has faded to nothing; nothing is told where all of either is late."""
     pick = Random(seed)
@@ -191,7 +191,7 @@ def test_the_number_before_the_highest_power_is_known_where_none_of_it_is_late()
 # --- cells ------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_what_is_clear_or_active_with_some_room_is_told_to_be(seed: int) -> None:
     """A spring k late by tau, a damper b and a mass: Im H/omega = b - k tau sinc(omega tau), from rest or from a frequency on."""
     pick = Random(seed)
@@ -222,7 +222,7 @@ def test_what_is_clear_or_active_with_some_room_is_told_to_be(seed: int) -> None
     assert form.clear((0.2 * worst, 0.25 * worst), reach)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(4))
 def test_of_polynomials_all_frequencies_are_clear_where_all_roots_of_im_h_keep_off(seed: int) -> None:
     """(s^2 + a s + w^2) (s + g) over s + h and a number before it: by roots of Im(N conj D)/omega in numpy."""
     pick = Random(seed)

@@ -32,11 +32,11 @@ def text(x: list[Fraction]) -> Any:
     return [str(y) for y in x] if x[0] != x[1] else str(x[0])
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(3))
 def test_a_box_is_held_for_all_some_or_none_of_its_values_as_its_corners_say(seed: int) -> None:
     """The room grows with b and omega_c, falls with k, and goes one way with m: its least and most lie at corners."""
     pick = Random(seed)
-    for _ in range(3):
+    for _ in range(2):
         near = [Fraction(pick.randint(*x), 10) for x in ((100, 600), (5, 20), (10, 30), (40, 120))]
         ends = [[x, x * (1 + Fraction(pick.choice([0, 5, 10, 40]), 100))] for x in near]
         rooms = [room(*x) for x in product(*ends)]

@@ -41,7 +41,7 @@ def plane_of(found: hs.Scene, spans: dict[str, tuple[Any, Any]], others: Any = (
     return held_plane(found, found.hands, ends, *([more] if others else []), **how)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("varies", [False, True])
 def test_a_plane_of_stiffness_and_damping_is_told_as_the_condition_says(seed: int, *, varies: bool) -> None:
     """The room falls with k and grows with b: of a rectangle one corner decides that all are stable, the other that none is."""
@@ -162,11 +162,10 @@ def test_thresholds_are_sides_of_a_plane_that_move_no_root() -> None:
         assert [whole[:, i, 0].min() for i in (0, 1)] == pytest.approx([0.1, 1])
         assert [whole[:, i, 1].max() for i in (0, 1)] == pytest.approx([0.5, 4])
     least = -5 + 45**0.5
-    for free, side in ((("evaluation.jnd", "hand.b"), 1), (("hand.b", "evaluation.jnd"), 0)):
-        own = held_rectangles(loose, (loose.knobs[free[0]], loose.knobs[free[1]]), ranges[:: 1 if side else -1])
-        assert own is not None
-        assert (own.kept[:, side, 0] > least).all()
-        assert (own.broken[:, side, 1] < least).all()
-        assert (own.left[:, side, 0] <= least).all()
-        assert (own.left[:, side, 1] >= least).all()
-        assert own.share_left == pytest.approx(3 / 512 / 3, rel=1e-9)
+    own = held_rectangles(loose, (loose.knobs["evaluation.jnd"], loose.knobs["hand.b"]), ranges)
+    assert own is not None
+    assert (own.kept[:, 1, 0] > least).all()
+    assert (own.broken[:, 1, 1] < least).all()
+    assert (own.left[:, 1, 0] <= least).all()
+    assert (own.left[:, 1, 1] >= least).all()
+    assert own.share_left == pytest.approx(1 / 512, rel=1e-9)

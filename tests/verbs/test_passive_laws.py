@@ -31,7 +31,7 @@ def kinds(r: Any) -> list[set[str]]:
 # --- rational displays ------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_behind_a_lag_a_damper_must_make_up_for_the_spring_at_rest_or_for_the_mass_far_out(seed: int) -> None:
     """(k + c s + m s^2)/(1 + s/w) + b s: b >= (k w - c w^2 - m w omega^2)/(omega^2 + w^2), so k/w - c and -m w."""
     pick = Random(seed)
@@ -48,7 +48,7 @@ def test_behind_a_lag_a_damper_must_make_up_for_the_spring_at_rest_or_for_the_ma
     assert ("far-out" in kinds(r)[0]) is bool(far > at_rest)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_set_of_which_several_frequencies_bind_is_told_with_all_of_its_ends(seed: int) -> None:
     """s (s^4 - q s^2 + c)/(s + 1)^4 beside b s, by Im H/omega = (...)/(1 + x)^4 + b, x = omega^2: from dense x in floats."""
     pick = Random(seed)
@@ -99,7 +99,7 @@ MENU: list[tuple[Expr, str, dict[Kind, set[int]]]] = [
 ]
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(6))
 def test_poles_and_zeros_turn_where_they_were_placed_to_reach_0_the_axis_or_infinity(seed: int) -> None:
     pick = Random(seed)
     rows = pick.sample(MENU, 4)
@@ -196,7 +196,7 @@ def test_the_least_damping_of_a_device_is_that_of_the_worst_angle_which_binds_at
     assert [sorted(x & {"start", "far-out"}) for x in kinds(wide)] == [["start"], ["far-out"]]
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_with_late_samples_the_set_of_stiffnesses_is_that_of_a_scan_over_all_angles(seed: int) -> None:
     """b > T/(2 (1 - cos x)) Re((1 - e^-jx) (K + B (1 - e^-jx)/T) e^-jnx), x up to pi."""
     pick = Random(seed)
