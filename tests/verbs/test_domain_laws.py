@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from itertools import product
 from random import Random
 from types import SimpleNamespace
@@ -15,10 +16,13 @@ from haptisym.judge.criteria import noticed
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.lattices import Lattice
+from haptisym.kernel.reals import ExactNumber, SquareRoot
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import omega
 from haptisym.model.jnd import Part
 from haptisym.model.parameters import Rule
+from haptisym.verbs.require.existing import without
+from haptisym.verbs.require.feasible import End, Span
 from haptisym.verbs.require.freeparameter import _upright, asked_of, conditions, domain, each, pieces
 
 Q = Symbol("q", positive=True)
@@ -144,3 +148,38 @@ def test_a_quotient_is_written_with_its_sign_above_the_line(seed: int) -> None:
             assert abs(above / below - true) < Rational(1, 10**12)
         if constant > 0 and all(n % 2 == 0 or x == Q**2 + 1 for x, n in rows):
             assert found == own.function
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_of_intervals_the_values_without_a_scene_are_left_out_and_nothing_else(seed: int) -> None:
+    """Inside, at an end, beside; of a single value, be it one end or two that are alike, nothing is left."""
+    pick = Random(seed)
+    for _ in range(30):
+        marks = sorted(pick.sample(range(-8, 9), 4))
+        ends = [End(ExactNumber(Integer(x)), pick.random() < 0.6) for x in marks]
+        spans = [Span(ends[0], ends[1]), Span(ends[2], ends[3])]
+        if pick.random() < 0.3:
+            spans[0] = Span(End(None), ends[1])
+        if pick.random() < 0.3:
+            spans[1] = Span(ends[2], End(None))
+        alone = End(ExactNumber(Integer(20)), closed=True)
+        spans.append(pick.choice([Span(alone, alone), Span(alone, End(ExactNumber(Integer(20)), closed=True))]))
+        gone = pick.sample([*range(-9, 10), 20, 21], 3)
+        roots = {x: SquareRoot(ExactNumber(Integer(x**2))) for x in gone if x >= 0}
+        found = without(
+            spans,
+            [roots.get(x, ExactNumber(Integer(x))) if pick.random() < 0.5 else ExactNumber(Integer(x)) for x in gone],
+        )
+        for n in range(-20, 46):
+            x = Fraction(n, 2)
+            assert any(_in(y, x) for y in found) is (any(_in(y, x) for y in spans) and x not in gone)
+        for y in found:
+            assert (
+                y.low.value is None or y.high.value is None or float(y.low.value) < float(y.high.value) or y.low.closed
+            )
+
+
+def _in(span: Span, x: Fraction) -> bool:
+    low, high = (None if y.value is None else float(y.value) for y in (span.low, span.high))
+    above = low is None or low < x or (low == x and span.low.closed)
+    return above and (high is None or x < high or (high == x and span.high.closed))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from random import Random
 from types import SimpleNamespace
 from typing import Any
@@ -54,8 +55,8 @@ def drawn(pick: Random) -> tuple[Requirement, dict[str, Any]]:
     if spans and pick.random() < 0.4:
         spans[0] = Span(End(None), spans[0].high)
     if spans and pick.random() < 0.4:
-        single = pick.random() < 0.5 and spans[-1].low.bindings  # at a value that will do alone something binds
-        spans[-1] = Span(spans[-1].low, spans[-1].low if single else End(None))
+        alone = replace(spans[-1].low)  # another end that is the same
+        spans[-1] = Span(spans[-1].low, alone if pick.random() < 0.5 else End(None))
     undecided = pick.choice([(), ((None, number(50)), (number(60), None)), ((number(50), number(51)),)])
     low, high = pick.choice([(None, None), (Integer(0), None), (Integer(0), Integer(99))])
     criteria = tuple(pick.sample([REAL, IMAG, HELD, HANDS], pick.randint(1, 4)))
@@ -124,8 +125,8 @@ def formula(found: Requirement, forms: dict[End, Any]) -> str | None:
         return None
     rows = []
     for span in found.feasible:
-        if span.low is span.high:
-            rows.append(f"omega_n = {forms[span.low]}")
+        if span.low == span.high:
+            rows += [f"omega_n = {forms[span.low]}"] if span.low in forms else []
             continue
         own = [f"omega_n {sign} {forms[x]}" for x, sign in ((span.low, ">="), (span.high, "<=")) if x in forms]
         rows += [" and ".join(own)] if own else []
@@ -135,6 +136,25 @@ def formula(found: Requirement, forms: dict[End, Any]) -> str | None:
 def test_a_number_without_a_unit_has_none_in_its_line() -> None:
     found = hs.require(SCENE, "zeta")
     assert ": effects.filter.zeta: " in found._line()
+
+
+@pytest.mark.parametrize(
+    ("gain", "asked", "end", "told"),
+    [
+        ("1 + s^2*((q-5)^2 + 1)/1000", (0, 10), 5, "q = (5*omega_max - sqrt(1000*c - omega_max**2))/omega_max"),
+        ("1 + s^2*q^2/1000", (1, 10), 1, "q = 10*sqrt(10)*sqrt(c)/omega_max"),
+        ("1 + s^2*q^2/1000", (0, 1), 1, "q <= 10*sqrt(10)*sqrt(c)/omega_max"),
+    ],
+)
+def test_one_value_that_alone_will_do_is_written_as_an_equation(gain: str, asked: Any, end: float, told: str) -> None:
+    """r_r = omega^2 ((q - 5)^2 + 1)/1000, or omega^2 q^2/1000, on a spring, is 1/10 at 10 rad/s for one value."""
+    series = hs.effects.series(gain, parameters={"q": 2})
+    scene = hs.Scene(hs.environments.mass_spring_damper(k=100), (series,), (0, 10))
+    found = hs.require(scene, "q", asked)
+    [span] = found.feasible
+    assert span.high.value is not None
+    assert float(span.high.value) == end
+    assert found.closed_form == told
 
 
 # --- formulas ---------------------------------------------------------------------------------------------------------

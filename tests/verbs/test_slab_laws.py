@@ -28,7 +28,8 @@ def value(x: Any) -> Fraction | None:
 def problem(
     *factors: Any, band: Any = (0, 0, 8, 8), starts: Any = (), names: tuple[str, ...] = ("excess.real",)
 ) -> Problem:
-    return Problem(factors, dict.fromkeys(names), tuple(map(Fraction, band)), list(map(Fraction, starts)))  # type: ignore[arg-type]
+    told: Any = dict.fromkeys(names), tuple(map(Fraction, band)), list(map(Fraction, starts))
+    return Problem(factors, *told)
 
 
 def test_values_are_cut_by_halves_far_from_each_other_about_in_geometric_mean_and_without_bound_at_twice() -> None:

@@ -67,7 +67,7 @@ def _cut(span: Span, x: RealNumber) -> Iterator[Span]:
         yield from (Span(low, End(x)), Span(End(x), high))
     elif after < 0 or before < 0:
         yield span
-    elif low is not high:  # x is an end
+    elif after or before:  # x is one of two ends
         yield Span(replace(low, closed=low.closed and after > 0), replace(high, closed=high.closed and before > 0))
 
 

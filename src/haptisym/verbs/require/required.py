@@ -197,7 +197,7 @@ class Requirement(Answer):
 
     def _inequality(self, span: Span, forms: dict[End, Expr | None]) -> str:
         name = self.free.symbol.name
-        if span.low is span.high:
+        if span.low == span.high and span.low in forms:
             return f"{name} = {forms[span.low]}"
         low = [f"{name} >= {forms[span.low]}"] if span.low in forms else []
         high = [f"{name} <= {forms[span.high]}"] if span.high in forms else []
