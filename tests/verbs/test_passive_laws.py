@@ -72,6 +72,21 @@ def test_a_set_of_which_several_frequencies_bind_is_told_with_all_of_its_ends(se
     assert r.certified
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_between_rest_and_far_out_a_damper_may_neither_be_too_small_nor_too_large(seed: int) -> None:
+    """(a s^2 + q s + k)/(s^2 + p s + r): Im H has the sign of omega^2 (a p - q) + q r - p k, so p k/r <= q <= a p."""
+    pick = Random(seed)
+    a, p, r = (Rational(pick.randint(1, 9), 2) for _ in range(3))
+    k = a * r * Rational(pick.randint(1, 7), 8)
+    felt = hs.environments.expression(
+        "(a*s^2 + q*s + k)/(s^2 + p*s + r)", parameters={"a": a, "q": a * p, "k": k, "p": p, "r": r}
+    )
+    found = hs.require(hs.Scene(felt), "q", (-100, 100), that="passive")
+    assert ends(found) == [(float(p * k / r), float(a * p))]
+    assert [sorted(x & {"start", "far-out"}) for x in kinds(found)] == [["start"], ["far-out"]]
+    assert all(x.closed for span in found.feasible for x in (span.low, span.high))
+
+
 def test_a_condition_that_is_touched_inside_the_band_binds_there() -> None:
     """s (s^2 + q s + 4) (s + 1) over (s + 1)^3: Im H/omega vanishes twice at one frequency where it begins to be negative."""
     felt = hs.environments.expression("s*(s^2 + 4)*(s + 2)/(s + 1)^3 + q*s", parameters={"q": 1})
