@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import product
 from math import pi as turn
 from random import Random
 from types import SimpleNamespace
@@ -111,13 +112,13 @@ def test_an_extremum_is_found_to_any_precision_where_it_is_the_only_one_between_
     pick = Random(seed)
     a, c = Rational(pick.randint(2, 9)), Rational(pick.choice([-2, -1, 1, 3]))
     top = c * (omega**4 - Q * a * omega**2)
-    own = function(top)
-    surface = Surface.of(own, Q)
-    with flint.ctx.workprec(200):
-        for w in (arb(3) / 4, arb(2)):
-            for form, order in ((surface.slope, 1), (surface.bend, 2)):
-                true = diff(top, omega, order).subs({omega: Rational(float(w)), Q: sqrt(2)}).evalf(40)
-                assert abs(float(surface.ball(form, w, ROOT.ball(200)) - arb(str(true)))) < 1e-30
+    surface = Surface.of(function(top), Q)
+    for bottom, own in ((Integer(1), surface), (omega**2 + Q, Surface.of(function(top, omega**2 + Q), Q))):
+        for w, form, order in product((0.75, 2.0), (own.slope, own.bend), (1, 2)):
+            if (form is own.slope) is (order == 1):
+                true = diff(top / bottom, omega, order).subs({omega: Rational(w), Q: sqrt(2)}).evalf(40)
+                with flint.ctx.workprec(200):
+                    assert abs(float(own.ball(form, arb(w), ROOT.ball(200)) - arb(str(true)))) < 1e-28
     at = sqrt(a * sqrt(2) / 2)
     for low, high, there in (
         (0.8, 1.2, True),
@@ -167,5 +168,8 @@ def test_an_interval_that_shrinks_to_a_point_is_the_extremum_of_one_function_or_
     assert near({0: -1}, {0: 0}) is None  # a pole is no zero
     for first in (0, 1):
         assert near({first: 1}, {1 - first: 1}) == pytest.approx(at, rel=1e-15)
+    low = ExactNumber(Rational(at + 1e-5).limit_denominator(10**9))
+    assert near({0: 1}, {}) == pytest.approx(at, rel=1e-15)  # a little outside of the interval, too
+    assert near({1: 1}, {1: 1}) is None
     value = Fraction(near({0: 1}, {0: 0}, 3) or 0)
     assert float(value) == pytest.approx(at, rel=1e-15)

@@ -133,6 +133,16 @@ def formula(found: Requirement, forms: dict[End, Any]) -> str | None:
     return " or ".join(rows)
 
 
+def test_of_a_value_at_which_nothing_binds_no_formula_is_written() -> None:
+    """Alone, or without bound; beside an interval with one."""
+    edge = Binding(REAL, number(15), Kind.EDGE)
+    free, whole = SCENE.knobs["omega_n"], Domain(None, None)
+    for span in (Span(End(number(1), closed=True), End(number(1), closed=True)), Span(End(None), End(None))):
+        found = Requirement(SCENE, free, whole, (span, Span(End(number(7), True, (edge,)), End(None))))  # noqa: FBT003
+        found.__dict__["forms"] = (Symbol("x"),)
+        assert found.closed_form == "omega_n >= x"
+
+
 def test_a_number_without_a_unit_has_none_in_its_line() -> None:
     found = hs.require(SCENE, "zeta")
     assert ": effects.filter.zeta: " in found._line()

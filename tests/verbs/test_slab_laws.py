@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.budget import limited
+from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.verbs.evaluate.products import Factor
 from haptisym.verbs.evaluate.waves import WaveFactor
 from haptisym.verbs.require import slabs
@@ -81,6 +82,7 @@ def test_slabs_follow_each_other_from_end_to_end_each_as_wide_as_it_can_be_told(
         assert (value(found[0]["from"]), value(found[-1]["to"])) == (low, high)
         assert all(a["to"] == b["from"] is not None for a, b in pairwise(found))
         assert all(x["holds"] is holds for x in found)
+        assert low is high is None or (asked[0].low, asked[0].high) == (low, high)
         told = [(value(x["from"]), value(x["to"])) for x in found]
         assert [(x.low, x.high) for x in asked if (x.low, x.high) in told] == told
         for x in asked:
@@ -109,6 +111,12 @@ def test_there_are_as_many_slabs_as_a_certificate_may_have_fewer_with_waves(
         else:
             with pytest.raises(UndecidedError, match="a certificate"):
                 list(whole)
+
+
+def test_when_the_time_is_over_no_slab_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Problem, "_slab", lambda *_, holds: {})
+    with limited(1e-9), pytest.raises(LimitError):
+        list(problem(PLAIN).slabs(Ends(Fraction(0), Fraction(1)), holds=True))
 
 
 def test_points_that_bind_are_tried_first_then_some_near_0_where_powers_have_no_bounds_and_sixteenths_of_the_band() -> (
