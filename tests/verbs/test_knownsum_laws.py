@@ -95,6 +95,14 @@ def test_an_exact_polynomial_moves_and_splits_into_its_rational_factor_and_the_r
     assert dict(ExactPolynomial({}, {}).shifted(fmpq(1), 1)) == {}
 
 
+def test_a_polynomial_of_rational_numbers_alone_moves_as_such_a_polynomial_and_what_is_0_is_not_told() -> None:
+    for row, at, sign in (([1, 0, 3], 2, -1), ([4, -4, 1], 2, 1), ([0, 0, 0, 5], 0, -1), ([7], 3, 1)):
+        moved = fmpq_poly(row)(fmpq_poly([at, sign]))
+        found = ExactPolynomial.of({n: fmpq(x) for n, x in enumerate(row) if x})
+        expected = {n: moved[n] for n in range(moved.degree() + 1) if moved[n] != 0}
+        assert dict(found.shifted(fmpq(at), sign)) == expected
+
+
 # --- touches ----------------------------------------------------------------------------------------------------------
 
 ROOT = SquareRoot(ExactNumber(Integer(2)))
