@@ -115,6 +115,8 @@ def test_a_function_with_j_among_its_numbers_has_no_roots_in_s() -> None:
         if fails:
             with pytest.raises(UndecidedError, match="describing function"):
                 held.need_roots(top, ring)
+            with pytest.raises(UndecidedError, match="describing function"):
+                held.zeros_of(top, ring.convert(s).numerator, ring)
         else:
             held.need_roots(top, ring)
     ring = Ring.of([I * s + 1])
