@@ -8,7 +8,7 @@ from functools import cached_property
 
 import flint
 from flint import fmpq
-from sympy import Expr, Integer, Rational, Symbol, pi
+from sympy import Expr, Integer, Rational, Symbol
 
 from haptisym.judge.passiveparts import rests
 from haptisym.kernel.dynamics import Ring
@@ -87,7 +87,7 @@ class Loop:
         if self.turns:
             known = {self.symbol: value}
             meanings = [x.xreplace(known) for x in self.ring.meanings]
-            ring = Ring.of([x for x in meanings if x != pi])
+            ring = Ring.of(meanings)
             images = [ring.convert(x) for x in meanings]
             H = (_mapped(self.top, images) / _mapped(self.bottom, images)).reduced()
             return zeros_of(H.numerator, H.denominator, ring, rests=self.rests and value > 0)
