@@ -129,6 +129,8 @@ def test_beside_0_it_is_clear_where_one_of_two_derivatives_has_a_real_part(monke
     assert set(asked) == {order, order + 1}
     assert Characteristic(loop_of(s ** Rational(1, 2) + q + s)).is_clear_at_0(arb(0), arb(1)) is False
     assert Characteristic(loop_of(s**q + 1)).is_clear_at_0(arb(0), arb(1)) is False
+    deep = Characteristic(loop_of(((1 - exp(-s)) ** 9 * (q + 1)).expand()))  # of an order that is not looked for
+    assert (deep.at_0(), deep.is_clear_at_0(arb(0, 1), arb(1))) == ([], False)
 
 
 # Bounds on frequencies
