@@ -175,6 +175,17 @@ def test_what_is_not_told_of_infinity_is_left_open(expression: Expr, low: Expr |
         from_infinity(loop_of(expression.expand(), low))
 
 
+@pytest.mark.parametrize(("one", "other"), [([0, 1], [2]), ([1, 2], [5, 1]), ([3], [-1, 4])])
+def test_where_all_that_stands_with_the_highest_power_is_late_the_larger_part_of_it_counts(
+    one: list[int], other: list[int]
+) -> None:
+    """c_1(q) exp(-s) + c_2(q) exp(-s pi): of one size where c_1 = c_2 or c_1 = -c_2."""
+    own = loop_of(s**3 * (formula(one) * exp(-s) + formula(other) * exp(-s * pi)) + s + 2)
+    longest = [np.poly1d(c[::-1]) for c in (one, other)]
+    true = {float(x) for sign in (1, -1) for x in (longest[0] + sign * longest[1]).roots if x >= 0}
+    assert told(own) == pytest.approx(sorted(true))
+
+
 def test_a_number_that_may_be_negative_is_told_where_it_stands_alone_in_each_term() -> None:
     found = from_infinity(loop_of(s**2 * (3 + q * 2 + exp(-s)) + 1, None))
     assert sorted({float(x.value) for x in found}) == [-2, -1]
