@@ -1,4 +1,4 @@
-"""Boxes of hands: what is said of all of them, against a table of all that corners may tell, placed zeros and SymPy's expansions."""
+"""Boxes of hands: what is said of all of them, against a table of what corners may tell, placed zeros and expansions."""
 
 from __future__ import annotations
 

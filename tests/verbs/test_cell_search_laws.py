@@ -1,4 +1,4 @@
-"""Cells of frequency and value that a search cuts: boxes, what is likely, what is proven and what is left, against NumPy and tables."""
+"""Cells of frequency and value that a search cuts: boxes, what is likely, proven and left, against NumPy and tables."""
 
 from __future__ import annotations
 
@@ -108,7 +108,11 @@ class Pairs:
 
 
 def pair(omega: float, value: float) -> Any:
-    return SimpleNamespace(at=lambda _: (arb(omega), arb(value)), value=ExactNumber(Rational(value)), frequency=ExactNumber(Rational(omega)))  # fmt: skip
+    return SimpleNamespace(
+        at=lambda _: (arb(omega), arb(value)),
+        value=ExactNumber(Rational(value)),
+        frequency=ExactNumber(Rational(omega)),
+    )
 
 
 def test_a_proven_pair_is_found_once_and_its_box_is_known_from_then_on(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -138,7 +142,10 @@ def test_a_cell_is_settled_in_a_known_box_or_where_it_begins_at_0_and_holds_no_p
 ) -> None:
     draw = random.Random(seed)
     own, cells = cells_of(-1, 3), rows(draw, 40)
-    boxes = [(np.array([draw.uniform(0, 9), draw.uniform(-1, 3)]), np.array([draw.uniform(2, 9), draw.uniform(1, 3)])) for _ in range(2)]  # fmt: skip
+    boxes = [
+        (np.array([draw.uniform(0, 9), draw.uniform(-1, 3)]), np.array([draw.uniform(2, 9), draw.uniform(1, 3)]))
+        for _ in range(2)
+    ]
     asked: list[tuple[Any, Any]] = []
 
     def is_clear_at_0(omega: Any, value: Any) -> bool:

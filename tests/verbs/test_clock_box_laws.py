@@ -1,4 +1,4 @@
-"""Loops with a clock over boxes of values: against roots that were put at known places, and what a table of signs says of plants."""
+"""Loops with a clock over boxes of values: against roots that were put at known places, and a table of plants."""
 
 from __future__ import annotations
 
@@ -222,7 +222,13 @@ def test_a_cell_stands_for_its_values_and_hardly_more(seed: int) -> None:
         with flint.ctx.workprec(96):
             found = own._at(cell)  # type: ignore[arg-type]
             for symbol, (low, high), (a, b), unit in zip((k, h), ends, shares, (arb(1), arb.pi()), strict=True):
-                for share, is_in in ((a, True), ((a + b) / 2, True), (b, True), (a - Fraction(1, 99), False), (b + Fraction(1, 99), False)):  # fmt: skip
+                for share, is_in in (
+                    (a, True),
+                    ((a + b) / 2, True),
+                    (b, True),
+                    (a - Fraction(1, 99), False),
+                    (b + Fraction(1, 99), False),
+                ):
                     true = low + share * (high - low)
                     assert found[symbol].contains(unit * true.numerator / true.denominator) is is_in
 

@@ -1,4 +1,4 @@
-"""Values that a loop with a clock has at the unit circle, closed in on: against mpmath, and with few looks at what is nearly straight."""
+"""Values that a loop with a clock has at the unit circle, closed in on: against mpmath, and with few looks."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ T = Rational(1, 4)
 
 
 def opened_with(C: Expr) -> Opened:
-    """1/s behind a hold of 1/4 s is w/(4 (1 - w)), w = 1/z: with 4 ((C - 1)/w + 1) for a controller the loop is C, if C(0) = 1."""
+    """1/s behind a hold of 1/4 s is w/(4 (1 - w)), w = 1/z: with the controller 4 ((C - 1)/w + 1) the loop is C, if C(0) = 1."""
     row = Poly((((C - 1) / w + 1) / T).expand(), w).all_coeffs()[::-1]
     return Opened(
         SampledLoop(Plant((Integer(0), Integer(1)), ((Integer(0), (Integer(1),)),)), T, (*row,), (Integer(1),)), k

@@ -1,4 +1,4 @@
-"""Values at which roots come from infinity: what stands with the highest power of s, term by term, and zeros on the unit circle."""
+"""Values at which roots come from infinity: what stands with the highest power of s, and zeros on the unit circle."""
 
 from __future__ import annotations
 
@@ -70,7 +70,10 @@ def test_of_delays_that_nothing_joins_all_values_are_told_at_which_one_term_is_a
             assert any(x[i] - 1e-9 <= y <= x[i + 1] + 1e-9 for y in found), (rows, x[i])
         for y in found:
             own_one, *late = sizes(y)
-            assert min(abs(own_one + sum(k * z for k, z in zip(signs, late, strict=True))) for signs in product((1, -1), repeat=len(late))) < 1e-5 * (1 + y**2)  # fmt: skip
+            assert min(
+                abs(own_one + sum(k * z for k, z in zip(signs, late, strict=True)))
+                for signs in product((1, -1), repeat=len(late))
+            ) < 1e-5 * (1 + y**2)
 
 
 @pytest.mark.parametrize("seed", range(4))

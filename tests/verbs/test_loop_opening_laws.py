@@ -1,4 +1,4 @@
-"""Loops with one number left open, and with a clock, against the same at each value: physics in complex numbers, and counts of their own."""
+"""Loops with one number left open, and with a clock, against the same at each value, in complex numbers and counts."""
 
 from __future__ import annotations
 
@@ -108,6 +108,9 @@ def test_at_a_number_that_is_divided_by_there_is_no_dynamics() -> None:
 # With a clock
 
 
+SIZES = {"shunt": ((1, 9), (1, 9), (1, 3)), "compliance": ((100, 900), (1, 4))}
+
+
 def held_force(z: complex, effects: tuple[Any, ...], Z: complex) -> complex:
     """Force per position of what moves, seen through shunts and compliances from the hand on."""
     for kind, numbers in reversed(effects):
@@ -122,12 +125,7 @@ def test_between_clock_and_hand_lies_what_moves_and_before_a_hold_the_display_it
     parts: list[Any] = []
     for _ in range(draw.randint(1, 3)):
         kind = draw.choice(["shunt", "compliance"])
-        numbers = (
-            [draw.randint(1, 9), draw.randint(1, 9), draw.randint(1, 3)]
-            if kind == "shunt"
-            else [draw.randint(100, 900), draw.randint(1, 4)]
-        )
-        parts.append((kind, numbers))
+        parts.append((kind, [draw.randint(*x) for x in SIZES[kind]]))
     behind = [F.shunt(k=n[0], b=n[1], m=n[2]) if kind == "shunt" else F.compliance(k=n[0], b=n[1]) for kind, n in parts]
     k, b = draw.randint(50, 900), draw.randint(1, 9)
     hand = hs.Hand("any", m=2, b=3, k=draw.randint(1, 50))

@@ -105,7 +105,8 @@ def test_what_one_equation_leaves_open_is_searched_for_unless_a_gap_or_the_time_
     loop: Any = SimpleNamespace()
     searched = (own, 3, "why")
     for rows, expected in (
-        ([whole], [whole]), ([gapped], [gapped]), ([UndecidedError("why")], [searched]), ([whole, UndecidedError("why")], [whole, searched]),
+        ([whole], [whole]), ([gapped], [gapped]), ([UndecidedError("why")], [searched]),
+        ([whole, UndecidedError("why")], [whole, searched]),
         ([gapped, whole, UndecidedError("why")], [gapped, whole, searched]),
     ):  # fmt: skip
         given[:] = rows

@@ -167,50 +167,62 @@ def passage(value: int, below: int, above: int) -> Passage:
     return Passage(exact(value), exact(0), below, above)
 
 
+PLACES, COUNTS = [-6, -1, 1, 3, 7, 11, 20], [5, 4, 3, 2, 0, 2, 4, 6]
+
+
+def walked(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """A loop whose count changes at places, each known to a tenth beyond; from -10 and up to 25 nothing more is found."""
+
+    def half(walk: Any, side: int) -> Any:
+        ahead = [n for n, x in enumerate(PLACES) if (x - walk.start) * side > 0]
+        if not ahead:
+            return None, Fraction(25 if side > 0 else -10)
+        n = ahead[0] if side > 0 else ahead[-1]
+        assert walk.home == COUNTS[sum(x < walk.start for x in PLACES)]
+        return passage(PLACES[n], COUNTS[n], COUNTS[n + 1]), PLACES[n] + Fraction(side, 10)
+
+    loop: Any = SimpleNamespace(is_fixed=False, count=lambda value: (COUNTS[sum(bool(x < value) for x in PLACES)], 0))
+    monkeypatch.setattr(clockrange, "opened", lambda *_: loop)
+    monkeypatch.setattr(clockrange, "start_of", lambda _, value: value)
+    monkeypatch.setattr(clockrange, "in_half_the_time", half)
+    return loop
+
+
+FREE: Any = SimpleNamespace(value=Rational(5), rule=Rule.ANY)
+
+
 @pytest.mark.parametrize(("low", "high"), [(None, None), (2, 9), (-7, 30), (4, 6), (-1, 12)])
 def test_changes_are_followed_on_either_side_until_one_lies_beyond_what_is_asked_about(
     low: int | None, high: int | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """They lie at -6, -1, 1, 3, 7, 11, 20 and are known to a tenth beyond; from -10 and up to 25 nothing more is found."""
-    places, counts = [-6, -1, 1, 3, 7, 11, 20], [5, 4, 3, 2, 0, 2, 4, 6]
-    walks: list[Any] = []
-
-    def half(walk: Any, side: int) -> Any:
-        walks.append(walk)
-        ahead = [n for n, x in enumerate(places) if (x - walk.start) * side > 0]
-        n = (ahead[0] if side > 0 else ahead[-1]) if ahead else None
-        if n is None:
-            return None, Fraction(25 if side > 0 else -10)
-        here = sum(x < walk.start for x in places)
-        assert walk.home == counts[here]
-        return passage(places[n], counts[n], counts[n + 1]), places[n] + Fraction(side, 10)
-
-    loop: Any = SimpleNamespace(is_fixed=False, count=lambda value: (counts[sum(bool(x < value) for x in places)], 0))
-    monkeypatch.setattr(clockrange, "opened", lambda *_: loop)
-    monkeypatch.setattr(clockrange, "start_of", lambda _, value: value)
-    monkeypatch.setattr(clockrange, "in_half_the_time", half)
-    free: Any = SimpleNamespace(value=Rational(5), rule=Rule.ANY)
+    loop = walked(monkeypatch)
     ends = tuple(None if x is None else Rational(x) for x in (low, high))
-    own, found, known = clockrange.passages_in(None, None, free, ends)  # type: ignore[arg-type]
+    own, found, known = clockrange.passages_in(None, None, FREE, ends)  # type: ignore[arg-type]
     assert (own,) == (loop,)
     expected, reached = [], []
     for side, last in ((-1, low), (1, high)):
         at: Any = Rational(25 if side > 0 else -10)
-        for x in sorted((x for x in places if (x - 5) * side > 0), key=lambda x: abs(x - 5)):
-            n = places.index(x)
-            expected.append(passage(x, counts[n], counts[n + 1]))
+        for x in sorted((x for x in PLACES if (x - 5) * side > 0), key=lambda x: abs(x - 5)):
+            n = PLACES.index(x)
+            expected.append(passage(x, COUNTS[n], COUNTS[n + 1]))
             if last is not None and (x + Rational(side, 10) - last) * side > 0:
                 at = x + Rational(side, 10)
                 break
         reached.append(at)
     assert [*found] == expected
     assert [*known] == reached
+
+
+def test_so_many_changes_are_followed_on_either_side_and_none_where_roots_lie_on_the_circle_now(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    loop, both = walked(monkeypatch), (None, None)
     monkeypatch.setattr(clockrange, "_MOST_PASSAGES", 2)
-    _, few, (first, last) = clockrange.passages_in(None, None, free, (None, None))  # type: ignore[arg-type]
+    _, few, (first, last) = clockrange.passages_in(None, None, FREE, both)  # type: ignore[arg-type]
     assert [int(x.value.value) for x in few] == [3, 1, 7, 11]  # type: ignore[attr-defined]
     assert (first, last) == (Rational(9, 10), Rational(111, 10))
     loop.count = lambda _: (3, 1)
     with pytest.raises(UndecidedError, match="on the unit circle now"):
-        clockrange.passages_in(None, None, free, ends)  # type: ignore[arg-type]
+        clockrange.passages_in(None, None, FREE, both)  # type: ignore[arg-type]
     loop.is_fixed = True
-    assert clockrange.passages_in(None, None, free, ends) == (loop, (), (None, None))  # type: ignore[arg-type]
+    assert clockrange.passages_in(None, None, FREE, both) == (loop, (), (None, None))  # type: ignore[arg-type]

@@ -1,4 +1,4 @@
-"""Steps towards a pair, what C is beside 0, and bounds on frequencies: by linear algebra of floats, by hand, and coefficient by coefficient."""
+"""Steps towards a pair, what C is beside 0, and bounds on frequencies: by linear algebra of floats and by hand."""
 
 from __future__ import annotations
 

@@ -91,7 +91,14 @@ def test_the_line_is_where_mass_damping_and_stiffness_make_up_for_the_display(ta
     spring = E.expression("k + c/s**2", parameters={"k": 2, "c": 3})
     assert plane.boundary(hs.Scene(spring, ()), hs.Hand("any", m=1), window).at_0 is None
     w = (found.k * 0).astype(complex)
-    end = plane._end(lambda x: (0.5 * x**2 - ((200 + 3j * x) * np.exp(-1j * x * tau)).real, -((200 + 3j * x) * np.exp(-1j * x * tau)).imag / x), window, [tau] if tau else [])  # fmt: skip
+    end = plane._end(
+        lambda x: (
+            0.5 * x**2 - ((200 + 3j * x) * np.exp(-1j * x * tau)).real,
+            -((200 + 3j * x) * np.exp(-1j * x * tau)).imag / x,
+        ),
+        window,
+        [tau] if tau else [],
+    )
     w = np.unique(np.concatenate([np.geomspace(1e-5 * end, end, 4000), np.linspace(1e-5 * end, end, 4000)]))
     H = (200 + 3j * w) * np.exp(-1j * w * tau)
     assert found.k == pytest.approx(0.5 * w**2 - H.real, rel=1e-9, abs=1e-9)

@@ -104,7 +104,7 @@ class Met:
 def test_a_frequency_moves_as_its_own_equation_says_if_one_alone_vanishes_there(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Of none, one or two equations that hold the parameter or do not; flat, simple, with a slope of 0 and one that is not clear."""
+    """Of none, one or two equations that hold the parameter or do not; flat, simple, with a slope of 0 or not clear."""
     p = parameter(4, Rule.POSITIVE)
     known: dict[Any, Any] = {}
     cases: Any = product((0, 1, 2), (False, True), ("", "flat"), *[(False, True)] * 4)

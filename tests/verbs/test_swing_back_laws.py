@@ -1,4 +1,4 @@
-"""The free response of zeros that were put there: which pair outlasts all others, its numbers, and each tolerance on both sides."""
+"""The free response of zeros that were put there: which pair outlasts all others, its numbers and its tolerances."""
 
 from __future__ import annotations
 
@@ -40,7 +40,8 @@ def test_the_numbers_of_a_pair_are_closed_forms_to_any_digits(sigma: Any, omega:
     with mpmath.workdps(60):
         a, w = (mpmath.mpf(Rational(x).p) / Rational(x).q for x in (sigma, omega))
         known = {
-            pair.sigma: a, pair.omega_d: w, pair.period: 2 * mpmath.pi / w, pair.first_crossing: (mpmath.pi - mpmath.atan(w / a)) / w,
+            pair.sigma: a, pair.omega_d: w, pair.period: 2 * mpmath.pi / w,
+            pair.first_crossing: (mpmath.pi - mpmath.atan(w / a)) / w,
             pair.overshoot(1): mpmath.exp(-mpmath.pi * a / w), pair.overshoot(3): mpmath.exp(-3 * mpmath.pi * a / w),
         }  # fmt: skip
         for number, true in known.items():
@@ -150,7 +151,8 @@ def test_two_dynamics_have_the_same_zeros_whatever_stands_before_them_below_them
     ring = Ring.of([s, late(-s)])
     shape = s**2 + 3 * s + 7
     for expression, same in (
-        (5 * shape, True), (-shape / (s + 2), True), (shape * late(-s), True), (shape * (s + 1), False), (shape + 1, False), (shape + late(-s), False),
+        (5 * shape, True), (-shape / (s + 2), True), (shape * late(-s), True),
+        (shape * (s + 1), False), (shape + 1, False), (shape + late(-s), False),
     ):  # fmt: skip
         assert _same_zeros(ring.convert(shape), ring.convert(expression)) is same
     swings: Any = SimpleNamespace(env=ring.convert(shape), perc=ring.convert(shape * (s + 9)))
@@ -180,7 +182,8 @@ def test_what_one_measure_says_and_another_does_not_follows_a_table() -> None:
     for noticed, blind, passes, inside, transparent, llewellyn in cases:
         evaluation = SimpleNamespace(bandwidth=inner if noticed else end, chart=chart, transparent=transparent)
         m: Any = SimpleNamespace(
-            evaluation=evaluation, free=SimpleNamespace(blind=blind, passes=passes), inside=(whole,) if inside else (band,), llewellyn=llewellyn
+            evaluation=evaluation, free=SimpleNamespace(blind=blind, passes=passes),
+            inside=(whole,) if inside else (band,), llewellyn=llewellyn
         )  # fmt: skip
         expected = [_BLIND] if noticed and blind else [_SLACK] if noticed and passes else []
         expected += [_STRICT] if not noticed and passes is False else []

@@ -157,7 +157,8 @@ def test_all_turns_up_to_some_beyond_a_value_are_told_with_their_sense_if_nothin
 
 
 @pytest.mark.parametrize(("last", "rate", "value", "expected"), [
-    (None, 1, 3, 3), (Rational(9), 1, 3, 9), (Rational(2), 1, 3, 3), (Rational(9), 220, 3, 3), (Rational(9), 205, 3, 9), (Rational(9), 219, 30, 30),
+    (None, 1, 3, 3), (Rational(9), 1, 3, 9), (Rational(2), 1, 3, 3),
+    (Rational(9), 220, 3, 3), (Rational(9), 205, 3, 9), (Rational(9), 219, 30, 30),
 ])  # fmt: skip
 def test_one_looks_as_far_as_all_that_comes_after_is_told_if_not_too_many_come_on_the_way(
     last: Rational | None, rate: int, value: int, expected: float, monkeypatch: pytest.MonkeyPatch
