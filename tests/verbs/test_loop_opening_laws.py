@@ -101,6 +101,9 @@ def test_at_a_number_that_is_divided_by_there_is_no_dynamics() -> None:
         assert [n for n in range(5) if not own.exists(Rational(n))] == [*zeros]
     other = Ring.of([s])
     assert Loop(other, other.constant(1), other.constant(1), q).exists(Rational(0))
+    fixed = Loop(other, other.convert(s + 3).numerator, other.constant(1), q)
+    assert fixed.powers == [fixed.top]
+    assert fixed.at(Rational(7)).number == 0
     late = Ring.of([exp(-s * q)])
     assert Loop(late, late.constant(1), late.constant(1), q).exists(Rational(0))
 

@@ -198,3 +198,14 @@ def test_guesses_are_zeros_on_the_right_and_the_farthest_of_them_are_tried() -> 
     assert found <= {1 + 0j, 3 + 2j}
     assert 3 + 2j in found
     assert own.everywhere(exact(1), exact(2)) is True
+
+
+def test_of_many_zeros_those_farthest_to_the_right_are_tried_in_boxes_of_three_sizes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    tried: list[tuple[complex, float]] = []
+    own = RightRoots(polynomial([1, 1], [1, 0]))
+    monkeypatch.setattr(RightRoots, "_guesses", lambda *_: [complex(n % 10 + 1, 1) for n in range(25)])
+    monkeypatch.setattr(RightRoots, "_stays", lambda _, s, size, __: tried.append((s, size)))
+    assert own._at_once(SimpleNamespace()) is False  # type: ignore[arg-type]
+    assert tried == [(complex(n, 1), n / part) for n in (10, 9, 8, 7, 6, 5) for part in (2, 8, 32)]
