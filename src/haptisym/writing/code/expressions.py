@@ -44,7 +44,8 @@ class Precedence(IntEnum):
     SUM = 0
     QUOTIENT = 1
     PRODUCT = 2
-    ATOM = 3
+    POWER = 3
+    ATOM = 4
 
 
 @dataclass(frozen=True)
@@ -146,13 +147,15 @@ class CodeReader(Reader[CodePiece]):
         return CodePiece(f"{x.as_first}{self.dialect.times}{y.at_least(Precedence.PRODUCT)}", kind)
 
     def _div(self, x: CodePiece, y: CodePiece) -> CodePiece:
-        return CodePiece(f"{x.as_first}{self.dialect.over}{y.at_least(Precedence.ATOM)}", Precedence.QUOTIENT)
+        return CodePiece(f"{x.as_first}{self.dialect.over}{y.at_least(Precedence.POWER)}", Precedence.QUOTIENT)
 
     def _power(self, x: CodePiece, y: CodePiece) -> CodePiece:
         if y.text == "0.5":
             return self.made("sqrt", x)
-        within = Precedence.SUM if self.dialect.power.endswith(")") else Precedence.ATOM
-        return CodePiece(self.dialect.power.format(x.at_least(within), y.at_least(within)))
+        if self.dialect.power.endswith(")"):
+            return CodePiece(self.dialect.power.format(x.text, y.text))
+        sides = x.at_least(Precedence.ATOM), y.at_least(Precedence.ATOM)
+        return CodePiece(self.dialect.power.format(*sides), Precedence.POWER)
 
 
 def _leads(x: CodePiece) -> int:
