@@ -156,10 +156,8 @@ def test_rules_and_symbols_are_set_as_formulas_and_words_stay_words() -> None:
     assert words.symbol("two words") == "two words"
     assert (text(words.amount(Rational(1, 8))), text(words.amount(omega / 2))) == ("12.5 %", "0.5 ω")
     assert text(words.compared(words.H_PERC, "<")) == "H_perc < 0"
-    assert (
-        text(words.bounds({Part.REAL: Made(most=0.015625), Part.IMAG: Made(most=0.25)}))
-        == "r_r by at most 0.0157 and r_i by at most 0.25"
-    )  # type: ignore[dict-item]
+    most: Any = {Part.REAL: Made(most=0.015625), Part.IMAG: Made(most=0.25)}
+    assert text(words.bounds(most)) == "r_r by at most 0.0157 and r_i by at most 0.25"
 
 
 def test_units_are_those_of_translation_where_nothing_tells_the_motion() -> None:
