@@ -186,3 +186,20 @@ def test_a_closed_form_is_written_out_while_it_can_be_read_and_counted_where_not
     above, below = (len(Poly(x, Symbol("s")).terms()) for x in long.distortion.perceived.cancel().as_numer_denom())
     assert (above, below) == (13, 11)
     assert f"H_perc(s) has {above} terms over {below}: see `haptisym derive`\n" in str(long)
+
+
+BARE = re.compile(r"[=+-]?[\d.,]+([eE][-+]?\d+)?( from (above|below))?")
+INSTEAD = ("never", "none", "whole band", "infinite", "from infinity", "a chain near it")
+RANGES = ("Least and largest of all sets", "Where crossings of the full scene are", "The motion that lasts longest")
+
+
+def test_columns_of_numbers_are_those_whose_cells_are_numbers(page: Document) -> None:
+    """So that their points stand below each other; a cell may be empty, or say that there is none; some tables have ranges too."""
+    for x in inside(chosen(page.blocks, full=True)):
+        for i, column in enumerate(x.columns if isinstance(x, Table) else ()):
+            assert isinstance(x, Table)
+            cells = [said(row[i]) for row in x.rows if said(row[i]) not in ("", "-")]
+            of_numbers = all(BARE.fullmatch(cell) or cell in INSTEAD for cell in cells)
+            assert of_numbers or not column.number, (said(x.caption), said(column.heading))
+            if cells and not said(x.caption).startswith(RANGES):
+                assert column.number or not of_numbers, (said(x.caption), said(column.heading))
