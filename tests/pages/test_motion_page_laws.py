@@ -83,6 +83,8 @@ def test_a_row_has_both_parts_what_the_closed_form_is_off_by_and_whether_that_is
     shown = lines(found)
     for line in ("5 0.7958 3 4 0.5 1 yes", "6.283 1 1.25 2 0.25 0.12 NO", "7 1.114 1 -2 1 0.25 -"):
         assert shown.count(line) == 1, line
+    long = simulated(Estimate(1.23456789, -12.3456789876 + 0.0123456789876j, -12.3456789876 + 0.0246913j, 0.0123999))
+    assert "1.235 0.1965 -12.345679 0.012345679 0.012 0.012 yes" in lines(long)
     assert "H_perc recovered from the force, N·m/rad" in shown
     assert "rad/s Hz Re simulated Im simulated from closed error up to agrees" in shown
 
@@ -115,7 +117,7 @@ def released(scene: hs.Scene = SCENE, **own: Any) -> str:
     root = SimpleNamespace(certified=True, digits=lambda: ("-1.2345", "6.789"))
     given = {
         "scene": scene, "hand": hand, "displacement": 0.0123456789, "unit": "m", "time": np.array([0.0, 2.34567]), "built": ("spring", "delay"), "stopped": "",
-        "fitted": SimpleNamespace(rate=-1.23456789, omega=6.78912345678), "error": 0.0123, "is_envelope": False, "grows": False, "approximate": "",
+        "fitted": SimpleNamespace(rate=-1.2345678912345, omega=6.78912345678), "error": 0.0123, "is_envelope": False, "grows": False, "approximate": "",
         "closed": SimpleNamespace(root=root, rate=-1.2345, omega=6.789, chain=None), "agrees": True, "sign_agrees": True,
         "held": Held(hand, Roots(0, 0)), "asides": list, "figure": None,
     }  # fmt: skip

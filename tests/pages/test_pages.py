@@ -14,6 +14,7 @@ from sympy import Poly, Rational, Symbol
 import haptisym as hs
 from haptisym.commands.spelling import spelt
 from haptisym.figures.pen import WIDTH
+from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.parameters import Parameter, Rule
 from haptisym.model.quantities import Dimension, MotionKind
 from haptisym.pages.explorer import _parameter
@@ -40,6 +41,7 @@ RANGED = hs.Scene(SPRING, (hs.effects.first_order_lag("40 rad/s +- 10 %"),))
 TINY = hs.Scene(hs.environments.mass_spring_damper(1.8, 15, 100), (hs.effects.first_order_lag("1 MHz"),))
 
 ANSWERED = Answers("stiffness", tuple(Row(4.4 + 0.3 * i, k, 40) for i, k in enumerate((5, 11, 19, 26, 33, 37))))
+LINES = MeasuredScene(SPRING, hs.measured([1, 2, 3, 4], [100, 109, 130 + 20j, 90], radius=[2] * 4))
 
 ANSWERS: dict[str, Callable[[], Any]] = {
     "effects": lambda: hs.relevance("sidestick"),
@@ -67,6 +69,9 @@ ANSWERS: dict[str, Callable[[], Any]] = {
     "published": hs.published,
     "cost": lambda: hs.cost("fu2019", quick=True),
     "hard costs": lambda: hs.hard_costs(hard_cases("identities")),
+    "evaluate": lambda: hs.evaluate("fu2019"),
+    "measured": lambda: hs.evaluate(LINES),
+    "peaks": lambda: hs.peaks("steering-wheel"),
 }
 
 
@@ -190,7 +195,12 @@ def test_a_closed_form_is_written_out_while_it_can_be_read_and_counted_where_not
 
 BARE = re.compile(r"[=+-]?[\d.,]+([eE][-+]?\d+)?( from (above|below))?")
 INSTEAD = ("never", "none", "whole band", "infinite", "from infinity", "a chain near it")
-RANGES = ("Least and largest of all sets", "Where crossings of the full scene are", "The motion that lasts longest")
+RANGES = (
+    "What is felt at the lines",
+    "Least and largest of all sets",
+    "Where crossings of the full scene are",
+    "The motion that lasts longest",
+)
 
 
 def test_columns_of_numbers_are_those_whose_cells_are_numbers(page: Document) -> None:
