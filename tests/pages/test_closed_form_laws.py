@@ -72,6 +72,7 @@ def test_parts_and_moduli_of_a_quotient_have_their_values_on_the_imaginary_axis(
         (s**2 + s + 4, "4 - omega**2", "omega**2 + (4 - omega**2)**2"),
         ((s + 1) ** 2 * (s + 3), None, "(omega**2 + 1)**2*(omega**2 + 9)"),
         (2 * (s + 1), "2", "4*omega**2 + 4"),
+        (2 * s**2 + 2 * s + 8, None, "4*omega**2 + (8 - 2*omega**2)**2"),
         ((s + 1) / 2, "1/2", None),
         (1 / (s + 1) ** 2, None, "(omega**2 + 1)**(-2)"),
         (s / (s * (s + 2)), "2/(omega**2 + 4)", "1/(omega**2 + 4)"),

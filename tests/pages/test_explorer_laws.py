@@ -265,6 +265,13 @@ def test_numbers_of_a_region_that_do_not_move_are_quotients_of_polynomials() -> 
         for w in (1.0, 5.0, 12.0):
             top, bottom = (sum(c * w**n for n, c in enumerate(numbers[key][x])) for x in ("top", "bottom"))
             assert top / bottom == pytest.approx(true(w))
+    apart = {"real": {"higher": "0.1", "lower": "omega/100"}, "imag": {"higher": "omega/40", "lower": "0.2"}}
+    lower = hs.Scene(SPRING, (F.first_order_lag(20),), (1, 12), apart)
+    numbers = region_record(lower.threshold, limit_sliders(lower))["numbers"]
+    assert numbers["real.lower"] == {"top": [0.0, 1.0], "bottom": [100.0]}
+    assert numbers["imag"] == {"top": [0.0, 1.0], "bottom": [40.0]}
+    assert numbers["real"] == {"slider": "explorer-c-real"}
+    assert numbers["imag.lower"] == {"slider": "explorer-c-imag-lower"}
     corners = [["0.1", "0"], ["0", "omega/50"], ["-0.1", "0"], ["0", "-0.1"]]
     polygon = hs.Scene(SPRING, (F.first_order_lag(20),), (1, 12), {"shape": "polygon", "corners": corners})
     told = region_record(polygon.threshold, limit_sliders(polygon))
