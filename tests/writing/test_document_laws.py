@@ -227,3 +227,24 @@ def test_columns_give_way_from_the_widest_on_until_they_fit_and_never_below_thei
             widest = max((w for w, low in zip(found, least, strict=True) if w > low), default=0)
             gave_way = [w for w, low, n in zip(found, least, natural, strict=True) if low < w < n]
             assert all(w >= widest - 1 for w in gave_way)
+
+
+def test_a_page_that_goes_to_no_terminal_has_96_columns() -> None:
+    shown = plain(Document("T", (), (Paragraph("x" * 47 + " " + "y" * 48 + " " + "z" * 48 + " " + "w" * 48),))).split(
+        "\n"
+    )
+    assert [len(x) for x in shown[2:-1]] == [96, 48, 48]
+
+
+def test_a_cell_is_broken_between_words_and_never_at_a_hyphen_or_within_one() -> None:
+    word = "frequency-dependent"
+    rows = ((" ".join([word] * 3), "x " * 30),)
+    shown = page(Table((Column("a"), Column("b")), rows, ""), columns=44)
+    assert sum(x.count(word) for x in shown) == 3
+    assert not any(x.rstrip().endswith("-") for x in shown if "─" not in x)
+
+
+def test_rows_of_a_table_without_room_go_on_in_lines_set_in_by_four() -> None:
+    long = "y" * 30
+    shown = page(Table((Column("first"), Column("")), ((f"{long} {long}", long), ("z", ""))), columns=40)
+    assert shown == [f"  first: {long}", f"    {long}", f"  {long}", "", "  first: z"]

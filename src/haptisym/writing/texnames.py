@@ -61,6 +61,9 @@ def _character(c: str) -> str:
     if kind in ("<sub", "<super"):
         letters = "".join(_character(chr(int(code, 16))) for code in plain.split())
         return rf"\text{'subscript' if kind == '<sub' else 'superscript'}{{{letters}}}"
+    if kind == "<fraction":
+        above, below = unicodedata.normalize("NFKD", c).split("\N{FRACTION SLASH}")
+        return rf"\textsuperscript{{{above}}}/\textsubscript{{{below}}}"
     return _accented(c)
 
 
