@@ -46,10 +46,15 @@ def _range(threshold: Threshold) -> Phrase:
 
 
 def _named(name: str, threshold: Threshold) -> str:
+    """``real``, or ``real part, where it shrinks``."""
+    return _of_part(name, threshold).removesuffix(" part")
+
+
+def _of_part(name: str, threshold: Threshold) -> str:
     """``real part``, or ``real part, where it shrinks``."""
     part, _, lower = name.partition(".")
     way = ", where it shrinks" if lower else ", where it grows" if threshold.lower(Part(part)) is not None else ""
-    return f"{PART_NAMES[Part(part)]} part{way}" if way else PART_NAMES[Part(part)]
+    return f"{PART_NAMES[Part(part)]} part{way}"
 
 
 def _unit(threshold: Threshold) -> str:
@@ -101,7 +106,7 @@ def _blocked(found: Bandwidths, threshold: Threshold) -> Phrase:
     below: list[Phrase] = []
     for name, x in found.blocked.items():
         what = f" {name}" if name in ("scale", "floor") else " threshold"
-        whose = f" for the {_named(name, threshold)}" if name not in ("scale", "floor", "jnd") else ""
+        whose = f" for the {_of_part(name, threshold)}" if name not in ("scale", "floor", "jnd") else ""
         below.append((f"a{what} below ", _size(x, name, threshold), whose))
     return (" There is none for ", listed(below), ".")
 
