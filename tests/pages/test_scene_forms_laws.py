@@ -62,7 +62,16 @@ def test_zero_has_no_term_and_what_is_no_quotient_is_one() -> None:
 @pytest.mark.parametrize("seed", range(8))
 def test_how_long_what_is_felt_would_be_is_counted_through_each_two_port(seed: int) -> None:
     fresh = Fresh(seed)
-    chain = [[fresh.formula(1 if seed % 3 else 0) for _ in range(4)] for _ in range(1 if seed % 3 else 2)]
+    many = fresh.pick.choice
+
+    def total() -> Expr:
+        return Add(*(next(fresh.names) for _ in range(many([1, 2, 3]))))
+
+    chain = (
+        [[total() / total() for _ in range(4)]]
+        if seed % 3
+        else [[next(fresh.names) for _ in range(4)] for _ in range(2)]
+    )
     environment = fresh.formula(1) / (fresh.formula(0) + fresh.formula(0))
     above, below = fraction(together(environment))
     for a, b, c, d in chain:
@@ -194,3 +203,30 @@ def test_a_label_of_more_than_eight_letters_becomes_the_number_of_its_effect(lab
     assert all(x.assumptions0 == y.assumptions0 for x, y in forms.short_names.items())
     [row] = forms.named([Line(forms_of("lag")[0].threshold(Part.REAL).left, own * pi)])
     assert row.value == (next(iter(forms.short_names.values())) if is_short else own) * pi
+
+
+def test_a_short_name_that_another_parameter_has_is_not_given() -> None:
+    own = {"omega_c_1": 3, "k": 100}
+    for letters, told in (("omega_c_1*s + k", {}), ("k", {"omega_c_ninechars": "omega_c_1"})):
+        environment = E.expression(letters, parameters={x: y for x, y in own.items() if x in letters})
+        forms = SceneForms(
+            hs.evaluate(
+                hs.Scene(environment, (F.first_order_lag(20, name="ninechars"), F.first_order_lag(30)), (0, 15), "0.1")
+            )
+        )
+        found = {x.name: y.name for x, y in forms.short_names.items() if x.name.endswith("ninechars")}
+        assert found == told
+
+
+def test_rounded_quotients_are_of_factors_that_begin_with_one_and_keep_their_values() -> None:
+    forms, _ = forms_of("rounded")
+    wall, true = forms.evaluation.distortion, {}
+    for name, form in (("H_env(s)", wall.environment), ("H_perc(s)", wall.perceived)):
+        true[name] = lambdify(s, form, "mpmath")
+    for line in forms.in_numbers(DYNAMICS):
+        assert isinstance(line.value, Expr)
+        shown = lambdify(s, line.value, "mpmath")
+        for at_s in (0.5, 2j, 7 + 3j):
+            value = complex(true[said(line.left)](at_s))
+            assert abs(complex(shown(at_s)) - value) <= 1e-4 * abs(value)
+        assert (line.relation == "≈") == (said(line.left) == "H_perc(s)")

@@ -17,7 +17,7 @@ from haptisym.model.quantities import Dimension, MotionKind
 from haptisym.programs.program import Writer
 from haptisym.writing.code.code import About, Argument, Source
 from haptisym.writing.code.entry import FREQUENCY, _argument, scene_code, scene_program
-from haptisym.writing.code.languages import Described, Routine, _documented, _statements, _wrapped, laid_out
+from haptisym.writing.code.languages import Described, Routine, _documented, _filled, _statements, _wrapped, laid_out
 from haptisym.writing.code.names import Language
 
 a, b = symbols("a b", positive=True)
@@ -28,6 +28,10 @@ def test_a_line_of_code_is_broken_only_where_it_is_longer_than_a_hundred_columns
     for count in (95 - len(indent), 96 - len(indent), 97 - len(indent)):
         line = f"{indent}x = " + "y" * count
         assert _wrapped(line, indent) == [line]
+    for filler, count in ((100, 1), (101, 2)):
+        line = f"{indent}x = aa + " + "y" * (filler - len(indent) - 9)
+        assert len(line) == filler
+        assert len(_wrapped(line, indent)) == count
     words = " + ".join(f"name_{n}" for n in range(30))
     lines = _wrapped(f"{indent}x = {words}", indent, " ...")
     assert len(lines) > 2
@@ -48,6 +52,17 @@ def test_names_are_documented_in_a_column_or_with_the_meaning_below() -> None:
     assert [*_documented(rows, "# ", "")] == ["# a     one", "# long  two"]
     assert [*_documented(rows, "  ", " : array")] == ["  a : array", "      one", "  long : array", "      two"]
     assert [*_documented([], "# ", "")] == []
+
+
+def test_notes_of_a_header_are_filled_and_set_in_after_their_first_line_and_no_word_is_torn() -> None:
+    pick = " ".join(f"well-known-{n}" for n in range(20))
+    lines = _filled(pick, "# ")
+    assert len(lines) > 2
+    assert lines[0].startswith("# well")
+    assert all(x.startswith("#   well") for x in lines[1:])
+    assert " ".join(x.removeprefix("#").strip() for x in lines) == pick
+    assert all(len(x) <= 100 for x in lines)
+    assert [x.startswith("#  well") for x in _filled(pick, "# ", " ")[1:]] == [True] * (len(lines) - 1)
 
 
 def routine(**own: Any) -> Routine:
