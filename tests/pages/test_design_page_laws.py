@@ -1,17 +1,19 @@
-"""The designer's questions in a report: which values of each parameter will do, and when nobody asks."""
+"""The designer's questions in a report: which values of each parameter will do, when nobody asks, and the words of ends."""
 
 from __future__ import annotations
 
+import random
 from math import sqrt
 from types import SimpleNamespace as Made
 from typing import Any
 
 import pytest
-from sympy import Symbol, pi
+from sympy import Integer, Rational, Symbol, pi
 
 import haptisym as hs
 from haptisym.kernel.reals import ExactNumber
-from haptisym.pages import design
+from haptisym.pages import design, require
+from haptisym.verbs.require.feasible import Kind
 from haptisym.writing.document import Table
 from haptisym.writing.plain import said
 
@@ -61,3 +63,71 @@ def test_what_binds_is_told_with_its_frequency_where_it_has_one() -> None:
     for unit, told in (("1", ""), ("N*s/m", " N·s/m")):
         own: Any = Made(unit=unit, symbol=Symbol("k"))
         assert design._unit(own) == told
+
+
+# Ends of requirements
+
+
+@pytest.mark.parametrize(
+    ("value", "asked", "told"), [(None, None, True), (None, 3, False), (3, None, False), (3, 3, True), (3, 4, False)]
+)
+def test_an_end_is_one_of_what_was_asked_about_or_of_what_will_do(
+    value: int | None, asked: int | None, told: Any
+) -> None:
+    own: Any = Made(value=None if value is None else ExactNumber(Integer(value)))
+    assert require._is_asked(own, None if asked is None else Integer(asked)) is told
+
+
+def test_an_end_beside_which_nothing_is_proven_is_rounded_inward() -> None:
+    pick = random.Random(3)
+    for _ in range(100):
+        x = Rational(pick.randint(1, 10**9), pick.choice([7, 10, 999, 10**6]))
+        digits = pick.choice([5, 6])
+        up, down = (Rational(require._directed(ExactNumber(x), digits, up=way).digits) for way in (True, False))
+        assert down <= x <= up
+        assert up - down <= x / 10 ** (digits - 2)
+        assert require._directed(ExactNumber(x), digits, up=True).value == float(x)
+    assert said(require._limit(None, up=True)) == "infinity"
+    assert said(require._limit(None, up=False)) == "minus infinity"
+    assert said(require._limit(ExactNumber(Rational(1, 3)), up=True)) == "0.333334"
+    assert said(require._limit(ExactNumber(Rational(1, 3)), up=False)) == "0.333333"
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "holds", "told"),
+    [
+        (None, None, True, "all values"), (None, 5, True, "values up to 5"), (0, None, True, "all values ≥ 0"), (0, None, False, "all values > 0"), (1, Rational(5, 2), True, "values from 1 to 2.5"),
+    ],
+)  # fmt: skip
+def test_what_was_asked_about_is_told(low: Any, high: Any, holds: Any, told: str) -> None:
+    own: Any = Made(domain=Made(low=low, high=high, holds_low=holds))
+    assert require._asked(own) == told
+
+
+def test_what_binds_where_is_told_with_its_part_and_place() -> None:
+    def binding(name: str, kind: Kind, omega: Any = None, *, part: bool = True) -> Any:
+        return Made(criterion=Made(name=name, words=f"{name} in a", symbol="r_r"), kind=kind, omega=omega, part=part)
+
+    places = {
+        Kind.EDGE: "the band's high end",
+        Kind.START: "the band's low end",
+        Kind.TOUCH: "a touch inside the band",
+        Kind.AXIS: "roots on the imaginary axis",
+        Kind.FAR: "far out",
+    }
+    of_all = {
+        Kind.START: "at low frequencies",
+        Kind.TOUCH: "a touch",
+        Kind.FAR: "at high frequencies",
+        Kind.AXIS: "poles",
+    }
+    assert set(places) == set(Kind)
+    for kind, place in places.items():
+        assert said(require._where(binding("real", kind))) == place
+        assert said(require._where(binding("stable", kind, ExactNumber(2 * pi)))) == f"{place}, 6.2832 rad/s (1 Hz)"
+    for kind, place in of_all.items():
+        assert said(require._where(binding("passive", kind))) == place
+    assert said(require._part(binding("real", Kind.EDGE))) == "r_r (real)"
+    assert said(require._part(binding("any", Kind.EDGE, part=False))) == "r_r"
+    assert said(require._part(binding("stable", Kind.EDGE))) == "stable in a"
+    assert said(require._part(binding("passive", Kind.EDGE))) == "passive in a"
