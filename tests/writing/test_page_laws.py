@@ -143,6 +143,11 @@ def test_facts_stand_beside_their_keys_while_22_columns_are_left_and_below_them_
     assert all(x.startswith(" " * 9) and x[9] != " " for x in below[1:])
 
 
+def test_a_table_without_rows_is_its_head() -> None:
+    shown = page(Table((Column("h"), Column("mass", number=True)), (), ""), columns=80)
+    assert [x.split() for x in shown if "h" in x.split()] == [["h", "mass"]]
+
+
 def test_blocks_stand_apart_but_for_lists_that_follow_lists() -> None:
     one, two = Notes(("first", "second")), Facts((("k", "v"),))
     equation = Equations((Line(named("H"), s),))

@@ -197,6 +197,8 @@ def widths_of(rows: Sequence[Sequence[str]], room: int) -> list[int] | None:
 
 def _pointed(rows: Sequence[Sequence[str]], numbers: Sequence[bool]) -> list[tuple[str, ...]]:
     """The rows with the decimal points of each column of numbers below each other."""
+    if not rows:
+        return []
     columns = [
         _column(cells) if is_number else cells
         for cells, is_number in zip(zip(*rows, strict=True), numbers, strict=True)
