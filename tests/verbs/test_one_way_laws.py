@@ -185,6 +185,8 @@ def walked(monkeypatch: pytest.MonkeyPatch) -> Any:
     monkeypatch.setattr(clockrange, "opened", lambda *_: loop)
     monkeypatch.setattr(clockrange, "start_of", lambda _, value: value)
     monkeypatch.setattr(clockrange, "in_half_the_time", half)
+    monkeypatch.setattr(clockrange, "is_held", lambda *_: False)
+    monkeypatch.setattr(clockrange, "inverted", lambda *_: None)
     return loop
 
 
@@ -197,7 +199,7 @@ def test_changes_are_followed_on_either_side_until_one_lies_beyond_what_is_asked
 ) -> None:
     loop = walked(monkeypatch)
     ends = tuple(None if x is None else Rational(x) for x in (low, high))
-    own, found, known = clockrange.passages_in(None, None, FREE, ends)  # type: ignore[arg-type]
+    own, found = clockrange.passages_in(None, None, FREE, ends)  # type: ignore[arg-type]
     assert (own,) == (loop,)
     expected, reached = [], []
     for side, last in ((-1, low), (1, high)):
@@ -209,8 +211,8 @@ def test_changes_are_followed_on_either_side_until_one_lies_beyond_what_is_asked
                 at = x + Rational(side, 10)
                 break
         reached.append(at)
-    assert [*found] == expected
-    assert [*known] == reached
+    assert [*found.found] == expected
+    assert [found.low, found.high] == reached
 
 
 def test_so_many_changes_are_followed_on_either_side_and_none_where_roots_lie_on_the_circle_now(
@@ -218,11 +220,11 @@ def test_so_many_changes_are_followed_on_either_side_and_none_where_roots_lie_on
 ) -> None:
     loop, both = walked(monkeypatch), (None, None)
     monkeypatch.setattr(clockrange, "_MOST_PASSAGES", 2)
-    _, few, (first, last) = clockrange.passages_in(None, None, FREE, both)  # type: ignore[arg-type]
-    assert [int(x.value.value) for x in few] == [3, 1, 7, 11]  # type: ignore[attr-defined]
-    assert (first, last) == (Rational(9, 10), Rational(111, 10))
+    _, few = clockrange.passages_in(None, None, FREE, both)  # type: ignore[arg-type]
+    assert [int(x.value.value) for x in few.found] == [3, 1, 7, 11]  # type: ignore[attr-defined]
+    assert (few.low, few.high) == (Fraction(9, 10), Fraction(111, 10))
     loop.count = lambda _: (3, 1)
     with pytest.raises(UndecidedError, match="on the unit circle now"):
         clockrange.passages_in(None, None, FREE, both)  # type: ignore[arg-type]
     loop.is_fixed = True
-    assert clockrange.passages_in(None, None, FREE, both) == (loop, (), (None, None))  # type: ignore[arg-type]
+    assert clockrange.passages_in(None, None, FREE, both) == (loop, clockrange.Passages(()))  # type: ignore[arg-type]

@@ -91,7 +91,8 @@ def test_a_document_holds_what_its_parts_say_and_is_certified_where_none_is_open
             undecided = [{"path": y.path, "reason": y.reason} for y in rows if y.reason]
             undecided += [{"path": x.hand.name, "reason": box.reason}] if box and box.reason else []
             assert row.get("undecided", []) == undecided
-            looked = [{"path": y.path, "from": float(y.low), "to": float(y.high)} for y in rows if None not in (y.low, y.high)]  # type: ignore[arg-type]  # fmt: skip
+            ends = [(y.path, *(None if end is None else float(end) for end in (y.low, y.high))) for y in rows]
+            looked = [{"path": y, "from": low, "to": high} for y, low, high in ends if (low, high) != (None, None)]
             assert row.get("looked_at", []) == looked
             assert row.get("chain") == (x.roots.chain.value if x.roots and x.roots.chain else None)
             assert row.get("reason", "") == x.reason

@@ -89,8 +89,9 @@ class _Found:
             raise UndecidedError("how far a number may go that has roots on the unit circle now")
         return Walk(self.loop, Fraction(int(start.p), int(start.q)), home, self.free.rule)
 
-    def along(self, side: int, last: Expr | None, most: int = _MOST_PASSAGES) -> tuple[list[Passage], Fraction | None]:
-        """The first on a side, up to a last value, and how far these are all."""
+    def along(self, side: int, last: Expr | None, most: int = 0) -> tuple[list[Passage], Fraction | None]:
+        """The first on a side, as many as that or may be looked for, up to a last value, and how far these are all."""
+        most = most or _MOST_PASSAGES
         if side > 0 and self._is_held(self._start.start):
             return [], None
         found, walk, is_ended = _along(self._start, side, last, most)
