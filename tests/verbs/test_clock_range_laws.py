@@ -70,7 +70,7 @@ def is_in(found: Any, x: float) -> bool:
 VALUES = [sign * mantissa * 10.0**n for n in range(-3, 13) for mantissa in (1, 3.3) for sign in (1, -1)]
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("free", ["k", "b"])
 @pytest.mark.parametrize("seed", SEEDS)
 def test_stiffness_and_damping_of_a_wall_on_a_clock_are_told_for_all_values_of_either_sign(
@@ -204,6 +204,10 @@ def test_where_a_number_has_no_end_on_a_side_nothing_is_said_to_be_left() -> Non
     looked = {x["path"]: (x["from"], x["to"]) for x in row["looked_at"]}
     assert looked["effects.shunt.b"][1] is looked["hand.b"][1] is looked["environment.k"][0] is None
     assert [x["stable_side"] for x in row["critical"]] == ["above", "above", "below"]
+
+
+@pytest.mark.slow
+def test_where_it_has_one_the_page_says_how_far_it_was_looked_at() -> None:
     weak = hs.stability(held_wall(k=400, hand=Hand("hand", m="0.2", b="0.4", k=200)), free="effects.sampled-loop.T")
     words = " ".join(str(weak).split())
     [row] = json.loads(weak.to_json())["held"]
@@ -245,3 +249,18 @@ def test_with_tustins_rule_a_spring_beside_a_damper_is_told_for_all_values(seed:
         if x > 0:
             own = held(scene.with_values({"environment.k": Rational(x)}), HAND)
             assert own.stable is is_in(found, x), x
+
+
+@pytest.mark.parametrize(("T", "late"), [("1 ms", 0), pytest.param("4 ms", 1, marks=pytest.mark.slow)])
+def test_the_corner_of_a_filter_is_told_for_all_values_and_at_0_by_what_is_left_there(T: str, late: int) -> None:
+    """At a corner of 0 the filter passes nothing, and the spring alone is held; below it its own pole grows, unless T jumps over it."""
+    felt = E.expression("k + b*s*w/(s + w)", parameters={"k": 300, "b": 3, "w": 400})
+    hand = Hand("hand", m="0.1", b=5, k=100)
+    scene = hs.Scene(felt, (F.sampled_loop(T, "backward-difference", late), F.shunt(m="0.2", b="0.3")), hands=(hand,))
+    found = hs.require(scene, "environment.w", that="stable")
+    assert found.certified
+    for x in VALUES[::3]:
+        assert held(scene.with_values({"environment.w": Rational(x)}), hand).stable is is_in(found, x)
+    assert held(scene.with_values({"environment.w": Integer(0)}), hand).stable
+    ends = [span.low for span in found.feasible if span.low.value is not None]
+    assert [(x.value, x.closed) for x in ends] == [(ExactNumber(Integer(0)), True)]

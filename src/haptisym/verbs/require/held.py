@@ -24,6 +24,7 @@ from haptisym.verbs.require.feasible import Binding, Kind, Solved
 from haptisym.verbs.require.freeparameter import Domain
 from haptisym.verbs.require.verdicts import Question, Turn
 from haptisym.verbs.stability.boundary import meetings
+from haptisym.verbs.stability.clocked import clocked_roots
 from haptisym.verbs.stability.clockrange import passages_in
 from haptisym.verbs.stability.curves import Gap, Meetings
 from haptisym.verbs.stability.entry import chosen
@@ -84,13 +85,26 @@ def _with_a_clock(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved
     criterion = stable_in(hand)
     turns = [Turn(x.value, (Binding(criterion, x.omega, Kind.AXIS),)) for x in found.found]
     beyond = (_rational(found.low), _rational(found.high))
+    alone = {x.value.value for x in found.found if isinstance(x.value, ExactNumber)} | {asked.low, asked.high}
 
     def verdict(value: Expr) -> bool | None:
-        return loop.count(Rational(value))[0] == 0
+        return loop.count(Rational(value))[0] == 0 or (value in alone and _is_stable_at(scene, hand, free, value))
 
     return Question(
         turns, verdict, asked, closed=False, beyond=beyond, gone=missing(scene, free), own=free.value
     ).solve()
+
+
+def _is_stable_at(scene: Scene, hand: Hand, free: Knob, value: Expr) -> bool:
+    """Whether it is at one value, where more may cancel than beside it: a filter whose corner is 0 leaves nothing that stays."""
+    try:
+        if free.is_of_hand:
+            hand = hand.with_values({free.symbol.name: value})
+        else:
+            scene = free.put(scene, value)
+        return clocked_roots(scene, hand).number == 0
+    except SceneError:
+        return False
 
 
 def _rational(x: Fraction | None) -> Rational | None:

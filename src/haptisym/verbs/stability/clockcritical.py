@@ -7,7 +7,7 @@ vanishes follow each other, as long as they may be, up to one in which the numbe
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -30,12 +30,14 @@ from haptisym.verbs.stability.clocked import loop_of
 from haptisym.verbs.stability.clockvalues import CriticalValue, Passage, Swing
 
 _BITS = 128
+_ZERO = ExactNumber(Integer(0))
 _REACH = 10  # times that a value is doubled, and halved, at the most
 _FINEST = Fraction(1, 1 << 24)  # of a value: where cells are shorter, it is asked whether more roots are behind them
 _STEPS = (8, 64, 512)  # of such cells, over which roots are more or fewer, or proven to be as many throughout
 _DEEPEST = 8  # times that these are cut
 _GROWTH = Fraction(1, 2)  # of a cell, to the next
 _MOST_CELLS, _MOST_FINE = 1000, 40  # on a side; of them the shortest
+_MOST_PIECES = 3000  # of these, on all sides
 
 
 def opened(scene: Scene, hand: Hand, free: Knob) -> Opened:
@@ -148,6 +150,8 @@ class Walk:
     start: Fraction
     home: int
     rule: Rule
+    pieces: list[Fraction] = field(default_factory=list, compare=False)
+    """Where the shortest cells were cut, one by one."""
 
     def towards(self, side: int) -> tuple[Passage | None, Fraction]:
         """The nearest change on one side, None where there is none, and as far as that is known."""
@@ -209,6 +213,9 @@ class Walk:
             if self.loop.is_clear(_ball(low).union(_ball(high))):
                 return True
         middle = (low + high) / 2
+        self.pieces.append(middle)
+        if len(self.pieces) > _MOST_PIECES:
+            raise UndecidedError("whether roots reach the unit circle and go back")
         return depth > 0 and self._has_none(low, middle, depth - 1) and self._has_none(middle, high, depth - 1)
 
     def _between(self, one: Fraction, other: Fraction, count: int) -> Passage:
@@ -221,6 +228,8 @@ class Walk:
             changed = [i for i, (x, y) in enumerate(zip(*ends, strict=True)) if x * y < 0]
         if len(changed) != 1:
             raise UndecidedError("where roots reach the unit circle together")
+        if low < 0 < high and changed[0] == 0 and self.loop.at_one.xreplace({self.loop.symbol: Integer(0)}) == 0:
+            return Passage(_ZERO, _ZERO, below, above)
         value = CriticalValue(self.loop, changed[0], low, high)
         return Passage(value, Swing(value), below, above)
 
@@ -243,8 +252,7 @@ class Walk:
             clear = not any(x.contains(0) or not x.is_finite() for x in rest)
         if count == self.home or not clear or left.has(1 / self.loop.symbol) or self.loop.always:
             return None
-        zero = ExactNumber(Integer(0))
-        return Passage(zero, zero, count, self.home)
+        return Passage(_ZERO, _ZERO, count, self.home)
 
 
 def _short(x: Fraction) -> Fraction:
