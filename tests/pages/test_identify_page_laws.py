@@ -99,9 +99,12 @@ def test_to_keep_every_second_line_is_advised_where_their_order_alone_speaks_aga
 ) -> None:
     """Each of three tests has a third of what a confidence of 95 % leaves: 1/60."""
     seen = replace(found().verdict, chance=chance, neighbours_chance=near)
-    assert (
-        "Lines of a Hann window overlap: if these do, keep every second one" in flat(replace(found(), verdict=seen))
-    ) == advised
+    text = flat(replace(found(), verdict=seen))
+    assert ("Lines of a Hann window overlap: if these do, keep every second one" in text) == advised
+    assert ("degrees of freedom; one as large" in text) == (chance is not None)
+    without = flat(replace(found(), verdict=replace(seen, square=None, neighbours=None)))
+    assert "if the model holds" not in without
+    assert "if they are independent" not in without
 
 
 # Numbers
