@@ -199,6 +199,30 @@ def test_of_a_delay_that_goes_to_0_the_first_term_tells_and_of_a_negative_or_a_l
     assert (leaves[0].low, leaves[0].verdict) == (0, verdict)
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("verdict", [KEPT, BROKEN])
+@pytest.mark.parametrize("step", [0, 1, 4, 5])
+def test_where_no_limit_tells_multiples_of_eight_are_tried_five_times_until_one_does(
+    step: int,
+    verdict: CellVerdict,
+    sign: int,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    start = Fraction(3 * sign, 7)
+    search = ValueSearch({REAL: function_of(q - 1)}, q, BAND, Fraction(1))
+    monkeypatch.setattr(ValueSearch, "_limit", lambda *_, **__: (OPEN, Fraction(1)))
+    monkeypatch.setattr(ValueSearch, "_near_limit", lambda *_, **__: None)
+    monkeypatch.setattr(ValueSearch, "_beyond", lambda _, own, x: verdict if x * own >= abs(start) * 8**step else OPEN)
+    bound = start * 8 ** min(step, 5)
+    expected = verdict if step < 5 else OPEN
+    assert search._tail(sign, start) == (Leaf(bound, None, expected) if sign > 0 else Leaf(None, bound, expected))
+    monkeypatch.setattr(
+        ValueSearch, "_near_limit", lambda *_, **__: object()
+    )  # a limit that did not tell is asked once
+    first = verdict if step == 0 else OPEN
+    assert search._tail(sign, start).verdict is first
+
+
 def test_where_the_time_is_over_values_without_bound_are_open_from_where_they_begin(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
