@@ -88,7 +88,9 @@ def _with_a_clock(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved
     alone = {x.value.value for x in found.found if isinstance(x.value, ExactNumber)} | {asked.low, asked.high}
 
     def verdict(value: Expr) -> bool | None:
-        return loop.count(Rational(value))[0] == 0 or (value in alone and _is_stable_at(scene, hand, free, value))
+        count, on = loop.count(Rational(value))
+        is_outside = count > on + loop.always
+        return count == 0 or (value in alone and not is_outside and _is_stable_at(scene, hand, free, value))
 
     return Question(
         turns, verdict, asked, closed=False, beyond=beyond, gone=missing(scene, free), own=free.value
@@ -96,7 +98,7 @@ def _with_a_clock(scene: Scene, hand: Hand, free: Knob, asked: Domain) -> Solved
 
 
 def _is_stable_at(scene: Scene, hand: Hand, free: Knob, value: Expr) -> bool:
-    """Whether it is at one value, where more may cancel than beside it: a filter whose corner is 0 leaves nothing that stays."""
+    """Whether it is at one value, where a root on the circle may cancel: a filter whose corner is 0 leaves nothing that stays."""
     try:
         if free.is_of_hand:
             hand = hand.with_values({free.symbol.name: value})
