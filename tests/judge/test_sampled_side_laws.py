@@ -5,8 +5,11 @@ from __future__ import annotations
 import random
 from math import atan, pi
 
+import flint
 import pytest
+from flint import arb
 from sympy import Expr, Integer, Rational
+from sympy import pi as pi_
 
 import haptisym as hs
 from haptisym.judge.colgate import SampledPassivity, sampled_passivity
@@ -15,6 +18,7 @@ from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.response import RealFunction
 from haptisym.kernel.symbols import omega as t
 from haptisym.model.hand import Hand
+from haptisym.verbs.stability.clocked import loop_of as clock_loop
 from haptisym.verbs.stability.held import held
 
 SIDES: dict[Expr, tuple[int, float] | None] = {
@@ -193,11 +197,29 @@ def test_what_a_hand_holds_needs_both_damping_and_stiffness() -> None:
     assert away.asks_nothing
     assert not stiff.asks_nothing
     weak = found(-5, Rational(-1, 200))
-    assert [weak.is_held_by(Rational(x, 1000), Integer(6)) for x in (0, 4, 5, 6)] == [False, False, True, True]
+    assert [weak.is_held_by(Rational(x, 1000), Integer(6)) for x in (0, 4, 5, 6)] == [False, False, False, True]
     assert loop(1 / (1 + t**2)).is_held_by(Integer(2), Integer(1))
     assert not loop(1 / (1 + t**2), is_settled=False).is_held_by(Integer(2), Integer(1))
     assert not loop(t**2).is_held_by(Integer(2), Integer(1))
     assert not SampledPassivity(Rational(1, 100)).is_held_by(Integer(2), Integer(1))
+
+
+def test_without_any_damping_a_motion_may_go_on_between_the_samples() -> None:
+    """A mass of 1 on 25 pi^2 swings with 5 pi = pi/T: it may be 0 at each sample, and the controller, which damps else, is blind."""
+    unseen = 25 * pi_**2
+    wall = hs.environments.expression("k", parameters={"k": -5})
+    effects = hs.effects.sampled_loop("0.2 s", "backward-difference"), hs.effects.shunt(m=1)
+    scene = hs.Scene(wall, effects)
+    found = sampled_passivity(scene)
+    assert found is not None
+    assert found.asks_nothing
+    assert not found.is_held_by(Integer(0), unseen - 1)
+    assert found.is_held_by(Rational(1, 10**6), unseen - 1)
+    with flint.ctx.workprec(200):
+        loop_there = clock_loop(scene, Hand("own", k=unseen)).balls()
+        at_minus_one = sum((x * (-1) ** n for n, x in enumerate(loop_there)), arb(0))
+    assert at_minus_one.contains(0)
+    assert at_minus_one.rad() < 1e-40
 
 
 def test_the_stiffness_of_a_wall_and_of_its_device_that_every_passive_hand_may_hold() -> None:

@@ -122,10 +122,13 @@ class SampledPassivity:
         return ExactNumber(-self.damping) if self.asks_nothing else found.value
 
     def is_held_by(self, damping: Expr, stiffness: Expr) -> bool:
-        """Whether no root is on the unit circle in a hand that damps so and is so stiff, or more, whatever its mass."""
-        if self.sides is None or not self.is_settled or sign_of_number(self.at_rest + stiffness) <= 0:
+        """Whether no root is on the unit circle in a hand that damps so and is so stiff, or more, whatever its mass.
+
+        Something must damp: between two samples a motion may go on that none of them sees.
+        """
+        if self.sides is None or not self.is_settled:
             return False
-        if sign_of_number(self.damping + damping) < 0:
+        if any(sign_of_number(x) <= 0 for x in (self.at_rest + stiffness, self.damping + damping)):
             return False
         found = self._largest(self.damping)
         return found is not None and ordered(found.value, ExactNumber(damping)) > 0

@@ -7,7 +7,7 @@ vanishes follow each other, as long as they may be, up to one in which the numbe
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -37,7 +37,6 @@ _STEPS = (8, 64, 512)  # of such cells, over which roots are more or fewer, or p
 _DEEPEST = 8  # times that these are cut
 _GROWTH = Fraction(1, 2)  # of a cell, to the next
 _MOST_CELLS, _MOST_FINE = 1000, 40  # on a side; of them the shortest
-_MOST_PIECES = 3000  # of these, on all sides
 
 
 def opened(scene: Scene, hand: Hand, free: Knob) -> Opened:
@@ -150,8 +149,6 @@ class Walk:
     start: Fraction
     home: int
     rule: Rule
-    pieces: list[Fraction] = field(default_factory=list, compare=False)
-    """Where the shortest cells were cut, one by one."""
 
     def towards(self, side: int) -> tuple[Passage | None, Fraction]:
         """The nearest change on one side, None where there is none, and as far as that is known."""
@@ -213,9 +210,6 @@ class Walk:
             if self.loop.is_clear(_ball(low).union(_ball(high))):
                 return True
         middle = (low + high) / 2
-        self.pieces.append(middle)
-        if len(self.pieces) > _MOST_PIECES:
-            raise UndecidedError("whether roots reach the unit circle and go back")
         return depth > 0 and self._has_none(low, middle, depth - 1) and self._has_none(middle, high, depth - 1)
 
     def _between(self, one: Fraction, other: Fraction, count: int) -> Passage:
