@@ -10,26 +10,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from lagged import lagged, room, text
 from sympy import Integer, Rational, Symbol
 
 import haptisym as hs
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.verbs.stability.boxes import Share
 from haptisym.verbs.tolerances.heldbox import HeldInBox, _Question, held_in_box
-
-
-def lagged(k: Any, m: Any, b: Any, omega_c: Any) -> hs.Scene:
-    """m s^3 + (b + m omega_c) s^2 + b omega_c s + k omega_c: stable where b (b + m omega_c) > k m."""
-    felt, lag = hs.environments.mass_spring_damper(k=k), hs.effects.first_order_lag(omega_c)
-    return hs.Scene(felt, (lag,), hands=(hs.Hand("mine", m=m, b=b),))
-
-
-def room(k: Any, m: Any, b: Any, omega_c: Any) -> Any:
-    return b * (b + m * omega_c) - k * m
-
-
-def text(x: list[Fraction]) -> Any:
-    return [str(y) for y in x] if x[0] != x[1] else str(x[0])
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from lagged import lagged, room, text
 from sympy import Integer, Rational, Symbol
 
 import haptisym as hs
@@ -18,20 +19,6 @@ from haptisym.kernel.symbols import s
 from haptisym.verbs.require.plane import held_rectangles
 from haptisym.verbs.tolerances.heldbox import count_at
 from haptisym.verbs.tolerances.heldplane import HeldPlane, _Loop, _Sampled, held_plane
-
-
-def lagged(k: Any, m: Any, b: Any, omega_c: Any) -> hs.Scene:
-    """m s^3 + (b + m omega_c) s^2 + b omega_c s + k omega_c: stable where b (b + m omega_c) > k m."""
-    felt, lag = hs.environments.mass_spring_damper(k=k), hs.effects.first_order_lag(omega_c)
-    return hs.Scene(felt, (lag,), hands=(hs.Hand("mine", m=m, b=b),))
-
-
-def room(k: Any, m: Any, b: Any, omega_c: Any) -> Any:
-    return b * (b + m * omega_c) - k * m
-
-
-def text(x: list[Fraction]) -> Any:
-    return [str(y) for y in x] if x[0] != x[1] else str(x[0])
 
 
 def plane_of(found: hs.Scene, spans: dict[str, tuple[Any, Any]], others: Any = (), **how: Any) -> HeldPlane:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import random
 import re
-from typing import Any
 
 import pytest
+from blocks import figure
 from sympy import Add, Symbol
 
 from haptisym.kernel.symbols import s
@@ -17,7 +17,6 @@ from haptisym.writing.document import (
     Document,
     Equations,
     Facts,
-    Figure,
     Flow,
     Line,
     Notes,
@@ -31,14 +30,6 @@ from haptisym.writing.document import (
 )
 from haptisym.writing.latex import fragment, latex, phrase, piece, tables
 from haptisym.writing.names import named
-
-
-def figure(name: str, *, wide: bool = False) -> Figure:
-    def never() -> Any:
-        raise AssertionError("figures are files already")
-
-    return Figure(name, f"What {name} shows", never, wide)
-
 
 WORDS, EQUATION = Paragraph("Words."), Equations((Line(named("H"), s + 1),))
 ALIGN = "\\begin{align*}\n  H &= s + 1\n\\end{align*}"

@@ -7,6 +7,7 @@ from itertools import pairwise
 from typing import Any
 
 import pytest
+from blocks import figure
 
 from haptisym.kernel.symbols import s
 from haptisym.writing.boxes import Sum
@@ -35,14 +36,6 @@ from haptisym.writing.document import (
 )
 from haptisym.writing.names import named
 from haptisym.writing.plain import plain, said, widths_of
-
-
-def figure(name: str, *, wide: bool = False) -> Figure:
-    def never() -> Any:
-        raise AssertionError("nothing is drawn here")
-
-    return Figure(name, f"What {name} shows", never, wide)
-
 
 WORDS, LIVE = Paragraph("Words."), Live(lambda: "<i>live</i>")
 TABLE = Table((Column("h"), Column("more", full=True), Column("")), (("x", "y", ""), ("z", "", "")), "")

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from typing import Any
 
+from blocks import figure
 from sympy import Symbol
 
 from haptisym.kernel.symbols import s
@@ -16,7 +16,6 @@ from haptisym.writing.document import (
     Document,
     Equations,
     Facts,
-    Figure,
     Flow,
     Line,
     Live,
@@ -32,14 +31,6 @@ from haptisym.writing.document import (
 from haptisym.writing.html import fragment, html, phrase
 from haptisym.writing.htmltext import Html, data, element, joined, script
 from haptisym.writing.names import named
-
-
-def figure(name: str, *, wide: bool = False) -> Figure:
-    def never() -> Any:
-        raise AssertionError("nothing is drawn here")
-
-    return Figure(name, f"What {name} shows", never, wide)
-
 
 WORDS, LIVE = Paragraph("Words."), Live(lambda: "<i>live</i>")
 
