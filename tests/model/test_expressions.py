@@ -243,6 +243,16 @@ def test_pi_in_a_formula_is_exact_as_it_is_in_a_frequency_in_hertz(hertz: str) -
     assert one.certified
 
 
+@pytest.mark.parametrize("given", ["12 Hz", ["5 Hz", "12 Hz"]])
+def test_a_value_in_hertz_beside_pi_is_refused_as_its_turns_would_count_twice(given: object) -> None:
+    with pytest.raises(
+        hs.SceneError, match="a pi of its own, as of a value in Hz: leave pi out of the formula, or give f in 1/s"
+    ):
+        hs.effects.series("1/(1 + s/(2*pi*f))", parameters={"f": given})
+    hs.effects.series("1/(1 + s/(2*pi*f))*g/(s + g)", parameters={"f": "12 1/s", "g": "12 rad/s"})
+    hs.effects.series("1/(1 + s/f)", parameters={"f": given})
+
+
 def test_a_threshold_may_be_a_formula_in_hertz() -> None:
     wall, lag = hs.environments.mass_spring_damper(2, 15, 100), hs.effects.first_order_lag(30)
     found = hs.evaluate(hs.Scene(wall, (lag,), (0, 40), "0.05 + omega/(2*pi)/50")).crossings

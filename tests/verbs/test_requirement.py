@@ -447,6 +447,17 @@ def test_two_requirements_and_two_maps_are_drawn_in_one_axes() -> None:
     assert legend_of(ax).count("transparent, proven") == 1
 
 
+@pytest.mark.parametrize("formula", ["1/(1 + s/w)", "w/(s + w)"])
+def test_where_a_formula_is_divided_by_zero_the_curve_has_a_gap_and_only_there(formula: str) -> None:
+    lag = hs.effects.series(formula, parameters={"w": 75})
+    found = hs.require(hs.Scene(PAPER.environment, (lag,), (0, 15)), "w")
+    lines = draw_requirement(Figure().add_subplot(), found)
+    for line in lines:
+        w, worst = (np.asarray(x, float) for x in line.get_data())
+        assert (w == 0).any()
+        assert [*np.isnan(worst)] == [*((w == 0) & (formula == "1/(1 + s/w)"))]
+
+
 def test_a_range_in_hz_is_drawn_in_hz() -> None:
     ax = Figure().add_subplot()
     found = hs.require(PAPER, "omega_n", ("5 Hz", "50 Hz"))

@@ -11,7 +11,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from sympy import Expr, Float, S
+from sympy import Expr, Float, Rational, S
 
 from haptisym.figures import pen
 from haptisym.figures.judged import judged, limit_of
@@ -19,6 +19,8 @@ from haptisym.figures.scales import RADIANS, Scale, band_scale
 from haptisym.figures.sheet import one_column
 from haptisym.figures.style import Look, dress, entries, entry, legend, limit, name_parameter
 from haptisym.judge.criteria import Criterion
+from haptisym.kernel.errors import SceneError
+from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
 from haptisym.model.knobs import Knob
 from haptisym.model.parameters import values
@@ -163,16 +165,33 @@ def limits_of(span: Span, low: float, high: float) -> tuple[float, float]:
 
 
 def _worst(found: Requirement, t: Array) -> dict[Criterion, Array]:
-    """The largest ratio to its threshold, over a grid of the band, of each criterion that is about a ratio."""
+    """The largest ratio to its threshold, over a grid of the band, of each criterion that is about a ratio.
+
+    A gap where there is no scene, as where a formula is divided by zero.
+    """
     scene, free = found.scene, found.free
-    known = {x: v for x, v in values(scene.parameters).items() if x != free.symbol}
-    f = Distortion.of(scene.chain.at(known)).compile()
+    chain = scene.chain.at({x: v for x, v in values(scene.parameters).items() if x != free.symbol})
+    there = np.array([_exists(chain, free, x) for x in t])
+    t = t[there]
+    f = Distortion.of(chain).compile()
     start, end = (float(x) for x in scene.band)
     omega = np.linspace(start, end, _GRID)[:, None]
     with np.errstate(all="ignore"):
         at = f(omega, **dict.fromkeys(f.parameters, t[None, :]))  # none for a threshold, and for a number of a hand
         curves = {x: _against(x, free, at, omega, t) for x in found.criteria}
-    return {x: np.broadcast_to(curve, t.shape) for x, curve in curves.items() if curve is not None}
+    given = {x: np.broadcast_to(curve, t.shape) for x, curve in curves.items() if curve is not None}
+    shown = {x: np.full(there.shape, np.nan) for x in given}
+    for x, row in shown.items():
+        row[there] = given[x]
+    return shown
+
+
+def _exists(chain: Chain, free: Knob, value: float) -> bool:
+    try:
+        chain.at({free.symbol: Rational(value)})
+    except SceneError:
+        return False
+    return True
 
 
 def _against(x: Criterion, free: Knob, at: Values, omega: Array, t: Array) -> Array | None:

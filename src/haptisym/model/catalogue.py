@@ -264,7 +264,19 @@ def _formula(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
             base = str(x.base).replace("**", "^")
             rule = "one that is not whole is of s alone, as in 0.17*s^0.5"
             raise SceneError(f"{key}: ({base})^({x.exp}) is no power of s: {rule}")
+    if isinstance(given, str) and found.has(pi):
+        _need_no_turns(key, [x for x in parameters if x.symbol in found.free_symbols])
     return found
+
+
+def _need_no_turns(key: str, parameters: Sequence[Parameter]) -> None:
+    """A frequency in Hz has its 2 pi in it already: beside pi in a formula it would be there twice."""
+    for x in parameters:
+        if x.value.has(pi):
+            rule = f"leave pi out of the formula, or give {x.key} in 1/s"
+            raise SceneError(
+                f"{key}: {x.key} is {x.value} in SI units, with a pi of its own, as of a value in Hz: {rule}"
+            )
 
 
 def _read(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:

@@ -141,7 +141,7 @@ NOT_RATIONAL = (
 )
 
 
-BESIDE_PI = "a certificate with a free parameter needs a scene without pi: write frequencies in rad/s, not in Hz"
+BESIDE_PI = "a certificate with a free parameter needs a scene without pi, in formulas too: write frequencies in rad/s, not in Hz"
 
 
 def are_even(functions: Sequence[RealFunction]) -> bool:
