@@ -264,19 +264,13 @@ def _formula(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
             base = str(x.base).replace("**", "^")
             rule = "one that is not whole is of s alone, as in 0.17*s^0.5"
             raise SceneError(f"{key}: ({base})^({x.exp}) is no power of s: {rule}")
-    if isinstance(given, str) and found.has(pi):
-        _need_no_turns(key, [x for x in parameters if x.symbol in found.free_symbols])
-    return found
-
-
-def _need_no_turns(key: str, parameters: Sequence[Parameter]) -> None:
-    """A frequency in Hz has its 2 pi in it already: beside pi in a formula it would be there twice."""
-    for x in parameters:
-        if x.value.has(pi):
-            rule = f"leave pi out of the formula, or give {x.key} in 1/s"
+    for p in parameters if isinstance(given, str) and found.has(pi) else ():
+        if p.symbol in found.free_symbols and p.value.has(pi):  # a frequency in Hz has its 2 pi in it already
+            rule = f"leave pi out of the formula, or give {p.key} in 1/s"
             raise SceneError(
-                f"{key}: {x.key} is {x.value} in SI units, with a pi of its own, as of a value in Hz: {rule}"
+                f"{key}: {p.key} is {p.value} in SI units, with a pi of its own, as of a value in Hz: {rule}"
             )
+    return found
 
 
 def _read(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
@@ -290,13 +284,9 @@ def _read(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
         raise SceneError(f"{key}: {quoted(given)} is not a formula: write it as a string")
     names: dict[str, Expr] = {"s": s, "pi": pi, **{p.symbol.name: p.symbol for p in parameters}}
     try:
-        return expressions.evaluate(given, number=_number, name=lambda name: _known(name, names))
+        return expressions.evaluate(given, number=decimal, name=lambda name: _known(name, names))
     except SceneError as error:
         raise error.within(key) from None
-
-
-def _number(text: str) -> Expr:
-    return decimal(text)
 
 
 def _known(name: str, names: Mapping[str, Expr]) -> Expr:
