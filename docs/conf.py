@@ -6,6 +6,7 @@ Sources are the pages of this folder, the scripts ``tutorial.py`` and ``how-to.p
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -28,7 +29,7 @@ copyright = "the authors of haptisym"  # noqa: A001
 extensions = ["myst_nb", "sphinx.ext.autodoc"]
 nb_custom_formats = {".py": ["cells.read", {}]}
 nb_execution_mode = "cache"
-nb_execution_cache_path = str(HERE.parent / "build" / "cells")
+nb_execution_cache_path = os.environ.get("HAPTISYM_CELLS", str(HERE.parent / "build" / "cells"))
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120
 nb_merge_streams = True

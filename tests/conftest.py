@@ -8,8 +8,12 @@ from __future__ import annotations
 
 import gc
 import os
+import subprocess
 import sys
+from functools import cache
+from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 os.environ.setdefault("SYMPY_CACHE_SIZE", "20000")  # many scenes in one process
 
@@ -50,9 +54,32 @@ DEAR = {
 """Examples in docstrings that take half a second and more: they are slow tests."""
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Of the slow tests those that are marked ``core`` and an eighth of the others are run; which ones, the word says, by default the commit."""
+    word = "a word that draws an eighth of the slow tests (the commit if none is given), or all"
+    parser.addoption("--share", default="", metavar="WORD", help=word)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.option.share = config.option.share or commit()  # what the processes that run the tests are given, too
+
+
+@cache
+def commit() -> str:
+    """Of the checkout; "none" outside of one."""
+    try:
+        found = subprocess.run(["git", "rev-parse", "HEAD"], capture_output=True, text=True, cwd=Path(__file__).parent)
+    except OSError:
+        return "none"
+    return found.stdout.strip() or "none"
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Of a family marked ``few(n)`` n cases, spread over all, are run every time, or those that are named; the others are slow."""
+    """Of a family marked ``few(n)`` n cases, chosen by their names, or those that are named, are quick; the others are slow.
+
+    Of the slow ones a share is kept: what is marked ``core``, and an eighth by a hash of the name and of the commit.
+    """
     families: dict[str, list[pytest.Item]] = {}
     for item in items:
         if item.name in DEAR:
@@ -60,8 +87,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         if item.get_closest_marker("few"):
             families.setdefault(item.nodeid.partition("[")[0], []).append(item)
     for cases in families.values():
-        wanted = next(cases[0].iter_markers("few")).args
-        quick = set(cases_of(cases, wanted))
+        quick = set(cases_of(cases, next(cases[0].iter_markers("few")).args))
         if not quick and not any("[" in word for word in config.args):
             raise pytest.UsageError(f"{cases[0].nodeid}: no case has a name that it is marked few with")
         for item in cases:
@@ -69,13 +95,23 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
                 item.add_marker(pytest.mark.slow)
         if quick and all(item.get_closest_marker("slow") for item in cases):
             raise pytest.UsageError(f"{cases[0].nodeid}: marked few, and slow: no case is run every time")
+    if config.option.share != "all" and not any("::" in word for word in config.args):
+        left_out = [item for item in items if not is_in_share(item, config.option.share)]
+        items[:] = [item for item in items if is_in_share(item, config.option.share)]
+        config.hook.pytest_deselected(items=left_out)
+
+
+def is_in_share(item: pytest.Item, word: str) -> bool:
+    """Whether a test is quick, of the core, or drawn; a test that is asked for by its name always is."""
+    if not item.get_closest_marker("slow") or item.get_closest_marker("core"):
+        return True
+    return crc32(f"{item.nodeid} {word}".encode()) % 8 == 0
 
 
 def cases_of(cases: list[pytest.Item], wanted: tuple[object, ...]) -> list[pytest.Item]:
-    """Those whose name between the brackets is wanted; of a number, the first, and others as far from each other as can be."""
+    """Those whose name between the brackets is wanted; of a number so many, by a hash of their names."""
     if wanted and isinstance(wanted[0], int):
-        golden = 0.6180339887
-        return sorted(cases, key=lambda item: cases.index(item) * golden % 1)[: wanted[0]]
+        return sorted(cases, key=lambda item: crc32(item.nodeid.encode()))[: wanted[0]]
     named = {item.nodeid.partition("[")[2][:-1]: item for item in cases}
     return [named[name] for name in map(str, wanted) if name in named]
 
@@ -94,11 +130,17 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
-    """How to repeat a run whose examples were drawn anew."""
-    if EXAMPLES and terminalreporter.stats.get("failed"):
+    """What was drawn by lot, and so how to run the same once more."""
+    if "not slow" not in config.option.markexpr:
+        drawn = (
+            "all"
+            if config.option.share == "all"
+            else f"the core, and an eighth of the others: --share {config.option.share}"
+        )
+        terminalreporter.write_line(f"Slow tests: {drawn}")
+    if EXAMPLES:
         seed = config.getoption("--hypothesis-seed") or "that of the failure above"
-        again = f"HAPTISYM_EXAMPLES={EXAMPLES} pytest -m hypothesis --hypothesis-seed={seed}"
-        terminalreporter.write_line(f"The same examples once more: {again}")
+        terminalreporter.write_line(f"Properties: HAPTISYM_EXAMPLES={EXAMPLES}, --hypothesis-seed={seed}")
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
 
 import pytest
 
-from haptisym.kernel import budget
-from haptisym.kernel.budget import afford, left, limited, share, spared, tick
+from haptisym.kernel.budget import afford, left, limited, share, spared, tick, timed_by
 from haptisym.kernel.errors import LimitError, SceneError
 
 
@@ -21,10 +21,10 @@ class Clock:
 
 
 @pytest.fixture
-def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+def clock() -> Iterator[Clock]:
     found = Clock()
-    monkeypatch.setattr(budget, "monotonic", found)
-    return found
+    with timed_by(found):
+        yield found
 
 
 def over(work: Any, *given: Any) -> bool:

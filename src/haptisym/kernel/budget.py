@@ -1,7 +1,7 @@
 """A limit in time for a question, and who is told how far it is: whatever may take long ticks it.
 
 It is scoped: ``limited`` sets it for what is called inside and puts back what was there before. Nothing else reads the clock, and
-a question that is asked without a limit is never cut short.
+a question that is asked without a limit is never cut short. The clock is the machine's, unless ``timed_by`` sets another one.
 """
 
 from __future__ import annotations
@@ -21,6 +21,24 @@ Told: TypeAlias = Callable[[float, float | None, str], None]
 
 _PAUSE = 0.1  # s between two words to whoever is told
 
+_clock: ContextVar[Callable[[], float]] = ContextVar("clock", default=monotonic)
+
+
+@contextmanager
+def timed_by(clock: Callable[[], float]) -> Iterator[None]:
+    """Limits that are set inside are measured by that clock, in s: one that counts its readings cuts short at the same place on every machine.
+
+    >>> from itertools import count
+    >>> with timed_by(count().__next__), limited(3):  # a second passes whenever the clock is read
+    ...     left(), left(), left()
+    (2, 1, 0)
+    """
+    mark = _clock.set(clock)
+    try:
+        yield
+    finally:
+        _clock.reset(mark)
+
 
 @dataclass(eq=False)
 class Budget:
@@ -34,6 +52,7 @@ class Budget:
     told: Told | None = None
     outer: Budget | None = None
     whole: float | None = None
+    clock: Callable[[], float] = monotonic
     reached: bool = False
     """Whether something was cut short."""
     _last: tuple[float, float | None, str] = field(default=(0, None, ""), repr=False)
@@ -41,7 +60,7 @@ class Budget:
 
     def tick(self, done: float | None, total: float | None, what: str) -> None:
         """LimitError when the time is over; else now and then a word to whoever is told."""
-        now = monotonic()
+        now = self.clock()
         if self.deadline is not None and now > self.deadline:
             self.reached = True
             own = "" if self.whole is None else f"{self.seconds:.2g} s, its share of "
@@ -53,7 +72,7 @@ class Budget:
     def say(self, done: float, total: float | None, what: str) -> None:
         """How far the work is; never a LimitError."""
         self._last = done, total, what
-        self._tell_now_and_then(monotonic())
+        self._tell_now_and_then(self.clock())
 
     def _tell_now_and_then(self, now: float) -> None:
         if now >= self._next:
@@ -82,11 +101,11 @@ def limited(seconds: float | None = None, told: Told | None = None, whole: float
     """
     if seconds is not None and not (isinstance(seconds, int | float) and isfinite(seconds) and seconds > 0):
         raise SceneError(f"limit: {seconds} must be a number of seconds > 0, or None for none")
-    outer = _budget.get()
-    own = None if seconds is None else monotonic() + seconds
+    outer, clock = _budget.get(), _clock.get()
+    own = None if seconds is None else clock() + seconds
     if outer is not None and outer.deadline is not None and (own is None or outer.deadline < own):
         seconds, own, whole = outer.seconds, outer.deadline, outer.whole
-    budget = Budget(seconds, own, told, outer, whole)
+    budget = Budget(seconds, own, told, outer, whole, clock)
     mark = _budget.set(budget)
     try:
         yield budget
@@ -99,7 +118,7 @@ def limited(seconds: float | None = None, told: Told | None = None, whole: float
 def left() -> float | None:
     """Seconds until the time is over, None without a limit."""
     budget = _budget.get()
-    return None if budget is None or budget.deadline is None else max(budget.deadline - monotonic(), 0.0)
+    return None if budget is None or budget.deadline is None else max(budget.deadline - budget.clock(), 0.0)
 
 
 def tick(done: float | None = None, total: float | None = None, what: str = "") -> None:
@@ -117,7 +136,7 @@ def afford(terms: int, others: int = 1) -> None:
     budget = _budget.get()
     if budget is not None and budget.deadline is not None:
         budget.tick(None, None, "")
-        if terms * others > _PRODUCTS * (budget.deadline - monotonic()):
+        if terms * others > _PRODUCTS * (budget.deadline - budget.clock()):
             budget.reached = True
             raise LimitError(
                 f"not decided: formulas grow so long that the limit of {budget.whole or budget.seconds:g} s would most likely be "
@@ -149,5 +168,5 @@ def share(part: float) -> Iterator[None]:
     if budget is None or budget.deadline is None:
         yield
         return
-    with limited(max(part * (budget.deadline - monotonic()), 1e-9), budget.told, budget.whole or budget.seconds):
+    with limited(max(part * (budget.deadline - budget.clock()), 1e-9), budget.told, budget.whole or budget.seconds):
         yield
